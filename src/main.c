@@ -28,12 +28,14 @@ static bool option_setting(struct session *session, const char *name, const char
     if (!value) {
         return true;
     }
-    const struct setting *setting = (const struct setting *)(const void *)catalog_find(&setting_catalog, text_of(name));
+    const struct setting *setting =
+        (const struct setting *)(const void *)catalog_find(&setting_catalog, text_of(name));
     const struct row *choice = catalog_find(setting->choices, text_of(value));
     if (!choice) {
         struct error error = {0};
         catalog_unknown(setting->choices, text_of(value), &error);
-        fprintf(stderr, "hooke: error: --%s: %s%s%s\n", name, error.text, *error.hint ? "; " : "", error.hint);
+        fprintf(stderr, "hooke: error: --%s: %s%s%s\n", name, error.text, *error.hint ? "; " : "",
+                error.hint);
         return false;
     }
     for (size_t i = 0; i < setting->choices->count; i++) {
@@ -86,7 +88,8 @@ static void talk(struct program *program, enum front_kind kind)
     autosave_begin(&autosave, program->session);
     program->autosave = last_save = &autosave;
     crash_last_act(save_without_memory);
-    for (program->next = kind; program->next != FRONT_END && !program->session->quit && !signals_ending();) {
+    for (program->next = kind;
+         program->next != FRONT_END && !program->session->quit && !signals_ending();) {
         if (program->next == FRONT_IS_PANES) {
             panes_run(program);
         } else {
@@ -106,15 +109,17 @@ static void print_log(const struct session *session, struct streams *streams)
     }
 }
 
-static bool begin_session(struct session **session, const struct options *options, struct buffer *told)
+static bool begin_session(struct session **session, const struct options *options,
+                          struct buffer *told)
 {
     struct error error = {0};
     if (options->resume && !autosave_resume(session, options->resume_name, told, &error)) {
-        fprintf(stderr, "hooke: error: %s%s%s; nothing was restored\n", error.text, *error.hint ? "; " : "",
-                error.hint);
+        fprintf(stderr, "hooke: error: %s%s%s; nothing was restored\n", error.text,
+                *error.hint ? "; " : "", error.hint);
         return false;
     }
-    return option_setting(*session, "charset", options->charset) && option_setting(*session, "color", options->color) &&
+    return option_setting(*session, "charset", options->charset) &&
+           option_setting(*session, "color", options->color) &&
            option_setting(*session, "format", options->format);
 }
 
@@ -122,7 +127,8 @@ static int run(const struct options *options)
 {
     const enum front_kind kind = choose_front(options);
     struct streams streams = {0};
-    struct front front = {.cancel = &interrupt, .progress = isatty(STDERR_FILENO) ? progress_print : NULL};
+    struct front front = {.cancel = &interrupt,
+                          .progress = isatty(STDERR_FILENO) ? progress_print : NULL};
     front_probe(&front, options, STDOUT_FILENO);
     screenshot_offer(&front);
     struct session *session = session_create(&front);
@@ -149,12 +155,17 @@ static int run(const struct options *options)
         }
         if (!options->norc && (kind != FRONT_END || options->rc)) {
             rc_run(session, &reply);
-            session->status = 0; /* a mistake in the rc file has been told; it does not make this run a failure */
+            session->status =
+                0; /* a mistake in the rc file has been told; it does not make this run a failure */
         }
         batch_run(session, options, kind == FRONT_END && options->tasks == 0, &reply, &streams);
-        status = session->status; /* what is typed at the prompt afterwards has been answered there */
+        status =
+            session->status; /* what is typed at the prompt afterwards has been answered there */
         if (kind != FRONT_END && !session->quit && !signals_ending()) {
-            talk(&(struct program){.session = session, .options = options, .streams = &streams, .reply = &reply}, kind);
+            talk(
+                &(struct program){
+                    .session = session, .options = options, .streams = &streams, .reply = &reply},
+                kind);
         } else if (kind == FRONT_IS_PANES) {
             print_log(session, &streams); /* a file left before the panes came */
         }
@@ -162,7 +173,8 @@ static int run(const struct options *options)
     buffer_free(&told);
     bool written = streams_flush(&streams);
     if (!written) {
-        fprintf(stderr, "hooke: error: cannot write standard output: %s\n", strerror(streams.failure));
+        fprintf(stderr, "hooke: error: cannot write standard output: %s\n",
+                strerror(streams.failure));
         status = ERROR_IO;
     }
     if (signals_ending()) {

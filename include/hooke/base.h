@@ -2,7 +2,8 @@
 /*
  * base: text, errors, memory, catalogs, numbers, units, files, cancellation.
  *
- * Knows nothing of physics. Nothing here prints, exits, touches signals or keeps state between calls.
+ * Knows nothing of physics. Nothing here prints, exits, touches signals or keeps state between
+ * calls.
  */
 #ifndef HOOKE_BASE_H
 #define HOOKE_BASE_H
@@ -36,25 +37,28 @@ struct text text_of(const char *z); /* NULL gives the empty text */
 bool text_equal(struct text a, struct text b);
 bool text_is(struct text a, const char *z);
 bool text_starts(struct text a, struct text prefix);
-struct text text_trim(struct text a);                                  /* without blanks, tabs, CR at both ends */
-bool text_split(struct text *rest, char separator, struct text *head); /* cuts the head off; false: nothing left */
+struct text text_trim(struct text a); /* without blanks, tabs, CR at both ends */
+bool text_split(struct text *rest, char separator,
+                struct text *head); /* cuts the head off; false: nothing left */
 
 /* ---- memory ----
  *
- * An arena hands out memory that is freed all at once. Every function that allocates may return NULL; the caller then
- * reports error_memory() and leaves its object as it was.
+ * An arena hands out memory that is freed all at once. Every function that allocates may return
+ * NULL; the caller then reports error_memory() and leaves its object as it was.
  */
 
 struct arena {
     struct arena_block *blocks;
 };
 
-void *arena_alloc(struct arena *arena, size_t size);               /* zeroed, aligned for any type; NULL: no memory */
+void *arena_alloc(struct arena *arena,
+                  size_t size); /* zeroed, aligned for any type; NULL: no memory */
 void *arena_array(struct arena *arena, size_t count, size_t size); /* overflow-checked */
 char *arena_text(struct arena *arena, struct text text);           /* NUL-terminated copy */
-void arena_reset(struct arena *arena);                             /* frees everything; the arena can be used again */
+void arena_reset(struct arena *arena); /* frees everything; the arena can be used again */
 
-/* Text that grows. After a failed allocation `failed` is set and later writes are ignored: check once at the end. */
+/* Text that grows. After a failed allocation `failed` is set and later writes are ignored: check
+ * once at the end. */
 struct buffer {
     char *data; /* always NUL-terminated when not NULL */
     size_t len, cap;
@@ -83,16 +87,18 @@ struct library_symbol {
     size_t offset; /* [byte] of the function pointer in the table */
 };
 
-/* Finds `count` functions of the shared library `name` (as dlopen takes it) for the table. False: there is no such
- * library (*missing NULL), or it has no function *missing. Allocates inside of the dynamic linker only. */
-bool library_load(struct library *library, const char *name, const struct library_symbol *symbol, size_t count,
-                  void *table, const char **missing);
+/* Finds `count` functions of the shared library `name` (as dlopen takes it) for the table. False:
+ * there is no such library (*missing NULL), or it has no function *missing. Allocates inside of the
+ * dynamic linker only. */
+bool library_load(struct library *library, const char *name, const struct library_symbol *symbol,
+                  size_t count, void *table, const char **missing);
 void library_unload(struct library *library);
 
 /* ---- errors ----
  *
- * A fallible function returns bool and fills a caller-owned error: a sentence for the user that names the input and
- * what is allowed. The values of the codes are the exit statuses of the program.
+ * A fallible function returns bool and fills a caller-owned error: a sentence for the user that
+ * names the input and what is allowed. The values of the codes are the exit statuses of the
+ * program.
  */
 
 enum error_code {
@@ -112,16 +118,20 @@ struct error {
 };
 
 /* All return false, so that `return error_set(…)` reads well. */
-bool error_set(struct error *error, enum error_code code, const char *format, ...) PRINTF_LIKE(3, 4);
-bool error_at(struct error *error, struct text where, const char *format, ...) PRINTF_LIKE(3, 4); /* ERROR_COMMAND */
+bool error_set(struct error *error, enum error_code code, const char *format, ...)
+    PRINTF_LIKE(3, 4);
+bool error_at(struct error *error, struct text where, const char *format, ...)
+    PRINTF_LIKE(3, 4); /* ERROR_COMMAND */
 bool error_hint(struct error *error, const char *format, ...)
-    PRINTF_LIKE(2, 3);                        /* adds the hint to an error already set */
-bool error_memory(struct error *error);       /* "out of memory …" */
-const char *error_name(enum error_code code); /* "command", "usage", "numerical", "io", "cancelled": the JSON `code` */
+    PRINTF_LIKE(2, 3);                  /* adds the hint to an error already set */
+bool error_memory(struct error *error); /* "out of memory …" */
+const char *error_name(
+    enum error_code code); /* "command", "usage", "numerical", "io", "cancelled": the JSON `code` */
 
 /* ---- catalogs: everything that can be chosen by name is a row in a table ----
  *
- * Every row struct starts with a struct row; find, completion, help and suggestions are written once, here.
+ * Every row struct starts with a struct row; find, completion, help and suggestions are written
+ * once, here.
  */
 
 struct row {
@@ -136,30 +146,35 @@ struct catalog {
     const char *kind; /* "parameter", "method", …: used in messages */
     const void *rows;
     size_t count, stride;
-    const struct row *absent; /* names that this build was made without; the brief says why and what to do */
+    const struct row
+        *absent; /* names that this build was made without; the brief says why and what to do */
     size_t absences;
 };
 
-#define CATALOG(kind_name, array)                                                                                      \
-    {                                                                                                                  \
-        (kind_name), (array), COUNT_OF(array), sizeof((array)[0]), NULL, 0                                             \
+#define CATALOG(kind_name, array)                                                                  \
+    {                                                                                              \
+        (kind_name), (array), COUNT_OF(array), sizeof((array)[0]), NULL, 0                         \
     }
 
 const struct row *catalog_row(const struct catalog *catalog, size_t i);
-int catalog_place(const struct catalog *catalog, const struct row *row); /* index of a row of it */
-const struct row *catalog_find(const struct catalog *catalog, struct text name); /* exact name or alias; NULL: none */
-/* Exact, else the only row whose name starts with `name` (at least `least` letters). NULL: none or ambiguous. */
-const struct row *catalog_prefix(const struct catalog *catalog, struct text name, size_t least);
+int catalog_index(const struct catalog *catalog, const struct row *row); /* index of a row of it */
+const struct row *catalog_find(const struct catalog *catalog,
+                               struct text name); /* exact name or alias; NULL: none */
+/* Exact, else the only row whose name starts with `name` (at least `least` letters). NULL: none or
+ * ambiguous. */
+const struct row *catalog_prefix(const struct catalog *catalog, struct text name, size_t min);
 /* Of a name that this build was made without: says so; returns whether it did. */
 bool catalog_absent(const struct catalog *catalog, struct text name, struct error *error);
-/* "unknown KIND 'name'" with up to three suggestions ("did you mean …?") in the hint; always returns false. */
+/* "unknown KIND 'name'" with up to three suggestions ("did you mean …?") in the hint; always
+ * returns false. */
 bool catalog_unknown(const struct catalog *catalog, struct text name, struct error *error);
 
-/* Optimal string alignment distance (Damerau–Levenshtein with adjacent transpositions), bytes; beyond LIMIT_NAME: the
- * length. */
+/* Optimal string alignment distance (Damerau–Levenshtein with adjacent transpositions), bytes;
+ * beyond LIMIT_NAME: the length. */
 int text_distance(struct text a, struct text b);
 
-/* Suggestions over any set of names: offer candidates one by one, then read the best (INTERFACE.md section 10). */
+/* Suggestions over any set of names: offer candidates one by one, then read the best (INTERFACE.md
+ * section 10). */
 struct suggestion {
     struct text wanted;
     int distance[3];
@@ -168,13 +183,15 @@ struct suggestion {
 };
 
 void suggestion_offer(struct suggestion *suggestion, const char *name);
-void suggestion_hint(const struct suggestion *suggestion, struct error *error); /* appends nothing when none is near */
+void suggestion_hint(const struct suggestion *suggestion,
+                     struct error *error); /* appends nothing when none is near */
 
 /* ---- numbers ----
  *
- * One reader and one writer, independent of the locale. The reader rounds correctly; hexadecimal, nan and inf, trailing
- * garbage, overflow and a decimal comma are refused. The writer gives the shortest decimal that reads back to the same
- * double (at most 17 digits, plain for 1e-4 <= |x| < 1e17, else 1.5e-7), `nan`, `inf`, `-inf` for the rest.
+ * One reader and one writer, independent of the locale. The reader rounds correctly; hexadecimal,
+ * nan and inf, trailing garbage, overflow and a decimal comma are refused. The writer gives the
+ * shortest decimal that reads back to the same double (at most 17 digits, plain for 1e-4 <= |x| <
+ * 1e17, else 1.5e-7), `nan`, `inf`, `-inf` for the rest.
  */
 
 #define REAL_TEXT_SIZE 32
@@ -187,18 +204,22 @@ enum real_status {
     REAL_UNDERFLOW /* value is kept (denormal or 0) */
 };
 
-/* Reads the longest number at the start of `text`; *used [byte] says how long it was (0: none). `decimal` is '.' or
+/* Reads the longest number at the start of `text`; *used [byte] says how long it was (0: none).
+ * `decimal` is '.' or
  * ','. */
 enum real_status real_scan(struct text text, char decimal, double *value, size_t *used);
-enum real_status real_parse(struct text text, double *value); /* the whole text is the number, decimal point */
-size_t real_format(double value, char out[REAL_TEXT_SIZE]);   /* length without the NUL */
-void buffer_real(struct buffer *buffer, double value);        /* shortest round trip */
+enum real_status real_parse(struct text text,
+                            double *value); /* the whole text is the number, decimal point */
+size_t real_format(double value, char out[REAL_TEXT_SIZE]); /* length without the NUL */
+void buffer_real(struct buffer *buffer, double value);      /* shortest round trip */
 void buffer_short(struct buffer *buffer, double value,
                   int digits); /* for people: `digits` significant, no trailing zeros */
-/* "1.9373 +- 0.0002": the uncertainty to 1 digit (2 if it starts with 1), the value to match; no uncertainty: 6 digits.
+/* "1.9373 +- 0.0002": the uncertainty to 1 digit (2 if it starts with 1), the value to match; no
+ * uncertainty: 6 digits.
  */
 void buffer_uncertain(struct buffer *buffer, double value, double uncertainty);
-/* A phase [rad] in degrees; from a whole turn on the turns apart: "381 turns + 204.9 deg". "-" where not finite. */
+/* A phase [rad] in degrees; from a whole turn on the turns apart: "381 turns + 204.9 deg". "-"
+ * where not finite. */
 void buffer_phase(struct buffer *buffer, double radians);
 
 /* A measured number. uncertainty: one standard uncertainty, >= 0, NAN if unknown. */
@@ -208,7 +229,8 @@ struct measured {
 
 /* ---- statements (statement.c) ---- */
 
-/* Cuts the next statement off a line; comments are dropped. False: nothing is left. error: a quote that does not end.
+/* Cuts the next statement off a line; comments are dropped. False: nothing is left. error: a quote
+ * that does not end.
  */
 bool next_statement(struct text *line, struct text *statement, struct error *error);
 bool is_name_start(char c);
@@ -223,8 +245,8 @@ size_t text_quoted(struct text text);
 
 /* ---- units ----
  *
- * A closed table. A quantity is a kind of number (mass, length …); a unit belongs to one quantity and has a factor to
- * SI.
+ * A closed table. A quantity is a kind of number (mass, length …); a unit belongs to one quantity
+ * and has a factor to SI.
  */
 
 enum quantity {
@@ -266,66 +288,73 @@ struct unit {
 
 extern const struct catalog unit_catalog;
 
-const char *quantity_name(enum quantity quantity);                 /* "mass" */
-/* How often a position or an angle is differentiated to give it: 0, 1, 2; -1: it is none of a motion. */
+const char *quantity_name(enum quantity quantity); /* "mass" */
+/* How often a position or an angle is differentiated to give it: 0, 1, 2; -1: it is none of a
+ * motion. */
 int quantity_order(enum quantity quantity);
-const char *quantity_article(enum quantity quantity);             /* "a" mass, "an" angle */
-const char *quantity_unit(enum quantity quantity);                 /* SI unit "kg", "" for a pure number */
+const char *quantity_article(enum quantity quantity); /* "a" mass, "an" angle */
+const char *quantity_unit(enum quantity quantity);    /* SI unit "kg", "" for a pure number */
 void quantity_units(enum quantity quantity, struct buffer *names); /* "kg, g, mg" */
-const struct unit *
-unit_match(struct text text); /* longest unit at the start of text (not followed by a letter); NULL: none */
-const struct unit *unit_find(struct text name); /* exact name */
+const struct unit *unit_match(struct text text); /* longest unit at the start of text (not followed
+                                                    by a letter); NULL: none */
+const struct unit *unit_find(struct text name);  /* exact name */
 /*
- * The one place that decides whether a unit fits a quantity: its own, and Hz for rad/s or back by 2 pi. Decimal factors
- * are exact: 5.7 cm gives the double nearest to 0.057.
+ * The one place that decides whether a unit fits a quantity: its own, and Hz for rad/s or back by 2
+ * pi. Decimal factors are exact: 5.7 cm gives the double nearest to 0.057.
  */
 bool unit_convert(const struct unit *unit, enum quantity wanted, double number, double *si);
-/* The unit that shows `value` (SI) with 1 to 999 before the point where there is one: 0.2 kg as g, 0.05 m as cm. */
+/* The unit that shows `value` (SI) with 1 to 999 before the point where there is one: 0.2 kg as g,
+ * 0.05 m as cm. */
 const struct unit *unit_display(enum quantity quantity, double value);
-/* "200 g", "5 cm", "15 N/m": `digits` significant. Never writes a decimal that reads back differently if digits is 0
- * (shortest). */
+/* "200 g", "5 cm", "15 N/m": `digits` significant. Never writes a decimal that reads back
+ * differently if digits is 0 (shortest). */
 void buffer_quantity(struct buffer *buffer, double value, enum quantity quantity, int digits);
 
 /* ---- text that came from outside ----
  *
- * Appends `text` with everything that could command a terminal made visible: C0, DEL, C1, invalid UTF-8, line and
- * paragraph separators, bidirectional and zero-width controls become \xNN or <U+NNNN>. Newline and tab too, unless
- * keep_layout.
+ * Appends `text` with everything that could command a terminal made visible: C0, DEL, C1, invalid
+ * UTF-8, line and paragraph separators, bidirectional and zero-width controls become \xNN or
+ * <U+NNNN>. Newline and tab too, unless keep_layout.
  */
 void safe_text(struct buffer *out, struct text text, bool keep_layout);
-bool codepoint_hidden(
-    uint32_t codepoint); /* no letter: steers how the rest is shown, or is not seen at all (from U+0080) */
+bool codepoint_hidden(uint32_t codepoint); /* no letter: steers how the rest is shown, or is not
+                                              seen at all (from U+0080) */
 
 #define CODEPOINT_INVALID 0xFFFDu /* the replacement character */
 
-/* UTF-8: decodes one code point from the start of text (CODEPOINT_INVALID with *used = 1 for an invalid byte). */
+/* UTF-8: decodes one code point from the start of text (CODEPOINT_INVALID with *used = 1 for an
+ * invalid byte). */
 uint32_t text_codepoint(struct text text, size_t *used);
-int codepoint_width(uint32_t codepoint); /* columns on a terminal: 0, 1 or 2; a table of its own, no locale */
-int text_width(struct text text);        /* columns */
+int codepoint_width(
+    uint32_t codepoint); /* columns on a terminal: 0, 1 or 2; a table of its own, no locale */
+int text_width(struct text text); /* columns */
 
 /* ---- files ----
  *
- * Reading: appends the whole file, up to `limit` bytes, from regular files, pipes and links; a failure leaves `content`
- * as it was, a signal ends it with ERROR_CANCELLED (its handler must be without SA_RESTART). Writing: into an unnamed
- * temporary file of the same folder, put in place by writer_commit after flush, fsync and close all succeeded. An
- * existing name is refused without `force`; a link, a directory or a device is never written through. A killed program
- * leaves the old file or none.
+ * Reading: appends the whole file, up to `limit` bytes, from regular files, pipes and links; a
+ * failure leaves `content` as it was, a signal ends it with ERROR_CANCELLED (its handler must be
+ * without SA_RESTART). Writing: into an unnamed temporary file of the same folder, put in place by
+ * writer_commit after flush, fsync and close all succeeded. An existing name is refused without
+ * `force`; a link, a directory or a device is never written through. A killed program leaves the
+ * old file or none.
  */
 
 bool file_read(const char *path, size_t limit, struct buffer *content, struct error *error);
 
-/* Looks at what is read, as it comes in, so that a file that is not wanted costs no more than its beginning. */
+/* Looks at what is read, as it comes in, so that a file that is not wanted costs no more than its
+ * beginning. */
 struct read_watch {
     void *context;
-    /* After every piece: what there is by now, where the piece begins, and the size [byte] that the file states; 0: it
-     * states none. False: no more of it, and the error is set. */
-    bool (*look)(void *context, struct text content, size_t from, uintmax_t size, struct error *error);
+    /* After every piece: what there is by now, where the piece begins, and the size [byte] that the
+     * file states; 0: it states none. False: no more of it, and the error is set. */
+    bool (*look)(void *context, struct text content, size_t from, uintmax_t size,
+                 struct error *error);
     bool grew; /* set: more was written to the file meanwhile; content is what there was at first */
 };
 
 /* The same, watched. */
-bool file_read_watched(const char *path, size_t limit, struct read_watch *watch, struct buffer *content,
-                       struct error *error);
+bool file_read_watched(const char *path, size_t limit, struct read_watch *watch,
+                       struct buffer *content, struct error *error);
 
 struct writer {
     int fd, folder;     /* -1: closed */
@@ -343,16 +372,19 @@ struct write_policy {
     bool confine; /* only below the current directory (--safe) */
 };
 
-bool writer_open(struct writer *writer, const char *path, struct write_policy policy, struct error *error);
-void writer_put(struct writer *writer, struct text text);       /* a failure is remembered and reported by commit */
+bool writer_open(struct writer *writer, const char *path, struct write_policy policy,
+                 struct error *error);
+void writer_put(struct writer *writer,
+                struct text text); /* a failure is remembered and reported by commit */
 bool writer_commit(struct writer *writer, struct error *error); /* closes in every case */
 void writer_abandon(struct writer *writer);
 
 /*
- * A folder of files, whole or not at all: filled under a hidden name beside its own, which folder_commit gives it after
- * every file is on the disk. An existing folder is refused without `force`, and with it unless all that it holds are
- * regular files whose names are its `own`; nothing else is ever removed. A killed program leaves the old folder, the
- * new one or none, and maybe a hidden one beside it.
+ * A folder of files, whole or not at all: filled under a hidden name beside its own, which
+ * folder_commit gives it after every file is on the disk. An existing folder is refused without
+ * `force`, and with it unless all that it holds are regular files whose names are its `own`;
+ * nothing else is ever removed. A killed program leaves the old folder, the new one or none, and
+ * maybe a hidden one beside it.
  */
 struct folder {
     struct writer at; /* where it goes */
@@ -361,8 +393,8 @@ struct folder {
 };
 
 /* Trailing slashes in the path do not matter. */
-bool folder_open(struct folder *folder, const char *path, struct write_policy policy, bool (*own)(const char *name),
-                 struct error *error);
+bool folder_open(struct folder *folder, const char *path, struct write_policy policy,
+                 bool (*own)(const char *name), struct error *error);
 bool folder_put(struct folder *folder, const char *name, struct text content, struct error *error);
 bool folder_commit(struct folder *folder, struct error *error); /* closes in every case */
 void folder_abandon(struct folder *folder);
@@ -377,7 +409,8 @@ struct cancel {
 
 static inline bool cancelled(const struct cancel *cancel)
 {
-    return cancel && atomic_load_explicit(&((struct cancel *)(uintptr_t)cancel)->requested, memory_order_relaxed) != 0;
+    return cancel && atomic_load_explicit(&((struct cancel *)(uintptr_t)cancel)->requested,
+                                          memory_order_relaxed) != 0;
 }
 
 /* ---- limits: one table, shown in the man page ---- */

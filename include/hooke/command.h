@@ -2,9 +2,9 @@
 /*
  * command: the language that changes a session.
  *
- * A session changes only by executing command lines: scripts, keys, options, saved sessions and tests all go through
- * command_exec(). Handlers never print: they speak through a struct reply, which the front end connects to streams, a
- * log pane or a buffer.
+ * A session changes only by executing command lines: scripts, keys, options, saved sessions and
+ * tests all go through command_exec(). Handlers never print: they speak through a struct reply,
+ * which the front end connects to streams, a log pane or a buffer.
  */
 #ifndef HOOKE_COMMAND_H
 #define HOOKE_COMMAND_H
@@ -14,47 +14,56 @@
 /* ---- executing ---- */
 
 /*
- * Executes one line, which may hold several statements. Each statement is atomic: everything is checked before the
- * session changes. The first error ends the line: it is written to the reply, session->status is set, and the result is
- * false. May be called again from inside front.slice; what would disturb the run that goes on is then refused. A run
- * that was paused ends the line too, with a note if something stands after it.
+ * Executes one line, which may hold several statements. Each statement is atomic: everything is
+ * checked before the session changes. The first error ends the line: it is written to the reply,
+ * session->status is set, and the result is false. May be called again from inside front.slice;
+ * what would disturb the run that goes on is then refused. A run that was paused ends the line too,
+ * with a note if something stands after it.
  */
-bool command_exec(struct session *session, struct text line, const struct source *where, struct reply *reply);
+bool command_exec(struct session *session, struct text line, const struct source *where,
+                  struct reply *reply);
 
-/* A script that arrives line by line: joins lines that end in a backslash, counts, stops at the first error unless
- * keep_going. */
+/* A script that arrives line by line: joins lines that end in a backslash, counts, stops at the
+ * first error unless keep_going. */
 struct script {
     struct source where;
     struct buffer pending;
     struct source_piece piece[64]; /* of the joined line; more count as the last */
     int pieces;
-    int commands;     /* session->commands at the start */
+    int commands; /* session->commands at the start */
     bool ok, stopped;
 };
 
-void script_begin(struct script *script, struct session *session, const char *name, const struct source *parent);
-/* One line without its newline. False: the script has stopped (error, quit); feeding more does nothing. */
-bool script_feed(struct script *script, struct session *session, struct text line, struct reply *reply);
-/* End of the input: executes what is pending, says where it stopped. True if every command succeeded. */
+void script_begin(struct script *script, struct session *session, const char *name,
+                  const struct source *parent);
+/* One line without its newline. False: the script has stopped (error, quit); feeding more does
+ * nothing. */
+bool script_feed(struct script *script, struct session *session, struct text line,
+                 struct reply *reply);
+/* End of the input: executes what is pending, says where it stopped. True if every command
+ * succeeded. */
 bool script_end(struct script *script, struct session *session, struct reply *reply);
 /* A whole file, "-" is not special here. ERROR_USAGE if it cannot be read or holds a NUL byte. */
-bool script_file(struct session *session, const char *path, const struct source *parent, struct reply *reply);
+bool script_file(struct session *session, const char *path, const struct source *parent,
+                 struct reply *reply);
 
 /*
- * The path of a file that the line at `where` names: as it stands, or, where there is no such file, relative to the
- * folder of the command file that the line is in, if it is there. Lives in the arena. NULL: no memory.
+ * The path of a file that the line at `where` names: as it stands, or, where there is no such file,
+ * relative to the folder of the command file that the line is in, if it is there. Lives in the
+ * arena. NULL: no memory.
  */
 char *script_path(const struct source *where, struct text name, struct arena *arena);
 
 /* ---- completion ---- */
 
 /*
- * Candidates for the word that ends at `cursor`, by the type of the argument that stands there. *start: where that word
- * begins [byte]. `offer` gets each candidate with a line of explanation ("" if none). Returns false where a file name
- * is wanted: the front end completes it.
+ * Candidates for the word that ends at `cursor`, by the type of the argument that stands there.
+ * *start: where that word begins [byte]. `offer` gets each candidate with a line of explanation (""
+ * if none). Returns false where a file name is wanted: the front end completes it.
  */
 bool command_complete(struct session *session, struct text line, size_t cursor, size_t *start,
-                      void (*offer)(void *context, const char *candidate, const char *brief), void *context);
+                      void (*offer)(void *context, const char *candidate, const char *brief),
+                      void *context);
 
 /* ---- the catalog of commands: the man page and the README are made from it ---- */
 

@@ -27,7 +27,11 @@ struct column {
     int run;                   /* of recording.run, where runs stand side by side; -1: of all */
 };
 
-enum time_source { TIME_COLUMN, TIME_INDEX /* an index column and rate= */, TIME_RATE /* no column at all */ };
+enum time_source {
+    TIME_COLUMN,
+    TIME_INDEX /* an index column and rate= */,
+    TIME_RATE /* no column at all */
+};
 
 /* One of several recordings in a file, side by side (columns) or below each other (blocks). */
 struct recording_run {
@@ -37,35 +41,37 @@ struct recording_run {
 struct recording {
     char name[LIMIT_NAME + 1]; /* what users call it */
     char *path;
-    char format[32]; /* the row that read it */
+    char format[32];       /* the row that read it */
     const char *container; /* what it was packed in ("zip", "xlsx" …); NULL: plain text */
-    size_t rows;     /* after what was dropped */
-    size_t dropped;  /* rows in the file that could not be used */
+    size_t rows;           /* after what was dropped */
+    size_t dropped;        /* rows in the file that could not be used */
     struct column *column;
     int columns;
     struct recording_run *run;
     int runs, taken; /* runs 0: the file knows of none; taken: the one that was read */
     int time, value; /* chosen columns; time -1: TIME_RATE */
     enum time_source source;
-    double rate; /* [1/s] 1/dt */
+    double rate;         /* [1/s] 1/dt */
     double header_rate;  /* [1/s] what the file says above its table, 0: nothing */
     double header_start; /* [s] and when the first sample was taken */
-    bool header_rules;   /* these are better than the times beside the values, which are rounded or counts */
-    double dt;   /* [s] (t_last - t_first)/(rows - 1) */
+    bool header_rules;   /* these are better than the times beside the values, which are rounded or
+                            counts */
+    double dt;           /* [s] (t_last - t_first)/(rows - 1) */
     int header_lines;
-    char separator;     /* '\t' ',' ';' ' ', '\n': a single column */
-    char decimal;       /* '.' ',' */
-    char **warning;     /* sentences: what is odd about the file, with counts and line numbers */
-    int warnings;       /* at most 10, and one that says how many more kinds there are */
-    int unsaid;         /* these */
-    double window[2];   /* [s] the part in use, in the file's time; the whole file by default */
-    double zero;        /* SI, subtracted from the value; 0 by default */
-    struct measured mass;            /* [kg] of what hung on the spring; 0: nobody has said */
-    char velocity[LIMIT_NAME + 1];   /* name of the recording that holds the sensor's velocities; "": none */
-    size_t repeated, backward;       /* rows among the dropped ones whose time repeats or goes back */
+    char separator;       /* '\t' ',' ';' ' ', '\n': a single column */
+    char decimal;         /* '.' ',' */
+    char **warning;       /* sentences: what is odd about the file, with counts and line numbers */
+    int warnings;         /* at most 10, and one that says how many more kinds there are */
+    int unsaid;           /* these */
+    double window[2];     /* [s] the part in use, in the file's time; the whole file by default */
+    double zero;          /* SI, subtracted from the value; 0 by default */
+    struct measured mass; /* [kg] of what hung on the spring; 0: nobody has said */
+    char velocity[LIMIT_NAME +
+                  1]; /* name of the recording that holds the sensor's velocities; "": none */
+    size_t repeated, backward; /* rows among the dropped ones whose time repeats or goes back */
     const struct findings *findings; /* NULL: nobody has looked yet */
     bool cleaned;                    /* what the findings mask is left out */
-    double *t;          /* [rows] time [s], rising; NAN never */
+    double *t;                       /* [rows] time [s], rising; NAN never */
     double *y;          /* [rows] chosen value in SI, zero not yet subtracted; NAN: missing */
     uint32_t *line;     /* [rows] line of the file, counted from 1 */
     struct arena arena; /* owns all but the arrays of rows: column[].value, t, y, line */
@@ -85,24 +91,26 @@ struct table_text; /* the file's text and lines, private */
 struct format {
     struct row row;
     int (*probe)(const struct table_text *text); /* 0: not mine … 100: certain */
-    bool (*read)(const struct table_text *text, const struct load_options *options, struct recording *recording,
-                 struct error *error);
+    bool (*read)(const struct table_text *text, const struct load_options *options,
+                 struct recording *recording, struct error *error);
 };
 
 extern const struct catalog format_catalog;
 
-/* Reads a file. Binary files, files without a table, without time and rate are refused with the reason and what to
- * type. */
-struct recording *recording_load(const char *path, const struct load_options *options, struct error *error);
+/* Reads a file. Binary files, files without a table, without time and rate are refused with the
+ * reason and what to type. */
+struct recording *recording_load(const char *path, const struct load_options *options,
+                                 struct error *error);
 void recording_destroy(struct recording *recording);
-/* "swing3.txt: distance [cm], 480 rows, 0..9.58 s, 50 Hz; tab, 2 header lines" and the warnings, a line each. */
+/* "swing3.txt: distance [cm], 480 rows, 0..9.58 s, 50 Hz; tab, 2 header lines" and the warnings, a
+ * line each. */
 void recording_describe(const struct recording *recording, struct buffer *text);
 bool recording_window(struct recording *recording, double from, double to, struct error *error);
 void recording_restore(struct recording *recording); /* whole file, every sample, zero 0 */
-/* The part in use without missing or masked values, zero subtracted; arrays from `arena`. At least `least` samples or
- * an error. */
-bool recording_series(const struct recording *recording, struct arena *arena, size_t least, struct series *series,
-                      struct error *error);
+/* The part in use without missing or masked values, zero subtracted; arrays from `arena`. At least
+ * `least` samples or an error. */
+bool recording_series(const struct recording *recording, struct arena *arena, size_t min,
+                      struct series *series, struct error *error);
 
 /* ---- what is wrong with a recording ---- */
 
@@ -122,7 +130,12 @@ enum finding_kind {
     FINDINGS
 };
 
-enum remedy { REMEDY_MASK, REMEDY_WINDOW, REMEDY_KEEP, REMEDY_DROPPED /* when the file was read */ };
+enum remedy {
+    REMEDY_MASK,
+    REMEDY_WINDOW,
+    REMEDY_KEEP,
+    REMEDY_DROPPED /* when the file was read */
+};
 
 struct finding_row {
     struct row row; /* name, unit "", what it is */
@@ -135,11 +148,12 @@ extern const struct catalog finding_catalog; /* at the enum's place */
 #define FINDING_PLACES 3
 
 struct finding {
-    size_t count;                 /* samples; of gaps and times: rows */
-    size_t places;                /* stretches that they form */
-    double first[FINDING_PLACES]; /* [s] where the first of these begin; NAN where there are fewer */
-    double size; /* SI: largest deviation; of a clipped top its level, of steps their size, of a gap its length [s], of
-                    sway the modulation (rms, relative); NAN: does not apply */
+    size_t count;   /* samples; of gaps and times: rows */
+    size_t indices; /* stretches that they form */
+    double
+        first[FINDING_PLACES]; /* [s] where the first of these begin; NAN where there are fewer */
+    double size; /* SI: largest deviation; of a clipped top its level, of steps their size, of a gap
+                    its length [s], of sway the modulation (rms, relative); NAN: does not apply */
 };
 
 struct findings {
@@ -154,18 +168,23 @@ struct findings {
 };
 
 /*
- * Looks at the whole file, whatever its window is, once; the result belongs to the recording. period [s]: about that of
- * the oscillation (to a few percent); NAN: it has none, then only what needs none is looked for, and `still` says why. False: no memory.
+ * Looks at the whole file, whatever its window is, once; the result belongs to the recording.
+ * period [s]: about that of the oscillation (to a few percent); NAN: it has none, then only what
+ * needs none is looked for, and `still` says why. False: no memory.
  */
-bool recording_inspect(struct recording *recording, double period, const char *still, struct error *error);
+bool recording_inspect(struct recording *recording, double period, const char *still,
+                       struct error *error);
 /* Takes back what was found at the ends: the window is then the whole file. */
 void recording_keep_ends(struct recording *recording);
-/* Masks what the findings say; the window becomes theirs, unless somebody has chosen one. Values are never invented. */
+/* Masks what the findings say; the window becomes theirs, unless somebody has chosen one. Values
+ * are never invented. */
 void recording_clean(struct recording *recording);
-/* "cleaned: 7 of 523 samples masked (5 in spikes, 2 in stuck)" and a newline; nothing where it was not cleaned. */
+/* "cleaned: 7 of 523 samples masked (5 in spikes, 2 in stuck)" and a newline; nothing where it was
+ * not cleaned. */
 void recording_describe_masked(const struct recording *recording, struct buffer *text);
 
-/* A unit in any spelling that headers of files have ("in", "um", "m/s²"), in the arena; NULL: none. False: no memory. */
+/* A unit in any spelling that headers of files have ("in", "um", "m/s²"), in the arena; NULL: none.
+ * False: no memory. */
 bool unit_spelled(struct text text, struct arena *arena, const struct unit **unit);
 
 /* Samples of a motion; those count whose mask [n] is `wanted`. */
@@ -176,10 +195,12 @@ struct motion_rows {
     size_t n;
 };
 
-/* The first sample from which on nothing is seen to move, for two periods at least and two after the start; n: none. */
+/* The first sample from which on nothing is seen to move, for two periods at least and two after
+ * the start; n: none. */
 size_t motion_quiet(const struct motion_rows *rows, double period);
 
-/* The same where a damped sine through what was before would still be seen: dry friction, a hand, a stop. n: none. */
+/* The same where a damped sine through what was before would still be seen: dry friction, a hand, a
+ * stop. n: none. */
 size_t motion_rest(const struct motion_rows *rows, double period);
 
 #endif

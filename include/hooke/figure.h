@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * figure: a plot as data, then as cells or as a picture file: ranges, ticks, axes, polylines, legends, ASCII and
- * braille raster, SVG, PDF and PNG.
+ * figure: a plot as data, then as cells or as a picture file: ranges, ticks, axes, polylines,
+ * legends, ASCII and braille raster, SVG, PDF and PNG.
  *
- * Screen panes and the `plot` command draw through the same functions; a cell canvas is all that a terminal needs to
- * know.
+ * Screen panes and the `plot` command draw through the same functions; a cell canvas is all that a
+ * terminal needs to know.
  */
 #ifndef HOOKE_FIGURE_H
 #define HOOKE_FIGURE_H
@@ -36,7 +36,8 @@ struct canvas {
 
 bool canvas_init(struct canvas *canvas, int width, int height); /* blanks; false: no memory */
 void canvas_free(struct canvas *canvas);
-void canvas_put(struct canvas *canvas, int x, int y, uint32_t codepoint, enum style style); /* outside: ignored */
+void canvas_put(struct canvas *canvas, int x, int y, uint32_t codepoint,
+                enum style style); /* outside: ignored */
 int canvas_text(struct canvas *canvas, int x, int y, struct text text,
                 enum style style); /* returns the column after it; clipped */
 /* Lines without trailing blanks; colour escapes only when `color`. */
@@ -44,7 +45,8 @@ void canvas_print(const struct canvas *canvas, bool color, struct buffer *out);
 
 enum charset { CHARSET_ASCII, CHARSET_BLOCK, CHARSET_BRAILLE };
 
-extern const struct catalog charset_catalog; /* struct row at the enum's place: ascii, block, braille */
+extern const struct catalog
+    charset_catalog; /* struct row at the enum's place: ascii, block, braille */
 
 /* ---- figures ---- */
 
@@ -54,21 +56,22 @@ struct axis {
     double factor;     /* number shown = value / factor; 0 counts as 1 */
     double from, to;   /* range in values; used if fixed */
     bool fixed, log;
-    double least; /* of a log axis: what is smaller is left out of the range and counted; 0: only what is <= 0 */
-    double flat;  /* what varies by less than this part of its size is drawn from zero; 0: about its middle where it
-                     hardly varies; < 0: as it is */
+    double min; /* of a log axis: what is smaller is left out of the range and counted; 0: only what
+                   is <= 0 */
+    double flat; /* what varies by less than this part of its size is drawn from zero; 0: about its
+                    middle where it hardly varies; < 0: as it is */
 };
 
 struct curve {
     const char *label;   /* legend: "verlet", "data" */
     const double *x, *y; /* [n] NaN is a gap */
     size_t n;
-    bool points;    /* data: marks instead of a line, drawn last */
-    bool cloud;     /* points, so many that each is the smallest dot there is */
-    char mark;   /* glyph of this overlay in ASCII ('#', 'o', 'x', '+'); 0: choose by position */
-    int panel;   /* 0, or 1 where the figure has a second one */
+    bool points;  /* data: marks instead of a line, drawn last */
+    bool cloud;   /* points, so many that each is the smallest dot there is */
+    char mark;    /* glyph of this overlay in ASCII ('#', 'o', 'x', '+'); 0: choose by position */
+    int panel;    /* 0, or 1 where the figure has a second one */
     bool thinned; /* a choice of the samples that looks the same: they are not counted */
-    const double *t; /* [n] [s] of a plane, where it is known; NULL: not */
+    const double *t;      /* [n] [s] of a plane, where it is known; NULL: not */
     const double *spread; /* [n] half the width of a band about a line, below everything; or NULL */
     const char *spread_label; /* of the band, in the legend */
 };
@@ -76,8 +79,9 @@ struct curve {
 struct figure {
     const char *title;
     struct axis x, y;
-    /* x and y of the second panel, for curves of another size: below the first with the same x axis, in a plane beside
-       it or below, whatever gives more room, with its own. NULL: all curves share one panel. */
+    /* x and y of the second panel, for curves of another size: below the first with the same x
+       axis, in a plane beside it or below, whatever gives more room, with its own. NULL: all curves
+       share one panel. */
     const struct axis *second;
     int panel;  /* which one is drawn: 0, except in what figure_panels() hands out */
     bool part;  /* one of two panels: only its curves are drawn, with labels even on a single row */
@@ -91,16 +95,17 @@ struct figure {
     double aspect;       /* height over width of a cell; 0 counts as 2 */
     const char *note;    /* left end of the lower frame, or NULL: "14 periods: envelope" */
     int gutter;          /* least width of the y labels (hysteresis of live plots) */
-    const char *caption; /* right end of the upper frame, after the legend, or NULL: "last 2 T, equal axes" */
+    const char *caption; /* right end of the upper frame, after the legend, or NULL: "last 2 T,
+                            equal axes" */
 };
 
 /* The first curve (of this panel) that has a band with a name; NULL: none. */
 const struct curve *figure_band(const struct figure *figure);
 
 /*
- * Tick positions by the extended Wilkinson algorithm (Talbot, Lin, Hanrahan 2010): about `want`, at most `most`, all
- * inside [from, to], labels with `decimals` decimals. Steps are 1, 2, 2.5, 3, 4 or 5 times a power of ten. count 0: no
- * range.
+ * Tick positions by the extended Wilkinson algorithm (Talbot, Lin, Hanrahan 2010): about `want`, at
+ * most `most`, all inside [from, to], labels with `decimals` decimals. Steps are 1, 2, 2.5, 3, 4 or
+ * 5 times a power of ten. count 0: no range.
  */
 struct ticks {
     double first, step;
@@ -109,22 +114,25 @@ struct ticks {
     double offset; /* of a range so narrow that its labels would be long; it stands in the title */
     int offset_decimals;
 };
-struct ticks ticks_linear(double from, double to, int want, int most);
-/* Labels of decades for a log axis (0 < from < to): powers of ten from `first` in steps of `step` decades. */
-struct ticks ticks_log(double from, double to, int most);
+struct ticks ticks_linear(double from, double to, int want, int max);
+/* Labels of decades for a log axis (0 < from < to): powers of ten from `first` in steps of `step`
+ * decades. */
+struct ticks ticks_log(double from, double to, int max);
 void tick_label(const struct ticks *ticks, int i, bool log, struct buffer *out);
 
 /* Where a value lies between the two ends of an axis. Never overflows, whatever the values. */
 struct scale {
     double from, to; /* values at the ends */
     bool log;
-    double unit, origin, gain; /* fraction = (value * unit - origin) * gain; for log the value is its log10 */
+    double unit, origin,
+        gain; /* fraction = (value * unit - origin) * gain; for log the value is its log10 */
 };
 /* 0 at from, 1 at to; cut off at +-1e6; NAN for what cannot be shown. */
 double scale_fraction(const struct scale *scale, double value);
 double scale_value(const struct scale *scale, double fraction);
 
-/* What figure_draw will do with a rectangle: for cursors, and for callers that keep ranges and gutters steady. */
+/* What figure_draw will do with a rectangle: for cursors, and for callers that keep ranges and
+ * gutters steady. */
 struct figure_layout {
     enum charset charset;
     bool frame, x_labels, y_labels;
@@ -133,21 +141,24 @@ struct figure_layout {
     struct scale x, y;
     struct ticks x_ticks, y_ticks; /* in numbers shown (value / factor) */
     bool x_decades, y_decades;     /* ticks are powers of ten */
-    size_t hidden;                 /* values that a log axis does not show: <= 0, or below axis.least */
+    size_t hidden; /* values that a log axis does not show: <= 0, or below axis.least */
 };
 void figure_layout(const struct figure *figure, int width, int height, enum charset charset,
                    struct figure_layout *layout);
 /* A figure of two panels is drawn as two figures. */
 struct figure_panel {
     struct figure figure;
-    int x, y, width, height; /* [cell] where, in the rectangle; what comes later covers what overlaps */
+    int x, y, width,
+        height; /* [cell] where, in the rectangle; what comes later covers what overlaps */
 };
-#define PANELS_MOST 2
-/* How many there are, and where: labels aligned where panels share an axis. One where there is no room for two. */
+#define PANELS_MAX 2
+/* How many there are, and where: labels aligned where panels share an axis. One where there is no
+ * room for two. */
 int figure_panels(const struct figure *figure, int width, int height, enum charset charset,
-                  struct figure_panel panel[PANELS_MOST]);
+                  struct figure_panel panel[PANELS_MAX]);
 
-/* What of a curve the axes do not hold. Samples beyond a window of time are left out on purpose and do not count. */
+/* What of a curve the axes do not hold. Samples beyond a window of time are left out on purpose and
+ * do not count. */
 struct curve_outside {
     size_t count, total; /* samples outside, of all in the window */
     bool leaves;         /* it was inside before */
@@ -161,17 +172,18 @@ void curve_outside(const struct figure *figure, const struct figure_layout *layo
 /* The cell (relative to the plot) of a point; false: outside. */
 bool figure_cell(const struct figure_layout *layout, double x, double y, int *column, int *row);
 
-/* Draws into the rectangle; false only without memory. Anything from 1x1 up is drawn as well as it fits. */
-bool figure_draw(const struct figure *figure, struct canvas *canvas, int x, int y, int width, int height,
-                 enum charset charset);
+/* Draws into the rectangle; false only without memory. Anything from 1x1 up is drawn as well as it
+ * fits. */
+bool figure_draw(const struct figure *figure, struct canvas *canvas, int x, int y, int width,
+                 int height, enum charset charset);
 /* The whole figure as text lines. */
-bool figure_print(const struct figure *figure, int width, int height, enum charset charset, bool color,
-                  struct buffer *out);
+bool figure_print(const struct figure *figure, int width, int height, enum charset charset,
+                  bool color, struct buffer *out);
 
 /* ---- heat map: a value over two axes, as shades ----
  *
- * One cell or more for each point; where there are more points than cells a cell shows the largest of its own. Columns
- * follow the places on the axes, whatever their values: they are labelled.
+ * One cell or more for each point; where there are more points than cells a cell shows the largest
+ * of its own. Columns follow the places on the axes, whatever their values: they are labelled.
  */
 struct heat_axis {
     const char *label, *unit;
@@ -188,26 +200,30 @@ struct heat {
 };
 
 /* As text lines, legend included, of at most width x height cells; false: no memory. */
-bool heat_print(const struct heat *heat, int width, int height, enum charset charset, struct buffer *out);
+bool heat_print(const struct heat *heat, int width, int height, enum charset charset,
+                struct buffer *out);
 
 /* ---- pictures ---- */
 
 enum picture { PICTURE_SVG, PICTURE_PDF, PICTURE_PNG };
 
-extern const struct catalog picture_catalog; /* struct row at the enum's place; the names are what files end in */
+extern const struct catalog
+    picture_catalog; /* struct row at the enum's place; the names are what files end in */
 
 #define PICTURE_WIDTH 640 /* [pt] 1/72 inch: with the height below about A5 */
 #define PICTURE_HEIGHT 400
-#define PICTURE_COLUMNS 250 /* [cell] of a text figure that shows as much: for callers that choose what is drawn */
+#define PICTURE_COLUMNS                                                                            \
+    250 /* [cell] of a text figure that shows as much: for callers that choose what is drawn */
 
 /*
- * Appends the figure as a picture file of width x height points (0: the sizes above; PNG: 2 pixels a point), with the
- * ranges, ticks, units and legend that figure_draw would choose for that room. Curves are told apart by dashes and
- * marks as well as by colour. Of long curves only what can be seen is kept (a quarter of a point, or one where they
- * fill the plot). The same figure gives the same picture. Draws through cairo, which is loaded for it; ERROR_COMMAND
- * where it is not there. After false `out` is not to be used.
+ * Appends the figure as a picture file of width x height points (0: the sizes above; PNG: 2 pixels
+ * a point), with the ranges, ticks, units and legend that figure_draw would choose for that room.
+ * Curves are told apart by dashes and marks as well as by colour. Of long curves only what can be
+ * seen is kept (a quarter of a point, or one where they fill the plot). The same figure gives the
+ * same picture. Draws through cairo, which is loaded for it; ERROR_COMMAND where it is not there.
+ * After false `out` is not to be used.
  */
-bool figure_picture(const struct figure *figure, enum picture kind, double width, double height, struct buffer *out,
-                    struct error *error);
+bool figure_picture(const struct figure *figure, enum picture kind, double width, double height,
+                    struct buffer *out, struct error *error);
 
 #endif

@@ -22,26 +22,31 @@ enum argument_type {
     TYPE_CONDITION, /* y < 1 cm */
     TYPE_EXPR,      /* an expression of any quantity, or a string */
     TYPE_CHOICE,    /* a row of `choices` */
-    TYPE_SCENE,     /* a struct preset: a built-in scene, or one of the user's own; or `new`, then row is NULL */
-    TYPE_COLUMN, /* a row of `choices`, if there are any (then index is its place); a state variable or an observable */
+    TYPE_SCENE,  /* a struct preset: a built-in scene, or one of the user's own; or `new`, then row
+                    is NULL */
+    TYPE_COLUMN, /* a row of `choices`, if there are any (then index is its place); a state variable
+                    or an observable */
     TYPE_UNIT,   /* the name of a unit */
     TYPE_RUN,    /* number or name of a run; -1 for `all` where ARG_ALL allows it */
     TYPE_RECORDING, /* name of a recording */
     TYPE_NAME,      /* something that can be set or shown */
     TYPE_PARAM,     /* a name, completed as a parameter of the scene; index: its place there, -1 */
-    TYPE_START,     /* after FORM_KEY: stands for any key that no other argument has; text: that name, value */
-    TYPE_MODEL,     /* a row of `choices`, or a formula in t: a string, or as it stands (then row is NULL) */
-    TYPE_TEXT,      /* a word or a string */
-    TYPE_EVENT,     /* the name of an event, also of one that is watched for no more */
-    TYPE_FILE,      /* the same, completed as a file name */
-    TYPE_REST,      /* all that is left of the statement, as it is */
-    TYPE_FORMULA,   /* the same: an expression in the names of the scene, and what belongs to it */
+    TYPE_START,   /* after FORM_KEY: stands for any key that no other argument has; text: that name,
+                     value */
+    TYPE_MODEL,   /* a row of `choices`, or a formula in t: a string, or as it stands (then row is
+                     NULL) */
+    TYPE_TEXT,    /* a word or a string */
+    TYPE_EVENT,   /* the name of an event, also of one that is watched for no more */
+    TYPE_FILE,    /* the same, completed as a file name */
+    TYPE_REST,    /* all that is left of the statement, as it is */
+    TYPE_FORMULA, /* the same: an expression in the names of the scene, and what belongs to it */
 };
 
 enum argument_flag {
     ARG_REQUIRED = 1,
-    ARG_MANY = 2,     /* several items: blanks or commas between them in a place or after a word, commas after a key */
-    ARG_ALL = 4,      /* the word `all` stands for every run */
+    ARG_MANY = 2, /* several items: blanks or commas between them in a place or after a word, commas
+                     after a key */
+    ARG_ALL = 4,  /* the word `all` stands for every run */
     ARG_NEGATIVE = 8, /* TYPE_INTEGER and TYPE_VALUE may be negative or zero */
 };
 
@@ -56,7 +61,7 @@ struct argument {
     int group;        /* those of the same group (not 0) exclude each other */
 };
 
-#define ARGUMENTS_MOST 16
+#define ARGUMENTS_MAX 16
 
 /* ---- commands ---- */
 
@@ -64,12 +69,14 @@ enum command_flag {
     COMMAND_CHANGES = 1,    /* may change what undo restores: a snapshot is taken before */
     COMMAND_UNRECORDED = 2, /* not written by `record` */
     COMMAND_ANYTIME = 4,    /* also while a run goes on: it does not disturb it */
-    COMMAND_NESTS = 8,      /* executes other statements, which stand in the story of the session themselves */
+    COMMAND_NESTS =
+        8, /* executes other statements, which stand in the story of the session themselves */
     COMMAND_IN_EVENTS = 16, /* also what an event executes, although it changes the session */
     COMMAND_STARTS = 32,    /* starts a run, into which its conditions look */
     COMMAND_ASSIGNS = 64,   /* NAME = VALUE is short for it */
     COMMAND_EQUATES = 128,  /* NAME' = EXPR is */
-    COMMAND_JUMPS = 256,    /* what NAME' = EXPR is while a run goes on: what moves gets another value */
+    COMMAND_JUMPS =
+        256, /* what NAME' = EXPR is while a run goes on: what moves gets another value */
 };
 
 /* What can stand after it, where its arguments do not say it. */
@@ -101,9 +108,9 @@ struct command {
     int arguments;
     unsigned flags;
     enum completes completes;
-    bool (*handler)(struct session *session, const struct arguments *given, struct reply *reply, struct error *error);
+    bool (*handler)(struct session *session, const struct arguments *given, struct reply *reply,
+                    struct error *error);
 };
-
 
 /* "run [DURATION | to T | until COND] [--force]", made from the arguments. */
 void command_usage(const struct command *command, struct buffer *text);
@@ -120,16 +127,18 @@ struct item {
     struct text text;        /* as typed, quotes and escapes resolved */
     struct measured value;   /* SI; the uncertainty is 0 unless given */
     const struct unit *unit; /* NULL: none typed */
-    enum quantity quantity; /* of the value, where it is known: by its unit, or as a single name; else QUANTITY_OTHER */
+    enum quantity quantity;  /* of the value, where it is known: by its unit, or as a single name;
+                                else QUANTITY_OTHER */
     bool is_string;
     double range[2];       /* NAN: open */
     const struct row *row; /* TYPE_CHOICE */
-    int index;             /* place of the choice in its catalog, of the run or recording in the session; -1: all */
+    int index; /* place of the choice in its catalog, of the run or recording in the session; -1:
+                  all */
     const struct condition *condition;
     const struct expr *expr;
 };
 
-struct given {
+struct given_argument {
     int count; /* 0: not given */
     struct item *item;
     struct text where; /* all of it, in the line */
@@ -137,24 +146,24 @@ struct given {
 
 struct arguments {
     const struct command *command;
-    struct text word; /* the command as typed; empty: an assignment */
-    struct given given[ARGUMENTS_MOST]; /* at the place of their struct argument */
-    const struct expr_scope *scope;     /* of conditions and expressions */
-    struct arena *arena;                /* lives as long as the command */
+    struct text word;                           /* the command as typed; empty: an assignment */
+    struct given_argument given[ARGUMENTS_MAX]; /* at the place of their struct argument */
+    const struct expr_scope *scope;             /* of conditions and expressions */
+    struct arena *arena;                        /* lives as long as the command */
     const struct source *where;
 };
 
-static inline bool has(const struct arguments *arguments, int place)
+static inline bool has(const struct arguments *arguments, int index)
 {
-    return arguments->given[place].count > 0;
+    return arguments->given[index].count > 0;
 }
 
 /* What was given for the argument of this name, which the command has. */
-const struct given *given_for(const struct arguments *arguments, const char *name);
+const struct given_argument *argument_given(const struct arguments *arguments, const char *name);
 
 static inline bool is_given(const struct arguments *arguments, const char *name)
 {
-    return given_for(arguments, name)->count > 0;
+    return argument_given(arguments, name)->count > 0;
 }
 
 /* ---- parsing ---- */
@@ -170,42 +179,49 @@ struct parser {
 bool parse_word(struct parser *parser, const char *stops, struct item *item, struct error *error);
 /* What stands before the first option: `1 --force` is no subtraction. */
 struct text before_option(struct text text);
-/* expr [UNIT] [+- expr [UNIT]]; `what` names the parameter in messages. wanted QUANTITY_OTHER: any. */
-bool parse_value(struct parser *parser, const char *what, enum quantity wanted, struct item *item, struct error *error);
-bool parse_range(struct parser *parser, const char *what, enum quantity wanted, struct item *item, struct error *error);
-bool parse_integer(struct parser *parser, const char *what, bool negative, struct item *item, struct error *error);
-/* Refuses what is left, with the likely reason: decimal comma, unknown unit, word too many. number: what was read
- * before, NULL: no number. */
+/* expr [UNIT] [+- expr [UNIT]]; `what` names the parameter in messages. wanted QUANTITY_OTHER: any.
+ */
+bool parse_value(struct parser *parser, const char *what, enum quantity wanted, struct item *item,
+                 struct error *error);
+bool parse_range(struct parser *parser, const char *what, enum quantity wanted, struct item *item,
+                 struct error *error);
+bool parse_integer(struct parser *parser, const char *what, bool negative, struct item *item,
+                   struct error *error);
+/* Refuses what is left, with the likely reason: decimal comma, unknown unit, word too many. number:
+ * what was read before, NULL: no number. */
 bool refuse_rest(const struct parser *parser, const struct item *number, struct error *error);
 /* Both sides of a comparison must be of one quantity, where that is known. */
 bool check_condition(struct parser *parser, struct text condition, struct error *error);
 /* One item of this argument, which may end at one of `stops` (items.c). */
-bool read_item(struct parser *parser, const struct argument *argument, const char *stops, struct item *item,
-               struct error *error);
+bool read_item(struct parser *parser, const struct argument *argument, const char *stops,
+               struct item *item, struct error *error);
 /* Reads all arguments of a command. */
-bool parse_arguments(struct parser *parser, const struct command *command, struct arguments *arguments,
-                     struct error *error);
+bool parse_arguments(struct parser *parser, const struct command *command,
+                     struct arguments *arguments, struct error *error);
 /* find, or the only row that starts so at the prompt. */
-const struct row *choose(const struct session *session, const struct catalog *catalog, struct text name);
+const struct row *choose(const struct session *session, const struct catalog *catalog,
+                         struct text name);
 
 /* Reads the value of a setting from the parser into `settings`. */
-bool setting_read(const struct setting *setting, struct parser *parser, struct settings *settings, struct error *error);
+bool setting_read(const struct setting *setting, struct parser *parser, struct settings *settings,
+                  struct error *error);
 
 /* ---- the series that arguments name ---- */
 
 /* The series of another column of the subject's run, in the same window. */
-bool subject_column(struct subject *subject, const struct given *column, const struct given *window,
-                    struct arena *arena, struct error *error);
-/* The run or recording that was given, else the latest; window: of TYPE_RANGE. At least `least` samples. */
-bool subject_open(struct session *session, const struct given *run, const struct given *data,
-                  const struct given *window, bool energy, size_t least, struct arena *arena, struct subject *subject,
+bool subject_column(struct subject *subject, const struct given_argument *column,
+                    const struct given_argument *window, struct arena *arena, struct error *error);
+/* The run or recording that was given, else the latest; window: of TYPE_RANGE. At least `least`
+ * samples. */
+bool subject_open(struct session *session, const struct given_argument *run,
+                  const struct given_argument *data, const struct given_argument *window,
+                  bool energy, size_t min, struct arena *arena, struct subject *subject,
                   struct error *error);
 
 /* ---- closed lists of words that only commands know ---- */
 
-
-
-extern const struct catalog separator_catalog, decimal_catalog, quantity_catalog, show_catalog, list_catalog;
+extern const struct catalog separator_catalog, decimal_catalog, quantity_catalog, show_catalog,
+    list_catalog;
 
 static const char separator_letters[] = "\t,; ";
 static const char decimal_letters[] = ".,";

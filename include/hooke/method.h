@@ -2,8 +2,8 @@
 /*
  * method: integrators as rows, one step of each, step-size control, linear stability.
  *
- * This is level 0, the specification: tables and step bodies that call the terms through pointers. A faster kernel may
- * replace a step only if it gives the same bits.
+ * This is level 0, the specification: tables and step bodies that call the terms through pointers.
+ * A faster kernel may replace a step only if it gives the same bits.
  */
 #ifndef HOOKE_METHOD_H
 #define HOOKE_METHOD_H
@@ -18,7 +18,8 @@ enum step_status {
     STEP_OK,
     STEP_NONFINITE,   /* the new state is not finite; y is unchanged */
     STEP_NO_SOLUTION, /* the implicit equation was not solved; y is unchanged */
-    STEP_STALLED,     /* the tolerance asks for a step below the rounding of t; y is unchanged (method_adapt only) */
+    STEP_STALLED,     /* the tolerance asks for a step below the rounding of t; y is unchanged
+                         (method_adapt only) */
 };
 
 typedef enum step_status step_function(const struct method *method, struct step *step);
@@ -31,11 +32,13 @@ enum stiffness_sign { STIFFNESS_POSITIVE, STIFFNESS_ZERO, STIFFNESS_NEGATIVE };
 
 double stiffness_sign_value(enum stiffness_sign sign); /* 1, 0, -1 */
 
-/* How drag (forces that depend on velocity) enters a step; which of them a method knows, its row says. */
+/* How drag (forces that depend on velocity) enters a step; which of them a method knows, its row
+ * says. */
 
 enum drag { DRAG_DEFAULT, DRAG_EXACT, DRAG_IMPLICIT, DRAG_EXPLICIT, DRAG_COUNT };
 
-extern const struct catalog drag_catalog; /* struct row: "exact", "implicit", "explicit" at their enum's place - 1 */
+extern const struct catalog
+    drag_catalog; /* struct row: "exact", "implicit", "explicit" at their enum's place - 1 */
 
 struct cost {
     int64_t evals;     /* force evaluations (right-hand sides) */
@@ -50,31 +53,41 @@ struct cost {
  *
  * y     [n]  in: state at t; out: at t + h. Unchanged unless STEP_OK, bit for bit.
  * h     [s]  any sign, not 0.
- * error [n]  optional: local error estimate in units of y (NULL: not wanted, or the method has none).
- * work       method_work_size() doubles, owned by the caller.
+ * error [n]  optional: local error estimate in units of y (NULL: not wanted, or the method has
+ * none). work       method_work_size() doubles, owned by the caller.
  *
- * `warm` says that work holds what the previous step of the same method left (first same as last, history).
- * method_step() sets it; whoever changes y, the system or t (by more than rounding) between steps clears it.
+ * `warm` says that work holds what the previous step of the same method left (first same as last,
+ * history). method_step() sets it; whoever changes y, the system or t (by more than rounding)
+ * between steps clears it.
  */
 struct switches_state;
 
 struct step {
     const struct system *system;
-    enum drag drag; /* resolved by method_applies(): DRAG_DEFAULT only where the method has no variants */
+    enum drag
+        drag; /* resolved by method_applies(): DRAG_DEFAULT only where the method has no variants */
     double t, h;
     double *y, *error, *work;
-    double *low; /* [n] optional: what rounding took from y so far (compensated sums, Kahan 1965); NULL: plain sums */
+    double *low; /* [n] optional: what rounding took from y so far (compensated sums, Kahan 1965);
+                    NULL: plain sums */
     bool warm;
-    void *library; /* of a yardstick: what method_begin() made */
-    step_function *kernel; /* the method's step made for this system, by method_step_kernel(); NULL: the general one */
-    controlled_function *controlled; /* and an accepted one, by method_controlled_kernel(); NULL: there is none */
+    void *library;         /* of a yardstick: what method_begin() made */
+    step_function *kernel; /* the method's step made for this system, by method_step_kernel(); NULL:
+                              the general one */
+    controlled_function
+        *controlled; /* and an accepted one, by method_controlled_kernel(); NULL: there is none */
     /* By method_adapt(): */
-    bool again; /* the last step was taken back: what was evaluated at t and y before it still holds */
-    double tol; /* accepts an error with an RMS of tol max(scale_i, |y_i|): a measure for iterations. 0: a fixed step */
-    const double *scale; /* [n] sizes along the run, see struct controller; NULL: those of the system */
-    double square; /* sum of (error_i / max(scale_i, |y_i|))^2, where the step has it; else as it was */
+    bool again; /* the last step was taken back: what was evaluated at t and y before it still holds
+                 */
+    double tol; /* accepts an error with an RMS of tol max(scale_i, |y_i|): a measure for
+                   iterations. 0: a fixed step */
+    const double
+        *scale;    /* [n] sizes along the run, see struct controller; NULL: those of the system */
+    double square; /* sum of (error_i / max(scale_i, |y_i|))^2, where the step has it; else as it
+                      was */
     struct cost cost; /* accumulates */
-    struct switches_state *switches; /* of fixed steps: how they slide and pile up is counted there; NULL: nowhere */
+    struct switches_state
+        *switches; /* of fixed steps: how they slide and pile up is counted there; NULL: nowhere */
 };
 
 enum method_flag {
@@ -89,9 +102,11 @@ enum method_flag {
     METHOD_EXACT = 256,        /* propagates the exact solution: needs system_has_exact() */
     METHOD_NO_VELOCITY = 512,  /* only for q'' = a(t, q): no force may depend on velocity */
     METHOD_POTENTIAL = 1024,   /* every force but drag needs a potential */
-    METHOD_MULTISTEP = 2048,   /* remembers steps before: starts by a one-step method, wants a constant step */
-    METHOD_YARDSTICK = 4096,   /* somebody else's library, for comparison: adaptive only, last in the catalogue */
-    METHOD_UNROLLED = 8192,    /* has kernels of its own: people wait for it, or rank others by it */
+    METHOD_MULTISTEP =
+        2048, /* remembers steps before: starts by a one-step method, wants a constant step */
+    METHOD_EXTERNAL =
+        4096, /* somebody else's library, for comparison: adaptive only, last in the catalogue */
+    METHOD_UNROLLED = 8192, /* has kernels of its own: people wait for it, or rank others by it */
     METHOD_CONTROLLED = 16384, /* has kernels of its own for accepted steps: people solve with it */
 };
 
@@ -110,22 +125,27 @@ struct method {
     const char *formula; /* one step, as text with textbook letters, for help */
     int order;           /* order of convergence; 0: exact */
     int embedded;        /* order of the error estimator's companion, 0: none */
-    double share;        /* of the tolerance, what a step's estimate may be (see method_adapt), 0: 1/3 */
-    int evals;           /* force evaluations a step (once warm) */
+    double
+        fraction; /* of the tolerance, what a step's estimate may be (see method_adapt), 0: 1/3 */
+    int evals;    /* force evaluations a step (once warm) */
     unsigned flags;
-    enum drag drag; /* default; DRAG_DEFAULT: drag is part of the right-hand side and has no variants */
+    enum drag
+        drag; /* default; DRAG_DEFAULT: drag is part of the right-hand side and has no variants */
     unsigned drags; /* bit 1 << enum drag for each variant offered */
     enum step_status (*step)(const struct method *method, struct step *step);
     size_t (*work)(const struct method *method, int n); /* doubles */
-    /* State at t + theta h (0 <= theta <= 1) after a successful step; NULL: cubic Hermite through both ends. */
+    /* State at t + theta h (0 <= theta <= 1) after a successful step; NULL: cubic Hermite through
+     * both ends. */
     void (*dense)(const struct method *method, const struct step *step, double theta, double *y);
-    /* Growth a step (spectral radius) on q'' + 2 zeta q' + q = 0 at x = dt; NULL: that of the one-step matrix. */
+    /* Growth a step (spectral radius) on q'' + 2 zeta q' + q = 0 at x = dt; NULL: that of the
+     * one-step matrix. */
     double (*growth)(const struct method *method, double x, double zeta, enum stiffness_sign sign);
-    /* Yardsticks only: the memory that their library owns (NULL: there is none left), and a step of its own control. */
+    /* Yardsticks only: the memory that their library owns (NULL: there is none left), and a step of
+     * its own control. */
     void *(*begin)(const struct method *method, const struct step *step);
     void (*end)(void *library);
-    enum step_status (*adapt)(const struct method *method, struct step *step, struct controller *controller,
-                              double t_end);
+    enum step_status (*adapt)(const struct method *method, struct step *step,
+                              struct controller *controller, double t_end);
     /* The one that is there makes the family. */
     const struct tableau *tableau;
     const struct splitting *splitting;
@@ -137,39 +157,47 @@ struct method {
 
 extern const struct catalog method_catalog;
 
-/* Whether this method can step this system with this drag variant; false: a reason. Resolves DRAG_DEFAULT. */
-bool method_applies(const struct method *method, const struct system *system, enum drag *drag, struct error *error);
-/* Whether it can take steps of h [s] on this system; false: a reason. Splittings of higher order step backwards, which
- * strong drag does not survive. */
+/* Whether this method can step this system with this drag variant; false: a reason. Resolves
+ * DRAG_DEFAULT. */
+bool method_applies(const struct method *method, const struct system *system, enum drag *drag,
+                    struct error *error);
+/* Whether it can take steps of h [s] on this system; false: a reason. Splittings of higher order
+ * step backwards, which strong drag does not survive. */
 bool method_fits(const struct method *method, const struct system *system, enum drag drag, double h,
                  struct error *error);
 size_t method_work_size(const struct method *method, int n);
 /*
- * Whoever owns the work memory calls these, too, with the system known to the step. Our own methods need nothing more;
- * a yardstick's library allocates here, for this system's n, and may again in its first step. False: no memory.
+ * Whoever owns the work memory calls these, too, with the system known to the step. Our own methods
+ * need nothing more; a yardstick's library allocates here, for this system's n, and may again in
+ * its first step. False: no memory.
  */
 bool method_begin(const struct method *method, struct step *step);
 void method_end(const struct method *method, struct step *step);
 /*
- * Where some force has a kink at v = 0 a step across loses its order (unless the system says to go across). Methods above order 2 that may change their step
- * end one at each turning point then: method_adapt() by itself, steps of fixed size in pieces by method_turning_step().
+ * Where some force has a kink at v = 0 a step across loses its order (unless the system says to go
+ * across). Methods above order 2 that may change their step end one at each turning point then:
+ * method_adapt() by itself, steps of fixed size in pieces by method_turning_step().
  */
 /* Steps of fixed size end at switches, in pieces by method_turning_step(). */
 bool method_meets_switches(const struct method *method, const struct system *system);
 bool method_turns(const struct method *method, const struct system *system);
-/* One step: STEP_OK, and t has advanced by h; else y and t are as they were, bit for bit. Never allocates. */
+/* One step: STEP_OK, and t has advanced by h; else y and t are as they were, bit for bit. Never
+ * allocates. */
 enum step_status method_step(const struct method *method, struct step *step);
-/* The same, where method_turns() in pieces that meet at the turning points; a dense output is that of the last one. */
+/* The same, where method_turns() in pieces that meet at the turning points; a dense output is that
+ * of the last one. */
 enum step_status method_turning_step(const struct method *method, struct step *step);
 /* State inside the last step: [t - h, t]. before [n]: state at its start. */
 /* Its degree in theta, 0: it is no polynomial; most: DENSE_DEGREE. */
 #define DENSE_DEGREE 12
 int method_dense_degree(const struct method *method);
-void method_dense(const struct method *method, const struct step *step, const double *before, double theta, double *y);
+void method_dense(const struct method *method, const struct step *step, const double *before,
+                  double theta, double *y);
 
 /*
- * One variable of the dense output of the last step, prepared once for many theta (0 at its start, 1 at its end):
- * end - h (1 - theta) (rise - theta (first + theta (twist + (1 - theta) (bend_0 + theta (bend_1 + …))))).
+ * One variable of the dense output of the last step, prepared once for many theta (0 at its start,
+ * 1 at its end): end - h (1 - theta) (rise - theta (first + theta (twist + (1 - theta) (bend_0 +
+ * theta (bend_1 + …))))).
  */
 enum { DENSE_BENDS = 4 };
 
@@ -187,13 +215,16 @@ static inline double dense_polynomial_at(const struct dense_polynomial *p, doubl
     return p->end - p->h * (rest * (p->rise - theta * (p->first + theta * (p->twist + bend))));
 }
 
-/* Of variable i; only of explicit Runge-Kutta and Rosenbrock methods with a dense output of their own. */
-void method_polynomial(const struct method *method, const struct step *step, int i, struct dense_polynomial *out);
+/* Of variable i; only of explicit Runge-Kutta and Rosenbrock methods with a dense output of their
+ * own. */
+void method_polynomial(const struct method *method, const struct step *step, int i,
+                       struct dense_polynomial *out);
 
 /* ---- many steps of one size ----
  *
- * A march takes `count` steps of step->h; step i = first, first + 1, … begins at origin + i h. The states after them go
- * to row [count][n], the last one also to step->y. Without compensated sums and error estimates.
+ * A march takes `count` steps of step->h; step i = first, first + 1, … begins at origin + i h. The
+ * states after them go to row [count][n], the last one also to step->y. Without compensated sums
+ * and error estimates.
  */
 struct march {
     struct step *step;
@@ -203,49 +234,56 @@ struct march {
 };
 
 /*
- * Kernels: the same steps, to the bit, in code made for one method and one kind of scene. They return how many steps
- * they took: fewer than `count` where the next one has no solution; otherwise nothing is checked on the way, so states
- * may come out infinite or NaN. They stay only while `make bench` shows their gain.
+ * Kernels: the same steps, to the bit, in code made for one method and one kind of scene. They
+ * return how many steps they took: fewer than `count` where the next one has no solution; otherwise
+ * nothing is checked on the way, so states may come out infinite or NaN. They stay only while `make
+ * bench` shows their gain.
  */
 typedef int64_t march_function(const struct method *method, const struct march *march);
 
-march_function *method_kernel(const struct method *method, const struct system *system, enum drag drag); /* or NULL */
+march_function *method_kernel(const struct method *method, const struct system *system,
+                              enum drag drag); /* or NULL */
 /* The same for single steps with an error estimate, whatever the drag variant. */
-step_function *method_step_kernel(const struct method *method, const struct system *system); /* or NULL */
+step_function *method_step_kernel(const struct method *method,
+                                  const struct system *system); /* or NULL */
 /* And for accepted steps of rows that are METHOD_CONTROLLED. */
-controlled_function *method_controlled_kernel(const struct method *method, const struct system *system); /* or NULL */
+controlled_function *method_controlled_kernel(const struct method *method,
+                                              const struct system *system); /* or NULL */
 /* Both for step->system, where `special`. */
 void method_choose_kernels(const struct method *method, struct step *step, bool special);
-/* As method_march(), by method_turning_step() where the method turns; a kernel takes the steps between. */
-int64_t method_turning_march(const struct method *method, march_function *kernel, const struct march *march,
-                             enum step_status *status);
-/* Steps taken; fewer than count: *status says why, and the step is where it was before the one that failed. */
+/* As method_march(), by method_turning_step() where the method turns; a kernel takes the steps
+ * between. */
+int64_t method_turning_march(const struct method *method, march_function *kernel,
+                             const struct march *march, enum step_status *status);
+/* Steps taken; fewer than count: *status says why, and the step is where it was before the one that
+ * failed. */
 int64_t method_march(const struct method *method, march_function *kernel, const struct march *march,
                      enum step_status *status);
 
 /* ---- many trajectories at once ----
  *
- * LANES systems of one kind, stepped side by side in vectors: each gets the bits that method_turning_march() would
- * give it alone. Explicit Runge-Kutta methods and splittings, fixed steps forward in time, oscillators, pendulums,
- * typed scenes.
+ * LANES systems of one kind, stepped side by side in vectors: each gets the bits that
+ * method_turning_march() would give it alone. Explicit Runge-Kutta methods and splittings, fixed
+ * steps forward in time, oscillators, pendulums, typed scenes.
  */
 #define LANES 64
 
 struct lanes;
 
-/* Can such a system go in lanes, with this method, drag (as resolved by method_applies()) and step? Two of them
- * together? */
+/* Can such a system go in lanes, with this method, drag (as resolved by method_applies()) and step?
+ * Two of them together? */
 bool lanes_fit(const struct method *method, const struct system *system, enum drag drag, double h);
 bool lanes_alike(const struct system *a, const struct system *b);
 struct lanes *lanes_create(void); /* NULL: no memory */
 void lanes_destroy(struct lanes *lanes);
 /* For systems like this one. False: no memory. */
-bool lanes_begin(struct lanes *lanes, const struct method *method, enum drag drag, const struct system *like, double h);
-/* Before the first step: this lane starts as the system says, which stays where it is. Every lane has to be set, by a
- * copy if need be. */
+bool lanes_begin(struct lanes *lanes, const struct method *method, enum drag drag,
+                 const struct system *like, double h);
+/* Before the first step: this lane starts as the system says, which stays where it is. Every lane
+ * has to be set, by a copy if need be. */
 void lanes_set(struct lanes *lanes, int lane, const struct system *system);
-/* The next steps of all of them, nothing checked. row [count][2][LANES]: the first variable and how fast it changes,
- * after them; NULL: not wanted. */
+/* The next steps of all of them, nothing checked. row [count][2][LANES]: the first variable and how
+ * fast it changes, after them; NULL: not wanted. */
 void lanes_march(struct lanes *lanes, int64_t count, double *row);
 void lanes_row(struct lanes *lanes, double *row); /* the same [2][LANES], now */
 void lanes_state(const struct lanes *lanes, int lane, double *y);
@@ -253,80 +291,94 @@ int64_t lanes_evals(const struct lanes *lanes, int lane); /* so far */
 
 /* ---- step-size control ----
  *
- * One accepted step of an adaptive method with |error_i| <= share tol max(scale_i, |y_i|) in the RMS sense (tol^(k/p)
- * where the estimate goes with h^k and the method is of another order p), by digital filters (Soderlind 2003). tol is
- * relative to the scene's own sizes, never to raw SI numbers: scale_i = (mean of max(|y_i|, s_i)^(1/4))^4 over the time
- * of the run so far, where s_i is the system's. So a size that was guessed too small does no harm, and none is 0 or
- * infinite; and a short peak, of which a relaxation oscillation is full, does not make what is between peaks
- * inaccurate, as the largest |y_i| seen would (the phase of the Oregonator was off by 3e-7 at tol 1e-13). Where the
- * scene gives an atol_i it takes the place of that: tol scale_i = atol_i. The row's share makes all methods alike: after some ten
- * periods of an oscillation the error that has added up is at most ten times tol.
+ * One accepted step of an adaptive method with |error_i| <= share tol max(scale_i, |y_i|) in the
+ * RMS sense (tol^(k/p) where the estimate goes with h^k and the method is of another order p), by
+ * digital filters (Soderlind 2003). tol is relative to the scene's own sizes, never to raw SI
+ * numbers: scale_i = (mean of max(|y_i|, s_i)^(1/4))^4 over the time of the run so far, where s_i
+ * is the system's. So a size that was guessed too small does no harm, and none is 0 or infinite;
+ * and a short peak, of which a relaxation oscillation is full, does not make what is between peaks
+ * inaccurate, as the largest |y_i| seen would (the phase of the Oregonator was off by 3e-7 at tol
+ * 1e-13). Where the scene gives an atol_i it takes the place of that: tol scale_i = atol_i. The
+ * row's share makes all methods alike: after some ten periods of an oscillation the error that has
+ * added up is at most ten times tol.
  *
- * Steps towards t_end (either side of t), never past it; a step that reaches it sets t = t_end exactly and leaves the
- * proposal as it was, and so does one to a turning point. step->h is then the step taken. A state that is not finite is
- * retried with h/4, up to 20 times. Anything but STEP_OK leaves y, t and the controller as they were.
+ * Steps towards t_end (either side of t), never past it; a step that reaches it sets t = t_end
+ * exactly and leaves the proposal as it was, and so does one to a turning point. step->h is then
+ * the step taken. A state that is not finite is retried with h/4, up to 20 times. Anything but
+ * STEP_OK leaves y, t and the controller as they were.
  */
 /* The branches of a system's switches at t, where the next step begins. */
 struct switches_state {
-    bool known, begins, piled; /* begins: some have changed at t; piled: too many in too short a time */
-    int fresh;      /* the one at which the last step ended, -1: none */
-    double t;       /* [s] */
-    unsigned count; /* of switches, */
-    int shorter;    /* of blocks of them, each in a much shorter time than the one before, */
+    bool known, begins,
+        piled;           /* begins: some have changed at t; piled: too many in too short a time */
+    int fresh;           /* the one at which the last step ended, -1: none */
+    double t;            /* [s] */
+    unsigned count;      /* of switches, */
+    int shorter;         /* of blocks of them, each in a much shorter time than the one before, */
     double since, block; /* [s] where this block began, and how long the last one took */
     bool recent[LIMIT_SWITCHES]; /* changed in this block */
     double branch[LIMIT_SWITCHES];
-    bool along[LIMIT_SWITCHES]; /* the motion slides along these, in steps of about `by`; branch: below */
-    int released;   /* the one along which it slid until the last step, -1: none */
+    bool along[LIMIT_SWITCHES]; /* the motion slides along these, in steps of about `by`; branch:
+                                   below */
+    int released;               /* the one along which it slid until the last step, -1: none */
     double by;
     double taken[LIMIT_SWITCHES]; /* branch and along of the last step */
     bool slid_along[LIMIT_SWITCHES];
-    int64_t slides, piles;  /* how often each has begun */
-    int64_t across;         /* steps taken across, because no branch leads on and no sliding does */
-    double slid;            /* [s] where the first of all these began, */
-    int first;              /* and the switch */
+    int64_t slides, piles; /* how often each has begun */
+    int64_t across;        /* steps taken across, because no branch leads on and no sliding does */
+    double slid;           /* [s] where the first of all these began, */
+    int first;             /* and the switch */
 };
 
 struct controller {
-    double tol;       /* at least 10 eps */
+    double tol;                     /* at least 10 eps */
     double scale[LIMIT_VARIABLES];  /* [n] size of each variable along the run, see below */
-    double excess[LIMIT_VARIABLES]; /* [n] [s] by how much it was larger than the system's, integrated */
+    double excess[LIMIT_VARIABLES]; /* [n] [s] by how much it was larger than the system's,
+                                       integrated */
     double elapsed, sampled;        /* [s] since the first step; t of the last sample */
     bool sampling;
-    double h;         /* [s] proposal for the next step, 0: choose a first one */
-    double t_low;     /* [s] what rounding has taken from t so far (Neumaier 1974): equal steps are rounded alike */
-    double last;      /* [s] the last accepted step */
-    double previous;  /* the square of its error, in units of what is aimed at; 0: there is no history */
+    double h;        /* [s] proposal for the next step, 0: choose a first one */
+    double t_low;    /* [s] what rounding has taken from t so far (Neumaier 1974): equal steps are
+                        rounded alike */
+    double last;     /* [s] the last accepted step */
+    double previous; /* the square of its error, in units of what is aimed at; 0: there is no
+                        history */
     bool rejected;
     struct switches_state switches;
 };
 
-enum step_status method_adapt(const struct method *method, struct step *step, struct controller *controller,
-                              double t_end);
+enum step_status method_adapt(const struct method *method, struct step *step,
+                              struct controller *controller, double t_end);
 /* The system that the last adaptive step was taken of: frozen, if it has switches. */
-const struct system *method_adapted(const struct system *system, const struct controller *controller,
-                                    struct sliding *sliding, struct system *frozen);
+const struct system *method_adapted(const struct system *system,
+                                    const struct controller *controller, struct sliding *sliding,
+                                    struct system *frozen);
 
 /* ---- linear stability ----
  *
- * q'' + gamma q' + omega^2 q = 0 in the scaled state (q, v/omega), with x = omega dt, zeta = gamma / (2 omega). Where
- * nothing pulls back the last term is 0 or - omega^2 q, and omega is no more than a unit of frequency.
+ * q'' + gamma q' + omega^2 q = 0 in the scaled state (q, v/omega), with x = omega dt, zeta = gamma
+ * / (2 omega). Where nothing pulls back the last term is 0 or - omega^2 q, and omega is no more
+ * than a unit of frequency.
  */
 
-
-/* One-step matrix, row-major, found by stepping the two unit vectors. False: the method does not apply. */
-bool method_amplification(const struct method *method, enum drag drag, double x, double zeta, double matrix[4]);
+/* One-step matrix, row-major, found by stepping the two unit vectors. False: the method does not
+ * apply. */
+bool method_amplification(const struct method *method, enum drag drag, double x, double zeta,
+                          double matrix[4]);
 double matrix_spectral_radius(const double matrix[4]);
-/* Amplitude factor a step, the spectral radius: also for methods that have no one-step matrix. NAN: does not apply. */
+/* Amplitude factor a step, the spectral radius: also for methods that have no one-step matrix. NAN:
+ * does not apply. */
 double method_growth(const struct method *method, enum drag drag, double x, double zeta);
 /* The same where the stiffness has that sign. */
 double method_growth_signed(const struct method *method, enum drag drag, double x, double zeta,
                             enum stiffness_sign sign);
 /*
- * Supremum of the x with growth <= 1 counted from 0: HUGE_VAL where every step is stable, 0 where none is, NAN where
- * the method or variant does not apply. Growth of up to 1e-12 is taken for rounding, unless it rises as a power of x.
+ * Supremum of the x with growth <= 1 counted from 0: HUGE_VAL where every step is stable, 0 where
+ * none is, NAN where the method or variant does not apply. Growth of up to 1e-12 is taken for
+ * rounding, unless it rises as a power of x.
  */
 double method_stable_limit(const struct method *method, enum drag drag, double zeta);
-double method_stable_limit_signed(const struct method *method, enum drag drag, double zeta, enum stiffness_sign sign);
+double method_stable_limit_signed(const struct method *method, enum drag drag, double zeta,
+                                  enum stiffness_sign sign);
 
 #endif

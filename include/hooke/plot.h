@@ -9,7 +9,6 @@
 
 /* ---- figures of the session ---- */
 
-
 enum plot_kind {
     PLOT_POSITION,
     PLOT_VELOCITY,
@@ -40,8 +39,8 @@ struct figure_range {
     struct text text;       /* as typed, for messages */
 };
 
-#define PEAKS_EACH 3  /* lines that are named of one spectrum */
-#define PEAKS_MOST 16 /* and in all */
+#define PEAKS_EACH 3 /* lines that are named of one spectrum */
+#define PEAKS_MAX 16 /* and in all */
 
 struct figure_peak {
     const char *label; /* of the curve */
@@ -50,7 +49,7 @@ struct figure_peak {
 };
 
 struct figure_peaks {
-    struct figure_peak peak[PEAKS_MOST];
+    struct figure_peak peak[PEAKS_MAX];
     int count;
 };
 
@@ -58,55 +57,61 @@ struct figure_request {
     enum plot_kind kind;
     const int *run; /* places in the session */
     int runs;
-    int recording;    /* place, -1: none */
+    int recording; /* place, -1: none */
     /* Of PLOT_POSITION and PLOT_ORBIT: what is drawn instead, and for the latter against what. */
     const struct text *column; /* names of variables and observables; NULL: the kind says all */
     int columns;
     struct text against;
     struct text at; /* only at the moments of this event, as points; empty: all along */
-    bool next;      /* then the columns at the event after the one where `against` is taken: a return map */
-    double window[2]; /* [s] NAN: choose */
+    bool next; /* then the columns at the event after the one where `against` is taken: a return map
+                */
+    double window[2];                 /* [s] NAN: choose */
     const struct figure_range *x, *y; /* of the axes; NULL: automatic */
     struct text band; /* as typed: with the band of the adopted fit's uncertainty; empty: without */
-    bool kept_band;   /* with the one that the session keeps, if that is of this run */
-    bool full; /* all of it: the whole time, all curves on one axis */
+    bool stored_band; /* with the one that the session keeps, if that is of this run */
+    bool full;        /* all of it: the whole time, all curves on one axis */
     int width;        /* [cell] that will be drawn on */
     bool log;         /* vertical axis */
     enum charset charset;
     double trail; /* periods of phase plot and orbit, 0: 2; HUGE_VAL: all */
     /* Of a view that lasts: the newest part instead of the first, its time axis fixed. */
     bool follow;
-    bool alone;   /* no other plot shares the time axis: each period has to be seen only where this one needs it */
+    bool alone;   /* no other plot shares the time axis: each period has to be seen only where this
+                     one needs it */
     bool running; /* the end moves: nothing that is written depends on it */
     double span;  /* [s] of time shown, 0: as much as the width can show */
     int pages;    /* the window moves on by span / pages */
     double until; /* [s] the axis reaches to here at least, where known; NAN */
     struct figure_peaks *peaks; /* takes the lines of spectra; NULL: nobody asks */
-    const struct figure_window *shared; /* of all time plots of a screen; NULL: chosen for this one */
+    const struct figure_window
+        *shared; /* of all time plots of a screen; NULL: chosen for this one */
 };
 
-/* Chooses the window for such a time plot and all that share it; false: there is nothing to show, or no memory. */
-bool session_window(const struct session *session, const struct figure_request *request, struct arena *arena,
-                    struct figure_window *window);
+/* Chooses the window for such a time plot and all that share it; false: there is nothing to show,
+ * or no memory. */
+bool session_window(const struct session *session, const struct figure_request *request,
+                    struct arena *arena, struct figure_window *window);
 
 /* Builds the figure; all memory from the arena. */
-bool session_figure(const struct session *session, const struct figure_request *request, struct arena *arena,
-                    struct figure *figure, struct error *error);
+bool session_figure(const struct session *session, const struct figure_request *request,
+                    struct arena *arena, struct figure *figure, struct error *error);
 bool plot_is_timed(enum plot_kind kind); /* against the time */
-/* Whether such a plot makes sense for a model: velocities, or a second coordinate, are not everywhere. */
+/* Whether such a plot makes sense for a model: velocities, or a second coordinate, are not
+ * everywhere. */
 bool plot_fits(enum plot_kind kind, const struct model *model);
-/* Coordinates of the same quantity, which share the plot of the position: those of a second-order scene, the values of
- * one of first order; at most as many as have marks of their own. */
+/* Coordinates of the same quantity, which share the plot of the position: those of a second-order
+ * scene, the values of one of first order; at most as many as have marks of their own. */
 int plot_coordinates(const struct model *model);
-/* Place of the recording that belongs into such a plot without being asked for: the current one, where it overlaps the
- * run; -1: none. */
+/* Place of the recording that belongs into such a plot without being asked for: the current one,
+ * where it overlaps the run; -1: none. */
 int figure_recording(const struct session *session, enum plot_kind kind);
 
 /* ---- a precision study ---- */
 
 /* Letter of a curve in tables and figure. */
 char precision_letter(int curve);
-/* Error over time, both logarithmic (over evaluations where nothing was timed); memory from the arena. */
+/* Error over time, both logarithmic (over evaluations where nothing was timed); memory from the
+ * arena. */
 bool precision_figure(const struct precision *precision, struct arena *arena, struct figure *figure,
                       struct error *error);
 
@@ -126,7 +131,8 @@ struct cursor_reading {
     double theory;             /* [s] period of the scene, with its linear damping */
     const char *theory_name;   /* T0, T_d; period in other scenes than those of an oscillator */
     double deviation;          /* (period - theory)/theory */
-    double decrement, quality; /* logarithmic decrement from the amplitudes at A and B, Q = pi/decrement */
+    double decrement,
+        quality; /* logarithmic decrement from the amplitudes at A and B, Q = pi/decrement */
 };
 
 /* False: the cursors are not shown or not both set. Cheap: a screen asks for each frame. */
@@ -140,33 +146,35 @@ void cursors_refresh(struct session *session);
 /* ---- a recording beside a run (compared.c) ---- */
 
 /*
- * Rms distance of the run from the recording where they overlap in time and hold the same quantity. Which samples are
- * bad says the recording alone (find_faults(), once for each recording): a run that is far off is far off.
+ * Rms distance of the run from the recording where they overlap in time and hold the same quantity.
+ * Which samples are bad says the recording alone (find_faults(), once for each recording): a run
+ * that is far off is far off.
  */
 struct data_distance {
-    double rms; /* NAN: they do not overlap */
-    size_t bad; /* samples left out: missed echoes would hide how well the run fits */
+    double rms;     /* NAN: they do not overlap */
+    size_t bad;     /* samples left out: missed echoes would hide how well the run fits */
     int derivative; /* of what the recording holds: 0 position, 1 velocity, 2 acceleration */
     enum quantity quantity; /* of the rms: the recording's own */
-    /* What was recorded as Y lies at gain Y + at_zero of the run's first variable. Of a voltage or a force (scaled)
-     * both are fitted by least squares: NAN where it does not follow the run at all. */
+    /* What was recorded as Y lies at gain Y + at_zero of the run's first variable. Of a voltage or
+     * a force (scaled) both are fitted by least squares: NAN where it does not follow the run at
+     * all. */
     bool scaled;
     double gain, at_zero;
 };
-/* A sensor's quantity that moves with the position in a proportion that nobody knows: a voltage, a force. */
+/* A sensor's quantity that moves with the position in a proportion that nobody knows: a voltage, a
+ * force. */
 bool quantity_is_scaled(enum quantity quantity);
 /* "1 V = 2.31 cm, 0 V at y = 1.2 cm" */
 void put_scale(const struct data_distance *data, const struct run *run, struct buffer *text);
 /* Numbers without a unit: taken as positions, in metres or radians, and said to be. */
 bool recorded_bare(const struct recording *recording);
-/* The same of a recording and the first coordinate of a run (NULL: by the quantity alone); -1: neither. */
+/* The same of a recording and the first coordinate of a run (NULL: by the quantity alone); -1:
+ * neither. */
 int recorded_derivative(const struct recording *recording, const struct run *run);
 struct variable run_derivative(const struct run *run, int derivative); /* its name and quantity */
 struct data_distance run_data_distance(const struct run *run, struct recording *recording);
 
 /* ---- the band of an adopted fit (figure_band.c) ---- */
-
-
 
 /* Whether the run has one: it is of the scene that was adopted, unchanged on its way, forwards.
  * where: the option as typed. ERROR_COMMAND says what is missing. */
@@ -178,9 +186,9 @@ bool band_half(const struct session *session, const struct run *run, int variabl
 
 /* The band that panes show, found once after a statement: 'set band on'. Nothing is done where it
  * is off, nothing was adopted, or it is known. */
-void session_keep_band(struct session *session);
+void session_store_band(struct session *session);
 /* Half the width of that band at a time; NAN: there is none. */
-double kept_band_at(const struct fit_band *band, int variable, double t);
+double stored_band_at(const struct fit_band *band, int variable, double t);
 
 /* For `plan`: that the scene has a band, and what it takes; nothing: it has none. */
 void band_plan(const struct session *session, const struct system *system, struct buffer *text);

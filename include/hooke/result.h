@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * result: what leaves a command: lines and records, tables for people, documents, errors with their place.
+ * result: what leaves a command: lines and records, tables for people, documents, errors with their
+ * place.
  *
  * Nothing here knows what the numbers mean, and nothing prints: a struct sink takes what is said.
  */
@@ -31,28 +32,31 @@ struct table {
     size_t rows;
 };
 
-extern const struct catalog table_format_catalog; /* struct row at the enum's place: csv, tsv, json, md */
+extern const struct catalog
+    table_format_catalog; /* struct row at the enum's place: csv, tsv, json, md */
 
-/* Every double reads back bit for bit; `.` and newline whatever the locale. Text cells that could be a formula or
- * contain the separator are quoted. */
+/* Every double reads back bit for bit; `.` and newline whatever the locale. Text cells that could
+ * be a formula or contain the separator are quoted. */
 void table_format(const struct table *table, enum table_format format, struct buffer *out);
-bool table_write(const struct table *table, enum table_format format, const char *path, struct write_policy policy,
-                 struct error *error);
+bool table_write(const struct table *table, enum table_format format, const char *path,
+                 struct write_policy policy, struct error *error);
 void buffer_json_text(struct buffer *out, struct text text); /* quoted and escaped, valid UTF-8 */
 void buffer_json_real(struct buffer *out, double value);     /* null where not finite */
 
 /* ---- reply: what a command says ----
  *
- * Lines are for people, records for programs. FORMAT_TEXT writes lines and ignores records; FORMAT_JSON writes one
- * object a line, and the lines of a command that made no record as {kind, text}; FORMAT_CSV writes rows with a header
- * whenever the kind changes, lines without a record as comments.
+ * Lines are for people, records for programs. FORMAT_TEXT writes lines and ignores records;
+ * FORMAT_JSON writes one object a line, and the lines of a command that made no record as {kind,
+ * text}; FORMAT_CSV writes rows with a header whenever the kind changes, lines without a record as
+ * comments.
  */
 
 enum output_format { FORMAT_TEXT, FORMAT_CSV, FORMAT_JSON };
 
-
 struct sink {
-    bool (*out)(void *context, struct text text); /* results; false: they cannot be written (closed, full device) */
+    bool (*out)(
+        void *context,
+        struct text text); /* results; false: they cannot be written (closed, full device) */
     bool (*err)(void *context, struct text text); /* messages */
     void *context;
 };
@@ -61,7 +65,7 @@ struct sink {
 
 struct reply {
     struct sink sink;
-    bool quiet;                /* lines are left out (option -q); records, warnings and errors stay */
+    bool quiet; /* lines are left out (option -q); records, warnings and errors stay */
     enum output_format format; /* follows the session's setting, statement by statement */
     bool failed;               /* the sink refused results; nothing more is written there */
     struct buffer json;        /* the record under construction */
@@ -79,7 +83,7 @@ struct reply {
 void reply_init(struct reply *reply, struct sink sink);
 void reply_free(struct reply *reply);
 void reply_line(struct reply *reply, const char *format, ...)
-    PRINTF_LIKE(2, 3);                                  /* one or more lines, without the last newline */
+    PRINTF_LIKE(2, 3); /* one or more lines, without the last newline */
 void reply_text(struct reply *reply, struct text text); /* the same, ready-made */
 /* What was asked for as it is: also when quiet, and among records in CSV. */
 void reply_data(struct reply *reply, struct text text);
@@ -95,7 +99,8 @@ void reply_int(struct reply *reply, const char *key, int64_t value);
 void reply_bool(struct reply *reply, const char *key, bool value);
 void reply_null(struct reply *reply, const char *key);
 void reply_in_unit(struct reply *reply, const char *key, struct measured value, const char *unit);
-void reply_measured(struct reply *reply, const char *key, struct measured value, enum quantity quantity);
+void reply_measured(struct reply *reply, const char *key, struct measured value,
+                    enum quantity quantity);
 void reply_object(struct reply *reply, const char *key);
 void reply_array(struct reply *reply, const char *key);
 void reply_close(struct reply *reply); /* the innermost object or array */
@@ -111,7 +116,7 @@ void reply_command_end(struct reply *reply, const char *kind);
 
 /* Of a line of a file, which may be continued on others: where a piece of it comes from. */
 struct source_piece {
-    size_t at; /* in the line as it is executed */
+    size_t at;        /* in the line as it is executed */
     int line, indent; /* indent: characters left out before it */
 };
 
@@ -123,14 +128,17 @@ struct source {
     int pieces;
 };
 
-/* Writes an error the way users see it: position, line, caret, hint; or as JSON. where may be NULL, line may be empty.
+/* Writes an error the way users see it: position, line, caret, hint; or as JSON. where may be NULL,
+ * line may be empty.
  */
-void reply_error(struct reply *reply, const struct error *error, const struct source *where, struct text line);
+void reply_error(struct reply *reply, const struct error *error, const struct source *where,
+                 struct text line);
 
 /* ---- text for people ---- */
 
 /* "199.9 +- 0.1 g", "1.9373 +- 0.0002 s": in the unit that shows the value well. */
-void buffer_measured(struct buffer *buffer, struct measured value, enum quantity quantity, int digits);
+void buffer_measured(struct buffer *buffer, struct measured value, enum quantity quantity,
+                     int digits);
 /* The value as a command that reads back exactly: "0.2 kg", "199.9 +- 0.1 g". */
 void buffer_exact(struct buffer *buffer, struct measured value, enum quantity quantity);
 /* A word of a command line, quoted where it has to be. */
@@ -138,21 +146,23 @@ void buffer_word(struct buffer *buffer, struct text word);
 
 /* ---- tables for people ---- */
 
-#define TABLE_COLUMNS_MOST 24
+#define TABLE_COLUMNS_MAX 24
 
 struct text_table {
     struct arena *arena;
     int columns, gap, indent;
-    int most; /* [cell] the gap becomes as small as 1 to fit into that; 0: never */
-    int cells, room;
+    int max; /* [cell] the gap becomes as small as 1 to fit into that; 0: never */
+    int cells, capacity;
     const char **cell; /* row by row, the heading first */
     bool failed;       /* no memory: cells are missing */
 };
 
-void cell_text(struct text_table *table, const char *text);    /* copied; NULL: an empty cell */
-void cell_take(struct text_table *table, struct buffer *text); /* the same from a buffer, which is freed */
-void cell_quantity(struct text_table *table, double value, enum quantity quantity, int digits); /* "-": not finite */
-void cell_error(struct text_table *table, double value);                                        /* 1.3e-05 */
+void cell_text(struct text_table *table, const char *text); /* copied; NULL: an empty cell */
+void cell_take(struct text_table *table,
+               struct buffer *text); /* the same from a buffer, which is freed */
+void cell_quantity(struct text_table *table, double value, enum quantity quantity,
+                   int digits);                          /* "-": not finite */
+void cell_error(struct text_table *table, double value); /* 1.3e-05 */
 void cell_count(struct text_table *table, int64_t value);
 void cell_seconds(struct text_table *table, double seconds); /* with us below a millisecond */
 const char *cell_last(const struct text_table *table);       /* the cell just made */
@@ -160,8 +170,9 @@ void text_table_put(const struct text_table *table, struct buffer *out);
 
 /* ---- columns: what a result consists of, described once beside its struct ----
  *
- * A result is an array of structs; a column says where a value of such a struct is, what it is called by programs and
- * by people, and how people see it. Records, tables to files and tables for people are made of the same columns.
+ * A result is an array of structs; a column says where a value of such a struct is, what it is
+ * called by programs and by people, and how people see it. Records, tables to files and tables for
+ * people are made of the same columns.
  */
 
 enum column_kind {
@@ -176,26 +187,29 @@ enum column_kind {
 enum column_flag {
     COLUMN_NO_RECORD = 1,
     COLUMN_NO_FILE = 2,
-    COLUMN_IF_ANY = 4, /* for people only where a row has a value, not 0 where it is a number of things */
-    COLUMN_WIDE = 8,   /* for people only where there is much room */
+    COLUMN_IF_ANY =
+        4, /* for people only where a row has a value, not 0 where it is a number of things */
+    COLUMN_WIDE = 8, /* for people only where there is much room */
 };
 
 struct result_column {
-    const char *name;       /* key of records, column of files */
-    const char *heading;    /* for people */
+    const char *name;                       /* key of records, column of files */
+    const char *heading;                    /* for people */
     const char *(*head)(const void *first); /* the same where it depends on the first row */
-    int place;              /* among the columns for people, from 1; 0: it is not there */
+    int index; /* among the columns for people, from 1; 0: it is not there */
     unsigned flags;
     enum column_kind kind;
     enum quantity quantity; /* of a real */
-    enum quantity (*quantity_of)(const void *row); /* where rows differ; files have the first row's unit */
-    size_t at;              /* offset in the struct */
+    enum quantity (*quantity_of)(
+        const void *row);                 /* where rows differ; files have the first row's unit */
+    size_t at;                            /* offset in the struct */
     double (*real)(const void *row);      /* or what gives the value: */
     int64_t (*number)(const void *row);   /* COLUMN_COUNT */
     const char *(*text)(const void *row); /* COLUMN_NAME */
-    bool (*any)(const void *row); /* COLUMN_IF_ANY: where that is more than a value */
-    int digits;                   /* for people, of a real; 0: 3 */
-    void (*look)(struct text_table *table, double value);    /* a real for people, cell_error for one */
+    bool (*any)(const void *row);         /* COLUMN_IF_ANY: where that is more than a value */
+    int digits;                           /* for people, of a real; 0: 3 */
+    void (*look)(struct text_table *table,
+                 double value); /* a real for people, cell_error for one */
     void (*cell)(struct text_table *table, const void *row); /* or the whole cell */
 };
 
@@ -205,26 +219,31 @@ struct result_columns {
     size_t size; /* [byte] of a row's struct */
 };
 
-#define RESULT_COLUMNS(array, type) {array, (int)COUNT_OF(array), sizeof(type)}
+#define RESULT_COLUMNS(array, type)                                                                \
+    {                                                                                              \
+        array, (int)COUNT_OF(array), sizeof(type)                                                  \
+    }
 
-/* Fields of one row in the object that is open; reply_records(): each row as a record of that kind. */
+/* Fields of one row in the object that is open; reply_records(): each row as a record of that kind.
+ */
 void reply_columns(struct reply *reply, const struct result_columns *columns, const void *row);
-void reply_records(struct reply *reply, const char *kind, const struct result_columns *columns, const void *rows,
-                   size_t count);
-/* The table to files, without keys, from the arena; it holds when the rows are gone, as long as what their names point
- * to. False: no memory. */
-bool columns_table(const struct result_columns *columns, const void *rows, size_t count, struct arena *arena,
-                   struct table *table);
-/* Adds heading and cells to a table that is empty; its `columns` is counted here. A failure is in table->failed. */
+void reply_records(struct reply *reply, const char *kind, const struct result_columns *columns,
+                   const void *rows, size_t count);
+/* The table to files, without keys, from the arena; it holds when the rows are gone, as long as
+ * what their names point to. False: no memory. */
+bool columns_table(const struct result_columns *columns, const void *rows, size_t count,
+                   struct arena *arena, struct table *table);
+/* Adds heading and cells to a table that is empty; its `columns` is counted here. A failure is in
+ * table->failed. */
 void columns_text(const struct result_columns *columns, const void *rows, size_t count, bool wide,
                   struct text_table *table);
 
 /* ---- documents ----
  *
- * A document written twice at once, as Markdown (CommonMark with tables) and as HTML5. Own words are escaped; what came
- * from users or files (names, notes, paths) goes through document_name() and can become nothing but code.
+ * A document written twice at once, as Markdown (CommonMark with tables) and as HTML5. Own words
+ * are escaped; what came from users or files (names, notes, paths) goes through document_name() and
+ * can become nothing but code.
  */
-
 
 enum block {
     BLOCK_TITLE,
@@ -260,7 +279,8 @@ void document_link(struct document *document, const char *file, const char *word
 void document_put(struct document *document, enum block block, const char *words);
 void document_heading_ends(struct document *document);
 /* A picture from a file, NULL: there is none, the text stands for it. */
-void document_figure(struct document *document, const char *picture, const char *alternative, struct text text);
+void document_figure(struct document *document, const char *picture, const char *alternative,
+                     struct text text);
 void document_code(struct document *document, struct text code);
 void document_answer(struct document *document); /* an empty place */
 

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * run: the plan (what this scene really needs), advancing, the trace, observables, the energy ledger, stop reasons.
+ * run: the plan (what this scene really needs), advancing, the trace, observables, the energy
+ * ledger, stop reasons.
  */
 #ifndef HOOKE_RUN_H
 #define HOOKE_RUN_H
@@ -9,10 +10,11 @@
 
 /* ---- trace: what was recorded ----
  *
- * Rows of n state values in chunks; the last row is always the present state, recorded or not. With a fixed step the
- * time is t0 + i dt and not stored. Above the cap the trace is decimated (RECORD_AUTO, whose rows then carry their step
- * index): pairs of buckets merge, keeping of each the first sample and the samples of smallest and largest position, so
- * that no peak is lost. Pointers hold until the run moves.
+ * Rows of n state values in chunks; the last row is always the present state, recorded or not. With
+ * a fixed step the time is t0 + i dt and not stored. Above the cap the trace is decimated
+ * (RECORD_AUTO, whose rows then carry their step index): pairs of buckets merge, keeping of each
+ * the first sample and the samples of smallest and largest position, so that no peak is lost.
+ * Pointers hold until the run moves.
  */
 
 enum record_rule { RECORD_AUTO, RECORD_ALL, RECORD_EVERY, RECORD_TIMES };
@@ -20,7 +22,8 @@ enum record_rule { RECORD_AUTO, RECORD_ALL, RECORD_EVERY, RECORD_TIMES };
 struct recording_rule {
     enum record_rule rule;
     int64_t every;   /* RECORD_EVERY: each so many steps */
-    double interval; /* [s] > 0, RECORD_TIMES: rows at t0 + k interval, inside of steps too, and the present state */
+    double interval; /* [s] > 0, RECORD_TIMES: rows at t0 + k interval, inside of steps too, and the
+                        present state */
 };
 
 struct trace;
@@ -35,27 +38,32 @@ size_t trace_bytes(const struct trace *trace); /* memory held */
 /* ---- settings and the plan ---- */
 
 /*
- * How fixed steps are computed. A propagator (linear scene of two variables, no drive) multiplies by powers of the
- * method's one-step matrix: no forces are evaluated, and the states differ from the others' by a few eps a step. The
- * other two give the same bits.
+ * How fixed steps are computed. A propagator (linear scene of two variables, no drive) multiplies
+ * by powers of the method's one-step matrix: no forces are evaluated, and the states differ from
+ * the others' by a few eps a step. The other two give the same bits.
  */
 enum kernel { KERNEL_PROPAGATOR, KERNEL_SPECIALISED, KERNEL_GENERAL };
 
-extern const struct catalog kernel_catalog; /* struct row at the enum's place: propagator, specialised, general */
+extern const struct catalog
+    kernel_catalog; /* struct row at the enum's place: propagator, specialised, general */
 
 struct run_settings {
     double dt;  /* [s] > 0: fixed step, and the first guess where adaptive */
     double tol; /* > 0: adaptive where the method can; 0: fixed step */
     enum drag drag;
     enum kernel kernel; /* the fastest way that is allowed */
-    bool compensated; /* fixed steps: what rounding takes from the state is carried along (Kahan 1965) */
+    bool compensated;   /* fixed steps: what rounding takes from the state is carried along (Kahan
+                           1965) */
     struct recording_rule record;
-    bool balanced;   /* somebody will ask for the energy balance: it is taken up while rows are in the cache */
-    bool unbalanced; /* nobody will ask for the work of a run whose rows are more than a step apart: it is not kept */
-    size_t memory; /* [byte] budget for the trace, 0: 1 GiB */
+    bool balanced; /* somebody will ask for the energy balance: it is taken up while rows are in the
+                      cache */
+    bool unbalanced; /* nobody will ask for the work of a run whose rows are more than a step apart:
+                        it is not kept */
+    size_t memory;   /* [byte] budget for the trace, 0: 1 GiB */
 };
 
-/* What will be computed for a scene and a method, and what is left out, as lines for `plan` (filled by plan_describe).
+/* What will be computed for a scene and a method, and what is left out, as lines for `plan` (filled
+ * by plan_describe).
  */
 struct plan {
     bool adaptive;
@@ -65,22 +73,26 @@ struct plan {
     double steps;     /* predicted, NaN if adaptive */
     double bytes;     /* predicted size of the trace */
     double seconds;   /* predicted run time */
-    double growth;    /* predicted amplitude growth a step of the linear oscillator, NaN if not linear */
-    double limit;     /* [s] largest stable dt, looked for only if growth > 1 (NaN otherwise): plan_stable_limit() */
-    int64_t whole;    /* full steps of dt in the span */
-    double partial;   /* [s] last partial step, 0: none */
-    bool exact_end;   /* span is a whole number of steps */
+    double
+        growth; /* predicted amplitude growth a step of the linear oscillator, NaN if not linear */
+    double limit;   /* [s] largest stable dt, looked for only if growth > 1 (NaN otherwise):
+                       plan_stable_limit() */
+    int64_t whole;  /* full steps of dt in the span */
+    double partial; /* [s] last partial step, 0: none */
+    bool exact_end; /* span is a whole number of steps */
 };
 
-/* Checks dt, span, step count (2^53), memory; ERROR_COMMAND with numbers and advice. span [s] may be negative
- * (backwards). */
-bool plan_make(const struct system *system, const struct method *method, const struct run_settings *settings,
-               double span, struct plan *plan, struct error *error);
-/* Supremum of the stable steps [s] of the scene as a linear oscillator: HUGE_VAL every step, 0 none, NaN not linear.
- * Takes milliseconds. */
+/* Checks dt, span, step count (2^53), memory; ERROR_COMMAND with numbers and advice. span [s] may
+ * be negative (backwards). */
+bool plan_make(const struct system *system, const struct method *method,
+               const struct run_settings *settings, double span, struct plan *plan,
+               struct error *error);
+/* Supremum of the stable steps [s] of the scene as a linear oscillator: HUGE_VAL every step, 0
+ * none, NaN not linear. Takes milliseconds. */
 double plan_stable_limit(const struct system *system, const struct method *method, enum drag drag);
-void plan_describe(const struct scene *scene, const struct system *system, const struct method *method,
-                   const struct run_settings *settings, const struct plan *plan, struct buffer *text);
+void plan_describe(const struct scene *scene, const struct system *system,
+                   const struct method *method, const struct run_settings *settings,
+                   const struct plan *plan, struct buffer *text);
 
 /* ---- runs ---- */
 
@@ -110,8 +122,8 @@ static inline bool stop_is_failure(enum stop stop)
            stop == STOP_SINGULAR;
 }
 
-const char *stop_name(
-    enum stop stop); /* the JSON `status`: ok, diverged, cancelled … (STOP_END, STOP_CONDITION, STOP_NONE are ok) */
+const char *stop_name(enum stop stop); /* the JSON `status`: ok, diverged, cancelled … (STOP_END,
+                                          STOP_CONDITION, STOP_NONE are ok) */
 
 struct singularity {
     double t;    /* [s] NAN: none, or it cannot be told */
@@ -127,26 +139,30 @@ struct unsound_step {
 };
 
 /*
- * How far an adaptive run may be from the solution: a distance from the closed form, or from a second solution of
- * another kind at a hundredth of the tolerance. Unit: the largest value of each variable so far, at least its size along
- * the run (struct controller), or atol / tol where atol is given.
+ * How far an adaptive run may be from the solution: a distance from the closed form, or from a
+ * second solution of another kind at a hundredth of the tolerance. Unit: the largest value of each
+ * variable so far, at least its size along the run (struct controller), or atol / tol where atol is
+ * given.
  */
-#define OPINION_WRONG 100  /* tolerances: errors beyond deserve a warning */
-#define OPINION_BUDGET 4e5 /* evaluations and Jacobians, over the number of variables: some milliseconds */
-#define OPINION_SHARE 0.1  /* of the run's own, where that is more, */
-#define OPINION_DOUBT 0.45 /* where the first part says that the end may be wrong, */
+#define OPINION_WRONG 100 /* tolerances: errors beyond deserve a warning */
+#define OPINION_BUDGET                                                                             \
+    4e5 /* evaluations and Jacobians, over the number of variables: some milliseconds */
+#define OPINION_SHARE 0.1        /* of the run's own, where that is more, */
+#define OPINION_DOUBT 0.45       /* where the first part says that the end may be wrong, */
 #define OPINION_BUDGET_DOUBT 4e6 /* or this over the number of variables: a tenth of a second */
 
 struct opinion {
-    double error; /* at the end, or in the mean over time if larger; where t is not the run's, what its growth makes of
-                     it there. NAN: there is no opinion */
-    double most;  /* the largest on the way: where values jump an error of time is one of them */
+    double error; /* at the end, or in the mean over time if larger; where t is not the run's, what
+                     its growth makes of it there. NAN: there is no opinion */
+    double max;   /* the largest on the way: where values jump an error of time is one of them */
     double t;     /* [s] compared up to there */
-    double lost;  /* [s] from there on it is as large as the motion, or will be by its growth; NAN: nowhere */
+    double lost;  /* [s] from there on it is as large as the motion, or will be by its growth; NAN:
+                     nowhere */
     double work;  /* evaluations and Jacobians of the second solution */
-    double end[LIMIT_VARIABLES]; /* [n] distances at t [SI]; where t is not the run's, grown as `error` is */
-    const struct method *by; /* NULL: the closed form */
-    double tol;              /* of it */
+    double end[LIMIT_VARIABLES]; /* [n] distances at t [SI]; where t is not the run's, grown as
+                                    `error` is */
+    const struct method *by;     /* NULL: the closed form */
+    double tol;                  /* of it */
 };
 
 struct run {
@@ -177,42 +193,46 @@ struct run {
 };
 
 /* A run at its start (one recorded row). NULL with error. */
-struct run *run_create(const struct scene *scene, const struct method *method, const struct run_settings *settings,
-                       double span, struct error *error);
+struct run *run_create(const struct scene *scene, const struct method *method,
+                       const struct run_settings *settings, double span, struct error *error);
 void run_destroy(struct run *run);
 
 /*
- * Something to notice on the way: the expression passes through 0. Looked for in each step on the method's dense
- * output, on which it is located to rounding; bounds of the expression there prove that none is missed, or the run says
- * where they do not (run_event_doubt). Not at the very start of the run; at its end, also where it is due but for
- * rounding. Those at the same time but for rounding are at one, in the order of definition.
+ * Something to notice on the way: the expression passes through 0. Looked for in each step on the
+ * method's dense output, on which it is located to rounding; bounds of the expression there prove
+ * that none is missed, or the run says where they do not (run_event_doubt). Not at the very start
+ * of the run; at its end, also where it is due but for rounding. Those at the same time but for
+ * rounding are at one, in the order of definition.
  */
-#define LIMIT_EVENTS 16 /* looked for at once */
-#define LIMIT_HAPPENINGS 1000000 /* kept of a run: one more is STOP_FULL */
+#define LIMIT_EVENTS 16             /* looked for at once */
+#define LIMIT_EVENT_RECORDS 1000000 /* kept of a run: one more is STOP_FULL */
 
 struct event {
     char name[LIMIT_NAME + 1];
-    const struct expr *left, *right; /* the value is left - right; right NULL: left */
+    const struct expr *left, *right;  /* the value is left - right; right NULL: left */
     double left_factor, right_factor; /* of units */
-    int direction;                   /* 1: rising, -1: falling, 0: both */
-    bool touching;                   /* also where it becomes 0, but for errors, and goes back */
-    bool stop;                       /* the run stops there: STOP_CONDITION */
-    const struct expr_scope *scope;  /* loads observables of the run's present state; set by the caller */
+    int direction;                    /* 1: rising, -1: falling, 0: both */
+    bool touching;                    /* also where it becomes 0, but for errors, and goes back */
+    bool stop;                        /* the run stops there: STOP_CONDITION */
+    const struct expr_scope
+        *scope; /* loads observables of the run's present state; set by the caller */
 };
 
-/* EXPR [rising|falling|touching], or a comparison: where it becomes true. Fills left … direction; *used [byte]. */
-bool event_compile(struct text text, const struct expr_scope *scope, struct arena *arena, struct event *event,
-                   size_t *used, struct error *error);
+/* EXPR [rising|falling|touching], or a comparison: where it becomes true. Fills left … direction;
+ * *used [byte]. */
+bool event_compile(struct text text, const struct expr_scope *scope, struct arena *arena,
+                   struct event *event, size_t *used, struct error *error);
 
 /* One that was noticed. */
-struct happening {
+struct event_record {
     int event;     /* place in the target's list */
     int direction; /* 1 rising, -1 falling, 0 touching */
     int64_t step;  /* of the run after it */
     double t;      /* [s] */
 };
 
-/* Where bounds did not prove that an event was not missed: steps were longer than its own time scale. */
+/* Where bounds did not prove that an event was not missed: steps were longer than its own time
+ * scale. */
 struct event_doubt {
     int64_t steps;   /* 0: nowhere */
     double from, to; /* [s] the first of them and the last */
@@ -220,90 +240,101 @@ struct event_doubt {
 
 /* event: its place in the targets' lists; LIMIT_EVENTS: the condition. */
 struct event_doubt run_event_doubt(const struct run *run, int event);
-size_t run_happenings(const struct run *run);
-const struct happening *run_happening(const struct run *run, size_t i);
-const double *run_happening_state(const struct run *run, size_t i); /* [n] */
+size_t run_event_records(const struct run *run);
+const struct event_record *run_event_record(const struct run *run, size_t i);
+const double *run_event_record_state(const struct run *run, size_t i); /* [n] */
 
 struct run_target {
-    double t;                          /* [s] go there; HUGE_VAL: no end */
-    int64_t steps;                     /* at most so many more steps, counted from this call; < 0: no limit */
-    const struct condition *condition; /* stop where it becomes true (looked for as events are, located by steps of the
-                                          method), or NULL; true at the start, it must become false first; with
-                                          <= and >= it is true where it touches, within the errors of the run */
-    const struct expr_scope *scope;    /* of the condition; loads observables of this run's current state */
-    const struct event *event;         /* [events] */
+    double t;      /* [s] go there; HUGE_VAL: no end */
+    int64_t steps; /* at most so many more steps, counted from this call; < 0: no limit */
+    const struct condition
+        *condition; /* stop where it becomes true (looked for as events are, located by steps of the
+                       method), or NULL; true at the start, it must become false first; with
+                       <= and >= it is true where it touches, within the errors of the run */
+    const struct expr_scope
+        *scope;                /* of the condition; loads observables of this run's current state */
+    const struct event *event; /* [events] */
     int events;
 };
 
 /* Since when dry friction holds the body, by the rows that were recorded [s]; NAN: it does not. */
 double run_rest(const struct run *run);
 /*
- * Advances until the target, a stop reason, cancellation or `budget_ns` (0: none). True while there is more to do. The
- * rows recorded do not depend on how the work is cut into calls. The last partial step is local: settings.dt is
- * unchanged and a later call continues on the grid t0 + i dt where it can: after a partial step (end of a span,
- * condition) and after a turn a new grid starts at the present time. A failed step leaves the state before it, bit for
- * bit, and so does one that cannot be recorded (STOP_FULL); calling again tries again.
+ * Advances until the target, a stop reason, cancellation or `budget_ns` (0: none). True while there
+ * is more to do. The rows recorded do not depend on how the work is cut into calls. The last
+ * partial step is local: settings.dt is unchanged and a later call continues on the grid t0 + i dt
+ * where it can: after a partial step (end of a span, condition) and after a turn a new grid starts
+ * at the present time. A failed step leaves the state before it, bit for bit, and so does one that
+ * cannot be recorded (STOP_FULL); calling again tries again.
  */
-bool run_advance(struct run *run, const struct run_target *target, int64_t budget_ns, const struct cancel *cancel);
+bool run_advance(struct run *run, const struct run_target *target, int64_t budget_ns,
+                 const struct cancel *cancel);
 /*
- * Back by `rows` recorded rows (never integrates backwards); false: fewer are there (goes to the start). Restores time,
- * state and the parameters then in force, not what a multistep method remembers or a step control has learnt: these
- * start again; a propagator does not know the middle of its block any more where the trace is decimated. A row inside
- * of a step (RECORD_TIMES) becomes the end of that step.
+ * Back by `rows` recorded rows (never integrates backwards); false: fewer are there (goes to the
+ * start). Restores time, state and the parameters then in force, not what a multistep method
+ * remembers or a step control has learnt: these start again; a propagator does not know the middle
+ * of its block any more where the trace is decimated. A row inside of a step (RECORD_TIMES) becomes
+ * the end of that step.
  */
 bool run_back(struct run *run, int64_t rows);
 /*
- * A parameter changed while the run goes on: rebinds from `scene` at the present step; y0, v0, t0 have no effect. The
- * grid of times stays, the exact solution is continued from its own value, and the change of energy counts as work. The
- * run is unchanged on error.
+ * A parameter changed while the run goes on: rebinds from `scene` at the present step; y0, v0, t0
+ * have no effect. The grid of times stays, the exact solution is continued from its own value, and
+ * the change of energy counts as work. The run is unchanged on error.
  */
 bool run_rebind(struct run *run, const struct scene *scene, struct error *error);
 /* The scene that was in force on the way to the state of a row. */
 const struct system *run_system_to(const struct run *run, size_t row);
-/* Takes back what run_rebind() has changed at the present step, if anything: the run has the scene of before. */
+/* Takes back what run_rebind() has changed at the present step, if anything: the run has the scene
+ * of before. */
 void run_unbind(struct run *run);
 /*
- * Gives variable i of the present state another value, in a step of no length: two rows at one time. The change of
- * energy counts as work, and from there on no exact solution is known. run_back() does not stop at the row before the
- * jump. The run is unchanged on error: a value that no run may reach, no room.
+ * Gives variable i of the present state another value, in a step of no length: two rows at one
+ * time. The change of energy counts as work, and from there on no exact solution is known.
+ * run_back() does not stop at the row before the jump. The run is unchanged on error: a value that
+ * no run may reach, no room.
  */
 bool run_kick(struct run *run, int i, double value, struct error *error);
 /*
- * Where the solution through (t, y) ends before `end`. Integrates at most 20000 steps of dop853; allocates.
- * src/run/singular.c has the criterion.
+ * Where the solution through (t, y) ends before `end`. Integrates at most 20000 steps of dop853;
+ * allocates. src/run/singular.c has the criterion.
  */
-struct singularity system_singularity(const struct system *system, double t, const double *y, double end);
+struct singularity system_singularity(const struct system *system, double t, const double *y,
+                                      double end);
 /* "goes to infinity", "ends with an infinite slope": follows "the solution" */
 const char *singularity_text(const struct singularity *singularity);
-/* Whether a run has failed because its solution ends there, or has stepped over such an end: then stop becomes
- * STOP_SINGULAR. Looks at the rows since the last call. */
+/* Whether a run has failed because its solution ends there, or has stepped over such an end: then
+ * stop becomes STOP_SINGULAR. Looks at the rows since the last call. */
 void run_diagnose(struct run *run);
-/* Why it stopped, as a sentence for the user: "diverged at t = 12.31 s (step 18): dt = 0.7 s is above …; try dt <= 0.06
- * s". */
+/* Why it stopped, as a sentence for the user: "diverged at t = 12.31 s (step 18): dt = 0.7 s is
+ * above …; try dt <= 0.06 s". */
 void run_explain(const struct run *run, struct buffer *text);
 /*
- * Fills run->opinion up to the present state of an adaptive run: nothing else of it changes. Compares recorded states,
- * at most 256 in a call. Not `whole`: stops where its work gets larger than OPINION_BUDGET and OPINION_SHARE of the
- * run's own, or OPINION_BUDGET_DOUBT and OPINION_DOUBT where the error so far makes the rest doubtful. src/run/opinion.c has the way.
+ * Fills run->opinion up to the present state of an adaptive run: nothing else of it changes.
+ * Compares recorded states, at most 256 in a call. Not `whole`: stops where its work gets larger
+ * than OPINION_BUDGET and OPINION_SHARE of the run's own, or OPINION_BUDGET_DOUBT and OPINION_DOUBT
+ * where the error so far makes the rest doubtful. src/run/opinion.c has the way.
  */
 void run_second_opinion(struct run *run, bool whole, const struct cancel *cancel);
-/* below [n]: how small a variable of an adaptive run is next to the error that it allows, or has by its second opinion,
- * and not only because it passes through 0: none of its digits is certain, it is less than that [SI]. 0: others. How
- * many. */
+/* below [n]: how small a variable of an adaptive run is next to the error that it allows, or has by
+ * its second opinion, and not only because it passes through 0: none of its digits is certain, it
+ * is less than that [SI]. 0: others. How many. */
 int run_below_tolerance(const struct run *run, double *below);
-/* A short time at which the equations do something that no step has seen, where all steps are recorded; since it was
- * last asked. */
+/* A short time at which the equations do something that no step has seen, where all steps are
+ * recorded; since it was last asked. */
 bool run_missed_burst(struct run *run, struct burst *missed);
 
 /* ---- observables ----
  *
- * Functions of a recorded row, computed when something asks. Columns of exports, axes of plots, names in expressions.
+ * Functions of a recorded row, computed when something asks. Columns of exports, axes of plots,
+ * names in expressions.
  */
 struct sample { /* one row of a run, or its current state */
     const struct run *run;
     double t;
-    const double *y;     /* [n] */
-    double work;         /* [J] work of non-conservative forces since the start; valid if the observable needs it */
+    const double *y; /* [n] */
+    double work;     /* [J] work of non-conservative forces since the start; valid if the observable
+                        needs it */
     double dissipated;   /* [J] the part that drag took away, >= 0 for real drag; with NEED_WORK */
     double initial;      /* [J] energy at the start; with NEED_WORK */
     const double *exact; /* [n] exact state; with NEED_EXACT */
@@ -314,12 +345,14 @@ enum observable_need {
     NEED_EXACT = 1,     /* the closed form */
     NEED_WORK = 2,      /* work since the start */
     NEED_MECHANICS = 4, /* a second-order scene: mass, forces, energy */
-    NEED_CENTRE = 8,    /* a linear oscillation about an equilibrium: a whole oscillator, stiffness > 0 */
-    NEED_LINE = 64,     /* one coordinate, in metres */
-    NEED_POWER = 32,    /* says nothing in a conservative scene, where it is 0: lists may leave it out */
-    NEED_ENERGY = 128,  /* struct system's energy */
-    NEED_RATIO =
-        16, /* the value is a ratio of energies: states, work and energies come scaled so that squares stay in range */
+    NEED_CENTRE =
+        8, /* a linear oscillation about an equilibrium: a whole oscillator, stiffness > 0 */
+    NEED_LINE = 64, /* one coordinate, in metres */
+    NEED_POWER =
+        32, /* says nothing in a conservative scene, where it is 0: lists may leave it out */
+    NEED_ENERGY = 128, /* struct system's energy */
+    NEED_RATIO = 16,   /* the value is a ratio of energies: states, work and energies come scaled so
+                          that squares stay in range */
 };
 
 struct observable {
@@ -332,21 +365,24 @@ struct observable {
 extern const struct catalog observable_catalog;
 
 /*
- * y, v and a are the first coordinate of the scene (theta of a pendulum), error and exact too; their quantity is that
- * of the variable. In a scene without units every quantity is a number. Rows show those of the oscillator.
+ * y, v and a are the first coordinate of the scene (theta of a pendulum), error and exact too;
+ * their quantity is that of the variable. In a scene without units every quantity is a number. Rows
+ * show those of the oscillator.
  */
 enum quantity observable_quantity(const struct observable *observable, const struct system *system);
 const char *observable_unit(const struct observable *observable, const struct system *system);
 /* Whether an observable means something for this system. */
-bool observable_defined(const struct observable *observable, const struct system *system, bool exact_known);
+bool observable_defined(const struct observable *observable, const struct system *system,
+                        bool exact_known);
 /* The energy, or the kinetic energy where that is all there is. */
 const struct observable *observable_energy(const struct system *system);
 
 /* Where the oscillator rests, about which its free motion swings; false: there is no such place. */
 bool run_centre(const struct run *run, double *centre);
-/* Column `observable` over all rows of the trace into out [trace_count]; false: not defined for this run (no exact
- * solution …), with reason. */
-bool run_column(const struct run *run, const struct observable *observable, double *out, struct error *error);
+/* Column `observable` over all rows of the trace into out [trace_count]; false: not defined for
+ * this run (no exact solution …), with reason. */
+bool run_column(const struct run *run, const struct observable *observable, double *out,
+                struct error *error);
 /* State variable i (0 … n - 1) over all rows of the trace into out [trace_count]. */
 void run_variable_column(const struct run *run, int i, double *out);
 /* Quantity i that a typed scene observes, likewise, and at the present state. */
@@ -355,18 +391,21 @@ double run_observed(const struct run *run, int i);
 /* Value at the run's present state. NAN if not defined. */
 double run_observable(const struct run *run, const struct observable *observable);
 /*
- * Names for expressions: the state variables, then what the scene observes, then the observables (energy-error is also
- * energy_error), at the run's present state. A caller that knows more names wraps find, load and offer; slots here are 0 … run_scope_slots() - 1.
+ * Names for expressions: the state variables, then what the scene observes, then the observables
+ * (energy-error is also energy_error), at the run's present state. A caller that knows more names
+ * wraps find, load and offer; slots here are 0 … run_scope_slots() - 1.
  */
 bool run_scope(const struct run *run, struct expr_scope *scope);
 int run_scope_slots(const struct run *run);
 
 /*
- * Energy ledger: largest |E - E0 - W|/E0 after any step, recorded or not, W = work of drag and drive since the start (0
- * for conservative scenes, where it is not computed), of jumps and of changes of parameters. Per step W is the integral
- * of the power along the quintic Hermite interpolant of both states. It is summed up while the run goes on where the
- * trace leaves steps out, else when somebody asks, from where it was asked for last. Where E0 = 0 the unit is the
- * largest |E| so far; NAN if that is 0 too, for first-order scenes, and where settings.unbalanced has left it out.
+ * Energy ledger: largest |E - E0 - W|/E0 after any step, recorded or not, W = work of drag and
+ * drive since the start (0 for conservative scenes, where it is not computed), of jumps and of
+ * changes of parameters. Per step W is the integral of the power along the quintic Hermite
+ * interpolant of both states. It is summed up while the run goes on where the trace leaves steps
+ * out, else when somebody asks, from where it was asked for last. Where E0 = 0 the unit is the
+ * largest |E| so far; NAN if that is 0 too, for first-order scenes, and where settings.unbalanced
+ * has left it out.
  */
 struct ledger {
     double initial;   /* [J] E0 */
@@ -378,20 +417,22 @@ struct ledger {
 };
 void run_ledger(const struct run *run, struct ledger *ledger);
 /*
- * Largest energy of a recorded state over that at the start, where the motion went through far larger energies than it
- * began and ended with: what an error "of E0" is then to be seen against. NAN: it did not. Passes over all rows.
+ * Largest energy of a recorded state over that at the start, where the motion went through far
+ * larger energies than it began and ended with: what an error "of E0" is then to be seen against.
+ * NAN: it did not. Passes over all rows.
  */
 double run_energy_peak(const struct run *run, const struct ledger *ledger);
 
 /*
- * Errors against the exact solution over the recorded rows, in units of the amplitude max |y_exact|; all NAN where none
- * is known. With several coordinates, and in first-order scenes, the largest over the variables, each in units of its
- * own amplitude.
+ * Errors against the exact solution over the recorded rows, in units of the amplitude max
+ * |y_exact|; all NAN where none is known. With several coordinates, and in first-order scenes, the
+ * largest over the variables, each in units of its own amplitude.
  */
 struct run_errors {
     double end;       /* distance at the end */
     double max;       /* largest distance on the trace */
-    double phase;     /* [rad] phase of numerical over exact oscillation at the end; NAN: nothing oscillates linearly */
+    double phase;     /* [rad] phase of numerical over exact oscillation at the end; NAN: nothing
+                         oscillates linearly */
     double amplitude; /* relative amplitude error at the end */
     double floor;     /* conditioning floor of the exact solution */
 };

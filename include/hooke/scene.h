@@ -2,12 +2,12 @@
 /*
  * scene: expressions, force terms, parameters, presets, exact solutions.
  *
- * A scene is what the user sets (parameters by name, in lab notation). scene_bind() turns it into a system: the terms
- * that are really there with their coefficients, which is all that integrators see. A term whose coefficient is zero is
- * not in the system and costs nothing.
+ * A scene is what the user sets (parameters by name, in lab notation). scene_bind() turns it into a
+ * system: the terms that are really there with their coefficients, which is all that integrators
+ * see. A term whose coefficient is zero is not in the system and costs nothing.
  *
- * State vector of n variables: a second-order scene holds n/2 positions, then n/2 velocities; a first-order scene holds
- * n values. The spring is n = 2: y [m], v [m/s].
+ * State vector of n variables: a second-order scene holds n/2 positions, then n/2 velocities; a
+ * first-order scene holds n values. The spring is n = 2: y [m], v [m/s].
  */
 #ifndef HOOKE_SCENE_H
 #define HOOKE_SCENE_H

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * session: set-up, settings, runs, recordings, what the screen shows. It changes only by executing command lines.
+ * session: set-up, settings, runs, recordings, what the screen shows. It changes only by executing
+ * command lines.
  */
 #ifndef HOOKE_SESSION_H
 #define HOOKE_SESSION_H
@@ -19,47 +20,50 @@ struct named_value {
     char name[LIMIT_NAME + 1];
     double value, uncertainty; /* SI */
     enum quantity quantity;    /* QUANTITY_OTHER: unknown */
-    double below;              /* of a state: no digit is certain, it is less than that; 0: they are */
+    double below; /* of a state: no digit is certain, it is less than that; 0: they are */
 };
 
-struct events; /* private: what is watched for on the way; a list never changes and lives as long as its session */
+struct events; /* private: what is watched for on the way; a list never changes and lives as long as
+                  its session */
 
 /* The part that is plain data: undo copies it. */
 struct setup {
     struct scene scene;
-    const struct preset *own[LIMIT_OWN]; /* scenes that are all typed, as they were when last changed */
+    const struct preset
+        *own[LIMIT_OWN]; /* scenes that are all typed, as they were when last changed */
     int owns;
     const struct events *events; /* of the next run; NULL: none */
     const struct method *method;
     bool method_chosen; /* by name */
-    enum drag drag; /* DRAG_DEFAULT: the method's own */
-    bool fixed;     /* dt= was given with the method: fixed steps although it could adapt */
+    enum drag drag;     /* DRAG_DEFAULT: the method's own */
+    bool fixed;         /* dt= was given with the method: fixed steps although it could adapt */
     struct settings settings;
     struct named_value let[LIMIT_LET];
     int lets;
 };
 
-struct leg; /* private: one thing that was asked of a run (go there, change a parameter, go back) */
+struct request; /* private: one thing that was asked of a run (go there, change a parameter, go
+                   back) */
 
 /* Runs and recordings are shared by the session and its undo entries. */
-struct held_run {
+struct run_slot {
     struct run *run;
     int references;
-    char *note;      /* NULL: none */
-    struct leg *last; /* the end of the list of what was asked of the run since its start, which recreates it bit for
-                         bit; shared with undo entries. NULL: nothing yet */
-    struct run_mark *mark; /* private to undo.c: as the latest entry has it, NULL: none */
+    char *note;           /* NULL: none */
+    struct request *last; /* the end of the list of what was asked of the run since its start, which
+                         recreates it bit for bit; shared with undo entries. NULL: nothing yet */
+    struct run_mark *mark;       /* private to undo.c: as the latest entry has it, NULL: none */
     const struct events *events; /* as they were when it began; NULL: none */
 };
 
 struct run_row { /* a run in the list of them */
-    const struct held_run *held;
+    const struct run_slot *slot;
     bool current;
 };
 
 extern const struct result_columns run_columns; /* of struct run_row */
 
-struct held_recording {
+struct recording_slot {
     struct recording *recording;
     int references;
     char *options; /* as they have to stand after the file name to load it again */
@@ -85,7 +89,7 @@ struct measurement {
 extern const struct result_columns measurement_columns; /* of struct measurement */
 
 /* A fit that converged, for the report. */
-struct kept_fit {
+struct stored_fit {
     struct fit fit;
     enum quantity quantity; /* of what was fitted */
     struct measured k;      /* NAN: nobody had said what the mass is */
@@ -102,14 +106,16 @@ enum live_state { LIVE_IDLE, LIVE_RUNNING, LIVE_PAUSED, LIVE_DIVERGED };
 
 struct live {
     enum live_state state;
-    double speed;     /* simulated seconds a second; HUGE_VAL: as fast as possible */
-    double achieved;  /* the same, measured over the last second; below speed: "RUNNING 0.4x (CPU)" */
+    double speed; /* simulated seconds a second; HUGE_VAL: as fast as possible */
+    double
+        achieved; /* the same, measured over the last second; below speed: "RUNNING 0.4x (CPU)" */
     double fraction;  /* of the way to the target, < 0: unknown */
     double marks[32]; /* [s] the latest times at which parameters were changed during the run */
     int mark_count;
-    bool pausing;                /* asked to pause at the next look */
-    bool changing;               /* private: the present command changes the current run */
-    struct buffer record, typed; /* private: what `record` writes instead of the present statement, and after it */
+    bool pausing;  /* asked to pause at the next look */
+    bool changing; /* private: the present command changes the current run */
+    struct buffer record,
+        typed; /* private: what `record` writes instead of the present statement, and after it */
 };
 
 struct snapshot; /* private: undo, redo, checkpoints */
@@ -118,28 +124,32 @@ enum front_change { FRONT_PANES, FRONT_PLAIN, FRONT_REDRAW };
 
 /* What the front end offers; the session only calls it. Every callback may be NULL. */
 struct front {
-    bool interactive; /* a person types: prefixes of names are accepted, long runs are asked about instead of refused */
-    bool utf8, color; /* what the output can show */
+    bool interactive;  /* a person types: prefixes of names are accepted, long runs are asked about
+                          instead of refused */
+    bool utf8, color;  /* what the output can show */
     int width, height; /* [cell] of the output, 0: 80x24 */
     const struct cancel *cancel;
     void *context;
     bool (*confirm)(void *context, const char *question);
     void (*progress)(void *context, const struct run *run,
-                     double fraction); /* between slices; fraction < 0: unknown; > 1: over, erase; run NULL: a study */
+                     double fraction); /* between slices; fraction < 0: unknown; > 1: over, erase;
+                                          run NULL: a study */
     void (*clear)(void *context);
     /*
-     * Live runs. `watched`: a person watches a screen of panes. Then run and continue advance in slices of at most 10
-     * ms and call `slice` between them: it polls the terminal, executes what was typed (command_exec may be called
-     * again from inside; what would disturb the run is refused) and draws. It returns at the latest at `until`
-     * [clock_ns]; false: pause.
+     * Live runs. `watched`: a person watches a screen of panes. Then run and continue advance in
+     * slices of at most 10 ms and call `slice` between them: it polls the terminal, executes what
+     * was typed (command_exec may be called again from inside; what would disturb the run is
+     * refused) and draws. It returns at the latest at `until` [clock_ns]; false: pause.
      */
     bool watched;
     bool (*slice)(void *context, struct session *session, int64_t until);
-    /* Draws the present screen into a file, as ncurses would show it (batch: of front.width x height). */
-    bool (*screenshot)(void *context, const struct session *session, const char *path, struct write_policy policy,
-                       struct error *error);
+    /* Draws the present screen into a file, as ncurses would show it (batch: of front.width x
+     * height). */
+    bool (*screenshot)(void *context, const struct session *session, const char *path,
+                       struct write_policy policy, struct error *error);
     /* The same as lines of text, for `screenshot` without a file. */
-    bool (*screen)(void *context, const struct session *session, struct buffer *text, struct error *error);
+    bool (*screen)(void *context, const struct session *session, struct buffer *text,
+                   struct error *error);
     /* [s] from, to of the time axis on that screen; false: it has none. */
     bool (*time_shown)(void *context, const struct session *session, double span[2]);
     /* Changes of the front end itself; false: not possible here, with the reason. */
@@ -149,7 +159,7 @@ struct front {
 /* What `adopt` took last: the scene as it became, and covariances of what is uncertain in it. */
 struct adopted_fit {
     struct scene scene;                                     /* model NULL: nothing was adopted */
-    int place[CURVE_PARAMETERS], count;                     /* of the parameters */
+    int index[CURVE_PARAMETERS], count;                     /* of the parameters */
     double covariance[CURVE_PARAMETERS * CURVE_PARAMETERS]; /* [count][count] */
     struct exact_names exact;
     char of[LIMIT_NAME + 16]; /* "data swing3": what was fitted */
@@ -159,12 +169,12 @@ struct adopted_fit {
 struct fit_band {
     int run; /* its number; 0: none was looked for */
     size_t rows;
-    double end;             /* [s] rows and end of the run when it was */
+    double end; /* [s] rows and end of the run when it was */
     struct adopted_fit of;
-    size_t n;               /* 0: it has none */
+    size_t n; /* 0: it has none */
     int variables;
-    double from, step;      /* [s] */
-    double *half;           /* [variables][n] half the width */
+    double from, step; /* [s] */
+    double *half;      /* [variables][n] half the width */
 };
 
 enum studied { STUDIED_NONE, STUDIED_PRECISION, STUDIED_SWEEP, STUDIED_TABLE };
@@ -172,16 +182,17 @@ enum studied { STUDIED_NONE, STUDIED_PRECISION, STUDIED_SWEEP, STUDIED_TABLE };
 struct session {
     struct front front;
     struct setup setup;
-    struct typed_models *models; /* all that the user has typed: set-up, runs and undo point there */
-    struct events *events;      /* likewise, the newest first */
-    struct held_run *run[LIMIT_RUNS];
+    struct typed_models
+        *models;           /* all that the user has typed: set-up, runs and undo point there */
+    struct events *events; /* likewise, the newest first */
+    struct run_slot *run[LIMIT_RUNS];
     int runs, current_run; /* index, -1: none */
     int next_run;          /* number of the next run */
     bool told_method;      /* that nobody has chosen one */
     bool told_assumed;     /* which duration and tolerance this scene gets */
-    struct held_recording *recording[LIMIT_RECORDINGS];
+    struct recording_slot *recording[LIMIT_RECORDINGS];
     int recordings, current_recording; /* index, -1: none */
-    bool data_is_latest;               /* the recording is more recent than the run: measure acts on it */
+    bool data_is_latest; /* the recording is more recent than the run: measure acts on it */
 
     struct named_value result[LIMIT_RESULTS]; /* of measurements and fits */
     int results;
@@ -192,23 +203,24 @@ struct session {
     /* Where the last fit was one of the scene or of a formula: */
     double *fit_curve[2]; /* [fit_samples] its times and values; NULL: fit_value() */
     size_t fit_samples;
-    struct scene fit_scene; /* as fitted; model NULL: it was no fit of the scene */
+    struct scene fit_scene;   /* as fitted; model NULL: it was no fit of the scene */
     bool fit_free[PARAM_MAX]; /* what was fitted there */
     struct adopted_fit adopted;
     struct fit_band band;
-    int fit_modes;            /* so many damped sines at once; 0: it was no fit of modes */
+    int fit_modes; /* so many damped sines at once; 0: it was no fit of modes */
     struct measurement *measurement;
     int measurements;
-    struct kept_fit *kept_fit;
-    int kept_fits;
-    struct precision *precision; /* the last study, for `plot precision` and `export FILE table`; NULL: none */
-    struct arena study_arena;    /* of the table that follows */
-    struct table study;          /* of compare, order or stability: for `export FILE table` */
-    enum studied studied;        /* which of them was the last */
-    int studied_runs;            /* next_run at that time: after a later run its table is the latest */
+    struct stored_fit *stored_fit;
+    int stored_fits;
+    struct precision
+        *precision; /* the last study, for `plot precision` and `export FILE table`; NULL: none */
+    struct arena study_arena; /* of the table that follows */
+    struct table study;       /* of compare, order or stability: for `export FILE table` */
+    enum studied studied;     /* which of them was the last */
+    int studied_runs;         /* next_run at that time: after a later run its table is the latest */
 
     struct references references; /* of the scenes that were studied last */
-    struct sweep *sweep; /* the last one, for `export FILE table`; NULL: none */
+    struct sweep *sweep;          /* the last one, for `export FILE table`; NULL: none */
     struct sweep_measure sweep_measure[SWEEP_MEASURES];
     struct scene sweep_scene;
 
@@ -219,10 +231,10 @@ struct session {
 
     char **history; /* lines executed, oldest first */
     int histories;
-    struct buffer story; /* statements that lead here, as a script (private: story.h) */
-    bool story_fails;    /* one of them ends in an error, as it did: a run that diverged */
-    bool confirmed;      /* the present statement was asked about, and allowed */
-    char *record_path; /* file that executed lines are appended to, NULL: none */
+    struct buffer transcript; /* statements that lead here, as a script (private: story.h) */
+    bool transcript_fails;    /* one of them ends in an error, as it did: a run that diverged */
+    bool confirmed;           /* the present statement was asked about, and allowed */
+    char *record_path;        /* file that executed lines are appended to, NULL: none */
     int record_fd;
     bool keep_going;  /* option -k */
     bool verbose;     /* option -v: lines of scripts are shown before they are executed */
@@ -233,9 +245,10 @@ struct session {
     int commands;     /* statements executed */
     bool typed;       /* the statement being executed was typed by a person */
     int nesting;      /* command_exec inside command_exec */
-    bool halted;      /* a run was paused: what stands after it on the line and in the file is not executed */
-    bool reacting;    /* commands of an event are executed: part of the statement that ran into it */
-    bool passing;     /* the run goes on after them: what they set is not told each time */
+    bool halted;      /* a run was paused: what stands after it on the line and in the file is not
+                         executed */
+    bool reacting; /* commands of an event are executed: part of the statement that ran into it */
+    bool passing;  /* the run goes on after them: what they set is not told each time */
 
     struct view view;
     struct log log;
@@ -248,21 +261,23 @@ void session_destroy(struct session *session);
 /* Appends the commands that recreate the set-up; sourcing them gives the same state. */
 void session_save(const struct session *session, struct buffer *text);
 /*
- * The same with recordings by absolute path, the runs and the view: sourcing it in a new session gives the same
- * exports. Runs that took 2 s or more of computing, and those that stopped at a condition on names that are not saved,
- * are only mentioned in a comment. Measurements are not kept.
+ * The same with recordings by absolute path, the runs and the view: sourcing it in a new session
+ * gives the same exports. Runs that took 2 s or more of computing, and those that stopped at a
+ * condition on names that are not saved, are only mentioned in a comment. Measurements are not
+ * kept.
  */
 void session_autosave(const struct session *session, struct buffer *text);
 /* The parameter says where a run starts, and nothing else. */
-bool param_is_start(const struct scene *scene, int place);
-/* A short description of the scene holds it: m and k of an oscillator, of its many others those that the user or the
- * scene has set; of other models all that act; none that is 0. */
-bool param_matters(const struct scene *scene, int place);
+bool param_is_start(const struct scene *scene, int index);
+/* A short description of the scene holds it: m and k of an oscillator, of its many others those
+ * that the user or the scene has set; of other models all that act; none that is 0. */
+bool param_matters(const struct scene *scene, int index);
 /* Of a new run: dt, tol (0 unless the method adapts), drag, recording. */
 struct run_settings session_run_settings(const struct session *session);
 /* [s] of methods that adapt: the setting dt where the user has set it, else the scene's own. */
 double session_first_step(const struct session *session);
-/* Short state for a prompt or a state line: "spring m=200 g k=15 N/m | euler dt=10 ms | t=9.6 s". */
+/* Short state for a prompt or a state line: "spring m=200 g k=15 N/m | euler dt=10 ms | t=9.6 s".
+ */
 void session_state_line(const struct session *session, struct buffer *text);
 
 static inline struct run *session_run(const struct session *session)
@@ -272,7 +287,9 @@ static inline struct run *session_run(const struct session *session)
 
 static inline struct recording *session_recording(const struct session *session)
 {
-    return session->current_recording >= 0 ? session->recording[session->current_recording]->recording : NULL;
+    return session->current_recording >= 0
+               ? session->recording[session->current_recording]->recording
+               : NULL;
 }
 
 enum charset session_charset(const struct session *session);
@@ -284,20 +301,23 @@ void session_changed(struct session *session);
 void session_studied(struct session *session, enum studied studied);
 /* Takes the run over (also when it fails: then it is destroyed) and makes it the current one. */
 bool session_add_run(struct session *session, struct run *run, struct error *error);
-bool session_add_recording(struct session *session, struct recording *recording, const char *options,
-                           struct error *error);
+bool session_add_recording(struct session *session, struct recording *recording,
+                           const char *options, struct error *error);
 void session_drop_band(struct session *session);
-void session_drop_run(struct session *session, int place);
-void session_drop_recording(struct session *session, int place);
-void held_run_release(struct held_run *held);
-void held_recording_release(struct held_recording *held);
-int session_find_run(const struct session *session, struct text name);       /* number or name; -1: none */
+void session_drop_run(struct session *session, int index);
+void session_drop_recording(struct session *session, int index);
+void run_slot_release(struct run_slot *slot);
+void recording_slot_release(struct recording_slot *slot);
+int session_find_run(const struct session *session,
+                     struct text name); /* number or name; -1: none */
 int session_find_recording(const struct session *session, struct text name); /* -1: none */
-/* The latest one of each model, recording or run, and window; without memory it is only not in the report. */
+/* The latest one of each model, recording or run, and window; without memory it is only not in the
+ * report. */
 /* Values of the last fit at n ascending times [s]; NAN: outside of what it was fitted to. */
 void session_fit_values(const struct session *session, const double *t, size_t n, double *value);
-void session_keep_fit(struct session *session, const struct kept_fit *fit);
-void session_set_result(struct session *session, const char *name, struct measured value, enum quantity quantity);
+void session_store_fit(struct session *session, const struct stored_fit *fit);
+void session_set_result(struct session *session, const char *name, struct measured value,
+                        enum quantity quantity);
 struct write_policy session_policy(const struct session *session, bool force);
 void session_default_settings(struct settings *settings);
 /* Whether the user has set it; what he has not may follow the scene: settings_of_scene(). */
@@ -311,9 +331,10 @@ void settings_of_scene(struct settings *settings, const struct preset *preset);
 void settings_display(struct settings *settings, const struct settings *from);
 void session_size(const struct session *session, int *width, int *height);
 
-struct snapshot *snapshot_take(const struct session *session, const char *label); /* NULL: no memory */
+struct snapshot *snapshot_take(const struct session *session,
+                               const char *label); /* NULL: no memory */
 void snapshot_free(struct snapshot *snapshot);
-void run_unmark(struct held_run *held); /* forget how undo entries last saw it */
+void run_unmark(struct run_slot *slot); /* forget how undo entries last saw it */
 /* Whether going back to it would change anything. */
 bool undo_matters(const struct session *session, const struct snapshot *before);
 void undo_push(struct session *session, struct snapshot *before);
@@ -322,22 +343,22 @@ void undo_clear(struct session *session);
 /* ---- live runs ---- */
 
 /*
- * Advances to the target in slices of at most 10 ms, with a look at the front end between them; `clocked`: simulated
- * time follows the clock. Back when it is there, or paused: then run->stop is STOP_CANCELLED.
+ * Advances to the target in slices of at most 10 ms, with a look at the front end between them;
+ * `clocked`: simulated time follows the clock. Back when it is there, or paused: then run->stop is
+ * STOP_CANCELLED.
  */
-void live_advance(struct session *session, struct run *run, const struct run_target *target, bool clocked);
+void live_advance(struct session *session, struct run *run, const struct run_target *target,
+                  bool clocked);
 /* State and marks of session->live follow from the current run. */
 void live_refresh(struct session *session);
 /*
- * A parameter of the scene has changed: takes it over into the run that goes on, is paused, or is to be changed. *from
- * [s]: since when, NAN: there is no such run. The run is unchanged on error.
+ * A parameter of the scene has changed: takes it over into the run that goes on, is paused, or is
+ * to be changed. *from [s]: since when, NAN: there is no such run. The run is unchanged on error.
  */
 bool live_bind(struct session *session, int param, double *from, struct error *error);
 /* Gives a variable of the current run's state, which there is, another value. */
 bool live_kick(struct session *session, int variable, double value, struct error *error);
 /* " from t = 3.2 s on", nothing where `from` is NAN. */
 void buffer_since(struct buffer *text, double from);
-
-
 
 #endif

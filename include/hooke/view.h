@@ -1,14 +1,15 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * view: the screen as a pure function of a const session and a size. ncurses blits its cells, `screenshot` and the
- * tests print them.
+ * view: the screen as a pure function of a const session and a size. ncurses blits its cells,
+ * `screenshot` and the tests print them.
  */
 #ifndef HOOKE_VIEW_H
 #define HOOKE_VIEW_H
 
 #include <hooke/command.h>
 
-/* The line being edited: what readline holds. Bytes of UTF-8 (or of the locale, made safe when drawn). */
+/* The line being edited: what readline holds. Bytes of UTF-8 (or of the locale, made safe when
+ * drawn). */
 struct prompt_line {
     struct text prompt; /* "hooke> ", or "(reverse-i-search)`x': " */
     struct text line;
@@ -17,20 +18,22 @@ struct prompt_line {
 };
 
 /*
- * Draws the whole screen into the canvas (its size is the screen's size, from 1x1 up): state line, panes of the layout,
- * log, numbers, prompt. What does not fit is left out in the order numbers line, second pane, log (one row at least),
- * tick labels, frame, until only the prompt is left. cursor_x, cursor_y [cell]: where the terminal's cursor belongs
- * (NULL: not wanted). A long line scrolls sideways with `<` and `>` marks. Allocates only scratch memory; false: there
- * was none and the canvas is blank.
+ * Draws the whole screen into the canvas (its size is the screen's size, from 1x1 up): state line,
+ * panes of the layout, log, numbers, prompt. What does not fit is left out in the order numbers
+ * line, second pane, log (one row at least), tick labels, frame, until only the prompt is left.
+ * cursor_x, cursor_y [cell]: where the terminal's cursor belongs (NULL: not wanted). A long line
+ * scrolls sideways with `<` and `>` marks. Allocates only scratch memory; false: there was none and
+ * the canvas is blank.
  */
-bool screen_draw(const struct session *session, const struct prompt_line *prompt, struct canvas *canvas, int *cursor_x,
-                 int *cursor_y);
+bool screen_draw(const struct session *session, const struct prompt_line *prompt,
+                 struct canvas *canvas, int *cursor_x, int *cursor_y);
 
 /* The size of the log pane at this screen size [rows]: how far one page scrolls. */
 int screen_log_rows(const struct session *session, int width, int height);
 /* [rows] the log can be scrolled up there: its oldest line is then at the top. */
 int screen_log_most(const struct session *session, int width, int height);
-/* Time [s] one column of the focused time plot is wide: how far a cursor key moves. 0: no such plot. */
+/* Time [s] one column of the focused time plot is wide: how far a cursor key moves. 0: no such
+ * plot. */
 double screen_column_time(const struct session *session, int width, int height);
 /* [s] from, to of that plot's time axis; false: no such plot. */
 bool screen_time_shown(const struct session *session, int width, int height, double span[2]);

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Rate of change of a series: the slope of the least-squares parabola through neighbouring samples (Savitzky & Golay
- * 1964), at the times as they are. In even steps h of `points` = 2 p + 1 samples it is sum(i y_i)/(h sum(i^2)),
- * i = -p…p.
+ * Rate of change of a series: the slope of the least-squares parabola through neighbouring samples
+ * (Savitzky & Golay 1964), at the times as they are. In even steps h of `points` = 2 p + 1 samples
+ * it is sum(i y_i)/(h sum(i^2)), i = -p…p.
  */
 #include <hooke/analysis.h>
 
@@ -25,7 +25,8 @@ static double median_step(const struct series *s, double *work)
     return work[(s->n - 1) / 2];
 }
 
-/* Slope at t[at] of the parabola through the samples [from, to); gain: of independent noise [1/s]. */
+/* Slope at t[at] of the parabola through the samples [from, to); gain: of independent noise [1/s].
+ */
 static double slope_at(const struct series *s, size_t from, size_t to, size_t at, double *gain)
 {
     /* Orthogonal polynomials on these times: 1, u - mean, its square less what is along both. */
@@ -49,13 +50,15 @@ static double slope_at(const struct series *s, size_t from, size_t to, size_t at
     return line / uu + (curved ? turn * curve / qq : 0);
 }
 
-bool series_derivative(const struct series *series, int points, struct arena *arena, struct derivative *derivative,
-                       struct error *error)
+bool series_derivative(const struct series *series, int points, struct arena *arena,
+                       struct derivative *derivative, struct error *error)
 {
     const size_t n = series->n, reach = (size_t)(points / 2);
     if (points < 3 || points % 2 == 0 || n < (size_t)points)
-        return error_set(error, ERROR_COMMAND, "a rate needs an odd number of points, 3 at least, and as many samples");
-    double *value = arena_array(arena, n, sizeof *value), *gain = arena_array(arena, n, sizeof *gain);
+        return error_set(error, ERROR_COMMAND,
+                         "a rate needs an odd number of points, 3 at least, and as many samples");
+    double *value = arena_array(arena, n, sizeof *value),
+           *gain = arena_array(arena, n, sizeof *gain);
     if (!value || !gain)
         return error_memory(error);
     const double longest = GAP * median_step(series, gain);
@@ -66,7 +69,8 @@ bool series_derivative(const struct series *series, int points, struct arena *ar
             for (end = i + 1; end < n && series->t[end] - series->t[end - 1] <= longest;)
                 end++;
         }
-        /* At the ends the same samples serve for several times; a stretch that is too short says nothing. */
+        /* At the ends the same samples serve for several times; a stretch that is too short says
+         * nothing. */
         size_t from = i >= begin + reach ? i - reach : begin;
         size_t to = from + 2 * reach + 1;
         if (to > end) {
@@ -78,8 +82,10 @@ bool series_derivative(const struct series *series, int points, struct arena *ar
     }
     qsort(gain, known, sizeof *gain, ascending);
     static const enum quantity rate_of[QUANTITY_COUNT] = {
-        [QUANTITY_LENGTH] = QUANTITY_VELOCITY, [QUANTITY_VELOCITY] = QUANTITY_ACCELERATION,
-        [QUANTITY_ANGLE] = QUANTITY_ANGULAR_FREQUENCY, [QUANTITY_ANGULAR_FREQUENCY] = QUANTITY_ANGULAR_ACCELERATION};
+        [QUANTITY_LENGTH] = QUANTITY_VELOCITY,
+        [QUANTITY_VELOCITY] = QUANTITY_ACCELERATION,
+        [QUANTITY_ANGLE] = QUANTITY_ANGULAR_FREQUENCY,
+        [QUANTITY_ANGULAR_FREQUENCY] = QUANTITY_ANGULAR_ACCELERATION};
     const enum quantity rate = rate_of[series->quantity];
     *derivative = (struct derivative){.value = value,
                                       .known = known,

@@ -21,29 +21,37 @@ struct samples {
     const struct cancel *cancel; /* ends fits; NULL: nobody can */
 };
 
-bool samples_init(struct samples *samples, const struct series *series, struct arena *arena); /* false: no memory */
-struct samples samples_part(const struct samples *samples, size_t from, size_t to); /* [from, to), shares memory */
-size_t samples_index(const struct samples *samples, double t);                      /* first sample at or after t [s] */
-/* The first sample from which on nothing is seen to move, be it that the decay was strong; n: none. */
+bool samples_init(struct samples *samples, const struct series *series,
+                  struct arena *arena); /* false: no memory */
+struct samples samples_part(const struct samples *samples, size_t from,
+                            size_t to);                        /* [from, to), shares memory */
+size_t samples_index(const struct samples *samples, double t); /* first sample at or after t [s] */
+/* The first sample from which on nothing is seen to move, be it that the decay was strong; n: none.
+ */
 static inline size_t samples_quiet(const struct samples *x, double period)
 {
     return motion_quiet(&(struct motion_rows){x->t, x->y, x->use, 1, x->n}, period);
 }
-/* An interval without samples that is 8 times as long as half of them are, in times that are no even grid. */
+/* An interval without samples that is 8 times as long as half of them are, in times that are no
+ * even grid. */
 bool samples_have_gap(const struct samples *samples, struct arena *arena, bool *memory);
-/* Hann window over all of the times, no matter what of them was recorded: the peak of a line is its amplitude. */
+/* Hann window over all of the times, no matter what of them was recorded: the peak of a line is its
+ * amplitude. */
 struct spectrum {
     double *amplitude; /* [bins] as y */
     size_t bins;       /* from 0 to half the rate of the samples; 0: too few samples */
     double step;       /* [Hz] between them */
 };
-bool samples_spectrum(const struct samples *samples, struct arena *arena, struct spectrum *out); /* false: no memory */
+bool samples_spectrum(const struct samples *samples, struct arena *arena,
+                      struct spectrum *out); /* false: no memory */
 double samples_noise(const struct samples *samples, double *scratch);
-void samples_flag_spikes(struct samples *samples, double *scratch); /* clears `use` of short far excursions */
-double quantile(double *values, size_t n, double q);                /* reorders the values */
-double random_fraction(uint64_t *state);                            /* [0, 1): splitmix64 (Steele, Lea & Flood 2014) */
+void samples_flag_spikes(struct samples *samples,
+                         double *scratch);           /* clears `use` of short far excursions */
+double quantile(double *values, size_t n, double q); /* reorders the values */
+double random_fraction(uint64_t *state); /* [0, 1): splitmix64 (Steele, Lea & Flood 2014) */
 
-/* ---- harmonic.c: y = c + d s + exp(-gamma s/2) (a cos(omega s) + b sin(omega s)), s = t - origin ---- */
+/* ---- harmonic.c: y = c + d s + exp(-gamma s/2) (a cos(omega s) + b sin(omega s)), s = t - origin
+ * ---- */
 
 enum { LINEAR_A, LINEAR_B, LINEAR_C, LINEAR_D, RATE_OMEGA, RATE_GAMMA, HARMONIC_PARAMETERS };
 
@@ -58,52 +66,59 @@ struct harmonic {
     double gamma;  /* [1/s] */
     double origin; /* [s] */
     /* what the fit leaves behind */
-    double inverse[HARMONIC_PARAMETERS][HARMONIC_PARAMETERS]; /* (J^T J)^-1 of the free parameters, else 0 */
-    double rss;                                               /* sum of squared residuals of the samples used */
+    double inverse[HARMONIC_PARAMETERS]
+                  [HARMONIC_PARAMETERS]; /* (J^T J)^-1 of the free parameters, else 0 */
+    double rss;                          /* sum of squared residuals of the samples used */
     size_t used;
     int iterations;
     bool converged;
 };
 
 /*
- * Least squares over samples->use from the given omega, gamma, origin (and a, b, c unless a and b are 0). residual [n]
- * or NULL: y - model, of all samples. False: too few samples or they do not determine the parameters; `harmonic` is
- * then not to be used. Where it returns true, look at `converged`.
+ * Least squares over samples->use from the given omega, gamma, origin (and a, b, c unless a and b
+ * are 0). residual [n] or NULL: y - model, of all samples. False: too few samples or they do not
+ * determine the parameters; `harmonic` is then not to be used. Where it returns true, look at
+ * `converged`.
  */
-bool harmonic_fit(const struct samples *samples, enum harmonic_free unknowns, struct harmonic *harmonic,
-                  double *residual);
-double harmonic_sigma(const struct harmonic *harmonic, int unknowns); /* standard deviation of the residuals */
+bool harmonic_fit(const struct samples *samples, enum harmonic_free unknowns,
+                  struct harmonic *harmonic, double *residual);
+double harmonic_sigma(const struct harmonic *harmonic,
+                      int unknowns); /* standard deviation of the residuals */
 /* Lag-1 autocorrelation of the residuals of the samples used. */
 double residual_autocorrelation(const struct samples *samples, const double *residual);
 
 /* ---- widening.c ---- */
 
 /*
- * Factors by which variances are larger than independent residuals would make them: of amplitude and decay, of phase
- * and frequency, of the offset.
+ * Factors by which variances are larger than independent residuals would make them: of amplitude
+ * and decay, of phase and frequency, of the offset.
  */
 struct widening {
     double amplitude, phase, offset;
 };
 
 struct oscillation {
-    double a, b, omega, gamma, origin; /* exp(-gamma s/2) (a cos(omega s) + b sin(omega s)), s = t - origin */
+    double a, b, omega, gamma,
+        origin; /* exp(-gamma s/2) (a cos(omega s) + b sin(omega s)), s = t - origin */
 };
 
 /* fitted: parameters of amplitude and decay together, as many as of phase and frequency. */
 struct widening residual_widening(const struct samples *samples, const double *residual,
                                   const struct oscillation *oscillation, int fitted);
 
-/* n(1 - rho)/(1 + rho) instead of n independent residuals: the factor by which variances grow (>= 1). */
+/* n(1 - rho)/(1 + rho) instead of n independent residuals: the factor by which variances grow (>=
+ * 1). */
 double autocorrelation_factor(double rho);
 
 /* ---- motion.c: what every analysis of an oscillation starts from ---- */
 
 struct segment {
     size_t from, to; /* samples [from, to) */
-    double a, b, c;  /* local harmonic fit, see struct harmonic; its origin is the middle of the segment */
-    double scale;    /* robust standard deviation of its residuals, where they fall like the amplitude: in the middle */
-    double rms;      /* of a, b part of the model */
+    double a, b,
+        c; /* local harmonic fit, see struct harmonic; its origin is the middle of the segment */
+    double scale; /* robust standard deviation of its residuals, where they fall like the amplitude:
+                     in the middle */
+    double rms;   /* of a, b part of the model */
     bool settled;
 };
 
@@ -125,8 +140,10 @@ struct motion {
     } ceiling[2]; /* above, below */
 };
 
-/* False: no memory. overview.oscillates tells the rest; harmonic and what follows it are filled only if it is true. */
-bool motion_init(struct motion *motion, const struct series *series, struct arena *arena, const struct cancel *cancel);
+/* False: no memory. overview.oscillates tells the rest; harmonic and what follows it are filled
+ * only if it is true. */
+bool motion_init(struct motion *motion, const struct series *series, struct arena *arena,
+                 const struct cancel *cancel);
 /* The same, refusing what does not oscillate with the reason. */
 bool motion_require(struct motion *motion, const struct series *series, struct arena *arena,
                     const struct cancel *cancel, struct error *error);
@@ -134,15 +151,15 @@ bool motion_require(struct motion *motion, const struct series *series, struct a
 /* ---- robust.c ---- */
 
 /*
- * Clears `use` of missed echoes and clipped samples, two periods at a time, with the motion's omega and gamma; fills
- * segment, rejected, clipped and improves overview.noise. False: no memory.
+ * Clears `use` of missed echoes and clipped samples, two periods at a time, with the motion's omega
+ * and gamma; fills segment, rejected, clipped and improves overview.noise. False: no memory.
  */
 bool reject_outliers(struct motion *motion, struct arena *arena);
 
 /* ---- clipping.c ---- */
 
-/* Clears `use` of what is censored by a ceiling that the damped sine reveals; updates the harmonic, its residuals and
- * the counts. False: no memory. */
+/* Clears `use` of what is censored by a ceiling that the damped sine reveals; updates the harmonic,
+ * its residuals and the counts. False: no memory. */
 bool censor_clipped(struct motion *motion, struct arena *arena);
 
 /* ---- curve_fit.c ---- */
@@ -152,10 +169,13 @@ bool enough_samples(const struct series *series, int parameters, struct error *e
 
 /* ---- spectrum.c ---- */
 
-/* Angular frequency of the highest peak [rad/s], NAN: none inside the band. *memory becomes false without memory. */
+/* Angular frequency of the highest peak [rad/s], NAN: none inside the band. *memory becomes false
+ * without memory. */
 double peak_frequency(const struct samples *samples, struct arena *arena, bool *memory);
-/* The highest peaks of the whole and of the mean over its parts (a frequency that drifts) [rad/s]; returns how many. */
-int spectrum_candidates(const struct samples *samples, struct arena *arena, double *omega, int most, bool *memory);
+/* The highest peaks of the whole and of the mean over its parts (a frequency that drifts) [rad/s];
+ * returns how many. */
+int spectrum_candidates(const struct samples *samples, struct arena *arena, double *omega, int max,
+                        bool *memory);
 
 /* ---- crossing.c ---- */
 
@@ -164,7 +184,8 @@ bool overview_is_exact(const struct overview *overview);
 
 /* ---- peak.c ---- */
 
-/* Variance of one sample in white noise that has as much power as the residuals have about omega, where a line is. */
+/* Variance of one sample in white noise that has as much power as the residuals have about omega,
+ * where a line is. */
 double variance_beside(const struct samples *x, const double *residual, double omega);
 
 /* ---- modes.c ---- */
@@ -178,12 +199,14 @@ bool two_lines(const struct samples *samples, struct mode_pair *pair);
 
 /* ---- amplitude.c ---- */
 
-/* Local harmonic fit to the samples [from, to) with the motion's omega and gamma. False: too few samples there. */
+/* Local harmonic fit to the samples [from, to) with the motion's omega and gamma. False: too few
+ * samples there. */
 bool local_amplitude(const struct motion *motion, size_t from, size_t to, struct reading *reading);
 
 /* ---- envelope.c ---- */
 
-/* Amplitude at s >= 0 since the start, relative to that at the start, and its derivatives by gamma and q. */
+/* Amplitude at s >= 0 since the start, relative to that at the start, and its derivatives by gamma
+ * and q. */
 struct envelope_rates {
     double gamma, q; /* [1/s]: exp(-gamma s/2)/(1 + q phi(s)) */
 };
@@ -191,9 +214,9 @@ struct envelope_rates {
 double envelope_value(const struct envelope_rates *rates, double s, double by[2]);
 
 /*
- * Linear, quadratic and linear+quadratic drag of the envelope. *sway: scatter of the amplitudes about the best of them,
- * relative to their size, where it is more than their noise, else 0; NAN: too few readings to tell. rates of these
- * three where they were found. False: no memory.
+ * Linear, quadratic and linear+quadratic drag of the envelope. *sway: scatter of the amplitudes
+ * about the best of them, relative to their size, where it is more than their noise, else 0; NAN:
+ * too few readings to tell. rates of these three where they were found. False: no memory.
  */
 bool envelope_laws(const struct motion *motion, double *sway, struct envelope_rates rates[3]);
 
@@ -201,7 +224,8 @@ bool envelope_laws(const struct motion *motion, double *sway, struct envelope_ra
 
 struct law_fit;
 
-/* Chooses among the laws' fits. Returns the place of the law that the fit's values are to be those of. */
+/* Chooses among the laws' fits. Returns the place of the law that the fit's values are to be those
+ * of. */
 struct law_evidence {
     const struct law_fit *fit; /* [DRAG_LAWS] */
     double variance;           /* [y^2] of one independent residual */
@@ -214,11 +238,13 @@ int law_choose(const struct law_evidence *evidence, struct fit *fit);
 /* ---- drag.c ---- */
 
 /*
- * Fits the whole oscillation under every law and chooses; rates: where to start. Of a velocity or an acceleration, b
- * and f are still those of the position. forces: the restoring force is looked for too. The motion's samples and residuals are then those of the law.
+ * Fits the whole oscillation under every law and chooses; rates: where to start. Of a velocity or
+ * an acceleration, b and f are still those of the position. forces: the restoring force is looked
+ * for too. The motion's samples and residuals are then those of the law.
  */
-bool drag_laws(struct motion *motion, enum quantity quantity, bool forces, const struct envelope_rates rates[3],
-               struct arena *arena, struct fit *fit, struct error *error);
+bool drag_laws(struct motion *motion, enum quantity quantity, bool forces,
+               const struct envelope_rates rates[3], struct arena *arena, struct fit *fit,
+               struct error *error);
 
 /* ---- warnings.c ---- */
 

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * What the answer of a least-squares fit is worth: judged from the derivatives at the answer, not from how the
- * iteration ended. The residuals' part in the space of the derivatives is what a further step could still gain (the
- * relative offset of Bates & Watts 1981); the singular values say which parameters the data determine.
+ * What the answer of a least-squares fit is worth: judged from the derivatives at the answer, not
+ * from how the iteration ended. The residuals' part in the space of the derivatives is what a
+ * further step could still gain (the relative offset of Bates & Watts 1981); the singular values
+ * say which parameters the data determine.
  */
 #include "analysis/fit/least_squares.h"
 
@@ -13,25 +14,28 @@
 #include <string.h>
 
 #define EPSILON 2.220446049250313e-16
-#define STEP_MOST 1e-8
-#define STEP_COSTLY 1e-6 /* of the uncertainty: derivatives of integrated curves have errors, too */
-#define GRADIENT_MOST 1e-6
-#define CORRELATED 0.1 /* lag-1 autocorrelation from which the uncertainties are widened (NUMERICS: n_eff) */
+#define STEP_MAX 1e-8
+#define STEP_COSTLY                                                                                \
+    1e-6 /* of the uncertainty: derivatives of integrated curves have errors, too                  \
+          */
+#define GRADIENT_MAX 1e-6
+#define CORRELATED                                                                                 \
+    0.1 /* lag-1 autocorrelation from which the uncertainties are widened (NUMERICS: n_eff) */
 
 /* ---- the linear problem at the answer ---- */
 
 struct linear {
     size_t count; /* free parameters */
     int at[CURVE_PARAMETERS];
-    double norm[CURVE_PARAMETERS];                 /* of the columns, which are scaled to length 1 */
-    double projected[CURVE_PARAMETERS];            /* Q^T r */
+    double norm[CURVE_PARAMETERS];      /* of the columns, which are scaled to length 1 */
+    double projected[CURVE_PARAMETERS]; /* Q^T r */
     double r[CURVE_PARAMETERS * CURVE_PARAMETERS]; /* then U of its singular value decomposition */
     double v[CURVE_PARAMETERS * CURVE_PARAMETERS], s[CURVE_PARAMETERS];
 };
 
 /* Weighted row i of the derivatives, scaled, and its residual, into row `to`. */
-static void fill_row(const struct problem *p, const double *residual, const struct linear *l, size_t i, gsl_matrix *a,
-                     gsl_vector *b, size_t to)
+static void fill_row(const struct problem *p, const double *residual, const struct linear *l,
+                     size_t i, gsl_matrix *a, gsl_vector *b, size_t to)
 {
     double root = sqrt(p->weight[i]);
     gsl_vector_set(b, to, root * residual[i]);
@@ -42,21 +46,22 @@ static void fill_row(const struct problem *p, const double *residual, const stru
 }
 
 /*
- * R and Q^T r of the derivatives, some rows at a time under the R of those before (Golub & Van Loan, 5.3.2): no matrix
- * of n rows, and what is worked on stays in the cache. Then R = U S V^T.
+ * R and Q^T r of the derivatives, some rows at a time under the R of those before (Golub & Van
+ * Loan, 5.3.2): no matrix of n rows, and what is worked on stays in the cache. Then R = U S V^T.
  */
 static bool decompose(const struct problem *p, const double *residual, struct linear *l)
 {
     enum { ROWS = 128 };
     size_t m = l->count;
     gsl_matrix *a = gsl_matrix_calloc(m + ROWS, m);
-    gsl_vector *b = gsl_vector_calloc(m + ROWS), *tau = gsl_vector_alloc(m), *work = gsl_vector_alloc(m);
+    gsl_vector *b = gsl_vector_calloc(m + ROWS), *tau = gsl_vector_alloc(m),
+               *work = gsl_vector_alloc(m);
     bool memory = a && b && tau && work;
     for (size_t k = 0; k < m; k++) {
         l->norm[k] = 0;
         for (size_t i = 0; i < p->n; i++) {
-            double d =
-                p->derivative[i * (size_t)p->curve->parameters + (size_t)l->at[k]] / fmax(p->largest[l->at[k]], 1e-300);
+            double d = p->derivative[i * (size_t)p->curve->parameters + (size_t)l->at[k]] /
+                       fmax(p->largest[l->at[k]], 1e-300);
             l->norm[k] += p->weight[i] * d * d;
         }
         l->norm[k] = l->norm[k] > 0 ? sqrt(l->norm[k]) * p->largest[l->at[k]] : 1;
@@ -74,7 +79,8 @@ static bool decompose(const struct problem *p, const double *residual, struct li
                 gsl_matrix_set(a, k, j, 0);
     }
     if (memory) {
-        gsl_matrix_view r = gsl_matrix_view_array(l->r, m, m), v = gsl_matrix_view_array(l->v, m, m);
+        gsl_matrix_view r = gsl_matrix_view_array(l->r, m, m),
+                        v = gsl_matrix_view_array(l->v, m, m);
         gsl_vector_view s = gsl_vector_view_array(l->s, m);
         gsl_matrix_const_view top = gsl_matrix_const_submatrix(a, 0, 0, m, m);
         gsl_matrix_memcpy(&r.matrix, &top.matrix);
@@ -89,19 +95,20 @@ static bool decompose(const struct problem *p, const double *residual, struct li
     return memory;
 }
 
-/* Full Gauss–Newton step, covariance for residuals of variance 1, what is determined. Returns the length of what the
- * step takes out of the residuals. */
-static double solve(const struct problem *p, const struct linear *l, double *step, struct curve_fit *fit)
+/* Full Gauss–Newton step, covariance for residuals of variance 1, what is determined. Returns the
+ * length of what the step takes out of the residuals. */
+static double solve(const struct problem *p, const struct linear *l, double *step,
+                    struct curve_fit *fit)
 {
     size_t m = l->count;
-    double gain = 0, least = fmin(8 * EPSILON * (double)(p->n + m), 1e-10) * l->s[0];
+    double gain = 0, min = fmin(8 * EPSILON * (double)(p->n + m), 1e-10) * l->s[0];
     for (size_t k = 0; k < m; k++) {
         double turned = 0;
         for (size_t i = 0; i < m; i++)
             turned += l->r[i * m + k] * l->projected[i];
         for (size_t i = 0; i < m; i++) {
             double vi = l->v[i * m + k];
-            if (!(l->s[k] > least)) {
+            if (!(l->s[k] > min)) {
                 turned = 0; /* a direction that no column has */
                 fit->determined[l->at[i]] = fit->determined[l->at[i]] && fabs(vi) < 0.1;
                 continue;
@@ -119,8 +126,8 @@ static double solve(const struct problem *p, const struct linear *l, double *ste
 /* ---- the variance of the residuals ---- */
 
 /*
- * Sum of squares over degrees of freedom. Robust: E psi^2/(E psi')^2 (Huber 1981, 7.6), by which a covariance with the
- * weights inside is multiplied together with the mean weight.
+ * Sum of squares over degrees of freedom. Robust: E psi^2/(E psi')^2 (Huber 1981, 7.6), by which a
+ * covariance with the weights inside is multiplied together with the mean weight.
  */
 static double variance(const struct problem *p, const struct curve_fit *fit, size_t free)
 {
@@ -137,8 +144,10 @@ static double variance(const struct problem *p, const struct curve_fit *fit, siz
     return slope > 0 ? weight / n * square / (n - (double)free) / (slope / n) / (slope / n) : NAN;
 }
 
-/* One standard deviation to either side the sum of squares must change, or the data do not hold the parameter there. */
-static bool held(struct problem *p, const double *x, int j, double deviation, double variance, double rss)
+/* One standard deviation to either side the sum of squares must change, or the data do not hold the
+ * parameter there. */
+static bool slot(struct problem *p, const double *x, int j, double deviation, double variance,
+                 double rss)
 {
     double trial[CURVE_PARAMETERS];
     memcpy(trial, x, (size_t)p->curve->parameters * sizeof *x);
@@ -212,29 +221,33 @@ bool judge(struct problem *p, const double *x, bool probe, struct curve_fit *fit
         for (int i = 0; i < count; i++)
             fit->covariance[j][i] *= left;
         fit->formal[j] = sigma * deviation;
-        double part = p->costly ? STEP_COSTLY : STEP_MOST;
-        double own = fmax(STEP_MOST * fabs(x[j]), part * fit->formal[j]);
-        double most = fmax(own, rounding * deviation);
-        fit->small_step = fit->small_step && fabs(p->step[j]) <= most;
+        double part = p->costly ? STEP_COSTLY : STEP_MAX;
+        double own = fmax(STEP_MAX * fabs(x[j]), part * fit->formal[j]);
+        double max = fmax(own, rounding * deviation);
+        fit->small_step = fit->small_step && fabs(p->step[j]) <= max;
         p->length = fmax(p->length, fabs(p->step[j]) / fmax(fabs(x[j]), fit->formal[j]));
         bool exact = length <= 1e-12 * p->size; /* nothing but rounding is left */
         fit->determined[j] =
             fit->determined[j] &&
-            (exact || !probe || held(p, x, j, fit->formal[j], p->robust ? p->scale * p->scale : left, fit->rss));
+            (exact || !probe ||
+             slot(p, x, j, fit->formal[j], p->robust ? p->scale * p->scale : left, fit->rss));
     }
-    fit->small_gradient = offset <= fmax(GRADIENT_MOST * length, rounding);
+    fit->small_gradient = offset <= fmax(GRADIENT_MAX * length, rounding);
     fit->converged = fit->small_step && fit->small_gradient;
     for (int j = 0; j < count; j++) {
         double slope = 0; /* of the sum of squares, inwards: on a bound it must not fall */
         for (size_t i = 0; i < p->n && fit->bound[j]; i++)
-            slope -= inward[j] * p->weight[i] * residual[i] * p->derivative[i * (size_t)count + (size_t)j];
+            slope -= inward[j] * p->weight[i] * residual[i] *
+                     p->derivative[i * (size_t)count + (size_t)j];
         fit->small_gradient = fit->small_gradient && !(slope < 0);
-        fit->converged = fit->converged && fit->small_gradient && (fit->bound[j] || fit->determined[j]);
+        fit->converged =
+            fit->converged && fit->small_gradient && (fit->bound[j] || fit->determined[j]);
     }
     return true;
 }
 
-bool tangent_step(const struct problem *p, const struct curve_fit *fit, const double *residual, double *step)
+bool tangent_step(const struct problem *p, const struct curve_fit *fit, const double *residual,
+                  double *step)
 {
     struct linear l = {.count = 0};
     struct curve_fit unused = {.parameters = fit->parameters};
@@ -252,7 +265,8 @@ bool tangent_step(const struct problem *p, const struct curve_fit *fit, const do
 
 /* ---- conclude ---- */
 
-/* Runs of equal sign, in standard deviations from chance (Wald & Wolfowitz 1940), and lag-1 autocorrelation. */
+/* Runs of equal sign, in standard deviations from chance (Wald & Wolfowitz 1940), and lag-1
+ * autocorrelation. */
 static void diagnose(const struct problem *p, struct curve_fit *fit)
 {
     double product = 0, square = 0, plus = 0, minus = 0, runs = 0, before = 0;
@@ -282,14 +296,17 @@ static void say(const struct problem *p, struct curve_fit *fit)
     for (int j = 0; j < fit->parameters && !undetermined; j++)
         undetermined = fit->determined[j] || fit->bound[j] ? NULL : p->curve->name[j];
     if (fit_discards_much(fit->rejected, p->n))
-        snprintf(fit->said, sizeof fit->said, "did not converge: it leaves out %zu of %zu samples", fit->rejected, p->n);
+        snprintf(fit->said, sizeof fit->said, "did not converge: it leaves out %zu of %zu samples",
+                 fit->rejected, p->n);
     else if (fit->converged)
-        snprintf(fit->said, sizeof fit->said, "converged in %d iterations: step and gradient vanish", fit->iterations);
+        snprintf(fit->said, sizeof fit->said,
+                 "converged in %d iterations: step and gradient vanish", fit->iterations);
     else if (undetermined)
-        snprintf(fit->said, sizeof fit->said, "did not converge: parameter %s is not determined by the data",
-                 undetermined);
+        snprintf(fit->said, sizeof fit->said,
+                 "did not converge: parameter %s is not determined by the data", undetermined);
     else
-        snprintf(fit->said, sizeof fit->said, "did not converge in %d iterations: %s", fit->iterations,
+        snprintf(fit->said, sizeof fit->said, "did not converge in %d iterations: %s",
+                 fit->iterations,
                  fit->small_gradient ? "the steps do not become small"
                  : fit->small_step   ? "the gradient does not vanish"
                                      : "neither step nor gradient vanish");
@@ -299,7 +316,8 @@ void conclude(const struct problem *p, struct curve_fit *fit)
 {
     diagnose(p, fit);
     fit->converged = fit->converged && !fit_discards_much(fit->rejected, p->n);
-    double factor = fit->autocorrelation > CORRELATED ? autocorrelation_factor(fit->autocorrelation) : 1;
+    double factor =
+        fit->autocorrelation > CORRELATED ? autocorrelation_factor(fit->autocorrelation) : 1;
     double freedom = fmax(1, (double)fit->used / factor - fit->parameters),
            student = gsl_cdf_tdist_Pinv(0.975, freedom);
     for (int j = 0; j < fit->parameters; j++) {
@@ -311,7 +329,9 @@ void conclude(const struct problem *p, struct curve_fit *fit)
         for (int i = 0; i < fit->parameters; i++) {
             fit->covariance[j][i] *= factor;
             double both = fit->formal[i] * fit->formal[j];
-            fit->correlation[j][i] = i == j ? 1 : both > 0 ? fit->covariance[j][i] / factor / both : 0;
+            fit->correlation[j][i] = i == j     ? 1
+                                     : both > 0 ? fit->covariance[j][i] / factor / both
+                                                : 0;
         }
     }
     say(p, fit);

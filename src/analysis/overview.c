@@ -1,23 +1,25 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What a series looks like before any model, and the robust damped sine that every analysis of an oscillation starts
- * from. */
+/* What a series looks like before any model, and the robust damped sine that every analysis of an
+ * oscillation starts from. */
 #include "analysis/period/track.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
-#define PERIODS_LEAST 1.8  /* fewer are no oscillation: nothing repeats */
-#define DECREMENT_MOST 3.2 /* gamma T/2: the amplitude changes by a factor 25 in a period */
+#define PERIODS_MIN 1.8    /* fewer are no oscillation: nothing repeats */
+#define DECREMENT_MAX 3.2  /* gamma T/2: the amplitude changes by a factor 25 in a period */
 #define WEAKLY_DAMPED 0.01 /* gamma/omega: the amplitude changes by 6 % in two periods */
 #define SAMPLES_A_PERIOD 2.02
-#define BEATS_MOST 100000 /* samples in which two lines are looked for */
+#define BEATS_MAX 100000 /* samples in which two lines are looked for */
 #define FEW 4            /* periods */
 #define FEW_LEAVE 0.1    /* of their power, where what is left is larger than the noise by */
 #define FEW_NOISES 2.0   /* and hangs together */
 #define FEW_TOGETHER 0.5 /* (autocorrelation) */
-#define DRIFTS 3.0  /* standard deviations of the offset's slope from which on it is fitted */
-#define CHANCE 20.0 /* -ln of the chance that noise looks like it, per frequency; much for wandering records, */
+#define DRIFTS 3.0       /* standard deviations of the offset's slope from which on it is fitted */
+#define CHANCE                                                                                     \
+    20.0 /* -ln of the chance that noise looks like it, per frequency; much for wandering records, \
+          */
 #define WHITE_CHANCE 11.0 /* less where the residuals do not hang together */
 #define WHITE 0.2
 #define GONE 6.0 /* gamma times span: the amplitude has fallen to a twentieth */
@@ -52,7 +54,8 @@ static void extremes(struct motion *m)
     o->mean = used ? sum / (double)used : NAN;
 }
 
-/* The step to which values are rounded: the smallest between neighbours, if nearly all are multiples of it; else 0. */
+/* The step to which values are rounded: the smallest between neighbours, if nearly all are
+ * multiples of it; else 0. */
 static double find_quantum(const struct samples *x)
 {
     const double rounding = 1e-12 * fmax(fabs(x->y[0]), fabs(x->y[x->n - 1]));
@@ -69,7 +72,8 @@ static double find_quantum(const struct samples *x)
     return 100 * others <= x->n && isfinite(quantum) ? quantum : 0;
 }
 
-/* Where the energy of exp(-gamma t/2) cos lies on average: there the parameters are least correlated. */
+/* Where the energy of exp(-gamma t/2) cos lies on average: there the parameters are least
+ * correlated. */
 static double centre(const struct samples *x, double gamma)
 {
     double span = x->t[x->n - 1] - x->t[0], g = gamma * span;
@@ -77,7 +81,8 @@ static double centre(const struct samples *x, double gamma)
     return x->t[0] + at * span;
 }
 
-/* The damping rate to start from: the best of a few, from none to gone within a hundredth of the record. */
+/* The damping rate to start from: the best of a few, from none to gone within a hundredth of the
+ * record. */
 static bool start_gamma(struct motion *m, double omega)
 {
     static const double rates[] = {0, 2, 6, 18, 54, 162};
@@ -99,13 +104,14 @@ static bool start_gamma(struct motion *m, double omega)
 }
 
 /*
- * Could noise have done this? Variance ratio of the damped sine against the residuals about a straight line; residuals
- * that hang together count as fewer.
+ * Could noise have done this? Variance ratio of the damped sine against the residuals about a
+ * straight line; residuals that hang together count as fewer.
  */
 static void require_significant(struct motion *m)
 {
     const struct samples *x = &m->samples;
-    double n = 0, st = 0, sy = 0, stt = 0, sty = 0, syy = 0, t0 = m->harmonic.origin, y0 = m->harmonic.c;
+    double n = 0, st = 0, sy = 0, stt = 0, sty = 0, syy = 0, t0 = m->harmonic.origin,
+           y0 = m->harmonic.c;
     for (size_t i = 0; i < x->n; i++) {
         double use = x->use[i], t = x->t[i] - t0, y = x->y[i] - y0;
         n += use;
@@ -115,15 +121,19 @@ static void require_significant(struct motion *m)
         sty += use * t * y;
         syy += use * y * y;
     }
-    double vt = stt - st * st / n, vy = syy - sy * sy / n, c = sty - st * sy / n, total = vy - c * c / vt;
-    double explained = total - m->harmonic.rss, independent = n / autocorrelation_factor(m->autocorrelation);
+    double vt = stt - st * st / n, vy = syy - sy * sy / n, c = sty - st * sy / n,
+           total = vy - c * c / vt;
+    double explained = total - m->harmonic.rss,
+           independent = n / autocorrelation_factor(m->autocorrelation);
     const bool wanders = m->autocorrelation > 0.5;
     const double chance = m->autocorrelation < WHITE ? WHITE_CHANCE : CHANCE;
-    if (wanders) { /* no white noise: a wandering offset, which has 1/k^2 of its variance in k periods */
+    if (wanders) { /* no white noise: a wandering offset, which has 1/k^2 of its variance in k
+                      periods */
         independent = fmax(independent, m->overview.periods * m->overview.periods);
     }
     if (wanders && explained < m->harmonic.rss) {
-        refuse(&m->overview, "one damped sine explains less of it than it leaves (steps, drift, several frequencies)");
+        refuse(&m->overview, "one damped sine explains less of it than it leaves (steps, drift, "
+                             "several frequencies)");
     } else if (!(0.5 * independent * explained > (log(0.5 * n) + chance) * m->harmonic.rss)) {
         refuse(&m->overview, "no oscillation stands out of the noise");
     }
@@ -133,14 +143,17 @@ static void judge(struct motion *m)
 {
     struct overview *o = &m->overview;
     const struct harmonic *h = &m->harmonic;
-    double span = m->samples.t[m->samples.n - 1] - m->samples.t[0], decrement = PI * h->gamma / h->omega;
+    double span = m->samples.t[m->samples.n - 1] - m->samples.t[0],
+           decrement = PI * h->gamma / h->omega;
     o->period = TWO_PI / h->omega;
     o->periods = span / o->period;
-    if (o->periods < PERIODS_LEAST) {
-        refuse(o, "it does not repeat: the window of %.3g s holds only %.2g periods, two are needed", span, o->periods);
+    if (o->periods < PERIODS_MIN) {
+        refuse(o,
+               "it does not repeat: the window of %.3g s holds only %.2g periods, two are needed",
+               span, o->periods);
     } else if (o->period < SAMPLES_A_PERIOD * m->samples.dt) {
         refuse(o, "fewer than %.2g samples a period", SAMPLES_A_PERIOD);
-    } else if (fabs(decrement) > DECREMENT_MOST) {
+    } else if (fabs(decrement) > DECREMENT_MAX) {
         refuse(o, "it dies out within one cycle");
     } else {
         o->oscillates = true;
@@ -152,11 +165,13 @@ static void judge(struct motion *m)
 static void judge_rejected(struct motion *m)
 {
     if (fit_discards_much(m->rejected, m->samples.n)) {
-        refuse(&m->overview, "a damped sine would leave out %zu of its %zu samples", m->rejected, m->samples.n);
+        refuse(&m->overview, "a damped sine would leave out %zu of its %zu samples", m->rejected,
+               m->samples.n);
     }
 }
 
-/* A random walk looks like two periods now and then: so few must be a damped sine, but for little of the power. */
+/* A random walk looks like two periods now and then: so few must be a damped sine, but for little
+ * of the power. */
 static void judge_few(struct motion *m)
 {
     const struct samples *x = &m->samples;
@@ -165,22 +180,25 @@ static void judge_few(struct motion *m)
     for (size_t i = 0; i < x->n; i++) {
         power += x->use[i] ? (x->y[i] - m->harmonic.c) * (x->y[i] - m->harmonic.c) : 0;
     }
-    if (m->overview.periods < FEW && m->autocorrelation > FEW_TOGETHER && left > FEW_NOISES * m->overview.noise &&
-        m->harmonic.rss > FEW_LEAVE * power) {
-        refuse(&m->overview, "a damped sine leaves %.0f %% of the %.2g periods", 100 * sqrt(m->harmonic.rss / power),
-               m->overview.periods);
+    if (m->overview.periods < FEW && m->autocorrelation > FEW_TOGETHER &&
+        left > FEW_NOISES * m->overview.noise && m->harmonic.rss > FEW_LEAVE * power) {
+        refuse(&m->overview, "a damped sine leaves %.0f %% of the %.2g periods",
+               100 * sqrt(m->harmonic.rss / power), m->overview.periods);
     }
 }
 
-/* An offset that drifts has a line of its own, where it stands out of the residuals as they are with it. */
+/* An offset that drifts has a line of its own, where it stands out of the residuals as they are
+ * with it. */
 static void find_drift(struct motion *m)
 {
     struct harmonic drifting = m->harmonic;
     drifting.drifts = true;
     if (harmonic_fit(&m->samples, FREE_GAMMA, &drifting, m->scratch) && drifting.converged) {
         double widen = autocorrelation_factor(residual_autocorrelation(&m->samples, m->scratch));
-        double sigma = harmonic_sigma(&drifting, FREE_GAMMA) * sqrt(widen * drifting.inverse[LINEAR_D][LINEAR_D]);
-        double span = m->samples.t[m->samples.n - 1] - m->samples.t[0], exact = 1e-9 * hypot(drifting.a, drifting.b);
+        double sigma = harmonic_sigma(&drifting, FREE_GAMMA) *
+                       sqrt(widen * drifting.inverse[LINEAR_D][LINEAR_D]);
+        double span = m->samples.t[m->samples.n - 1] - m->samples.t[0],
+               exact = 1e-9 * hypot(drifting.a, drifting.b);
         if (fabs(drifting.d) > DRIFTS * sigma && fabs(drifting.d) * span > exact) {
             m->harmonic = drifting;
             memcpy(m->residual, m->scratch, m->samples.n * sizeof(double));
@@ -188,7 +206,8 @@ static void find_drift(struct motion *m)
     }
 }
 
-/* The damped sine of the whole, from the given frequency on, and whether it is an oscillation. False: no memory. */
+/* The damped sine of the whole, from the given frequency on, and whether it is an oscillation.
+ * False: no memory. */
 static bool fit_whole(struct motion *m, double omega, struct arena *arena)
 {
     struct overview *o = &m->overview;
@@ -197,7 +216,8 @@ static bool fit_whole(struct motion *m, double omega, struct arena *arena)
         refuse(o, "its spectrum has no peak above drift");
         return true;
     }
-    /* Over two periods the start is good enough to tell outliers, unless the amplitude changes much in so short a time.
+    /* Over two periods the start is good enough to tell outliers, unless the amplitude changes much
+     * in so short a time.
      */
     bool found = start_gamma(m, omega);
     if (found && m->harmonic.gamma > WEAKLY_DAMPED * omega) {
@@ -234,8 +254,9 @@ static bool fit_whole(struct motion *m, double omega, struct arena *arena)
 }
 
 /*
- * What no single damped sine describes, followed window by window: then the period is the mean over the recording, and
- * the damped sine is the nearest there is. The reason of the refusal stays where this finds nothing either.
+ * What no single damped sine describes, followed window by window: then the period is the mean over
+ * the recording, and the damped sine is the nearest there is. The reason of the refusal stays where
+ * this finds nothing either.
  */
 static bool fit_tracked(struct motion *m, double noise, struct arena *arena)
 {
@@ -260,7 +281,8 @@ static bool fit_tracked(struct motion *m, double noise, struct arena *arena)
     return true;
 }
 
-/* What is gone within a few periods has no peak in the spectrum of the whole: the frequency of its first part. */
+/* What is gone within a few periods has no peak in the spectrum of the whole: the frequency of its
+ * first part. */
 static bool fit_beginning(struct motion *m, size_t part, double noise, struct arena *arena)
 {
     struct samples beginning = samples_part(&m->samples, 0, m->samples.n / part);
@@ -274,7 +296,8 @@ static bool fit_beginning(struct motion *m, size_t part, double noise, struct ar
     memcpy(reason, o->reason, sizeof reason);
     o->noise = fmax(noise, m->quantum / sqrt(12.0));
     memory = fit_whole(m, omega, arena);
-    if (o->oscillates && !(m->harmonic.gamma * (m->samples.t[m->samples.n - 1] - m->samples.t[0]) > GONE)) {
+    if (o->oscillates &&
+        !(m->harmonic.gamma * (m->samples.t[m->samples.n - 1] - m->samples.t[0]) > GONE)) {
         refuse(o, "%s", reason);
     }
     if (!o->oscillates) {
@@ -283,7 +306,8 @@ static bool fit_beginning(struct motion *m, size_t part, double noise, struct ar
     return memory;
 }
 
-/* What the spectrum of the whole did not show; use [n]: as before the first try. False: no memory. */
+/* What the spectrum of the whole did not show; use [n]: as before the first try. False: no memory.
+ */
 static bool look_closer(struct motion *m, const unsigned char *use, struct arena *arena)
 {
     const double noise = samples_noise(&m->samples, m->scratch);
@@ -300,7 +324,8 @@ static bool look_closer(struct motion *m, const unsigned char *use, struct arena
     return fit_tracked(m, fmax(noise, m->quantum / sqrt(12.0)), arena);
 }
 
-bool motion_init(struct motion *m, const struct series *series, struct arena *arena, const struct cancel *cancel)
+bool motion_init(struct motion *m, const struct series *series, struct arena *arena,
+                 const struct cancel *cancel)
 {
     *m = (struct motion){.overview = {.period = NAN, .periods = NAN, .noise = NAN}};
     m->residual = arena_array(arena, series->n + 1, sizeof(double));
@@ -336,8 +361,8 @@ bool motion_init(struct motion *m, const struct series *series, struct arena *ar
     return o->oscillates || cancelled(cancel) || look_closer(m, use, arena);
 }
 
-bool motion_require(struct motion *m, const struct series *series, struct arena *arena, const struct cancel *cancel,
-                    struct error *error)
+bool motion_require(struct motion *m, const struct series *series, struct arena *arena,
+                    const struct cancel *cancel, struct error *error)
 {
     bool memory = motion_init(m, series, arena, cancel);
     if (cancelled(cancel)) {
@@ -348,13 +373,15 @@ bool motion_require(struct motion *m, const struct series *series, struct arena 
     }
     struct mode_pair pair;
     if (!m->overview.oscillates && two_lines(&m->samples, &pair)) {
-        error_set(error, ERROR_COMMAND, "two frequencies: T = %.5g and %.5g s, which one sine does not follow",
+        error_set(error, ERROR_COMMAND,
+                  "two frequencies: T = %.5g and %.5g s, which one sine does not follow",
                   pair.period[0], pair.period[1]);
         return error_hint(error, "type: fit modes 2");
     }
     if (!m->overview.oscillates) {
         error_set(error, ERROR_COMMAND, "the signal does not oscillate: %s", m->overview.reason);
-        return error_hint(error, "choose another window or column; at least two periods are needed");
+        return error_hint(error,
+                          "choose another window or column; at least two periods are needed");
     }
     return true;
 }
@@ -363,8 +390,8 @@ void series_overview(const struct series *series, struct arena *arena, struct ov
 {
     struct motion motion;
     if (!motion_init(&motion, series, arena, NULL)) {
-        motion.overview =
-            (struct overview){.mean = NAN, .low = NAN, .high = NAN, .noise = NAN, .period = NAN, .periods = NAN};
+        motion.overview = (struct overview){
+            .mean = NAN, .low = NAN, .high = NAN, .noise = NAN, .period = NAN, .periods = NAN};
         refuse(&motion.overview, "out of memory");
     }
     *overview = motion.overview;
@@ -374,7 +401,8 @@ bool series_beats(const struct series *series, struct arena *arena)
 {
     struct samples samples;
     struct mode_pair pair;
-    return series->n <= BEATS_MOST && samples_init(&samples, series, arena) && two_lines(&samples, &pair);
+    return series->n <= BEATS_MAX && samples_init(&samples, series, arena) &&
+           two_lines(&samples, &pair);
 }
 
 struct series series_window(struct series series, double from, double to)

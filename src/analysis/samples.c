@@ -6,8 +6,8 @@
 #include <math.h>
 #include <string.h>
 
-#define SPIKES_MOST 0.2 /* of the samples */
-#define OUTLIER 6.0     /* standard deviations: a spike is no noise */
+#define SPIKES_MAX 0.2 /* of the samples */
+#define OUTLIER 6.0    /* standard deviations: a spike is no noise */
 
 double random_fraction(uint64_t *state)
 {
@@ -24,13 +24,14 @@ double quantile(double *values, size_t n, double q)
 }
 
 /*
- * Instruments print i/60 s as 0.017 0.033 0.050: such times are the grid's, rounded to a multiple of 10^-digits. True
- * if all times are multiples of it and lie close to the grid.
+ * Instruments print i/60 s as 0.017 0.033 0.050: such times are the grid's, rounded to a multiple
+ * of 10^-digits. True if all times are multiples of it and lie close to the grid.
  */
 static bool rounded_grid(const struct series *series, double dt, double deviation)
 {
     for (int digits = 2; digits <= 5; digits++) {
-        double scale = pow(10.0, digits), limit = 1.01 / scale; /* of a time, and of the first or last */
+        double scale = pow(10.0, digits),
+               limit = 1.01 / scale; /* of a time, and of the first or last */
         if (deviation > limit || limit > 0.2 * dt) {
             continue;
         }
@@ -57,7 +58,8 @@ bool samples_init(struct samples *samples, const struct series *series, struct a
     if (series->n < 2) {
         return true;
     }
-    double first = series->t[0], dt = (series->t[series->n - 1] - first) / (double)(series->n - 1), deviation = 0;
+    double first = series->t[0], dt = (series->t[series->n - 1] - first) / (double)(series->n - 1),
+           deviation = 0;
     for (size_t i = 0; i < series->n; i++) {
         deviation = fmax(deviation, fabs(series->t[i] - (first + (double)i * dt)));
     }
@@ -93,8 +95,8 @@ size_t samples_index(const struct samples *samples, double t)
     return low;
 }
 
-/* Sizes of the sixth differences: a sine with m samples a period enters them only as (2 pi/m)^6, white noise as
- * sqrt(924). How many. */
+/* Sizes of the sixth differences: a sine with m samples a period enters them only as (2 pi/m)^6,
+ * white noise as sqrt(924). How many. */
 static size_t sixth_differences(const struct samples *samples, double *size)
 {
     const size_t count = samples->n < 8 ? 0 : samples->n - 6;
@@ -116,11 +118,14 @@ double series_noise(const struct series *series, struct arena *arena)
 {
     struct samples samples;
     double *size = arena_array(arena, series->n, sizeof *size), sum = 0;
-    size_t count = size && samples_init(&samples, series, arena) ? sixth_differences(&samples, size) : 0, used = 0;
+    size_t count = size && samples_init(&samples, series, arena) ? sixth_differences(&samples, size)
+                                                                 : 0,
+           used = 0;
     if (!count)
         return NAN;
     const double median = quantile(size, count, 0.5);
-    for (size_t i = 0; i < count; i++) /* the median alone is one of few values where samples are rounded */
+    for (size_t i = 0; i < count;
+         i++) /* the median alone is one of few values where samples are rounded */
         if (size[i] <= OUTLIER * MAD_TO_SIGMA * median || median == 0) {
             sum += size[i] * size[i];
             used++;
@@ -129,11 +134,12 @@ double series_noise(const struct series *series, struct arena *arena)
 }
 
 /*
- * A missed echo: the value leaves the middle by more than two thirds of the robust range (15 to 85 %) in one sample and
- * comes back as fast within six samples, or the record ends there. Slow enough for every oscillation with at least six
- * samples a period; a coarse net that only protects the spectrum: local fits decide later. Once forwards, once
- * backwards: a bad first sample is seen from behind only. Where many are found they are the oscillation itself, with
- * few samples a period, or its pulses.
+ * A missed echo: the value leaves the middle by more than two thirds of the robust range (15 to 85
+ * %) in one sample and comes back as fast within six samples, or the record ends there. Slow enough
+ * for every oscillation with at least six samples a period; a coarse net that only protects the
+ * spectrum: local fits decide later. Once forwards, once backwards: a bad first sample is seen from
+ * behind only. Where many are found they are the oscillation itself, with few samples a period, or
+ * its pulses.
  */
 void samples_flag_spikes(struct samples *samples, double *scratch)
 {
@@ -145,7 +151,8 @@ void samples_flag_spikes(struct samples *samples, double *scratch)
     for (size_t i = 0; i < n; i += stride) {
         scratch[count++] = samples->y[i];
     }
-    double high = quantile(scratch, count, 0.85), low = quantile(scratch, count, 0.15), jump = 0.67 * (high - low);
+    double high = quantile(scratch, count, 0.85), low = quantile(scratch, count, 0.15),
+           jump = 0.67 * (high - low);
     double middle = 0.5 * (high + low);
     if (!(jump > 0)) {
         return;
@@ -155,13 +162,16 @@ void samples_flag_spikes(struct samples *samples, double *scratch)
         unsigned char *use = samples->use + (backwards ? n - 1 : 0);
         ptrdiff_t step = backwards ? -1 : 1;
         for (size_t i = 1; i < n; i++) {
-            double before = y[(ptrdiff_t)(i - 1) * step], here = y[(ptrdiff_t)i * step], away = here - before;
+            double before = y[(ptrdiff_t)(i - 1) * step], here = y[(ptrdiff_t)i * step],
+                   away = here - before;
             if (fabs(away) <= jump || fabs(here - middle) <= fabs(before - middle)) {
                 continue;
             }
             size_t back = i + 1;
             while (back < n && back <= i + LONGEST &&
-                   copysign(1, away) * (y[(ptrdiff_t)(back - 1) * step] - y[(ptrdiff_t)back * step]) <= jump) {
+                   copysign(1, away) *
+                           (y[(ptrdiff_t)(back - 1) * step] - y[(ptrdiff_t)back * step]) <=
+                       jump) {
                 back++;
             }
             if (back <= i + LONGEST) {
@@ -172,7 +182,7 @@ void samples_flag_spikes(struct samples *samples, double *scratch)
             }
         }
     }
-    if ((double)flagged > SPIKES_MOST * (double)n) {
+    if ((double)flagged > SPIKES_MAX * (double)n) {
         memset(samples->use, 1, n);
     }
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Spectra: Hann window, zero padding, log-parabolic peak; the peak is refined by least squares (Lomb–Scargle) on the
- * true times. */
+/* Spectra: Hann window, zero padding, log-parabolic peak; the peak is refined by least squares
+ * (Lomb–Scargle) on the true times. */
 #include "analysis/internal.h"
 
 #include <gsl/gsl_fft_real.h>
@@ -8,7 +8,7 @@
 
 #define LOWEST_PERIODS 1.3 /* a peak below so many periods in the record is drift */
 
-enum { PART_LEAST = 16, CANDIDATES = 5 };
+enum { PART_MIN = 16, CANDIDATES = 5 };
 
 struct transform {
     double *power; /* [bins] |X|^2 */
@@ -18,7 +18,8 @@ struct transform {
     bool memory;
 };
 
-/* Values on an even grid of n points, rejected samples bridged by straight lines, the least-squares line removed. */
+/* Values on an even grid of n points, rejected samples bridged by straight lines, the least-squares
+ * line removed. */
 static void fill_even(const struct samples *x, double *out)
 {
     size_t right = 0, left = 0;
@@ -36,7 +37,9 @@ static void fill_even(const struct samples *x, double *out)
             }
             size_t to = right < x->n ? right : left;
             double width = x->t[to] - x->t[left];
-            out[i] = width > 0 ? x->y[left] + (x->y[to] - x->y[left]) * fmin((t - x->t[left]) / width, 1) : x->y[to];
+            out[i] = width > 0
+                         ? x->y[left] + (x->y[to] - x->y[left]) * fmin((t - x->t[left]) / width, 1)
+                         : x->y[to];
         }
         double s = (double)i - middle;
         sum += out[i];
@@ -62,7 +65,8 @@ static struct transform transform(const struct samples *x, struct arena *arena)
         return result;
     }
     fill_even(x, data);
-    double angle = TWO_PI / (double)x->n, c = cos(angle), s = sin(angle), re = cos(0.5 * angle), im = sin(0.5 * angle);
+    double angle = TWO_PI / (double)x->n, c = cos(angle), s = sin(angle), re = cos(0.5 * angle),
+           im = sin(0.5 * angle);
     for (size_t i = 0; i < x->n; i++) {
         double window = 0.5 * (1 - re); /* Hann: re = cos(2 pi (i + 1/2)/n) */
         data[i] *= window;
@@ -117,7 +121,8 @@ double peak_frequency(const struct samples *x, struct arena *arena, bool *memory
     const double *p = spectrum.power;
     double span = x->t[x->n - 1] - x->t[0];
     size_t peak = 0, first = (size_t)ceil(LOWEST_PERIODS / span / spectrum.step);
-    for (size_t k = first > 1 ? first : 1; k + 2 < spectrum.bins && k < spectrum.bins * 99 / 100; k++) { /* 2.02 samples a period */
+    for (size_t k = first > 1 ? first : 1; k + 2 < spectrum.bins && k < spectrum.bins * 99 / 100;
+         k++) { /* 2.02 samples a period */
         if (p[k] > p[k - 1] && p[k] >= p[k + 1] && (peak == 0 || p[k] > p[peak])) {
             peak = k;
         }
@@ -130,25 +135,25 @@ double peak_frequency(const struct samples *x, struct arena *arena, bool *memory
 }
 
 /* Keeps the highest of the local maxima of a spectrum, best first. */
-static int highest(const struct transform *spectrum, double span, double *omega, int most)
+static int highest(const struct transform *spectrum, double span, double *omega, int max)
 {
     const double *p = spectrum->power;
     const size_t first = (size_t)ceil(LOWEST_PERIODS / span / spectrum->step);
     double height[8] = {0};
     int count = 0;
-    most = most < (int)COUNT_OF(height) ? most : (int)COUNT_OF(height);
+    max = max < (int)COUNT_OF(height) ? max : (int)COUNT_OF(height);
     for (size_t k = first > 1 ? first : 1; k + 2 < spectrum->bins; k++) {
         if (!(p[k] > p[k - 1] && p[k] >= p[k + 1])) {
             continue;
         }
-        int at = count < most ? count++ : most;
+        int at = count < max ? count++ : max;
         for (; at > 0 && p[k] > height[at - 1]; at--) {
-            if (at < most) {
+            if (at < max) {
                 height[at] = height[at - 1];
                 omega[at] = omega[at - 1];
             }
         }
-        if (at < most) {
+        if (at < max) {
             height[at] = p[k];
             omega[at] = TWO_PI * spectrum->step * (double)k;
         }
@@ -175,26 +180,29 @@ static struct transform mean_transform(const struct samples *x, size_t parts, st
     return mean;
 }
 
-int spectrum_candidates(const struct samples *x, struct arena *arena, double *omega, int most, bool *memory)
+int spectrum_candidates(const struct samples *x, struct arena *arena, double *omega, int max,
+                        bool *memory)
 {
     static const size_t parts[] = {1, 8, 32};
     int count = 0;
     *memory = true;
     for (size_t k = 0; k < COUNT_OF(parts) && *memory; k++) {
-        if (x->n / parts[k] < PART_LEAST) {
+        if (x->n / parts[k] < PART_MIN) {
             break;
         }
         const struct transform spectrum = mean_transform(x, parts[k], arena);
         *memory = spectrum.memory;
-        const int share = most - count < CANDIDATES ? most - count : CANDIDATES;
+        const int fraction = max - count < CANDIDATES ? max - count : CANDIDATES;
         if (spectrum.memory) {
-            count += highest(&spectrum, (x->t[x->n - 1] - x->t[0]) / (double)parts[k], omega + count, share);
+            count += highest(&spectrum, (x->t[x->n - 1] - x->t[0]) / (double)parts[k],
+                             omega + count, fraction);
         }
     }
     return count;
 }
 
-/* Three points of the least-squares spectrum (Zechmeister & Kürster 2009: with a floating mean) and a parabola. */
+/* Three points of the least-squares spectrum (Zechmeister & Kürster 2009: with a floating mean) and
+ * a parabola. */
 static double refine(const struct samples *x, double omega)
 {
     double span = x->t[x->n - 1] - x->t[0], step = PI / (4 * span), rss[3];

@@ -3,18 +3,19 @@
  * The spectrum that is drawn, and that of recordings with gaps: |sum w y exp(i omega t)| over the
  * samples there are, at their own times, so that the height of a line is its amplitude whatever is
  * missing. Samples between points of the grid are spread over the four beside them, by the weights
- * that would interpolate there (Press and Rybicki 1989, Astrophys. J. 338:277); a grid twice as fine
- * keeps that right to (3/128) (pi/2)^4 at the end of the axis, and to 3e-5 at ten samples a period.
+ * that would interpolate there (Press and Rybicki 1989, Astrophys. J. 338:277); a grid twice as
+ * fine keeps that right to (3/128) (pi/2)^4 at the end of the axis, and to 3e-5 at ten samples a
+ * period.
  */
 #include "analysis/internal.h"
 
 #include <gsl/gsl_fft_real.h>
 #include <math.h>
 
-#define GAP 8             /* times the usual step: nothing was recorded there */
-#define FINE 8            /* bins in 1/span: a line between two of them is 0.3 % too low at most */
-#define FINE_MOST 1048576 /* bins, of longer series as many as the samples give */
-#define BESIDE 1          /* points of the grid before the first sample, and two after the last */
+#define GAP 8            /* times the usual step: nothing was recorded there */
+#define FINE 8           /* bins in 1/span: a line between two of them is 0.3 % too low at most */
+#define FINE_MAX 1048576 /* bins, of longer series as many as the samples give */
+#define BESIDE 1         /* points of the grid before the first sample, and two after the last */
 
 /* The usual step [s]: the mean of all that are no gaps; *gap: the shortest that is one. */
 static double usual_step(const struct samples *x, double *scratch, double *gap)
@@ -67,9 +68,9 @@ static void line_of(const struct samples *x, const double *weight, double middle
 }
 
 /* Adds the value at a place between the points of a grid. */
-static void spread(double place, double value, double *grid)
+static void spread(double index, double value, double *grid)
 {
-    const double below = floor(place + 1e-6), s = place - below;
+    const double below = floor(index + 1e-6), s = index - below;
     double *at = grid + (size_t)below;
     if (fabs(s) < 1e-5) {
         at[0] += value;
@@ -135,10 +136,10 @@ bool samples_have_gap(const struct samples *x, struct arena *arena, bool *memory
 /* Bins of the transform: some for each that the times give, but not without end. */
 static size_t bins_of(double points, size_t n)
 {
-    const double most = fmax(FINE_MOST, 4 * (double)n);
+    const double max = fmax(FINE_MAX, 4 * (double)n);
     size_t length = 32;
-    while ((double)length < fmin(points, most) ||
-           ((double)length < FINE * points && length < FINE_MOST))
+    while ((double)length < fmin(points, max) ||
+           ((double)length < FINE * points && length < FINE_MAX))
         length *= 2;
     return length;
 }
@@ -165,8 +166,7 @@ bool samples_spectrum(const struct samples *all, struct arena *arena, struct spe
     gsl_fft_real_radix2_transform(grid, 1, finer * length); /* a power of two: it cannot fail */
     for (size_t k = 0; k <= length / 2; k++) {
         const bool real = k == 0 || 2 * k == finer * length;
-        grid[k] =
-            (real ? fabs(grid[k]) : 2 * hypot(grid[k], grid[finer * length - k])) / gain;
+        grid[k] = (real ? fabs(grid[k]) : 2 * hypot(grid[k], grid[finer * length - k])) / gain;
     }
     *out = (struct spectrum){grid, length / 2 + 1, 1 / ((double)length * apart)};
     return true;

@@ -37,10 +37,10 @@ const struct row *catalog_find(const struct catalog *catalog, struct text name)
     return NULL;
 }
 
-const struct row *catalog_prefix(const struct catalog *catalog, struct text name, size_t least)
+const struct row *catalog_prefix(const struct catalog *catalog, struct text name, size_t min)
 {
     const struct row *found = catalog_find(catalog, name);
-    if (found || name.len == 0 || name.len < least)
+    if (found || name.len == 0 || name.len < min)
         return found;
     for (size_t i = 0; i < catalog->count; i++) {
         const struct row *row = catalog_row(catalog, i);
@@ -116,7 +116,8 @@ void suggestion_offer(struct suggestion *suggestion, const char *name)
         return;
     const int far = reach(wanted.len);
     int distance = text_distance(wanted, candidate);
-    /* The beginning of a long name is near it; a name that shares no letter is not, however short. */
+    /* The beginning of a long name is near it; a name that shares no letter is not, however short.
+     */
     if (same_but_case(wanted, candidate))
         distance = 0;
     else if (wanted.len >= 3 && distance > far && text_starts(candidate, wanted))
@@ -126,22 +127,22 @@ void suggestion_offer(struct suggestion *suggestion, const char *name)
     if (distance > far)
         return;
 
-    const int most = (int)COUNT_OF(suggestion->name);
-    int place = suggestion->count;
+    const int max = (int)COUNT_OF(suggestion->name);
+    int index = suggestion->count;
     for (int i = 0; i < suggestion->count; i++)
         if (text_is(candidate, suggestion->name[i]))
             return;
-    while (place > 0 && distance < suggestion->distance[place - 1])
-        place--;
-    if (place == most)
+    while (index > 0 && distance < suggestion->distance[index - 1])
+        index--;
+    if (index == max)
         return;
-    for (int i = suggestion->count < most ? suggestion->count : most - 1; i > place; i--) {
+    for (int i = suggestion->count < max ? suggestion->count : max - 1; i > index; i--) {
         suggestion->distance[i] = suggestion->distance[i - 1];
         memcpy(suggestion->name[i], suggestion->name[i - 1], sizeof suggestion->name[i]);
     }
-    suggestion->distance[place] = distance;
-    memcpy(suggestion->name[place], name, candidate.len + 1);
-    suggestion->count += suggestion->count < most;
+    suggestion->distance[index] = distance;
+    memcpy(suggestion->name[index], name, candidate.len + 1);
+    suggestion->count += suggestion->count < max;
 }
 
 void suggestion_hint(const struct suggestion *suggestion, struct error *error)
@@ -155,7 +156,7 @@ void suggestion_hint(const struct suggestion *suggestion, struct error *error)
         error_hint(error, "did you mean '%s', '%s' or '%s'?", name[0], name[1], name[2]);
 }
 
-int catalog_place(const struct catalog *catalog, const struct row *row)
+int catalog_index(const struct catalog *catalog, const struct row *row)
 {
     return (int)((size_t)((const char *)row - (const char *)catalog->rows) / catalog->stride);
 }

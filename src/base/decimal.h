@@ -2,8 +2,9 @@
 /*
  * Decimals inside base: what the reader and the writer of numbers share.
  *
- * With 10^p = 5^p 2^p and 5^27 < 2^63, m 10^p is an exact 128-bit integer for every double mantissa m and 0 <= p <= 27,
- * so that both directions are exact integer arithmetic for the numbers a laboratory has; the rest goes through libc.
+ * With 10^p = 5^p 2^p and 5^27 < 2^63, m 10^p is an exact 128-bit integer for every double mantissa
+ * m and 0 <= p <= 27, so that both directions are exact integer arithmetic for the numbers a
+ * laboratory has; the rest goes through libc.
  */
 #ifndef HOOKE_BASE_DECIMAL_H
 #define HOOKE_BASE_DECIMAL_H
@@ -25,7 +26,8 @@ struct decimal {
     int exponent;
 };
 
-/* The finite value with the fewest digits that read back to it, and of those the nearest; no trailing zeros. */
+/* The finite value with the fewest digits that read back to it, and of those the nearest; no
+ * trailing zeros. */
 struct decimal decimal_shortest(double value);
 /* The finite value rounded to 1..17 significant digits, trailing zeros dropped. */
 struct decimal decimal_rounded(double value, int digits);

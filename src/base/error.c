@@ -23,7 +23,8 @@ static void drop_partial(char *z, size_t size)
         z[start - 1] = '\0';
 }
 
-static PRINTF_LIKE(3, 0) void fill(struct error *error, enum error_code code, const char *format, va_list args)
+static PRINTF_LIKE(3, 0) void fill(struct error *error, enum error_code code, const char *format,
+                                   va_list args)
 {
     error->code = code;
     error->hint[0] = '\0';
@@ -74,7 +75,9 @@ bool error_memory(struct error *error)
 const char *error_name(enum error_code code)
 {
     static const char *const names[] = {"none", "command", "usage", "numerical", "io"};
-    return code == ERROR_CANCELLED ? "cancelled" : (size_t)code < COUNT_OF(names) ? names[code] : "unknown";
+    return code == ERROR_CANCELLED          ? "cancelled"
+           : (size_t)code < COUNT_OF(names) ? names[code]
+                                            : "unknown";
 }
 
 const char *system_message(int number)

@@ -23,14 +23,16 @@ static bool cannot_read(struct error *error, const char *path, int number)
 {
     char name[SAFE_NAME_SIZE];
     if (number == EINTR)
-        return error_set(error, ERROR_CANCELLED, "reading %s was interrupted", safe_name(text_of(path), name));
+        return error_set(error, ERROR_CANCELLED, "reading %s was interrupted",
+                         safe_name(text_of(path), name));
     return error_set(error, ERROR_IO, "cannot read %s: %s", safe_name(text_of(path), name),
                      number == EISDIR ? "it is a directory" : system_message(number));
 }
 
 /*
- * A named pipe that nobody writes to has no end: its writer gets a moment to come, a reader that waits for ever none.
- * EINTR is not retried: it is how Ctrl-C gets out of a pipe into which nothing is written.
+ * A named pipe that nobody writes to has no end: its writer gets a moment to come, a reader that
+ * waits for ever none. EINTR is not retried: it is how Ctrl-C gets out of a pipe into which nothing
+ * is written.
  */
 static bool await_writer(int fd, const char *path, struct buffer *content, struct error *error)
 {
@@ -51,7 +53,8 @@ static bool await_writer(int fd, const char *path, struct buffer *content, struc
                      safe_name(text_of(path), name));
 }
 
-static bool open_file(const char *path, int *fd, struct stat *st, struct buffer *content, struct error *error)
+static bool open_file(const char *path, int *fd, struct stat *st, struct buffer *content,
+                      struct error *error)
 {
     *fd = open(path, O_RDONLY | O_CLOEXEC | O_NOCTTY | O_NONBLOCK);
     if (*fd < 0 || fstat(*fd, st) != 0)
@@ -61,7 +64,8 @@ static bool open_file(const char *path, int *fd, struct stat *st, struct buffer 
     if (S_ISFIFO(st->st_mode) && !await_writer(*fd, path, content, error))
         return false;
     const int flags = fcntl(*fd, F_GETFL);
-    return (flags >= 0 && fcntl(*fd, F_SETFL, flags & ~O_NONBLOCK) >= 0) || cannot_read(error, path, errno);
+    return (flags >= 0 && fcntl(*fd, F_SETFL, flags & ~O_NONBLOCK) >= 0) ||
+           cannot_read(error, path, errno);
 }
 
 static bool too_long(const char *path, size_t limit, struct error *error)
@@ -71,8 +75,10 @@ static bool too_long(const char *path, size_t limit, struct error *error)
                      safe_name(text_of(path), name), limit, limit);
 }
 
-/* Of a file that states its size no more than that: somebody may be writing it faster than it is read. */
-static bool read_pieces(int fd, const struct reading *r, struct buffer *content, struct error *error)
+/* Of a file that states its size no more than that: somebody may be writing it faster than it is
+ * read. */
+static bool read_pieces(int fd, const struct reading *r, struct buffer *content,
+                        struct error *error)
 {
     char piece[PIECE];
     for (bool first = true;; first = false) {
@@ -89,13 +95,14 @@ static bool read_pieces(int fd, const struct reading *r, struct buffer *content,
         if (content->failed)
             return error_memory(error);
         const struct text seen = {content->data + r->before, content->len - r->before};
-        if (r->watch && !r->watch->look(r->watch->context, seen, first ? 0 : so_far, r->size, error))
+        if (r->watch &&
+            !r->watch->look(r->watch->context, seen, first ? 0 : so_far, r->size, error))
             return false;
     }
 }
 
-static bool read_all(const char *path, size_t limit, struct read_watch *watch, struct buffer *content, int *fd,
-                     struct error *error)
+static bool read_all(const char *path, size_t limit, struct read_watch *watch,
+                     struct buffer *content, int *fd, struct error *error)
 {
     char name[SAFE_NAME_SIZE];
     struct stat st, after;
@@ -104,8 +111,8 @@ static bool read_all(const char *path, size_t limit, struct read_watch *watch, s
         return false;
     r.size = S_ISREG(st.st_mode) ? (uintmax_t)st.st_size : 0;
     if (r.size > limit)
-        return error_set(error, ERROR_IO, "%s has %ju bytes; at most %zu are read", safe_name(text_of(path), name),
-                         r.size, limit);
+        return error_set(error, ERROR_IO, "%s has %ju bytes; at most %zu are read",
+                         safe_name(text_of(path), name), r.size, limit);
     if (content->len - r.before > limit)
         return too_long(path, limit, error);
     if (!read_pieces(*fd, &r, content, error))
@@ -116,8 +123,8 @@ static bool read_all(const char *path, size_t limit, struct read_watch *watch, s
     return !content->failed || error_memory(error);
 }
 
-bool file_read_watched(const char *path, size_t limit, struct read_watch *watch, struct buffer *content,
-                       struct error *error)
+bool file_read_watched(const char *path, size_t limit, struct read_watch *watch,
+                       struct buffer *content, struct error *error)
 {
     const size_t before = content->len;
     int fd = -1;

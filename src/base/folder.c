@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Folders whole or not at all. rename(2) puts a new one in place and fails where the name is taken by anything but an
- * empty folder; with force both names are exchanged, and the old folder is removed under the hidden one.
+ * Folders whole or not at all. rename(2) puts a new one in place and fails where the name is taken
+ * by anything but an empty folder; with force both names are exchanged, and the old folder is
+ * removed under the hidden one.
  */
 #include <hooke/base.h>
 #include "base/internal.h"
@@ -24,9 +25,10 @@ static bool is_self(const char *name)
     return strcmp(name, ".") == 0 || strcmp(name, "..") == 0;
 }
 
-/* Calls `act` for each entry until it returns false; the name of that one, "" if all passed. False: errno says why. */
-static bool each_entry(int fd, bool (*act)(int fd, const char *name, const void *context), const void *context,
-                       char stopped[NAME_MAX_SIZE])
+/* Calls `act` for each entry until it returns false; the name of that one, "" if all passed. False:
+ * errno says why. */
+static bool each_entry(int fd, bool (*act)(int fd, const char *name, const void *context),
+                       const void *context, char stopped[NAME_MAX_SIZE])
 {
     const int again = openat(fd, ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
     DIR *list = again < 0 ? NULL : fdopendir(again);
@@ -52,7 +54,8 @@ static bool is_own_file(int fd, const char *name, const void *context)
 {
     const struct folder *folder = context;
     struct stat st;
-    return folder->own(name) && fstatat(fd, name, &st, AT_SYMLINK_NOFOLLOW) == 0 && S_ISREG(st.st_mode);
+    return folder->own(name) && fstatat(fd, name, &st, AT_SYMLINK_NOFOLLOW) == 0 &&
+           S_ISREG(st.st_mode);
 }
 
 static bool remove_own(int fd, const char *name, const void *context)
@@ -108,7 +111,8 @@ static bool make_hidden(struct folder *folder)
     struct writer *at = &folder->at;
     for (int i = 0; i < NAME_ATTEMPTS && writer_invent_name(at); i++) {
         if (mkdirat(at->folder, at->temporary, 0777) == 0) {
-            folder->fd = openat(at->folder, at->temporary, O_RDONLY | O_DIRECTORY | O_CLOEXEC | O_NOFOLLOW);
+            folder->fd =
+                openat(at->folder, at->temporary, O_RDONLY | O_DIRECTORY | O_CLOEXEC | O_NOFOLLOW);
             return folder->fd >= 0;
         }
         if (errno != EEXIST)
@@ -135,10 +139,11 @@ static bool open_all(struct folder *folder, bool confine, struct error *error)
            (make_hidden(folder) || writer_refuse(at, error, system_message(errno)));
 }
 
-bool folder_open(struct folder *folder, const char *path, struct write_policy policy, bool (*own)(const char *name),
-                 struct error *error)
+bool folder_open(struct folder *folder, const char *path, struct write_policy policy,
+                 bool (*own)(const char *name), struct error *error)
 {
-    *folder = (struct folder){.at = {.fd = -1, .folder = -1, .force = policy.force}, .fd = -1, .own = own};
+    *folder = (struct folder){
+        .at = {.fd = -1, .folder = -1, .force = policy.force}, .fd = -1, .own = own};
     folder->at.path = strdup(path);
     if (open_all(folder, policy.confine, error))
         return true;

@@ -7,7 +7,8 @@
 
 #define SAFE_NAME_SIZE 160
 
-/* A name from outside for use inside a message: made visible as by safe_text, long ones cut with "...". Returns `out`.
+/* A name from outside for use inside a message: made visible as by safe_text, long ones cut with
+ * "...". Returns `out`.
  */
 const char *safe_name(struct text name, char out[SAFE_NAME_SIZE]);
 
@@ -18,9 +19,11 @@ const char *system_message(int number);
 
 #define NAME_ATTEMPTS 100 /* at a temporary name that nobody has taken */
 
-bool writer_refuse(const struct writer *writer, struct error *error, const char *why); /* false, always */
+bool writer_refuse(const struct writer *writer, struct error *error,
+                   const char *why); /* false, always */
 bool writer_refuse_existing(const struct writer *writer, struct error *error);
-/* Opens the folder of writer->path and points at the last component. confine: it has to be below the current one. */
+/* Opens the folder of writer->path and points at the last component. confine: it has to be below
+ * the current one. */
 bool writer_open_folder(struct writer *writer, bool confine, struct error *error);
 /* A hidden name beside the target that says what it is, should a killed program leave it behind. */
 bool writer_invent_name(struct writer *writer);

@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Shared libraries that are looked up when they are needed: linking them would cost every start of the program. */
+/* Shared libraries that are looked up when they are needed: linking them would cost every start of
+ * the program. */
 #include <hooke/base.h>
 
 #include <dlfcn.h>
 #include <string.h>
 
-bool library_load(struct library *library, const char *name, const struct library_symbol *symbol, size_t count,
-                  void *table, const char **missing)
+bool library_load(struct library *library, const char *name, const struct library_symbol *symbol,
+                  size_t count, void *table, const char **missing)
 {
     *missing = NULL;
     /* It stays in memory: some libraries keep caches that only they can find. */

@@ -4,7 +4,8 @@
 static const struct limit limits[] = {
     {{"line", "byte", "length of a command line", "", NULL}, LIMIT_LINE},
     {{"tokens", "", "words in a statement", "", NULL}, LIMIT_TOKENS},
-    {{"expr-depth", "", "parentheses and operators nested in an expression", "", NULL}, LIMIT_EXPR_DEPTH},
+    {{"expr-depth", "", "parentheses and operators nested in an expression", "", NULL},
+     LIMIT_EXPR_DEPTH},
     {{"expr-size", "", "operations in an expression", "", NULL}, LIMIT_EXPR_SIZE},
     {{"source-depth", "", "files that source files", "", NULL}, LIMIT_SOURCE_DEPTH},
     {{"name", "byte", "length of a name", "", NULL}, LIMIT_NAME},

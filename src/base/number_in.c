@@ -6,8 +6,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* A double's nearest neighbours are told apart by at most 768 significant digits; of what follows only "zero or not"
- * counts. */
+/* A double's nearest neighbours are told apart by at most 768 significant digits; of what follows
+ * only "zero or not" counts. */
 #define DIGITS_MAX 800
 #define EXPONENT_MAX 1000000000000000 /* beyond any that could matter, far from overflow */
 
@@ -42,10 +42,12 @@ const uint64_t power5[POWER5_MAX + 1] = {
     7450580596923828125ull,
 };
 
-const double power10[POWER10_MAX + 1] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,  1e8,  1e9,  1e10, 1e11,
-                                         1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
+const double power10[POWER10_MAX + 1] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
+                                         1e8,  1e9,  1e10, 1e11, 1e12, 1e13, 1e14, 1e15,
+                                         1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
 
-/* What the text says: 0.digits * 10^..., kept as the first 19 digits and where the number lies in the text. */
+/* What the text says: 0.digits * 10^..., kept as the first 19 digits and where the number lies in
+ * the text. */
 struct scanned {
     bool negative;
     uint64_t leading;                 /* the first (up to) 19 significant digits */
@@ -109,8 +111,8 @@ static bool scan(struct text text, char decimal, struct scanned *s)
     return any;
 }
 
-/* n * 2^exponent rounded to nearest even, n >= 2^53; `more`: n has lost a non-zero tail (and has at least 64 bits
- * then). */
+/* n * 2^exponent rounded to nearest even, n >= 2^53; `more`: n has lost a non-zero tail (and has at
+ * least 64 bits then). */
 static double compose(wide n, int exponent, bool more)
 {
     uint64_t high = (uint64_t)(n >> 64);

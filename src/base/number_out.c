@@ -29,7 +29,8 @@ static struct decimal rounded(double value, int digits)
     char z[REAL_TEXT_SIZE];
     snprintf(z, sizeof z, "%.*e", digits - 1, fabs(value));
     const char *c = z;
-    for (; *c && *c != 'e'; c++) /* whatever stands between the digits is the locale's decimal point */
+    for (; *c && *c != 'e';
+         c++) /* whatever stands between the digits is the locale's decimal point */
         if (*c >= '0' && *c <= '9')
             d.digits = d.digits * 10 + (uint64_t)(*c - '0');
     int exponent = 0;
@@ -46,16 +47,18 @@ struct decimal decimal_rounded(double value, int digits)
 }
 
 /*
- * Exact form for 1e-11 <= value < 1e17: with 17 digits before the point, the value is v 2^-shift and its rounding
- * interval reaches 2 u 2^-shift up and down, where u = 5^p is a quarter of the distance to the next double. The
- * decimals that read back are the integers in between; the shortest is the one that can be divided by 10 most often.
+ * Exact form for 1e-11 <= value < 1e17: with 17 digits before the point, the value is v 2^-shift
+ * and its rounding interval reaches 2 u 2^-shift up and down, where u = 5^p is a quarter of the
+ * distance to the next double. The decimals that read back are the integers in between; the
+ * shortest is the one that can be divided by 10 most often.
  */
 static struct decimal shortest_exact(double value)
 {
     const uint64_t bits = bits_of(value);
     const uint64_t fraction = bits & (((uint64_t)1 << 52) - 1), m = fraction | (uint64_t)1 << 52;
     const int e = (int)(bits >> 52) - 1075;
-    /* floor(log10(value)) from the binary exponent, at most one too small; `point` is 17 digits before the point. */
+    /* floor(log10(value)) from the binary exponent, at most one too small; `point` is 17 digits
+     * before the point. */
     int decade = (int)floor((e + 52) * 0.30102999566398120);
     decade += decade < 0 ? value >= 1.0 / power10[-decade - 1] : value >= power10[decade + 1];
     const int p = 16 - decade;
@@ -88,7 +91,8 @@ static struct decimal shortest_exact(double value)
     const wide rest = ((wide)(whole % scale) << shift) + (v & (one - 1));
     const wide all = (wide)scale << shift;
     d.digits = whole / scale;
-    d.digits += d.digits < low || (d.digits < high && (2 * rest > all || (2 * rest == all && (d.digits & 1))));
+    d.digits += d.digits < low ||
+                (d.digits < high && (2 * rest > all || (2 * rest == all && (d.digits & 1))));
     return d;
 }
 
@@ -101,8 +105,8 @@ static bool reads_back(struct decimal d, double value)
     return again == value;
 }
 
-/* Any finite value, by trying. 15 digits always survive, so that fewer come from them by dropping zeros; not so the
- * denormal. */
+/* Any finite value, by trying. 15 digits always survive, so that fewer come from them by dropping
+ * zeros; not so the denormal. */
 static struct decimal shortest_by_trying(double value)
 {
     const bool power_of_two = (bits_of(value) << 12) == 0;
@@ -110,7 +114,8 @@ static struct decimal shortest_by_trying(double value)
         struct decimal d = rounded(value, digits);
         if (reads_back(d, value))
             return stripped(d);
-        /* Below a power of two the doubles are denser: the nearest decimal may miss where its neighbour above does not.
+        /* Below a power of two the doubles are denser: the nearest decimal may miss where its
+         * neighbour above does not.
          */
         d.digits++;
         if (power_of_two && reads_back(d, value))
@@ -133,9 +138,10 @@ struct decimal decimal_shortest(double value)
 
 char *decimal_digits(char *end, uint64_t n)
 {
-    static const char pairs[201] = "00010203040506070809101112131415161718192021222324252627282930313233343536373839"
-                                   "40414243444546474849505152535455565758596061626364656667686970717273747576777879"
-                                   "8081828384858687888990919293949596979899";
+    static const char pairs[201] =
+        "00010203040506070809101112131415161718192021222324252627282930313233343536373839"
+        "40414243444546474849505152535455565758596061626364656667686970717273747576777879"
+        "8081828384858687888990919293949596979899";
     for (; n >= 100; n /= 100)
         memcpy(end -= 2, pairs + 2 * (n % 100), 2);
     do
@@ -165,10 +171,12 @@ int decimal_decade(struct decimal decimal)
 
 size_t decimal_write(struct decimal decimal, int low, int high, char out[REAL_TEXT_SIZE])
 {
-    char digits[20], *const end = digits + sizeof digits, *first = decimal_digits(end, decimal.digits), *at = out;
+    char digits[20], *const end = digits + sizeof digits,
+                            *first = decimal_digits(end, decimal.digits), *at = out;
     const int count = (int)(end - first), point = count + decimal.exponent, decade = point - 1;
     const bool plain = low <= decade && decade < high;
-    /* Digits before the point; what is missing there or between the point and the first digit is zeros. */
+    /* Digits before the point; what is missing there or between the point and the first digit is
+     * zeros. */
     const int before = plain ? point : 1, whole = before < 0 ? 0 : before < count ? before : count;
     if (decimal.negative)
         *at++ = '-';
@@ -235,21 +243,21 @@ void buffer_phase(struct buffer *buffer, double radians)
     else if (turns == 0)
         buffer_format(buffer, "%.1f deg", degrees + 0.0);
     else
-        buffer_format(buffer, "%.0f turn%s %c %.1f deg", turns, fabs(turns) == 1 ? "" : "s", rest < 0 ? '-' : '+',
-                      fabs(rest));
+        buffer_format(buffer, "%.0f turn%s %c %.1f deg", turns, fabs(turns) == 1 ? "" : "s",
+                      rest < 0 ? '-' : '+', fabs(rest));
 }
 
 /* value rounded to a multiple of 10^place, zeros kept: 1.9370 for place -4. At most 17 digits. */
-static struct decimal rounded_to(double value, int place)
+static struct decimal rounded_to(double value, int index)
 {
     struct decimal d = rounded(value, 17);
-    const int digits = value != 0 ? decimal_decade(d) - place + 1 : 0;
+    const int digits = value != 0 ? decimal_decade(d) - index + 1 : 0;
     if (digits < 1) {
         bool up = digits == 0 && d.digits >= 50000000000000000u;
-        return (struct decimal){d.negative && up, up, up || place < 0 ? place : 0}; /* 0, not 00 */
+        return (struct decimal){d.negative && up, up, up || index < 0 ? index : 0}; /* 0, not 00 */
     }
     d = rounded(value, digits);
-    for (; d.exponent > place; d.exponent--) /* 9.996 became 10.00 */
+    for (; d.exponent > index; d.exponent--) /* 9.996 became 10.00 */
         d.digits *= 10;
     return d;
 }
@@ -261,21 +269,22 @@ void buffer_uncertain(struct buffer *buffer, double value, double uncertainty)
         return;
     }
     const struct decimal two = rounded(uncertainty, 2), one = rounded(uncertainty, 1);
-    const int place = two.digits < 20 ? two.exponent : one.exponent - (one.digits == 1);
-    const int decade_value = value != 0 ? decimal_decade(rounded(value, 17)) : place;
-    if (decade_value - place >= 17) { /* more exact than a double can be: nothing to match */
+    const int index = two.digits < 20 ? two.exponent : one.exponent - (one.digits == 1);
+    const int decade_value = value != 0 ? decimal_decade(rounded(value, 17)) : index;
+    if (decade_value - index >= 17) { /* more exact than a double can be: nothing to match */
         buffer_real(buffer, value);
         buffer_put(buffer, TEXT(" +- "));
         buffer_short(buffer, uncertainty, 1 + (two.digits < 20));
         return;
     }
-    const int decade_error = decimal_decade(one), decade = decade_value > decade_error ? decade_value : decade_error;
-    const bool plain = decade >= -4 && decade < (place > 0 ? 6 : 15);
+    const int decade_error = decimal_decade(one),
+              decade = decade_value > decade_error ? decade_value : decade_error;
+    const bool plain = decade >= -4 && decade < (index > 0 ? 6 : 15);
     const int high = plain ? 100 : 0, low = -high;
     char z[REAL_TEXT_SIZE];
-    size_t len = decimal_write(rounded_to(value, place), low, high, z);
+    size_t len = decimal_write(rounded_to(value, index), low, high, z);
     buffer_put(buffer, (struct text){z, len});
     buffer_put(buffer, TEXT(" +- "));
-    len = decimal_write(rounded_to(uncertainty, place), low, high, z);
+    len = decimal_write(rounded_to(uncertainty, index), low, high, z);
     buffer_put(buffer, (struct text){z, len});
 }

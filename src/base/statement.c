@@ -43,8 +43,8 @@ size_t text_quoted(struct text text)
 /* A ' directly after a name is a derivative mark or an apostrophe, not a quote. */
 static bool opens_string(struct text text, size_t i)
 {
-    return text.at[i] == '"' ||
-           (text.at[i] == '\'' && (i == 0 || !(is_name_char(text.at[i - 1]) || text.at[i - 1] == '\'')));
+    return text.at[i] == '"' || (text.at[i] == '\'' && (i == 0 || !(is_name_char(text.at[i - 1]) ||
+                                                                    text.at[i - 1] == '\'')));
 }
 
 bool next_statement(struct text *line, struct text *statement, struct error *error)
@@ -56,7 +56,8 @@ bool next_statement(struct text *line, struct text *statement, struct error *err
             const struct text rest = {all.at + i, all.len - i};
             const size_t used = text_quoted(rest);
             if (used == 0) {
-                error_at(error, (struct text){rest.at, 1}, "the string that begins here has no end");
+                error_at(error, (struct text){rest.at, 1},
+                         "the string that begins here has no end");
                 error_hint(error, "close it with %c", rest.at[0]);
                 return false;
             }
@@ -91,7 +92,8 @@ struct text peek_name(struct text text)
     size_t i = 0;
     if (text.len > 0 && is_name_start(text.at[0]))
         while (i < text.len &&
-               (is_name_char(text.at[i]) || (text.at[i] == '-' && i + 1 < text.len && is_name_start(text.at[i + 1]))))
+               (is_name_char(text.at[i]) ||
+                (text.at[i] == '-' && i + 1 < text.len && is_name_start(text.at[i + 1]))))
             i++;
     return (struct text){text.at, i};
 }

@@ -55,12 +55,13 @@ bool text_split(struct text *rest, char separator, struct text *head)
     return true;
 }
 
-static int least(int a, int b)
+static int min(int a, int b)
 {
     return a < b ? a : b;
 }
 
-/* Optimal string alignment: the recurrence needs the last three rows only (Boytsov 2011, section 2.1). */
+/* Optimal string alignment: the recurrence needs the last three rows only (Boytsov 2011,
+ * section 2.1). */
 int text_distance(struct text a, struct text b)
 {
     size_t longer = a.len > b.len ? a.len : b.len;
@@ -76,9 +77,9 @@ int text_distance(struct text a, struct text b)
         row[0] = (int)i;
         for (size_t j = 1; j <= b.len; j++) {
             int replaced = above[j - 1] + (a.at[i - 1] != b.at[j - 1]);
-            row[j] = least(replaced, least(above[j], row[j - 1]) + 1);
+            row[j] = min(replaced, min(above[j], row[j - 1]) + 1);
             if (i > 1 && j > 1 && a.at[i - 1] == b.at[j - 2] && a.at[i - 2] == b.at[j - 1])
-                row[j] = least(row[j], before[j - 2] + 1);
+                row[j] = min(row[j], before[j - 2] + 1);
         }
     }
     return rows[a.len % 3][b.len];

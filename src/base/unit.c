@@ -22,16 +22,25 @@ static const struct unit units[] = {
     {{"mN", "N", "millinewton", "", NULL}, QUANTITY_FORCE, 1e-3, UNIT_SHOWN},
     {{"N/m", "N/m", "newton per metre", "", NULL}, QUANTITY_STIFFNESS, 1.0, UNIT_HOME},
     {{"N/cm", "N/m", "newton per centimetre", "", NULL}, QUANTITY_STIFFNESS, 100.0, UNIT_READ},
-    {{"N/m^3", "N/m^3", "newton per cubic metre", "", NULL}, QUANTITY_CUBIC_STIFFNESS, 1.0, UNIT_HOME},
+    {{"N/m^3", "N/m^3", "newton per cubic metre", "", NULL},
+     QUANTITY_CUBIC_STIFFNESS,
+     1.0,
+     UNIT_HOME},
     {{"1/s", "1/s", "per second", "", NULL}, QUANTITY_RATE, 1.0, UNIT_HOME},
     {{"kg/s", "kg/s", "kilogram per second", "", NULL}, QUANTITY_MASS_RATE, 1.0, UNIT_HOME},
     {{"g/s", "kg/s", "gram per second", "", NULL}, QUANTITY_MASS_RATE, 1e-3, UNIT_SHOWN},
-    {{"N/(m/s)", "kg/s", "newton per metre a second", "", NULL}, QUANTITY_MASS_RATE, 1.0, UNIT_READ},
+    {{"N/(m/s)", "kg/s", "newton per metre a second", "", NULL},
+     QUANTITY_MASS_RATE,
+     1.0,
+     UNIT_READ},
     {{"N*s/m", "kg/s", "the same", "", NULL}, QUANTITY_MASS_RATE, 1.0, UNIT_READ},
     {{"m/s", "m/s", "metre per second", "", NULL}, QUANTITY_VELOCITY, 1.0, UNIT_SHOWN},
     {{"cm/s", "m/s", "centimetre per second", "", NULL}, QUANTITY_VELOCITY, 1e-2, UNIT_HOME},
     {{"mm/s", "m/s", "millimetre per second", "", NULL}, QUANTITY_VELOCITY, 1e-3, UNIT_SHOWN},
-    {{"m/s^2", "m/s^2", "metre per second squared", "", NULL}, QUANTITY_ACCELERATION, 1.0, UNIT_HOME},
+    {{"m/s^2", "m/s^2", "metre per second squared", "", NULL},
+     QUANTITY_ACCELERATION,
+     1.0,
+     UNIT_HOME},
     {{"m^2", "m^2", "square metre", "", NULL}, QUANTITY_AREA, 1.0, UNIT_SHOWN},
     {{"cm^2", "m^2", "square centimetre", "", NULL}, QUANTITY_AREA, 1e-4, UNIT_HOME},
     {{"kg/m^3", "kg/m^3", "kilogram per cubic metre", "", NULL}, QUANTITY_DENSITY, 1.0, UNIT_HOME},
@@ -40,7 +49,10 @@ static const struct unit units[] = {
     {{"deg", "rad", "degree", "", NULL}, QUANTITY_ANGLE, PI / 180.0, UNIT_READ},
     {{"mrad", "rad", "milliradian", "", NULL}, QUANTITY_ANGLE, 1e-3, UNIT_READ},
     {{"rad/s", "rad/s", "radian per second", "", NULL}, QUANTITY_ANGULAR_FREQUENCY, 1.0, UNIT_HOME},
-    {{"rad/s^2", "rad/s^2", "radian per second squared", "", NULL}, QUANTITY_ANGULAR_ACCELERATION, 1.0, UNIT_HOME},
+    {{"rad/s^2", "rad/s^2", "radian per second squared", "", NULL},
+     QUANTITY_ANGULAR_ACCELERATION,
+     1.0,
+     UNIT_HOME},
     {{"Hz", "Hz", "hertz", "", NULL}, QUANTITY_FREQUENCY, 1.0, UNIT_HOME},
     {{"mHz", "Hz", "millihertz", "", NULL}, QUANTITY_FREQUENCY, 1e-3, UNIT_SHOWN},
     {{"J", "J", "joule", "", NULL}, QUANTITY_ENERGY, 1.0, UNIT_HOME},
@@ -114,10 +126,12 @@ const char *quantity_unit(enum quantity quantity)
     return quantities[quantity].unit;
 }
 
-/* 57 cm is 57 / 100 = 0.57 m: by division decimal fractions are rounded once, 57 * 0.01 would be another double. */
+/* 57 cm is 57 / 100 = 0.57 m: by division decimal fractions are rounded once, 57 * 0.01 would be
+ * another double. */
 static double to_si(double number, double factor)
 {
-    return factor < 1 && nearbyint(1 / factor) * factor == 1 ? number / nearbyint(1 / factor) : number * factor;
+    return factor < 1 && nearbyint(1 / factor) * factor == 1 ? number / nearbyint(1 / factor)
+                                                             : number * factor;
 }
 
 bool unit_convert(const struct unit *unit, enum quantity wanted, double number, double *si)
@@ -140,7 +154,8 @@ void quantity_units(enum quantity quantity, struct buffer *names)
     bool some = false;
     for (int exact = 1; exact >= 0; exact--)
         for (size_t i = 0; i < COUNT_OF(units); i++)
-            if ((units[i].quantity == quantity) == exact && unit_convert(&units[i], quantity, 1.0, &si)) {
+            if ((units[i].quantity == quantity) == exact &&
+                unit_convert(&units[i], quantity, 1.0, &si)) {
                 buffer_put(names, some ? TEXT(", ") : TEXT(""));
                 buffer_put(names, text_of(units[i].row.name));
                 some = true;
@@ -192,7 +207,8 @@ const struct unit *unit_display(enum quantity quantity, double value)
     return best;
 }
 
-/* The shortest decimal of `value` in this unit, by moving the point; false if it does not read back exactly. */
+/* The shortest decimal of `value` in this unit, by moving the point; false if it does not read back
+ * exactly. */
 static bool shown_exactly(double value, const struct unit *unit, char out[REAL_TEXT_SIZE])
 {
     struct decimal d = decimal_shortest(value);
@@ -200,8 +216,8 @@ static bool shown_exactly(double value, const struct unit *unit, char out[REAL_T
         d.exponent -= (int)lround(log10(unit->factor));
     decimal_write(d, -4, 17, out);
     double number, si;
-    return real_parse(text_of(out), &number) == REAL_OK && unit_convert(unit, unit->quantity, number, &si) &&
-           si == value;
+    return real_parse(text_of(out), &number) == REAL_OK &&
+           unit_convert(unit, unit->quantity, number, &si) && si == value;
 }
 
 void buffer_quantity(struct buffer *buffer, double value, enum quantity quantity, int digits)

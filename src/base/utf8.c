@@ -10,7 +10,11 @@ uint32_t text_codepoint(struct text text, size_t *used)
     const unsigned char first = (unsigned char)text.at[0];
     if (first < 0x80)
         return first;
-    const size_t len = first >= 0xF8 ? 0 : first >= 0xF0 ? 4 : first >= 0xE0 ? 3 : first >= 0xC0 ? 2 : 0;
+    const size_t len = first >= 0xF8   ? 0
+                       : first >= 0xF0 ? 4
+                       : first >= 0xE0 ? 3
+                       : first >= 0xC0 ? 2
+                                       : 0;
     if (len == 0 || len > text.len)
         return CODEPOINT_INVALID;
     uint32_t codepoint = first & (0x7Fu >> len);
@@ -20,7 +24,8 @@ uint32_t text_codepoint(struct text text, size_t *used)
             return CODEPOINT_INVALID;
         codepoint = codepoint << 6 | (next & 0x3F);
     }
-    if (codepoint < smallest[len] || codepoint > 0x10FFFF || (codepoint >= 0xD800 && codepoint <= 0xDFFF))
+    if (codepoint < smallest[len] || codepoint > 0x10FFFF ||
+        (codepoint >= 0xD800 && codepoint <= 0xDFFF))
         return CODEPOINT_INVALID;
     *used = len;
     return codepoint;

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Files whole or not at all. The bytes go into an unnamed file (O_TMPFILE) of the folder, which the kernel forgets when
- * the program dies. It gets its name by link(2), which fails where the name exists; with force a second step,
- * rename(2), replaces the old file. Every name is looked up in the folder opened at the start, wherever that is moved.
+ * Files whole or not at all. The bytes go into an unnamed file (O_TMPFILE) of the folder, which the
+ * kernel forgets when the program dies. It gets its name by link(2), which fails where the name
+ * exists; with force a second step, rename(2), replaces the old file. Every name is looked up in
+ * the folder opened at the start, wherever that is moved.
  */
 #include <hooke/base.h>
 #include "base/internal.h"
@@ -21,13 +22,15 @@
 bool writer_refuse(const struct writer *writer, struct error *error, const char *why)
 {
     char name[SAFE_NAME_SIZE];
-    return error_set(error, ERROR_IO, "cannot write %s: %s", safe_name(text_of(writer->path), name), why);
+    return error_set(error, ERROR_IO, "cannot write %s: %s", safe_name(text_of(writer->path), name),
+                     why);
 }
 
 bool writer_refuse_existing(const struct writer *writer, struct error *error)
 {
     char name[SAFE_NAME_SIZE];
-    return error_set(error, ERROR_IO, "%s exists; add --force to replace it", safe_name(text_of(writer->path), name));
+    return error_set(error, ERROR_IO, "%s exists; add --force to replace it",
+                     safe_name(text_of(writer->path), name));
 }
 
 /* ---- opening ----
@@ -38,7 +41,8 @@ static bool same_file(const struct stat *a, const struct stat *b)
     return a->st_dev == b->st_dev && a->st_ino == b->st_ino;
 }
 
-/* Climbs from the opened folder itself to the root, so that no link and no ".." in the path can deceive. */
+/* Climbs from the opened folder itself to the root, so that no link and no ".." in the path can
+ * deceive. */
 static bool folder_is_below_here(int folder)
 {
     struct stat here, at, above;
@@ -64,29 +68,34 @@ bool writer_open_folder(struct writer *writer, bool confine, struct error *error
     if (writer->base[0] == '\0')
         return writer_refuse(writer, error, slash ? "it is a directory" : "the name is empty");
     char *name =
-        slash ? strndup(writer->path, slash == writer->path ? 1 : (size_t)(slash - writer->path)) : strdup(".");
+        slash ? strndup(writer->path, slash == writer->path ? 1 : (size_t)(slash - writer->path))
+              : strdup(".");
     if (!name)
         return error_memory(error);
     writer->folder = open(name, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    if (writer->folder < 0 && errno == EACCES) /* one may be allowed to make files in a folder but not to list it */
+    if (writer->folder < 0 &&
+        errno == EACCES) /* one may be allowed to make files in a folder but not to list it */
         writer->folder = open(name, O_PATH | O_DIRECTORY | O_CLOEXEC);
     const int number = errno;
     free(name);
     if (writer->folder < 0)
         return writer_refuse(writer, error, system_message(number));
     return !confine || folder_is_below_here(writer->folder) ||
-           writer_refuse(writer, error, "it is outside the current directory, where --safe keeps all files");
+           writer_refuse(writer, error,
+                         "it is outside the current directory, where --safe keeps all files");
 }
 
-/* Is the name free, or a regular file that force may replace? *mode: the permissions it has, 0 for a new file. */
+/* Is the name free, or a regular file that force may replace? *mode: the permissions it has, 0 for
+ * a new file. */
 static bool target_allows(const struct writer *writer, mode_t *mode, struct error *error)
 {
     static const struct {
         mode_t kind;
         const char *why;
     } kinds[] = {
-        {S_IFDIR, "it is a directory"}, {S_IFLNK, "it is a symbolic link"}, {S_IFIFO, "it is a named pipe"},
-        {S_IFCHR, "it is a device"},    {S_IFBLK, "it is a device"},        {S_IFSOCK, "it is a socket"},
+        {S_IFDIR, "it is a directory"},  {S_IFLNK, "it is a symbolic link"},
+        {S_IFIFO, "it is a named pipe"}, {S_IFCHR, "it is a device"},
+        {S_IFBLK, "it is a device"},     {S_IFSOCK, "it is a socket"},
     };
     struct stat st;
     *mode = 0;
@@ -104,7 +113,8 @@ bool writer_invent_name(struct writer *writer)
     uint32_t random;
     if (getrandom(&random, sizeof random, 0) != (ssize_t)sizeof random)
         return false;
-    snprintf(writer->temporary, sizeof writer->temporary, ".%.40s.hooke-%08x", writer->base, random);
+    snprintf(writer->temporary, sizeof writer->temporary, ".%.40s.hooke-%08x", writer->base,
+             random);
     return true;
 }
 
@@ -127,8 +137,8 @@ static bool open_temporary(struct writer *writer)
         return false;
     }
     for (int i = 0; i < NAME_ATTEMPTS && writer_invent_name(writer); i++) {
-        writer->fd =
-            openat(writer->folder, writer->temporary, O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC | O_NOFOLLOW, 0666);
+        writer->fd = openat(writer->folder, writer->temporary,
+                            O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC | O_NOFOLLOW, 0666);
         if (writer->fd >= 0)
             return true;
         if (errno != EEXIST)
@@ -147,7 +157,8 @@ static bool open_all(struct writer *writer, bool confine, struct error *error)
            (open_temporary(writer) || writer_refuse(writer, error, system_message(errno)));
 }
 
-bool writer_open(struct writer *writer, const char *path, struct write_policy policy, struct error *error)
+bool writer_open(struct writer *writer, const char *path, struct write_policy policy,
+                 struct error *error)
 {
     *writer = (struct writer){.fd = -1, .folder = -1, .force = policy.force};
     writer->path = strdup(path);
@@ -204,7 +215,8 @@ int file_synced(int fd)
     return result == 0 ? 0 : errno;
 }
 
-/* Some file systems tell only on close that the disk is full; a duplicate is closed because the file has no name yet.
+/* Some file systems tell only on close that the disk is full; a duplicate is closed because the
+ * file has no name yet.
  */
 static int closes_well(int fd)
 {
@@ -229,19 +241,22 @@ static int link_temporary(struct writer *writer)
     return number;
 }
 
-/* From the temporary name to its own. Without force the name must be free: not all file systems have RENAME_NOREPLACE.
+/* From the temporary name to its own. Without force the name must be free: not all file systems
+ * have RENAME_NOREPLACE.
  */
 static int rename_temporary(struct writer *writer)
 {
     const int folder = writer->folder;
-    if (renameat2(folder, writer->temporary, folder, writer->base, writer->force ? 0 : RENAME_NOREPLACE) == 0) {
+    if (renameat2(folder, writer->temporary, folder, writer->base,
+                  writer->force ? 0 : RENAME_NOREPLACE) == 0) {
         writer->temporary[0] = '\0';
         return 0;
     }
     if (errno != EINVAL || writer->force)
         return errno;
-    return linkat(folder, writer->temporary, folder, writer->base, 0) == 0 ? 0
-                                                                           : errno; /* the other name goes at the end */
+    return linkat(folder, writer->temporary, folder, writer->base, 0) == 0
+               ? 0
+               : errno; /* the other name goes at the end */
 }
 
 static int publish(struct writer *writer)
@@ -269,7 +284,8 @@ bool writer_commit(struct writer *writer, struct error *error)
         number = mode != 0 && fchmod(writer->fd, mode) != 0 ? errno : publish(writer);
         if (number == 0) {
             number = file_synced(writer->folder);
-            if (number == EINVAL || number == EBADF) /* a folder that cannot be synced, or was opened by O_PATH */
+            if (number == EINVAL ||
+                number == EBADF) /* a folder that cannot be synced, or was opened by O_PATH */
                 number = 0;
         }
         done = number == 0;

@@ -9,37 +9,38 @@
 
 /* ---- how a command is written ----
  *
- * A file cmd_*.c holds, inside `#ifndef COMMAND_ROWS`, functions that begin with HANDLER(name), and below it their
- * rows, COMMAND(name, …). commands.c includes all of them again through commands.def to collect the rows.
+ * A file cmd_*.c holds, inside `#ifndef COMMAND_ROWS`, functions that begin with HANDLER(name), and
+ * below it their rows, COMMAND(name, …). commands.c includes all of them again through commands.def
+ * to collect the rows.
  */
 
-#define HANDLER_PARAMETERS                                                                                             \
+#define HANDLER_PARAMETERS                                                                         \
     struct session *session, const struct arguments *given, struct reply *reply, struct error *error
-#define HANDLER(name)                                                                                                  \
-    bool command_##name(HANDLER_PARAMETERS);                                                                           \
+#define HANDLER(name)                                                                              \
+    bool command_##name(HANDLER_PARAMETERS);                                                       \
     bool command_##name(HANDLER_PARAMETERS)
 #define UNUSED(thing) ((void)(thing))
 
-#define ARGUMENTS(...)                                                                                                 \
-    .argument = (const struct argument[]){__VA_ARGS__},                                                                \
+#define ARGUMENTS(...)                                                                             \
+    .argument = (const struct argument[]){__VA_ARGS__},                                            \
     .arguments = (int)COUNT_OF(((const struct argument[]){__VA_ARGS__}))
 
 /* name, type, then what else differs from zero: PLACE("N", TYPE_INTEGER, .flags = ARG_REQUIRED) */
-#define PLACE(...)                                                                                                     \
-    {                                                                                                                  \
-        .form = FORM_PLACE, .name = __VA_ARGS__                                                                        \
+#define PLACE(...)                                                                                 \
+    {                                                                                              \
+        .form = FORM_PLACE, .name = __VA_ARGS__                                                    \
     }
-#define WORD(...)                                                                                                      \
-    {                                                                                                                  \
-        .form = FORM_WORD, .name = __VA_ARGS__                                                                         \
+#define WORD(...)                                                                                  \
+    {                                                                                              \
+        .form = FORM_WORD, .name = __VA_ARGS__                                                     \
     }
-#define KEY(...)                                                                                                       \
-    {                                                                                                                  \
-        .form = FORM_KEY, .name = __VA_ARGS__                                                                          \
+#define KEY(...)                                                                                   \
+    {                                                                                              \
+        .form = FORM_KEY, .name = __VA_ARGS__                                                      \
     }
-#define OPTION(...)                                                                                                    \
-    {                                                                                                                  \
-        .form = FORM_OPTION, .name = __VA_ARGS__                                                                       \
+#define OPTION(...)                                                                                \
+    {                                                                                              \
+        .form = FORM_OPTION, .name = __VA_ARGS__                                                   \
     }
 
 #ifndef COMMAND_ROWS
@@ -48,28 +49,35 @@
 
 /* The argument VALUE of a statement NAME = VALUE, to be read with read_value() (cmd_scene.c). */
 struct parser value_parser(struct session *session, const struct arguments *given);
-bool read_value(struct parser *parser, const char *what, enum quantity quantity, struct item *item, struct error *error);
+bool read_value(struct parser *parser, const char *what, enum quantity quantity, struct item *item,
+                struct error *error);
 
 /* ---- runs in text (run_text.c, subject.c) ---- */
 
-/* A prediction above a minute is refused, or asked about at the prompt, unless --force was given. */
-bool allow_long(struct session *session, double seconds, double steps, bool force, struct error *error);
+/* A prediction above a minute is refused, or asked about at the prompt, unless --force was given.
+ */
+bool allow_long(struct session *session, double seconds, double steps, bool force,
+                struct error *error);
 /* The line and the record of a run as it is now. */
 void reply_run(const struct session *session, const struct run *run, struct reply *reply);
-/* Warns of growth that the method made, not the scene: once a run, before it reaches the bounds of a double. */
+/* Warns of growth that the method made, not the scene: once a run, before it reaches the bounds of
+ * a double. */
 void reply_growth(struct run *run, struct reply *reply);
 /* Warns once if a step was nonsense. */
 void reply_unsound(struct run *run, struct reply *reply);
-void reply_sliding(struct run *run, struct reply *reply); /* along switches, or these pile up; once */
-void reply_vanished(const struct run *run, struct reply *reply); /* every value is below the smallest number */
+void reply_sliding(struct run *run,
+                   struct reply *reply); /* along switches, or these pile up; once */
+void reply_vanished(const struct run *run,
+                    struct reply *reply); /* every value is below the smallest number */
 void reply_below_tolerance(const struct run *run, struct reply *reply);
 void seek_opinion(const struct session *session, struct run *run); /* as `set opinion` says */
-void plan_opinion(const struct session *session, const struct system *system, const struct plan *plan,
-                  struct buffer *text); /* what it will cost */
+void plan_opinion(const struct session *session, const struct system *system,
+                  const struct plan *plan, struct buffer *text); /* what it will cost */
 /* Its line, and a warning where the error is large; false: nothing is right, which is an error. */
-bool reply_opinion(const struct session *session, struct run *run, struct reply *reply, struct error *error);
+bool reply_opinion(const struct session *session, struct run *run, struct reply *reply,
+                   struct error *error);
 void reply_opinion_values(const struct run *run, struct reply *reply); /* its keys in JSON */
-void reply_missed_burst(struct run *run, struct reply *reply); /* once */
+void reply_missed_burst(struct run *run, struct reply *reply);         /* once */
 /* Of an exact solution so long that roundings of the parameters move its phase. */
 void reply_phase_unknown(const struct run *run, struct reply *reply);
 /* Warns of a state whose squares underflow. */
@@ -77,8 +85,9 @@ void reply_tiny(const struct run *run, struct reply *reply);
 /* Says once which method a scene of the user's own gets where nobody has chosen one. */
 void reply_unchosen(struct session *session, struct reply *reply);
 /*
- * Says once of each scene of the user's own which duration, tolerance and first step are taken where nobody has set them:
- * those of the lab. adapts: a step control will use the last two; by_setting: 'duration' will be used.
+ * Says once of each scene of the user's own which duration, tolerance and first step are taken
+ * where nobody has set them: those of the lab. adapts: a step control will use the last two;
+ * by_setting: 'duration' will be used.
  */
 void reply_assumed(struct session *session, bool adapts, bool by_setting, struct reply *reply);
 /* Of a study: that it takes the setting, although the present run took longer. */

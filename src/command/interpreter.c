@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Lines to statements, statements to handlers: atomic, undoable, recorded. */
 #include "command/internal.h"
-#include "command/run/passage.h"
-#include "command/story.h"
+#include "command/run/event_pass.h"
+#include "command/transcript.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -13,7 +13,8 @@ static bool is_assignment(struct text statement)
     struct text name = peek_name(statement);
     struct text rest = {statement.at + name.len, statement.len - name.len};
     text_skip_blanks(&rest);
-    return name.len > 0 && rest.len > 0 && rest.at[0] == '=' && (rest.len == 1 || rest.at[1] != '=');
+    return name.len > 0 && rest.len > 0 && rest.at[0] == '=' &&
+           (rest.len == 1 || rest.at[1] != '=');
 }
 
 /* NAME' = …, NAME'' = … */
@@ -34,18 +35,19 @@ static bool unknown_command(const struct session *session, struct text word, str
     struct named_value value;
     catalog_unknown(&command_catalog, word, error);
     if (word.len > 4 && word.at[0] == 'd' && memcmp(word.at + word.len - 3, "/dt", 3) == 0)
-        return error_hint(error, "an equation is written %.*s' = EXPR", (int)word.len - 4, word.at + 1);
+        return error_hint(error, "an equation is written %.*s' = EXPR", (int)word.len - 4,
+                          word.at + 1);
     if (memmem(word.at, word.len, "\xe2\x80\x99", 3))
         return error_hint(error, "a derivative is marked with the ASCII sign: x' or x''");
     if (names_value(session, word, &value))
-        return error_hint(error, "'print %.*s' shows it, '%.*s = VALUE' sets it", (int)word.len, word.at, (int)word.len,
-                          word.at);
+        return error_hint(error, "'print %.*s' shows it, '%.*s = VALUE' sets it", (int)word.len,
+                          word.at, (int)word.len, word.at);
     return error->hint[0] ? error_hint(error, "('help' lists the commands)")
                           : error_hint(error, "'help' lists the commands");
 }
 
-static bool find_command(struct session *session, struct parser *parser, const struct command **command,
-                         struct error *error)
+static bool find_command(struct session *session, struct parser *parser,
+                         const struct command **command, struct error *error)
 {
     if (is_assignment(parser->rest)) {
         *command = command_with(COMMAND_ASSIGNS);
@@ -69,19 +71,21 @@ static void label_of(struct text statement, char label[LIMIT_NAME + 1])
     size_t len = text.len <= LIMIT_NAME ? text.len : LIMIT_NAME - 3;
     while (len < text.len && len > 0 && ((unsigned char)text.data[len] & 0xc0) == 0x80)
         len--;
-    snprintf(label, LIMIT_NAME + 1, "%.*s%s", (int)len, text.data ? text.data : "", len < text.len ? "..." : "");
+    snprintf(label, LIMIT_NAME + 1, "%.*s%s", (int)len, text.data ? text.data : "",
+             len < text.len ? "..." : "");
     buffer_free(&text);
 }
 
 /* Runs the handler between a snapshot and what follows from success. */
-static bool run_handler(struct session *session, const struct arguments *arguments, struct text statement,
-                        struct reply *reply, struct error *error)
+static bool run_handler(struct session *session, const struct arguments *arguments,
+                        struct text statement, struct reply *reply, struct error *error)
 {
     const struct command *command = arguments->command;
     struct snapshot *before = NULL;
     session->setup.scene.across = session->setup.settings.turning == TURNING_OFF;
     /* What changes while a run goes on, or by its events, is undone with the run. */
-    if ((command->flags & COMMAND_CHANGES) && session->live.state != LIVE_RUNNING && !session->reacting) {
+    if ((command->flags & COMMAND_CHANGES) && session->live.state != LIVE_RUNNING &&
+        !session->reacting) {
         char label[LIMIT_NAME + 1];
         label_of(statement, label);
         before = snapshot_take(session, label);
@@ -90,7 +94,7 @@ static bool run_handler(struct session *session, const struct arguments *argumen
     }
     const uint64_t changes = session->changes;
     const bool ok = command->handler(session, arguments, reply, error);
-    session_keep_band(session);
+    session_store_band(session);
     /* A run that diverged is an error, and a change all the same. */
     if (before && session->changes != changes && undo_matters(session, before))
         undo_push(session, before);
@@ -105,10 +109,12 @@ static struct text without_newline(const struct buffer *lines)
 }
 
 /*
- * `record` has to tell the story in an order that can be read again: a run that was paused or changed on the way is
- * written as what really happened, and what was typed while it went on stands after it.
+ * `record` has to tell the story in an order that can be read again: a run that was paused or
+ * changed on the way is written as what really happened, and what was typed while it went on stands
+ * after it.
  */
-static bool record_statement(struct session *session, struct text statement, bool nested, struct error *error)
+static bool record_statement(struct session *session, struct text statement, bool nested,
+                             struct error *error)
 {
     struct buffer *later = &session->live.typed, *instead = &session->live.record;
     bool ok = true;
@@ -126,8 +132,9 @@ static bool record_statement(struct session *session, struct text statement, boo
     return ok;
 }
 
-static bool exec_statement(struct session *session, struct text statement, const struct source *where,
-                           struct reply *reply, struct arena *arena, struct error *error)
+static bool exec_statement(struct session *session, struct text statement,
+                           const struct source *where, struct reply *reply, struct arena *arena,
+                           struct error *error)
 {
     if (cancelled(session->front.cancel))
         return error_set(error, ERROR_CANCELLED, "interrupted");
@@ -145,8 +152,8 @@ static bool exec_statement(struct session *session, struct text statement, const
     arguments->word = (struct text){statement.at, (size_t)(parser.rest.at - statement.at)};
     const struct run *running = session->live.state == LIVE_RUNNING ? session_run(session) : NULL;
     if (running && !(arguments->command->flags & COMMAND_ANYTIME)) {
-        error_set(error, ERROR_COMMAND, "%s has to wait: run %d goes on", arguments->command->row.name,
-                  running->number);
+        error_set(error, ERROR_COMMAND, "%s has to wait: run %d goes on",
+                  arguments->command->row.name, running->number);
         return error_hint(error, "'pause' or Ctrl-C pauses it");
     }
     if (session->reacting && !event_executes(arguments->command))
@@ -156,12 +163,12 @@ static bool exec_statement(struct session *session, struct text statement, const
     reply_command_begin(reply, (enum output_format)session->setup.settings.format);
     if (!parse_arguments(&parser, arguments->command, arguments, error))
         return false;
-    const size_t told = session->story.len;
+    const size_t told = session->transcript.len;
     const uint64_t changes = session->changes;
     session->confirmed = false;
     const bool ok = run_handler(session, arguments, statement, reply, error);
     if ((ok || session->changes != changes) && !session->reacting)
-        story_tell(session, arguments, statement, running != NULL, ok, told);
+        transcript_add(session, arguments, statement, running != NULL, ok, told);
     reply_command_end(reply, arguments->command->row.name);
     if (!ok && !running) {
         buffer_free(&session->live.record);
@@ -177,7 +184,8 @@ static bool exec_statement(struct session *session, struct text statement, const
         !record_statement(session, statement, running != NULL, error))
         return false;
     if (reply->failed) {
-        error_set(error, ERROR_IO, "the results could not be written: the output is closed or its device is full");
+        error_set(error, ERROR_IO,
+                  "the results could not be written: the output is closed or its device is full");
         return false;
     }
     return true;
@@ -198,10 +206,12 @@ static void note_left_out(struct text rest, struct reply *reply)
     next_statement(&rest, &statement, &ignored);
     if (statement.len > 0)
         reply_note(reply, "not executed, because the run was paused: %.*s%s",
-                   (int)(statement.len < 80 ? statement.len : 80), statement.at, rest.len > 0 ? "; ..." : "");
+                   (int)(statement.len < 80 ? statement.len : 80), statement.at,
+                   rest.len > 0 ? "; ..." : "");
 }
 
-static bool exec_line(struct session *session, struct text line, const struct source *where, struct reply *reply)
+static bool exec_line(struct session *session, struct text line, const struct source *where,
+                      struct reply *reply)
 {
     struct error error = {0};
     struct text rest = line, statement;
@@ -209,11 +219,13 @@ static bool exec_line(struct session *session, struct text line, const struct so
     if (line.len > LIMIT_LINE)
         ok = error_set(&error, ERROR_COMMAND, "a line of more than %u bytes", LIMIT_LINE);
     else if (memchr(line.at, 0, line.len))
-        ok = error_at(&error, (struct text){memchr(line.at, 0, line.len), 1}, "a NUL byte in a command");
+        ok = error_at(&error, (struct text){memchr(line.at, 0, line.len), 1},
+                      "a NUL byte in a command");
     while (ok && rest.len > 0 && !session->quit && !session->halted) {
         struct arena arena = {0};
         ok = next_statement(&rest, &statement, &error) &&
-             (statement.len == 0 || exec_statement(session, statement, where, reply, &arena, &error));
+             (statement.len == 0 ||
+              exec_statement(session, statement, where, reply, &arena, &error));
         /* An error without a code was reported where it happened: in a sourced file. */
         if (!ok && error.code != ERROR_NONE) {
             reply->format = (enum output_format)session->setup.settings.format;
@@ -235,11 +247,13 @@ static bool exec_line(struct session *session, struct text line, const struct so
     return ok;
 }
 
-bool command_exec(struct session *session, struct text line, const struct source *where, struct reply *reply)
+bool command_exec(struct session *session, struct text line, const struct source *where,
+                  struct reply *reply)
 {
     if (line.len == 0)
         return true;
-    /* Typed while a run goes on: that command is still making its reply, so this one makes its own. */
+    /* Typed while a run goes on: that command is still making its reply, so this one makes its own.
+     */
     const bool inside = session->live.state == LIVE_RUNNING;
     struct reply own;
     reply_init(&own, reply->sink);

@@ -5,14 +5,17 @@
 #include <string.h>
 #include <unistd.h>
 
-#define SCRIPT_MOST (64u * LIMIT_LINE) /* [byte] */
+#define SCRIPT_MAX (64u * LIMIT_LINE) /* [byte] */
 
-void script_begin(struct script *script, struct session *session, const char *name, const struct source *parent)
+void script_begin(struct script *script, struct session *session, const char *name,
+                  const struct source *parent)
 {
-    *script = (struct script){.where = {.name = name, .parent = parent}, .commands = session->commands, .ok = true};
+    *script = (struct script){
+        .where = {.name = name, .parent = parent}, .commands = session->commands, .ok = true};
 }
 
-static void execute(struct script *script, struct session *session, struct text line, struct reply *reply)
+static void execute(struct script *script, struct session *session, struct text line,
+                    struct reply *reply)
 {
     struct source where = script->where;
     where.line = script->piece[0].line;
@@ -22,7 +25,8 @@ static void execute(struct script *script, struct session *session, struct text 
     if (command_exec(session, line, &where, reply) && !session->halted)
         return;
     script->ok = false;
-    script->stopped = !session->keep_going || session->status == ERROR_CANCELLED || reply->failed || session->halted;
+    script->stopped = !session->keep_going || session->status == ERROR_CANCELLED || reply->failed ||
+                      session->halted;
 }
 
 static void show(const struct session *session, struct text line, struct reply *reply)
@@ -34,7 +38,8 @@ static void show(const struct session *session, struct text line, struct reply *
     buffer_free(&safe);
 }
 
-bool script_feed(struct script *script, struct session *session, struct text line, struct reply *reply)
+bool script_feed(struct script *script, struct session *session, struct text line,
+                 struct reply *reply)
 {
     if (script->stopped || session->quit)
         return false;
@@ -88,8 +93,8 @@ bool script_end(struct script *script, struct session *session, struct reply *re
         put_runs_kept(session, &kept);
         safe_text(&name, text_of(name_given), false);
         const int done = session->commands - script->commands;
-        reply_note(reply, "%s: stopped at line %d (%d command%s run%s)", buffer_view(&name), script->where.line, done,
-                   done == 1 ? "" : "s", buffer_view(&kept));
+        reply_note(reply, "%s: stopped at line %d (%d command%s run%s)", buffer_view(&name),
+                   script->where.line, done, done == 1 ? "" : "s", buffer_view(&kept));
         buffer_free(&kept);
         buffer_free(&name);
     }
@@ -127,8 +132,8 @@ static bool check_nesting(const char *path, const struct source *parent, struct 
         error_set(error, ERROR_USAGE, "%s would source itself: it is being read already (%s)", path,
                   buffer_view(&chain));
     else if (depth >= LIMIT_SOURCE_DEPTH)
-        error_set(error, ERROR_USAGE, "files that source files: more than %d deep (%s)", LIMIT_SOURCE_DEPTH,
-                  buffer_view(&chain));
+        error_set(error, ERROR_USAGE, "files that source files: more than %d deep (%s)",
+                  LIMIT_SOURCE_DEPTH, buffer_view(&chain));
     buffer_free(&chain);
     return !cycle && depth < LIMIT_SOURCE_DEPTH;
 }
@@ -139,26 +144,31 @@ static bool check_content(const char *path, struct text content, struct error *e
     int line = 1;
     for (const char *c = content.at; nul && c < nul; c++)
         line += *c == '\n';
-    return !nul || error_set(error, ERROR_USAGE, "%s: a NUL byte in line %d: this is not a command file", path, line);
+    return !nul || error_set(error, ERROR_USAGE,
+                             "%s: a NUL byte in line %d: this is not a command file", path, line);
 }
 
-bool script_file(struct session *session, const char *path, const struct source *parent, struct reply *reply)
+bool script_file(struct session *session, const char *path, const struct source *parent,
+                 struct reply *reply)
 {
     struct buffer content = {0};
     struct error error = {0};
-    if (!check_nesting(path, parent, &error) || !file_read(path, SCRIPT_MOST, &content, &error) ||
+    if (!check_nesting(path, parent, &error) || !file_read(path, SCRIPT_MAX, &content, &error) ||
         !check_content(path, buffer_text(&content), &error)) {
         error.code = ERROR_USAGE;
         reply->format = (enum output_format)session->setup.settings.format;
         reply_error(reply, &error, parent && parent->name ? parent : NULL, (struct text){NULL, 0});
-        session->status = session->keep_going ? ERROR_COMMAND : session->status ? session->status : ERROR_USAGE;
+        session->status = session->keep_going ? ERROR_COMMAND
+                          : session->status   ? session->status
+                                              : ERROR_USAGE;
         buffer_free(&content);
         return false;
     }
     struct script script;
     script_begin(&script, session, path, parent);
     struct text rest = buffer_text(&content), line;
-    while (rest.len > 0 && text_split(&rest, '\n', &line) && script_feed(&script, session, line, reply))
+    while (rest.len > 0 && text_split(&rest, '\n', &line) &&
+           script_feed(&script, session, line, reply))
         ;
     const bool ok = script_end(&script, session, reply);
     buffer_free(&content);

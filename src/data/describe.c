@@ -24,7 +24,9 @@ static void put_columns(struct buffer *text, const struct recording *recording)
     for (int i = 0; i < recording->columns && i < COLUMNS_SHOWN; i++) {
         buffer_format(text, "%s%d ", i ? ", " : "", i + 1);
         put_column(text, &recording->column[i]);
-        buffer_put(text, i == recording->time ? TEXT(" = t") : i == recording->value ? TEXT(" = y") : TEXT(""));
+        buffer_put(text, i == recording->time    ? TEXT(" = t")
+                         : i == recording->value ? TEXT(" = y")
+                                                 : TEXT(""));
     }
     if (recording->columns > COLUMNS_SHOWN)
         buffer_format(text, " and %d more", recording->columns - COLUMNS_SHOWN);
@@ -54,7 +56,8 @@ void recording_describe(const struct recording *recording, struct buffer *text)
                   recording->decimal == ',' ? ", decimal comma" : "", recording->header_lines,
                   recording->header_lines == 1 ? "line" : "lines");
     if (recording->dropped > 0)
-        buffer_format(text, ", %zu %s dropped", recording->dropped, recording->dropped == 1 ? "row" : "rows");
+        buffer_format(text, ", %zu %s dropped", recording->dropped,
+                      recording->dropped == 1 ? "row" : "rows");
     buffer_char(text, '\n');
     put_columns(text, recording);
     if (recording->runs > 1) {

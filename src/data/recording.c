@@ -12,14 +12,16 @@ void recording_warn(struct recording *recording, const char *format, ...)
     va_list args;
     struct buffer sentence = {0};
     if (!recording->warning)
-        recording->warning = arena_array(&recording->arena, WARNINGS + 1, sizeof *recording->warning);
+        recording->warning =
+            arena_array(&recording->arena, WARNINGS + 1, sizeof *recording->warning);
     if (!recording->warning)
         return;
     va_start(args, format);
     if (recording->warnings < WARNINGS)
         buffer_vformat(&sentence, format, args);
     else
-        buffer_format(&sentence, "and %d more %s", recording->unsaid + 1, recording->unsaid ? "kinds" : "kind");
+        buffer_format(&sentence, "and %d more %s", recording->unsaid + 1,
+                      recording->unsaid ? "kinds" : "kind");
     recording->unsaid += recording->warnings >= WARNINGS;
     va_end(args);
     char *copy = sentence.failed ? NULL : arena_text(&recording->arena, buffer_text(&sentence));
@@ -38,7 +40,8 @@ bool table_head(struct table_text *text, struct arena *arena)
     size_t bytes = 0;
     text->heads = 0;
     text->head = arena_array(arena, HEAD_LINES, sizeof *text->head);
-    while (text->head && text->heads < HEAD_LINES && bytes < HEAD_BYTES && table_line(&rest, &line)) {
+    while (text->head && text->heads < HEAD_LINES && bytes < HEAD_BYTES &&
+           table_line(&rest, &line)) {
         line.len = line.len < HEAD_BYTES ? line.len : HEAD_BYTES;
         bytes += line.len;
         text->head[text->heads] = (struct table_line){line, text->first + text->heads};
@@ -56,11 +59,11 @@ static const struct format *format_row(size_t i)
 static const struct format *probe(const struct table_text *text)
 {
     const struct format *best = format_row(0);
-    int most = best->probe(text);
+    int max = best->probe(text);
     for (size_t i = 1; i < format_catalog.count; i++) {
         int sure = format_row(i)->probe(text);
-        best = sure > most ? format_row(i) : best;
-        most = sure > most ? sure : most;
+        best = sure > max ? format_row(i) : best;
+        max = sure > max ? sure : max;
     }
     return best;
 }
@@ -73,7 +76,8 @@ static struct text last_component(struct text path)
     return (struct text){path.at + at, path.len - at};
 }
 
-/* A word that can be typed: the file's name without its suffix, other characters than letters and digits as '-'. */
+/* A word that can be typed: the file's name without its suffix, other characters than letters and
+ * digits as '-'. */
 static void name_recording(struct recording *recording, struct text file)
 {
     size_t len = 0, end = file.len;
@@ -81,8 +85,8 @@ static void name_recording(struct recording *recording, struct text file)
         end = file.at[i] == '.' ? i : end;
     for (size_t i = 0; i < end && len < LIMIT_NAME; i++) {
         const char c = file.at[i];
-        const bool plain =
-            (c >= '0' && c <= '9') || (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || c == '_' || c == '.';
+        const bool plain = (c >= '0' && c <= '9') || (c >= 'A' && c <= 'Z') ||
+                           (c >= 'a' && c <= 'z') || c == '_' || c == '.';
         if (plain || (len > 0 && recording->name[len - 1] != '-'))
             recording->name[len++] = plain ? c : '-';
     }
@@ -93,8 +97,8 @@ static void name_recording(struct recording *recording, struct text file)
         snprintf(recording->name, sizeof recording->name, "data");
 }
 
-static bool read_text(struct table_text *text, const struct load_options *options, struct recording *recording,
-                      struct error *error)
+static bool read_text(struct table_text *text, const struct load_options *options,
+                      struct recording *recording, struct error *error)
 {
     struct arena scratch = {0};
     bool done = table_head(text, &scratch) || error_memory(error);
@@ -103,7 +107,8 @@ static bool read_text(struct table_text *text, const struct load_options *option
         recording->header_rate = table_rate(text);
         const struct format *format = probe(text);
         snprintf(recording->format, sizeof recording->format, "%s", format->row.name);
-        done = format->read(text, options, recording, error) && recording_choose(recording, options, error) &&
+        done = format->read(text, options, recording, error) &&
+               recording_choose(recording, options, error) &&
                recording_time(recording, options, error);
     }
     arena_reset(&scratch);
@@ -117,10 +122,12 @@ static bool read_part(struct text content, const char *shown, const struct load_
     struct table_text text = {.name = shown, .text = content, .first = 1, .header = 1};
     if (text_starts(text.text, TEXT("\xEF\xBB\xBF")))
         text.text = (struct text){text.text.at + 3, text.text.len - 3};
-    return refuse_binary(text.text, text.name, error) && read_text(&text, options, recording, error);
+    return refuse_binary(text.text, text.name, error) &&
+           read_text(&text, options, recording, error);
 }
 
-bool table_begins(struct text content, const char *shown, const struct load_options *options, struct error *error)
+bool table_begins(struct text content, const char *shown, const struct load_options *options,
+                  struct error *error)
 {
     struct arena scratch = {0};
     struct table_text text = {.name = shown, .text = content, .first = 1, .header = 1};
@@ -129,35 +136,40 @@ bool table_begins(struct text content, const char *shown, const struct load_opti
     bool found = table_head(&text, &scratch) || error_memory(error);
     if (found && !table_find(&text, 0, options, &text.layout, error)) {
         const struct format *sure = probe(&text);
-        found = strcmp(sure->row.name, "table") != 0 && sure->probe(&text) > 0; /* it finds its table by itself */
+        found = strcmp(sure->row.name, "table") != 0 &&
+                sure->probe(&text) > 0; /* it finds its table by itself */
     }
     arena_reset(&scratch);
     return found;
 }
 
-static bool part_has_table(const struct part *part, const char *shown, const struct load_options *options,
-                           struct error *error)
+static bool part_has_table(const struct part *part, const char *shown,
+                           const struct load_options *options, struct error *error)
 {
     return refuse_binary(buffer_text(&part->text), shown, error) &&
            table_begins(buffer_text(&part->text), shown, options, error);
 }
 
 /* The parts of a container as runs of the recording. */
-static bool name_runs(const struct contents *contents, struct recording *recording, struct error *error)
+static bool name_runs(const struct contents *contents, struct recording *recording,
+                      struct error *error)
 {
     recording->run = arena_array(&recording->arena, contents->parts, sizeof *recording->run);
     if (!recording->run)
         return error_memory(error);
     for (size_t i = 0; i < contents->parts; i++)
-        snprintf(recording->run[i].name, sizeof recording->run[i].name, "%s", contents->part[i].name);
+        snprintf(recording->run[i].name, sizeof recording->run[i].name, "%s",
+                 contents->part[i].name);
     recording->runs = (int)contents->parts;
     return true;
 }
 
-/* Of several tables the one that is wanted, else the first. The runs inside of it, if it knows any, are then its own.
+/* Of several tables the one that is wanted, else the first. The runs inside of it, if it knows any,
+ * are then its own.
  */
-static bool read_parts(const struct contents *contents, const char *shown, const struct load_options *options,
-                       struct recording *recording, struct error *error)
+static bool read_parts(const struct contents *contents, const char *shown,
+                       const struct load_options *options, struct recording *recording,
+                       struct error *error)
 {
     struct load_options own = *options;
     struct recording tables = {0};
@@ -173,7 +185,8 @@ static bool read_parts(const struct contents *contents, const char *shown, const
                !part_has_table(&contents->part[taken], shown, options, error))
             taken++;
     }
-    done = done && read_part(buffer_text(&contents->part[taken].text), shown, &own, recording, error);
+    done =
+        done && read_part(buffer_text(&contents->part[taken].text), shown, &own, recording, error);
     if (done && recording->runs == 0) {
         done = name_runs(contents, recording, error);
         recording->taken = (int)taken;
@@ -182,7 +195,8 @@ static bool read_parts(const struct contents *contents, const char *shown, const
     return done;
 }
 
-static bool load(const char *path, const struct load_options *options, struct recording *recording, struct error *error)
+static bool load(const char *path, const struct load_options *options, struct recording *recording,
+                 struct error *error)
 {
     struct contents contents = {0};
     char shown[SHORT_NAME];
@@ -193,21 +207,26 @@ static bool load(const char *path, const struct load_options *options, struct re
         recording->path = arena_text(&recording->arena, text_of(path));
         recording->container = contents.container;
         if (options->name.len > 0)
-            snprintf(recording->name, sizeof recording->name, "%.*s", (int)options->name.len, options->name.at);
+            snprintf(recording->name, sizeof recording->name, "%.*s", (int)options->name.len,
+                     options->name.at);
         else
             name_recording(recording, file);
         done = !recording->path      ? error_memory(error)
-               : contents.parts == 1 ? read_part(buffer_text(&contents.part[0].text), shown, options, recording, error)
+               : contents.parts == 1 ? read_part(buffer_text(&contents.part[0].text), shown,
+                                                 options, recording, error)
                                      : read_parts(&contents, shown, options, recording, error);
     }
     if (done && contents.grew)
-        recording_warn(recording, "the file was being written: what came after it was opened, and the last line before, "
-                                  "are left out");
+        recording_warn(
+            recording,
+            "the file was being written: what came after it was opened, and the last line before, "
+            "are left out");
     contents_free(&contents);
     return done;
 }
 
-struct recording *recording_load(const char *path, const struct load_options *options, struct error *error)
+struct recording *recording_load(const char *path, const struct load_options *options,
+                                 struct error *error)
 {
     static const struct load_options none;
     struct recording *recording = calloc(1, sizeof *recording);
@@ -267,21 +286,23 @@ bool recording_window(struct recording *recording, double from, double to, struc
     to = isnan(to) || to > last ? last : to;
     size_t row = row_from(recording, from);
     if (!(from < to) || row >= recording->rows || recording->t[row] > to)
-        return error_set(error, ERROR_COMMAND, "no samples of %s in this window; it spans %.6g to %.6g s",
+        return error_set(error, ERROR_COMMAND,
+                         "no samples of %s in this window; it spans %.6g to %.6g s",
                          recording->name, first, last);
     recording->window[0] = from;
     recording->window[1] = to;
     return true;
 }
 
-bool recording_series(const struct recording *recording, struct arena *arena, size_t least, struct series *series,
-                      struct error *error)
+bool recording_series(const struct recording *recording, struct arena *arena, size_t min,
+                      struct series *series, struct error *error)
 {
     const size_t begin = row_from(recording, recording->window[0]);
     size_t end = begin, n = 0;
     while (end < recording->rows && recording->t[end] <= recording->window[1])
         end++;
-    double *t = arena_array(arena, end - begin, sizeof *t), *y = arena_array(arena, end - begin, sizeof *y);
+    double *t = arena_array(arena, end - begin, sizeof *t),
+           *y = arena_array(arena, end - begin, sizeof *y);
     if (!t || !y)
         return error_memory(error);
     for (size_t i = begin; i < end; i++)
@@ -289,9 +310,10 @@ bool recording_series(const struct recording *recording, struct arena *arena, si
             t[n] = recording->t[i];
             y[n++] = recording->y[i] - recording->zero;
         }
-    if (n < least)
-        return error_set(error, ERROR_COMMAND, "%s has %zu samples in the window %.6g:%.6g; at least %zu are needed",
-                         recording->name, n, recording->window[0], recording->window[1], least);
+    if (n < min)
+        return error_set(error, ERROR_COMMAND,
+                         "%s has %zu samples in the window %.6g:%.6g; at least %zu are needed",
+                         recording->name, n, recording->window[0], recording->window[1], min);
     *series = (struct series){t, y, n, recording->column[recording->value].quantity};
     return true;
 }

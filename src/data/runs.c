@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Several recordings in one file: side by side, each with columns of its own, or below each other, each a block with a
- * header of its own. Users call them as the instrument does ("Run #2", "Latest"), or by number.
+ * Several recordings in one file: side by side, each with columns of its own, or below each other,
+ * each a block with a header of its own. Users call them as the instrument does ("Run #2",
+ * "Latest"), or by number.
  */
 #include "data/table/table.h"
 
@@ -57,7 +58,8 @@ bool run_find(const struct recording *recording, struct text wanted, int *run, s
             numbered |= own >= 0;
             *run = own == number ? i : -1;
         }
-        if (*run < 0 && !numbered && number >= 1 && number <= recording->runs && number == floor(number))
+        if (*run < 0 && !numbered && number >= 1 && number <= recording->runs &&
+            number == floor(number))
             *run = (int)number - 1;
     }
     if (*run >= 0)
@@ -74,15 +76,18 @@ bool run_find(const struct recording *recording, struct text wanted, int *run, s
 void run_list(const struct recording *recording, struct buffer *text)
 {
     for (int i = 0; i < recording->runs && i < SHOWN; i++)
-        buffer_format(text, "%s%s%s", i ? ", " : "", recording->run[i].name, i == recording->taken ? " = taken" : "");
+        buffer_format(text, "%s%s%s", i ? ", " : "", recording->run[i].name,
+                      i == recording->taken ? " = taken" : "");
     if (recording->runs > SHOWN)
         buffer_format(text, " and %d more", recording->runs - SHOWN);
 }
 
-bool runs_of_columns(struct recording *recording, bool (*part)(struct text name, struct text *run), struct error *error)
+bool runs_of_columns(struct recording *recording, bool (*part)(struct text name, struct text *run),
+                     struct error *error)
 {
     struct text name;
-    recording->run = arena_array(&recording->arena, (size_t)recording->columns, sizeof *recording->run);
+    recording->run =
+        arena_array(&recording->arena, (size_t)recording->columns, sizeof *recording->run);
     if (!recording->run)
         return error_memory(error);
     for (int i = 0; i < recording->columns; i++) {
@@ -101,19 +106,23 @@ bool runs_of_columns(struct recording *recording, bool (*part)(struct text name,
 /* ---- below each other ---- */
 
 static bool block_text(const struct table_text *whole, const struct table_block *block,
-                       const struct load_options *options, struct arena *arena, struct table_text *part)
+                       const struct load_options *options, struct arena *arena,
+                       struct table_text *part)
 {
-    *part = (struct table_text){
-        .name = whole->name, .text = {block->begin, block->len}, .first = block->line, .header = block->header};
+    *part = (struct table_text){.name = whole->name,
+                                .text = {block->begin, block->len},
+                                .first = block->line,
+                                .header = block->header};
     if (!table_head(part, arena))
         return error_memory(&part->problem);
     return table_find(part, 0, options, &part->layout, &part->problem);
 }
 
 /* The block wanted, else the first with a table, as a text of its own. */
-static bool choose_block(const struct table_text *whole, const struct table_block *block, int blocks,
-                         const struct load_options *options, struct recording *recording, struct arena *arena,
-                         struct table_text *part, struct error *error)
+static bool choose_block(const struct table_text *whole, const struct table_block *block,
+                         int blocks, const struct load_options *options,
+                         struct recording *recording, struct arena *arena, struct table_text *part,
+                         struct error *error)
 {
     recording->run = arena_array(&recording->arena, (size_t)blocks, sizeof *recording->run);
     if (!recording->run)
@@ -121,7 +130,8 @@ static bool choose_block(const struct table_text *whole, const struct table_bloc
     for (int i = 0; i < blocks; i++) {
         struct recording_run *run = &recording->run[i];
         set_name(run, block[i].name);
-        if (run->name[0] == '\0' || run_named(recording, text_of(run->name)) >= 0) /* two of one name: by place */
+        if (run->name[0] == '\0' ||
+            run_named(recording, text_of(run->name)) >= 0) /* two of one name: by place */
             snprintf(run->name, sizeof run->name, "block %d", i + 1);
         recording->runs++;
     }
@@ -139,18 +149,20 @@ static bool choose_block(const struct table_text *whole, const struct table_bloc
     return false;
 }
 
-bool runs_of_blocks(const struct table_text *text, const struct load_options *options, struct recording *recording,
-                    table_blocks *find, table_block_read *read, struct error *error)
+bool runs_of_blocks(const struct table_text *text, const struct load_options *options,
+                    struct recording *recording, table_blocks *find, table_block_read *read,
+                    struct error *error)
 {
     struct arena arena = {0};
     struct load_options own = *options;
     struct table_text part;
     struct table_block *block = calloc(BLOCKS, sizeof *block);
     const int blocks = block ? find(text, block, &own) : 0;
-    const bool done = !block        ? error_memory(error)
-                      : blocks == 0 ? table_read(text, options, recording, error)
-                                    : choose_block(text, block, blocks, &own, recording, &arena, &part, error) &&
-                                          read(&part, &block[recording->taken], recording, error);
+    const bool done =
+        !block        ? error_memory(error)
+        : blocks == 0 ? table_read(text, options, recording, error)
+                      : choose_block(text, block, blocks, &own, recording, &arena, &part, error) &&
+                            read(&part, &block[recording->taken], recording, error);
     arena_reset(&arena);
     free(block);
     return done;

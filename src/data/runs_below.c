@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Several recordings below each other in one table: each begins where the clock goes back to the start. */
+/* Several recordings below each other in one table: each begins where the clock goes back to the
+ * start. */
 #include "data/table/table.h"
 
 #include <math.h>
@@ -7,8 +8,9 @@
 #include <string.h>
 
 #define RUNS_BELOW_MAX 64
-#define ROWS_MIN 8   /* of a run */
-#define BACK_MIN 0.5 /* of the time that has passed: a clock that goes back less has only stumbled */
+#define ROWS_MIN 8 /* of a run */
+#define BACK_MIN                                                                                   \
+    0.5 /* of the time that has passed: a clock that goes back less has only stumbled */
 
 /* First rows of the runs; returns how many runs there are, 1: a table as usual. */
 static int find_starts(const struct recording *recording, size_t start[RUNS_BELOW_MAX + 1])
@@ -41,7 +43,8 @@ static void keep_rows(struct recording *recording, size_t from, size_t to)
     recording->rows = n;
 }
 
-bool take_run_below(struct recording *recording, const struct load_options *options, struct error *error)
+bool take_run_below(struct recording *recording, const struct load_options *options,
+                    struct error *error)
 {
     size_t start[RUNS_BELOW_MAX + 1];
     if (recording->runs > 0)
@@ -59,8 +62,10 @@ bool take_run_below(struct recording *recording, const struct load_options *opti
     recording->taken = 0;
     if (options->run.len > 0 && !run_find(recording, options->run, &recording->taken, error))
         return false;
-    recording_warn(recording, "the clock starts again %d %s: %d runs below each other, of which run=%d is read",
-                   runs - 1, runs == 2 ? "time" : "times", runs, recording->taken + 1);
+    recording_warn(
+        recording,
+        "the clock starts again %d %s: %d runs below each other, of which run=%d is read", runs - 1,
+        runs == 2 ? "time" : "times", runs, recording->taken + 1);
     keep_rows(recording, start[recording->taken], start[recording->taken + 1]);
     return true;
 }

@@ -26,9 +26,12 @@ bool cairo_load(struct cairo_api *api, const char *library, struct error *error)
     if (library_load(&api->library, library, functions, COUNT_OF(functions), api, &missing))
         return true;
     if (missing)
-        return error_set(error, ERROR_COMMAND, "%s has no %s: it is too old to draw pictures", library, missing);
-    error_set(error, ERROR_COMMAND, "pictures are drawn by cairo, but %s cannot be loaded", library);
-    return error_hint(error, "install libcairo2, or write a text figure into a file that ends in .txt");
+        return error_set(error, ERROR_COMMAND, "%s has no %s: it is too old to draw pictures",
+                         library, missing);
+    error_set(error, ERROR_COMMAND, "pictures are drawn by cairo, but %s cannot be loaded",
+              library);
+    return error_hint(error,
+                      "install libcairo2, or write a text figure into a file that ends in .txt");
 }
 
 void cairo_unload(struct cairo_api *api)
@@ -36,8 +39,8 @@ void cairo_unload(struct cairo_api *api)
     library_unload(&api->library);
 }
 
-bool figure_picture(const struct figure *figure, enum picture kind, double width, double height, struct buffer *out,
-                    struct error *error)
+bool figure_picture(const struct figure *figure, enum picture kind, double width, double height,
+                    struct buffer *out, struct error *error)
 {
     struct cairo_api api;
     if (!cairo_load(&api, LIBRARY, error))
@@ -47,13 +50,15 @@ bool figure_picture(const struct figure *figure, enum picture kind, double width
     return done;
 }
 #else
-bool figure_picture(const struct figure *figure, enum picture kind, double width, double height, struct buffer *out,
-                    struct error *error)
+bool figure_picture(const struct figure *figure, enum picture kind, double width, double height,
+                    struct buffer *out, struct error *error)
 {
     (void)figure, (void)width, (void)height, (void)out;
     error_set(error, ERROR_COMMAND, "this hooke was built without cairo, which draws %s files",
               picture_rows[kind].name);
-    return error_hint(error, "install libcairo2-dev and build it again, or write a text figure into a file that ends "
-                             "in .txt");
+    return error_hint(
+        error,
+        "install libcairo2-dev and build it again, or write a text figure into a file that ends "
+        "in .txt");
 }
 #endif

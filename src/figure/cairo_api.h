@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * figure: the functions of cairo that pictures need, looked up in the shared library when a picture is drawn.
+ * figure: the functions of cairo that pictures need, looked up in the shared library when a picture
+ * is drawn.
  *
- * Linking cairo would cost every start more than all else the program does before its first command; few runs draw a
- * picture. The types are those of cairo's own header, so a wrong call does not compile. Tests put functions of their
- * own into the table.
+ * Linking cairo would cost every start more than all else the program does before its first
+ * command; few runs draw a picture. The types are those of cairo's own header, so a wrong call does
+ * not compile. Tests put functions of their own into the table.
  */
 #ifndef HOOKE_FIGURE_CAIRO_API_H
 #define HOOKE_FIGURE_CAIRO_API_H
@@ -16,46 +17,46 @@
 #include <cairo-svg.h>
 #include <cairo.h>
 
-#define CAIRO_FUNCTIONS(X)                                                                                             \
-    X(svg_surface_create_for_stream)                                                                                   \
-    X(pdf_surface_create_for_stream)                                                                                   \
-    X(pdf_surface_set_metadata)                                                                                        \
-    X(image_surface_create)                                                                                            \
-    X(surface_write_to_png_stream)                                                                                     \
-    X(surface_finish)                                                                                                  \
-    X(surface_status)                                                                                                  \
-    X(surface_destroy)                                                                                                 \
-    X(create)                                                                                                          \
-    X(status)                                                                                                          \
-    X(destroy)                                                                                                         \
-    X(save)                                                                                                            \
-    X(restore)                                                                                                         \
-    X(scale)                                                                                                           \
-    X(translate)                                                                                                       \
-    X(rotate)                                                                                                          \
-    X(rectangle)                                                                                                       \
-    X(clip)                                                                                                            \
-    X(move_to)                                                                                                         \
-    X(line_to)                                                                                                         \
-    X(arc)                                                                                                             \
-    X(new_path)                                                                                                        \
-    X(new_sub_path)                                                                                                    \
-    X(close_path)                                                                                                      \
-    X(copy_path)                                                                                                       \
-    X(path_destroy)                                                                                                    \
-    X(set_source_rgb)                                                                                                  \
-    X(set_source_rgba)                                                                                                 \
-    X(set_line_width)                                                                                                  \
-    X(set_line_cap)                                                                                                    \
-    X(set_line_join)                                                                                                   \
-    X(set_dash)                                                                                                        \
-    X(stroke)                                                                                                          \
-    X(fill)                                                                                                            \
-    X(fill_preserve)                                                                                                   \
-    X(paint)                                                                                                           \
-    X(select_font_face)                                                                                                \
-    X(set_font_size)                                                                                                   \
-    X(text_extents)                                                                                                    \
+#define CAIRO_FUNCTIONS(X)                                                                         \
+    X(svg_surface_create_for_stream)                                                               \
+    X(pdf_surface_create_for_stream)                                                               \
+    X(pdf_surface_set_metadata)                                                                    \
+    X(image_surface_create)                                                                        \
+    X(surface_write_to_png_stream)                                                                 \
+    X(surface_finish)                                                                              \
+    X(surface_status)                                                                              \
+    X(surface_destroy)                                                                             \
+    X(create)                                                                                      \
+    X(status)                                                                                      \
+    X(destroy)                                                                                     \
+    X(save)                                                                                        \
+    X(restore)                                                                                     \
+    X(scale)                                                                                       \
+    X(translate)                                                                                   \
+    X(rotate)                                                                                      \
+    X(rectangle)                                                                                   \
+    X(clip)                                                                                        \
+    X(move_to)                                                                                     \
+    X(line_to)                                                                                     \
+    X(arc)                                                                                         \
+    X(new_path)                                                                                    \
+    X(new_sub_path)                                                                                \
+    X(close_path)                                                                                  \
+    X(copy_path)                                                                                   \
+    X(path_destroy)                                                                                \
+    X(set_source_rgb)                                                                              \
+    X(set_source_rgba)                                                                             \
+    X(set_line_width)                                                                              \
+    X(set_line_cap)                                                                                \
+    X(set_line_join)                                                                               \
+    X(set_dash)                                                                                    \
+    X(stroke)                                                                                      \
+    X(fill)                                                                                        \
+    X(fill_preserve)                                                                               \
+    X(paint)                                                                                       \
+    X(select_font_face)                                                                            \
+    X(set_font_size)                                                                               \
+    X(text_extents)                                                                                \
     X(show_text)
 
 struct cairo_api {
@@ -70,8 +71,8 @@ bool cairo_load(struct cairo_api *api, const char *library, struct error *error)
 void cairo_unload(struct cairo_api *api);
 
 /* figure_picture with a table that is there. */
-bool picture_with(const struct cairo_api *api, const struct figure *figure, enum picture kind, double width,
-                  double height, struct buffer *out, struct error *error);
+bool picture_with(const struct cairo_api *api, const struct figure *figure, enum picture kind,
+                  double width, double height, struct buffer *out, struct error *error);
 #endif
 
 #endif

@@ -12,7 +12,8 @@ static const struct row charset_rows[] = {
 
 const struct catalog charset_catalog = CATALOG("charset", charset_rows);
 
-/* What lines are drawn with. Box characters are code points: alternate character sets break in captures and mosh. */
+/* What lines are drawn with. Box characters are code points: alternate character sets break in
+ * captures and mosh. */
 struct strokes {
     uint32_t top_left, top_right, bottom_left, bottom_right, across, down, x_tick, y_tick, origin,
         zero, point, band;
@@ -35,7 +36,8 @@ struct sheet {
     int x, y, width, height; /* the rectangle */
 };
 
-/* The first line is drawn with dots; every other curve has a mark of its own, so that no identity depends on colour. */
+/* The first line is drawn with dots; every other curve has a mark of its own, so that no identity
+ * depends on colour. */
 char figure_mark(const struct figure *figure, int i)
 {
     static const char lines[] = "#x+%", points[] = "o*&=";
@@ -77,9 +79,10 @@ static void draw_frame(const struct sheet *sheet)
     canvas_put(sheet->canvas, right, bottom, s->bottom_right, STYLE_DIM);
 }
 
-/* " text " on the frame, from column x to at most `end`; returns the column after it. Nothing if there is no room for a
- * letter. */
-static int frame_text(const struct sheet *sheet, int x, int end, int y, struct text text, enum style style)
+/* " text " on the frame, from column x to at most `end`; returns the column after it. Nothing if
+ * there is no room for a letter. */
+static int frame_text(const struct sheet *sheet, int x, int end, int y, struct text text,
+                      enum style style)
 {
     if (!text.len || end - x < 3)
         return x;
@@ -98,7 +101,8 @@ static int frame_text(const struct sheet *sheet, int x, int end, int y, struct t
     return x;
 }
 
-void axis_title(const struct axis *axis, const struct ticks *ticks, const char *title, char *out, size_t size)
+void axis_title(const struct axis *axis, const struct ticks *ticks, const char *title, char *out,
+                size_t size)
 {
     const char *label = axis->label ? axis->label : "", *unit = axis->unit ? axis->unit : "";
     char power[16] = "", offset[TICK_TEXT_SIZE] = "";
@@ -141,30 +145,34 @@ static int legend_width(const struct figure *figure)
 {
     int width = 0;
     for (int i = 0; i < figure->curves; i++)
-        width += has_entry(figure, i) ? entry_width(&figure->curve[i], figure_mark(figure, i)) + (width ? 2 : 0) : 0;
+        width += has_entry(figure, i)
+                     ? entry_width(&figure->curve[i], figure_mark(figure, i)) + (width ? 2 : 0)
+                     : 0;
     return width;
 }
 
-/* "-- verlet  # euler  o data" and the caption, at the right end of the upper frame: as many as fit right of column
- * `from`. */
+/* "-- verlet  # euler  o data" and the caption, at the right end of the upper frame: as many as fit
+ * right of column `from`. */
 static void draw_legend(const struct sheet *sheet, int from)
 {
     const struct figure *figure = sheet->figure;
-    int right = sheet->x + sheet->width - 2, room = right - from - 3, used = 0, shown = 0;
+    int right = sheet->x + sheet->width - 2, capacity = right - from - 3, used = 0, shown = 0;
     struct text caption = text_of(figure->caption);
 
     for (; shown < figure->curves; shown++) {
         const struct curve *curve = &figure->curve[shown];
-        int width = has_entry(figure, shown) ? entry_width(curve, figure_mark(figure, shown)) + (used ? 2 : 0) : 0;
-        if (used + width > room)
+        int width = has_entry(figure, shown)
+                        ? entry_width(curve, figure_mark(figure, shown)) + (used ? 2 : 0)
+                        : 0;
+        if (used + width > capacity)
             break;
         used += width;
     }
     const struct curve *band = shown < figure->curves ? NULL : figure_band(figure);
     const int wide = band ? text_width(text_of(band->spread_label)) + 2 + (used ? 2 : 0) : 0;
-    band = used + wide <= room ? band : NULL;
+    band = used + wide <= capacity ? band : NULL;
     used += band ? wide : 0;
-    if (shown < figure->curves || used + (used ? 2 : 0) + text_width(caption) > room)
+    if (shown < figure->curves || used + (used ? 2 : 0) + text_width(caption) > capacity)
         caption = TEXT("");
     used += text_width(caption) + (used && caption.len ? 2 : 0);
     if (!used)
@@ -179,7 +187,8 @@ static void draw_legend(const struct sheet *sheet, int from)
         char mark = figure_mark(figure, i);
         if (!has_entry(figure, i))
             continue;
-        x = canvas_text(sheet->canvas, x, y, mark ? (struct text){&mark, 1} : TEXT("--"), style_of(i));
+        x = canvas_text(sheet->canvas, x, y, mark ? (struct text){&mark, 1} : TEXT("--"),
+                        style_of(i));
         x = canvas_text(sheet->canvas, x + 1, y, text_of(curve->label), STYLE_PLAIN) + 2;
     }
     if (band) {
@@ -192,17 +201,21 @@ static void draw_legend(const struct sheet *sheet, int from)
 static void draw_titles(const struct sheet *sheet)
 {
     const struct figure *figure = sheet->figure;
-    int left = sheet->x + 2, right = sheet->x + sheet->width - 2, bottom = sheet->y + sheet->height - 1;
+    int left = sheet->x + 2, right = sheet->x + sheet->width - 2,
+        bottom = sheet->y + sheet->height - 1;
     char text[256];
     struct buffer title = {0}, note = {0};
 
-    axis_title(&figure->y, &sheet->layout->y_ticks, figure->title ? figure->title : "", text, sizeof text);
+    axis_title(&figure->y, &sheet->layout->y_ticks, figure->title ? figure->title : "", text,
+               sizeof text);
     if (text_width(text_of(text)) > right - left - 2) /* the axis matters more */
         axis_title(&figure->y, &sheet->layout->y_ticks, "", text, sizeof text);
-    if (figure->part && text_width(text_of(text)) + legend_width(figure) + 10 > sheet->width) /* both share a frame */
+    if (figure->part && text_width(text_of(text)) + legend_width(figure) + 10 >
+                            sheet->width) /* both share a frame */
         axis_title(&figure->y, &sheet->layout->y_ticks, "", text, sizeof text);
     buffer_put(&title, text_of(text));
-    if (figure->part && sheet->layout->y_ticks.count < 2) { /* a single row: no labels that say it */
+    if (figure->part &&
+        sheet->layout->y_ticks.count < 2) { /* a single row: no labels that say it */
         const struct scale *y = &sheet->layout->y;
         const double factor = axis_factor(&figure->y);
         buffer_format(&title, " %.2g..%.2g", y->from / factor, y->to / factor);
@@ -225,13 +238,14 @@ static void draw_x_axis(const struct sheet *sheet)
     char text[TICK_TEXT_SIZE];
 
     for (int column = layout->y_labels ? -1 : 0; column < layout->columns; column++)
-        canvas_put(sheet->canvas, x + column, y, column < 0 ? sheet->strokes->origin : sheet->strokes->across,
-                   STYLE_DIM);
+        canvas_put(sheet->canvas, x + column, y,
+                   column < 0 ? sheet->strokes->origin : sheet->strokes->across, STYLE_DIM);
     for (int i = 0; i < layout->x_ticks.count; i++) {
         int column = x_tick_column(sheet->figure, layout, i);
         int len = tick_text(&layout->x_ticks, i, layout->x_decades, text);
         canvas_put(sheet->canvas, x + column, y, sheet->strokes->x_tick, STYLE_DIM);
-        canvas_text(sheet->canvas, x + x_label_start(layout, column, len), y + 1, text_of(text), STYLE_PLAIN);
+        canvas_text(sheet->canvas, x + x_label_start(layout, column, len), y + 1, text_of(text),
+                    STYLE_PLAIN);
     }
 }
 
@@ -244,7 +258,8 @@ static void draw_y_axis(const struct sheet *sheet)
     for (row = 0; row < layout->rows; row++)
         canvas_put(sheet->canvas, x, y + row, sheet->strokes->down, STYLE_DIM);
     for (int i = 0; i < layout->y_ticks.count; i++) {
-        double value = tick_value(&layout->y_ticks, i, layout->y_decades) * axis_factor(&sheet->figure->y);
+        double value =
+            tick_value(&layout->y_ticks, i, layout->y_decades) * axis_factor(&sheet->figure->y);
         int len = tick_text(&layout->y_ticks, i, layout->y_decades, text);
         if (!figure_cell(layout, layout->x.from, value, &column, &row))
             continue;
@@ -282,7 +297,8 @@ static void draw_curves(const struct sheet *sheet)
         for (int i = figure->curves - 1; i >= 0; i--) {
             const struct curve *curve = &figure->curve[i];
             /* On few rows of its own a line says more than its marks. */
-            raster.mark = figure->part && layout->rows <= FEW_ROWS && !curve->points && alone_in_panel(figure, i)
+            raster.mark = figure->part && layout->rows <= FEW_ROWS && !curve->points &&
+                                  alone_in_panel(figure, i)
                               ? 0
                               : figure_mark(figure, i);
             raster.style = style_of(i);
@@ -291,7 +307,8 @@ static void draw_curves(const struct sheet *sheet)
             if (curve->cloud)
                 raster.mark = 0;
             if (curve->points && !curve->cloud)
-                raster_points(&raster, curve, lines && curve->n > (size_t)layout->columns / 2 ? 5 : 1);
+                raster_points(&raster, curve,
+                              lines && curve->n > (size_t)layout->columns / 2 ? 5 : 1);
             else
                 raster_line(&raster, curve);
             lines += !curve->points;
@@ -307,11 +324,12 @@ static void draw_curves(const struct sheet *sheet)
         raster_put(&raster, column, row, sheet->strokes->point);
 }
 
-static void draw_panel(const struct figure_panel *panel, struct canvas *canvas, int x, int y, enum charset charset)
+static void draw_panel(const struct figure_panel *panel, struct canvas *canvas, int x, int y,
+                       enum charset charset)
 {
     struct figure_layout layout;
-    struct sheet sheet = {&panel->figure, &layout, strokes_of(charset), canvas,
-                          x + panel->x, y + panel->y, panel->width, panel->height};
+    struct sheet sheet = {&panel->figure, &layout,      strokes_of(charset), canvas,
+                          x + panel->x,   y + panel->y, panel->width,        panel->height};
 
     for (int row = 0; row < panel->height; row++)
         for (int column = 0; column < panel->width; column++)
@@ -328,26 +346,28 @@ static void draw_panel(const struct figure_panel *panel, struct canvas *canvas, 
     draw_curves(&sheet);
 }
 
-bool figure_draw(const struct figure *figure, struct canvas *canvas, int x, int y, int width, int height,
-                 enum charset charset)
+bool figure_draw(const struct figure *figure, struct canvas *canvas, int x, int y, int width,
+                 int height, enum charset charset)
 {
-    struct figure_panel panel[PANELS_MOST];
+    struct figure_panel panel[PANELS_MAX];
 
     if (width < 1 || height < 1)
         return true;
     int panels = figure_panels(figure, width, height, charset, panel);
     for (int i = 0; i < panels; i++) {
         draw_panel(&panel[i], canvas, x, y, charset);
-        if (i && !figure->plane && charset != CHARSET_ASCII) { /* one frame: corners become branches */
+        if (i && !figure->plane &&
+            charset != CHARSET_ASCII) { /* one frame: corners become branches */
             canvas_put(canvas, x + panel[i].x, y + panel[i].y, 0x251C, STYLE_DIM);
-            canvas_put(canvas, x + panel[i].x + panel[i].width - 1, y + panel[i].y, 0x2524, STYLE_DIM);
+            canvas_put(canvas, x + panel[i].x + panel[i].width - 1, y + panel[i].y, 0x2524,
+                       STYLE_DIM);
         }
     }
     return true;
 }
 
-bool figure_print(const struct figure *figure, int width, int height, enum charset charset, bool color,
-                  struct buffer *out)
+bool figure_print(const struct figure *figure, int width, int height, enum charset charset,
+                  bool color, struct buffer *out)
 {
     struct canvas canvas;
 

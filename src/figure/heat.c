@@ -1,12 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A heat map in text: shades that are told apart without colour, labelled axes, a legend of the shades. */
+/* A heat map in text: shades that are told apart without colour, labelled axes, a legend of the
+ * shades. */
 #include "figure/internal.h"
 
 #include <stdlib.h>
 #include <string.h>
 
 static const uint32_t ascii_shades[] = {' ', '.', ':', '-', '=', '+', '*', '%', '@', '#'};
-static const uint32_t block_shades[] = {' ', 0xB7, 0x2591, 0x2592, 0x2593, 0x2588}; /* space, dot, light .. full */
+static const uint32_t block_shades[] = {' ',    0xB7,   0x2591,
+                                        0x2592, 0x2593, 0x2588}; /* space, dot, light .. full */
 
 enum { LABEL_GAP = 3, LEGEND_LINES = 2, LABEL_SIZE = 40, NO_VALUE = 'x' };
 
@@ -39,9 +41,9 @@ static struct shades shades_of(const struct heat *heat, enum charset charset)
 }
 
 /* As many cells as there is room for, a whole number for each point where that is possible. */
-static int cells_for(int points, int room)
+static int cells_for(int points, int capacity)
 {
-    return points >= room ? room : room / points * points;
+    return points >= capacity ? capacity : capacity / points * points;
 }
 
 /* The points of cell i of `cells`: from *first, up to *end. */
@@ -55,15 +57,15 @@ static void points_of(int i, int cells, int points, int *first, int *end)
 static double cell_value(const struct heat *heat, int column, int columns, int row, int rows)
 {
     int x0, x1, y0, y1;
-    double most = NAN;
+    double max = NAN;
     points_of(column, columns, heat->x.count, &x0, &x1);
     points_of(row, rows, heat->y.count, &y0, &y1);
     for (int x = x0; x < x1; x++)
         for (int y = y0; y < y1; y++) {
             const double value = heat->value[(size_t)x * (size_t)heat->y.count + (size_t)y];
-            most = isfinite(value) && !(value <= most) ? value : most;
+            max = isfinite(value) && !(value <= max) ? value : max;
         }
-    return most;
+    return max;
 }
 
 static void label(double value, double factor, char out[LABEL_SIZE])
@@ -110,7 +112,8 @@ static void put_x_labels(const struct heat *heat, int gutter, int columns, struc
     buffer_char(out, '\n');
 }
 
-static void put_legend(const struct heat *heat, const struct shades *shades, bool gaps, int width, struct buffer *out)
+static void put_legend(const struct heat *heat, const struct shades *shades, bool gaps, int width,
+                       struct buffer *out)
 {
     char from[LABEL_SIZE];
     int at = 0;
@@ -132,7 +135,8 @@ static void put_legend(const struct heat *heat, const struct shades *shades, boo
     buffer_put(out, gaps ? TEXT("   x: no value\n") : TEXT("\n"));
 }
 
-bool heat_print(const struct heat *heat, int width, int height, enum charset charset, struct buffer *out)
+bool heat_print(const struct heat *heat, int width, int height, enum charset charset,
+                struct buffer *out)
 {
     const struct shades shades = shades_of(heat, charset);
     char text[LABEL_SIZE];
@@ -143,8 +147,8 @@ bool heat_print(const struct heat *heat, int width, int height, enum charset cha
     }
     gutter += 1;
     const int columns = cells_for(heat->x.count, width - gutter > 1 ? width - gutter : 1);
-    const int room = height - 3 - LEGEND_LINES;
-    const int rows = cells_for(heat->y.count, room > 1 ? room : 1);
+    const int capacity = height - 3 - LEGEND_LINES;
+    const int rows = cells_for(heat->y.count, capacity > 1 ? capacity : 1);
     bool gaps = false;
     put_name(out, heat->title, heat->unit);
     buffer_put(out, TEXT(" over "));
@@ -158,8 +162,8 @@ bool heat_print(const struct heat *heat, int width, int height, enum charset cha
         if (line > 0)
             points_of(line - 1, rows, heat->y.count, &below, &end);
         /* One label for each point, at its lowest line, and not on every line. */
-        const bool labelled =
-            below != first && (rows / (rows < 8 ? rows : 8) < 2 || line % (rows / 8) == 0 || line == rows - 1);
+        const bool labelled = below != first && (rows / (rows < 8 ? rows : 8) < 2 ||
+                                                 line % (rows / 8) == 0 || line == rows - 1);
         text[0] = '\0';
         if (labelled)
             label(heat->y.value[first], heat->y.factor, text);

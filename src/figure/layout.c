@@ -2,9 +2,9 @@
 /* Layout: what of a figure fits into a rectangle: frame, labels, ranges, ticks. */
 #include "figure/internal.h"
 
-#define LEAST_ROWS 3     /* with less plot than this the x labels go */
-#define LEAST_COLUMNS 10 /* with less plot than this the y labels go */
-#define TICK_GAP 2       /* blanks between x labels */
+#define MIN_ROWS 3     /* with less plot than this the x labels go */
+#define MIN_COLUMNS 10 /* with less plot than this the y labels go */
+#define TICK_GAP 2     /* blanks between x labels */
 
 static int larger(int a, int b)
 {
@@ -37,15 +37,19 @@ bool figure_cell(const struct figure_layout *layout, double x, double y, int *co
 /* Powers of ten where the range has two of them, else ordinary numbers. */
 static bool has_decades(const struct scale *scale, const struct axis *axis)
 {
-    return scale->log && ticks_log(scale->from / axis_factor(axis), scale->to / axis_factor(axis), 1000).count > 1;
+    return scale->log &&
+           ticks_log(scale->from / axis_factor(axis), scale->to / axis_factor(axis), 1000).count >
+               1;
 }
 
-static struct ticks axis_ticks(const struct scale *scale, const struct axis *axis, bool decades, int want, int most)
+static struct ticks axis_ticks(const struct scale *scale, const struct axis *axis, bool decades,
+                               int want, int max)
 {
     double from = scale->from / axis_factor(axis), to = scale->to / axis_factor(axis);
     if (scale->log && !(from > 0)) /* the factor took it out of range */
         return (struct ticks){0};
-    return decades ? ticks_log(from, to, most) : ticks_linear(from, to, want < most ? want : most, most);
+    return decades ? ticks_log(from, to, max)
+                   : ticks_linear(from, to, want < max ? want : max, max);
 }
 
 static int widest(const struct ticks *ticks, bool decades)
@@ -60,7 +64,8 @@ static int widest(const struct ticks *ticks, bool decades)
 int x_tick_column(const struct figure *figure, const struct figure_layout *layout, int i)
 {
     double value = tick_value(&layout->x_ticks, i, layout->x_decades) * axis_factor(&figure->x);
-    return cell_of(scale_fraction(&layout->x, value), layout->columns, charset_grid(layout->charset).across);
+    return cell_of(scale_fraction(&layout->x, value), layout->columns,
+                   charset_grid(layout->charset).across);
 }
 
 int x_label_start(const struct figure_layout *layout, int column, int len)
@@ -95,7 +100,8 @@ static bool y_labels_fit(const struct figure *figure, const struct figure_layout
 }
 
 /* Fewer ticks until no two labels meet; before a single one is left, the outermost two. */
-static void fit_ticks(const struct figure *figure, struct figure_layout *layout, bool vertical, int want, int most)
+static void fit_ticks(const struct figure *figure, struct figure_layout *layout, bool vertical,
+                      int want, int max)
 {
     const struct axis *axis = vertical ? &figure->y : &figure->x;
     const struct scale *scale = vertical ? &layout->y : &layout->x;
@@ -104,14 +110,14 @@ static void fit_ticks(const struct figure *figure, struct figure_layout *layout,
 
     *(vertical ? &layout->y_decades : &layout->x_decades) = decades;
     do {
-        *ticks = axis_ticks(scale, axis, decades, want, most);
+        *ticks = axis_ticks(scale, axis, decades, want, max);
         if (ticks->count < 2 && finer.count > 2) {
             *ticks = finer;
             ticks->step *= finer.count - 1;
             ticks->count = 2;
         }
         finer = *ticks;
-        most = smaller(most, ticks->count) - 1;
+        max = smaller(max, ticks->count) - 1;
     } while (ticks->count && !(vertical ? y_labels_fit : x_labels_fit)(figure, layout));
 }
 
@@ -123,9 +129,11 @@ static void equalise(const struct figure *figure, struct figure_layout *layout)
     double width = fmax(layout->columns - 1.0 / grid.across, 0.5);
     double height = aspect * fmax(layout->rows - 1.0 / grid.down, 0.5);
     double x_factor = axis_factor(&figure->x), y_factor = axis_factor(&figure->y);
-    double x_half = layout->x.to / 2 - layout->x.from / 2, y_half = layout->y.to / 2 - layout->y.from / 2;
+    double x_half = layout->x.to / 2 - layout->x.from / 2,
+           y_half = layout->y.to / 2 - layout->y.from / 2;
     double unit = fmax(x_half / x_factor / width, y_half / y_factor / height);
-    double x_middle = layout->x.from / 2 + layout->x.to / 2, y_middle = layout->y.from / 2 + layout->y.to / 2;
+    double x_middle = layout->x.from / 2 + layout->x.to / 2,
+           y_middle = layout->y.from / 2 + layout->y.to / 2;
 
     x_half = unit * width * x_factor;
     y_half = unit * height * y_factor;
@@ -135,7 +143,8 @@ static void equalise(const struct figure *figure, struct figure_layout *layout)
     layout->y = scale_of(y_middle - y_half, y_middle + y_half, false);
 }
 
-void layout_scales(const struct figure *figure, struct figure_layout *layout, struct extent x, struct extent y)
+void layout_scales(const struct figure *figure, struct figure_layout *layout, struct extent x,
+                   struct extent y)
 {
     int x_want = 2 + (layout->columns + 4) / 12, y_want = 2 + (layout->rows + 1) / 4;
     int x_most = larger(layout->columns / 4, 1), y_most = larger((layout->rows + 1) / 2, 3);
@@ -152,7 +161,7 @@ void figure_layout(const struct figure *figure, int width, int height, enum char
                    struct figure_layout *layout)
 {
     bool frame = width >= 8 && height >= (figure->part ? 3 : 4);
-    bool x_labels = frame && height >= (figure->part ? 1 : LEAST_ROWS) + 4;
+    bool x_labels = frame && height >= (figure->part ? 1 : MIN_ROWS) + 4;
 
     struct extent x = axis_extent(figure, false), y = axis_extent(figure, true);
 
@@ -166,11 +175,12 @@ void figure_layout(const struct figure *figure, int width, int height, enum char
         .hidden = x.hidden + y.hidden,
         .rows = larger(height - 2 * frame - 2 * x_labels, 1),
     };
-    /* The gutter depends on the labels, the labels on the ranges, the ranges of equal axes on the gutter. */
+    /* The gutter depends on the labels, the labels on the ranges, the ranges of equal axes on the
+     * gutter. */
     for (;;) {
         layout->left = frame + (layout->y_labels ? layout->gutter + 2 : 0);
         layout->columns = larger(width - layout->left - frame - layout->y_labels, 1);
-        if (layout->y_labels && layout->columns < LEAST_COLUMNS) {
+        if (layout->y_labels && layout->columns < MIN_COLUMNS) {
             layout->y_labels = false;
             continue;
         }
@@ -188,22 +198,23 @@ void figure_layout(const struct figure *figure, int width, int height, enum char
 #define LABEL_ROWS 2  /* axis and labels below the plot */
 #define LABEL_CELLS 8 /* frame and labels beside it */
 
-/* One above the other in one frame; the upper one's labels and lower frame are covered by the other. */
+/* One above the other in one frame; the upper one's labels and lower frame are covered by the
+ * other. */
 static bool stack_panels(const struct figure *figure, int width, int height, enum charset charset,
-                         struct figure_panel panel[PANELS_MOST])
+                         struct figure_panel panel[PANELS_MAX])
 {
     int below = LABEL_ROWS, rows = height - FRAME_ROWS - 1 - below;
-    if (rows < PANELS_MOST) { /* rather without labels */
+    if (rows < PANELS_MAX) { /* rather without labels */
         below = 0;
         rows = height - FRAME_ROWS - 1;
     }
-    if (rows < PANELS_MOST || width < 8)
+    if (rows < PANELS_MAX || width < 8)
         return false;
     int upper = (rows + 1) / 2, gutter = figure->gutter;
     panel[0].height = 1 + upper + below + 1;
     panel[1].y = 1 + upper;
     panel[1].height = height - panel[1].y;
-    for (int i = 0; i < PANELS_MOST; i++) {
+    for (int i = 0; i < PANELS_MAX; i++) {
         struct figure_layout layout;
         figure_layout(&panel[i].figure, width, panel[i].height, charset, &layout);
         gutter = larger(gutter, layout.gutter);
@@ -224,10 +235,12 @@ bool planes_across(const struct figure *figure, int width, int height)
     return square_of(width / 2, height, aspect) > square_of(width, height / 2, aspect);
 }
 
-static bool place_planes(const struct figure *figure, int width, int height, struct figure_panel panel[PANELS_MOST])
+static bool place_planes(const struct figure *figure, int width, int height,
+                         struct figure_panel panel[PANELS_MAX])
 {
     bool across = planes_across(figure, width, height);
-    if ((across ? width / 2 : width) < LABEL_CELLS || (across ? height : height / 2) < FRAME_ROWS + 1)
+    if ((across ? width / 2 : width) < LABEL_CELLS ||
+        (across ? height : height / 2) < FRAME_ROWS + 1)
         return false;
     panel[0].width = across ? width - width / 2 : width;
     panel[0].height = across ? height : height - height / 2;
@@ -238,13 +251,13 @@ static bool place_planes(const struct figure *figure, int width, int height, str
     return true;
 }
 
-int figure_parts(const struct figure *figure, struct figure part[PANELS_MOST])
+int figure_parts(const struct figure *figure, struct figure part[PANELS_MAX])
 {
     part[0] = *figure;
     part[0].second = NULL;
     if (!figure->second)
         return 1;
-    for (int i = 0; i < PANELS_MOST; i++) {
+    for (int i = 0; i < PANELS_MAX; i++) {
         part[i] = part[0];
         part[i].panel = i;
         part[i].part = true;
@@ -254,14 +267,15 @@ int figure_parts(const struct figure *figure, struct figure part[PANELS_MOST])
     part[1].y = figure->second[1];
     part[1].title = "";
     part[1].caption = NULL;
-    part[figure->plane ? 1 : 0].note = NULL; /* once is enough; where panels share an axis the upper one has no room */
-    return PANELS_MOST;
+    part[figure->plane ? 1 : 0].note =
+        NULL; /* once is enough; where panels share an axis the upper one has no room */
+    return PANELS_MAX;
 }
 
 int figure_panels(const struct figure *figure, int width, int height, enum charset charset,
-                  struct figure_panel panel[PANELS_MOST])
+                  struct figure_panel panel[PANELS_MAX])
 {
-    struct figure part[PANELS_MOST];
+    struct figure part[PANELS_MAX];
     int parts = figure_parts(figure, part);
 
     for (int i = 0; i < parts; i++)

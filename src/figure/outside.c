@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What the axes do not hold: which curves leave the frame, where, how far, and how the frame says so. */
+/* What the axes do not hold: which curves leave the frame, where, how far, and how the frame says
+ * so. */
 #include "figure/internal.h"
 
-#define EDGE 0.011 /* [axis lengths] a live axis is not widened for so little; it is drawn at the frame */
+#define EDGE                                                                                       \
+    0.011 /* [axis lengths] a live axis is not widened for so little; it is drawn at the frame */
 
 /* How far beyond the ends of an axis; 0: inside. */
 static double beyond(double fraction)
@@ -22,7 +24,7 @@ void curve_outside(const struct figure *figure, const struct figure_layout *layo
     for (size_t i = 0; i < curve->n; i++) {
         double x = fraction_of(&layout->x, curve->x[i]), y = fraction_of(&layout->y, curve->y[i]);
         if (isnan(x) || isnan(y) || (!figure->plane && beyond(x) > 0) ||
-            (figure->y.log && curve->y[i] < figure->y.least))
+            (figure->y.log && curve->y[i] < figure->y.min))
             continue;
         double across = figure->plane ? beyond(x) : 0, up = beyond(y), far = fmax(across, up);
         outside->total++;
@@ -46,7 +48,8 @@ void curve_outside(const struct figure *figure, const struct figure_layout *layo
 /* Digits that tell values on this axis apart. */
 static int digits_on(const struct scale *scale)
 {
-    double size = fmax(fabs(scale->from), fabs(scale->to)), span = scale->to / size - scale->from / size;
+    double size = fmax(fabs(scale->from), fabs(scale->to)),
+           span = scale->to / size - scale->from / size;
     return scale->log || !(span > 0) ? 3 : (int)fmin(3 + fmax(floor(-log10(span)), 0), 12);
 }
 
@@ -58,34 +61,40 @@ static void put_value(struct buffer *out, const struct axis *axis, double value,
     if (suited)
         buffer_format(out, "%.*g %s", digits, value / suited->factor, suited->row.name);
     else
-        buffer_format(out, "%.*g%s%s", digits, value / axis_factor(axis), axis->unit && *axis->unit ? " " : "",
-                      axis->unit ? axis->unit : "");
+        buffer_format(out, "%.*g%s%s", digits, value / axis_factor(axis),
+                      axis->unit && *axis->unit ? " " : "", axis->unit ? axis->unit : "");
 }
 
-static void put_curve(struct buffer *out, const struct figure *figure, const struct figure_layout *layout, int index,
+static void put_curve(struct buffer *out, const struct figure *figure,
+                      const struct figure_layout *layout, int index,
                       const struct curve_outside *outside, int detail)
 {
     const struct curve *curve = &figure->curve[index];
     const struct axis *axis = outside->along_x ? &figure->x : &figure->y;
     const char mark[2] = {figure_mark(figure, index), '\0'};
 
-    buffer_put(out, text_of(curve->label && *curve->label ? curve->label : *mark ? mark : "the curve"));
+    buffer_put(out, text_of(curve->label && *curve->label ? curve->label
+                            : *mark                       ? mark
+                                                          : "the curve"));
     buffer_put(out, text_of(!outside->leaves ? " is outside" : " leaves"));
     if (isfinite(outside->at)) {
         const struct axis time = {.unit = "s"};
         buffer_put(out, TEXT(" at "));
-        put_value(out, figure->plane ? &time : &figure->x, outside->at, figure->plane ? 3 : digits_on(&layout->x));
+        put_value(out, figure->plane ? &time : &figure->x, outside->at,
+                  figure->plane ? 3 : digits_on(&layout->x));
     }
     if (detail > 0) {
         buffer_put(out, text_of(outside->above ? ", up to " : ", down to "));
-        put_value(out, axis, outside->farthest, digits_on(outside->along_x ? &layout->x : &layout->y));
+        put_value(out, axis, outside->farthest,
+                  digits_on(outside->along_x ? &layout->x : &layout->y));
     }
     if (detail > 1 && !curve->thinned)
         buffer_format(out, " (%zu of %zu samples)", outside->count, outside->total);
 }
 
 /* All curves that leave; "" for none. With detail -1 only how many. */
-static void put_outside(struct buffer *out, const struct figure *figure, const struct figure_layout *layout, int detail)
+static void put_outside(struct buffer *out, const struct figure *figure,
+                        const struct figure_layout *layout, int detail)
 {
     struct curve_outside outside;
     int count = 0;
@@ -114,7 +123,8 @@ static bool is_thinned(const struct figure *figure)
     return false;
 }
 
-static void put_hidden(struct buffer *out, const struct figure *figure, const struct figure_layout *layout)
+static void put_hidden(struct buffer *out, const struct figure *figure,
+                       const struct figure_layout *layout)
 {
     if (!layout->hidden)
         return;
@@ -123,9 +133,9 @@ static void put_hidden(struct buffer *out, const struct figure *figure, const st
         buffer_put(out, TEXT("values "));
     else
         buffer_format(out, "%zu value%s ", layout->hidden, layout->hidden == 1 ? "" : "s");
-    if (figure->y.log && figure->y.least > 0) {
+    if (figure->y.log && figure->y.min > 0) {
         buffer_put(out, TEXT("below "));
-        put_value(out, &figure->y, figure->y.least, 3);
+        put_value(out, &figure->y, figure->y.min, 3);
     } else {
         buffer_put(out, TEXT("<= 0"));
     }
@@ -133,11 +143,12 @@ static void put_hidden(struct buffer *out, const struct figure *figure, const st
 }
 
 /* The last ones, until the rest fits: no sentence ends in the middle. */
-static void drop_clauses(struct buffer *out, int room)
+static void drop_clauses(struct buffer *out, int capacity)
 {
-    while (text_width(buffer_text(out)) > room) {
+    while (text_width(buffer_text(out)) > capacity) {
         size_t end = out->len;
-        while (end > 0 && !((out->data[end - 1] == ',' || out->data[end - 1] == ';') && out->data[end] == ' '))
+        while (end > 0 &&
+               !((out->data[end - 1] == ',' || out->data[end - 1] == ';') && out->data[end] == ' '))
             end--;
         if (end == 0)
             return;
@@ -146,7 +157,8 @@ static void drop_clauses(struct buffer *out, int room)
     }
 }
 
-void figure_note(const struct figure *figure, const struct figure_layout *layout, int room, struct buffer *out)
+void figure_note(const struct figure *figure, const struct figure_layout *layout, int capacity,
+                 struct buffer *out)
 {
     static const struct {
         int detail;
@@ -165,10 +177,10 @@ void figure_note(const struct figure *figure, const struct figure_layout *layout
             buffer_put(out, leaving.len && other.len ? TEXT(", ") : TEXT(""));
             buffer_put(out, buffer_text(&other));
         }
-        if (!leaving.len || text_width(buffer_text(out)) <= room)
+        if (!leaving.len || text_width(buffer_text(out)) <= capacity)
             break;
     }
-    drop_clauses(out, room);
+    drop_clauses(out, capacity);
     buffer_free(&leaving);
     buffer_free(&other);
 }

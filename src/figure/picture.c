@@ -13,7 +13,7 @@
 #define TICK 4.0  /* [pt] */
 #define LEAST 60  /* [pt] of a page */
 #define MOST 5000
-#define PIXELS 2 /* a point, of a PNG */
+#define PIXELS 2    /* a point, of a PNG */
 #define BETWEEN 8.0 /* [pt] blank between two panels */
 
 static const double black[3] = {0, 0, 0}, gray[3] = {0.45, 0.45, 0.45}, light[3] = {0.9, 0.9, 0.9};
@@ -77,8 +77,9 @@ static const char *entry_label(const struct curve *curve, bool band)
 }
 
 /*
- * The title, and after it the legend in as many lines as it needs, but no further down than `limit`: then it says how
- * many are left out. Returns the height at which it ends. Only measures unless `draw`.
+ * The title, and after it the legend in as many lines as it needs, but no further down than
+ * `limit`: then it says how many are left out. Returns the height at which it ends. Only measures
+ * unless `draw`.
  */
 static double draw_heading(struct page *page, double limit, bool draw)
 {
@@ -89,7 +90,8 @@ static double draw_heading(struct page *page, double limit, bool draw)
     set_font(page, CAIRO_FONT_WEIGHT_BOLD, FONT_SIZE + 2);
     set_ink(page, black, 1);
     if (figure->title && *figure->title)
-        x += 20 + (draw ? page_text(page, x, y, 0, figure->title) : page_text_width(page, figure->title));
+        x += 20 + (draw ? page_text(page, x, y, 0, figure->title)
+                        : page_text_width(page, figure->title));
     set_font(page, CAIRO_FONT_WEIGHT_NORMAL, FONT_SIZE);
     for (int e = 0; e < 2 * figure->curves; e++) { /* curves, then bands */
         const int i = e % figure->curves;
@@ -129,7 +131,8 @@ static double draw_heading(struct page *page, double limit, bool draw)
 static double tick_place(const struct page *page, bool vertical, double shown)
 {
     const struct axis *axis = vertical ? &page->figure->y : &page->figure->x;
-    double fraction = fraction_of(vertical ? &page->layout.y : &page->layout.x, shown * axis_factor(axis));
+    double fraction =
+        fraction_of(vertical ? &page->layout.y : &page->layout.x, shown * axis_factor(axis));
     return vertical ? page->bottom - fraction * (page->bottom - page->top)
                     : page->left + fraction * (page->right - page->left);
 }
@@ -157,7 +160,8 @@ static void draw_ticks(struct page *page, bool vertical, bool grid)
             draw_straight(page, at, page->bottom, at, page->bottom + TICK);
             if (!page->x_labels)
                 continue;
-            page_text(page, fmin(at, page->to_x + 1.5 * EDGE - half), page->bottom + TICK + FONT_SIZE + 1, 0.5, text);
+            page_text(page, fmin(at, page->to_x + 1.5 * EDGE - half),
+                      page->bottom + TICK + FONT_SIZE + 1, 0.5, text);
         }
     }
     /* Between single decades: 2, 3 … 9. */
@@ -201,7 +205,8 @@ static double widest_label(struct page *page)
     return width;
 }
 
-/* The room for the plot; ranges and ticks as for a text figure whose cells are CELL_WIDTH x CELL_HEIGHT. */
+/* The room for the plot; ranges and ticks as for a text figure whose cells are CELL_WIDTH x
+ * CELL_HEIGHT. */
 static void lay_out(struct page *page)
 {
     struct figure figure = *page->figure;
@@ -209,7 +214,8 @@ static void lay_out(struct page *page)
     struct grid grid = charset_grid(CHARSET_BRAILLE);
     double gutter = page->gutter;
 
-    page->layout = (struct figure_layout){.charset = CHARSET_BRAILLE, .frame = true, .hidden = x.hidden + y.hidden};
+    page->layout = (struct figure_layout){
+        .charset = CHARSET_BRAILLE, .frame = true, .hidden = x.hidden + y.hidden};
     page->top = page->from_y;
     page->bottom = page->to_y - (page->x_labels ? TICK + FONT_SIZE + LINE + 4 : 0);
     page->bottom = fmax(page->bottom, page->top + 1);
@@ -221,8 +227,8 @@ static void lay_out(struct page *page)
         page->layout.columns = (int)fmax(width / CELL_WIDTH, 1);
         page->layout.rows = (int)fmax(height / CELL_HEIGHT, 1);
         /* So that equal axes are equal in points. */
-        figure.aspect =
-            height / width * (page->layout.columns - 1.0 / grid.across) / (page->layout.rows - 1.0 / grid.down);
+        figure.aspect = height / width * (page->layout.columns - 1.0 / grid.across) /
+                        (page->layout.rows - 1.0 / grid.down);
         layout_scales(&figure, &page->layout, x, y);
     } while (widest_label(page) > gutter);
     page->gutter = gutter;
@@ -232,9 +238,9 @@ static void lay_out(struct page *page)
 
 struct sheet {
     const struct figure *figure; /* all of it: title, legend, caption */
-    struct figure part[PANELS_MOST];
+    struct figure part[PANELS_MAX];
     int parts;
-    struct page page[PANELS_MOST]; /* one for each panel */
+    struct page page[PANELS_MAX]; /* one for each panel */
 };
 
 /* Divides the page from top to bottom. */
@@ -243,8 +249,8 @@ static void place_panels(struct sheet *sheet, double top, double bottom)
     struct page *page = sheet->page;
     double left = EDGE, right = page->width - 2 * EDGE, width = right - left, height = bottom - top;
     bool plane = sheet->figure->plane;
-    bool across =
-        plane && planes_across(sheet->figure, (int)(width / CELL_WIDTH), (int)(height / CELL_HEIGHT));
+    bool across = plane && planes_across(sheet->figure, (int)(width / CELL_WIDTH),
+                                         (int)(height / CELL_HEIGHT));
 
     for (int i = 0; i < sheet->parts; i++) {
         page[i].figure = &sheet->part[i];
@@ -257,8 +263,10 @@ static void place_panels(struct sheet *sheet, double top, double bottom)
     if (sheet->parts > 1 && across) {
         page[0].to_x = left + width / 2 - EDGE;
         page[1].from_x = left + width / 2 + EDGE;
-    } else if (sheet->parts > 1) { /* two plots of one height; labels of a common axis stand below the lower one only */
-        double labels = TICK + FONT_SIZE + LINE + 4, plot = (height - BETWEEN - (plane ? 2 : 1) * labels) / 2;
+    } else if (sheet->parts > 1) { /* two plots of one height; labels of a common axis stand below
+                                      the lower one only */
+        double labels = TICK + FONT_SIZE + LINE + 4,
+               plot = (height - BETWEEN - (plane ? 2 : 1) * labels) / 2;
         page[0].x_labels = plane;
         page[0].to_y = top + plot + (plane ? labels : 0);
         page[1].from_y = page[0].to_y + BETWEEN;
@@ -278,9 +286,9 @@ static void place_panels(struct sheet *sheet, double top, double bottom)
 static void put_notes(const struct sheet *sheet, struct buffer *out)
 {
     struct buffer note = {0};
-    int room = (int)(sheet->page->width / CELL_WIDTH);
+    int capacity = (int)(sheet->page->width / CELL_WIDTH);
     for (int i = 0; i < sheet->parts; i++) {
-        figure_note(&sheet->part[i], &sheet->page[i].layout, room, &note);
+        figure_note(&sheet->part[i], &sheet->page[i].layout, capacity, &note);
         buffer_put(out, out->len && note.len ? TEXT("; ") : TEXT(""));
         buffer_put(out, buffer_text(&note));
     }
@@ -298,7 +306,8 @@ static void draw_panel(struct page *page)
     draw_ticks(page, true, true);
     if (figure->zero_line && zero > 0 && zero < 1) {
         set_ink(page, gray, 0.8);
-        draw_straight(page, page->left, tick_place(page, true, 0), page->right, tick_place(page, true, 0));
+        draw_straight(page, page->left, tick_place(page, true, 0), page->right,
+                      tick_place(page, true, 0));
     }
 
     page_curves(page);
@@ -311,7 +320,8 @@ static void draw_panel(struct page *page)
         api->fill(page->cairo);
     }
     set_ink(page, black, 0.8);
-    api->rectangle(page->cairo, page->left, page->top, page->right - page->left, page->bottom - page->top);
+    api->rectangle(page->cairo, page->left, page->top, page->right - page->left,
+                   page->bottom - page->top);
     api->stroke(page->cairo);
     draw_ticks(page, false, false);
     draw_ticks(page, true, false);
@@ -347,7 +357,8 @@ static bool draw_sheet(struct sheet *sheet, struct arena *arena)
     for (int i = 0; i < sheet->parts; i++)
         buffer_free(&page[i].text);
     set_ink(&heading, gray, 1);
-    page_text(&heading, EDGE + 4, page->height - EDGE, 0, note.len && !note.failed ? note.data : "");
+    page_text(&heading, EDGE + 4, page->height - EDGE, 0,
+              note.len && !note.failed ? note.data : "");
     page_text(&heading, page->right, page->height - EDGE, 1, sheet->figure->caption);
     drawn &= !heading.text.failed && !note.failed;
     buffer_free(&heading.text);
@@ -364,19 +375,22 @@ static cairo_status_t take_bytes(void *out, const unsigned char *data, unsigned 
     return buffer->failed ? CAIRO_STATUS_WRITE_ERROR : CAIRO_STATUS_SUCCESS;
 }
 
-static cairo_surface_t *make_surface(const struct cairo_api *api, enum picture kind, double width, double height,
-                                     struct buffer *out)
+static cairo_surface_t *make_surface(const struct cairo_api *api, enum picture kind, double width,
+                                     double height, struct buffer *out)
 {
     if (kind == PICTURE_PNG)
-        return api->image_surface_create(CAIRO_FORMAT_RGB24, (int)(PIXELS * width), (int)(PIXELS * height));
+        return api->image_surface_create(CAIRO_FORMAT_RGB24, (int)(PIXELS * width),
+                                         (int)(PIXELS * height));
     if (kind == PICTURE_SVG)
         return api->svg_surface_create_for_stream(take_bytes, out, width, height);
     cairo_surface_t *surface = api->pdf_surface_create_for_stream(take_bytes, out, width, height);
-    api->pdf_surface_set_metadata(surface, CAIRO_PDF_METADATA_CREATE_DATE, NULL); /* the same figure, the same file */
+    api->pdf_surface_set_metadata(surface, CAIRO_PDF_METADATA_CREATE_DATE,
+                                  NULL); /* the same figure, the same file */
     return surface;
 }
 
-/* cairo numbers the surfaces of a process in the SVG; without that the same figure gives the same file. */
+/* cairo numbers the surfaces of a process in the SVG; without that the same figure gives the same
+ * file. */
 static void forget_count(struct buffer *out, size_t from)
 {
     static const char mark[] = "id=\"surface";
@@ -394,11 +408,12 @@ static double page_length(double asked, double usual)
     return !(asked > 0) ? usual : fmin(fmax(asked, LEAST), MOST);
 }
 
-bool picture_with(const struct cairo_api *api, const struct figure *figure, enum picture kind, double width,
-                  double height, struct buffer *out, struct error *error)
+bool picture_with(const struct cairo_api *api, const struct figure *figure, enum picture kind,
+                  double width, double height, struct buffer *out, struct error *error)
 {
-    struct page page = {
-        .api = api, .width = page_length(width, PICTURE_WIDTH), .height = page_length(height, PICTURE_HEIGHT)};
+    struct page page = {.api = api,
+                        .width = page_length(width, PICTURE_WIDTH),
+                        .height = page_length(height, PICTURE_HEIGHT)};
     struct sheet sheet = {.figure = figure};
     struct arena arena = {0};
     const size_t before = out->len;
@@ -416,7 +431,8 @@ bool picture_with(const struct cairo_api *api, const struct figure *figure, enum
     bool drawn = draw_sheet(&sheet, &arena) && api->status(page.cairo) == CAIRO_STATUS_SUCCESS;
     api->destroy(page.cairo);
     if (kind == PICTURE_PNG)
-        drawn = drawn && api->surface_write_to_png_stream(surface, take_bytes, out) == CAIRO_STATUS_SUCCESS;
+        drawn = drawn &&
+                api->surface_write_to_png_stream(surface, take_bytes, out) == CAIRO_STATUS_SUCCESS;
     api->surface_finish(surface);
     drawn = drawn && api->surface_status(surface) == CAIRO_STATUS_SUCCESS && !out->failed;
     api->surface_destroy(surface);

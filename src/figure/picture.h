@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* figure: what the two files that draw pictures share. Lengths in points from the upper left corner of the page. */
+/* figure: what the two files that draw pictures share. Lengths in points from the upper left corner
+ * of the page. */
 #ifndef HOOKE_FIGURE_PICTURE_H
 #define HOOKE_FIGURE_PICTURE_H
 
@@ -13,15 +14,15 @@ struct page {
     const struct cairo_api *api;
     cairo_t *cairo;
     const struct figure *figure;
-    struct figure_layout layout;     /* its columns and rows are cells of CELL_WIDTH x CELL_HEIGHT */
-    double width, height;            /* of the page */
+    struct figure_layout layout; /* its columns and rows are cells of CELL_WIDTH x CELL_HEIGHT */
+    double width, height;        /* of the page */
     double from_x, from_y, to_x, to_y; /* of the page: this panel, with its labels */
-    bool x_labels;                   /* below the plot */
-    double gutter;                   /* least width of the y labels: panels over each other are aligned */
+    bool x_labels;                     /* below the plot */
+    double gutter; /* least width of the y labels: panels over each other are aligned */
     double left, top, right, bottom; /* of the plot */
-    uint8_t *ink;                    /* scratch: which grains of the plot a curve has passed through */
-    int grains;                      /* along a point: GRAINS, or a half or a quarter of it */
-    struct buffer text;              /* scratch */
+    uint8_t *ink;       /* scratch: which grains of the plot a curve has passed through */
+    int grains;         /* along a point: GRAINS, or a half or a quarter of it */
+    struct buffer text; /* scratch */
 };
 
 #define GRAINS 4
@@ -44,12 +45,14 @@ static inline double page_y(const struct page *page, double y)
     return page->bottom - fraction_of(&page->layout.y, y) * (page->bottom - page->top);
 }
 
-/* At (x, y): the baseline, `align` of the width (0: starts there, 1: ends there). Returns the width. */
+/* At (x, y): the baseline, `align` of the width (0: starts there, 1: ends there). Returns the
+ * width. */
 double page_text(struct page *page, double x, double y, double align, const char *text);
 double page_text_width(struct page *page, const char *text);
 
 void page_curves(struct page *page);
-/* What stands for a curve in the legend, its middle at height y. Returns its width; only that unless `draw`. */
+/* What stands for a curve in the legend, its middle at height y. Returns its width; only that
+ * unless `draw`. */
 double page_sample(struct page *page, int curve, double x, double y, bool draw);
 /* Likewise for the band of a curve. */
 double page_band_sample(struct page *page, int curve, double x, double y, bool draw);

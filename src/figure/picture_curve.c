@@ -1,11 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Curves of a picture: lines of their own dashes and marks, data as points, arrows where a run leaves. */
+/* Curves of a picture: lines of their own dashes and marks, data as points, arrows where a run
+ * leaves. */
 #include "figure/picture.h"
 
 #ifdef HAVE_CAIRO
 #include <string.h>
 
-#define DOT 2.0    /* [pt] of dense data; one for each such square, or for a larger one if there are more than DOTS */
+#define DOT                                                                                        \
+    2.0 /* [pt] of dense data; one for each such square, or for a larger one if there are more     \
+           than DOTS */
 #define DOTS 20000
 #define SPARSE 150 /* points that still get a shape */
 #define MARKS 9    /* along a line */
@@ -13,8 +16,9 @@
 #define LINE_WIDTH 1.2
 
 /* Okabe and Ito, Color Universal Design (2008); without the yellow, which paper swallows. */
-static const double colors[][3] = {{0, 0.447, 0.698},     {0.835, 0.369, 0},     {0, 0.62, 0.451}, {0.8, 0.475, 0.655},
-                                   {0.902, 0.624, 0},     {0.337, 0.706, 0.914}, {0, 0, 0}};
+static const double colors[][3] = {
+    {0, 0.447, 0.698}, {0.835, 0.369, 0},     {0, 0.62, 0.451}, {0.8, 0.475, 0.655},
+    {0.902, 0.624, 0}, {0.337, 0.706, 0.914}, {0, 0, 0}};
 /* [pt] ink and gaps between round ends. */
 static const struct {
     double length[6];
@@ -61,11 +65,13 @@ static void choose_line(const struct page *page, int curve, double width)
     page->api->set_dash(page->cairo, dashes[dash].length, dashes[dash].n, 0);
 }
 
-/* A letter is the curve's name on the sheet; every other mark is a shape, which can be told apart when it is small. */
+/* A letter is the curve's name on the sheet; every other mark is a shape, which can be told apart
+ * when it is small. */
 static bool has_letter(const struct curve *curve)
 {
     char c = curve->mark;
-    return curve->points && ((c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9'));
+    return curve->points &&
+           ((c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9'));
 }
 
 static void add_shape(const struct page *page, size_t shape, double x, double y)
@@ -82,11 +88,14 @@ static void add_shape(const struct page *page, size_t shape, double x, double y)
     api->close_path(page->cairo);
 }
 
-/* Paints the marks that were added: those of a line are full, so that dashes do not show in them. */
+/* Paints the marks that were added: those of a line are full, so that dashes do not show in them.
+ */
 static void end_points(const struct page *page, const struct curve *curve, bool dense)
 {
     page->api->set_dash(page->cairo, NULL, 0, 0);
-    page->api->set_line_width(page->cairo, !dense ? 0.9 : line_count(page->figure) ? 1.7 * DOT : 1.1 * DOT);
+    page->api->set_line_width(page->cairo, !dense                     ? 0.9
+                                           : line_count(page->figure) ? 1.7 * DOT
+                                                                      : 1.1 * DOT);
     if (!curve->points)
         page->api->fill_preserve(page->cairo);
     page->api->stroke(page->cairo);
@@ -94,9 +103,11 @@ static void end_points(const struct page *page, const struct curve *curve, bool 
 
 /* ---- lines ---- */
 
-/* Marks at equal distances along the path, each curve's between those of the others; only its length if `every` is 0.
+/* Marks at equal distances along the path, each curve's between those of the others; only its
+ * length if `every` is 0.
  */
-static double follow_path(const struct page *page, const cairo_path_t *path, int curve, double every)
+static double follow_path(const struct page *page, const cairo_path_t *path, int curve,
+                          double every)
 {
     double length = 0, x = 0, y = 0;
     double next = every * (0.5 + (double)kind_of(page->figure, curve) / page->figure->curves);
@@ -108,7 +119,8 @@ static double follow_path(const struct page *page, const cairo_path_t *path, int
             for (; every > 0 && next <= length + distance; next += every) {
                 double part = (next - length) / distance, at_x = x + part * (to->point.x - x),
                        at_y = y + part * (to->point.y - y);
-                if (at_x >= page->left && at_x <= page->right && at_y >= page->top && at_y <= page->bottom)
+                if (at_x >= page->left && at_x <= page->right && at_y >= page->top &&
+                    at_y <= page->bottom)
                     add_shape(page, kind_of(page->figure, curve), at_x, at_y);
             }
             length += distance;
@@ -131,7 +143,8 @@ static void draw_line(struct page *page, int curve, bool marked)
     cairo_path_t *path = api->copy_path(page->cairo);
     double length = follow_path(page, path, curve, 0);
     /* Many turns need thin lines; a plot that they fill, none thinner than its grains. */
-    choose_line(page, curve, length < 40 * width || page->grains == 1 ? LINE_WIDTH : LINE_WIDTH / 2);
+    choose_line(page, curve,
+                length < 40 * width || page->grains == 1 ? LINE_WIDTH : LINE_WIDTH / 2);
     api->stroke(page->cairo);
     api->restore(page->cairo);
     if (marked && length > 0) {
@@ -202,12 +215,14 @@ double page_band_sample(struct page *page, int index, double x, double y, bool d
 
 /* ---- points ---- */
 
-static bool point_place(const struct page *page, const struct curve *curve, size_t i, double *x, double *y)
+static bool point_place(const struct page *page, const struct curve *curve, size_t i, double *x,
+                        double *y)
 {
     *x = page_x(page, curve->x[i]);
     *y = page_y(page, curve->y[i]);
     double edge = 1e-6; /* of rounding */
-    return *x >= page->left - edge && *x <= page->right + edge && *y >= page->top - edge && *y <= page->bottom + edge;
+    return *x >= page->left - edge && *x <= page->right + edge && *y >= page->top - edge &&
+           *y <= page->bottom + edge;
 }
 
 /* More than can be told apart as shapes: dots below the lines, which would be hidden otherwise. */
@@ -225,8 +240,8 @@ static void put_letter(struct page *page, char letter, double x, double y)
     page_text(page, x, y + 0.36 * FONT_SIZE, 0.5, (char[]){letter, '\0'});
 }
 
-/* Points as a path of shapes, or of lines without length that their round ends turn into dots: one for each square of
- * that size. Returns how many. */
+/* Points as a path of shapes, or of lines without length that their round ends turn into dots: one
+ * for each square of that size. Returns how many. */
 static long add_points(struct page *page, int index, bool dense, double square)
 {
     const struct cairo_api *api = page->api;
@@ -267,7 +282,10 @@ double page_sample(struct page *page, int index, double x, double y, bool draw)
 {
     const struct cairo_api *api = page->api;
     const struct curve *curve = &page->figure->curve[index];
-    double width = !curve->points ? 30 : has_letter(curve) ? FONT_SIZE * 0.7 : 12, middle = x + width / 2;
+    double width = !curve->points      ? 30
+                   : has_letter(curve) ? FONT_SIZE * 0.7
+                                       : 12,
+           middle = x + width / 2;
     bool dense = curve->points && is_dense(page, curve);
 
     if (!draw)

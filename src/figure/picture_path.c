@@ -2,10 +2,11 @@
 /*
  * From samples to the path of a curve.
  *
- * Of samples that follow each other in a column of a quarter of a point, the first, the last and the extremes are kept
- * (M4, as in raster.c). Then a part that passes only where the curve has been already is left out, with grains of a
- * quarter of a point, or of a whole one if it fills the plot. So no peak is lost, a curve that is traced again and
- * again costs nothing, and the size of a file is bounded by the page rather than by the samples.
+ * Of samples that follow each other in a column of a quarter of a point, the first, the last and
+ * the extremes are kept (M4, as in raster.c). Then a part that passes only where the curve has been
+ * already is left out, with grains of a quarter of a point, or of a whole one if it fills the plot.
+ * So no peak is lost, a curve that is traced again and again costs nothing, and the size of a file
+ * is bounded by the page rather than by the samples.
  */
 #include "figure/picture.h"
 
@@ -24,7 +25,8 @@ static int grains_along(double length, int grains)
 size_t page_ink_size(const struct page *page, int grains)
 {
     return (size_t)grains_along(page->right - page->left, grains) *
-               (size_t)grains_along(page->bottom - page->top, grains) / 8 + 1;
+               (size_t)grains_along(page->bottom - page->top, grains) / 8 +
+           1;
 }
 
 void page_ink_clear(struct page *page, int grains)
@@ -36,7 +38,8 @@ void page_ink_clear(struct page *page, int grains)
 bool page_ink_line(const struct page *page, double x0, double y0, double x1, double y1)
 {
     int columns = grains_along(page->right - page->left, page->grains);
-    double x = (x0 - page->left + MARGIN) * page->grains, y = (y0 - page->top + MARGIN) * page->grains;
+    double x = (x0 - page->left + MARGIN) * page->grains,
+           y = (y0 - page->top + MARGIN) * page->grains;
     double dx = (x1 - x0) * page->grains, dy = (y1 - y0) * page->grains;
     int steps = (int)ceil(fmax(fabs(dx), fabs(dy)));
     bool fresh = false;
@@ -44,10 +47,10 @@ bool page_ink_line(const struct page *page, double x0, double y0, double x1, dou
     dx /= steps ? steps : 1;
     dy /= steps ? steps : 1;
     for (int i = 0; i <= steps; i++) {
-        size_t place = (size_t)(y + i * dy) * (size_t)columns + (size_t)(x + i * dx);
-        uint8_t bit = (uint8_t)(1U << place % 8);
-        fresh |= !(page->ink[place / 8] & bit);
-        page->ink[place / 8] |= bit;
+        size_t index = (size_t)(y + i * dy) * (size_t)columns + (size_t)(x + i * dx);
+        uint8_t bit = (uint8_t)(1U << index % 8);
+        fresh |= !(page->ink[index / 8] & bit);
+        page->ink[index / 8] |= bit;
     }
     return fresh;
 }
@@ -104,8 +107,11 @@ static void trace_line(struct tracer *tracer, double x, double y)
         x1 = floor(x1 * SNAP + 0.5) / SNAP;
         y1 = floor(y1 * SNAP + 0.5) / SNAP;
     }
-    /* What was left out cannot be seen, or is a short part that goes on, or was drawn as part of another turn. */
-    double skipped = tracer->begun ? (fabs(x0 - tracer->end[0]) + fabs(y0 - tracer->end[1])) * page->grains : INFINITY;
+    /* What was left out cannot be seen, or is a short part that goes on, or was drawn as part of
+     * another turn. */
+    double skipped = tracer->begun
+                         ? (fabs(x0 - tracer->end[0]) + fabs(y0 - tracer->end[1])) * page->grains
+                         : INFINITY;
     if (skipped > 5)
         page->api->move_to(page->cairo, x0, y0);
     else if (skipped > 1.5)

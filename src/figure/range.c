@@ -29,26 +29,29 @@ double scale_value(const struct scale *scale, double fraction)
 static bool fixed_range(const struct axis *axis)
 {
     double size = fmax(fabs(axis->from), fabs(axis->to));
-    return axis->fixed && size > 1 / LARGEST && size <= LARGEST && axis->to / size - axis->from / size > 1e-13 &&
-           (!axis->log || axis->from > 0);
+    return axis->fixed && size > 1 / LARGEST && size <= LARGEST &&
+           axis->to / size - axis->from / size > 1e-13 && (!axis->log || axis->from > 0);
 }
 
 static double least_of(const struct axis *axis)
 {
-    return axis->log ? fmax(axis->least, DBL_TRUE_MIN) : -DBL_MAX;
+    return axis->log ? fmax(axis->min, DBL_TRUE_MIN) : -DBL_MAX;
 }
 
 /* Of the samples that can be seen along the other axis: y follows a fixed window of x. */
-static void extend(struct extent *extent, const struct figure *figure, const struct curve *curve, bool vertical)
+static void extend(struct extent *extent, const struct figure *figure, const struct curve *curve,
+                   bool vertical)
 {
-    const struct axis *axis = vertical ? &figure->y : &figure->x, *other = vertical ? &figure->x : &figure->y;
+    const struct axis *axis = vertical ? &figure->y : &figure->x,
+                      *other = vertical ? &figure->x : &figure->y;
     const double *value = vertical ? curve->y : curve->x, *across = vertical ? curve->x : curve->y;
     bool window = vertical && fixed_range(other);
-    double least = least_of(axis), from = window ? other->from : least_of(other), to = window ? other->to : DBL_MAX;
+    double min = least_of(axis), from = window ? other->from : least_of(other),
+           to = window ? other->to : DBL_MAX;
 
     for (size_t i = 0; i < curve->n; i++) {
         double v = value[i];
-        if (!(v >= least && v <= DBL_MAX && across[i] >= from && across[i] <= to))
+        if (!(v >= min && v <= DBL_MAX && across[i] >= from && across[i] <= to))
             continue;
         double spread = vertical && curve->spread && !axis->log ? curve->spread[i] : 0;
         extent->low = fmin(extent->low, v - spread);
@@ -57,26 +60,30 @@ static void extend(struct extent *extent, const struct figure *figure, const str
 }
 
 /* Outside of the window of a fixed horizontal axis: not hidden by the vertical one. */
-static bool is_beside(const struct figure *figure, const struct curve *curve, bool vertical, size_t i)
+static bool is_beside(const struct figure *figure, const struct curve *curve, bool vertical,
+                      size_t i)
 {
-    return vertical && fixed_range(&figure->x) && !(curve->x[i] >= figure->x.from && curve->x[i] <= figure->x.to);
+    return vertical && fixed_range(&figure->x) &&
+           !(curve->x[i] >= figure->x.from && curve->x[i] <= figure->x.to);
 }
 
 static size_t count_hidden(const struct figure *figure, bool vertical)
 {
-    const double least = least_of(vertical ? &figure->y : &figure->x);
+    const double min = least_of(vertical ? &figure->y : &figure->x);
     size_t hidden = 0;
     for (int c = 0; c < figure->curves; c++) {
         const struct curve *curve = &figure->curve[c];
         const double *value = vertical ? curve->y : curve->x;
         for (size_t i = 0; i < curve->n && curve_drawn(figure, c); i++)
-            hidden += value[i] < least && !is_beside(figure, curve, vertical, i);
+            hidden += value[i] < min && !is_beside(figure, curve, vertical, i);
     }
     return hidden;
 }
 
-/* Some air above the peaks; the next label if it is near (not for equal axes). A constant gets a range around it. */
-static struct scale linear_scale(const struct figure *figure, bool vertical, struct extent extent, int want, int most)
+/* Some air above the peaks; the next label if it is near (not for equal axes). A constant gets a
+ * range around it. */
+static struct scale linear_scale(const struct figure *figure, bool vertical, struct extent extent,
+                                 int want, int max)
 {
     const struct axis *axis = vertical ? &figure->y : &figure->x;
     double air = vertical || figure->equal ? 0.04 : 0;
@@ -107,7 +114,7 @@ static struct scale linear_scale(const struct figure *figure, bool vertical, str
         if (sign <= 0 && high > 0)
             high = 0;
     }
-    struct ticks ticks = ticks_search(low / factor, high / factor, want, most, true);
+    struct ticks ticks = ticks_search(low / factor, high / factor, want, max, true);
     if (!figure->equal && ticks.count > 1) {
         double most_air = 0.35 * (high - low), last = tick_value(&ticks, ticks.count - 1, false);
         low = fmax(fmin(low, ticks.first * factor), low - most_air);
@@ -120,8 +127,8 @@ static struct scale linear_scale(const struct figure *figure, bool vertical, str
 static struct scale log_scale(struct extent extent, const struct axis *axis)
 {
     double shift = log10(axis_factor(axis));
-    double low =
-        fmin(fmax(log10(extent.low), -299), 299) - shift; /* a decade is left below LARGEST, and above 1 / it */
+    double low = fmin(fmax(log10(extent.low), -299), 299) -
+                 shift; /* a decade is left below LARGEST, and above 1 / it */
     double high = fmin(fmax(log10(extent.high), -299), 299) - shift;
 
     if (extent.low > extent.high)
@@ -148,7 +155,8 @@ struct extent axis_extent(const struct figure *figure, bool vertical)
     return extent;
 }
 
-struct scale axis_scale(const struct figure *figure, bool vertical, struct extent extent, int want, int most)
+struct scale axis_scale(const struct figure *figure, bool vertical, struct extent extent, int want,
+                        int max)
 {
     const struct axis *axis = vertical ? &figure->y : &figure->x;
 
@@ -156,5 +164,5 @@ struct scale axis_scale(const struct figure *figure, bool vertical, struct exten
         return scale_of(axis->from, axis->to, axis->log);
     if (axis->log)
         return log_scale(extent, axis);
-    return linear_scale(figure, vertical, extent, want, most);
+    return linear_scale(figure, vertical, extent, want, max);
 }

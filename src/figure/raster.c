@@ -2,10 +2,10 @@
 /*
  * Raster: curves as dots of a cell (braille 2x4, block 2x2, ASCII 1x4), or as marks.
  *
- * A pen walks along the curve and knows, for the dot column it is in, where it came in, where it goes out, and the
- * extremes between (M4: Jugel, Jerzak, Hackenbroich, Markl, VLDB 2014): no peak is lost, whatever the number of
- * samples. Neighbouring columns share the height at which the curve passes from one to the other and each dot belongs
- * to one of them, so lines are thin.
+ * A pen walks along the curve and knows, for the dot column it is in, where it came in, where it
+ * goes out, and the extremes between (M4: Jugel, Jerzak, Hackenbroich, Markl, VLDB 2014): no peak
+ * is lost, whatever the number of samples. Neighbouring columns share the height at which the curve
+ * passes from one to the other and each dot belongs to one of them, so lines are thin.
  */
 #include "figure/internal.h"
 
@@ -13,7 +13,8 @@
 
 struct grid charset_grid(enum charset charset)
 {
-    static const struct grid grids[] = {[CHARSET_ASCII] = {1, 4}, [CHARSET_BLOCK] = {2, 2}, [CHARSET_BRAILLE] = {2, 4}};
+    static const struct grid grids[] = {
+        [CHARSET_ASCII] = {1, 4}, [CHARSET_BLOCK] = {2, 2}, [CHARSET_BRAILLE] = {2, 4}};
     return grids[charset];
 }
 
@@ -39,13 +40,16 @@ static void put_dot(const struct raster *raster, struct grid grid, int column, i
 {
     static const uint32_t bit[4][2] = {
         {0x01, 0x08}, {0x02, 0x10}, {0x04, 0x20}, {0x40, 0x80}}; /* ISO 11548-1, Unicode U+2800 */
-    static const uint32_t quadrant[16] = {' ',    0x2598, 0x259D, 0x2580, 0x2596, 0x258C, 0x259E, 0x259B,
-                                          0x2597, 0x259A, 0x2590, 0x259C, 0x2584, 0x2599, 0x259F, 0x2588};
-    int x = column / grid.across, y = row / grid.down, across = column % grid.across, down = row % grid.down;
+    static const uint32_t quadrant[16] = {' ',    0x2598, 0x259D, 0x2580, 0x2596, 0x258C,
+                                          0x259E, 0x259B, 0x2597, 0x259A, 0x2590, 0x259C,
+                                          0x2584, 0x2599, 0x259F, 0x2588};
+    int x = column / grid.across, y = row / grid.down, across = column % grid.across,
+        down = row % grid.down;
     uint32_t old = raster_get(raster, x, y);
 
     if (grid.down == 4) {
-        raster_put(raster, x, y, (old >= 0x2800 && old <= 0x28FF ? old : 0x2800) | bit[down][across]);
+        raster_put(raster, x, y,
+                   (old >= 0x2800 && old <= 0x28FF ? old : 0x2800) | bit[down][across]);
         return;
     }
     unsigned mask = 0;
@@ -55,7 +59,8 @@ static void put_dot(const struct raster *raster, struct grid grid, int column, i
     raster_put(raster, x, y, quadrant[mask | 1U << (2 * down + across)]);
 }
 
-/* The dots low..high of a column; `slope` is the way the curve goes there: -1 up, 1 down to the right, 0 neither. */
+/* The dots low..high of a column; `slope` is the way the curve goes there: -1 up, 1 down to the
+ * right, 0 neither. */
 static void put_span(const struct raster *raster, int column, int low, int high, int slope)
 {
     struct grid grid = charset_grid(raster->layout->charset);
@@ -69,7 +74,8 @@ static void put_span(const struct raster *raster, int column, int low, int high,
             int first = from > row * grid.down ? from : row * grid.down;
             int final = to < row * grid.down + grid.down - 1 ? to : row * grid.down + grid.down - 1;
             char glyph = final - first < 2 ? level[(first + final) / 2 % 4] : stroke;
-            raster_put(raster, column / grid.across, row, (uint32_t)(raster->mark ? raster->mark : glyph));
+            raster_put(raster, column / grid.across, row,
+                       (uint32_t)(raster->mark ? raster->mark : glyph));
         }
         return;
     }
@@ -98,7 +104,8 @@ static void pen_leave(struct pen *pen, double y, bool ends)
 {
     double in = pen->starts ? NAN : pen->enter, out = ends ? NAN : y;
     double from = fmin(in, out), to = fmax(in, out); /* of the borders that are crossed */
-    /* Between the ways in and out: the dots in the interval. An extreme beyond them is rounded to its dot. */
+    /* Between the ways in and out: the dots in the interval. An extreme beyond them is rounded to
+     * its dot. */
     double low = from <= pen->low ? ceil(from) : floor(pen->low + 0.5);
     double high = to >= pen->high ? floor(to) : floor(pen->high + 0.5);
 
@@ -239,7 +246,8 @@ bool curve_exits(const struct figure *figure, const struct figure_layout *layout
         return false;
     for (size_t i = 0; i < curve->n; i++) {
         double x = fraction_of(&layout->x, curve->x[i]), y = fraction_of(&layout->y, curve->y[i]);
-        double before[4] = {-old_x, old_x - 1, -old_y, old_y - 1}, after[4] = {-x, x - 1, -y, y - 1}; /* > 0: beyond */
+        double before[4] = {-old_x, old_x - 1, -old_y, old_y - 1},
+               after[4] = {-x, x - 1, -y, y - 1}; /* > 0: beyond */
         int side = -1;
         double part = 2; /* of the way to the first border that is crossed */
         for (int s = 0; s < 4 && inside && !isnan(x + y); s++) {
@@ -249,7 +257,8 @@ bool curve_exits(const struct figure *figure, const struct figure_layout *layout
             }
         }
         if (side >= (figure->plane ? 0 : 2) && !exits[side].left)
-            exits[side] = (struct curve_exit){true, old_x + part * (x - old_x), old_y + part * (y - old_y)};
+            exits[side] =
+                (struct curve_exit){true, old_x + part * (x - old_x), old_y + part * (y - old_y)};
         inside = x >= 0 && x <= 1 && y >= 0 && y <= 1;
         old_x = x;
         old_y = y;

@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Ticks: Talbot, Lin, Hanrahan, An Extension of Wilkinson's Algorithm for Positioning Tick Labels on Axes (2010).
+ * Ticks: Talbot, Lin, Hanrahan, An Extension of Wilkinson's Algorithm for Positioning Tick Labels
+ * on Axes (2010).
  *
- * Restricted to labels that are multiples of their step (skip j = 1) and that fill the range, so that the search is
- * over steps only. The data range is scaled to the magnitude 1 first: 1e-300 and 1e300 are like any other.
+ * Restricted to labels that are multiples of their step (skip j = 1) and that fill the range, so
+ * that the search is over steps only. The data range is scaled to the magnitude 1 first: 1e-300 and
+ * 1e300 are like any other.
  */
 #include "figure/internal.h"
 
@@ -17,8 +19,8 @@ static double square(double x)
     return x * x;
 }
 
-/* 0.25 simplicity + 0.2 coverage + 0.5 density + 0.05 legibility (section 4), for `count` labels over [low, high] and
- * data over [a, b]. */
+/* 0.25 simplicity + 0.2 coverage + 0.5 density + 0.05 legibility (section 4), for `count` labels
+ * over [low, high] and data over [a, b]. */
 static double score_of(size_t q, double low, double high, int count, double a, double b, int want)
 {
     double zero = low <= 0 && high >= 0 ? 1 : 0;
@@ -33,7 +35,7 @@ static double score_of(size_t q, double low, double high, int count, double a, d
     return 0.25 * simplicity + 0.2 * coverage + 0.5 * density + 0.05 * legibility;
 }
 
-struct ticks ticks_search(double from, double to, int want, int most, bool loose)
+struct ticks ticks_search(double from, double to, int want, int max, bool loose)
 {
     struct ticks ticks = {0};
     double largest = fmax(fabs(from), fabs(to));
@@ -51,16 +53,18 @@ struct ticks ticks_search(double from, double to, int want, int most, bool loose
     for (int z = power - 2; z <= power + 1; z++) {
         for (size_t q = 0; q < COUNT_OF(nice); q++) {
             double step = nice[q] * pow(10, z);
-            for (int ends = 0; ends < (loose ? 4 : 1); ends++) { /* bit 0: a label below a, bit 1: one above b */
+            for (int ends = 0; ends < (loose ? 4 : 1);
+                 ends++) { /* bit 0: a label below a, bit 1: one above b */
                 double first = ends & 1 ? floor(a / step) : ceil(a / step - 1e-9);
                 double last = ends & 2 ? ceil(b / step) : floor(b / step + 1e-9);
-                if (last < first || last - first >= most)
+                if (last < first || last - first >= max)
                     continue;
                 int count = (int)(last - first) + 1;
                 double score = score_of(q, first * step, last * step, count, a, b, want);
                 if (score <= best)
                     continue;
-                int digit = z + magnitude - exponent; /* power of ten of the step's first digit, as labelled */
+                int digit = z + magnitude -
+                            exponent; /* power of ten of the step's first digit, as labelled */
                 int decimals = (nice[q] == 2.5 ? 1 : 0) - digit;
                 best = score;
                 ticks = (struct ticks){.first = first * step * scale,
@@ -82,12 +86,13 @@ static int power_below(double x)
 }
 
 /*
- * Of a range so narrow that its labels would have more digits, what they have in common is taken off: the offset, below
- * the lower end, so that no label is negative.
+ * Of a range so narrow that its labels would have more digits, what they have in common is taken
+ * off: the offset, below the lower end, so that no label is negative.
  */
 static void take_offset(struct ticks *ticks)
 {
-    double last = ticks->first + (ticks->count - 1) * ticks->step, largest = fmax(fabs(ticks->first), fabs(last));
+    double last = ticks->first + (ticks->count - 1) * ticks->step,
+           largest = fmax(fabs(ticks->first), fabs(last));
     if (ticks->count < 2 || largest < 1e-3 || largest > 1e9 ||
         power_below(largest) - power_below(ticks->step) < DIGITS)
         return; /* what is very small or large has a power of ten, and its labels are short */
@@ -97,18 +102,19 @@ static void take_offset(struct ticks *ticks)
     ticks->offset_decimals = power < 0 ? -power : 0;
     ticks->exponent = digit < -2 || power >= DIGITS ? digit : 0;
     double digits = ticks->step / pow(10, ticks->exponent);
-    for (ticks->decimals = 0; ticks->decimals < 12 && fabs(digits - nearbyint(digits)) > 1e-6; digits *= 10)
+    for (ticks->decimals = 0; ticks->decimals < 12 && fabs(digits - nearbyint(digits)) > 1e-6;
+         digits *= 10)
         ticks->decimals++;
 }
 
-struct ticks ticks_linear(double from, double to, int want, int most)
+struct ticks ticks_linear(double from, double to, int want, int max)
 {
-    struct ticks ticks = ticks_search(from, to, want, most, false);
+    struct ticks ticks = ticks_search(from, to, want, max, false);
     take_offset(&ticks);
     return ticks;
 }
 
-struct ticks ticks_log(double from, double to, int most)
+struct ticks ticks_log(double from, double to, int max)
 {
     static const int steps[] = {1, 2, 3, 5, 10, 20, 50, 100, 200, 500};
 
@@ -117,8 +123,9 @@ struct ticks ticks_log(double from, double to, int most)
     double low = log10(from) - 1e-9, high = log10(to) + 1e-9;
     for (size_t i = 0; i < COUNT_OF(steps); i++) {
         double first = ceil(low / steps[i]), last = floor(high / steps[i]);
-        if (last >= first && last - first < most)
-            return (struct ticks){.first = first * steps[i], .step = steps[i], .count = (int)(last - first) + 1};
+        if (last >= first && last - first < max)
+            return (struct ticks){
+                .first = first * steps[i], .step = steps[i], .count = (int)(last - first) + 1};
     }
     return (struct ticks){0};
 }
@@ -141,7 +148,8 @@ static int decimal_text(double value, int decimals, char out[TICK_TEXT_SIZE])
     const char *sign = value < 0 && digits ? "-" : "";
     if (!decimals)
         return snprintf(out, TICK_TEXT_SIZE, "%s%lld", sign, digits);
-    return snprintf(out, TICK_TEXT_SIZE, "%s%lld.%0*lld", sign, digits / unit, decimals, digits % unit);
+    return snprintf(out, TICK_TEXT_SIZE, "%s%lld.%0*lld", sign, digits / unit, decimals,
+                    digits % unit);
 }
 
 int offset_text(const struct ticks *ticks, char out[TICK_TEXT_SIZE])

@@ -1,29 +1,32 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Reads what stands after the name of a command, by the command's own description of its arguments. */
+/* Reads what stands after the name of a command, by the command's own description of its arguments.
+ */
 #include <hooke/language.h>
 
 #include <assert.h>
 #include <string.h>
 
-const struct given *given_for(const struct arguments *arguments, const char *name)
+const struct given_argument *argument_given(const struct arguments *arguments, const char *name)
 {
     const struct command *command = arguments->command;
-    int place = 0;
-    while (place < command->arguments && strcmp(command->argument[place].name, name) != 0)
-        place++;
-    assert(place < command->arguments);
-    return &arguments->given[place];
+    int index = 0;
+    while (index < command->arguments && strcmp(command->argument[index].name, name) != 0)
+        index++;
+    assert(index < command->arguments);
+    return &arguments->given[index];
 }
 
 /* Room for one more item; they live in the arena of the statement. */
-static struct item *next_item(struct parser *parser, struct given *given, struct error *error)
+static struct item *next_item(struct parser *parser, struct given_argument *given,
+                              struct error *error)
 {
     if (given->count >= LIMIT_TOKENS) {
         error_set(error, ERROR_COMMAND, "more than %d words in a statement", LIMIT_TOKENS);
         return NULL;
     }
     if ((given->count & (given->count - 1)) == 0) { /* full at every power of two */
-        struct item *larger = arena_array(parser->arena, given->count ? 2 * (size_t)given->count : 1, sizeof *larger);
+        struct item *larger =
+            arena_array(parser->arena, given->count ? 2 * (size_t)given->count : 1, sizeof *larger);
         if (!larger) {
             error_memory(error);
             return NULL;
@@ -42,20 +45,24 @@ struct progress {
     struct parser *parser;
     const struct command *command;
     struct arguments *arguments;
-    int open;                  /* argument that may take more items without a new introduction, -1: none */
+    int open; /* argument that may take more items without a new introduction, -1: none */
     const struct item *number; /* that was read last, NULL: something else */
 };
 
-static bool read_into(struct progress *progress, int place, const char *start, struct error *error)
+static bool read_into(struct progress *progress, int index, const char *start, struct error *error)
 {
     struct parser *parser = progress->parser;
-    const struct argument *argument = &progress->command->argument[place];
-    struct given *given = &progress->arguments->given[place];
+    const struct argument *argument = &progress->command->argument[index];
+    struct given_argument *given = &progress->arguments->given[index];
     for (int i = 0; given->count == 0 && argument->group && i < progress->command->arguments; i++)
-        if (i != place && progress->command->argument[i].group == argument->group && has(progress->arguments, i)) {
+        if (i != index && progress->command->argument[i].group == argument->group &&
+            has(progress->arguments, i)) {
             error_at(error,
-                     (struct text){start, (size_t)(parser->rest.at - start) ? (size_t)(parser->rest.at - start) : 1},
-                     "'%s' and '%s' exclude each other", progress->command->argument[i].name, argument->name);
+                     (struct text){start, (size_t)(parser->rest.at - start)
+                                              ? (size_t)(parser->rest.at - start)
+                                              : 1},
+                     "'%s' and '%s' exclude each other", progress->command->argument[i].name,
+                     argument->name);
             return false;
         }
     const bool many = (argument->flags & ARG_MANY) != 0;
@@ -80,10 +87,11 @@ static bool read_into(struct progress *progress, int place, const char *start, s
             parser->rest = (struct text){parser->rest.at + 1, parser->rest.len - 1};
     }
     given->where = (struct text){start, (size_t)(parser->rest.at - start)};
-    const bool number = argument->type == TYPE_VALUE || argument->type == TYPE_RANGE || argument->type == TYPE_EXPR ||
-                        argument->type == TYPE_INTEGER || argument->type == TYPE_CONDITION;
+    const bool number = argument->type == TYPE_VALUE || argument->type == TYPE_RANGE ||
+                        argument->type == TYPE_EXPR || argument->type == TYPE_INTEGER ||
+                        argument->type == TYPE_CONDITION;
     progress->number = number ? &given->item[given->count - 1] : NULL;
-    progress->open = many && argument->form == FORM_WORD ? place : -1;
+    progress->open = many && argument->form == FORM_WORD ? index : -1;
     return true;
 }
 
@@ -112,11 +120,12 @@ static bool is_lead(const struct command *command, struct text word)
     return false;
 }
 
-static bool unknown_argument(const struct command *command, enum argument_form form, struct text name,
-                             struct error *error)
+static bool unknown_argument(const struct command *command, enum argument_form form,
+                             struct text name, struct error *error)
 {
-    error_at(error, name, "%s has no %s '%.*s'", command->row.name, form == FORM_OPTION ? "option" : "argument",
-             (int)(name.len < 64 ? name.len : 64), name.at);
+    error_at(error, name, "%s has no %s '%.*s'", command->row.name,
+             form == FORM_OPTION ? "option" : "argument", (int)(name.len < 64 ? name.len : 64),
+             name.at);
     struct suggestion near = {.wanted = name};
     for (int i = 0; i < command->arguments; i++)
         if (command->argument[i].form == form)
@@ -144,7 +153,8 @@ static int next_place(const struct progress *progress, struct text word)
 {
     const struct command *command = progress->command;
     if (progress->open >= 0 && command->argument[progress->open].type == TYPE_RUN && word.len > 0 &&
-        ((word.at[0] >= '0' && word.at[0] <= '9') || session_find_run(progress->parser->session, word) >= 0))
+        ((word.at[0] >= '0' && word.at[0] <= '9') ||
+         session_find_run(progress->parser->session, word) >= 0))
         return progress->open;
     if (progress->open >= 0 && command->argument[progress->open].type == TYPE_CHOICE)
         return progress->open;
@@ -174,52 +184,54 @@ static bool read_next(struct progress *progress, struct error *error)
     const char *start = rest->at;
     const struct text name = rest->at[0] == '>' ? (struct text){rest->at, 1} : peek_name(*rest);
     size_t used = 0;
-    int place = next_place(progress, (struct text){rest->at, 0});
-    if (place >= 0 && takes_rest(&progress->command->argument[place]))
-        return read_into(progress, place, start, error);
+    int index = next_place(progress, (struct text){rest->at, 0});
+    if (index >= 0 && takes_rest(&progress->command->argument[index]))
+        return read_into(progress, index, start, error);
     if (text_starts(*rest, TEXT("--")) && rest->len > 2 && is_name_start(rest->at[2])) {
         const struct text option = peek_name((struct text){rest->at + 2, rest->len - 2});
-        place = find_argument(progress->command, FORM_OPTION, option);
-        if (place < 0)
+        index = find_argument(progress->command, FORM_OPTION, option);
+        if (index < 0)
             return unknown_argument(progress->command, FORM_OPTION, option, error);
         used = key_length(*rest, (struct text){rest->at, option.len + 2});
         used = used ? used : option.len + 2;
     } else if ((used = key_length(*rest, name)) > 0) {
-        place = find_argument(progress->command, FORM_KEY, name);
-        if (place < 0 && (place = find_start(progress->command)) >= 0)
+        index = find_argument(progress->command, FORM_KEY, name);
+        if (index < 0 && (index = find_start(progress->command)) >= 0)
             used = 0; /* the name is part of it */
         /* `let NAME = value`: the = belongs to what follows. */
-        if (place < 0 && next_place(progress, name) >= 0 &&
+        if (index < 0 && next_place(progress, name) >= 0 &&
             progress->command->argument[next_place(progress, name)].type == TYPE_NAME) {
-            place = next_place(progress, name);
+            index = next_place(progress, name);
             used = 0;
         }
-        if (place < 0)
+        if (index < 0)
             return unknown_argument(progress->command, FORM_KEY, name, error);
-    } else if (place >= 0 && progress->command->argument[place].type == TYPE_CHOICE &&
-               !has(progress->arguments, place) && catalog_find(progress->command->argument[place].choices, name)) {
-        used = 0; /* `measure energy`: what the place wants comes before a word of the same name, as in `of energy` */
-    } else if ((place = find_argument(progress->command, FORM_WORD, name)) >= 0 &&
+    } else if (index >= 0 && progress->command->argument[index].type == TYPE_CHOICE &&
+               !has(progress->arguments, index) &&
+               catalog_find(progress->command->argument[index].choices, name)) {
+        used = 0; /* `measure energy`: what the place wants comes before a word of the same name, as
+                     in `of energy` */
+    } else if ((index = find_argument(progress->command, FORM_WORD, name)) >= 0 &&
                peek_word(*rest, "").len == name.len) {
         used = name.len;
     } else if (is_lead(progress->command, name)) {
         *rest = (struct text){rest->at + name.len, rest->len - name.len};
         return true;
     } else {
-        place = next_place(progress, peek_word(*rest, ","));
+        index = next_place(progress, peek_word(*rest, ","));
         used = 0;
-        if (place < 0)
+        if (index < 0)
             return refuse_rest(parser, progress->number, error);
     }
-    if (has(progress->arguments, place) && !(progress->command->argument[place].flags & ARG_MANY))
+    if (has(progress->arguments, index) && !(progress->command->argument[index].flags & ARG_MANY))
         return error_at(error, (struct text){start, used ? used : 1}, "'%s' is given twice",
-                        progress->command->argument[place].name);
+                        progress->command->argument[index].name);
     *rest = (struct text){rest->at + used, rest->len - used};
-    return read_into(progress, place, start, error);
+    return read_into(progress, index, start, error);
 }
 
-bool parse_arguments(struct parser *parser, const struct command *command, struct arguments *arguments,
-                     struct error *error)
+bool parse_arguments(struct parser *parser, const struct command *command,
+                     struct arguments *arguments, struct error *error)
 {
     struct progress progress = {parser, command, arguments, -1, NULL};
     for (;;) {

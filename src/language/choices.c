@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include <hooke/language.h>
 
-#define ROW(name, brief)                                                                                               \
-    {                                                                                                                  \
-        name, "", brief, "", NULL                                                                                      \
+#define ROW(name, brief)                                                                           \
+    {                                                                                              \
+        name, "", brief, "", NULL                                                                  \
     }
 
-static const struct row separators[] = {ROW("tab", "tabulator"), ROW("comma", ","), ROW("semicolon", ";"),
-                                        ROW("blank", "blanks")};
+static const struct row separators[] = {ROW("tab", "tabulator"), ROW("comma", ","),
+                                        ROW("semicolon", ";"), ROW("blank", "blanks")};
 const struct catalog separator_catalog = CATALOG("separator", separators);
 
 static const struct row decimals[] = {ROW("point", "1.5"), ROW("comma", "1,5")};
@@ -16,15 +16,19 @@ const struct catalog decimal_catalog = CATALOG("decimal mark", decimals);
 static const struct row quantities[] = {
     [MEASURE_PERIOD] = ROW("period", "from the times of the up-crossings"),
     [MEASURE_FREQUENCY] = ROW("frequency", "1/period"),
-    [MEASURE_AMPLITUDE] = ROW("amplitude", "half the swing about the local offset, at one or several times"),
-    [MEASURE_DECAY] = ROW("decay", "gamma, 1/e time, decrement and Q from several readings of the amplitude"),
+    [MEASURE_AMPLITUDE] =
+        ROW("amplitude", "half the swing about the local offset, at one or several times"),
+    [MEASURE_DECAY] =
+        ROW("decay", "gamma, 1/e time, decrement and Q from several readings of the amplitude"),
     [MEASURE_ENERGY] = ROW("energy", "mean energy, and how it changes"),
     [MEASURE_DRIFT] = ROW("drift", "error of the energy balance of a run"),
     [MEASURE_REYNOLDS] = ROW("reynolds", "Reynolds number at the largest speed"),
     [MEASURE_K] = ROW("k", "spring constant from the period and the mass"),
-    [MEASURE_SPRING] = ROW("spring", "k and the spring's effective mass from T^2 against m of several recordings"),
+    [MEASURE_SPRING] =
+        ROW("spring", "k and the spring's effective mass from T^2 against m of several recordings"),
     [MEASURE_SPECTRUM] = ROW("spectrum", "frequency and amplitude of the lines that stand out"),
-    [MEASURE_REPEAT] = ROW("repeat", "mean, scatter and what to quote of several recordings or windows"),
+    [MEASURE_REPEAT] =
+        ROW("repeat", "mean, scatter and what to quote of several recordings or windows"),
 };
 const struct catalog quantity_catalog = CATALOG("quantity to measure", quantities);
 
@@ -39,13 +43,13 @@ static const struct row shows[] = {
 const struct catalog show_catalog = CATALOG("group", shows);
 
 static const struct row lists[] = {
-    [LIST_COMMANDS] = ROW("commands", ""),   [LIST_SCENES] = ROW("scenes", ""),
-    [LIST_METHODS] = ROW("methods", ""),     [LIST_PARAMETERS] = ROW("parameters", ""),
-    [LIST_DERIVED] = ROW("derived", ""),     [LIST_OBSERVABLES] = ROW("observables", ""),
-    [LIST_SETTINGS] = ROW("settings", ""),   [LIST_UNITS] = ROW("units", ""),
-    [LIST_FUNCTIONS] = ROW("functions", ""), [LIST_FORMATS] = ROW("formats", ""),
-    [LIST_LIMITS] = ROW("limits", ""),       [LIST_MEASUREMENTS] = ROW("measurements", ""),
-    [LIST_EVENTS] = ROW("events", ""),       [LIST_RUNS] = ROW("runs", ""),
+    [LIST_COMMANDS] = ROW("commands", ""),     [LIST_SCENES] = ROW("scenes", ""),
+    [LIST_METHODS] = ROW("methods", ""),       [LIST_PARAMETERS] = ROW("parameters", ""),
+    [LIST_DERIVED] = ROW("derived", ""),       [LIST_OBSERVABLES] = ROW("observables", ""),
+    [LIST_SETTINGS] = ROW("settings", ""),     [LIST_UNITS] = ROW("units", ""),
+    [LIST_FUNCTIONS] = ROW("functions", ""),   [LIST_FORMATS] = ROW("formats", ""),
+    [LIST_LIMITS] = ROW("limits", ""),         [LIST_MEASUREMENTS] = ROW("measurements", ""),
+    [LIST_EVENTS] = ROW("events", ""),         [LIST_RUNS] = ROW("runs", ""),
     [LIST_RECORDINGS] = ROW("recordings", ""),
 };
 const struct catalog list_catalog = CATALOG("list", lists);

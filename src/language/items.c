@@ -4,30 +4,32 @@
 
 #include <string.h>
 
-const struct row *choose(const struct session *session, const struct catalog *catalog, struct text name)
+const struct row *choose(const struct session *session, const struct catalog *catalog,
+                         struct text name)
 {
-    const size_t least = catalog == &method_catalog ? 3 : 1;
-    return session->typed ? catalog_prefix(catalog, name, least) : catalog_find(catalog, name);
+    const size_t min = catalog == &method_catalog ? 3 : 1;
+    return session->typed ? catalog_prefix(catalog, name, min) : catalog_find(catalog, name);
 }
 
-static bool in_range(const struct parser *parser, const struct argument *argument, const struct item *item,
-                     struct error *error)
+static bool in_range(const struct parser *parser, const struct argument *argument,
+                     const struct item *item, struct error *error)
 {
     const struct text rest = parser->rest;
     if ((argument->flags & ARG_NEGATIVE) || argument->type != TYPE_VALUE || item->value.value > 0)
         return true;
-    error_at(error, item->text, "%s must be more than 0, got '%.*s'", argument->name, (int)item->text.len,
-             item->text.at);
+    error_at(error, item->text, "%s must be more than 0, got '%.*s'", argument->name,
+             (int)item->text.len, item->text.at);
     if (rest.len > 1 && rest.at[0] == ',' && rest.at[1] >= '0' && rest.at[1] <= '9')
         error_hint(error, "the comma separates the values of a list; the decimal mark is a point");
     return false;
 }
 
-static bool choose_row(struct parser *parser, const struct argument *argument, struct item *item, struct error *error)
+static bool choose_row(struct parser *parser, const struct argument *argument, struct item *item,
+                       struct error *error)
 {
     item->row = choose(parser->session, argument->choices, item->text);
     if (item->row) {
-        item->index = catalog_place(argument->choices, item->row);
+        item->index = catalog_index(argument->choices, item->row);
         return true;
     }
     catalog_unknown(argument->choices, item->text, error);
@@ -41,13 +43,14 @@ static bool choose_row(struct parser *parser, const struct argument *argument, s
     return false;
 }
 
-static bool read_choice(struct parser *parser, const struct argument *argument, const char *stops, struct item *item,
-                        struct error *error)
+static bool read_choice(struct parser *parser, const struct argument *argument, const char *stops,
+                        struct item *item, struct error *error)
 {
     return parse_word(parser, stops, item, error) && choose_row(parser, argument, item, error);
 }
 
-static bool read_scene(struct parser *parser, const char *stops, struct item *item, struct error *error)
+static bool read_scene(struct parser *parser, const char *stops, struct item *item,
+                       struct error *error)
 {
     const struct setup *setup = &parser->session->setup;
     if (!parse_word(parser, stops, item, error))
@@ -63,10 +66,13 @@ static bool read_scene(struct parser *parser, const char *stops, struct item *it
         suggestion_offer(&near, setup->own[i]->row.name);
     if (!error->hint[0])
         suggestion_hint(&near, error);
-    return error->hint[0] ? false : error_hint(error, "'list scenes' lists them; scene new begins one of your own");
+    return error->hint[0]
+               ? false
+               : error_hint(error, "'list scenes' lists them; scene new begins one of your own");
 }
 
-static bool read_run(struct parser *parser, const struct argument *argument, struct item *item, struct error *error)
+static bool read_run(struct parser *parser, const struct argument *argument, struct item *item,
+                     struct error *error)
 {
     if (!parse_word(parser, ",", item, error))
         return false;
@@ -79,8 +85,8 @@ static bool read_run(struct parser *parser, const struct argument *argument, str
         error_at(error, item->text, "there is no run yet");
         return error_hint(error, "type: run");
     }
-    error_at(error, item->text, "there is no run '%.*s'", (int)(item->text.len < 64 ? item->text.len : 64),
-             item->text.at);
+    error_at(error, item->text, "there is no run '%.*s'",
+             (int)(item->text.len < 64 ? item->text.len : 64), item->text.at);
     return error_hint(error, "'runs' lists them");
 }
 
@@ -92,13 +98,14 @@ static bool read_recording(struct parser *parser, struct item *item, struct erro
     item->index = session_find_recording(session, item->text);
     if (item->index >= 0)
         return true;
-    error_at(error, item->text, "there is no recording '%.*s'", (int)(item->text.len < 64 ? item->text.len : 64),
-             item->text.at);
+    error_at(error, item->text, "there is no recording '%.*s'",
+             (int)(item->text.len < 64 ? item->text.len : 64), item->text.at);
     struct suggestion near = {.wanted = item->text};
     for (int i = 0; i < session->recordings; i++)
         suggestion_offer(&near, session->recording[i]->recording->name);
     suggestion_hint(&near, error);
-    return session->recordings ? error_hint(error, "('data list' lists them)") : error_hint(error, "type: load FILE");
+    return session->recordings ? error_hint(error, "('data list' lists them)")
+                               : error_hint(error, "type: load FILE");
 }
 
 /* Something that moves, or is observed, in what the user has typed: the scene's or a run's. */
@@ -106,20 +113,24 @@ static bool typed_column(const struct session *session, struct text name)
 {
     bool known = false;
     for (int i = -1; i < session->runs && !known; i++) {
-        const struct model *model = i < 0 ? session->setup.scene.model : session->run[i]->run->system.model;
-        known = model->typed && (model_variable(model, name) >= 0 || model_observation(model, name) >= 0);
+        const struct model *model =
+            i < 0 ? session->setup.scene.model : session->run[i]->run->system.model;
+        known = model->typed &&
+                (model_variable(model, name) >= 0 || model_observation(model, name) >= 0);
     }
     return known;
 }
 
-static bool read_column(struct parser *parser, const struct argument *argument, struct item *item, struct error *error)
+static bool read_column(struct parser *parser, const struct argument *argument, struct item *item,
+                        struct error *error)
 {
     if (!parse_word(parser, ",", item, error))
         return false;
-    const struct row *choice = argument->choices ? catalog_find(argument->choices, item->text) : NULL;
+    const struct row *choice =
+        argument->choices ? catalog_find(argument->choices, item->text) : NULL;
     if (choice) {
         item->row = choice;
-        item->index = catalog_place(argument->choices, choice);
+        item->index = catalog_index(argument->choices, choice);
         return true;
     }
     item->row = catalog_find(&observable_catalog, item->text);
@@ -140,7 +151,8 @@ static bool read_condition(struct parser *parser, struct item *item, struct erro
         return error_memory(error);
     size_t used;
     text_skip_blanks(&parser->rest);
-    if (!condition_compile(before_option(parser->rest), parser->scope, parser->arena, condition, &used, error))
+    if (!condition_compile(before_option(parser->rest), parser->scope, parser->arena, condition,
+                           &used, error))
         return false;
     item->text = (struct text){parser->rest.at, used};
     item->condition = condition;
@@ -170,8 +182,8 @@ static bool read_start(struct parser *parser, struct item *item, struct error *e
     return true;
 }
 
-static bool read_model(struct parser *parser, const struct argument *argument, const char *stops, struct item *item,
-                       struct error *error)
+static bool read_model(struct parser *parser, const struct argument *argument, const char *stops,
+                       struct item *item, struct error *error)
 {
     struct formula formula;
     struct error why = {0};
@@ -182,7 +194,8 @@ static bool read_model(struct parser *parser, const struct argument *argument, c
     /* A lone name is no formula. */
     if (peek_name(rest).len == word.len)
         return read_choice(parser, argument, stops, item, error);
-    if (!formula_compile(before_option(rest), NULL, NULL, 0, parser->arena, &formula, &used, &why)) {
+    if (!formula_compile(before_option(rest), NULL, NULL, 0, parser->arena, &formula, &used,
+                         &why)) {
         *error = why;
         return false;
     }
@@ -191,8 +204,8 @@ static bool read_model(struct parser *parser, const struct argument *argument, c
     return true;
 }
 
-bool read_item(struct parser *parser, const struct argument *argument, const char *stops, struct item *item,
-               struct error *error)
+bool read_item(struct parser *parser, const struct argument *argument, const char *stops,
+               struct item *item, struct error *error)
 {
     const char *name = argument->name;
     const bool negative = (argument->flags & ARG_NEGATIVE) != 0;
@@ -200,7 +213,8 @@ bool read_item(struct parser *parser, const struct argument *argument, const cha
     case TYPE_NONE:
         return true;
     case TYPE_VALUE:
-        return parse_value(parser, name, argument->quantity, item, error) && in_range(parser, argument, item, error);
+        return parse_value(parser, name, argument->quantity, item, error) &&
+               in_range(parser, argument, item, error);
     case TYPE_INTEGER:
         return parse_integer(parser, name, negative, item, error);
     case TYPE_RANGE:
@@ -208,8 +222,9 @@ bool read_item(struct parser *parser, const struct argument *argument, const cha
     case TYPE_CONDITION:
         return read_condition(parser, item, error);
     case TYPE_EXPR:
-        return strchr("'\"", parser->rest.at[0]) ? parse_word(parser, stops, item, error)
-                                                 : parse_value(parser, "the expression", QUANTITY_OTHER, item, error);
+        return strchr("'\"", parser->rest.at[0])
+                   ? parse_word(parser, stops, item, error)
+                   : parse_value(parser, "the expression", QUANTITY_OTHER, item, error);
     case TYPE_CHOICE:
         return read_choice(parser, argument, stops, item, error);
     case TYPE_SCENE:
@@ -225,22 +240,27 @@ bool read_item(struct parser *parser, const struct argument *argument, const cha
             return false;
         return !unit_spelled(item->text, parser->arena, &item->unit) ? error_memory(error)
                : item->unit                                          ? true
-                                                                     : catalog_unknown(&unit_catalog, item->text, error);
+                            : catalog_unknown(&unit_catalog, item->text, error);
     case TYPE_NAME:
         item->text = peek_name(parser->rest);
         if (item->text.len == 0) {
             const struct text word = peek_word(parser->rest, "");
-            error_at(error, word, "'%.*s' is not a name", (int)(word.len < 64 ? word.len : 64), word.at);
-            return error_hint(error, "a name begins with a letter, a to z; digits and _ may follow");
+            error_at(error, word, "'%.*s' is not a name", (int)(word.len < 64 ? word.len : 64),
+                     word.at);
+            return error_hint(error,
+                              "a name begins with a letter, a to z; digits and _ may follow");
         }
-        parser->rest = (struct text){parser->rest.at + item->text.len, parser->rest.len - item->text.len};
+        parser->rest =
+            (struct text){parser->rest.at + item->text.len, parser->rest.len - item->text.len};
         return true;
     case TYPE_PARAM:
         item->text = peek_name(parser->rest);
         if (item->text.len == 0)
-            return error_at(error, peek_word(parser->rest, ""), "%s needs the names of parameters", argument->name);
+            return error_at(error, peek_word(parser->rest, ""), "%s needs the names of parameters",
+                            argument->name);
         item->index = scene_param_at(&parser->session->setup.scene, item->text);
-        parser->rest = (struct text){parser->rest.at + item->text.len, parser->rest.len - item->text.len};
+        parser->rest =
+            (struct text){parser->rest.at + item->text.len, parser->rest.len - item->text.len};
         return true;
     case TYPE_START:
         return read_start(parser, item, error);

@@ -4,7 +4,8 @@
 
 #include <string.h>
 
-bool setting_read(const struct setting *setting, struct parser *parser, struct settings *settings, struct error *error)
+bool setting_read(const struct setting *setting, struct parser *parser, struct settings *settings,
+                  struct error *error)
 {
     const struct text value = text_trim(parser->rest);
     if (value.len == 0)
@@ -24,19 +25,21 @@ bool setting_read(const struct setting *setting, struct parser *parser, struct s
             buffer_free(&all);
             return false;
         }
-        const int place = catalog_place(setting->choices, row);
-        memcpy((char *)settings + setting->offset, &place, sizeof place);
+        const int index = catalog_index(setting->choices, row);
+        memcpy((char *)settings + setting->offset, &index, sizeof index);
         parser->rest = (struct text){value.at + value.len, 0};
         return true;
     }
     struct item item = {0};
-    if (!parse_value(parser, setting->row.name, setting->quantity, &item, error) || !refuse_rest(parser, &item, error))
+    if (!parse_value(parser, setting->row.name, setting->quantity, &item, error) ||
+        !refuse_rest(parser, &item, error))
         return false;
-    if (!(item.value.value > setting->least && item.value.value <= setting->most))
-        return error_at(error, item.text, "%s must be more than 0, got '%.*s'", setting->row.name, (int)item.text.len,
-                        item.text.at);
+    if (!(item.value.value > setting->min && item.value.value <= setting->max))
+        return error_at(error, item.text, "%s must be more than 0, got '%.*s'", setting->row.name,
+                        (int)item.text.len, item.text.at);
     if (item.value.uncertainty > 0)
-        return error_at(error, item.text, "%s is exact: it takes no uncertainty", setting->row.name);
+        return error_at(error, item.text, "%s is exact: it takes no uncertainty",
+                        setting->row.name);
     memcpy((char *)settings + setting->offset, &item.value.value, sizeof item.value.value);
     return true;
 }

@@ -7,7 +7,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-bool run_series(const struct run *run, bool energy, struct arena *arena, struct series *series, struct error *error)
+bool run_series(const struct run *run, bool energy, struct arena *arena, struct series *series,
+                struct error *error)
 {
     const size_t n = trace_count(run->trace);
     double *t = arena_array(arena, n, sizeof *t), *y = arena_array(arena, n, sizeof *y);
@@ -28,8 +29,9 @@ bool run_series(const struct run *run, bool energy, struct arena *arena, struct 
             t[n - 1 - i] = a;
             y[n - 1 - i] = b;
         }
-    *series = (struct series){t, y, n, energy ? observable_quantity(energy_of, &run->system)
-                                              : system_variable(&run->system, 0).quantity};
+    *series = (struct series){t, y, n,
+                              energy ? observable_quantity(energy_of, &run->system)
+                                     : system_variable(&run->system, 0).quantity};
     return true;
 }
 
@@ -41,7 +43,8 @@ bool run_period(const struct run *run, struct arena *arena, struct measured *per
     double centre;
     if (!run_series(run, false, arena, &series, &ignored))
         return false;
-    const bool clean = run_centre(run, &centre) && series_clean_period(&series, centre, arena, &found);
+    const bool clean =
+        run_centre(run, &centre) && series_clean_period(&series, centre, arena, &found);
     if (!clean && !series_period(&series, arena, &found, &ignored))
         return false;
     *period = found.period;
@@ -52,7 +55,8 @@ bool needs_spring(const struct scene *scene, const char *what, struct error *err
 {
     if (is_oscillator(scene))
         return true;
-    error_set(error, ERROR_COMMAND, "%s needs the mass and the spring of an oscillator, the scene is %s", what,
+    error_set(error, ERROR_COMMAND,
+              "%s needs the mass and the spring of an oscillator, the scene is %s", what,
               scene->preset->row.name);
     return error_hint(error, "type: scene spring");
 }
@@ -71,7 +75,7 @@ static bool data_energy(const struct session *session, struct arena *arena, stru
     return motion_series(&motion, true, -HUGE_VAL, HUGE_VAL, arena, &subject->series, error);
 }
 
-static struct series in_window(struct series series, const struct given *window)
+static struct series in_window(struct series series, const struct given_argument *window)
 {
     const double *range = window && window->count ? window->item->range : NULL;
     return !range ? series
@@ -79,25 +83,26 @@ static struct series in_window(struct series series, const struct given *window)
                                   isnan(range[1]) ? HUGE_VAL : range[1]);
 }
 
-static bool open_run(struct run *run, const struct given *window, bool energy, size_t least, struct arena *arena,
-                     struct subject *subject, struct error *error)
+static bool open_run(struct run *run, const struct given_argument *window, bool energy, size_t min,
+                     struct arena *arena, struct subject *subject, struct error *error)
 {
     subject->run = run;
     snprintf(subject->name, sizeof subject->name, "run %d", run->number);
     if (!run_series(run, energy, arena, &subject->series, error))
         return false;
     subject->series = in_window(subject->series, window);
-    if (subject->series.n >= least)
+    if (subject->series.n >= min)
         return true;
-    error_set(error, ERROR_COMMAND, "%s holds %zu samples there, at least %zu are needed", subject->name,
-              subject->series.n, least);
+    error_set(error, ERROR_COMMAND, "%s holds %zu samples there, at least %zu are needed",
+              subject->name, subject->series.n, min);
     if (window && window->count)
         error->where = window->where;
     return false;
 }
 
-static bool open_recording(const struct session *session, struct recording *recording, const struct given *window,
-                           bool energy, size_t least, struct arena *arena, struct subject *subject, struct error *error)
+static bool open_recording(const struct session *session, struct recording *recording,
+                           const struct given_argument *window, bool energy, size_t min,
+                           struct arena *arena, struct subject *subject, struct error *error)
 {
     subject->recording = recording;
     snprintf(subject->name, sizeof subject->name, "data %s", recording->name);
@@ -106,10 +111,10 @@ static bool open_recording(const struct session *session, struct recording *reco
     bool ok = true;
     if (window && window->count) {
         const double *range = window->item->range;
-        ok = recording_window(recording, isnan(range[0]) ? -HUGE_VAL : range[0], isnan(range[1]) ? HUGE_VAL : range[1],
-                              error);
+        ok = recording_window(recording, isnan(range[0]) ? -HUGE_VAL : range[0],
+                              isnan(range[1]) ? HUGE_VAL : range[1], error);
     }
-    ok = ok && recording_series(recording, arena, least, &subject->series, error);
+    ok = ok && recording_series(recording, arena, min, &subject->series, error);
     recording->window[0] = before[0];
     recording->window[1] = before[1];
     if (!ok && window && window->count)
@@ -117,14 +122,15 @@ static bool open_recording(const struct session *session, struct recording *reco
     return ok && (!energy || data_energy(session, arena, subject, error));
 }
 
-bool subject_column(struct subject *subject, const struct given *column, const struct given *window,
-                    struct arena *arena, struct error *error)
+bool subject_column(struct subject *subject, const struct given_argument *column,
+                    const struct given_argument *window, struct arena *arena, struct error *error)
 {
     const struct text name = column->item->text;
     const struct run *run = subject->run;
     struct chosen_column chosen;
     if (!run)
-        return error_at(error, column->where, "a recording has no column '%.*s'", (int)name.len, name.at);
+        return error_at(error, column->where, "a recording has no column '%.*s'", (int)name.len,
+                        name.at);
     if (!chosen_find(run->system.model, name, &chosen, error))
         return false;
     const size_t n = trace_count(run->trace);
@@ -144,27 +150,29 @@ bool subject_column(struct subject *subject, const struct given *column, const s
     const struct series whole = {t, y, n, chosen_variable(&run->system, &chosen).quantity};
     subject->series = in_window(whole, window);
     subject->column = true;
-    snprintf(subject->name, sizeof subject->name, "%.*s of run %d", (int)name.len, name.at, run->number);
+    snprintf(subject->name, sizeof subject->name, "%.*s of run %d", (int)name.len, name.at,
+             run->number);
     return true;
 }
 
-bool subject_open(struct session *session, const struct given *run, const struct given *data,
-                  const struct given *window, bool energy, size_t least, struct arena *arena, struct subject *subject,
+bool subject_open(struct session *session, const struct given_argument *run,
+                  const struct given_argument *data, const struct given_argument *window,
+                  bool energy, size_t min, struct arena *arena, struct subject *subject,
                   struct error *error)
 {
     *subject = (struct subject){.energy = energy};
     if (run && run->count)
-        return open_run(session->run[run->item->index]->run, window, energy, least, arena, subject, error);
+        return open_run(session->run[run->item->index]->run, window, energy, min, arena, subject,
+                        error);
     if (data && data->count)
-        return open_recording(session, session->recording[data->item->index]->recording, window, energy, least, arena,
-                              subject, error);
+        return open_recording(session, session->recording[data->item->index]->recording, window,
+                              energy, min, arena, subject, error);
     struct run *latest = session_run(session);
     struct recording *recording = session_recording(session);
     if (recording && (session->data_is_latest || !latest))
-        return open_recording(session, recording, window, energy, least, arena, subject, error);
+        return open_recording(session, recording, window, energy, min, arena, subject, error);
     if (latest)
-        return open_run(latest, window, energy, least, arena, subject, error);
+        return open_run(latest, window, energy, min, arena, subject, error);
     error_set(error, ERROR_COMMAND, "there is neither a run nor a recording yet");
     return error_hint(error, "type: run, or: load FILE");
 }
-

@@ -8,11 +8,12 @@
 static void put_item(const struct argument *argument, struct buffer *out)
 {
     static const char *const shown[] = {
-        [TYPE_VALUE] = "V",    [TYPE_INTEGER] = "N",    [TYPE_RANGE] = "FROM:TO", [TYPE_CONDITION] = "COND",
-        [TYPE_EXPR] = "EXPR",  [TYPE_UNIT] = "UNIT",    [TYPE_RUN] = "N",         [TYPE_RECORDING] = "NAME",
-        [TYPE_NAME] = "NAME",  [TYPE_SCENE] = "NAME",   [TYPE_TEXT] = "TEXT",     [TYPE_FILE] = "FILE",
-        [TYPE_REST] = "TEXT",  [TYPE_FORMULA] = "EXPR", [TYPE_COLUMN] = "COLUMN", [TYPE_PARAM] = "NAME",
-        [TYPE_EVENT] = "EVENT", [TYPE_START] = "START"};
+        [TYPE_VALUE] = "V",        [TYPE_INTEGER] = "N",      [TYPE_RANGE] = "FROM:TO",
+        [TYPE_CONDITION] = "COND", [TYPE_EXPR] = "EXPR",      [TYPE_UNIT] = "UNIT",
+        [TYPE_RUN] = "N",          [TYPE_RECORDING] = "NAME", [TYPE_NAME] = "NAME",
+        [TYPE_SCENE] = "NAME",     [TYPE_TEXT] = "TEXT",      [TYPE_FILE] = "FILE",
+        [TYPE_REST] = "TEXT",      [TYPE_FORMULA] = "EXPR",   [TYPE_COLUMN] = "COLUMN",
+        [TYPE_PARAM] = "NAME",     [TYPE_EVENT] = "EVENT",    [TYPE_START] = "START"};
     const bool model = argument->type == TYPE_MODEL;
     if (model || (argument->type == TYPE_CHOICE && argument->choices->count <= 8)) {
         for (size_t i = 0; i < argument->choices->count; i++)
@@ -52,7 +53,8 @@ void command_usage(const struct command *command, struct buffer *text)
         if (argument->lead)
             buffer_format(text, "%s ", argument->lead);
         put_argument(argument, text);
-        while (argument->group && i + 1 < command->arguments && command->argument[i + 1].group == argument->group) {
+        while (argument->group && i + 1 < command->arguments &&
+               command->argument[i + 1].group == argument->group) {
             buffer_char(text, '|');
             put_argument(&command->argument[++i], text);
         }

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Values with units and uncertainties, ranges, whole numbers, and what is said when they are malformed. */
+/* Values with units and uncertainties, ranges, whole numbers, and what is said when they are
+ * malformed. */
 #include <hooke/language.h>
 
 #include <math.h>
@@ -30,7 +31,8 @@ static bool starts_uncertainty(struct text text)
 struct text before_option(struct text text)
 {
     for (size_t i = 1; i + 2 < text.len; i++)
-        if (strchr(" \t", text.at[i - 1]) && text_starts((struct text){text.at + i, text.len - i}, TEXT("--")) &&
+        if (strchr(" \t", text.at[i - 1]) &&
+            text_starts((struct text){text.at + i, text.len - i}, TEXT("--")) &&
             is_name_start(text.at[i + 2]))
             return (struct text){text.at, i};
     return text;
@@ -65,24 +67,25 @@ static bool parse_part(struct parser *parser, struct part *part, struct error *e
     return true;
 }
 
-static bool wrong_quantity(const char *what, enum quantity wanted, const struct unit *unit, struct text typed,
-                           struct error *error)
+static bool wrong_quantity(const char *what, enum quantity wanted, const struct unit *unit,
+                           struct text typed, struct error *error)
 {
     if (wanted == QUANTITY_NUMBER)
-        return error_at(error, typed, "%s needs a pure number, got '%.*s' (%s)", what, shown_length(typed), typed.at,
-                        quantity_name(unit->quantity));
+        return error_at(error, typed, "%s needs a pure number, got '%.*s' (%s)", what,
+                        shown_length(typed), typed.at, quantity_name(unit->quantity));
     struct buffer units = {0};
     quantity_units(wanted, &units);
     const char *name = quantity_name(wanted);
-    error_at(error, typed, "%s needs %s %s (%s), got '%.*s' (%s)", what, strchr("aeio", name[0]) ? "an" : "a", name,
-             buffer_view(&units), shown_length(typed), typed.at, quantity_name(unit->quantity));
+    error_at(error, typed, "%s needs %s %s (%s), got '%.*s' (%s)", what,
+             strchr("aeio", name[0]) ? "an" : "a", name, buffer_view(&units), shown_length(typed),
+             typed.at, quantity_name(unit->quantity));
     buffer_free(&units);
     return false;
 }
 
 /* A bare number is in the SI unit; `fallback` is the unit of the other side of +-. */
-static bool to_si(const struct part *part, const struct unit *fallback, const char *what, enum quantity wanted,
-                  struct text typed, double *si, struct error *error)
+static bool to_si(const struct part *part, const struct unit *fallback, const char *what,
+                  enum quantity wanted, struct text typed, double *si, struct error *error)
 {
     const struct unit *unit = part->unit ? part->unit : fallback;
     *si = part->number;
@@ -97,11 +100,13 @@ static bool to_si(const struct part *part, const struct unit *fallback, const ch
 static enum quantity quantity_of_name(const struct parser *parser, struct text typed)
 {
     const size_t used = peek_name(typed).len;
-    const bool whole = used == typed.len || (used > 0 && used + 1 == typed.len && typed.at[used] == '\''); /* y' */
+    const bool whole =
+        used == typed.len || (used > 0 && used + 1 == typed.len && typed.at[used] == '\''); /* y' */
     return whole ? name_quantity(parser->scope, typed) : QUANTITY_OTHER;
 }
 
-bool parse_value(struct parser *parser, const char *what, enum quantity wanted, struct item *item, struct error *error)
+bool parse_value(struct parser *parser, const char *what, enum quantity wanted, struct item *item,
+                 struct error *error)
 {
     text_skip_blanks(&parser->rest);
     const char *start = parser->rest.at;
@@ -127,15 +132,18 @@ bool parse_value(struct parser *parser, const char *what, enum quantity wanted, 
     item->unit = number.unit ? number.unit : spread.unit;
     item->value = (struct measured){0, 0};
     if (!to_si(&number, spread.unit, what, wanted, typed, &item->value.value, error) ||
-        (uncertain && !to_si(&spread, number.unit, what, wanted, typed, &item->value.uncertainty, error)))
+        (uncertain &&
+         !to_si(&spread, number.unit, what, wanted, typed, &item->value.uncertainty, error)))
         return false;
-    item->quantity = item->unit                 ? (wanted == QUANTITY_OTHER ? item->unit->quantity : wanted)
+    item->quantity = item->unit ? (wanted == QUANTITY_OTHER ? item->unit->quantity : wanted)
                      : wanted == QUANTITY_OTHER ? quantity_of_name(parser, typed)
                                                 : wanted;
     if (!isfinite(item->value.value))
-        return error_at(error, typed, "%s: '%.*s' is not a finite number", what, shown_length(typed), typed.at);
+        return error_at(error, typed, "%s: '%.*s' is not a finite number", what,
+                        shown_length(typed), typed.at);
     if (!isfinite(item->value.uncertainty) || item->value.uncertainty < 0)
-        return error_at(error, typed, "%s: the uncertainty after +- must be a number that is not negative", what);
+        return error_at(error, typed,
+                        "%s: the uncertainty after +- must be a number that is not negative", what);
     return true;
 }
 
@@ -144,7 +152,8 @@ static bool is_digit(char c)
     return c >= '0' && c <= '9';
 }
 
-bool parse_range(struct parser *parser, const char *what, enum quantity wanted, struct item *item, struct error *error)
+bool parse_range(struct parser *parser, const char *what, enum quantity wanted, struct item *item,
+                 struct error *error)
 {
     struct item end;
     const struct unit *lacks = NULL;
@@ -169,26 +178,33 @@ bool parse_range(struct parser *parser, const char *what, enum quantity wanted, 
     /* After a blank only a number belongs to the range, so that `3: of run 1` can be written. */
     struct text next = parser->rest;
     text_skip_blanks(&next);
-    const bool open = next.len == 0 || (next.at != parser->rest.at && !is_digit(next.at[0]) && next.at[0] != '.');
+    const bool open =
+        next.len == 0 || (next.at != parser->rest.at && !is_digit(next.at[0]) && next.at[0] != '.');
     if (!open) {
         if (!parse_value(parser, what, wanted, &end, error))
             return false;
         item->range[1] = end.value.value;
         if (item->unit && end.unit && item->unit->quantity != end.unit->quantity)
-            return error_at(error, between(start, parser->rest.at), "%s: the ends of the range are in %s and in %s",
-                            what, item->unit->row.name, end.unit->row.name);
+            return error_at(error, between(start, parser->rest.at),
+                            "%s: the ends of the range are in %s and in %s", what,
+                            item->unit->row.name, end.unit->row.name);
         lacks = !item->unit && end.unit && !isnan(item->range[0]) ? end.unit : NULL;
         item->unit = end.unit ? end.unit : item->unit;
-        item->quantity = end.unit || item->quantity == QUANTITY_OTHER ? end.quantity : item->quantity;
+        item->quantity =
+            end.unit || item->quantity == QUANTITY_OTHER ? end.quantity : item->quantity;
     }
     item->text = between(start, parser->rest.at);
     if (!(item->range[0] >= item->range[1]))
         return true;
-    error_at(error, item->text, "%s: the range '%.*s' is empty", what, shown_length(item->text), item->text.at);
-    return lacks ? error_hint(error, "each end has its own unit: %s at the first, too", lacks->row.name) : false;
+    error_at(error, item->text, "%s: the range '%.*s' is empty", what, shown_length(item->text),
+             item->text.at);
+    return lacks ? error_hint(error, "each end has its own unit: %s at the first, too",
+                              lacks->row.name)
+                 : false;
 }
 
-bool parse_integer(struct parser *parser, const char *what, bool negative, struct item *item, struct error *error)
+bool parse_integer(struct parser *parser, const char *what, bool negative, struct item *item,
+                   struct error *error)
 {
     text_skip_blanks(&parser->rest);
     size_t used = 0;
@@ -196,10 +212,11 @@ bool parse_integer(struct parser *parser, const char *what, bool negative, struc
     const enum real_status status = real_scan(parser->rest, '.', &value, &used);
     struct text word = peek_word(parser->rest, ",");
     if (status != REAL_OK || used == 0 || value != nearbyint(value) || fabs(value) > LIMIT_STEPS ||
-        (used < parser->rest.len && is_name_char(parser->rest.at[used])) || (!negative && value < 1)) {
+        (used < parser->rest.len && is_name_char(parser->rest.at[used])) ||
+        (!negative && value < 1)) {
         const struct text shown = word.len ? word : parser->rest;
-        return error_at(error, shown, "%s needs a whole number%s, got '%.*s'", what, negative ? "" : " from 1 up",
-                        shown_length(shown), shown.at);
+        return error_at(error, shown, "%s needs a whole number%s, got '%.*s'", what,
+                        negative ? "" : " from 1 up", shown_length(shown), shown.at);
     }
     item->text = (struct text){parser->rest.at, used};
     item->value = (struct measured){value, 0};
@@ -227,8 +244,10 @@ static bool decimal_comma(struct text rest, struct error *error)
         from--;
     while (to < rest.at + rest.len && is_digit(*to))
         to++;
-    error_at(error, between(from, to), "decimal comma in '%.*s': the decimal mark is a point", (int)(to - from), from);
-    return error_hint(error, "write %.*s.%.*s", (int)(rest.at - from), from, (int)(to - rest.at - 1), rest.at + 1);
+    error_at(error, between(from, to), "decimal comma in '%.*s': the decimal mark is a point",
+             (int)(to - from), from);
+    return error_hint(error, "write %.*s.%.*s", (int)(rest.at - from), from,
+                      (int)(to - rest.at - 1), rest.at + 1);
 }
 
 bool refuse_rest(const struct parser *parser, const struct item *number, struct error *error)
@@ -236,7 +255,8 @@ bool refuse_rest(const struct parser *parser, const struct item *number, struct 
     struct text rest = parser->rest;
     if (rest.len == 0)
         return true;
-    if (number && rest.len >= 2 && rest.at[0] == ',' && is_digit(rest.at[1]) && is_digit(rest.at[-1]))
+    if (number && rest.len >= 2 && rest.at[0] == ',' && is_digit(rest.at[1]) &&
+        is_digit(rest.at[-1]))
         return decimal_comma(rest, error);
     text_skip_blanks(&rest);
     if (rest.len == 0)
@@ -262,7 +282,8 @@ static enum quantity side_quantity(struct parser *parser, struct text side)
     text_skip_blanks(&side);
     if (!parse_part(&part, &value, &ignored))
         return QUANTITY_OTHER;
-    return value.unit ? value.unit->quantity : quantity_of_name(parser, between(side.at, part.rest.at));
+    return value.unit ? value.unit->quantity
+                      : quantity_of_name(parser, between(side.at, part.rest.at));
 }
 
 bool check_condition(struct parser *parser, struct text condition, struct error *error)
@@ -278,6 +299,7 @@ bool check_condition(struct parser *parser, struct text condition, struct error 
     const enum quantity a = side_quantity(parser, left), b = side_quantity(parser, right);
     if (a == QUANTITY_OTHER || b == QUANTITY_OTHER || a == b)
         return true;
-    return error_at(error, right, "'%.*s' (%s) cannot be compared with '%.*s' (%s)", shown_length(text_trim(left)),
-                    text_trim(left).at, quantity_name(a), shown_length(right), right.at, quantity_name(b));
+    return error_at(error, right, "'%.*s' (%s) cannot be compared with '%.*s' (%s)",
+                    shown_length(text_trim(left)), text_trim(left).at, quantity_name(a),
+                    shown_length(right), right.at, quantity_name(b));
 }

@@ -4,7 +4,8 @@
 
 #include <string.h>
 
-static bool unescape(struct parser *parser, struct text inside, struct text *out, struct error *error)
+static bool unescape(struct parser *parser, struct text inside, struct text *out,
+                     struct error *error)
 {
     char *copy = arena_alloc(parser->arena, inside.len + 1);
     if (!copy)
@@ -17,7 +18,8 @@ static bool unescape(struct parser *parser, struct text inside, struct text *out
             const char *known = strchr(from, inside.at[++i]);
             if (!known) {
                 error_at(error, (struct text){inside.at + i - 1, 2}, "unknown escape in a string");
-                return error_hint(error, "known are \\n \\t \\\" \\\\; '...' takes everything as it is");
+                return error_hint(error,
+                                  "known are \\n \\t \\\" \\\\; '...' takes everything as it is");
             }
             c = to[known - from];
         }
@@ -33,7 +35,8 @@ bool parse_word(struct parser *parser, const char *stops, struct item *item, str
     if (rest->len > 0 && (rest->at[0] == '"' || rest->at[0] == '\'')) {
         const size_t used = text_quoted(*rest);
         if (used == 0)
-            return error_at(error, (struct text){rest->at, 1}, "the string that begins here has no end");
+            return error_at(error, (struct text){rest->at, 1},
+                            "the string that begins here has no end");
         const struct text inside = {rest->at + 1, used - 2};
         item->is_string = true;
         item->text = inside;

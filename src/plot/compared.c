@@ -1,18 +1,21 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A recording beside a run: which observable of the run it holds, in which scale, and how far they are apart. */
+/* A recording beside a run: which observable of the run it holds, in which scale, and how far they
+ * are apart. */
 #include "plot/figure/curves.h"
 
 #include <hooke/plot.h>
 
 #include <math.h>
 
-#define FOLLOWS 0.01 /* share of the variance that a scaled recording shares with the run, at least */
+#define FOLLOWS                                                                                    \
+    0.01 /* share of the variance that a scaled recording shares with the run, at least */
 #define ROUNDING 1e-9 /* of the unit of the recording: an offset below is none */
 
 /* The span of a run, its earlier end first. */
 static void run_span(const struct run *run, double span[2])
 {
-    const double first = trace_time(run->trace, 0), last = trace_time(run->trace, trace_count(run->trace) - 1);
+    const double first = trace_time(run->trace, 0),
+                 last = trace_time(run->trace, trace_count(run->trace) - 1);
     span[0] = fmin(first, last);
     span[1] = fmax(first, last);
 }
@@ -28,14 +31,16 @@ static size_t spanned(const struct run *run, const struct series *data)
     return count;
 }
 
-/* Sums over the samples that a run spans: of x, what the run does there, and of y, what was recorded. */
+/* Sums over the samples that a run spans: of x, what the run does there, and of y, what was
+ * recorded. */
 struct moments {
     double n, x, y, xx, xy, yy; /* the last three about the means */
     double apart;               /* of (x - y)^2 */
 };
 
 /* Means and squares in one pass (Welford 1962). */
-static void sum_up(const struct run *run, const struct series *data, int derivative, struct moments *s)
+static void sum_up(const struct run *run, const struct series *data, int derivative,
+                   struct moments *s)
 {
     double span[2];
     run_span(run, span);
@@ -89,7 +94,8 @@ struct variable run_derivative(const struct run *run, int derivative)
 {
     if (derivative < 2)
         return system_variable(&run->system, derivative * run->system.n / 2);
-    return (struct variable){.name = "a", .quantity = model_quantity(run->system.model, observable_named("a"))};
+    return (struct variable){.name = "a",
+                             .quantity = model_quantity(run->system.model, observable_named("a"))};
 }
 
 static bool can_compare(const struct run *run, const struct recording *recording)
@@ -100,7 +106,8 @@ static bool can_compare(const struct run *run, const struct recording *recording
            trace_time(run->trace, rows - 1) > trace_time(run->trace, 0);
 }
 
-/* y = a + b x by least squares, the noise being in what was recorded; turned round, as the run is what is drawn. */
+/* y = a + b x by least squares, the noise being in what was recorded; turned round, as the run is
+ * what is drawn. */
 static void fit_scale(const struct moments *s, struct data_distance *d)
 {
     const double slope = s->xy / s->xx, left = s->yy - slope * s->xy;
@@ -133,7 +140,8 @@ struct data_distance run_data_distance(const struct run *run, struct recording *
             struct moments moments;
             sum_up(run, &good, result.derivative, &moments);
             result.bad = used >= 2 ? spanned(run, &all) - used : 0;
-            if (used >= 2 && quantity_is_scaled(own) && own != system_variable(&run->system, 0).quantity)
+            if (used >= 2 && quantity_is_scaled(own) &&
+                own != system_variable(&run->system, 0).quantity)
                 fit_scale(&moments, &result);
             else if (used >= 2)
                 result.rms = sqrt(moments.apart / (double)used);

@@ -10,8 +10,10 @@
 
 #define OFF_BEAT 0.15 /* [periods] an up-crossing that is further off is none */
 #define BEATS_TRIED 16
-#define LATE_MOST 0.34 /* part of the up-crossings that may be off before the motion counts as not steady */
-#define PEAK_WIDTH 0.1 /* [periods] on each side of the highest sample that the parabola is fitted to */
+#define LATE_MAX                                                                                   \
+    0.34 /* part of the up-crossings that may be off before the motion counts as not steady */
+#define PEAK_WIDTH                                                                                 \
+    0.1 /* [periods] on each side of the highest sample that the parabola is fitted to */
 
 /* ---- what they stand on ---- */
 
@@ -30,11 +32,12 @@ static size_t count_late(const struct crossing *crossing, size_t count, const st
 }
 
 /*
- * Whether most up-crossings of a recording keep time; those that do not are then spikes of the sensor, not crossings.
- * The beat is that which fits most of them: the line of series_period, or the estimate of the period from one of the
- * first crossings, which may be a spike itself.
+ * Whether most up-crossings of a recording keep time; those that do not are then spikes of the
+ * sensor, not crossings. The beat is that which fits most of them: the line of series_period, or
+ * the estimate of the period from one of the first crossings, which may be a spike itself.
  */
-static bool keeps_time(const struct ground *g, const struct crossing *crossing, size_t count, struct period *beat)
+static bool keeps_time(const struct ground *g, const struct crossing *crossing, size_t count,
+                       struct period *beat)
 {
     struct error ignored;
     if (!g->overview.oscillates || !series_period(&g->series, g->arena, beat, &ignored))
@@ -43,25 +46,26 @@ static bool keeps_time(const struct ground *g, const struct crossing *crossing, 
     for (size_t i = 0; i < count; i++) {
         const struct period other = {.period = {g->overview.period, 0}, .first = crossing[i].t};
         all += crossing[i].up;
-        const size_t late = crossing[i].up && all <= BEATS_TRIED ? count_late(crossing, count, &other) : best;
+        const size_t late =
+            crossing[i].up && all <= BEATS_TRIED ? count_late(crossing, count, &other) : best;
         if (late < best) {
             best = late;
             *beat = other;
         }
     }
-    return (double)best <= LATE_MOST * (double)all;
+    return (double)best <= LATE_MAX * (double)all;
 }
 
 static bool find_hills(struct ground *g, struct error *error)
 {
     const struct overview *o = &g->overview;
-    size_t room = o->oscillates ? 2 * (size_t)o->periods + 16 : 64, count = SIZE_MAX;
+    size_t capacity = o->oscillates ? 2 * (size_t)o->periods + 16 : 64, count = SIZE_MAX;
     struct crossing *crossing = NULL;
-    for (; count > room; room = count > room ? count : room) {
-        if (!(crossing = arena_array(g->arena, room, sizeof *crossing)))
+    for (; count > capacity; capacity = count > capacity ? count : capacity) {
+        if (!(crossing = arena_array(g->arena, capacity, sizeof *crossing)))
             return error_memory(error);
-        count = series_crossings(&g->series, o, o->mean, crossing, room);
-        if (count <= room)
+        count = series_crossings(&g->series, o, o->mean, crossing, capacity);
+        if (count <= capacity)
             break;
     }
     if (!(g->hill = arena_array(g->arena, count + 1, sizeof *g->hill)))
@@ -73,8 +77,11 @@ static bool find_hills(struct ground *g, struct error *error)
         if (!crossing[i].up || (steady && off_beat(&beat, t) > OFF_BEAT))
             continue;
         struct hill *hill = &g->hill[g->hills];
-        *hill = (struct hill){.from = t, .uncertainty = crossing[i].uncertainty, .number = (int)g->hills + 1};
-        hill->to = steady ? t + 0.5 * beat.period.value : i + 1 < count ? crossing[i + 1].t : (double)NAN;
+        *hill = (struct hill){
+            .from = t, .uncertainty = crossing[i].uncertainty, .number = (int)g->hills + 1};
+        hill->to = steady          ? t + 0.5 * beat.period.value
+                   : i + 1 < count ? crossing[i + 1].t
+                                   : (double)NAN;
         if (steady)
             hill->number = 1 + (int)nearbyint((t - g->hill[0].from) / beat.period.value);
         if (g->hills == 0 || hill->number > hill[-1].number)
@@ -83,7 +90,8 @@ static bool find_hills(struct ground *g, struct error *error)
     return true;
 }
 
-bool ground_open(struct session *session, struct arena *arena, struct ground *ground, struct error *error)
+bool ground_open(struct session *session, struct arena *arena, struct ground *ground,
+                 struct error *error)
 {
     struct cursors *cursors = &session->view.cursors;
     const struct run *run = session_run(session);
@@ -104,7 +112,8 @@ bool ground_open(struct session *session, struct arena *arena, struct ground *gr
         if (!run_series(run, false, arena, &ground->series, error))
             return false;
         if (ground->series.n < 2)
-            return error_set(error, ERROR_COMMAND, "run %d is at its start: there is nothing to measure yet",
+            return error_set(error, ERROR_COMMAND,
+                             "run %d is at its start: there is nothing to measure yet",
                              run->number);
     }
     series_overview(&ground->series, arena, &ground->overview);
@@ -132,16 +141,18 @@ static size_t sample_before(const struct series *s, double t)
 
 /* ---- places to snap to ---- */
 
-struct place {
+struct index {
     double t, uncertainty, y;
     int crossing; /* number, 0: none */
 };
 
-/* The vertex of the parabola through the samples around the highest one between two crossings (least squares). */
-static bool peak_between(const struct ground *g, double from, double to, struct place *place)
+/* The vertex of the parabola through the samples around the highest one between two crossings
+ * (least squares). */
+static bool peak_between(const struct ground *g, double from, double to, struct index *index)
 {
     const struct series *s = &g->series;
-    const double ceiling = g->overview.high + 4 * g->overview.noise; /* above it there are only spikes */
+    const double ceiling =
+        g->overview.high + 4 * g->overview.noise; /* above it there are only spikes */
     size_t top = s->n;
     for (size_t i = sample_before(s, from); i < s->n && s->t[i] <= to; i++)
         if (s->t[i] >= from && s->y[i] <= ceiling && (top == s->n || s->y[i] > s->y[top]))
@@ -154,8 +165,10 @@ static bool peak_between(const struct ground *g, double from, double to, struct 
         a--;
     while (b + 1 < s->n && s->t[b + 1] - s->t[top] <= width)
         b++;
-    const double bottom = s->y[top] - 0.25 * (g->overview.high - g->overview.low); /* half the amplitude down */
-    /* y = p + q x + r x^2 with x counted from the mean, so that q is nearly independent of the others. */
+    const double bottom =
+        s->y[top] - 0.25 * (g->overview.high - g->overview.low); /* half the amplitude down */
+    /* y = p + q x + r x^2 with x counted from the mean, so that q is nearly independent of the
+     * others. */
     double n = 0, sx = 0;
     for (size_t i = a; i <= b; i++) {
         if (!(s->y[i] >= bottom && s->y[i] <= ceiling))
@@ -183,68 +196,69 @@ static bool peak_between(const struct ground *g, double from, double to, struct 
     const double p = (y0 - x2 * r) / n, x = -q / (2 * r);
     if (!(r < 0) || !(fabs(x) <= 0.5))
         return false;
-    *place = (struct place){.t = s->t[top] + mean + x * scale,
+    *index = (struct index){.t = s->t[top] + mean + x * scale,
                             .uncertainty = g->overview.noise * scale / (2 * fabs(r) * sqrt(x2)),
                             .y = s->y[top] + p + q * x + r * x * x};
     return true;
 }
 
-/* Calls for each place of this kind in order until it says stop. Samples are no places: there are too many. */
-static void each_place(const struct ground *g, enum snap snap, bool (*visit)(void *context, const struct place *place),
-                       void *context)
+/* Calls for each place of this kind in order until it says stop. Samples are no places: there are
+ * too many. */
+static void each_place(const struct ground *g, enum snap snap,
+                       bool (*visit)(void *context, const struct index *index), void *context)
 {
-    struct place place;
+    struct index index;
     for (size_t i = 0; i < g->hills; i++) {
         const struct hill *hill = &g->hill[i];
         if (snap != SNAP_PEAK)
-            place = (struct place){hill->from, hill->uncertainty, g->overview.mean, hill->number};
-        else if (!peak_between(g, hill->from, hill->to, &place))
+            index = (struct index){hill->from, hill->uncertainty, g->overview.mean, hill->number};
+        else if (!peak_between(g, hill->from, hill->to, &index))
             continue;
-        if (!visit(context, &place))
+        if (!visit(context, &index))
             return;
     }
 }
 
 struct search {
     double t;
-    struct place best;
+    struct index best;
     bool found, forward;
     int number;
 };
 
-static bool keep_nearest(void *context, const struct place *place)
+static bool keep_nearest(void *context, const struct index *index)
 {
     struct search *search = context;
-    if (!search->found || fabs(place->t - search->t) < fabs(search->best.t - search->t))
-        search->best = *place;
+    if (!search->found || fabs(index->t - search->t) < fabs(search->best.t - search->t))
+        search->best = *index;
     search->found = true;
     return true;
 }
 
-static struct place nearest_sample(const struct ground *g, double t)
+static struct index nearest_sample(const struct ground *g, double t)
 {
     const struct series *s = &g->series;
     size_t i = sample_before(s, t);
     if (fabs(s->t[i + 1] - t) < fabs(t - s->t[i]))
         i++;
-    return (struct place){.t = s->t[i], .uncertainty = ground_spacing(g) / sqrt(12), .y = s->y[i]};
+    return (struct index){.t = s->t[i], .uncertainty = ground_spacing(g) / sqrt(12), .y = s->y[i]};
 }
 
-static struct place no_snap(const struct ground *g, double t)
+static struct index no_snap(const struct ground *g, double t)
 {
     const struct series *s = &g->series;
     const size_t i = sample_before(s, t);
     const double x = (t - s->t[i]) / (s->t[i + 1] - s->t[i]);
-    return (struct place){.t = t, .uncertainty = NAN, .y = s->y[i] + x * (s->y[i + 1] - s->y[i])};
+    return (struct index){.t = t, .uncertainty = NAN, .y = s->y[i] + x * (s->y[i + 1] - s->y[i])};
 }
 
-static void put_place(struct cursors *cursors, int which, const struct place *place)
+static void put_place(struct cursors *cursors, int which, const struct index *index)
 {
     cursors->at[which].set = true;
-    cursors->at[which].t = place->t;
-    cursors->at[which].t_uncertainty = place->uncertainty;
-    cursors->at[which].y = place->y;
-    cursors->at[which].crossing = place->crossing;
+    cursors->at[which].t = index->t;
+    cursors->at[which].t_uncertainty = index->uncertainty;
+    cursors->at[which].y = index->y;
+    cursors->at[which].crossing = index->crossing;
     cursors->at[which].amplitude = NAN;
 }
 
@@ -255,20 +269,20 @@ void cursor_put(struct cursors *cursors, const struct ground *g, int which, doub
     struct search search = {.t = t};
     if (cursors->snap == SNAP_CROSSING || cursors->snap == SNAP_PEAK)
         each_place(g, cursors->snap, keep_nearest, &search);
-    const struct place place = search.found && fabs(search.best.t - t) <= reach ? search.best
-                               : cursors->snap == SNAP_SAMPLE                   ? nearest_sample(g, t)
-                                                                                : no_snap(g, t);
-    put_place(cursors, which, &place);
+    const struct index index = search.found && fabs(search.best.t - t) <= reach ? search.best
+                               : cursors->snap == SNAP_SAMPLE ? nearest_sample(g, t)
+                                                              : no_snap(g, t);
+    put_place(cursors, which, &index);
 }
 
 /* ---- moves ---- */
 
-static bool keep_next(void *context, const struct place *place)
+static bool keep_next(void *context, const struct index *index)
 {
     struct search *search = context;
-    const bool beyond = search->forward ? place->t > search->t : place->t < search->t;
+    const bool beyond = search->forward ? index->t > search->t : index->t < search->t;
     if (beyond)
-        search->best = *place;
+        search->best = *index;
     search->found |= beyond;
     return !(beyond && search->forward) && (beyond || search->forward);
 }
@@ -280,17 +294,17 @@ bool cursor_jump(struct cursors *cursors, const struct ground *g, bool forward, 
     struct search search = {.t = t + (forward ? near : -near), .forward = forward};
     each_place(g, peak ? SNAP_PEAK : SNAP_CROSSING, keep_next, &search);
     if (!search.found)
-        return error_set(error, ERROR_COMMAND, "there is no %s %s t = %.6g s in %s", peak ? "peak" : "up-crossing",
-                         forward ? "after" : "before", t, g->name);
+        return error_set(error, ERROR_COMMAND, "there is no %s %s t = %.6g s in %s",
+                         peak ? "peak" : "up-crossing", forward ? "after" : "before", t, g->name);
     put_place(cursors, cursors->active, &search.best);
     return true;
 }
 
-static bool keep_number(void *context, const struct place *place)
+static bool keep_number(void *context, const struct index *index)
 {
     struct search *search = context;
-    search->best = *place;
-    search->found = place->crossing == search->number;
+    search->best = *index;
+    search->found = index->crossing == search->number;
     return !search->found;
 }
 
@@ -301,18 +315,21 @@ bool cursor_span(struct cursors *cursors, const struct ground *g, double n, stru
         struct search search = {.number = cursors->at[0].crossing + (int)fmin(n, 1e9)};
         each_place(g, SNAP_CROSSING, keep_number, &search);
         if (!search.found)
-            return error_set(error, ERROR_COMMAND, "%s has up-crossings up to #%d: from #%d that is %d period%s",
-                             g->name, search.best.crossing, cursors->at[0].crossing,
+            return error_set(error, ERROR_COMMAND,
+                             "%s has up-crossings up to #%d: from #%d that is %d period%s", g->name,
+                             search.best.crossing, cursors->at[0].crossing,
                              search.best.crossing - cursors->at[0].crossing,
                              search.best.crossing - cursors->at[0].crossing == 1 ? "" : "s");
         put_place(cursors, 1, &search.best);
         return true;
     }
     if (!g->overview.oscillates)
-        return error_set(error, ERROR_COMMAND, "%s has no period to count: %s", g->name, g->overview.reason);
+        return error_set(error, ERROR_COMMAND, "%s has no period to count: %s", g->name,
+                         g->overview.reason);
     const double t = cursors->at[0].t + n * g->overview.period;
     if (t > s->t[s->n - 1])
-        return error_set(error, ERROR_COMMAND, "%s ends at t = %.6g s, before %g periods from A have passed", g->name,
+        return error_set(error, ERROR_COMMAND,
+                         "%s ends at t = %.6g s, before %g periods from A have passed", g->name,
                          s->t[s->n - 1], n);
     cursor_put(cursors, g, 1, t, 0.25 * g->overview.period);
     return true;
@@ -325,7 +342,7 @@ void cursor_spread(struct cursors *cursors, const struct ground *g)
     cursor_put(cursors, g, 1, s->t[s->n - 1], HUGE_VAL);
     if (cursors->at[0].t < cursors->at[1].t)
         return;
-    const struct place first = no_snap(g, s->t[0]), last = no_snap(g, s->t[s->n - 1]);
+    const struct index first = no_snap(g, s->t[0]), last = no_snap(g, s->t[s->n - 1]);
     put_place(cursors, 0, &first);
     put_place(cursors, 1, &last);
 }
@@ -338,12 +355,15 @@ void cursor_settle(struct cursors *cursors, const struct ground *g)
     snprintf(cursors->of, sizeof cursors->of, "%s", g->name);
     cursors->samples = g->series.n;
     cursors->quantity = g->series.quantity;
-    double periods = a > 0 && b > 0 ? abs(b - a) : g->overview.oscillates ? nearbyint(dt / g->overview.period) : 0;
+    double periods = a > 0 && b > 0           ? abs(b - a)
+                     : g->overview.oscillates ? nearbyint(dt / g->overview.period)
+                                              : 0;
     cursors->periods = periods >= 1 ? periods : NAN;
     for (int i = 0; i < 2; i++) {
         struct reading reading;
-        const bool known = g->overview.oscillates &&
-                           series_amplitudes(&g->series, g->arena, &cursors->at[i].t, 1, 0, &reading, &ignored);
+        const bool known =
+            g->overview.oscillates &&
+            series_amplitudes(&g->series, g->arena, &cursors->at[i].t, 1, 0, &reading, &ignored);
         cursors->at[i].amplitude = known ? reading.amplitude.value : NAN;
     }
 }
@@ -366,7 +386,8 @@ void cursors_refresh(struct session *session)
     if (ground_open(session, &arena, &ground, &ignored)) {
         if (strcmp(ground.name, cursors->of) != 0 || ground.series.n != cursors->samples) {
             for (int i = 0; i < 2; i++)
-                cursor_put(cursors, &ground, i, cursors->at[i].t, cursors->at[i].crossing > 0 ? HUGE_VAL : 0);
+                cursor_put(cursors, &ground, i, cursors->at[i].t,
+                           cursors->at[i].crossing > 0 ? HUGE_VAL : 0);
             cursor_settle(cursors, &ground);
         }
     } else {

@@ -6,7 +6,8 @@
 #include <stdio.h>
 
 #define PI 3.14159265358979323846
-#define ROUNDING 1e-9 /* of the amplitude, or of 1: below it is nothing to show, and Q means nothing */
+#define ROUNDING                                                                                   \
+    1e-9 /* of the amplitude, or of 1: below it is nothing to show, and Q means nothing */
 
 bool session_cursor_reading(const struct session *session, struct cursor_reading *reading)
 {
@@ -15,7 +16,8 @@ bool session_cursor_reading(const struct session *session, struct cursor_reading
         return false;
     const struct scene *scene = subject_scene(session, c->on_data ? NULL : session_run(session));
     const double dt = c->at[1].t - c->at[0].t, n = c->periods;
-    const double period = fabs(dt) / n, spread = hypot(c->at[0].t_uncertainty, c->at[1].t_uncertainty) / n;
+    const double period = fabs(dt) / n,
+                 spread = hypot(c->at[0].t_uncertainty, c->at[1].t_uncertainty) / n;
     const bool spring = !scene || scene->model == &oscillator_model;
     const bool damped = scene && fabs(param_value(scene, "gamma")) > 0;
     double decrement = copysign(1, dt) * log(c->at[0].amplitude / c->at[1].amplitude) / n;
@@ -25,14 +27,17 @@ bool session_cursor_reading(const struct session *session, struct cursor_reading
                                        .period = {period, spread},
                                        .frequency = {1 / period, spread / (period * period)},
                                        .theory = scene_period(scene),
-                                       .theory_name = !spring ? "period" : damped ? "T_d" : "T0",
+                                       .theory_name = !spring  ? "period"
+                                                      : damped ? "T_d"
+                                                               : "T0",
                                        .decrement = decrement,
                                        .quality = decrement > ROUNDING ? PI / decrement : NAN};
     reading->deviation = (period - reading->theory) / reading->theory;
     return true;
 }
 
-static void put_value(struct buffer *text, const char *name, struct measured value, enum quantity quantity)
+static void put_value(struct buffer *text, const char *name, struct measured value,
+                      enum quantity quantity)
 {
     buffer_format(text, "%s = ", name);
     if (isfinite(value.value))
@@ -41,13 +46,16 @@ static void put_value(struct buffer *text, const char *name, struct measured val
         buffer_char(text, '-');
 }
 
-static void put_line(const struct cursors *c, int which, const char *name, const char *tail, struct buffer *text)
+static void put_line(const struct cursors *c, int which, const char *name, const char *tail,
+                     struct buffer *text)
 {
     buffer_format(text, "%s%c  ", which == c->active ? ">" : " ", 'A' + which);
-    put_value(text, "t", (struct measured){c->at[which].t, c->at[which].t_uncertainty}, QUANTITY_TIME);
+    put_value(text, "t", (struct measured){c->at[which].t, c->at[which].t_uncertainty},
+              QUANTITY_TIME);
     const double y = c->at[which].y, amplitude = c->at[which].amplitude;
     buffer_put(text, TEXT("   "));
-    put_value(text, name, (struct measured){fabs(y) < ROUNDING * amplitude ? 0 : y, 0}, c->quantity);
+    put_value(text, name, (struct measured){fabs(y) < ROUNDING * amplitude ? 0 : y, 0},
+              c->quantity);
     if (c->at[which].crossing > 0)
         buffer_format(text, "   up-crossing #%d", c->at[which].crossing);
     buffer_format(text, "   %s\n", tail);
@@ -75,7 +83,8 @@ void session_cursor_lines(const struct session *session, struct buffer *text)
     buffer_put(text, TEXT("\n theory "));
     put_value(text, r.theory_name, (struct measured){r.theory, 0}, QUANTITY_TIME);
     if (isfinite(r.deviation))
-        buffer_format(text, "   deviation %+.2f %%", fabs(r.deviation) < 0.5e-4 ? 0.0 : 100 * r.deviation);
+        buffer_format(text, "   deviation %+.2f %%",
+                      fabs(r.deviation) < 0.5e-4 ? 0.0 : 100 * r.deviation);
     put_value(text, "   log decrement", (struct measured){r.decrement, 0}, QUANTITY_NUMBER);
     put_value(text, "   Q", (struct measured){r.quality, 0}, QUANTITY_NUMBER);
 }

@@ -10,7 +10,8 @@
 
 const struct observable *observable_named(const char *name)
 {
-    return (const struct observable *)(const void *)catalog_find(&observable_catalog, text_of(name));
+    return (const struct observable *)(const void *)catalog_find(&observable_catalog,
+                                                                 text_of(name));
 }
 
 static const struct run *run_of(const struct drawing *d, int i)
@@ -27,8 +28,8 @@ static const struct observable *observable(const struct drawing *d)
     for (int i = 0; i < d->request->runs && kind == PLOT_ENERGY; i++)
         if (!run_of(d, i)->system.energy)
             return observable_energy(&run_of(d, i)->system);
-    return (const struct observable *)(const void *)catalog_find(&observable_catalog,
-                                                                 text_of(plot_rows[kind].observable));
+    return (const struct observable *)(const void *)catalog_find(
+        &observable_catalog, text_of(plot_rows[kind].observable));
 }
 
 /* The energy of forces without a potential is the kinetic one. */
@@ -47,21 +48,25 @@ static bool find_model(struct drawing *d)
     for (int i = 1; i < request->runs; i++) {
         const struct run *run = d->session->run[request->run[i]]->run;
         if (!models_alike(run->system.model, d->model))
-            return error_set(d->error, ERROR_COMMAND,
-                             "run %d (%s) and run %d (%s) have different variables: no plot shows both", first->number,
-                             first->scene.preset->row.name, run->number, run->scene.preset->row.name);
+            return error_set(
+                d->error, ERROR_COMMAND,
+                "run %d (%s) and run %d (%s) have different variables: no plot shows both",
+                first->number, first->scene.preset->row.name, run->number,
+                run->scene.preset->row.name);
     }
     if (request->columns)
         return drawing_columns(d, &first->system);
     const char *kind = plot_rows[request->kind].row.name;
     if (!plot_fits(request->kind, d->model)) {
         error_set(d->error, ERROR_COMMAND, "%s has no %s: %s", first->scene.preset->row.name, kind,
-                  request->kind == PLOT_ORBIT ? "that needs two coordinates" : "that needs positions and velocities");
-        return d->model->n > 1 ? error_hint(d->error, "plot %s against %s", d->model->variable[1].name,
-                                            d->model->variable[0].name)
+                  request->kind == PLOT_ORBIT ? "that needs two coordinates"
+                                              : "that needs positions and velocities");
+        return d->model->n > 1 ? error_hint(d->error, "plot %s against %s",
+                                            d->model->variable[1].name, d->model->variable[0].name)
                                : false;
     }
-    if ((request->kind == PLOT_POSITION || request->kind == PLOT_VELOCITY) && request->runs == 1 && !recording_of(d))
+    if ((request->kind == PLOT_POSITION || request->kind == PLOT_VELOCITY) && request->runs == 1 &&
+        !recording_of(d))
         d->coordinates = plot_coordinates(d->model);
     return true;
 }
@@ -92,8 +97,8 @@ static bool shows_size(const struct drawing *d)
     return d->request->kind == PLOT_ERROR && d->request->log;
 }
 
-static bool vertical_values(struct drawing *d, const struct run *run, int coordinate, const struct chosen_rows *rows,
-                            double *y)
+static bool vertical_values(struct drawing *d, const struct run *run, int coordinate,
+                            const struct chosen_rows *rows, double *y)
 {
     const enum plot_kind kind = d->request->kind;
     if (d->request->columns)
@@ -105,7 +110,8 @@ static bool vertical_values(struct drawing *d, const struct run *run, int coordi
             y[i] = fabs(y[i]);
         return true;
     }
-    state_at_rows(run, (int)(vertical_variable(d->model, kind) - d->model->variable) + coordinate, rows, y);
+    state_at_rows(run, (int)(vertical_variable(d->model, kind) - d->model->variable) + coordinate,
+                  rows, y);
     for (size_t i = 0; i < rows->n && d->omega0 != 1; i++)
         y[i] /= d->omega0;
     return true;
@@ -116,7 +122,8 @@ static void own_window(const struct drawing *d, const struct run *run, double wi
 {
     const double end = trace_time(run->trace, trace_count(run->trace) - 1);
     memcpy(window, d->window, sizeof d->window);
-    if (!plot_is_plane(d->request->kind) || !isnan(d->request->window[0]) || !isnan(d->request->window[1]))
+    if (!plot_is_plane(d->request->kind) || !isnan(d->request->window[0]) ||
+        !isnan(d->request->window[1]))
         return;
     window[0] = run_goes_back(run) ? end : end - d->shown;
     window[1] = run_goes_back(run) ? end + d->shown : end;
@@ -145,7 +152,8 @@ static bool add_run(struct drawing *d, const struct run *run)
     double window[2];
     own_window(d, run, window);
     struct chosen_rows rows;
-    const struct row_request part = {window[0], window[1], d->request->width, d->period, d->request->follow};
+    const struct row_request part = {window[0], window[1], d->request->width, d->period,
+                                     d->request->follow};
     if (!choose_rows(run, &part, d->arena, &rows, d->error))
         return false;
     bool drawn;
@@ -173,13 +181,13 @@ static bool add_run(struct drawing *d, const struct run *run)
             return error_memory(d->error);
         if (!vertical_values(d, run, i, &rows, y))
             return false;
-        d->curve[d->curves] = (struct curve){
-            .label = d->coordinates > 1 ? drawing_label(d, i) : label,
-            .x = x,
-            .y = y,
-            .n = rows.n,
-            .t = plane ? t : NULL,
-            .thinned = d->request->follow};
+        d->curve[d->curves] =
+            (struct curve){.label = d->coordinates > 1 ? drawing_label(d, i) : label,
+                           .x = x,
+                           .y = y,
+                           .n = rows.n,
+                           .t = plane ? t : NULL,
+                           .thinned = d->request->follow};
         if (!d->curve[d->curves++].label)
             return error_memory(d->error);
     }
@@ -190,11 +198,11 @@ static bool add_run(struct drawing *d, const struct run *run)
 
 static double largest(const double *x, size_t n)
 {
-    double most = 0;
+    double max = 0;
     for (size_t i = 0; i < n; i++)
         if (isfinite(x[i]))
-            most = fmax(most, fabs(x[i]));
-    return most;
+            max = fmax(max, fabs(x[i]));
+    return max;
 }
 
 static double size_of(const struct drawing *d, bool x)
@@ -232,7 +240,8 @@ static const char *make_note(const struct drawing *d)
 bool drawing_needs_motion(const struct drawing *d, const struct recording *recording)
 {
     const struct run *run = d->request->runs > 0 ? d->session->run[d->request->run[0]]->run : NULL;
-    return plot_needs_motion(d->request->kind) && !recording_shows(recording, run, d->request->kind);
+    return plot_needs_motion(d->request->kind) &&
+           !recording_shows(recording, run, d->request->kind);
 }
 
 static enum quantity y_quantity(const struct drawing *d)
@@ -245,7 +254,8 @@ static enum quantity y_quantity(const struct drawing *d)
     if (d->omega0 != 1)
         return d->model->variable[0].quantity;
     if (d->request->columns)
-        return chosen_variable(&d->session->run[d->request->run[0]]->run->system, &d->column[0]).quantity;
+        return chosen_variable(&d->session->run[d->request->run[0]]->run->system, &d->column[0])
+            .quantity;
     if (plot_rows[kind].observable)
         return model_quantity(d->model, observable(d));
     return vertical_variable(d->model, kind)->quantity;
@@ -266,7 +276,8 @@ const char *drawing_y_label(const struct drawing *d, int panel)
         const char *name = drawing_label(d, i);
         if (d->coordinates > 1 && d->curve[i].panel != panel)
             continue;
-        buffer_format(&text, "%s%s%s", text.len ? ", " : "", d->request->next ? "next " : "", name ? name : "");
+        buffer_format(&text, "%s%s%s", text.len ? ", " : "", d->request->next ? "next " : "",
+                      name ? name : "");
     }
     buffer_put(&text, d->omega0 != 1 ? TEXT("/omega0") : TEXT(""));
     const char *label = text.failed ? NULL : arena_text(d->arena, buffer_text(&text));
@@ -281,7 +292,8 @@ static void mark_present(const struct drawing *d, struct figure *figure)
     const struct curve *curve = &d->curve[0];
     const struct trace *trace = run_of(d, 0)->trace;
     const double *t = curve->t ? curve->t : curve->x;
-    figure->has_point = t[curve->n - 1] == trace_time(trace, trace_count(trace) - 1); /* not the end of a window */
+    figure->has_point =
+        t[curve->n - 1] == trace_time(trace, trace_count(trace) - 1); /* not the end of a window */
     figure->point[0] = curve->x[curve->n - 1];
     figure->point[1] = curve->y[curve->n - 1];
 }
@@ -289,16 +301,19 @@ static void mark_present(const struct drawing *d, struct figure *figure)
 /* What a recording has of the motion; without a run it is that of an oscillator. */
 static bool find_motion(struct drawing *d, const struct recording *recording)
 {
-    if (!data_motion(d->session, recording, NULL, d->request->kind == PLOT_ENERGY, d->arena, &d->motion, d->error))
+    if (!data_motion(d->session, recording, NULL, d->request->kind == PLOT_ENERGY, d->arena,
+                     &d->motion, d->error))
         return false;
     if (d->request->runs > 0)
         return d->model == &oscillator_model ||
-               error_set(d->error, ERROR_COMMAND, "velocities of %s are those of a spring, no plot shows both",
+               error_set(d->error, ERROR_COMMAND,
+                         "velocities of %s are those of a spring, no plot shows both",
                          recording->name);
     const double omega = d->motion.omega;
     d->model = &oscillator_model;
     d->period = 6.283185307179586 / omega;
-    if (d->request->kind == PLOT_PHASE && d->session->setup.settings.phase_axes == PHASE_SCALED && omega > 0)
+    if (d->request->kind == PLOT_PHASE && d->session->setup.settings.phase_axes == PHASE_SCALED &&
+        omega > 0)
         d->omega0 = omega;
     return true;
 }
@@ -309,12 +324,16 @@ static double seen_period(const struct drawing *d, const struct run *run)
     return run_period(run, d->arena, &period) ? period.value : NAN;
 }
 
-bool session_figure(const struct session *session, const struct figure_request *request, struct arena *arena,
-                    struct figure *figure, struct error *error)
+bool session_figure(const struct session *session, const struct figure_request *request,
+                    struct arena *arena, struct figure *figure, struct error *error)
 {
-    struct drawing d = {
-        .session = session, .request = request, .arena = arena, .error = error,
-        .coordinates = 1, .omega0 = 1, .period = NAN};
+    struct drawing d = {.session = session,
+                        .request = request,
+                        .arena = arena,
+                        .error = error,
+                        .coordinates = 1,
+                        .omega0 = 1,
+                        .period = NAN};
     if (request->kind == PLOT_PRECISION)
         return precision_figure(session->precision, arena, figure, error);
     d.curve = arena_array(arena, (size_t)request->runs + LIMIT_OVERLAY + 2, sizeof *d.curve);
@@ -343,10 +362,10 @@ bool session_figure(const struct session *session, const struct figure_request *
     if (residual && !recording)
         return error_set(error, ERROR_COMMAND, "a residual needs a recording");
     for (int i = 0; i < request->runs && !residual; i++)
-        if (!(request->at.len ? drawing_happenings(&d, session->run[request->run[i]])
+        if (!(request->at.len ? drawing_event_records(&d, session->run[request->run[i]])
                               : add_run(&d, session->run[request->run[i]]->run)))
             return false;
-    if (request->band.len ? !drawing_band(&d) : request->kept_band && !drawing_kept_band(&d))
+    if (request->band.len ? !drawing_band(&d) : request->stored_band && !drawing_stored_band(&d))
         return false;
     if (recording && !(residual ? drawing_residual : drawing_recording)(&d, recording))
         return false;
@@ -356,7 +375,8 @@ bool session_figure(const struct session *session, const struct figure_request *
     if (points == 0 && !request->follow)
         return error_set(error, ERROR_COMMAND, "nothing was recorded in this window of time");
 
-    const bool values = request->columns || (d.model && d.model->order == 1 && request->kind == PLOT_POSITION);
+    const bool values =
+        request->columns || (d.model && d.model->order == 1 && request->kind == PLOT_POSITION);
     struct variable across = {.quantity = QUANTITY_NUMBER};
     if (plane && request->columns)
         across = chosen_variable(&session->run[request->run[0]]->run->system, &d.against);
@@ -365,15 +385,16 @@ bool session_figure(const struct session *session, const struct figure_request *
     const char *x_name = arena_text(arena, text_of(across.name));
     if (!x_name)
         return error_memory(error);
-    *figure = (struct figure){.title = values ? "values"
-                                       : is_kinetic(&d) ? "kinetic"
-                                                        : plot_rows[request->kind].row.name,
-                              .curve = d.curve,
-                              .curves = d.curves,
-                              .plane = plane,
-                              .zero_line = request->kind != PLOT_ENERGY && request->kind != PLOT_ENVELOPE && !spectrum,
-                              .equal = (phase && d.omega0 != 1) || (request->kind == PLOT_ORBIT && !request->columns),
-                              .note = make_note(&d)};
+    *figure = (struct figure){
+        .title = values           ? "values"
+                 : is_kinetic(&d) ? "kinetic"
+                                  : plot_rows[request->kind].row.name,
+        .curve = d.curve,
+        .curves = d.curves,
+        .plane = plane,
+        .zero_line = request->kind != PLOT_ENERGY && request->kind != PLOT_ENVELOPE && !spectrum,
+        .equal = (phase && d.omega0 != 1) || (request->kind == PLOT_ORBIT && !request->columns),
+        .note = make_note(&d)};
     figure->x = plane      ? quantity_axis(x_name, across.quantity, size_of(&d, true))
                 : spectrum ? spectrum_axis(&d)
                            : quantity_axis("t", QUANTITY_TIME, d.window[1]);
@@ -390,7 +411,9 @@ bool session_figure(const struct session *session, const struct figure_request *
         figure->x = request->shared ? request->shared->axis : time_axis(d.window);
     if (!residual && !spectrum && request->kind != PLOT_ENVELOPE && !request->at.len)
         mark_present(&d, figure);
-    const enum quantity quantities[2] = {
-        plane ? across.quantity : spectrum ? QUANTITY_FREQUENCY : QUANTITY_TIME, y_quantity(&d)};
+    const enum quantity quantities[2] = {plane      ? across.quantity
+                                         : spectrum ? QUANTITY_FREQUENCY
+                                                    : QUANTITY_TIME,
+                                         y_quantity(&d)};
     return drawing_scales(&d, figure, quantities);
 }

@@ -3,9 +3,9 @@
 #include <hooke/report.h>
 #include <hooke/session/events.h>
 
-static const char *event_name(const struct held_run *held, size_t i)
+static const char *event_name(const struct run_slot *slot, size_t i)
 {
-    return held->events->line[run_happening(held->run, i)->event].name;
+    return slot->events->line[run_event_record(slot->run, i)->event].name;
 }
 
 /* State variables, then what the scene observes. */
@@ -17,34 +17,39 @@ static int columns_of(const struct run *run)
 static struct variable column_at(const struct run *run, int column)
 {
     const int n = run->system.n;
-    return column < n ? system_variable(&run->system, column) : model_observed_variable(run->system.model, column - n);
+    return column < n ? system_variable(&run->system, column)
+                      : model_observed_variable(run->system.model, column - n);
 }
 
 static double column_value(const struct run *run, size_t i, int column)
 {
-    const double *y = run_happening_state(run, i);
+    const double *y = run_event_record_state(run, i);
     const int n = run->system.n;
-    return column < n ? y[column] : system_observe(&run->system, column - n, run_happening(run, i)->t, y);
+    return column < n ? y[column]
+                      : system_observe(&run->system, column - n, run_event_record(run, i)->t, y);
 }
 
-static void reply_happening(const struct session *session, const struct held_run *held, size_t i, struct reply *reply)
+static void reply_event_record(const struct session *session, const struct run_slot *slot, size_t i,
+                               struct reply *reply)
 {
-    const struct run *run = held->run;
-    const struct happening *happening = run_happening(run, i);
+    const struct run *run = slot->run;
+    const struct event_record *happening = run_event_record(run, i);
     const int digits = session->setup.settings.digits;
     struct buffer text = {0};
-    buffer_format(&text, "%4zu  %-10s t = ", i + 1, event_name(held, i));
-    buffer_measured(&text, (struct measured){happening->t, 0}, QUANTITY_TIME, digits > 6 ? digits : 6);
+    buffer_format(&text, "%4zu  %-10s t = ", i + 1, event_name(slot, i));
+    buffer_measured(&text, (struct measured){happening->t, 0}, QUANTITY_TIME,
+                    digits > 6 ? digits : 6);
     for (int c = 0; c < columns_of(run); c++) {
         const struct variable column = column_at(run, c);
         buffer_format(&text, "  %s = ", column.name);
-        buffer_measured(&text, (struct measured){column_value(run, i, c), 0}, column.quantity, digits);
+        buffer_measured(&text, (struct measured){column_value(run, i, c), 0}, column.quantity,
+                        digits);
     }
     reply_text(reply, buffer_text(&text));
     buffer_free(&text);
     reply_begin(reply, "event");
     reply_int(reply, "run", run->number);
-    reply_string(reply, "name", event_name(held, i));
+    reply_string(reply, "name", event_name(slot, i));
     reply_string(reply, "direction",
                  happening->direction > 0   ? "rising"
                  : happening->direction < 0 ? "falling"
@@ -59,15 +64,16 @@ static void reply_happening(const struct session *session, const struct held_run
     reply_end(reply);
 }
 
-static void reply_count(const struct held_run *held, int event, const struct event_doubt *doubt, struct reply *reply)
+static void reply_count(const struct run_slot *slot, int event, const struct event_doubt *doubt,
+                        struct reply *reply)
 {
-    const size_t all = run_happenings(held->run);
+    const size_t all = run_event_records(slot->run);
     long long count = 0;
     for (size_t i = 0; i < all; i++)
-        count += run_happening(held->run, i)->event == event;
+        count += run_event_record(slot->run, i)->event == event;
     reply_begin(reply, "events");
-    reply_int(reply, "run", held->run->number);
-    reply_string(reply, "name", held->events->line[event].name);
+    reply_int(reply, "run", slot->run->number);
+    reply_string(reply, "name", slot->events->line[event].name);
     reply_int(reply, "count", count);
     reply_bool(reply, "complete", doubt->steps == 0);
     reply_real(reply, "doubt_from", doubt->steps ? doubt->from : NAN);
@@ -75,27 +81,29 @@ static void reply_count(const struct held_run *held, int event, const struct eve
     reply_end(reply);
 }
 
-void reply_event_doubts(struct held_run *held, struct reply *reply)
+void reply_event_doubts(struct run_slot *slot, struct reply *reply)
 {
-    struct run *run = held->run;
+    struct run *run = slot->run;
     bool said = false;
-    for (int i = 0; held->events && i < held->events->count; i++) {
+    for (int i = 0; slot->events && i < slot->events->count; i++) {
         const struct event_doubt doubt = run_event_doubt(run, i);
         if (reply->format != FORMAT_TEXT)
-            reply_count(held, i, &doubt, reply);
+            reply_count(slot, i, &doubt, reply);
         if (doubt.steps == 0 || run->warned_doubt)
             continue;
         reply_warning(reply,
-                      "event %s may be incomplete from t = %.6g s to %.6g s (%lld step%s): the step was longer "
+                      "event %s may be incomplete from t = %.6g s to %.6g s (%lld step%s): the "
+                      "step was longer "
                       "than the event's own time scale",
-                      held->events->line[i].name, doubt.from, doubt.to, (long long)doubt.steps,
+                      slot->events->line[i].name, doubt.from, doubt.to, (long long)doubt.steps,
                       doubt.steps == 1 ? "" : "s");
         said = true;
     }
     const struct event_doubt doubt = run_event_doubt(run, LIMIT_EVENTS);
     if (doubt.steps > 0 && !run->warned_doubt) {
         reply_warning(reply,
-                      "the condition may have been true before, from t = %.6g s to %.6g s (%lld step%s): the step was "
+                      "the condition may have been true before, from t = %.6g s to %.6g s (%lld "
+                      "step%s): the step was "
                       "longer than its own time scale",
                       doubt.from, doubt.to, (long long)doubt.steps, doubt.steps == 1 ? "" : "s");
         said = true;
@@ -103,19 +111,20 @@ void reply_event_doubts(struct held_run *held, struct reply *reply)
     run->warned_doubt = run->warned_doubt || said;
 }
 
-void reply_happenings(const struct session *session, struct reply *reply)
+void reply_event_records(const struct session *session, struct reply *reply)
 {
     const struct run *run = session_run(session);
-    for (size_t i = 0; run && i < run_happenings(run); i++)
-        reply_happening(session, session->run[session->current_run], i, reply);
-    if (!run || run_happenings(run) == 0)
-        reply_line(reply, "no events were noticed; 'event NAME when EXPR do record' watches for one in the next run");
+    for (size_t i = 0; run && i < run_event_records(run); i++)
+        reply_event_record(session, session->run[session->current_run], i, reply);
+    if (!run || run_event_records(run) == 0)
+        reply_line(reply, "no events were noticed; 'event NAME when EXPR do record' watches for "
+                          "one in the next run");
 }
 
-bool export_happenings(const struct session *session, struct export *export, struct error *error)
+bool export_event_records(const struct session *session, struct export *export, struct error *error)
 {
     const struct run *run = session_run(session);
-    const size_t rows = run ? run_happenings(run) : 0;
+    const size_t rows = run ? run_event_records(run) : 0;
     if (rows == 0) {
         error_set(error, ERROR_COMMAND, "no events were noticed");
         return error_hint(error, "type: event NAME when EXPR do record; run");
@@ -124,13 +133,14 @@ bool export_happenings(const struct session *session, struct export *export, str
     struct arena *arena = export->arena;
     struct table_column *out = arena_array(arena, columns + 3, sizeof *out);
     const char **name = arena_array(arena, rows, sizeof *name);
-    double *t = arena_array(arena, rows, sizeof *t), *direction = arena_array(arena, rows, sizeof *direction);
+    double *t = arena_array(arena, rows, sizeof *t),
+           *direction = arena_array(arena, rows, sizeof *direction);
     if (!out || !name || !t || !direction)
         return error_memory(error);
     for (size_t i = 0; i < rows; i++) {
         name[i] = event_name(session->run[session->current_run], i);
-        t[i] = run_happening(run, i)->t;
-        direction[i] = run_happening(run, i)->direction;
+        t[i] = run_event_record(run, i)->t;
+        direction[i] = run_event_record(run, i)->direction;
     }
     out[0] = (struct table_column){.name = "event", .unit = "", .text = name};
     out[1] = (struct table_column){.name = "t", .unit = "s", .value = t};
@@ -143,7 +153,8 @@ bool export_happenings(const struct session *session, struct export *export, str
             return error_memory(error);
         for (size_t i = 0; i < rows; i++)
             value[i] = column_value(run, i, c);
-        out[c + 3] = (struct table_column){.name = title, .unit = quantity_unit(column.quantity), .value = value};
+        out[c + 3] = (struct table_column){
+            .name = title, .unit = quantity_unit(column.quantity), .value = value};
     }
     export->table = (struct table){.column = out, .columns = (int)columns + 3, .rows = rows};
     return export_run_keys(session, session->current_run, export, error);

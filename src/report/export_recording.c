@@ -7,7 +7,8 @@
 enum recorded { RECORDED_T, RECORDED_Y, RECORDED_V, RECORDED_ENERGY, RECORDED_COUNT };
 
 /* t first, then what was asked for, or y, each once. */
-static bool list_recorded(const struct given *column, bool wanted[RECORDED_COUNT], struct error *error)
+static bool list_recorded(const struct given_argument *column, bool wanted[RECORDED_COUNT],
+                          struct error *error)
 {
     static const char *const names[RECORDED_COUNT] = {"t", "y", "v", "energy"};
     wanted[RECORDED_T] = true;
@@ -34,7 +35,8 @@ static void add_motion_keys(struct keys *keys, const struct data_motion *motion,
 }
 
 /* Of a voltage or a force beside a run: where its numbers lie on it. */
-static void add_scale_key(struct keys *keys, const struct session *session, struct recording *recording)
+static void add_scale_key(struct keys *keys, const struct session *session,
+                          struct recording *recording)
 {
     const struct run *run = session_run(session);
     if (!run || !quantity_is_scaled(recording->column[recording->value].quantity))
@@ -49,7 +51,8 @@ static void add_scale_key(struct keys *keys, const struct session *session, stru
 }
 
 /* NULL: no memory */
-static const double *take_rows(const double *value, const size_t *row, size_t rows, struct arena *arena)
+static const double *take_rows(const double *value, const size_t *row, size_t rows,
+                               struct arena *arena)
 {
     double *taken = arena_array(arena, rows, sizeof *taken);
     for (size_t i = 0; taken && i < rows; i++)
@@ -57,8 +60,8 @@ static const double *take_rows(const double *value, const size_t *row, size_t ro
     return taken;
 }
 
-bool export_recorded(const struct session *session, const struct given *column, const struct given *every,
-                     struct export *export, struct error *error)
+bool export_recorded(const struct session *session, const struct given_argument *column,
+                     const struct given_argument *every, struct export *export, struct error *error)
 {
     struct recording *recording = session_recording(session);
     bool wanted[RECORDED_COUNT] = {false};
@@ -74,11 +77,12 @@ bool export_recorded(const struct session *session, const struct given *column, 
     if (!out)
         return error_memory(error);
     if (!list_recorded(column, wanted, error) || !thinning_begin(&thinning, every, error) ||
-        !keys_begin(&keys, export, error) || !recording_series(recording, export->arena, 1, &series, error))
+        !keys_begin(&keys, export, error) ||
+        !recording_series(recording, export->arena, 1, &series, error))
         return false;
     const bool moves = wanted[RECORDED_V] || wanted[RECORDED_ENERGY];
-    if (moves &&
-        !data_motion(session, recording, &series, wanted[RECORDED_ENERGY], export->arena, &motion, error))
+    if (moves && !data_motion(session, recording, &series, wanted[RECORDED_ENERGY], export->arena,
+                              &motion, error))
         return false;
     const struct column *value = &recording->column[recording->value];
     keys_add_text(&keys, "recording", recording->name);
@@ -99,7 +103,9 @@ bool export_recorded(const struct session *session, const struct given *column, 
         {.name = "t", .unit = "s", .value = series.t},
         {.name = "y", .unit = quantity_unit(series.quantity), .value = series.y},
         {.name = "v", .unit = quantity_unit(QUANTITY_VELOCITY), .value = moves ? motion.v : NULL},
-        {.name = "energy", .unit = quantity_unit(QUANTITY_ENERGY), .value = moves ? motion.energy : NULL}};
+        {.name = "energy",
+         .unit = quantity_unit(QUANTITY_ENERGY),
+         .value = moves ? motion.energy : NULL}};
     size_t *row = arena_array(export->arena, series.n, sizeof *row), rows = 0;
     int columns = 0;
     if (!row)
@@ -119,6 +125,6 @@ bool export_recorded(const struct session *session, const struct given *column, 
 
 bool export_recording(const struct session *session, struct export *export, struct error *error)
 {
-    const struct given none = {.count = 0};
+    const struct given_argument none = {.count = 0};
     return export_recorded(session, &none, &none, export, error);
 }

@@ -4,7 +4,8 @@
 
 #include <math.h>
 
-bool thinning_begin(struct thinning *thinning, const struct given *every, struct error *error)
+bool thinning_begin(struct thinning *thinning, const struct given_argument *every,
+                    struct error *error)
 {
     *thinning = (struct thinning){.step = 1};
     if (every->count == 0)
@@ -12,7 +13,8 @@ bool thinning_begin(struct thinning *thinning, const struct given *every, struct
     const struct item *item = every->item;
     *thinning = (struct thinning){.step = item->value.value, .by_time = item->unit != NULL};
     if (item->unit && item->unit->quantity != QUANTITY_TIME)
-        return error_at(error, item->text, "every= takes a number of rows or a time, got '%.*s' (%s)",
+        return error_at(error, item->text,
+                        "every= takes a number of rows or a time, got '%.*s' (%s)",
                         (int)item->text.len, item->text.at, quantity_name(item->unit->quantity));
     if (item->unit || (item->value.value >= 1 && item->value.value == floor(item->value.value)))
         return true;
@@ -22,10 +24,10 @@ bool thinning_begin(struct thinning *thinning, const struct given *every, struct
 
 bool thinning_keeps(struct thinning *thinning, size_t i, double elapsed)
 {
-    const double place = (thinning->by_time ? elapsed : (double)i) / thinning->step;
-    const bool keeps = place >= (double)thinning->next - 1e-9 * (1 + fabs(place));
+    const double index = (thinning->by_time ? elapsed : (double)i) / thinning->step;
+    const bool keeps = index >= (double)thinning->next - 1e-9 * (1 + fabs(index));
     if (keeps)
-        thinning->next = (int64_t)floor(place + 1e-6) + 1;
+        thinning->next = (int64_t)floor(index + 1e-6) + 1;
     return keeps;
 }
 
@@ -35,13 +37,14 @@ static size_t select_rows(const struct run *run, struct thinning thinning, bool 
     const size_t n = trace_count(run->trace);
     size_t count = 0;
     for (size_t i = 0; i < n; i++) {
-        mark[i] = thinning_keeps(&thinning, i, fabs(trace_time(run->trace, i) - trace_time(run->trace, 0)));
+        mark[i] = thinning_keeps(&thinning, i,
+                                 fabs(trace_time(run->trace, i) - trace_time(run->trace, 0)));
         count += mark[i];
     }
     return count;
 }
 
-static int list_runs(const struct session *session, const struct given *runs, int *place)
+static int list_runs(const struct session *session, const struct given_argument *runs, int *index)
 {
     int count = 0;
     for (int r = 0; r < session->runs; r++) {
@@ -49,7 +52,7 @@ static int list_runs(const struct session *session, const struct given *runs, in
         for (int i = 0; i < runs->count; i++)
             wanted |= runs->item[i].index < 0 || runs->item[i].index == r;
         if (wanted)
-            place[count++] = r;
+            index[count++] = r;
     }
     return count;
 }
@@ -63,8 +66,8 @@ static void add_column(struct chosen_column one, struct chosen_column *list, int
 }
 
 /* t first, then what was asked for, or the state, the energy and what is observed, each once. */
-static bool list_columns(const struct system *system, const struct given *column, struct chosen_column *list,
-                         int *count, struct error *error)
+static bool list_columns(const struct system *system, const struct given_argument *column,
+                         struct chosen_column *list, int *count, struct error *error)
 {
     const struct model *model = system->model;
     struct chosen_column one;
@@ -85,45 +88,50 @@ static bool list_columns(const struct system *system, const struct given *column
     return true;
 }
 
-static bool same_model(const struct session *session, const int *place, int count, struct error *error)
+static bool same_model(const struct session *session, const int *index, int count,
+                       struct error *error)
 {
-    const struct run *first = session->run[place[0]]->run;
+    const struct run *first = session->run[index[0]]->run;
     for (int i = 1; i < count; i++) {
-        const struct run *run = session->run[place[i]]->run;
+        const struct run *run = session->run[index[i]]->run;
         if (models_alike(run->system.model, first->system.model))
             continue;
-        error_set(error, ERROR_COMMAND, "run %d (%s) and run %d (%s) have different variables: not in one file",
-                  first->number, first->scene.preset->row.name, run->number, run->scene.preset->row.name);
+        error_set(error, ERROR_COMMAND,
+                  "run %d (%s) and run %d (%s) have different variables: not in one file",
+                  first->number, first->scene.preset->row.name, run->number,
+                  run->scene.preset->row.name);
         return error_hint(error, "export FILE run %d", first->number);
     }
     return true;
 }
 
-bool export_runs(const struct session *session, const struct given *runs, const struct given *column,
-                 const struct given *every, struct export *export, struct error *error)
+bool export_runs(const struct session *session, const struct given_argument *runs,
+                 const struct given_argument *column, const struct given_argument *every,
+                 struct export *export, struct error *error)
 {
     struct arena *arena = export->arena;
-    int place[LIMIT_RUNS];
-    const int count = list_runs(session, runs, place);
+    int index[LIMIT_RUNS];
+    const int count = list_runs(session, runs, index);
     if (count == 0) {
         error_set(error, ERROR_COMMAND, "there is no run to export");
         return error_hint(error, "type: run; or: export FILE data");
     }
     struct keys keys;
     struct thinning thinning;
-    const struct system *system = &session->run[place[0]]->run->system;
+    const struct system *system = &session->run[index[0]]->run->system;
     const struct model *model = system->model;
-    if (!same_model(session, place, count, error) || !thinning_begin(&thinning, every, error) ||
+    if (!same_model(session, index, count, error) || !thinning_begin(&thinning, every, error) ||
         !keys_begin(&keys, export, error))
         return false;
     struct chosen_column *list =
-        arena_array(arena, (size_t)column->count + (size_t)(model->n + model_observed(model)) + 2, sizeof *list);
+        arena_array(arena, (size_t)column->count + (size_t)(model->n + model_observed(model)) + 2,
+                    sizeof *list);
     size_t rows = 0, largest = 0;
     bool **mark = arena_array(arena, (size_t)count, sizeof *mark);
     if (!list || !mark)
         return error_memory(error);
     for (int r = 0; r < count; r++) {
-        const struct run *run = session->run[place[r]]->run;
+        const struct run *run = session->run[index[r]]->run;
         const size_t n = trace_count(run->trace);
         if (!(mark[r] = arena_array(arena, n, sizeof **mark)))
             return error_memory(error);
@@ -131,7 +139,7 @@ bool export_runs(const struct session *session, const struct given *runs, const 
         largest = n > largest ? n : largest;
     }
     for (int r = 1; r < count && system->energy; r++) /* what all of them have */
-        system = &session->run[place[r]]->run->system;
+        system = &session->run[index[r]]->run->system;
     int columns = 0;
     if (!list_columns(system, column, list, &columns, error))
         return false;
@@ -146,7 +154,7 @@ bool export_runs(const struct session *session, const struct given *runs, const 
         if (!value)
             return error_memory(error);
         for (int r = 0; r < count; r++) {
-            const struct run *run = session->run[place[r]]->run;
+            const struct run *run = session->run[index[r]]->run;
             if (c >= lead && !chosen_values(run, &list[c - lead], work, error))
                 return false;
             for (size_t i = 0; i < trace_count(run->trace); i++)
@@ -161,7 +169,7 @@ bool export_runs(const struct session *session, const struct given *runs, const 
             return error_memory(error);
         out[c].unit = chosen_unit(system, &list[c - lead]);
     }
-    keys_add_runs(&keys, session, place, count);
+    keys_add_runs(&keys, session, index, count);
     export->table = (struct table){.column = out, .columns = columns + lead, .rows = rows};
     return keys_finish(&keys, export, error);
 }

@@ -26,7 +26,8 @@ static void reply_fastest(const struct precision *precision, struct reply *reply
         for (int i = 1; i < tied; i++)
             reply_string(reply, NULL, precision->curve[cost[i].curve].by.method->row.name);
         reply_close(reply);
-        reply_string(reply, "next", follows ? precision->curve[cost[tied].curve].by.method->row.name : NULL);
+        reply_string(reply, "next",
+                     follows ? precision->curve[cost[tied].curve].by.method->row.name : NULL);
         reply_real(reply, "next_times", follows ? cost[tied].minimum / cost->minimum : NAN);
         reply_end(reply);
     }
@@ -35,7 +36,8 @@ static void reply_fastest(const struct precision *precision, struct reply *reply
 
 void reply_precision(const struct precision *precision, struct arena *arena, struct reply *reply)
 {
-    const struct precision_row *rows = reply->format == FORMAT_TEXT ? NULL : precision_rows(precision, arena);
+    const struct precision_row *rows =
+        reply->format == FORMAT_TEXT ? NULL : precision_rows(precision, arena);
     if (!rows)
         return;
     reply_records(reply, "precision", &precision_columns, rows, (size_t)precision->points);

@@ -18,7 +18,8 @@ static void put_slope(const struct precision_curve *curve, struct buffer *out)
         return;
     }
     if (isnan(curve->slope)) {
-        buffer_format(out, "no slope: its %d errors are all the same, whatever the steps\n", curve->fitted);
+        buffer_format(out, "no slope: its %d errors are all the same, whatever the steps\n",
+                      curve->fitted);
         return;
     }
     if (curve->adaptive)
@@ -27,7 +28,8 @@ static void put_slope(const struct precision_curve *curve, struct buffer *out)
         buffer_format(out, "order %.2f", curve->slope);
     buffer_format(out, " (%d points, R^2 %.4f)", curve->fitted, curve->r2);
     if (curve->differs)
-        buffer_format(out, curve->adaptive ? ", NOT proportional to tol" : ", but %g is claimed", curve->expected);
+        buffer_format(out, curve->adaptive ? ", NOT proportional to tol" : ", but %g is claimed",
+                      curve->expected);
     buffer_char(out, '\n');
 }
 
@@ -48,20 +50,24 @@ static bool is_mixed(const struct precision *precision)
     return mixed;
 }
 
-void precision_tables(const struct precision *precision, int width, struct arena *arena, struct buffer *out)
+void precision_tables(const struct precision *precision, int width, struct arena *arena,
+                      struct buffer *out)
 {
     const struct precision_row *rows = precision_rows(precision, arena);
     for (int c = 0; rows && c < precision->curves; c++) {
         const struct precision_curve *curve = &precision->curve[c];
-        struct text_table table = {.arena = arena, .gap = 2, .indent = 2, .most = width};
+        struct text_table table = {.arena = arena, .gap = 2, .indent = 2, .max = width};
         buffer_format(out, "%c  %s", precision_letter(c), curve->by.method->row.name);
         if (curve->by.drag != DRAG_DEFAULT && precision->system.velocity)
-            buffer_format(out, " drag=%s", catalog_row(&drag_catalog, (size_t)curve->by.drag - 1)->name);
+            buffer_format(out, " drag=%s",
+                          catalog_row(&drag_catalog, (size_t)curve->by.drag - 1)->name);
         if (is_timed(precision, curve->first, curve->count) && is_mixed(precision))
-            buffer_format(out, " (timed by %s code)", path_name(precision->point[curve->first].path));
+            buffer_format(out, " (timed by %s code)",
+                          path_name(precision->point[curve->first].path));
         buffer_put(out, TEXT(": "));
         put_slope(curve, out);
-        columns_text(&precision_columns, rows + curve->first, (size_t)curve->count, width >= WIDE, &table);
+        columns_text(&precision_columns, rows + curve->first, (size_t)curve->count, width >= WIDE,
+                     &table);
         text_table_put(&table, out);
         if (curve->cut)
             buffer_put(out, TEXT("  not swept further: its share of the time was used up\n"));
@@ -92,22 +98,23 @@ static const char *name_of(const struct precision *precision, const struct preci
 }
 
 /* The fastest with those that tie, its time, and the next. */
-static void winner_cells(const struct precision *precision, const struct precision_cost *cost, int count,
-                         struct text_table *table)
+static void winner_cells(const struct precision *precision, const struct precision_cost *cost,
+                         int count, struct text_table *table)
 {
     struct buffer best = {0}, next = {0};
-    int place = 0;
-    for (; place < count && (place == 0 || cost[place].tied); place++)
-        buffer_format(&best, "%s%s", place ? " = " : "", name_of(precision, &cost[place]));
+    int index = 0;
+    for (; index < count && (index == 0 || cost[index].tied); index++)
+        buffer_format(&best, "%s%s", index ? " = " : "", name_of(precision, &cost[index]));
     cell_take(table, &best);
     cell_seconds(table, cost->minimum);
-    if (place < count)
-        buffer_format(&next, "%s x %.2g", name_of(precision, &cost[place]), cost[place].minimum / cost->minimum);
+    if (index < count)
+        buffer_format(&next, "%s x %.2g", name_of(precision, &cost[index]),
+                      cost[index].minimum / cost->minimum);
     cell_take(table, &next);
 }
 
-static void fewest_cell(const struct precision *precision, const struct precision_cost *cost, int count,
-                        struct text_table *table)
+static void fewest_cell(const struct precision *precision, const struct precision_cost *cost,
+                        int count, struct text_table *table)
 {
     const struct precision_cost *best = cost;
     for (int i = 1; i < count; i++)
@@ -119,16 +126,20 @@ static void fewest_cell(const struct precision *precision, const struct precisio
 }
 
 /* Which methods were left out of a row, and why. */
-static void put_left_out(const struct precision *precision, const bool *left_out, struct buffer *out)
+static void put_left_out(const struct precision *precision, const bool *left_out,
+                         struct buffer *out)
 {
     struct buffer names = {0};
     for (int c = 0; c < precision->curves; c++)
         if (left_out[c])
-            buffer_format(&names, "%s%s", names.len ? ", " : "", precision->curve[c].by.method->row.name);
+            buffer_format(&names, "%s%s", names.len ? ", " : "",
+                          precision->curve[c].by.method->row.name);
     if (names.len)
         buffer_format(out,
-                      "  not ranked after methods that have specialised code: %s, timed by the general code,\n"
-                      "  whose times do not compare; only where the general code is ahead all the same is it named\n",
+                      "  not ranked after methods that have specialised code: %s, timed by the "
+                      "general code,\n"
+                      "  whose times do not compare; only where the general code is ahead all the "
+                      "same is it named\n",
                       buffer_view(&names));
     buffer_free(&names);
 }
@@ -161,18 +172,21 @@ static void put_fastest(const struct precision *precision, struct arena *arena, 
     }
     if (table.cells == table.columns)
         return;
-    buffer_put(out, timed ? TEXT("fastest method for an error (= : the times [minimum, median] overlap)\n")
-                          : TEXT("cheapest method for an error\n"));
+    buffer_put(
+        out, timed ? TEXT("fastest method for an error (= : the times [minimum, median] overlap)\n")
+                   : TEXT("cheapest method for an error\n"));
     text_table_put(&table, out);
     put_left_out(precision, left_out, out);
 }
 
 /* ---- predicted against measured ---- */
 
-static void put_predictions(const struct precision *precision, struct arena *arena, struct buffer *out)
+static void put_predictions(const struct precision *precision, struct arena *arena,
+                            struct buffer *out)
 {
     static const int levels[] = {2, 4, 6, 8, 10};
-    struct text_table table = {.arena = arena, .columns = 1 + (int)COUNT_OF(levels), .gap = 2, .indent = 2};
+    struct text_table table = {
+        .arena = arena, .columns = 1 + (int)COUNT_OF(levels), .gap = 2, .indent = 2};
     if (!precision_predicts(&precision->system))
         return;
     cell_text(&table, "method");
@@ -197,7 +211,8 @@ static void put_predictions(const struct precision *precision, struct arena *are
     }
     if (table.cells == table.columns)
         return;
-    buffer_put(out, TEXT("evaluations for an error: predicted from the amplification matrix/measured\n"));
+    buffer_put(
+        out, TEXT("evaluations for an error: predicted from the amplification matrix/measured\n"));
     text_table_put(&table, out);
 }
 

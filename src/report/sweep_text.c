@@ -4,7 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { TABLE_ROWS = 40, MAP_MOST = 1 << 24 /* points */ };
+enum { TABLE_ROWS = 40, MAP_MAX = 1 << 24 /* points */ };
 
 static double value_at(const struct sweep *sweep, int64_t i, int measure)
 {
@@ -24,10 +24,10 @@ static enum quantity quantity_of(const struct swept *swept, int measure)
 /* The unit in which most values say something: that of the largest. */
 static const struct unit *unit_of(const double *value, size_t count, enum quantity quantity)
 {
-    double most = 0;
+    double max = 0;
     for (size_t i = 0; i < count; i++)
-        most = isfinite(value[i]) ? fmax(most, fabs(value[i])) : most;
-    return unit_display(quantity, quantity == QUANTITY_TIME && most >= 0.1 ? 1 : most);
+        max = isfinite(value[i]) ? fmax(max, fabs(value[i])) : max;
+    return unit_display(quantity, quantity == QUANTITY_TIME && max >= 0.1 ? 1 : max);
 }
 
 static const char *unit_name(const struct unit *unit, enum quantity quantity)
@@ -43,26 +43,30 @@ struct sweep_column {
     const struct unit *unit;
 };
 
-static void put_number(struct text_table *table, const struct sweep_column *column, int64_t i, int digits)
+static void put_number(struct text_table *table, const struct sweep_column *column, int64_t i,
+                       int digits)
 {
     struct buffer text = {0};
     if (isfinite(column->value[i]))
-        buffer_short(&text, column->value[i] / (column->unit ? column->unit->factor : 1) + 0.0, digits);
+        buffer_short(&text, column->value[i] / (column->unit ? column->unit->factor : 1) + 0.0,
+                     digits);
     else
         buffer_char(&text, '-');
     cell_take(table, &text);
 }
 
-static bool fill_column(const struct swept *swept, int place, struct arena *arena, struct sweep_column *column)
+static bool fill_column(const struct swept *swept, int index, struct arena *arena,
+                        struct sweep_column *column)
 {
     const struct sweep *sweep = swept->sweep;
-    const int measure = place - sweep->axes;
+    const int measure = index - sweep->axes;
     double *value = arena_array(arena, (size_t)sweep->count + 1, sizeof *value);
     for (int64_t i = 0; value && i < sweep->count; i++)
-        value[i] = measure < 0 ? place_at(sweep, place, i) : value_at(sweep, i, measure);
+        value[i] = measure < 0 ? place_at(sweep, index, i) : value_at(sweep, i, measure);
     column->value = value;
-    column->name = measure < 0 ? sweep->axis[place].name : sweep_measure_name(&swept->measure[measure]);
-    column->quantity = measure < 0 ? sweep->axis[place].quantity : quantity_of(swept, measure);
+    column->name =
+        measure < 0 ? sweep->axis[index].name : sweep_measure_name(&swept->measure[measure]);
+    column->quantity = measure < 0 ? sweep->axis[index].quantity : quantity_of(swept, measure);
     column->unit = value ? unit_of(value, (size_t)sweep->count, column->quantity) : NULL;
     return value != NULL;
 }
@@ -78,7 +82,8 @@ static void put_table(const struct session *session, const struct swept *swept, 
     struct sweep_column column[2 + SWEEP_MEASURES];
     int width, height;
     session_size(session, &width, &height);
-    struct text_table table = {.arena = arena, .columns = columns + failures, .gap = 3, .most = width};
+    struct text_table table = {
+        .arena = arena, .columns = columns + failures, .gap = 3, .max = width};
     for (int c = 0; c < columns; c++) {
         if (!fill_column(swept, c, arena, &column[c]))
             return;
@@ -99,7 +104,8 @@ static void put_table(const struct session *session, const struct swept *swept, 
     }
     text_table_put(&table, text);
     if (every > 1)
-        buffer_format(text, "(every %lld%s point; all of them: export FILE table)\n", (long long)every,
+        buffer_format(text, "(every %lld%s point; all of them: export FILE table)\n",
+                      (long long)every,
                       every == 2   ? "nd"
                       : every == 3 ? "rd"
                                    : "th");
@@ -125,8 +131,8 @@ static bool spans_decades(const double *value, size_t count)
     return low > 0 && high > 300 * low;
 }
 
-static void put_curve(const struct session *session, const struct swept *swept, int measure, struct arena *arena,
-                      struct buffer *text)
+static void put_curve(const struct session *session, const struct swept *swept, int measure,
+                      struct arena *arena, struct buffer *text)
 {
     const struct sweep *sweep = swept->sweep;
     const size_t n = (size_t)sweep->count;
@@ -153,19 +159,21 @@ static void put_curve(const struct session *session, const struct swept *swept, 
                                   .curve = &curve,
                                   .curves = 1};
     session_size(session, &width, &height);
-    figure_print(&figure, width, height - 4 > 8 ? height - 4 : 8, session_charset(session), false, text);
+    figure_print(&figure, width, height - 4 > 8 ? height - 4 : 8, session_charset(session), false,
+                 text);
 }
 
 /* A shard has gaps where the others belong. */
-static void put_map(const struct session *session, const struct swept *swept, int measure, struct arena *arena,
-                    struct buffer *text)
+static void put_map(const struct session *session, const struct swept *swept, int measure,
+                    struct arena *arena, struct buffer *text)
 {
     const struct sweep *sweep = swept->sweep;
     const struct sweep_axis *across = &sweep->axis[0], *up = &sweep->axis[1];
     const size_t n = (size_t)sweep->total;
-    if (n > MAP_MOST)
+    if (n > MAP_MAX)
         return;
-    double *value = arena_array(arena, n, sizeof *value), *x = axis_values(across, arena), *y = axis_values(up, arena);
+    double *value = arena_array(arena, n, sizeof *value), *x = axis_values(across, arena),
+           *y = axis_values(up, arena);
     int width, height;
     if (!value || !x || !y)
         return;
@@ -181,7 +189,8 @@ static void put_map(const struct session *session, const struct swept *swept, in
         .title = sweep_measure_name(&swept->measure[measure]),
         .unit = unit_name(unit, quantity),
         .factor = unit ? unit->factor : 1,
-        .x = {across->name, unit_name(x_unit, across->quantity), x_unit ? x_unit->factor : 1, x, across->count},
+        .x = {across->name, unit_name(x_unit, across->quantity), x_unit ? x_unit->factor : 1, x,
+              across->count},
         .y = {up->name, unit_name(y_unit, up->quantity), y_unit ? y_unit->factor : 1, y, up->count},
         .value = value};
     session_size(session, &width, &height);
@@ -210,11 +219,12 @@ static void put_watched(const struct swept *swept, struct buffer *text)
         first = first ? first : name;
     }
     if (first)
-        buffer_format(text, ": of %s, the first variable; 'measure=%s(%s)' of another\n", model->variable[0].name,
-                      first, model->variable[1].name);
+        buffer_format(text, ": of %s, the first variable; 'measure=%s(%s)' of another\n",
+                      model->variable[0].name, first, model->variable[1].name);
 }
 
-void sweep_text(const struct session *session, const struct swept *swept, struct arena *arena, struct buffer *text)
+void sweep_text(const struct session *session, const struct swept *swept, struct arena *arena,
+                struct buffer *text)
 {
     const struct sweep *sweep = swept->sweep;
     if (sweep->axes == 1)
@@ -222,10 +232,11 @@ void sweep_text(const struct session *session, const struct swept *swept, struct
     for (int m = 0; m < sweep->measures; m++)
         if (has_values(sweep, m))
             (sweep->axes == 1 ? put_curve : put_map)(session, swept, m, arena, text);
-        else if (swept->measure[m].kind == SWEEP_PERIOD && sweep->finished > sweep->failed + sweep->refused)
-            buffer_put(text,
-                       TEXT("no period: the last third of the duration has fewer than two maxima; give it a longer "
-                            "duration\n"));
+        else if (swept->measure[m].kind == SWEEP_PERIOD &&
+                 sweep->finished > sweep->failed + sweep->refused)
+            buffer_put(text, TEXT("no period: the last third of the duration has fewer than two "
+                                  "maxima; give it a longer "
+                                  "duration\n"));
     buffer_format(text, "%lld of %lld point%s", (long long)sweep->finished, (long long)sweep->count,
                   sweep->count == 1 ? "" : "s");
     if (sweep->count < sweep->total)
@@ -237,9 +248,11 @@ void sweep_text(const struct session *session, const struct swept *swept, struct
     buffer_format(text, ", %d thread%s\n", sweep->threads, sweep->threads == 1 ? "" : "s");
     put_watched(swept, text);
     if (sweep->failed > 0)
-        buffer_format(text, "%lld did not get to the end (diverged and the like)\n", (long long)sweep->failed);
+        buffer_format(text, "%lld did not get to the end (diverged and the like)\n",
+                      (long long)sweep->failed);
     if (sweep->refused > 0)
-        buffer_format(text, "%lld refused, the first because %s\n", (long long)sweep->refused, sweep->reason);
+        buffer_format(text, "%lld refused, the first because %s\n", (long long)sweep->refused,
+                      sweep->reason);
 }
 
 bool sweep_table(const struct swept *swept, struct export *export, struct error *error)

@@ -2,18 +2,17 @@
 #include <hooke/report.h>
 #include <hooke/session/log.h>
 
-
 #include <math.h>
 #include <stdlib.h>
 
-#define KEYS_MOST (PARAM_MAX + 16 + 2 * LIMIT_RUNS)
+#define KEYS_MAX (PARAM_MAX + 16 + 2 * LIMIT_RUNS)
 
 void keys_add(struct keys *keys, const char *name, struct buffer *value)
 {
     const char *copy = value->failed ? NULL : arena_text(keys->arena, buffer_text(value));
     const char *key = arena_text(keys->arena, text_of(name));
     buffer_free(value);
-    if (!copy || !key || keys->count == KEYS_MOST)
+    if (!copy || !key || keys->count == KEYS_MAX)
         keys->failed = true;
     else
         keys->key[keys->count++] = (struct table_key){key, copy};
@@ -37,7 +36,8 @@ static void put_method(const struct run *run, struct buffer *value)
         buffer_quantity(value, run->settings.dt, QUANTITY_TIME, 0);
     }
     if (run->settings.drag != DRAG_DEFAULT && run->system.velocity)
-        buffer_format(value, " drag=%s", catalog_row(&drag_catalog, (size_t)run->settings.drag - 1)->name);
+        buffer_format(value, " drag=%s",
+                      catalog_row(&drag_catalog, (size_t)run->settings.drag - 1)->name);
 }
 
 void keys_add_scene(struct keys *keys, const struct scene *scene)
@@ -58,29 +58,30 @@ void keys_add_scene(struct keys *keys, const struct scene *scene)
     for (size_t i = 0; i < scene_params(scene)->count; i++) {
         const struct param_row *param = param_at(scene, (int)i);
         struct buffer value = {0};
-        buffer_exact(&value, (struct measured){scene->value[i], scene->uncertainty[i]}, param->quantity);
+        buffer_exact(&value, (struct measured){scene->value[i], scene->uncertainty[i]},
+                     param->quantity);
         keys_add(keys, param->row.name, &value);
     }
 }
 
 /* "gamma 0.1 1/s at t = 3.2 s; k 16 N/m at t = 4 s; 12 by events" */
-static void add_changes(struct keys *keys, const char *name, const struct held_run *held)
+static void add_changes(struct keys *keys, const char *name, const struct run_slot *slot)
 {
     struct buffer value = {0};
-    const struct leg **list;
+    const struct request **list;
     int by_events = 0, count;
-    if (!journal_list(held->last, 0, &list, &count))
+    if (!journal_list(slot->last, 0, &list, &count))
         value.failed = true;
     for (int i = 0; i < count; i++) {
-        const struct leg *leg = list[i];
-        const bool changes = leg->kind == LEG_SET || leg->kind == LEG_KICK;
-        by_events += changes && leg->by_event;
-        if (!changes || leg->by_event)
+        const struct request *request = list[i];
+        const bool changes = request->kind == REQUEST_SET || request->kind == REQUEST_KICK;
+        by_events += changes && request->by_event;
+        if (!changes || request->by_event)
             continue;
         buffer_put(&value, value.len ? TEXT("; ") : TEXT(""));
-        journal_put_change(held->run, leg, &value);
+        journal_put_change(slot->run, request, &value);
         buffer_put(&value, TEXT(" at t = "));
-        buffer_real(&value, leg->from_t);
+        buffer_real(&value, request->from_t);
         buffer_put(&value, TEXT(" s"));
     }
     free(list);
@@ -90,38 +91,38 @@ static void add_changes(struct keys *keys, const char *name, const struct held_r
         keys_add(keys, name, &value);
 }
 
-void keys_add_runs(struct keys *keys, const struct session *session, const int *place, int count)
+void keys_add_runs(struct keys *keys, const struct session *session, const int *index, int count)
 {
-    const struct run *one = session->run[place[0]]->run;
+    const struct run *one = session->run[index[0]]->run;
     keys_add_scene(keys, &one->scene);
     for (int i = 0; i < count; i++) {
-        const struct held_run *held = session->run[place[i]];
+        const struct run_slot *slot = session->run[index[i]];
         struct buffer name = {0}, value = {0};
         if (count > 1)
-            buffer_format(&name, "run %d", held->run->number);
+            buffer_format(&name, "run %d", slot->run->number);
         else
             buffer_put(&name, TEXT("method"));
-        put_method(held->run, &value);
-        if (count > 1 && held->run->name[0])
-            buffer_format(&value, " (%s)", held->run->name);
+        put_method(slot->run, &value);
+        if (count > 1 && slot->run->name[0])
+            buffer_format(&value, " (%s)", slot->run->name);
         keys_add(keys, buffer_view(&name), &value);
         buffer_clear(&name);
         if (count > 1)
-            buffer_format(&name, "run %d ", held->run->number);
+            buffer_format(&name, "run %d ", slot->run->number);
         buffer_put(&name, TEXT("changed"));
-        add_changes(keys, buffer_view(&name), held);
+        add_changes(keys, buffer_view(&name), slot);
         buffer_free(&name);
     }
     if (count == 1 && one->name[0])
         keys_add_text(keys, "name", one->name);
-    if (count == 1 && session->run[place[0]]->note)
-        keys_add_text(keys, "note", session->run[place[0]]->note);
+    if (count == 1 && session->run[index[0]]->note)
+        keys_add_text(keys, "note", session->run[index[0]]->note);
 }
 
 bool keys_begin(struct keys *keys, struct export *export, struct error *error)
 {
     *keys = (struct keys){.arena = export->arena};
-    keys->key = arena_array(export->arena, KEYS_MOST, sizeof *keys->key);
+    keys->key = arena_array(export->arena, KEYS_MAX, sizeof *keys->key);
     if (!keys->key)
         return error_memory(error);
     keys_add_text(keys, "hooke", HOOKE_VERSION);
@@ -135,11 +136,12 @@ bool keys_finish(const struct keys *keys, struct export *export, struct error *e
     return !keys->failed || error_memory(error);
 }
 
-bool export_run_keys(const struct session *session, int place, struct export *export, struct error *error)
+bool export_run_keys(const struct session *session, int index, struct export *export,
+                     struct error *error)
 {
     struct keys keys;
     if (!keys_begin(&keys, export, error))
         return false;
-    keys_add_runs(&keys, session, &place, 1);
+    keys_add_runs(&keys, session, &index, 1);
     return keys_finish(&keys, export, error);
 }

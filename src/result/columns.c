@@ -183,13 +183,13 @@ static void put_cell(const struct result_column *column, const void *row, struct
 
 /* The columns for people in their order; places are small, and each is taken once. */
 static int columns_shown(const struct result_columns *columns, const void *rows, size_t count,
-                         bool wide, const struct result_column *shown[TABLE_COLUMNS_MOST])
+                         bool wide, const struct result_column *shown[TABLE_COLUMNS_MAX])
 {
     int used = 0;
-    for (int place = 1; place <= TABLE_COLUMNS_MOST; place++)
+    for (int index = 1; index <= TABLE_COLUMNS_MAX; index++)
         for (const struct result_column *c = columns->column; c < columns->column + columns->count;
              c++)
-            if (c->place == place && used < TABLE_COLUMNS_MOST &&
+            if (c->index == index && used < TABLE_COLUMNS_MAX &&
                 is_shown(columns, c, rows, count, wide))
                 shown[used++] = c;
     return used;
@@ -198,7 +198,7 @@ static int columns_shown(const struct result_columns *columns, const void *rows,
 void columns_text(const struct result_columns *columns, const void *rows, size_t count, bool wide,
                   struct text_table *table)
 {
-    const struct result_column *shown[TABLE_COLUMNS_MOST];
+    const struct result_column *shown[TABLE_COLUMNS_MAX];
     table->columns = columns_shown(columns, rows, count, wide, shown);
     for (int c = 0; c < table->columns; c++)
         cell_text(table, shown[c]->head && count > 0 ? shown[c]->head(rows) : shown[c]->heading);

@@ -22,19 +22,24 @@ static const struct {
 
 static const char style[] =
     "@page { size: A4; margin: 18mm }\n"
-    "body { font: 11pt/1.45 sans-serif; color: #111; background: #fff; max-width: 46em; margin: 2em auto; "
+    "body { font: 11pt/1.45 sans-serif; color: #111; background: #fff; max-width: 46em; margin: "
+    "2em auto; "
     "padding: 0 1em }\n"
-    "h1 { font-size: 1.6em } h2 { border-bottom: 1px solid #999; margin-top: 2em } h3 { margin-top: 1.6em }\n"
+    "h1 { font-size: 1.6em } h2 { border-bottom: 1px solid #999; margin-top: 2em } h3 { "
+    "margin-top: 1.6em }\n"
     "h1, h2, h3, h4 { line-height: 1.25; break-after: avoid }\n"
     "table { border-collapse: collapse; margin: 1em 0; font-size: 0.9em }\n"
-    "th, td { border-bottom: 1px solid #ccc; padding: 0.2em 0.9em 0.2em 0; text-align: left; vertical-align: top }\n"
+    "th, td { border-bottom: 1px solid #ccc; padding: 0.2em 0.9em 0.2em 0; text-align: left; "
+    "vertical-align: top }\n"
     "thead th { border-bottom: 1px solid #333 } tr { break-inside: avoid }\n"
-    "section { break-inside: avoid } figure { margin: 1.2em 0 0.2em; break-after: avoid; break-inside: avoid } img { "
+    "section { break-inside: avoid } figure { margin: 1.2em 0 0.2em; break-after: avoid; "
+    "break-inside: avoid } img { "
     "width: 100%; max-width: 40em; height: auto }\n"
     "pre { font: 8pt/1.15 monospace; overflow: auto }\n"
     "code { font-family: monospace; overflow-wrap: anywhere }\n"
     ".answer { border: 1px solid #bbb; min-height: 7em; margin: 0.5em 0 1.5em}\n"
-    "@media print { pre { white-space: pre-wrap } body { margin: 0; padding: 0; max-width: none; font-size: 10pt } }\n";
+    "@media print { pre { white-space: pre-wrap } body { margin: 0; padding: 0; max-width: none; "
+    "font-size: 10pt } }\n";
 
 /* ---- escaping ---- */
 
@@ -85,7 +90,9 @@ static void put_many(struct buffer *out, char c, size_t count)
 
 void document_begin(struct document *document, const char *title)
 {
-    buffer_put(&document->html, TEXT("<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<title>"));
+    buffer_put(
+        &document->html,
+        TEXT("<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<title>"));
     put_html(&document->html, text_of(title));
     buffer_put(&document->html, TEXT("</title>\n<style>\n"));
     buffer_put(&document->html, TEXT(style));
@@ -139,8 +146,8 @@ void document_say(struct document *document, const char *format, ...)
 }
 
 /*
- * In Markdown between more backticks than it holds itself, so that it cannot end its own quotation. A table cell ends
- * at a bar even there, unless it is escaped, and the escape is taken away.
+ * In Markdown between more backticks than it holds itself, so that it cannot end its own quotation.
+ * A table cell ends at a bar even there, unless it is escaped, and the escape is taken away.
  */
 void document_name(struct document *document, struct text name)
 {
@@ -186,14 +193,16 @@ void document_heading_ends(struct document *document)
     buffer_put(&document->html, TEXT("</thead>\n<tbody>\n"));
 }
 
-void document_figure(struct document *document, const char *picture, const char *alternative, struct text text)
+void document_figure(struct document *document, const char *picture, const char *alternative,
+                     struct text text)
 {
     if (!picture) {
         document_code(document, text);
         return;
     }
     buffer_format(&document->md, "![%s](%s)\n\n", alternative, picture);
-    buffer_format(&document->html, "<figure><img src=\"%s\" alt=\"%s\"></figure>\n", picture, alternative);
+    buffer_format(&document->html, "<figure><img src=\"%s\" alt=\"%s\"></figure>\n", picture,
+                  alternative);
 }
 
 void document_code(struct document *document, struct text code)

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* How an error is shown: position, line, caret, hint; or one JSON object. Every error of the language goes through here
- * once. */
+/* How an error is shown: position, line, caret, hint; or one JSON object. Every error of the
+ * language goes through here once. */
 #include <hooke/result.h>
 
 #include <string.h>
@@ -46,7 +46,8 @@ static struct text clip_to(struct text text, size_t width)
     size_t len = 0, columns = 0;
     while (len < text.len) {
         size_t used;
-        const int w = codepoint_width(text_codepoint((struct text){text.at + len, text.len - len}, &used));
+        const int w =
+            codepoint_width(text_codepoint((struct text){text.at + len, text.len - len}, &used));
         if (columns + (size_t)w > width)
             break;
         columns += (size_t)w;
@@ -60,10 +61,12 @@ static void put_caret(struct buffer *out, struct text line, struct text where)
     const struct text whole_head = {line.at, (size_t)(where.at - line.at)};
     /* A line of a megabyte is only scanned near the caret. */
     const size_t near = 4 * SHOWN_WIDTH;
-    const struct text head_near = whole_head.len > near ? (struct text){where.at - near, near} : whole_head;
+    const struct text head_near =
+        whole_head.len > near ? (struct text){where.at - near, near} : whole_head;
     const struct text head = clip_from(head_near, SHOWN_WIDTH / 2);
     const struct text tail = {where.at, line.len - whole_head.len};
-    const struct text shown = clip_to((struct text){tail.at, tail.len < near ? tail.len : near}, SHOWN_WIDTH);
+    const struct text shown =
+        clip_to((struct text){tail.at, tail.len < near ? tail.len : near}, SHOWN_WIDTH);
     struct buffer before = {0}, under = {0};
     put_visible(&before, head);
     put_visible(&under, (struct text){where.at, where.len < shown.len ? where.len : shown.len});
@@ -83,7 +86,8 @@ static void put_caret(struct buffer *out, struct text line, struct text where)
     buffer_free(&under);
 }
 
-static void put_json(struct buffer *out, const struct error *error, const struct source *where, size_t column)
+static void put_json(struct buffer *out, const struct error *error, const struct source *where,
+                     size_t column)
 {
     buffer_put(out, TEXT("{\"kind\":\"error\",\"code\":"));
     buffer_json_text(out, text_of(error_name(error->code)));
@@ -110,8 +114,8 @@ static void put_json(struct buffer *out, const struct error *error, const struct
     buffer_put(out, TEXT("}\n"));
 }
 
-static void put_text(struct buffer *out, const struct error *error, const struct source *where, struct text line,
-                     size_t column)
+static void put_text(struct buffer *out, const struct error *error, const struct source *where,
+                     struct text line, size_t column)
 {
     if (where && where->name) {
         safe_text(out, text_of(where->name), false);
@@ -130,7 +134,8 @@ static void put_text(struct buffer *out, const struct error *error, const struct
         safe_text(out, text_of(error->hint), false);
         buffer_char(out, '\n');
     }
-    for (const struct source *parent = where ? where->parent : NULL; parent; parent = parent->parent)
+    for (const struct source *parent = where ? where->parent : NULL; parent;
+         parent = parent->parent)
         if (parent->name) {
             buffer_put(out, TEXT("  sourced at "));
             safe_text(out, text_of(parent->name), false);
@@ -139,7 +144,8 @@ static void put_text(struct buffer *out, const struct error *error, const struct
 }
 
 /* The line of the file that the error is in: its number, what stands there, the column. */
-static size_t place_of(const struct error *error, const struct source **where, struct source *own, struct text *line)
+static size_t place_of(const struct error *error, const struct source **where, struct source *own,
+                       struct text *line)
 {
     size_t column = column_of(*line, error->where);
     if (column == 0 || !*where || (*where)->pieces == 0)
@@ -156,7 +162,8 @@ static size_t place_of(const struct error *error, const struct source **where, s
     return column_of(*line, error->where) + (size_t)piece->indent;
 }
 
-void reply_error(struct reply *reply, const struct error *error, const struct source *where, struct text line)
+void reply_error(struct reply *reply, const struct error *error, const struct source *where,
+                 struct text line)
 {
     struct buffer out = {0};
     struct source own;

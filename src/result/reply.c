@@ -13,7 +13,8 @@ void reply_init(struct reply *reply, struct sink sink)
 
 void reply_free(struct reply *reply)
 {
-    struct buffer *const buffers[] = {&reply->json, &reply->header, &reply->row, &reply->lines, &reply->last_header};
+    struct buffer *const buffers[] = {&reply->json, &reply->header, &reply->row, &reply->lines,
+                                      &reply->last_header};
     for (size_t i = 0; i < COUNT_OF(buffers); i++)
         buffer_free(buffers[i]);
 }
@@ -24,7 +25,8 @@ static void write_out(struct reply *reply, struct text text)
         reply->failed = true;
 }
 
-/* The buffer as it is to the results; a buffer that ran out of memory counts as results that could not be written. */
+/* The buffer as it is to the results; a buffer that ran out of memory counts as results that could
+ * not be written. */
 static void flush_out(struct reply *reply, struct buffer *buffer)
 {
     if (buffer->failed)
@@ -65,7 +67,8 @@ void reply_data(struct reply *reply, struct text text)
     write_out(reply, text);
 }
 
-/* A formatted text with everything visible that could command a terminal, whatever was put into it. */
+/* A formatted text with everything visible that could command a terminal, whatever was put into it.
+ */
 static void put_safely(struct buffer *out, const char *format, va_list args) PRINTF_LIKE(2, 0);
 
 static void put_safely(struct buffer *out, const char *format, va_list args)
@@ -166,7 +169,8 @@ static void put_cell(struct reply *reply, const char *key, struct text value)
     if (reply->header.len > 0)
         buffer_char(row, ',');
     put_path(reply, key);
-    bool quote = value.len > 0 && strchr("=+-@", value.at[0]) && (value.len < 2 || !strchr("0123456789.", value.at[1]));
+    bool quote = value.len > 0 && strchr("=+-@", value.at[0]) &&
+                 (value.len < 2 || !strchr("0123456789.", value.at[1]));
     for (size_t i = 0; i < value.len; i++)
         quote |= strchr(special, value.at[i]) != NULL;
     if (quote)
@@ -281,7 +285,8 @@ void reply_in_unit(struct reply *reply, const char *key, struct measured value, 
     reply_close(reply);
 }
 
-void reply_measured(struct reply *reply, const char *key, struct measured value, enum quantity quantity)
+void reply_measured(struct reply *reply, const char *key, struct measured value,
+                    enum quantity quantity)
 {
     reply_in_unit(reply, key, value, quantity_unit(quantity));
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Tables to files: CSV and TSV with "# key = value" lines and a header with units, JSON as one object, Markdown. The
- * text goes out in chunks, so that a large table needs no memory for itself.
+ * Tables to files: CSV and TSV with "# key = value" lines and a header with units, JSON as one
+ * object, Markdown. The text goes out in chunks, so that a large table needs no memory for itself.
  */
 #include <hooke/result.h>
 
@@ -11,10 +11,13 @@
 #define CHUNK 65536u /* [byte] */
 
 static const struct row rows[] = {
-    [TABLE_CSV] = {"csv", "", "comma-separated values, with the set-up as # lines", "RFC 4180", NULL},
+    [TABLE_CSV] = {"csv", "", "comma-separated values, with the set-up as # lines", "RFC 4180",
+                   NULL},
     [TABLE_TSV] = {"tsv", "", "the same with tabs", "", NULL},
-    [TABLE_JSON] = {"json", "", "one JSON object: keys, columns with their values", "RFC 8259", NULL},
-    [TABLE_MARKDOWN] = {"md", "", "a table in Markdown, below a list of the set-up", "GitHub Flavored Markdown", NULL},
+    [TABLE_JSON] = {"json", "", "one JSON object: keys, columns with their values", "RFC 8259",
+                    NULL},
+    [TABLE_MARKDOWN] = {"md", "", "a table in Markdown, below a list of the set-up",
+                        "GitHub Flavored Markdown", NULL},
 };
 
 const struct catalog table_format_catalog = CATALOG("table format", rows);
@@ -24,9 +27,9 @@ struct outlet {
     struct writer *writer; /* NULL: everything stays in `text` */
 };
 
-static void pass_on(struct outlet *sink, size_t most)
+static void pass_on(struct outlet *sink, size_t max)
 {
-    if (!sink->writer || sink->text->len <= most || sink->text->failed)
+    if (!sink->writer || sink->text->len <= max || sink->text->failed)
         return;
     writer_put(sink->writer, buffer_text(sink->text));
     buffer_clear(sink->text);
@@ -34,8 +37,8 @@ static void pass_on(struct outlet *sink, size_t most)
 
 /* ---- CSV, TSV ---- */
 
-/* Quoted where it holds a separator, a quote or a line end; what a spreadsheet would run as a formula gets a ' in
- * front. */
+/* Quoted where it holds a separator, a quote or a line end; what a spreadsheet would run as a
+ * formula gets a ' in front. */
 static void put_cell(struct buffer *out, struct text cell, char separator)
 {
     const bool formula = cell.len > 0 && memchr("=+-@\t\r", cell.at[0], 6);
@@ -105,7 +108,8 @@ void buffer_json_text(struct buffer *out, struct text text)
     buffer_char(out, '"');
     for (size_t used; text.len > 0; text.at += used, text.len -= used) {
         const uint32_t codepoint = text_codepoint(text, &used);
-        const char *special = codepoint < 0x80 && codepoint > 0 ? strchr(escaped, (char)codepoint) : NULL;
+        const char *special =
+            codepoint < 0x80 && codepoint > 0 ? strchr(escaped, (char)codepoint) : NULL;
         if (special)
             buffer_format(out, "\\%c", letters[special - escaped]);
         else if (codepoint > 0xFFFF && codepoint_hidden(codepoint)) /* a pair of surrogates */
@@ -234,8 +238,8 @@ void table_format(const struct table *table, enum table_format format, struct bu
     put_table(table, format, &(struct outlet){out, NULL});
 }
 
-bool table_write(const struct table *table, enum table_format format, const char *path, struct write_policy policy,
-                 struct error *error)
+bool table_write(const struct table *table, enum table_format format, const char *path,
+                 struct write_policy policy, struct error *error)
 {
     struct writer writer;
     struct buffer text = {0};

@@ -6,9 +6,9 @@
 
 void cell_text(struct text_table *table, const char *text)
 {
-    if (table->cells == table->room) {
-        const int room = table->room ? 2 * table->room : 64;
-        const char **grown = arena_array(table->arena, (size_t)room, sizeof *grown);
+    if (table->cells == table->capacity) {
+        const int capacity = table->capacity ? 2 * table->capacity : 64;
+        const char **grown = arena_array(table->arena, (size_t)capacity, sizeof *grown);
         if (!grown) {
             table->failed = true;
             return;
@@ -16,7 +16,7 @@ void cell_text(struct text_table *table, const char *text)
         if (table->cells)
             memcpy(grown, table->cell, (size_t)table->cells * sizeof *grown);
         table->cell = grown;
-        table->room = room;
+        table->capacity = capacity;
     }
     const char *copy = arena_text(table->arena, text_of(text));
     table->failed |= !copy;
@@ -72,7 +72,7 @@ const char *cell_last(const struct text_table *table)
 
 void text_table_put(const struct text_table *table, struct buffer *out)
 {
-    int width[TABLE_COLUMNS_MOST] = {0};
+    int width[TABLE_COLUMNS_MAX] = {0};
     for (int i = 0; i < table->cells; i++) {
         const int w = text_width(text_of(table->cell[i]));
         int *column = &width[i % table->columns];
@@ -81,7 +81,7 @@ void text_table_put(const struct text_table *table, struct buffer *out)
     int gap = table->gap, wide = table->indent;
     for (int column = 0; column < table->columns; column++)
         wide += width[column] + (column > 0 ? gap : 0);
-    for (; table->most > 0 && wide > table->most && gap > 1; gap--)
+    for (; table->max > 0 && wide > table->max && gap > 1; gap--)
         wide -= table->columns - 1;
     for (int i = 0; i < table->cells; i++) {
         const int column = i % table->columns;
@@ -89,7 +89,8 @@ void text_table_put(const struct text_table *table, struct buffer *out)
             buffer_char(out, ' ');
         buffer_put(out, text_of(table->cell[i]));
         const bool last = column == table->columns - 1;
-        for (int pad = text_width(text_of(table->cell[i])); !last && pad < width[column] + gap; pad++)
+        for (int pad = text_width(text_of(table->cell[i])); !last && pad < width[column] + gap;
+             pad++)
             buffer_char(out, ' ');
         /* No blanks at the end of a line. */
         while (last && out->len > 0 && !out->failed && out->data[out->len - 1] == ' ')

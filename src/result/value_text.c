@@ -11,11 +11,13 @@ static const struct unit *unit_for(enum quantity quantity, double value)
     return unit_display(quantity, quantity == QUANTITY_TIME && fabs(value) >= 0.1 ? 1 : value);
 }
 
-void buffer_measured(struct buffer *buffer, struct measured value, enum quantity quantity, int digits)
+void buffer_measured(struct buffer *buffer, struct measured value, enum quantity quantity,
+                     int digits)
 {
     const struct unit *unit = unit_for(quantity, value.value);
     const double factor = unit ? unit->factor : 1, shown = value.value / factor + 0.0; /* no -0 */
-    /* An uncertainty below the digits shown (of a simulation: rounding) says nothing to a person. */
+    /* An uncertainty below the digits shown (of a simulation: rounding) says nothing to a person.
+     */
     if (value.uncertainty > 0 && value.uncertainty > pow(10, -digits) * fabs(value.value))
         buffer_uncertain(buffer, shown, value.uncertainty / factor);
     else

@@ -5,31 +5,36 @@
 #include <float.h>
 #include <math.h>
 
-/* Between two looks at the clock and at cancellation pass this many steps and about this much time. */
+/* Between two looks at the clock and at cancellation pass this many steps and about this much time.
+ */
 #define BATCH_MAX 4096
-#define BATCH_NS_LEAST 200000
-#define BATCH_NS_MOST 800000
+#define BATCH_NS_MIN 200000
+#define BATCH_NS_MAX 800000
 
-static bool holds(const struct leg *leg)
+static bool holds(const struct segment *segment)
 {
-    const struct condition *condition = leg->target->condition;
-    return condition_holds(condition, condition_value(condition, leg->target->scope));
+    const struct condition *condition = segment->target->condition;
+    return condition_holds(condition, condition_value(condition, segment->target->scope));
 }
 
 static bool same_time(double a, double b)
 {
-    return isfinite(b) && fabs(a - b) <= 4 * DBL_EPSILON * fmax(fabs(a), fabs(b)); /* HUGE_VAL is no time */
+    return isfinite(b) &&
+           fabs(a - b) <= 4 * DBL_EPSILON * fmax(fabs(a), fabs(b)); /* HUGE_VAL is no time */
 }
 
-static enum stop leg_begin(struct run *run, const struct run_target *target, struct leg *leg)
+static enum stop segment_begin(struct run *run, const struct run_target *target,
+                               struct segment *segment)
 {
     struct run_private *p = run->private_state;
-    *leg = (struct leg){.target = target, .limit = target->steps < 0 ? INT64_MAX : run->steps + target->steps};
+    *segment = (struct segment){
+        .target = target, .limit = target->steps < 0 ? INT64_MAX : run->steps + target->steps};
     if (target->t == run->t || same_time(run->t, target->t)) {
         run->t = target->t;
         return STOP_END;
     }
-    if (!trace_reserve_grids(run->trace, 3)) /* a turn now, a partial step at the end, going back into a step */
+    if (!trace_reserve_grids(run->trace,
+                             3)) /* a turn now, a partial step at the end, going back into a step */
         return STOP_FULL;
     method_choose_kernels(run->method, &p->step, run->settings.kernel != KERNEL_GENERAL);
     double h = copysign(run->settings.dt, target->t - run->t);
@@ -40,20 +45,20 @@ static enum stop leg_begin(struct run *run, const struct run_target *target, str
             trace_regrid(run->trace, (struct grid){.first = run->steps, .origin = run->t, .h = h});
             p->step.warm = false;
         }
-        leg->grid = *trace_grid(run->trace);
-        struct stretch stretch = stretch_measure(leg->grid.origin, target->t, run->settings.dt);
-        leg->last = leg->grid.first + stretch.whole;
-        leg->rest = stretch.partial;
-        leg->exact = stretch.exact;
-        int64_t end = leg->last + (stretch.partial != 0);
-        leg->limit = end < leg->limit ? end : leg->limit;
+        segment->grid = *trace_grid(run->trace);
+        struct stretch stretch = stretch_measure(segment->grid.origin, target->t, run->settings.dt);
+        segment->last = segment->grid.first + stretch.whole;
+        segment->rest = stretch.partial;
+        segment->exact = stretch.exact;
+        int64_t end = segment->last + (stretch.partial != 0);
+        segment->limit = end < segment->limit ? end : segment->limit;
     }
     if (run->trace->interval > 0) {
         trace_aim(run->trace, run->t, h);
-        leg->between = run->plan.adaptive || !trace_in_step(run->trace);
+        segment->between = run->plan.adaptive || !trace_in_step(run->trace);
     }
-    leg->armed = target->condition && !holds(leg);
-    return events_begin(run, leg) ? STOP_NONE : STOP_FULL;
+    segment->armed = target->condition && !holds(segment);
+    return events_begin(run, segment) ? STOP_NONE : STOP_FULL;
 }
 
 bool run_in_bounds(const struct run *run, const double *y)
@@ -86,7 +91,7 @@ static enum step_status step_cold(struct run *run, double t, double h)
 /* Steps of the method from where one began, over less. */
 struct part {
     struct run *run;
-    const struct leg *leg;
+    const struct segment *segment;
     double t;
     bool failed;
 };
@@ -98,24 +103,29 @@ static double condition_after(void *context, double h)
     restore(run);
     part->failed = part->failed || (h != 0 && step_cold(run, part->t, h) != STEP_OK);
     run->t = part->t + h;
-    return condition_value(part->leg->target->condition, part->leg->target->scope);
+    return condition_value(part->segment->target->condition, part->segment->target->scope);
 }
 
-#define CLOSE 1e-9 /* of a step: how far from where an interpolant has it the condition becomes true, at first */
+#define CLOSE                                                                                      \
+    1e-9 /* of a step: how far from where an interpolant has it the condition becomes true, at     \
+            first */
 
 /*
- * A stretch about `at` of the step over h at whose ends the condition is false, then true; *low = *high: there is none.
+ * A stretch about `at` of the step over h at whose ends the condition is false, then true; *low =
+ * *high: there is none.
  */
-static void enclose(struct part *part, double at, double h, double *low, double *f_low, double *high, double *f_high)
+static void enclose(struct part *part, double at, double h, double *low, double *f_low,
+                    double *high, double *f_high)
 {
-    const struct condition *condition = part->leg->target->condition;
+    const struct condition *condition = part->segment->target->condition;
     for (double apart = CLOSE;; apart *= 32) {
         const double a = at / h - apart, b = at / h + apart;
         *low = a > 0 ? a * h : 0;
         *high = b < 1 ? b * h : h;
         *f_low = condition_after(part, *low);
         *f_high = condition_after(part, *high);
-        if (part->failed || (!condition_holds(condition, *f_low) && condition_holds(condition, *f_high)))
+        if (part->failed ||
+            (!condition_holds(condition, *f_low) && condition_holds(condition, *f_high)))
             return;
         if (apart > 1)
             break;
@@ -124,14 +134,15 @@ static void enclose(struct part *part, double at, double h, double *low, double 
 }
 
 /*
- * The condition became true in the step from t over h, by an interpolant at the share theta: steps of the method itself
- * say where; the run is put there, where it holds. True if that is inside the step.
+ * The condition became true in the step from t over h, by an interpolant at the share theta: steps
+ * of the method itself say where; the run is put there, where it holds. True if that is inside the
+ * step.
  */
-static bool locate(struct run *run, const struct leg *leg, double t, double h, double theta)
+static bool locate(struct run *run, const struct segment *segment, double t, double h, double theta)
 {
     const size_t size = (size_t)run->system.n * sizeof *run->y;
     const double end = run->t, ulp = DBL_EPSILON * fmax(fabs(t), fabs(end));
-    struct part part = {run, leg, t, false};
+    struct part part = {run, segment, t, false};
     double found[LIMIT_VARIABLES], low, high, f_low, f_high, at = theta * h;
     memcpy(found, run->y, size);
     enclose(&part, at, h, &low, &f_low, &high, &f_high);
@@ -140,7 +151,8 @@ static bool locate(struct run *run, const struct leg *leg, double t, double h, d
             at = root_between(condition_after, &part, low, f_low, high, f_high, ulp);
         else
             at = low;
-        for (double more = ulp; !condition_holds(leg->target->condition, condition_after(&part, at)) && at != high;
+        for (double more = ulp;
+             !condition_holds(segment->target->condition, condition_after(&part, at)) && at != high;
              more *= 2)
             at = fabs(at + copysign(more, h)) < fabs(high) ? at + copysign(more, h) : high;
     }
@@ -156,40 +168,44 @@ static bool locate(struct run *run, const struct leg *leg, double t, double h, d
 }
 
 /* Does the run stop in the step because the condition became true? It is put there. */
-static bool meet(struct run *run, struct leg *leg, double t, double h, bool *inside)
+static bool meet(struct run *run, struct segment *segment, double t, double h, bool *inside)
 {
-    const bool now = holds(leg);
+    const bool now = holds(segment);
     double theta = 1;
     /* What no bounds can follow may be true all the same. */
-    const bool met = events_until(run, &theta) || (now && leg->armed && !events_stop(run));
+    const bool met = events_until(run, &theta) || (now && segment->armed && !events_stop(run));
     if (met) {
-        *inside |= locate(run, leg, t, h, theta);
+        *inside |= locate(run, segment, t, h, theta);
         events_until_at(run, theta);
     }
-    leg->armed |= !now;
+    segment->armed |= !now;
     return met;
 }
 
-/* One step of the method; *t, *h: where it began and how far it went, *end: the time to give its end. */
-static enum step_status step_once(struct run *run, const struct leg *leg, double *t, double *h, double *end)
+/* One step of the method; *t, *h: where it began and how far it went, *end: the time to give its
+ * end. */
+static enum step_status step_once(struct run *run, const struct segment *segment, double *t,
+                                  double *h, double *end)
 {
     struct step *step = &run->private_state->step;
     enum step_status status;
     if (run->plan.adaptive) {
         *t = step->t = run->t;
-        status = method_adapt(run->method, step, &run->controller, leg->target->t);
+        status = method_adapt(run->method, step, &run->controller, segment->target->t);
         *h = step->h;
-        *end = same_time(step->t, leg->target->t) ? leg->target->t : step->t;
+        *end = same_time(step->t, segment->target->t) ? segment->target->t : step->t;
         return status;
     }
-    *t = grid_time(&leg->grid, run->steps);
-    if (run->steps == leg->last) {
-        *h = leg->rest;
-        *end = leg->target->t;
+    *t = grid_time(&segment->grid, run->steps);
+    if (run->steps == segment->last) {
+        *h = segment->rest;
+        *end = segment->target->t;
         return step_cold(run, *t, *h);
     }
-    *h = leg->grid.h;
-    *end = leg->exact && run->steps + 1 == leg->last ? leg->target->t : grid_time(&leg->grid, run->steps + 1);
+    *h = segment->grid.h;
+    *end = segment->exact && run->steps + 1 == segment->last
+               ? segment->target->t
+               : grid_time(&segment->grid, run->steps + 1);
     step->t = *t;
     step->h = *h;
     return method_turning_step(run->method, step);
@@ -204,17 +220,17 @@ enum stop stop_of_step(enum step_status status)
     return stop[status];
 }
 
-static enum stop advance_step(struct run *run, struct leg *leg)
+static enum stop advance_step(struct run *run, struct segment *segment)
 {
     struct run_private *p = run->private_state;
-    if (run->steps >= leg->limit || run->t == leg->target->t)
+    if (run->steps >= segment->limit || run->t == segment->target->t)
         return STOP_END;
     double t, h, end, was = run->t;
     const struct controller controller = run->controller;
     copy_state(p->before, run->y, run->system.n);
     if (p->step.low)
         copy_state(p->low_before, p->step.low, run->system.n);
-    enum step_status status = step_once(run, leg, &t, &h, &end);
+    enum step_status status = step_once(run, segment, &t, &h, &end);
     if (status != STEP_OK) {
         p->step.warm = false;
         return stop_of_step(status);
@@ -224,65 +240,68 @@ static enum stop advance_step(struct run *run, struct leg *leg)
         run->controller = controller;
         return STOP_DIVERGED;
     }
-    bool off_grid = run->steps == leg->last, cold = !run->plan.adaptive, noticed = true;
+    bool off_grid = run->steps == segment->last, cold = !run->plan.adaptive, noticed = true;
     enum stop refused = STOP_NONE;
     run->steps++;
     run->t = end;
     enum stop stop = STOP_NONE;
-    if (leg->target->events > 0 || leg->target->condition)
-        noticed = events_find(run, leg, t, h);
-    if (leg->target->condition && noticed && meet(run, leg, t, h, &off_grid)) {
+    if (segment->target->events > 0 || segment->target->condition)
+        noticed = events_find(run, segment, t, h);
+    if (segment->target->condition && noticed && meet(run, segment, t, h, &off_grid)) {
         cold = true;
         stop = STOP_CONDITION;
     }
     if (run->trace->interval > 0)
         refused = even_record(run, cold, t, stop == STOP_CONDITION ? run->t - t : h);
-    if (leg->target->events > 0) {
+    if (segment->target->events > 0) {
         bool stops = false;
-        noticed = noticed && events_keep(run, leg, h, &stops);
+        noticed = noticed && events_keep(run, segment, h, &stops);
         off_grid |= stops;
         if (stops && run->trace->interval > 0)
             even_drop(run->trace, run->t);
         stop = stops ? STOP_CONDITION : stop;
     }
-    if (refused || !noticed || !ledger_ready(run, 1) || !trace_record(run->trace, run->steps, run->t, run->y)) {
+    if (refused || !noticed || !ledger_ready(run, 1) ||
+        !trace_record(run->trace, run->steps, run->t, run->y)) {
         restore(run);
         run->controller = controller;
         run->steps--;
         run->t = was;
-        happenings_truncate(run, 0);
+        event_records_truncate(run, 0);
         if (run->trace->interval > 0)
             even_drop(run->trace, was);
         return refused ? refused : STOP_FULL;
     }
     if (off_grid && !run->plan.adaptive) {
-        trace_regrid(run->trace, (struct grid){.first = run->steps, .origin = run->t, .h = leg->grid.h});
+        trace_regrid(run->trace,
+                     (struct grid){.first = run->steps, .origin = run->t, .h = segment->grid.h});
         p->step.warm = false;
     }
     ledger_take(run, run->y, 1);
     return stop == STOP_NONE && run->plan.adaptive && run_creeps(run) ? STOP_SINGULAR : stop;
 }
 
-bool run_advance(struct run *run, const struct run_target *target, int64_t budget_ns, const struct cancel *cancel)
+bool run_advance(struct run *run, const struct run_target *target, int64_t budget_ns,
+                 const struct cancel *cancel)
 {
     struct run_private *p = run->private_state;
-    struct leg leg;
+    struct segment segment;
     int64_t begin = clock_ns(), now = begin;
-    enum stop stop = leg_begin(run, target, &leg);
+    enum stop stop = segment_begin(run, target, &segment);
     bool more = false;
     while (stop == STOP_NONE && !more) {
         if (cancelled(cancel)) {
             stop = STOP_CANCELLED;
             break;
         }
-        if (!advance_many(run, &leg, &stop))
+        if (!advance_many(run, &segment, &stop))
             for (int64_t i = 0; i < p->batch && stop == STOP_NONE; i++)
-                stop = advance_step(run, &leg);
+                stop = advance_step(run, &segment);
         int64_t then = now;
         now = clock_ns();
-        if (now - then < BATCH_NS_LEAST && p->batch < BATCH_MAX)
+        if (now - then < BATCH_NS_MIN && p->batch < BATCH_MAX)
             p->batch *= 2;
-        else if (now - then > BATCH_NS_MOST && p->batch > 1)
+        else if (now - then > BATCH_NS_MAX && p->batch > 1)
             p->batch /= 2;
         more = stop == STOP_NONE && budget_ns > 0 && now - begin >= budget_ns;
     }

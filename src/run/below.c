@@ -5,11 +5,13 @@
 #include <float.h>
 #include <math.h>
 
-#define ADDED_UP 10   /* errors of steps come to about so many tolerances in a run */
-#define DIGIT 10       /* times the error: what is less has no first digit */
-#define PASSING 0.01 /* of the run: what would be above the tolerance within so long passes through 0 */
+#define ADDED_UP 10 /* errors of steps come to about so many tolerances in a run */
+#define DIGIT 10    /* times the error: what is less has no first digit */
+#define PASSING                                                                                    \
+    0.01 /* of the run: what would be above the tolerance within so long passes through 0 */
 
-/* What the error of variable i is known to be at the present state, or would be by its growth; 0: nothing. */
+/* What the error of variable i is known to be at the present state, or would be by its growth; 0:
+ * nothing. */
 static double known_error(const struct run *run, int i)
 {
     const struct opinion *opinion = &run->opinion;
@@ -19,7 +21,8 @@ static double known_error(const struct run *run, int i)
 int run_below_tolerance(const struct run *run, double *below)
 {
     const struct system *system = &run->system;
-    const double soon = PASSING * fabs(run->t - system->t0), tol = fmax(run->controller.tol, 10 * DBL_EPSILON);
+    const double soon = PASSING * fabs(run->t - system->t0),
+                 tol = fmax(run->controller.tol, 10 * DBL_EPSILON);
     double slope[LIMIT_VARIABLES];
     int count = 0;
     memset(below, 0, (size_t)system->n * sizeof *below);

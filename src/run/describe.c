@@ -59,7 +59,9 @@ static void describe_recognised(const struct system *system, struct buffer *text
         const char *before;
         double value;
         const char *after;
-    } more[] = {{", drag ", o->quadratic, " |v| v"}, {", constant ", -o->gravity, ""}, {", drive ", o->drive, ""}};
+    } more[] = {{", drag ", o->quadratic, " |v| v"},
+                {", constant ", -o->gravity, ""},
+                {", drive ", o->drive, ""}};
     for (size_t i = 0; i < COUNT_OF(more); i++)
         if (more[i].value != 0) {
             buffer_put(text, text_of(more[i].before));
@@ -73,14 +75,16 @@ static void describe_recognised(const struct system *system, struct buffer *text
     buffer_char(text, '\n');
 }
 
-static void describe_scene(const struct scene *scene, const struct system *system, struct buffer *text)
+static void describe_scene(const struct scene *scene, const struct system *system,
+                           struct buffer *text)
 {
     key(text, "scene");
     buffer_format(text, "%s: state", scene->preset ? scene->preset->row.name : "typed");
     for (int i = 0; i < system->n; i++)
         buffer_format(text, "%s %s", i ? "," : "", system_variable(system, i).name);
     buffer_format(text, "; %s, %s%s\n", system->linear ? "linear" : "not linear",
-                  system->autonomous ? "autonomous" : "driven by time", system->conservative ? ", conservative" : "");
+                  system->autonomous ? "autonomous" : "driven by time",
+                  system->conservative ? ", conservative" : "");
     for (int i = 0; i < system->terms; i++) {
         const struct row *row = &system->term[i].row->row;
         key(text, i ? "" : "terms");
@@ -102,21 +106,24 @@ static void describe_scene(const struct scene *scene, const struct system *syste
 
 #define TRIAL_STEPS 2000 /* over the number of variables: some milliseconds */
 
-/* Iterations, starters and steps that end at turning points are known by trying: the first steps of the run. */
-static void describe_evaluations(const struct scene *scene, const struct system *system, const struct method *method,
-                                 const struct run_settings *settings, const struct plan *plan, bool turns,
-                                 struct buffer *text)
+/* Iterations, starters and steps that end at turning points are known by trying: the first steps of
+ * the run. */
+static void describe_evaluations(const struct scene *scene, const struct system *system,
+                                 const struct method *method, const struct run_settings *settings,
+                                 const struct plan *plan, bool turns, struct buffer *text)
 {
     const bool varies = turns || method->flags & (METHOD_IMPLICIT | METHOD_MULTISTEP);
     double each = plan->propagates ? 0 : method->evals;
     int64_t tried = 0;
     if (varies && !plan->propagates && plan->steps >= 1) {
-        const int64_t most = TRIAL_STEPS / system->n, steps = plan->steps < (double)most ? (int64_t)plan->steps : most;
+        const int64_t max = TRIAL_STEPS / system->n,
+                      steps = plan->steps < (double)max ? (int64_t)plan->steps : max;
         const struct run_target target = {.t = copysign(HUGE_VAL, settings->dt), .steps = steps};
         struct run_settings bare = *settings;
         struct error ignored;
         bare.record = (struct recording_rule){RECORD_EVERY, INT64_MAX, 0};
-        struct run *trial = run_create(scene, method, &bare, (double)steps * settings->dt, &ignored);
+        struct run *trial =
+            run_create(scene, method, &bare, (double)steps * settings->dt, &ignored);
         if (trial)
             run_advance(trial, &target, 0, NULL);
         tried = trial ? trial->steps : 0;
@@ -130,20 +137,23 @@ static void describe_evaluations(const struct scene *scene, const struct system 
         buffer_format(text, " at least");
 }
 
-static void describe_method(const struct scene *scene, const struct system *system, const struct method *method,
-                            const struct run_settings *settings, const struct plan *plan, struct buffer *text)
+static void describe_method(const struct scene *scene, const struct system *system,
+                            const struct method *method, const struct run_settings *settings,
+                            const struct plan *plan, struct buffer *text)
 {
     static const struct {
         unsigned flag;
         const char *word;
-    } property[] = {{METHOD_EXACT, "exact"},         {METHOD_IMPLICIT, "implicit"},   {METHOD_SYMPLECTIC, "symplectic"},
-                    {METHOD_SYMMETRIC, "symmetric"}, {METHOD_ENERGY, "keeps energy"}, {METHOD_A_STABLE, "A-stable"},
+    } property[] = {{METHOD_EXACT, "exact"},           {METHOD_IMPLICIT, "implicit"},
+                    {METHOD_SYMPLECTIC, "symplectic"}, {METHOD_SYMMETRIC, "symmetric"},
+                    {METHOD_ENERGY, "keeps energy"},   {METHOD_A_STABLE, "A-stable"},
                     {METHOD_L_STABLE, "L-stable"}};
     key(text, "method");
     buffer_format(text, "%s", method->row.name);
     if (method->order)
         buffer_format(text, ", order %d", method->order);
-    buffer_format(text, ", %d force evaluation%s a step", method->evals, method->evals == 1 ? "" : "s");
+    buffer_format(text, ", %d force evaluation%s a step", method->evals,
+                  method->evals == 1 ? "" : "s");
     for (size_t i = 0; i < COUNT_OF(property); i++) {
         if (method->flags & property[i].flag)
             buffer_format(text, ", %s", property[i].word);
@@ -154,7 +164,8 @@ static void describe_method(const struct scene *scene, const struct system *syst
     struct error ignored;
     key(text, "drag");
     if (!system->velocity)
-        buffer_format(text, system->dry ? "none but dry friction\n" : "none: no force depends on velocity\n");
+        buffer_format(text, system->dry ? "none but dry friction\n"
+                                        : "none: no force depends on velocity\n");
     else if (!method_applies(method, system, &drag, &ignored) || drag == DRAG_DEFAULT)
         buffer_format(text, "part of the force\n");
     else
@@ -162,22 +173,29 @@ static void describe_method(const struct scene *scene, const struct system *syst
                       settings->drag == DRAG_DEFAULT ? " (the method's default)" : "");
     const bool turns = method_turns(method, system);
     if (system->dry)
-        buffer_format(
-            text, "%-10ssteps end where the body turns, sticks and breaks away ('set turning off' goes across)\n", "");
+        buffer_format(text,
+                      "%-10ssteps end where the body turns, sticks and breaks away ('set turning "
+                      "off' goes across)\n",
+                      "");
     else if (system->oscillator.friction != 0)
-        buffer_format(text, "%-10sturning points: crossed (turning off), the order is lost there: dry friction jumps\n",
+        buffer_format(text,
+                      "%-10sturning points: crossed (turning off), the order is lost there: dry "
+                      "friction jumps\n",
                       "");
     else if (system->switches > 0 && (system->pieces || system->across) && !plan->adaptive)
-        buffer_format(text, "%-10s%s\n", "",
-                      method_meets_switches(method, system)
-                          ? "steps end at switches (if, abs, sign, ...) ('set turning off' goes across)"
-                      : system->across ? "switches (if, abs, sign, ...): crossed (turning off), the order is lost there"
-                                       : "switches (if, abs, sign, ...): crossed by this method, the order is lost there");
+        buffer_format(
+            text, "%-10s%s\n", "",
+            method_meets_switches(method, system)
+                ? "steps end at switches (if, abs, sign, ...) ('set turning off' goes across)"
+            : system->across
+                ? "switches (if, abs, sign, ...): crossed (turning off), the order is lost there"
+                : "switches (if, abs, sign, ...): crossed by this method, the order is lost there");
     else if (system->kinks && method->order > 2)
-        buffer_format(text, "%-10s%s because quadratic drag is only C^1 there\n", "",
-                      turns            ? "turning points: located by extra steps ('set turning off' goes across),"
-                      : system->across ? "turning points: crossed (turning off), the order is lost there,"
-                                       : "order is lost at turning points,");
+        buffer_format(
+            text, "%-10s%s because quadratic drag is only C^1 there\n", "",
+            turns ? "turning points: located by extra steps ('set turning off' goes across),"
+            : system->across ? "turning points: crossed (turning off), the order is lost there,"
+                             : "order is lost at turning points,");
 
     key(text, "steps");
     if (plan->adaptive) {
@@ -196,13 +214,15 @@ static void describe_method(const struct scene *scene, const struct system *syst
     if (isnan(plan->steps))
         buffer_format(text, "no end is set, fixed dt = ");
     else
-        buffer_format(text, "%lld %s of fixed dt = ", (long long)plan->whole, step_word((double)plan->whole));
+        buffer_format(text, "%lld %s of fixed dt = ", (long long)plan->whole,
+                      step_word((double)plan->whole));
     buffer_quantity(text, settings->dt, QUANTITY_TIME, 6);
     if (plan->partial > 0) {
         buffer_format(text, "\n%-10sone last step of ", "");
         buffer_quantity(text, plan->partial, QUANTITY_TIME, 6);
         if (method->flags & METHOD_SYMPLECTIC)
-            buffer_format(text, "; it breaks the constant step that makes %s symplectic", method->row.name);
+            buffer_format(text, "; it breaks the constant step that makes %s symplectic",
+                          method->row.name);
     } else if (plan->exact_end) {
         buffer_format(text, ", which end exactly at the time asked for");
     }
@@ -210,7 +230,8 @@ static void describe_method(const struct scene *scene, const struct system *syst
     key(text, "kernel");
     if (plan->propagates)
         buffer_format(text, "propagator: powers of the one-step matrix, no forces are evaluated\n");
-    else if (settings->kernel != KERNEL_GENERAL && !settings->compensated && method_kernel(method, system, drag))
+    else if (settings->kernel != KERNEL_GENERAL && !settings->compensated &&
+             method_kernel(method, system, drag))
         buffer_format(text, "specialised for %s and these forces\n", method->row.name);
     else
         buffer_format(text, "general: each force is called at each stage\n");
@@ -223,8 +244,8 @@ static void describe_method(const struct scene *scene, const struct system *syst
     }
 }
 
-static void describe_record(const struct system *system, const struct run_settings *settings, const struct plan *plan,
-                            struct buffer *text)
+static void describe_record(const struct system *system, const struct run_settings *settings,
+                            const struct plan *plan, struct buffer *text)
 {
     key(text, "record");
     for (int i = 0; i < system->n; i++)
@@ -237,7 +258,8 @@ static void describe_record(const struct system *system, const struct run_settin
         buffer_format(text, " every %.6g s and at the end, inside of steps on their dense output",
                       settings->record.interval);
     else if (settings->record.rule == RECORD_AUTO && !(plan->steps < LIMIT_SAMPLES))
-        buffer_format(text, ", every step up to %u rows, then decimated (no peak is lost)", LIMIT_SAMPLES);
+        buffer_format(text, ", every step up to %u rows, then decimated (no peak is lost)",
+                      LIMIT_SAMPLES);
     else
         buffer_format(text, " every step");
     if (!isnan(plan->bytes))
@@ -246,7 +268,8 @@ static void describe_record(const struct system *system, const struct run_settin
 }
 
 static void describe_prediction(const struct system *system, const struct method *method,
-                                const struct run_settings *settings, const struct plan *plan, struct buffer *text)
+                                const struct run_settings *settings, const struct plan *plan,
+                                struct buffer *text)
 {
     if (isnan(plan->growth))
         return;
@@ -267,8 +290,9 @@ static void describe_prediction(const struct system *system, const struct method
     buffer_char(text, '\n');
 }
 
-void plan_describe(const struct scene *scene, const struct system *system, const struct method *method,
-                   const struct run_settings *settings, const struct plan *plan, struct buffer *text)
+void plan_describe(const struct scene *scene, const struct system *system,
+                   const struct method *method, const struct run_settings *settings,
+                   const struct plan *plan, struct buffer *text)
 {
     describe_scene(scene, system, text);
     describe_method(scene, system, method, settings, plan, text);
@@ -284,16 +308,19 @@ void plan_describe(const struct scene *scene, const struct system *system, const
         const bool apart = settings->record.rule == RECORD_TIMES ||
                            (settings->record.rule == RECORD_EVERY && settings->record.every > 1) ||
                            (settings->record.rule == RECORD_AUTO && !(plan->steps < LIMIT_SAMPLES));
-        buffer_format(text,
-                      !system->energy ? "unknown: the typed forces have no potential; kinetic is what there is\n"
-                      : plan->ledger  ? "balance E - E0 - W, W the work of each step%s\n"
-                                      : "constant: no ledger, E - E0 of each step%s\n",
-                      apart ? ", kept while stepping where rows are apart" : ", only when asked for");
+        buffer_format(
+            text,
+            !system->energy
+                ? "unknown: the typed forces have no potential; kinetic is what there is\n"
+            : plan->ledger ? "balance E - E0 - W, W the work of each step%s\n"
+                           : "constant: no ledger, E - E0 of each step%s\n",
+            apart ? ", kept while stepping where rows are apart" : ", only when asked for");
     }
     key(text, "on demand");
     bool first = true;
     for (size_t i = 0; i < observable_catalog.count; i++) {
-        const struct observable *o = (const struct observable *)(const void *)catalog_row(&observable_catalog, i);
+        const struct observable *o =
+            (const struct observable *)(const void *)catalog_row(&observable_catalog, i);
         if (recorded(system, o->row.name) || (o->needs & NEED_POWER && system->conservative))
             continue;
         if (observable_defined(o, system, plan->exact_known))

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Rows at even times: origin + k interval. A row in the middle of a step lies on its dense output; where a step ends at
- * such a time but for rounding, the row is the state that was computed.
+ * Rows at even times: origin + k interval. A row in the middle of a step lies on its dense output;
+ * where a step ends at such a time but for rounding, the row is the state that was computed.
  */
 #include "run/private.h"
 
@@ -23,7 +23,8 @@ void trace_aim(struct trace *trace, double t, double h)
 {
     trace->ahead = h < 0 ? -1 : 1;
     trace->due = trace->ahead * (floor(trace->ahead * ((t - trace->origin) / trace->interval)) - 1);
-    /* Not more often than the quotient's rounding asks for: where the interval is below that of t, it never ends. */
+    /* Not more often than the quotient's rounding asks for: where the interval is below that of t,
+     * it never ends. */
     for (int i = 0; i < 4 && (due_time(trace) - t) * trace->ahead <= nearness(trace, t); i++)
         trace->due += trace->ahead;
 }

@@ -19,7 +19,8 @@ static void put_time(struct buffer *text, double seconds, int digits)
 
 #define SOUND 2 /* natural sizes: what is larger may be the method's doing */
 
-/* The last recorded state before it blew up, or the start. What a blown-up state says of rates means nothing. */
+/* The last recorded state before it blew up, or the start. What a blown-up state says of rates
+ * means nothing. */
 static const double *sound_state(const struct run *run, double *t)
 {
     const struct system *system = &run->system;
@@ -38,12 +39,13 @@ static const double *sound_state(const struct run *run, double *t)
     return run->y;
 }
 
-/* [1/s] of the fastest motion near the last sound state: the norm of the Jacobian in scaled variables. */
+/* [1/s] of the fastest motion near the last sound state: the norm of the Jacobian in scaled
+ * variables. */
 static double fastest_rate(const struct run *run)
 {
     double t;
     const double *y = sound_state(run, &t);
-    double jac[LIMIT_VARIABLES * LIMIT_VARIABLES], most = 0;
+    double jac[LIMIT_VARIABLES * LIMIT_VARIABLES], max = 0;
     const struct system *system = &run->system;
     int n = system->n;
     system_jacobian(system, t, y, jac);
@@ -51,19 +53,21 @@ static double fastest_rate(const struct run *run)
         double sum = 0;
         for (int j = 0; j < n; j++)
             sum += fabs(jac[i * n + j]) * system->scale[j] / system->scale[i];
-        most = fmax(most, sum);
+        max = fmax(max, sum);
     }
-    return most;
+    return max;
 }
 
 static void explain_divergence(const struct run *run, struct buffer *text)
 {
     const struct oscillator *o = &run->system.oscillator;
     const char *name = run->method->row.name;
-    double dt = run->settings.dt, limit = run->plan.limit, growth = run->plan.growth, rate = fastest_rate(run);
+    double dt = run->settings.dt, limit = run->plan.limit, growth = run->plan.growth,
+           rate = fastest_rate(run);
     bool implicit = run->method->flags & METHOD_IMPLICIT;
     if (run->plan.adaptive) {
-        buffer_format(text, "no step, however short, gives a state within the range of numbers: the solution itself "
+        buffer_format(text, "no step, however short, gives a state within the range of numbers: "
+                            "the solution itself "
                             "seems to leave it");
     } else if (o->whole && (o->stiffness < 0 || o->damping < 0)) {
         buffer_format(text, "the scene itself grows (%s < 0)", o->stiffness < 0 ? "k" : "gamma");
@@ -135,21 +139,25 @@ void run_explain(const struct run *run, struct buffer *text)
             buffer_format(text, " or an implicit method");
         break;
     case STOP_FULL:
-        if (run_happenings(run) == LIMIT_HAPPENINGS) {
-            buffer_format(text, ": %d events were noticed, more are not kept; watch for something rarer",
-                          LIMIT_HAPPENINGS);
+        if (run_event_records(run) == LIMIT_EVENT_RECORDS) {
+            buffer_format(text,
+                          ": %d events were noticed, more are not kept; watch for something rarer",
+                          LIMIT_EVENT_RECORDS);
             break;
         }
-        buffer_format(text, ": the trace holds %zu rows in %.4g MB and has no room for more; try 'set record auto'",
-                      trace_count(run->trace), (double)trace_bytes(run->trace) / 1e6);
+        buffer_format(
+            text,
+            ": the trace holds %zu rows in %.4g MB and has no room for more; try 'set record auto'",
+            trace_count(run->trace), (double)trace_bytes(run->trace) / 1e6);
         break;
     case STOP_SINGULAR:
         buffer_format(text, ": the solution itself %s at t = ", singularity_text(&run->singular));
         put_time(text, run->singular.t, 6);
         buffer_put(text, run->singular.finite ? TEXT(": ") : TEXT(" (a finite-time blow-up): "));
-        buffer_put(text, fabs(run->t - run->system.t0) > 1.001 * fabs(run->singular.t - run->system.t0)
-                             ? TEXT("what the method gives beyond means nothing")
-                             : TEXT("no method and no step gets past it"));
+        buffer_put(text,
+                   fabs(run->t - run->system.t0) > 1.001 * fabs(run->singular.t - run->system.t0)
+                       ? TEXT("what the method gives beyond means nothing")
+                       : TEXT("no method and no step gets past it"));
         break;
     case STOP_NONE:
     case STOP_END:

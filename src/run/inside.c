@@ -5,7 +5,8 @@
 struct inside inside_of(struct run *run, bool cold, double t, double h)
 {
     struct inside inside = {run, *run->method, t, h};
-    if (cold && (method_meets_switches(run->method, &run->system) || method_turns(run->method, &run->system)))
+    if (cold && (method_meets_switches(run->method, &run->system) ||
+                 method_turns(run->method, &run->system)))
         inside.method.dense = NULL;
     return inside;
 }
@@ -19,7 +20,8 @@ struct step inside_step(const struct inside *inside, struct sliding *sliding, st
     return last;
 }
 
-/* Steps of an adaptive method may be so long that a cubic through their ends says little: a shorter step does. */
+/* Steps of an adaptive method may be so long that a cubic through their ends says little: a shorter
+ * step does. */
 void inside_state(const struct inside *inside, double theta, double *y)
 {
     struct run *run = inside->run;

@@ -1,13 +1,15 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Whole steps of a fixed size in bulk: a kernel writes the states, where possible straight into the trace. */
+/* Whole steps of a fixed size in bulk: a kernel writes the states, where possible straight into the
+ * trace. */
 #include "run/private.h"
 
 #include <math.h>
 #include <stdlib.h>
 
 /*
- * Are all numbers within bounds, bound [FOUR] repeated? Magnitudes of doubles are ordered like their bits, NaN above
- * all: where one is too large, the difference to the bound is negative, and that survives in a sum of bits.
+ * Are all numbers within bounds, bound [FOUR] repeated? Magnitudes of doubles are ordered like
+ * their bits, NaN above all: where one is too large, the difference to the bound is negative, and
+ * that survives in a sum of bits.
  */
 CLONES static bool all_within(const double *number, int64_t fours, const double *bound)
 {
@@ -42,7 +44,7 @@ static int64_t rows_within(const double *row, int64_t count, int n, const double
 
 #define HOT_ROWS 1024 /* of two numbers: half of the fastest cache */
 
-static int64_t least(int64_t a, int64_t b)
+static int64_t min(int64_t a, int64_t b)
 {
     return a < b ? a : b;
 }
@@ -60,54 +62,56 @@ static struct propagator *propagator_for(struct run *run, double h)
     return p->propagator;
 }
 
-/* After going back in the middle of a block: where it began was recorded, and belongs to the same scene. */
-static void find_block(struct run *run, const struct leg *leg, int64_t step)
+/* After going back in the middle of a block: where it began was recorded, and belongs to the same
+ * scene. */
+static void find_block(struct run *run, const struct segment *segment, int64_t step)
 {
     struct propagator *propagator = run->private_state->propagator;
-    const int64_t begin = leg->grid.first + propagator_block(step);
+    const int64_t begin = segment->grid.first + propagator_block(step);
     const double *state = trace_state_after(run->trace, begin);
     if (!propagator_knows(propagator, step) && state &&
         run->private_state->epoch[run->private_state->epochs - 1].first <= begin)
         propagator_anchor(propagator, propagator_block(step), state);
 }
 
-bool advance_many(struct run *run, const struct leg *leg, enum stop *stop)
+bool advance_many(struct run *run, const struct segment *segment, enum stop *stop)
 {
     struct run_private *p = run->private_state;
     const int n = run->system.n;
-    const int64_t left = least(leg->limit, leg->last) - run->steps;
-    if (run->plan.adaptive || leg->target->condition || leg->target->events > 0 || p->step.low || left <= 0 ||
-        leg->between)
+    const int64_t left = min(segment->limit, segment->last) - run->steps;
+    if (run->plan.adaptive || segment->target->condition || segment->target->events > 0 ||
+        p->step.low || left <= 0 || segment->between)
         return false;
 
-    size_t room = CHUNK_ROWS;
-    double *in_trace = trace_open(run->trace, &room), *row = in_trace;
+    size_t capacity = CHUNK_ROWS;
+    double *in_trace = trace_open(run->trace, &capacity), *row = in_trace;
     if (!row) {
         if (!p->scratch && !(p->scratch = malloc(CHUNK_ROWS * (size_t)n * sizeof *p->scratch)))
             return false;
         row = p->scratch;
     }
     copy_state(p->before, run->y, n);
-    p->step.h = leg->grid.h;
+    p->step.h = segment->grid.h;
     struct march march = {.step = &p->step,
-                          .origin = leg->grid.origin,
-                          .first = run->steps - leg->grid.first,
-                          .count = least(least(left, p->batch), (int64_t)room),
+                          .origin = segment->grid.origin,
+                          .first = run->steps - segment->grid.first,
+                          .count = min(min(left, p->batch), (int64_t)capacity),
                           .row = row};
     enum step_status status = STEP_OK;
-    struct propagator *propagator = propagator_for(run, leg->grid.h);
+    struct propagator *propagator = propagator_for(run, segment->grid.h);
     if (!propagator)
-        march.count = least(march.count, HOT_ROWS);
+        march.count = min(march.count, HOT_ROWS);
     if (propagator)
-        find_block(run, leg, march.first);
+        find_block(run, segment, march.first);
     int64_t taken = propagator ? propagate(propagator, march.first, march.count, run->y, row) : 0;
     const bool propagated = taken > 0;
     if (propagated) {
         p->step.warm = false;
     } else {
-        /* In a block that is not known: by steps, but only to its end, however the calls are cut. */
+        /* In a block that is not known: by steps, but only to its end, however the calls are cut.
+         */
         if (propagator)
-            march.count = least(march.count, propagator_rest(march.first));
+            march.count = min(march.count, propagator_rest(march.first));
         taken = method_turning_march(run->method, p->kernel, &march, &status);
     }
     const bool certain = propagated && propagator_within(propagator, p->bound);
@@ -130,6 +134,8 @@ bool advance_many(struct run *run, const struct leg *leg, enum stop *stop)
     }
     run->steps += good;
     if (good > 0)
-        run->t = leg->exact && run->steps == leg->last ? leg->target->t : grid_time(&leg->grid, run->steps);
+        run->t = segment->exact && run->steps == segment->last
+                     ? segment->target->t
+                     : grid_time(&segment->grid, run->steps);
     return true;
 }

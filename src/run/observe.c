@@ -29,7 +29,8 @@ struct phase_point {
 static struct phase_point phase_point(const struct system *system, const double *y)
 {
     const struct oscillator *o = &system->oscillator;
-    return (struct phase_point){y[0] + o->gravity / o->stiffness, y[system->n / 2] / sqrt(o->stiffness)};
+    return (struct phase_point){y[0] + o->gravity / o->stiffness,
+                                y[system->n / 2] / sqrt(o->stiffness)};
 }
 
 /* Grows with time: q = A cos(phase), p = -A sin(phase). From -pi to pi. */
@@ -38,7 +39,8 @@ static double phase_after(struct phase_point a, struct phase_point b)
     const double along = a.q * b.q + a.p * b.p, across = a.q * b.p - a.p * b.q;
     if (fabs(along) + fabs(across) > DBL_MIN / DBL_EPSILON)
         return atan2(across, along);
-    return remainder(atan2(-a.p, a.q) - atan2(-b.p, b.q), 2 * M_PI); /* their products are too small */
+    return remainder(atan2(-a.p, a.q) - atan2(-b.p, b.q),
+                     2 * M_PI); /* their products are too small */
 }
 
 static double phase_between(const struct system *system, const double *y, const double *from)
@@ -94,7 +96,9 @@ static double value_potential(const struct sample *sample)
 
 static double value_energy_error(const struct sample *sample)
 {
-    return sample->initial != 0 ? (energy_of(sample) - sample->initial - sample->work) / fabs(sample->initial) : NAN;
+    return sample->initial != 0
+               ? (energy_of(sample) - sample->initial - sample->work) / fabs(sample->initial)
+               : NAN;
 }
 
 static double value_dissipated(const struct sample *sample)
@@ -150,7 +154,10 @@ static const struct observable observables[] = {
      QUANTITY_ENERGY,
      NEED_MECHANICS | NEED_ENERGY,
      energy_of},
-    {{"kinetic", "J", "kinetic energy m v^2/2", "", NULL}, QUANTITY_ENERGY, NEED_MECHANICS, value_kinetic},
+    {{"kinetic", "J", "kinetic energy m v^2/2", "", NULL},
+     QUANTITY_ENERGY,
+     NEED_MECHANICS,
+     value_kinetic},
     {{"potential", "J", "potential energy of the conservative forces", "", NULL},
      QUANTITY_ENERGY,
      NEED_MECHANICS | NEED_ENERGY,
@@ -163,22 +170,33 @@ static const struct observable observables[] = {
      QUANTITY_ENERGY,
      NEED_MECHANICS | NEED_WORK | NEED_POWER,
      value_dissipated},
-    {{"power", "W", "power of drag and drive", "", NULL}, QUANTITY_POWER, NEED_MECHANICS | NEED_POWER, value_power},
+    {{"power", "W", "power of drag and drive", "", NULL},
+     QUANTITY_POWER,
+     NEED_MECHANICS | NEED_POWER,
+     value_power},
     {{"energy-error", "", "error of the energy balance, (E - E0 - work)/E0", "", "energy_error"},
      QUANTITY_NUMBER,
      NEED_MECHANICS | NEED_ENERGY | NEED_WORK | NEED_RATIO,
      value_energy_error},
-    {{"momentum", "kg m/s", "momentum m v", "", NULL}, QUANTITY_OTHER, NEED_MECHANICS | NEED_LINE, value_momentum},
+    {{"momentum", "kg m/s", "momentum m v", "", NULL},
+     QUANTITY_OTHER,
+     NEED_MECHANICS | NEED_LINE,
+     value_momentum},
     {{"amplitude", "m", "hypot(y - equilibrium, v/omega0)", "", NULL},
      QUANTITY_LENGTH,
      NEED_MECHANICS | NEED_CENTRE,
      value_amplitude},
-    {{"exact", "m", "position of the exact solution", "", NULL}, QUANTITY_LENGTH, NEED_EXACT, value_exact},
-    {{"error", "m", "position minus the exact one; in several coordinates the distance from it", "", NULL},
+    {{"exact", "m", "position of the exact solution", "", NULL},
+     QUANTITY_LENGTH,
+     NEED_EXACT,
+     value_exact},
+    {{"error", "m", "position minus the exact one; in several coordinates the distance from it", "",
+      NULL},
      QUANTITY_LENGTH,
      NEED_EXACT,
      value_error},
-    {{"phase-error", "rad", "phase minus that of the exact solution, within -pi..pi", "", "phase_error"},
+    {{"phase-error", "rad", "phase minus that of the exact solution, within -pi..pi", "",
+      "phase_error"},
      QUANTITY_ANGLE,
      NEED_MECHANICS | NEED_CENTRE | NEED_EXACT,
      value_phase_error},
@@ -195,9 +213,10 @@ static bool on_a_line(const struct system *system)
 
 enum quantity observable_quantity(const struct observable *observable, const struct system *system)
 {
-    static const enum quantity turning[QUANTITY_COUNT] = {[QUANTITY_LENGTH] = QUANTITY_ANGLE,
-                                                          [QUANTITY_VELOCITY] = QUANTITY_ANGULAR_FREQUENCY,
-                                                          [QUANTITY_ACCELERATION] = QUANTITY_ANGULAR_ACCELERATION};
+    static const enum quantity turning[QUANTITY_COUNT] = {
+        [QUANTITY_LENGTH] = QUANTITY_ANGLE,
+        [QUANTITY_VELOCITY] = QUANTITY_ANGULAR_FREQUENCY,
+        [QUANTITY_ACCELERATION] = QUANTITY_ANGULAR_ACCELERATION};
     enum quantity own = observable->quantity, first = system_variable(system, 0).quantity;
     if (first == QUANTITY_NUMBER && own != QUANTITY_TIME)
         return QUANTITY_NUMBER;
@@ -220,7 +239,8 @@ bool run_centre(const struct run *run, double *centre)
 /* ---- asking ---- */
 
 /* What is missing of an observable's needs, as words; NULL: nothing. */
-static const char *missing_need(const struct observable *observable, const struct system *system, bool exact_known)
+static const char *missing_need(const struct observable *observable, const struct system *system,
+                                bool exact_known)
 {
     if (observable->needs & NEED_EXACT && !exact_known)
         return "a scene with a closed-form solution";
@@ -239,22 +259,28 @@ static const char *missing_need(const struct observable *observable, const struc
 
 static bool refuse(const struct observable *observable, const char *missing, struct error *error)
 {
-    error_set(error, ERROR_COMMAND, "%s needs %s, which this run has not", observable->row.name, missing);
-    return observable->needs & NEED_ENERGY ? error_hint(error, "its kinetic energy is called kinetic") : false;
+    error_set(error, ERROR_COMMAND, "%s needs %s, which this run has not", observable->row.name,
+              missing);
+    return observable->needs & NEED_ENERGY
+               ? error_hint(error, "its kinetic energy is called kinetic")
+               : false;
 }
 
-bool observable_defined(const struct observable *observable, const struct system *system, bool exact_known)
+bool observable_defined(const struct observable *observable, const struct system *system,
+                        bool exact_known)
 {
     return !missing_need(observable, system, exact_known);
 }
 
 const struct observable *observable_energy(const struct system *system)
 {
-    return (const struct observable *)(const void *)catalog_find(&observable_catalog,
-                                                                 system->energy || system->order != 2 ? TEXT("energy") : TEXT("kinetic"));
+    return (const struct observable *)(const void *)catalog_find(
+        &observable_catalog,
+        system->energy || system->order != 2 ? TEXT("energy") : TEXT("kinetic"));
 }
 
-bool run_column(const struct run *run, const struct observable *observable, double *out, struct error *error)
+bool run_column(const struct run *run, const struct observable *observable, double *out,
+                struct error *error)
 {
     const char *missing = missing_need(observable, &run->system, run->plan.exact_known);
     if (missing)
@@ -302,15 +328,17 @@ void run_errors(const struct run *run, struct run_errors *errors)
     const struct system *system = &run->system;
     const bool oscillates = system->oscillator.whole && system->oscillator.stiffness > 0;
     const int judged = system->order == 2 && system->n == 2 ? 1 : system->n;
-    double most[LIMIT_VARIABLES] = {0}, amplitude[LIMIT_VARIABLES] = {0}, distance[LIMIT_VARIABLES] = {0}, phase = 0;
+    double max[LIMIT_VARIABLES] = {0}, amplitude[LIMIT_VARIABLES] = {0},
+           distance[LIMIT_VARIABLES] = {0}, phase = 0;
     struct walk walk;
     const struct sample *sample = &walk.sample;
     walk_begin(&walk, run, NEED_EXACT);
     while (walk_next(&walk)) {
         for (int i = 0; i < judged; i++) {
             distance[i] = fabs(sample->y[i] - sample->exact[i]);
-            const double size = fabs(sample->exact[i]); /* comparisons pass over NAN, as fmax() does */
-            most[i] = distance[i] > most[i] ? distance[i] : most[i];
+            const double size =
+                fabs(sample->exact[i]); /* comparisons pass over NAN, as fmax() does */
+            max[i] = distance[i] > max[i] ? distance[i] : max[i];
             amplitude[i] = size > amplitude[i] ? size : amplitude[i];
         }
         if (!oscillates)
@@ -319,7 +347,8 @@ void run_errors(const struct run *run, struct run_errors *errors)
                                  wanted = phase_point(sample->system, sample->exact);
         if (here.q == 0 && here.p == 0 && (wanted.q != 0 || wanted.p != 0))
             phase = NAN; /* what has vanished has none, then and later */
-        phase = with_turns(phase_after(here, wanted), phase); /* it changes little from row to row */
+        phase =
+            with_turns(phase_after(here, wanted), phase); /* it changes little from row to row */
     }
 
     /* What rounding does to the exact solution at the end. */
@@ -327,13 +356,13 @@ void run_errors(const struct run *run, struct run_errors *errors)
     double exact[LIMIT_VARIABLES], floor[LIMIT_VARIABLES];
     system_exact(&epoch->system, epoch->t, epoch->start, run->t, exact, floor);
     for (int i = 0; i < judged; i++) {
-        if (most[i] == 0 && amplitude[i] == 0) { /* nothing there, and nothing wrong */
+        if (max[i] == 0 && amplitude[i] == 0) { /* nothing there, and nothing wrong */
             amplitude[i] = 1;
             floor[i] = 0;
         }
         if (amplitude[i] > 0) { /* fmax passes over NAN */
             errors->end = fmax(errors->end, distance[i] / amplitude[i]);
-            errors->max = fmax(errors->max, most[i] / amplitude[i]);
+            errors->max = fmax(errors->max, max[i] / amplitude[i]);
             errors->floor = fmax(errors->floor, floor[i] / amplitude[i]);
         }
     }
@@ -357,11 +386,12 @@ static bool scope_find(const void *context, struct text name, int *slot)
     if (*slot >= 0)
         return true;
     const struct row *row = catalog_find(&observable_catalog, name);
-    if (row && ((const struct observable *)(const void *)row)->needs & NEED_ENERGY && run->system.order == 2 &&
-        !run->system.energy)
+    if (row && ((const struct observable *)(const void *)row)->needs & NEED_ENERGY &&
+        run->system.order == 2 && !run->system.energy)
         return false;
     if (row)
-        *slot = model->n + model_observed(model) + (int)((const struct observable *)(const void *)row - observables);
+        *slot = model->n + model_observed(model) +
+                (int)((const struct observable *)(const void *)row - observables);
     return row != NULL;
 }
 
@@ -371,7 +401,8 @@ static double scope_load(const void *context, int slot)
     const int n = run->system.n, observed = model_observed(run->system.model);
     if (slot < n)
         return run->y[slot];
-    return slot < n + observed ? run_observed(run, slot - n) : run_observable(run, &observables[slot - n - observed]);
+    return slot < n + observed ? run_observed(run, slot - n)
+                               : run_observable(run, &observables[slot - n - observed]);
 }
 
 static void scope_offer(const void *context, struct suggestion *suggestion)
@@ -382,7 +413,8 @@ static void scope_offer(const void *context, struct suggestion *suggestion)
     for (int i = 0; i < model_observed(run->system.model); i++)
         suggestion_offer(suggestion, model_observed_variable(run->system.model, i).name);
     for (size_t i = 0; i < COUNT_OF(observables); i++)
-        suggestion_offer(suggestion, observables[i].row.alias ? observables[i].row.alias : observables[i].row.name);
+        suggestion_offer(suggestion, observables[i].row.alias ? observables[i].row.alias
+                                                              : observables[i].row.name);
 }
 
 bool run_scope(const struct run *run, struct expr_scope *scope)

@@ -1,13 +1,15 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * A second opinion on an adaptive run: its distance from the closed form, or from a second solution of another kind at
- * a hundredth of the tolerance (Skeel 1986, Math. Comput. Modelling; Shampine 2005, J. Sci. Comput. 25:3). The step
- * control bounds errors of steps only; what becomes of them on the way is the equations' affair.
+ * A second opinion on an adaptive run: its distance from the closed form, or from a second solution
+ * of another kind at a hundredth of the tolerance (Skeel 1986, Math. Comput. Modelling; Shampine
+ * 2005, J. Sci. Comput. 25:3). The step control bounds errors of steps only; what becomes of them
+ * on the way is the equations' affair.
  *
- * The second solution is by dop853 where stability lets its steps be long, else by a Rosenbrock method, or by radau5
- * where the run itself is by one. It ends steps at the recorded states that it is compared with, so that nothing is
- * interpolated, and follows changes of the scene and of the state on the way. Its work is limited by counts, not by the
- * clock: the same run always gets the same opinion.
+ * The second solution is by dop853 where stability lets its steps be long, else by a Rosenbrock
+ * method, or by radau5 where the run itself is by one. It ends steps at the recorded states that it
+ * is compared with, so that nothing is interpolated, and follows changes of the scene and of the
+ * state on the way. Its work is limited by counts, not by the clock: the same run always gets the
+ * same opinion.
  */
 #include "run/private.h"
 
@@ -15,31 +17,39 @@
 #include <math.h>
 #include <stdlib.h>
 
-#define TIGHTER 0.01       /* times the tolerance: another method may err ten times as much at the same one, */
+#define TIGHTER                                                                                    \
+    0.01 /* times the tolerance: another method may err ten times as much at the same one, */
 #define TIGHTER_STIFF 0.1  /* and one of fifth order takes 1.6 times as many steps for a tenth */
 #define TOL_EXPLICIT 2e-14 /* at least: rounding */
 #define TOL_IMPLICIT 1e-13
-#define ROWS 256        /* compared in one call */
-#define LOOKS 32        /* at the Jacobian, whose spectral radius is found in */
-#define ROUNDS 12       /* multiplications, the last of which count: */
-#define COUNTED 6       /* an even number, so that pairs +-lambda do not matter */
-#define STIFF 0.5       /* of the run's own evaluations: dearer for its stability alone dop853 is not taken */
-#define EVALS_A_UNIT 2. /* of dop853 at the edge of stability, for |J| dt = 1: 12 evaluations over 6 */
+#define ROWS 256  /* compared in one call */
+#define LOOKS 32  /* at the Jacobian, whose spectral radius is found in */
+#define ROUNDS 12 /* multiplications, the last of which count: */
+#define COUNTED 6 /* an even number, so that pairs +-lambda do not matter */
+#define STIFF                                                                                      \
+    0.5 /* of the run's own evaluations: dearer for its stability alone dop853 is not taken */
+#define EVALS_A_UNIT                                                                               \
+    2. /* of dop853 at the edge of stability, for |J| dt = 1: 12 evaluations over 6 */
 #define EVALS_FREE 1000 /* nobody minds */
 #define PARTS 512       /* no step is longer where forces depend on time: there may be pulses */
 #define LOST_LATER 3    /* times the motion: an error that its growth makes as large as that */
-#define CERTAIN 0.2     /* of the time until a run was lost: after that much more it is certain, and followed no more */
-#define LOOK_EACH 64    /* steps between looks at the budget */
-#define PAST 64         /* errors that are remembered on the way */
-#define POWER_MOST 3    /* errors that grow faster than this power of time are taken to grow exponentially */
-#define LOST 0.1        /* in the mean since then: what is as large as the motion only in jumps is no loss */
+#define CERTAIN                                                                                    \
+    0.2 /* of the time until a run was lost: after that much more it is certain, and followed no   \
+           more */
+#define LOOK_EACH 64 /* steps between looks at the budget */
+#define PAST 64      /* errors that are remembered on the way */
+#define POWER_MAX                                                                                  \
+    3 /* errors that grow faster than this power of time are taken to grow exponentially */
+#define LOST                                                                                       \
+    0.1 /* in the mean since then: what is as large as the motion only in jumps is no loss */
 
 /* Distances so far. */
 struct distances {
     double size[LIMIT_VARIABLES]; /* the largest values of the run */
     double t;                     /* [s] of the last one */
-    double sum, lost_sum;         /* [s] integrals over time, since the start and since struct opinion's lost */
-    double lost;                  /* [s] where it first was as large as the motion; NAN */
+    double sum,
+        lost_sum; /* [s] integrals over time, since the start and since struct opinion's lost */
+    double lost;  /* [s] where it first was as large as the motion; NAN */
 };
 
 struct second {
@@ -50,8 +60,8 @@ struct second {
     struct step step;
     struct controller controller;
     double y[LIMIT_VARIABLES];
-    size_t epoch, kick; /* the next ones */
-    double error;       /* as struct opinion's, so far, */
+    size_t epoch, kick;          /* the next ones */
+    double error;                /* as struct opinion's, so far, */
     double end[LIMIT_VARIABLES]; /* and its distances */
     struct {
         double t, error;
@@ -72,7 +82,7 @@ static const struct method *named(const char *name)
 void opinion_forget(struct run *run)
 {
     struct second *second = run->private_state->second;
-    run->opinion = (struct opinion){.error = NAN, .most = NAN, .t = NAN, .lost = NAN};
+    run->opinion = (struct opinion){.error = NAN, .max = NAN, .t = NAN, .lost = NAN};
     if (!second)
         return;
     if (second->method)
@@ -85,7 +95,8 @@ void opinion_forget(struct run *run)
 /* ---- distances ---- */
 
 /* Of state y from the run's `own` at t. */
-static void compare(struct run *run, struct distances *d, double t, const double *own, const double *y)
+static void compare(struct run *run, struct distances *d, double t, const double *own,
+                    const double *y)
 {
     struct opinion *opinion = &run->opinion;
     const double by = fabs(t - d->t), way = fabs(t - run->system.t0);
@@ -108,7 +119,7 @@ static void compare(struct run *run, struct distances *d, double t, const double
     const double since = fabs(t - d->lost);
     opinion->lost = (since > 0 ? d->lost_sum >= LOST * since : here >= 1) ? d->lost : NAN;
     opinion->error = fmax(here, way > 0 ? d->sum / way : 0);
-    opinion->most = fmax(opinion->most, here);
+    opinion->max = fmax(opinion->max, here);
     opinion->t = t;
 }
 
@@ -138,7 +149,8 @@ static void against_closed_form(struct run *run)
     double exact[LIMIT_VARIABLES], floor[LIMIT_VARIABLES];
     if (second->at == 0)
         second->distances = (struct distances){.t = run->system.t0, .lost = NAN};
-    const size_t first = next_row(run, second), rows = trace_count(trace) - first, count = rows < ROWS ? rows : ROWS;
+    const size_t first = next_row(run, second), rows = trace_count(trace) - first,
+                 count = rows < ROWS ? rows : ROWS;
     for (size_t k = 0; k < count; k++) {
         const size_t row = spread_row(run, first, k, count);
         const struct epoch *epoch = run_epoch(run, trace_step(trace, row));
@@ -184,8 +196,10 @@ static double stiffness_over(const struct run *run)
     size_t row = 0;
     for (size_t k = 0; k < count; k++) {
         const size_t next = spread_row(run, 1, k, count);
-        system_jacobian(system, trace_time(run->trace, row), trace_state(run->trace, row), jacobian);
-        sum += spectral_radius(jacobian, system->n) * fabs(trace_time(run->trace, next) - trace_time(run->trace, row));
+        system_jacobian(system, trace_time(run->trace, row), trace_state(run->trace, row),
+                        jacobian);
+        sum += spectral_radius(jacobian, system->n) *
+               fabs(trace_time(run->trace, next) - trace_time(run->trace, row));
         row = next;
     }
     return sum;
@@ -213,7 +227,8 @@ static bool second_begin(struct run *run, bool other)
     second->system = epoch->system;
     system_turn_at_kinks(&second->system);
     memcpy(second->y, trace_state(run->trace, 0), (size_t)n * sizeof *second->y);
-    second->step = (struct step){.system = &second->system, .y = second->y, .work = work, .t = epoch->t};
+    second->step =
+        (struct step){.system = &second->system, .y = second->y, .work = work, .t = epoch->t};
     method_choose_kernels(method, &second->step, true);
     const bool stiff = method->flags & METHOD_IMPLICIT || method->rosenbrock;
     second->controller.tol = stiff ? fmax(TIGHTER_STIFF * run->controller.tol, TOL_IMPLICIT)
@@ -222,31 +237,38 @@ static bool second_begin(struct run *run, bool other)
     second->epoch = 1;
     second->each = 1;
     run->private_state->second = second;
-    run->opinion =
-        (struct opinion){.error = NAN, .most = NAN, .t = NAN, .lost = NAN, .by = method, .tol = second->controller.tol};
+    run->opinion = (struct opinion){.error = NAN,
+                                    .max = NAN,
+                                    .t = NAN,
+                                    .lost = NAN,
+                                    .by = method,
+                                    .tol = second->controller.tol};
     method_begin(method, &second->step);
     return true;
 }
 
 /* False: it cannot, or has used up what it may. */
-static bool second_go(const struct run *run, struct second *second, double to, double most, const struct cancel *cancel)
+static bool second_go(const struct run *run, struct second *second, double to, double max,
+                      const struct cancel *cancel)
 {
     struct step *step = &second->step;
     const double from = step->t, longest = fabs(run->t - run->system.t0) / PARTS;
-    const int parts = second->system.autonomous ? 1 : (int)fmin(PARTS, 1 + fabs(to - from) / longest);
+    const int parts =
+        second->system.autonomous ? 1 : (int)fmin(PARTS, 1 + fabs(to - from) / longest);
     int64_t steps = 0;
     for (int part = 1; step->t != to;) {
         const double next = part < parts ? from + (to - from) * part / parts : to;
         if (method_adapt(second->method, step, &second->controller, next) != STEP_OK)
             return false;
         part += step->t == next;
-        if (++steps % LOOK_EACH == 0 && (work_of(&step->cost) > most || cancelled(cancel)))
+        if (++steps % LOOK_EACH == 0 && (work_of(&step->cost) > max || cancelled(cancel)))
             return false;
     }
-    return work_of(&step->cost) <= most;
+    return work_of(&step->cost) <= max;
 }
 
-/* What was changed from outside in the run changes the second solution alike: its distance stays. */
+/* What was changed from outside in the run changes the second solution alike: its distance stays.
+ */
 static void second_kick(const struct run *run, struct second *second, const struct kick *kick)
 {
     const struct trace *trace = run->trace;
@@ -254,13 +276,14 @@ static void second_kick(const struct run *run, struct second *second, const stru
     if (row >= trace_count(trace))
         return;
     const double *after = trace_state(trace, row);
-    const bool both = row > 0 && trace_time(trace, row - 1) == kick->t && trace_time(trace, row) == kick->t;
+    const bool both =
+        row > 0 && trace_time(trace, row - 1) == kick->t && trace_time(trace, row) == kick->t;
     for (int i = 0; i < run->system.n; i++)
         second->y[i] = both ? second->y[i] + (after[i] - trace_state(trace, row - 1)[i]) : after[i];
 }
 
 /* To the time of the changes before the state after `step`, and across. */
-static bool second_cross(const struct run *run, struct second *second, int64_t step, double most,
+static bool second_cross(const struct run *run, struct second *second, int64_t step, double max,
                          const struct cancel *cancel)
 {
     const struct run_private *p = run->private_state;
@@ -271,7 +294,7 @@ static bool second_cross(const struct run *run, struct second *second, int64_t s
         const bool first = bind && !(jump && kick->step <= epoch->first);
         if (!bind && !jump)
             return true;
-        if (!second_go(run, second, first ? epoch->t : kick->t, most, cancel))
+        if (!second_go(run, second, first ? epoch->t : kick->t, max, cancel))
             return false;
         if (first) {
             second->system = epoch->system;
@@ -310,7 +333,7 @@ static bool is_lost(const struct run *run)
 }
 
 /* On to the present state of the run, comparing on the way; `lost`: to where it is lost. */
-static bool second_follow(struct run *run, double most, bool lost, const struct cancel *cancel)
+static bool second_follow(struct run *run, double max, bool lost, const struct cancel *cancel)
 {
     struct second *second = run->private_state->second;
     const struct trace *trace = run->trace;
@@ -319,11 +342,12 @@ static bool second_follow(struct run *run, double most, bool lost, const struct 
     const size_t rows = trace_count(trace) - first, count = rows < ROWS ? rows : ROWS;
     for (size_t k = 0; k < count; k++) {
         const size_t row = spread_row(run, first, k, count);
-        const double t = trace_time(trace, row), ahead = (t - second->step.t) * (run->t - run->system.t0);
+        const double t = trace_time(trace, row),
+                     ahead = (t - second->step.t) * (run->t - run->system.t0);
         if (ahead < 0)
             continue;
-        if (!second_cross(run, second, trace_step(trace, row), most, cancel) ||
-            !second_go(run, second, t, most, cancel))
+        if (!second_cross(run, second, trace_step(trace, row), max, cancel) ||
+            !second_go(run, second, t, max, cancel))
             return false;
         second->at = trace_step(trace, row);
         compare(run, &second->distances, t, trace_state(trace, row), second->y);
@@ -355,8 +379,9 @@ static double extrapolated(const struct run *run, const struct second *second)
 {
     const double t0 = run->system.t0, way = fabs(run->opinion.t - t0), whole = fabs(run->t - t0);
     const struct growth growth = growth_of(run, second);
-    return second->error * (growth.power > POWER_MOST ? exp(log(growth.ratio) * (whole - way) / (way / 2))
-                                                      : pow(whole / way, fmax(growth.power, 1)));
+    return second->error * (growth.power > POWER_MAX
+                                ? exp(log(growth.ratio) * (whole - way) / (way / 2))
+                                : pow(whole / way, fmax(growth.power, 1)));
 }
 
 /* [s] Where it has grown to the size of the motion. */
@@ -366,20 +391,20 @@ static double lost_at(const struct run *run, const struct second *second)
     const struct growth growth = growth_of(run, second);
     if (!(times > 1))
         return run->opinion.t;
-    return t0 + way * (growth.power > POWER_MOST ? 1 + log(times) / log(growth.ratio) / 2
-                                                 : pow(times, 1 / fmax(growth.power, 1)));
+    return t0 + way * (growth.power > POWER_MAX ? 1 + log(times) / log(growth.ratio) / 2
+                                                : pow(times, 1 / fmax(growth.power, 1)));
 }
 
 /* As far as it may go, anew by the other method where it fails at first. False: not to the end. */
-static bool second_try(struct run *run, double most, const struct cancel *cancel)
+static bool second_try(struct run *run, double max, const struct cancel *cancel)
 {
     struct run_private *p = run->private_state;
     for (int try = p->second ? 1 : 0; try < 2; try++) {
         if (!p->second && !second_begin(run, try > 0))
             return false;
-        if (second_follow(run, most, false, cancel))
+        if (second_follow(run, max, false, cancel))
             return true;
-        if (work_of(&p->second->step.cost) > most || cancelled(cancel))
+        if (work_of(&p->second->step.cost) > max || cancelled(cancel))
             return false;
         if (try == 0)
             opinion_forget(run);
@@ -390,7 +415,7 @@ static bool second_try(struct run *run, double most, const struct cancel *cancel
 static void against_second(struct run *run, bool whole, const struct cancel *cancel)
 {
     const double own = work_of(&run->cost);
-    const double most = whole ? HUGE_VAL : fmax(OPINION_BUDGET / run->system.n, OPINION_SHARE * own);
+    const double max = whole ? HUGE_VAL : fmax(OPINION_BUDGET / run->system.n, OPINION_SHARE * own);
     const struct run_private *p = run->private_state;
     if (p->second && p->second->count > 0) { /* not what was extrapolated */
         run->opinion.error = p->second->error;
@@ -398,12 +423,13 @@ static void against_second(struct run *run, bool whole, const struct cancel *can
         if (fabs(run->opinion.lost - run->system.t0) > fabs(run->opinion.t - run->system.t0))
             run->opinion.lost = NAN;
     }
-    if (second_try(run, most, cancel) || isnan(run->opinion.t))
+    if (second_try(run, max, cancel) || isnan(run->opinion.t))
         return;
     const double wrong = OPINION_WRONG * run->controller.tol;
-    const bool spent = work_of(&p->second->step.cost) > most;
+    const bool spent = work_of(&p->second->step.cost) > max;
     if (spent && extrapolated(run, p->second) > wrong &&
-        second_follow(run, fmax(OPINION_BUDGET_DOUBT / run->system.n, OPINION_DOUBT * own), true, cancel))
+        second_follow(run, fmax(OPINION_BUDGET_DOUBT / run->system.n, OPINION_DOUBT * own), true,
+                      cancel))
         return;
     run->opinion.error = extrapolated(run, p->second);
     for (int i = 0; i < run->system.n && p->second->error > 0; i++)
@@ -414,10 +440,12 @@ static void against_second(struct run *run, bool whole, const struct cancel *can
 
 void run_second_opinion(struct run *run, bool whole, const struct cancel *cancel)
 {
-    if (!run->plan.adaptive || run->steps == 0 || stop_is_failure(run->stop) || run->opinion.t == run->t)
+    if (!run->plan.adaptive || run->steps == 0 || stop_is_failure(run->stop) ||
+        run->opinion.t == run->t)
         return;
     const struct run_private *p = run->private_state;
-    if (p->second && run->plan.exact_known != !p->second->method) /* the scene was changed on the way */
+    if (p->second &&
+        run->plan.exact_known != !p->second->method) /* the scene was changed on the way */
         opinion_forget(run);
     if (run->plan.exact_known) {
         against_closed_form(run);

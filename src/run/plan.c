@@ -5,17 +5,21 @@
 #include <math.h>
 
 static const struct row kernels[] = {
-    [KERNEL_PROPAGATOR] = {"propagator", "",
-                           "linear scenes of two variables by powers of the one-step matrix, the rest specialised", "",
-                           NULL},
-    [KERNEL_SPECIALISED] = {"specialised", "", "steps made for the method and the kind of scene, where there are some",
+    [KERNEL_PROPAGATOR] =
+        {"propagator", "",
+         "linear scenes of two variables by powers of the one-step matrix, the rest specialised",
+         "", NULL},
+    [KERNEL_SPECIALISED] = {"specialised", "",
+                            "steps made for the method and the kind of scene, where there are some",
                             "", NULL},
-    [KERNEL_GENERAL] = {"general", "", "the specification: every term is called at every stage", "", NULL},
+    [KERNEL_GENERAL] = {"general", "", "the specification: every term is called at every stage", "",
+                        NULL},
 };
 
 const struct catalog kernel_catalog = CATALOG("kernel", kernels);
 
-/* Estimates [ns] on a desktop of the 2020s, good to a factor of 3: enough to warn before hours pass. */
+/* Estimates [ns] on a desktop of the 2020s, good to a factor of 3: enough to warn before hours
+ * pass. */
 #define NS_STEP 30.0
 #define NS_TERM 15.0  /* a force evaluation, each term */
 #define NS_SOLVE 20.0 /* implicit, each variable */
@@ -28,40 +32,50 @@ static double step_ns(const struct system *system, const struct method *method)
     return method->flags & METHOD_IMPLICIT ? ns + NS_SOLVE * system->n : ns;
 }
 
-static bool check_memory(const struct run_settings *settings, double rows, double bytes, struct error *error)
+static bool check_memory(const struct run_settings *settings, double rows, double bytes,
+                         struct error *error)
 {
     double budget = (double)(settings->memory ? settings->memory : MEMORY_DEFAULT);
     if (bytes <= budget)
         return true;
     const bool timed = settings->record.rule == RECORD_TIMES;
-    double every = ceil(bytes / budget) * (timed                                   ? settings->record.interval
-                                           : settings->record.rule == RECORD_EVERY ? (double)settings->record.every
-                                                                                   : 1);
-    error_set(error, ERROR_COMMAND, "recording %.6g rows needs %.4g bytes, the budget is %.4g bytes", rows, bytes,
+    double every = ceil(bytes / budget) * (timed ? settings->record.interval
+                                           : settings->record.rule == RECORD_EVERY
+                                               ? (double)settings->record.every
+                                               : 1);
+    error_set(error, ERROR_COMMAND,
+              "recording %.6g rows needs %.4g bytes, the budget is %.4g bytes", rows, bytes,
               budget);
-    return error_hint(error, "'set record auto' keeps every peak in at most %u rows; 'set record every %.15g%s' fits",
-                      LIMIT_SAMPLES, every, timed ? " s" : "");
+    return error_hint(
+        error,
+        "'set record auto' keeps every peak in at most %u rows; 'set record every %.15g%s' fits",
+        LIMIT_SAMPLES, every, timed ? " s" : "");
 }
 
-static bool check_grid(double t0, double dt, double span, const struct stretch *stretch, struct error *error)
+static bool check_grid(double t0, double dt, double span, const struct stretch *stretch,
+                       struct error *error)
 {
     double far = fmax(fabs(t0), isinf(span) ? 0 : fabs(t0 + span));
     if (isfinite(span) && stretch->ratio > LIMIT_STEPS) {
-        error_set(error, ERROR_COMMAND,
-                  "%.4g s in steps of %.4g s are %.4g steps, more than the 2^53 that can be counted", fabs(span), dt,
-                  stretch->ratio);
-        return error_hint(error, "dt must be at least %.2g s for this duration", fabs(span) / LIMIT_STEPS * 1.05);
+        error_set(
+            error, ERROR_COMMAND,
+            "%.4g s in steps of %.4g s are %.4g steps, more than the 2^53 that can be counted",
+            fabs(span), dt, stretch->ratio);
+        return error_hint(error, "dt must be at least %.2g s for this duration",
+                          fabs(span) / LIMIT_STEPS * 1.05);
     }
     double spacing = far - nextafter(far, 0);
     if (dt < spacing) {
-        error_set(error, ERROR_COMMAND, "dt = %.4g s is below the rounding of the time, %.2g s near t = %.4g s", dt,
+        error_set(error, ERROR_COMMAND,
+                  "dt = %.4g s is below the rounding of the time, %.2g s near t = %.4g s", dt,
                   spacing, far);
         return error_hint(error, "dt must be at least that, or t0 nearer to 0");
     }
     return true;
 }
 
-/* The scene as a linear oscillator: x = omega0 dt and zeta of the stability tables. False: it is none. */
+/* The scene as a linear oscillator: x = omega0 dt and zeta of the stability tables. False: it is
+ * none. */
 static bool oscillation(const struct system *system, double *omega0, double *zeta)
 {
     const struct oscillator *o = &system->oscillator;
@@ -73,19 +87,23 @@ static bool oscillation(const struct system *system, double *omega0, double *zet
 double plan_stable_limit(const struct system *system, const struct method *method, enum drag drag)
 {
     double omega0, zeta;
-    if (!oscillation(system, &omega0, &zeta) || zeta < 0) /* with negative damping the true motion grows */
+    if (!oscillation(system, &omega0, &zeta) ||
+        zeta < 0) /* with negative damping the true motion grows */
         return NAN;
     return method_stable_limit(method, drag, zeta) / omega0;
 }
 
-static double predicted_growth(const struct system *system, const struct method *method, enum drag drag, double dt)
+static double predicted_growth(const struct system *system, const struct method *method,
+                               enum drag drag, double dt)
 {
     double omega0, zeta;
-    return oscillation(system, &omega0, &zeta) ? method_growth(method, drag, omega0 * dt, zeta) : NAN;
+    return oscillation(system, &omega0, &zeta) ? method_growth(method, drag, omega0 * dt, zeta)
+                                               : NAN;
 }
 
-bool plan_make(const struct system *system, const struct method *method, const struct run_settings *settings,
-               double span, struct plan *plan, struct error *error)
+bool plan_make(const struct system *system, const struct method *method,
+               const struct run_settings *settings, double span, struct plan *plan,
+               struct error *error)
 {
     double dt = settings->dt;
     if (!(dt > 0) || !isfinite(dt))
@@ -109,17 +127,20 @@ bool plan_make(const struct system *system, const struct method *method, const s
     bool adaptive = settings->tol > 0 && method->flags & METHOD_ADAPTIVE;
     if (!adaptive && !method_fits(method, system, drag, copysign(dt, span), error))
         return false;
-    *plan = (struct plan){.adaptive = adaptive,
-                          .exact_known = system_has_exact(system),
-                          .ledger = system->order == 2 && !system->conservative,
-                          .steps = NAN,
-                          .bytes = NAN,
-                          .seconds = NAN,
-                          .growth = adaptive ? NAN : predicted_growth(system, method, drag, fmin(dt, fabs(span))),
-                          .limit = NAN};
-    plan->propagates = settings->kernel == KERNEL_PROPAGATOR && !adaptive && !settings->compensated && system->n == 2 &&
-                       system->linear && system->autonomous && !method->growth &&
-                       (!timed || fabs(remainder(settings->record.interval, dt)) <= 1e-14 * settings->record.interval);
+    *plan = (struct plan){
+        .adaptive = adaptive,
+        .exact_known = system_has_exact(system),
+        .ledger = system->order == 2 && !system->conservative,
+        .steps = NAN,
+        .bytes = NAN,
+        .seconds = NAN,
+        .growth = adaptive ? NAN : predicted_growth(system, method, drag, fmin(dt, fabs(span))),
+        .limit = NAN};
+    plan->propagates = settings->kernel == KERNEL_PROPAGATOR && !adaptive &&
+                       !settings->compensated && system->n == 2 && system->linear &&
+                       system->autonomous && !method->growth &&
+                       (!timed || fabs(remainder(settings->record.interval, dt)) <=
+                                      1e-14 * settings->record.interval);
     if (plan->growth > 1 + GROWTH_MARGIN)
         plan->limit = plan_stable_limit(system, method, drag);
     double rows = floor(fabs(span) / settings->record.interval) + 2;

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Memory for the rows of a trace. The first blocks are as large as what is asked for. Once there are some, further ones
- * are large pages: what the system takes to provide memory page by page is more than a step of a short method costs.
+ * Memory for the rows of a trace. The first blocks are as large as what is asked for. Once there
+ * are some, further ones are large pages: what the system takes to provide memory page by page is
+ * more than a step of a short method costs.
  */
 #include "run/private.h"
 

@@ -6,7 +6,8 @@
 #include <hooke/run.h>
 #include <string.h>
 
-/* Once or twice a step: most scenes have two variables, for which a call costs more than the copy. */
+/* Once or twice a step: most scenes have two variables, for which a call costs more than the copy.
+ */
 static inline void copy_state(double *to, const double *from, int n)
 {
     if (n == 2) {
@@ -46,9 +47,10 @@ struct sum {
 
 /* In units of factor^2 J (see run_private). */
 struct tally {
-    double most;           /* largest |E - E0 - work| after a step so far */
-    double scale;          /* largest |E|, or |E0| where that is not 0 */
-    struct sum work, drag; /* since the start: drag, drive, jumps and changes of parameters; drag alone */
+    double max;   /* largest |E - E0 - work| after a step so far */
+    double scale; /* largest |E|, or |E0| where that is not 0 */
+    struct sum work,
+        drag; /* since the start: drag, drive, jumps and changes of parameters; drag alone */
 };
 
 /* ---- pool.c: memory that goes back all at once ---- */
@@ -59,14 +61,16 @@ struct pool {
     size_t left, bytes;
 };
 
-void *pool_take(struct pool *pool, size_t size); /* a multiple of 16 bytes, not cleared; NULL: no memory */
+void *pool_take(struct pool *pool,
+                size_t size); /* a multiple of 16 bytes, not cleared; NULL: no memory */
 void pool_release(struct pool *pool);
 
 /* ---- trace ----
  *
- * Row: n state values, then the time if `timed` (adaptive). Row i is step i * every, until the trace is decimated: then
- * the steps stand in `index`, as they do where rows are at even times: there may be none in a step, or many. The
- * present state is shown as a last row when it was not recorded itself.
+ * Row: n state values, then the time if `timed` (adaptive). Row i is step i * every, until the
+ * trace is decimated: then the steps stand in `index`, as they do where rows are at even times:
+ * there may be none in a step, or many. The present state is shown as a last row when it was not
+ * recorded itself.
  */
 
 #define CHUNK_SHIFT 12
@@ -75,12 +79,13 @@ void pool_release(struct pool *pool);
 struct trace {
     int n;
     bool decimates, timed;
-    int64_t every, next; /* unless it decimates: record each so many steps; the next one to record */
-    size_t width;        /* doubles a row */
-    size_t cap;          /* rows: decimated there or full */
+    int64_t every,
+        next;     /* unless it decimates: record each so many steps; the next one to record */
+    size_t width; /* doubles a row */
+    size_t cap;   /* rows: decimated there or full */
     double **chunk;
     int64_t **index; /* [indices] steps of the rows in each chunk, once decimated */
-    size_t chunks, indices, room, count;
+    size_t chunks, indices, capacity, count;
     double **mark; /* [marks] the balance at each row, where there are steps between rows */
     size_t marks, mark_width;
     struct pool pool, mark_pool; /* of rows and their steps; of marks */
@@ -103,36 +108,45 @@ struct trace {
 
 /* Another row, which the rule has asked for; false: full or no memory. */
 bool trace_append(struct trace *trace, int64_t step, double t, const double *y);
-struct trace *trace_create(int n, bool timed, struct recording_rule rule, size_t memory); /* NULL: no memory */
+struct trace *trace_create(int n, bool timed, struct recording_rule rule,
+                           size_t memory); /* NULL: no memory */
 void trace_destroy(struct trace *trace);
-/* Offers the state after `step`; false: full or no memory, nothing recorded. Steps come in order, each once. */
+/* Offers the state after `step`; false: full or no memory, nothing recorded. Steps come in order,
+ * each once. */
 bool trace_record(struct trace *trace, int64_t step, double t, const double *y);
-/* The same for the states after `step`, `step` + 1, …, whose times are not recorded; returns how many were taken. */
+/* The same for the states after `step`, `step` + 1, …, whose times are not recorded; returns how
+ * many were taken. */
 int64_t trace_record_many(struct trace *trace, int64_t step, const double *row, int64_t count);
 /* The recorded state after `step`; NULL: not recorded, or the trace is decimated. */
 const double *trace_state_after(const struct trace *trace, int64_t step);
-/* Where the next rows go when every step is kept: room for *rows of them, one after the other. NULL: not so. */
+/* Where the next rows go when every step is kept: room for *rows of them, one after the other.
+ * NULL: not so. */
 double *trace_open(struct trace *trace, size_t *rows);
-const struct grid *trace_grid_of(const struct trace *trace, int64_t step); /* that gives this step its time */
+const struct grid *trace_grid_of(const struct trace *trace,
+                                 int64_t step);     /* that gives this step its time */
 void trace_close(struct trace *trace, size_t rows); /* so many were written there */
 void trace_present(struct trace *trace, int64_t step, double t, const double *y);
 /* Drops everything after row i, which becomes the present. */
 void trace_truncate(struct trace *trace, size_t i);
-bool trace_reserve_grids(struct trace *trace, size_t more); /* room for so many regrids; false: no memory */
-void trace_regrid(struct trace *trace, struct grid grid);   /* from here on a new grid */
-const struct grid *trace_grid(const struct trace *trace);   /* the present one */
+bool trace_reserve_grids(struct trace *trace,
+                         size_t more); /* room for so many regrids; false: no memory */
+void trace_regrid(struct trace *trace, struct grid grid); /* from here on a new grid */
+const struct grid *trace_grid(const struct trace *trace); /* the present one */
 size_t trace_row_bytes(int n, bool timed, bool indexed);
 /* Marks: the balance at each recorded row, its work only where there is any. False: no memory. */
-bool trace_mark_rows(struct trace *trace, bool work); /* from now on, those that are there are not known or have 0 */
+bool trace_mark_rows(struct trace *trace,
+                     bool work); /* from now on, those that are there are not known or have 0 */
 bool trace_marked(const struct trace *trace);
 struct tally trace_mark(const struct trace *trace, size_t i); /* scale < 0: not yet known */
 void trace_set_mark(struct trace *trace, size_t i, const struct tally *tally);
-size_t trace_row_from(const struct trace *trace, int64_t step); /* the first recorded row of this step or a later one */
+size_t trace_row_from(const struct trace *trace,
+                      int64_t step); /* the first recorded row of this step or a later one */
 /* Recorded row i of those before `end`, and how many follow it in memory, each trace->width on. */
 const double *trace_rows(const struct trace *trace, size_t i, size_t end, size_t *count);
 /*
- * A trace with each step is decimated in two parts: its steps and its number of rows are those that stay, while
- * trace_rows() still finds each step's row; then rows move to their places. False: no memory.
+ * A trace with each step is decimated in two parts: its steps and its number of rows are those that
+ * stay, while trace_rows() still finds each step's row; then rows move to their places. False: no
+ * memory.
  */
 bool trace_thin(struct trace *trace);
 void trace_thinned(struct trace *trace);
@@ -145,7 +159,8 @@ void trace_thinned(struct trace *trace);
 struct epoch {
     int64_t first;                 /* step index of its start */
     double t;                      /* [s] */
-    double start[LIMIT_VARIABLES]; /* where the exact solution starts: its own value at the end of the epoch before */
+    double start[LIMIT_VARIABLES]; /* where the exact solution starts: its own value at the end of
+                                      the epoch before */
     struct system system;
 };
 
@@ -174,16 +189,18 @@ struct work {
     double factor; /* on all states */
     int count;
     const double *before, *row;
-    size_t stride;        /* from row to row */
-    const double *t;      /* [count + 1] of the states; NULL: at origin + (index + k) h, in one block of the index */
-    double origin, h;     /* [s] */
+    size_t stride;    /* from row to row */
+    const double *t;  /* [count + 1] of the states; NULL: at origin + (index + k) h, in one block of
+                         the index */
+    double origin, h; /* [s] */
     int64_t index;
     struct turns *turns;
 };
 
 struct work_done { /* in units of factor^2 J */
-    double work[WORK_BLOCK], drag[WORK_BLOCK]; /* in each step; drag is the part of it that drag did */
-    double energy[WORK_BLOCK];                 /* after it */
+    double work[WORK_BLOCK],
+        drag[WORK_BLOCK];      /* in each step; drag is the part of it that drag did */
+    double energy[WORK_BLOCK]; /* after it */
     double all_work[WORK_BLOCK], all_drag[WORK_BLOCK]; /* since the start, by balance_block() */
 };
 
@@ -192,43 +209,47 @@ void work_between(const struct work *work, struct work_done *done);
 /* The state was changed from outside in that step. */
 struct kick {
     int64_t step;
-    double t; /* [s] */
+    double t;      /* [s] */
     double energy; /* [J] that it brought */
 };
 
 /* What events noticed, in the order of time. */
 struct happenings {
-    struct happening *at;
+    struct event_record *at;
     double *state; /* [count][n] */
-    size_t count, room;
+    size_t count, capacity;
 };
 
 struct run_private {
     struct step step;
-    double *work;        /* of the method */
-    double *side;        /* another one, where states inside of a step need steps of their own; NULL */
-    double *before;      /* [n] state before the step */
+    double *work;   /* of the method */
+    double *side;   /* another one, where states inside of a step need steps of their own; NULL */
+    double *before; /* [n] state before the step */
     double *low_before;  /* [n] and what rounding had taken from it; used where step.low is there */
     double *bound;       /* [n] magnitudes that count as diverged */
     struct epoch *epoch; /* at least one */
     size_t epochs, epoch_room;
-    int64_t batch;          /* steps between looks at the clock */
-    int64_t look;           /* run_creeps() has nothing to do before this step */
-    size_t looked, across;  /* rows that run_diagnose() has seen; the next that it would look into, */
-    size_t unchecked;       /* and whose step it would check, */
-    size_t checks;          /* after so many */
-    size_t searched;        /* the last row that run_missed_burst() has seen */
-    march_function *kernel; /* NULL: none for this method and system */
+    int64_t batch; /* steps between looks at the clock */
+    int64_t look;  /* run_creeps() has nothing to do before this step */
+    size_t looked,
+        across;       /* rows that run_diagnose() has seen; the next that it would look into, */
+    size_t unchecked; /* and whose step it would check, */
+    size_t checks;    /* after so many */
+    size_t searched;  /* the last row that run_missed_burst() has seen */
+    march_function *kernel;        /* NULL: none for this method and system */
     struct propagator *propagator; /* NULL: not (yet) there, or not of use */
-    double *scratch;        /* [CHUNK_ROWS][n] states that do not go into the trace as they are; NULL: not yet needed */
-    double factor;          /* power of two on states before their energies are compared */
-    struct balance balance; /* up to the last step where rows have marks, else as far as somebody asked */
-    struct tally *saved;    /* [saves] at each CHUNK_ROWS steps up to there, where rows have no marks */
+    double *scratch; /* [CHUNK_ROWS][n] states that do not go into the trace as they are; NULL: not
+                        yet needed */
+    double factor;   /* power of two on states before their energies are compared */
+    struct balance
+        balance; /* up to the last step where rows have marks, else as far as somebody asked */
+    struct tally
+        *saved; /* [saves] at each CHUNK_ROWS steps up to there, where rows have no marks */
     size_t saves, save_room;
     struct turns turns;
     struct happenings happenings;
-    struct second *second; /* opinion.c; NULL: nobody asked */
-    struct watch *watch; /* watch.h; NULL: there are no events */
+    struct second *second;                      /* opinion.c; NULL: nobody asked */
+    struct watch *watch;                        /* watch.h; NULL: there are no events */
     struct event_doubt doubt[LIMIT_EVENTS + 1]; /* the last is that of the condition */
     struct kick *kick;
     size_t kicks, kick_room;
@@ -242,7 +263,7 @@ static inline void forget_rounding(struct run_private *p, int n)
 }
 
 /* Where one call of run_advance goes. */
-struct leg {
+struct segment {
     const struct run_target *target;
     struct grid grid;
     int64_t last;  /* fixed step: index where the whole steps end */
@@ -257,13 +278,15 @@ struct leg {
 
 /* The next row is the first beyond t on the way that h goes. */
 void trace_aim(struct trace *trace, double t, double h);
-/* Whether steps of the present grid end where rows are due: each trace->every, from trace->next on. */
+/* Whether steps of the present grid end where rows are due: each trace->every, from trace->next on.
+ */
 bool trace_in_step(struct trace *trace);
 /* As trace_record_many() there. */
 int64_t trace_record_even(struct trace *trace, int64_t step, const double *row, int64_t count);
 /*
- * Rows of the step just taken from p->before at t over h, the run being at its end. STOP_FULL: also no memory;
- * STOP_DIVERGED: a state inside of the step is out of bounds, though that at its end is not.
+ * Rows of the step just taken from p->before at t over h, the run being at its end. STOP_FULL: also
+ * no memory; STOP_DIVERGED: a state inside of the step is out of bounds, though that at its end is
+ * not.
  */
 enum stop even_record(struct run *run, bool cold, double t, double h);
 void even_drop(struct trace *trace, double t); /* the rows beyond t */
@@ -282,67 +305,81 @@ struct moving run_scope_moving(const struct run *run, int slot);
 
 /* ---- event.c, inside.c ---- */
 
-/* The state in the step just taken from p->before over h, at its share theta; the run still is at its end. */
+/* The state in the step just taken from p->before over h, at its share theta; the run still is at
+ * its end. */
 struct inside {
     struct run *run;
-    struct method method; /* without a dense output where that would be only of a part of the step */
+    struct method
+        method; /* without a dense output where that would be only of a part of the step */
     double t, h;
 };
 
 /* cold: the step went by method_turning_step(), perhaps in parts. */
 struct inside inside_of(struct run *run, bool cold, double t, double h);
 /* The system that the last step was taken of: p->step, or another in *frozen. */
-struct step inside_step(const struct inside *inside, struct sliding *sliding, struct system *frozen);
+struct step inside_step(const struct inside *inside, struct sliding *sliding,
+                        struct system *frozen);
 void inside_state(const struct inside *inside, double theta, double *y);
 
-/* Compiles the target's events for the run as it is now, signs at its present state. False: no memory. */
-bool events_begin(struct run *run, const struct leg *leg);
+/* Compiles the target's events for the run as it is now, signs at its present state. False: no
+ * memory. */
+bool events_begin(struct run *run, const struct segment *segment);
 /* What happened in the step just taken from p->before at t over h. False: no memory. */
-bool events_find(struct run *run, const struct leg *leg, double t, double h);
-/* Keeps those up to the present time; ends at one that stops the run, and puts the run there. False: no memory. */
-bool events_keep(struct run *run, const struct leg *leg, double h, bool *stops);
-/* Did the condition become true in the step? *theta: the share of the step where, the first time. */
+bool events_find(struct run *run, const struct segment *segment, double t, double h);
+/* Keeps those up to the present time; ends at one that stops the run, and puts the run there.
+ * False: no memory. */
+bool events_keep(struct run *run, const struct segment *segment, double h, bool *stops);
+/* Did the condition become true in the step? *theta: the share of the step where, the first time.
+ */
 bool events_until(const struct run *run, double *theta);
 /* Does another event stop the run in the step? */
 bool events_stop(const struct run *run);
-/* The state where it did is known better now: run->t and run->y, for the events at the same moment too. */
+/* The state where it did is known better now: run->t and run->y, for the events at the same moment
+ * too. */
 void events_until_at(struct run *run, double theta);
 /* Drops those after the present step; of that step those ahead of the present time. */
-void happenings_truncate(struct run *run, double ahead);
+void event_records_truncate(struct run *run, double ahead);
 
-/* The best instructions that the machine has, chosen when the program starts; the same bits with all of them. */
+/* The best instructions that the machine has, chosen when the program starts; the same bits with
+ * all of them. */
 #if defined(__x86_64__) && !defined(__SANITIZE_ADDRESS__) && !defined(__clang__)
 #define CLONES __attribute__((target_clones("default", "avx2", "avx512f")))
 #else
 #define CLONES
 #endif
 
-/* Four numbers at once, in whatever registers there are; of wider ones, where there are none, compilers make a mess. */
+/* Four numbers at once, in whatever registers there are; of wider ones, where there are none,
+ * compilers make a mess. */
 typedef double four __attribute__((vector_size(32), aligned(8), may_alias));
 typedef uint64_t four_bits __attribute__((vector_size(32), aligned(8), may_alias));
 #define FOUR 4
 
 /* propagate.c: the states after steps first + 1, … of a linear scene, without evaluating forces. */
-struct propagator *propagator_create(const struct run *run, double h); /* NULL: no memory, or a step that fails */
-double propagator_step(const struct propagator *propagator);           /* [s] the h it is made for */
-/* The step of the grid where the block of `step` begins, whether its state is known, and that state. */
+struct propagator *propagator_create(const struct run *run,
+                                     double h); /* NULL: no memory, or a step that fails */
+double propagator_step(const struct propagator *propagator); /* [s] the h it is made for */
+/* The step of the grid where the block of `step` begins, whether its state is known, and that
+ * state. */
 int64_t propagator_block(int64_t step);
 int64_t propagator_rest(int64_t step); /* steps from there to its end */
 bool propagator_knows(const struct propagator *propagator, int64_t step);
 void propagator_anchor(struct propagator *propagator, int64_t step, const double *y);
-/* y [2] in: state after step `first` of the grid; out: the last state. Returns how many rows were written: fewer where
- * the block that `first` stands in was begun by something else. */
-int64_t propagate(struct propagator *propagator, int64_t first, int64_t count, double *y, double *row);
+/* y [2] in: state after step `first` of the grid; out: the last state. Returns how many rows were
+ * written: fewer where the block that `first` stands in was begun by something else. */
+int64_t propagate(struct propagator *propagator, int64_t first, int64_t count, double *y,
+                  double *row);
 /* Are the rows of the last call within bounds for certain, without a look at each? */
 bool propagator_within(const struct propagator *propagator, const double *bound);
 
-/* many.c: up to p->batch whole steps at once, where nothing has to be looked at between them. False: step by step. */
-bool advance_many(struct run *run, const struct leg *leg, enum stop *stop);
+/* many.c: up to p->batch whole steps at once, where nothing has to be looked at between them.
+ * False: step by step. */
+bool advance_many(struct run *run, const struct segment *segment, enum stop *stop);
 enum stop stop_of_step(enum step_status status);
-bool run_in_bounds(const struct run *run, const double *y); /* all finite, and not what counts as diverged */
+bool run_in_bounds(const struct run *run,
+                   const double *y); /* all finite, and not what counts as diverged */
 
-/* singular.c: adaptive steps that no longer get on, because the solution ends: then stop is STOP_SINGULAR. Looks at
- * twice the step of its last look, so that it costs a share of the run. */
+/* singular.c: adaptive steps that no longer get on, because the solution ends: then stop is
+ * STOP_SINGULAR. Looks at twice the step of its last look, so that it costs a share of the run. */
 bool run_creeps(struct run *run);
 
 /* sound.c: from y [n] at t to `end` by an accurate method, into `to` [n] or NULL. False: it
@@ -350,8 +387,8 @@ bool run_creeps(struct run *run);
 #define RUN_SOLVE_TOL 1e-7
 #define RUN_SOLVE_STIFF "radau5"
 #define RUN_SOLVE_SMOOTH "dop853" /* in a few steps, or not at all */
-bool run_solve(const struct system *system, double t, const double *y, double end, const char *by, double tol,
-               double *to);
+bool run_solve(const struct system *system, double t, const double *y, double end, const char *by,
+               double tol, double *to);
 /* Compares the step from recorded row i to the next with the solution from there: run->unsound. */
 void run_check_step(struct run *run, size_t i);
 
@@ -360,7 +397,8 @@ void opinion_forget(struct run *run); /* it starts anew */
 /* The epoch that led to the state at `step`: where one ends, the state still belongs to it. */
 const struct epoch *run_epoch(const struct run *run, int64_t step);
 
-/* Visits the rows of a run in order, or its present state, with what an observable needs beside the state. */
+/* Visits the rows of a run in order, or its present state, with what an observable needs beside the
+ * state. */
 struct walk {
     const struct run *run;
     unsigned needs;
@@ -374,29 +412,36 @@ struct walk {
 };
 
 void walk_begin(struct walk *walk, const struct run *run, unsigned needs);
-bool walk_next(struct walk *walk); /* to be called until false: no more rows, nothing is held any longer */
+bool walk_next(
+    struct walk *walk); /* to be called until false: no more rows, nothing is held any longer */
 void walk_present(struct walk *walk, const struct run *run, unsigned needs);
 
 /* ---- ledger.c ---- */
 
 double system_energy(const struct system *system, const double *y); /* [J] */
-bool ledger_known(const struct run *run); /* else rows are apart, and settings.unbalanced left it out */
+bool ledger_known(
+    const struct run *run); /* else rows are apart, and settings.unbalanced left it out */
 void balance_begin(const struct run *run, struct balance *balance); /* at the start */
 /*
- * On over at most `count` steps whose states follow in `row`, and adaptive ones' times in `time`, each `stride` on.
- * Returns how many of them were taken, at least 1: none of them crosses a change of the scene or of the grid.
+ * On over at most `count` steps whose states follow in `row`, and adaptive ones' times in `time`,
+ * each `stride` on. Returns how many of them were taken, at least 1: none of them crosses a change
+ * of the scene or of the grid.
  */
-int balance_block(const struct run *run, struct balance *balance, const double *row, const double *time, size_t stride,
-                  int64_t count, struct work_done *done);
-void balance_present(const struct run *run, struct balance *balance); /* at the present state, even inside of a step */
-/* Before so many rows are offered to the trace: where it will leave some out, the balance has to be kept from there
- * on. False: no memory. */
+int balance_block(const struct run *run, struct balance *balance, const double *row,
+                  const double *time, size_t stride, int64_t count, struct work_done *done);
+void balance_present(const struct run *run,
+                     struct balance *balance); /* at the present state, even inside of a step */
+/* Before so many rows are offered to the trace: where it will leave some out, the balance has to be
+ * kept from there on. False: no memory. */
 bool ledger_ready(struct run *run, int64_t rows);
-/* After steps to these states were offered to the trace; the marks of those that it took are set. */
+/* After steps to these states were offered to the trace; the marks of those that it took are set.
+ */
 void ledger_take(struct run *run, const double *row, int64_t count);
-void ledger_warm(struct run *run); /* after steps went straight into the trace, if settings.balanced */
-void ledger_inside(struct run *run, double t, const double *y); /* the last row is this state, inside of the next step */
-void ledger_back(struct run *run);                       /* the run went back to a recorded row, the last one */
-void ledger_rescale(struct run *run, double factor);     /* run_private.factor becomes this */
+void ledger_warm(
+    struct run *run); /* after steps went straight into the trace, if settings.balanced */
+void ledger_inside(struct run *run, double t,
+                   const double *y); /* the last row is this state, inside of the next step */
+void ledger_back(struct run *run);   /* the run went back to a recorded row, the last one */
+void ledger_rescale(struct run *run, double factor); /* run_private.factor becomes this */
 
 #endif

@@ -1,13 +1,15 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * A linear scene of two variables without drive and a step of fixed size: every one-step method is y' = M y + s. M is
- * found by stepping the unit vectors, once; then a block of steps is M, M^2, … M^BLOCK times the state at its
- * beginning, all independent of one another. No forces are evaluated.
+ * A linear scene of two variables without drive and a step of fixed size: every one-step method is
+ * y' = M y + s. M is found by stepping the unit vectors, once; then a block of steps is M, M^2, …
+ * M^BLOCK times the state at its beginning, all independent of one another. No forces are
+ * evaluated.
  *
- * Rounding: powers are taken in long double, and the state at a block's end is computed in it, so that of a symplectic
- * method the determinant is 1 to 1e-18 and nothing drifts. Against the step-by-step path the states differ by
- * a few eps a step in units of the amplitude. Blocks begin at multiples of BLOCK steps of the grid, so a run that is
- * interrupted and continued gives the same bits.
+ * Rounding: powers are taken in long double, and the state at a block's end is computed in it, so
+ * that of a symplectic method the determinant is 1 to 1e-18 and nothing drifts. Against the
+ * step-by-step path the states differ by a few eps a step in units of the amplitude. Blocks begin
+ * at multiples of BLOCK steps of the grid, so a run that is interrupted and continued gives the
+ * same bits.
  */
 #include "run/private.h"
 
@@ -20,19 +22,21 @@
 typedef long double real;
 
 struct propagator {
-    double first[BLOCK * N], second[BLOCK * N], shift[BLOCK * N]; /* row j: M^(j+1) by columns, and what is added */
-    real last[N][N + 1];                                          /* the last row with all digits */
-    double reach[N][N + 1];                                       /* largest magnitudes of first, second and shift */
-    double most[N];                                               /* of the states where blocks of a call began */
-    double h;                                                     /* [s] */
-    double anchor[N];                                             /* state at the beginning of the block */
-    int64_t anchored;                                             /* step of the grid where that is, -1: none */
+    double first[BLOCK * N], second[BLOCK * N],
+        shift[BLOCK * N];   /* row j: M^(j+1) by columns, and what is added */
+    real last[N][N + 1];    /* the last row with all digits */
+    double reach[N][N + 1]; /* largest magnitudes of first, second and shift */
+    double max[N];          /* of the states where blocks of a call began */
+    double h;               /* [s] */
+    double anchor[N];       /* state at the beginning of the block */
+    int64_t anchored;       /* step of the grid where that is, -1: none */
 };
 
 /* One step of the method on the given state. */
 static bool image(const struct run *run, double h, double *y)
 {
-    struct step step = {.system = &run->system, .drag = run->settings.drag, .t = run->system.t0, .h = h, .y = y};
+    struct step step = {
+        .system = &run->system, .drag = run->settings.drag, .t = run->system.t0, .h = h, .y = y};
     step.work = malloc(method_work_size(run->method, N) * sizeof *step.work);
     bool fine = step.work && method_step(run->method, &step) == STEP_OK;
     free(step.work);
@@ -44,7 +48,9 @@ bool propagator_within(const struct propagator *p, const double *bound)
 {
     bool within = true;
     for (int k = 0; k < N; k++)
-        within = within && p->reach[k][0] * p->most[0] + p->reach[k][1] * p->most[1] + p->reach[k][N] <= bound[k] / 2;
+        within =
+            within && p->reach[k][0] * p->max[0] + p->reach[k][1] * p->max[1] + p->reach[k][N] <=
+                          bound[k] / 2;
     return within;
 }
 
@@ -64,7 +70,8 @@ struct propagator *propagator_create(const struct run *run, double h)
             m[i][j] = (real)column[j][i] - (real)shift[i];
     if (run->method->flags & METHOD_SYMPLECTIC && run->system.conservative) {
         real determinant = m[0][0] * m[1][1] - m[0][1] * m[1][0];
-        real scale = fabsl(determinant - 1) < 1e-6L ? 1 / sqrtl(determinant) : 1; /* else it is all rounding */
+        real scale = fabsl(determinant - 1) < 1e-6L ? 1 / sqrtl(determinant)
+                                                    : 1; /* else it is all rounding */
         for (int i = 0; i < N; i++)
             for (int j = 0; j < N; j++)
                 m[i][j] *= scale;
@@ -86,9 +93,11 @@ struct propagator *propagator_create(const struct run *run, double h)
             p->first[step * N + i] = (double)power[i][0];
             p->second[step * N + i] = (double)power[i][1];
             p->shift[step * N + i] = (double)sum[i];
-            const double size[] = {fabs(p->first[step * N + i]), fabs(p->second[step * N + i]), fabs((double)sum[i])};
+            const double size[] = {fabs(p->first[step * N + i]), fabs(p->second[step * N + i]),
+                                   fabs((double)sum[i])};
             for (int j = 0; j <= N; j++)
-                p->reach[i][j] = size[j] <= p->reach[i][j] || isnan(p->reach[i][j]) ? p->reach[i][j] : size[j];
+                p->reach[i][j] =
+                    size[j] <= p->reach[i][j] || isnan(p->reach[i][j]) ? p->reach[i][j] : size[j];
         }
     }
     for (int i = 0; i < N; i++) {
@@ -99,27 +108,30 @@ struct propagator *propagator_create(const struct run *run, double h)
     return p;
 }
 
-/* The block after state y. The last row is rounded once: what a matrix of doubles leaves out would add up. */
+/* The block after state y. The last row is rounded once: what a matrix of doubles leaves out would
+ * add up. */
 static inline void block(const struct propagator *p, double y, double v, double *restrict row)
 {
     for (int i = 0; i < BLOCK * N; i++)
         row[i] = p->first[i] * y + p->second[i] * v + p->shift[i];
     for (int i = 0; i < N; i++)
-        row[(BLOCK - 1) * N + i] = (double)(p->last[i][0] * (real)y + p->last[i][1] * (real)v + p->last[i][N]);
+        row[(BLOCK - 1) * N + i] =
+            (double)(p->last[i][0] * (real)y + p->last[i][1] * (real)v + p->last[i][N]);
 }
 
 /* A state that is not finite stays so: the last one is noted in any case. */
-static inline double larger(double most, double x)
+static inline double larger(double max, double x)
 {
-    return fabs(x) <= most ? most : fabs(x);
+    return fabs(x) <= max ? max : fabs(x);
 }
 
-CLONES static void blocks(struct propagator *p, const double *y, double *restrict row, int64_t count)
+CLONES static void blocks(struct propagator *p, const double *y, double *restrict row,
+                          int64_t count)
 {
     double q = y[0], v = y[1];
     for (int64_t i = 0; i < count; i++, row += BLOCK * N) {
-        p->most[0] = larger(p->most[0], q);
-        p->most[1] = larger(p->most[1], v);
+        p->max[0] = larger(p->max[0], q);
+        p->max[1] = larger(p->max[1], v);
         block(p, q, v, row);
         q = row[(BLOCK - 1) * N];
         v = row[(BLOCK - 1) * N + 1];
@@ -151,7 +163,7 @@ int64_t propagate(struct propagator *p, int64_t first, int64_t count, double *y,
 {
     double within[BLOCK * N];
     int64_t done = 0;
-    p->most[0] = p->most[1] = 0;
+    p->max[0] = p->max[1] = 0;
     while (done < count) {
         const int64_t inside = (first + done) % BLOCK;
         int64_t taken = count - done;

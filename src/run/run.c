@@ -8,7 +8,8 @@
 
 #define LOOK_FIRST 4096 /* steps before adaptive ones are looked into, see run_creeps() */
 
-#define AMPLITUDE_MAX 1e150 /* [m] above it a run has diverged: its energy still is a finite number */
+#define AMPLITUDE_MAX                                                                              \
+    1e150 /* [m] above it a run has diverged: its energy still is a finite number */
 
 const char *stop_name(enum stop stop)
 {
@@ -27,7 +28,8 @@ const char *stop_name(enum stop stop)
     return name[stop];
 }
 
-/* Magnitudes are compared in scaled state: velocities by the scene's own velocity at the same amplitude. */
+/* Magnitudes are compared in scaled state: velocities by the scene's own velocity at the same
+ * amplitude. */
 static void set_bounds(struct run *run)
 {
     const struct system *system = &run->system;
@@ -40,15 +42,17 @@ static void set_bounds(struct run *run)
 }
 
 /*
- * Energy is quadratic in the state where forces are linear and homogeneous; there a power of two on the state changes
- * no ratio of energies, and squares of 1e-200 or 1e200 stay in range. A typed potential may have a constant in it.
+ * Energy is quadratic in the state where forces are linear and homogeneous; there a power of two on
+ * the state changes no ratio of energies, and squares of 1e-200 or 1e200 stay in range. A typed
+ * potential may have a constant in it.
  */
 static double energy_factor(const struct system *system)
 {
     const struct oscillator *o = &system->oscillator;
     int exponent;
     frexp(system->scale[0], &exponent);
-    if (!system->linear || !o->whole || system->model->typed || o->gravity != 0 || o->drive != 0 || abs(exponent) < 300)
+    if (!system->linear || !o->whole || system->model->typed || o->gravity != 0 || o->drive != 0 ||
+        abs(exponent) < 300)
         return 1;
     return ldexp(1, exponent < -1000 ? 1000 : -exponent);
 }
@@ -57,12 +61,12 @@ static bool push_epoch(struct run *run, const struct system *system, const doubl
 {
     struct run_private *p = run->private_state;
     if (p->epochs == p->epoch_room) {
-        size_t room = p->epoch_room ? p->epoch_room * 2 : 1;
-        struct epoch *more = realloc(p->epoch, room * sizeof *more);
+        size_t capacity = p->epoch_room ? p->epoch_room * 2 : 1;
+        struct epoch *more = realloc(p->epoch, capacity * sizeof *more);
         if (!more)
             return false;
         p->epoch = more;
-        p->epoch_room = room;
+        p->epoch_room = capacity;
     }
     struct epoch *epoch = &p->epoch[p->epochs++];
     *epoch = (struct epoch){.first = run->steps, .t = run->t, .system = *system};
@@ -93,10 +97,12 @@ static bool allocate(struct run *run)
 {
     size_t n = (size_t)run->system.n, work = method_work_size(run->method, run->system.n);
     struct run_private *p = run->private_state = calloc(1, sizeof *p);
-    run->trace = trace_create(run->system.n, run->plan.adaptive, run->settings.record, run->settings.memory);
+    run->trace =
+        trace_create(run->system.n, run->plan.adaptive, run->settings.record, run->settings.memory);
     if (!p || !run->trace)
         return false;
-    /* What takes parts of steps again: cubics say too little, and none holds where dry friction turns. */
+    /* What takes parts of steps again: cubics say too little, and none holds where dry friction
+     * turns. */
     const bool side = run->plan.adaptive ? !run->method->dense : run->system.pieces;
     p->work = calloc((side ? 2 : 1) * work + 4 * n, sizeof *p->work);
     if (!p->work || !push_epoch(run, &run->system, run->y) || !trace_reserve_grids(run->trace, 1))
@@ -108,14 +114,16 @@ static bool allocate(struct run *run)
     p->batch = 16;
     p->look = LOOK_FIRST;
     p->factor = energy_factor(&run->system);
-    p->step = (struct step){.system = &run->system, .drag = run->settings.drag, .y = run->y, .work = p->work};
+    p->step = (struct step){
+        .system = &run->system, .drag = run->settings.drag, .y = run->y, .work = p->work};
     p->step.switches = run->plan.adaptive ? NULL : &run->controller.switches;
     if (run->settings.compensated && !run->plan.adaptive)
         p->step.low = p->low_before + n;
     if (!method_begin(run->method, &p->step))
         return false;
-    const bool thinned = run->settings.record.rule == RECORD_TIMES ||
-                         (run->settings.record.rule == RECORD_EVERY && run->settings.record.every > 1);
+    const bool thinned =
+        run->settings.record.rule == RECORD_TIMES ||
+        (run->settings.record.rule == RECORD_EVERY && run->settings.record.every > 1);
     if (run->system.order == 2 && !run->settings.unbalanced && thinned &&
         !trace_mark_rows(run->trace, run->plan.ledger))
         return false;
@@ -132,8 +140,8 @@ static void choose_kernel(struct run *run)
     p->propagator = NULL;
 }
 
-struct run *run_create(const struct scene *scene, const struct method *method, const struct run_settings *settings,
-                       double span, struct error *error)
+struct run *run_create(const struct scene *scene, const struct method *method,
+                       const struct run_settings *settings, double span, struct error *error)
 {
     struct run *run = calloc(1, sizeof *run);
     if (!run) {
@@ -219,11 +227,12 @@ bool run_back(struct run *run, int64_t rows)
     bool enough = rows <= 0 || (uint64_t)rows <= last;
     size_t row = rows <= 0 ? last : enough ? last - (size_t)rows : 0;
     for (size_t i = p->kicks; i > 0 && row > 0 && rows > 0; i--)
-        row -= p->kick[i - 1].step == trace_step(trace, row) + 1 && p->kick[i - 1].t == trace_time(trace, row);
+        row -= p->kick[i - 1].step == trace_step(trace, row) + 1 &&
+               p->kick[i - 1].t == trace_time(trace, row);
     if (row == last && rows <= 0)
         return true;
-    /* Of an adaptive run the size of the step that led here is the next proposal; the controller's memory is not
-     * recorded. */
+    /* Of an adaptive run the size of the step that led here is the next proposal; the controller's
+     * memory is not recorded. */
     double h = row > 0 ? trace_time(trace, row) - trace_time(trace, row - 1) : run->settings.dt;
     trace_truncate(trace, row);
     p->searched = row < p->searched ? row : p->searched;
@@ -231,15 +240,16 @@ bool run_back(struct run *run, int64_t rows)
     run->t = trace->now_t;
     memcpy(run->y, trace->now, (size_t)run->system.n * sizeof *run->y);
     if (trace->interval > 0) {
-        /* Such rows say nothing about steps, and one of them may be where no step of the grid ends. */
+        /* Such rows say nothing about steps, and one of them may be where no step of the grid ends.
+         */
         if (!run->plan.adaptive && !even_present(trace, grid_time(trace_grid(trace), run->steps)))
             trace_regrid(trace, (struct grid){run->steps, run->t, trace_grid(trace)->h});
-        happenings_truncate(run, h);
+        event_records_truncate(run, h);
         h = copysign(run->settings.dt, h);
     }
     run->controller = (struct controller){.tol = run->settings.tol, .h = h};
     run->stop = STOP_NONE;
-    happenings_truncate(run, 0);
+    event_records_truncate(run, 0);
     while (p->kicks > 0 && p->kick[p->kicks - 1].step > run->steps)
         p->kicks--;
     while (p->epochs > 1 && p->epoch[p->epochs - 1].first > run->steps)
@@ -259,8 +269,8 @@ bool run_rebind(struct run *run, const struct scene *scene, struct error *error)
     if (!scene_bind(scene, &system, error))
         return false;
     if (system.model != run->system.model)
-        return error_set(error, ERROR_COMMAND, "a run of %s cannot go on as %s", run->system.model->row.name,
-                         system.model->row.name);
+        return error_set(error, ERROR_COMMAND, "a run of %s cannot go on as %s",
+                         run->system.model->row.name, system.model->row.name);
     if (!method_applies(run->method, &system, &drag, error) ||
         !plan_make(&system, run->method, &run->settings, HUGE_VAL, &plan, error))
         return false;
@@ -302,7 +312,8 @@ void run_unbind(struct run *run)
         run_rebind(run, &run->scene, &ignored); /* was accepted when it began */
         return;
     }
-    /* The balance has not entered what begins here; the present step need not be a row to go back to. */
+    /* The balance has not entered what begins here; the present step need not be a row to go back
+     * to. */
     p->epochs--;
     use_system(run, &p->epoch[p->epochs - 1].system);
 }
@@ -311,12 +322,12 @@ static bool reserve_kick(struct run_private *p)
 {
     if (p->kicks < p->kick_room)
         return true;
-    const size_t room = p->kick_room ? 2 * p->kick_room : 16;
-    struct kick *kick = realloc(p->kick, room * sizeof *kick);
+    const size_t capacity = p->kick_room ? 2 * p->kick_room : 16;
+    struct kick *kick = realloc(p->kick, capacity * sizeof *kick);
     if (!kick)
         return false;
     p->kick = kick;
-    p->kick_room = room;
+    p->kick_room = capacity;
     return true;
 }
 
@@ -325,12 +336,13 @@ bool run_kick(struct run *run, int i, double value, struct error *error)
     struct run_private *p = run->private_state;
     const struct system *system = &run->system;
     const double was = run->y[i], before = system->order == 2 ? system_energy(system, run->y) : 0;
-    if (run->method->flags & METHOD_YARDSTICK)
+    if (run->method->flags & METHOD_EXTERNAL)
         return error_set(error, ERROR_COMMAND,
                          "%s keeps what it knows to itself: its state cannot be changed on the way",
                          run->method->row.name);
     if (!(fabs(value) <= p->bound[i]))
-        return error_set(error, ERROR_COMMAND, "%s cannot become %g", system_variable(system, i).name, value);
+        return error_set(error, ERROR_COMMAND, "%s cannot become %g",
+                         system_variable(system, i).name, value);
     if (!reserve_kick(p) || !trace_reserve_grids(run->trace, 1) || !ledger_ready(run, 1) ||
         (trace_marked(run->trace) && !trace_mark_rows(run->trace, true)))
         return error_memory(error);
@@ -343,10 +355,11 @@ bool run_kick(struct run *run, int i, double value, struct error *error)
     if (!run->plan.adaptive)
         trace_regrid(run->trace, (struct grid){run->steps, run->t, trace_grid(run->trace)->h});
     trace_present(run->trace, run->steps, run->t, run->y);
-    p->kick[p->kicks++] =
-        (struct kick){run->steps, run->t, system->order == 2 ? system_energy(system, run->y) - before : 0};
+    p->kick[p->kicks++] = (struct kick){
+        run->steps, run->t, system->order == 2 ? system_energy(system, run->y) - before : 0};
     /* Another motion: what the step control has learnt of the old one is no guide. */
-    run->controller = (struct controller){.tol = run->settings.tol, .h = copysign(run->settings.dt, run->controller.h)};
+    run->controller = (struct controller){.tol = run->settings.tol,
+                                          .h = copysign(run->settings.dt, run->controller.h)};
     ledger_rescale(run, 1);
     ledger_take(run, run->y, 1);
     p->step.warm = false;

@@ -26,7 +26,8 @@ static bool indexed(const struct trace *trace)
 
 static int64_t row_step(const struct trace *trace, size_t i)
 {
-    return indexed(trace) ? trace->index[i >> CHUNK_SHIFT][i & (CHUNK_ROWS - 1)] : (int64_t)i * trace->every;
+    return indexed(trace) ? trace->index[i >> CHUNK_SHIFT][i & (CHUNK_ROWS - 1)]
+                          : (int64_t)i * trace->every;
 }
 
 struct trace *trace_create(int n, bool timed, struct recording_rule rule, size_t memory)
@@ -40,8 +41,8 @@ struct trace *trace_create(int n, bool timed, struct recording_rule rule, size_t
     trace->decimates = rule.rule == RECORD_AUTO;
     trace->every = rule.rule == RECORD_EVERY ? rule.every : 1;
     trace->width = (size_t)n + timed;
-    trace->cap =
-        (memory ? memory : MEMORY_DEFAULT) / trace_row_bytes(n, timed, trace->decimates || rule.rule == RECORD_TIMES);
+    trace->cap = (memory ? memory : MEMORY_DEFAULT) /
+                 trace_row_bytes(n, timed, trace->decimates || rule.rule == RECORD_TIMES);
     if (trace->decimates) {
         /* Three rows a bucket must always fit into half of the cap, or decimating would not end. */
         trace->cap = trace->cap > LIMIT_SAMPLES ? LIMIT_SAMPLES : trace->cap < 64 ? 64 : trace->cap;
@@ -67,7 +68,7 @@ void trace_destroy(struct trace *trace)
 /* A chunk of steps for each chunk of rows: only a decimated trace needs them. */
 static bool grow_index(struct trace *trace)
 {
-    int64_t **index = realloc(trace->index, trace->room * sizeof *index);
+    int64_t **index = realloc(trace->index, trace->capacity * sizeof *index);
     if (!index)
         return false;
     trace->index = index;
@@ -81,7 +82,8 @@ static bool grow_index(struct trace *trace)
 
 #define MARK_EXTREMES 2
 #define MARK_WORK 6
-_Static_assert(sizeof(struct tally) == MARK_WORK * sizeof(double), "a mark is the beginning of a tally");
+_Static_assert(sizeof(struct tally) == MARK_WORK * sizeof(double),
+               "a mark is the beginning of a tally");
 
 bool trace_marked(const struct trace *trace)
 {
@@ -114,7 +116,7 @@ void trace_set_mark(struct trace *trace, size_t i, const struct tally *tally)
 static bool grow_marks(struct trace *trace)
 {
     const size_t bytes = CHUNK_ROWS * trace->mark_width * sizeof(double);
-    double **mark = realloc(trace->mark, trace->room * sizeof *mark);
+    double **mark = realloc(trace->mark, trace->capacity * sizeof *mark);
     if (!mark)
         return false;
     trace->mark = mark;
@@ -156,13 +158,13 @@ bool trace_mark_rows(struct trace *trace, bool work)
 
 static bool grow(struct trace *trace)
 {
-    if (trace->chunks == trace->room) {
-        size_t room = trace->room ? trace->room * 2 : 16;
-        double **chunk = realloc(trace->chunk, room * sizeof *chunk);
+    if (trace->chunks == trace->capacity) {
+        size_t capacity = trace->capacity ? trace->capacity * 2 : 16;
+        double **chunk = realloc(trace->chunk, capacity * sizeof *chunk);
         if (!chunk)
             return false;
         trace->chunk = chunk;
-        trace->room = room;
+        trace->capacity = capacity;
     }
     double *rows = pool_take(&trace->pool, CHUNK_ROWS * trace->width * sizeof *rows);
     if (!rows)
@@ -180,7 +182,8 @@ static bool make_room(struct trace *trace)
            (!indexed(trace) || needed <= trace->indices || grow_index(trace));
 }
 
-static void write_row(struct trace *trace, size_t i, int64_t step, double t, const double *y, const struct tally *mark)
+static void write_row(struct trace *trace, size_t i, int64_t step, double t, const double *y,
+                      const struct tally *mark)
 {
     double *row = row_at(trace, i);
     copy_state(row, y, trace->n);
@@ -192,7 +195,8 @@ static void write_row(struct trace *trace, size_t i, int64_t step, double t, con
         trace_set_mark(trace, i, mark);
 }
 
-static bool append(struct trace *trace, int64_t step, double t, const double *y, const struct tally *mark)
+static bool append(struct trace *trace, int64_t step, double t, const double *y,
+                   const struct tally *mark)
 {
     if (!make_room(trace))
         return false;
@@ -202,12 +206,13 @@ static bool append(struct trace *trace, int64_t step, double t, const double *y,
 
 /* ---- decimation ----
  *
- * A bucket of 2^k steps keeps its first row and those of smallest and largest position (of equals the earliest).
- * Merging two buckets gives the rows that one bucket of twice the size would have kept, so the trace depends on the
- * step count only.
+ * A bucket of 2^k steps keeps its first row and those of smallest and largest position (of equals
+ * the earliest). Merging two buckets gives the rows that one bucket of twice the size would have
+ * kept, so the trace depends on the step count only.
  */
 
-static bool keep(struct trace *trace, int64_t step, double t, const double *y, const struct tally *mark)
+static bool keep(struct trace *trace, int64_t step, double t, const double *y,
+                 const struct tally *mark)
 {
     if (step >= trace->tail_end) {
         if (!append(trace, step, t, y, mark))
@@ -242,19 +247,21 @@ static bool keep(struct trace *trace, int64_t step, double t, const double *y, c
     return true;
 }
 
-/* The rows that stay of those of one bucket, in order. Returns how many; *end: the first row of the next bucket. */
-static int stay(const struct trace *trace, size_t first, size_t count, int64_t bucket, size_t *end, size_t *row)
+/* The rows that stay of those of one bucket, in order. Returns how many; *end: the first row of the
+ * next bucket. */
+static int stay(const struct trace *trace, size_t first, size_t count, int64_t bucket, size_t *end,
+                size_t *row)
 {
     const int64_t next = (row_step(trace, first) | (bucket - 1)) + 1;
     size_t low = first, high = first, i = first + 1;
-    double least = row_at(trace, first)[0], most = least;
+    double min = row_at(trace, first)[0], max = min;
     for (; i < count && row_step(trace, i) < next; i++) {
         const double y = row_at(trace, i)[0];
-        if (y < least) {
-            least = y;
+        if (y < min) {
+            min = y;
             low = i;
-        } else if (y > most) {
-            most = y;
+        } else if (y > max) {
+            max = y;
             high = i;
         }
     }
@@ -286,8 +293,9 @@ static void find_tail(struct trace *trace, int64_t begin)
 }
 
 /*
- * A trace with each step gets buckets. First only the steps of the rows that stay are noted, for whoever wants to see
- * the others once more; trace_thinned() then moves the rows. A bucket of two keeps both, unless they are alike.
+ * A trace with each step gets buckets. First only the steps of the rows that stay are noted, for
+ * whoever wants to see the others once more; trace_thinned() then moves the rows. A bucket of two
+ * keeps both, unless they are alike.
  */
 bool trace_thin(struct trace *trace)
 {
@@ -364,7 +372,8 @@ bool trace_record(struct trace *trace, int64_t step, double t, const double *y)
         return true;
     if (trace->count == trace->cap && !(trace->decimates && coarsen(trace)))
         return false;
-    if (!(trace->bucket > 1 ? keep(trace, step, t, y, &unknown) : append(trace, step, t, y, &unknown)))
+    if (!(trace->bucket > 1 ? keep(trace, step, t, y, &unknown)
+                            : append(trace, step, t, y, &unknown)))
         return false;
     trace->next = step + trace->every;
     return true;
@@ -373,7 +382,7 @@ bool trace_record(struct trace *trace, int64_t step, double t, const double *y)
 /* The first of the rows with the smallest and the largest position among them. */
 CLONES static void extremes(const double *row, int64_t count, int n, int64_t *low, int64_t *high)
 {
-    double least = row[0], most = row[0];
+    double min = row[0], max = row[0];
     int64_t i = 0;
     if (FOUR % n == 0 && count >= FOUR) {
         four smallest = *(const four *)(const void *)row, largest = smallest;
@@ -384,21 +393,22 @@ CLONES static void extremes(const double *row, int64_t count, int n, int64_t *lo
             largest = (four)((more & (four_bits)x) | (~more & (four_bits)largest));
         }
         for (int k = 0; k < FOUR; k += n) {
-            least = smallest[k] < least ? smallest[k] : least;
-            most = largest[k] > most ? largest[k] : most;
+            min = smallest[k] < min ? smallest[k] : min;
+            max = largest[k] > max ? largest[k] : max;
         }
     }
     for (; i < count; i++) {
-        least = row[i * n] < least ? row[i * n] : least;
-        most = row[i * n] > most ? row[i * n] : most;
+        min = row[i * n] < min ? row[i * n] : min;
+        max = row[i * n] > max ? row[i * n] : max;
     }
-    for (*low = 0; row[*low * n] != least; ++*low) {
+    for (*low = 0; row[*low * n] != min; ++*low) {
     }
-    for (*high = 0; row[*high * n] != most; ++*high) {
+    for (*high = 0; row[*high * n] != max; ++*high) {
     }
 }
 
-/* As keep() for each of the rows, none of which begins a bucket: only their extremes can stay. False: no memory. */
+/* As keep() for each of the rows, none of which begins a bucket: only their extremes can stay.
+ * False: no memory. */
 static bool keep_within(struct trace *trace, int64_t step, const double *row, int64_t count)
 {
     int64_t at[2];
@@ -417,7 +427,8 @@ int64_t trace_record_many(struct trace *trace, int64_t step, const double *row, 
     if (trace->interval > 0)
         return trace_record_even(trace, step, row, count);
     for (int64_t i = 0; i < count; i++) {
-        const int64_t in_bucket = trace->tail_end - step - i, within = in_bucket < count - i ? in_bucket : count - i;
+        const int64_t in_bucket = trace->tail_end - step - i,
+                      within = in_bucket < count - i ? in_bucket : count - i;
         if (trace->bucket > 1 && within > 1 && trace->count + 2 < trace->cap) {
             if (!keep_within(trace, step + i, row + i * trace->n, within))
                 return i;
@@ -433,9 +444,11 @@ int64_t trace_record_many(struct trace *trace, int64_t step, const double *row, 
 
 double *trace_open(struct trace *trace, size_t *rows)
 {
-    if (trace->bucket > 1 || trace->every > 1 || trace->timed || trace_marked(trace) || trace->count >= trace->cap || !make_room(trace))
+    if (trace->bucket > 1 || trace->every > 1 || trace->timed || trace_marked(trace) ||
+        trace->count >= trace->cap || !make_room(trace))
         return NULL;
-    size_t in_chunk = CHUNK_ROWS - (trace->count & (CHUNK_ROWS - 1)), to_cap = trace->cap - trace->count;
+    size_t in_chunk = CHUNK_ROWS - (trace->count & (CHUNK_ROWS - 1)),
+           to_cap = trace->cap - trace->count;
     *rows = in_chunk < to_cap ? in_chunk : to_cap;
     return row_at(trace, trace->count);
 }
@@ -512,12 +525,12 @@ bool trace_reserve_grids(struct trace *trace, size_t more)
 {
     if (trace->grids + more <= trace->grid_room)
         return true;
-    size_t room = 2 * trace->grid_room + more;
-    struct grid *grid = realloc(trace->grid, room * sizeof *grid);
+    size_t capacity = 2 * trace->grid_room + more;
+    struct grid *grid = realloc(trace->grid, capacity * sizeof *grid);
     if (!grid)
         return false;
     trace->grid = grid;
-    trace->grid_room = room;
+    trace->grid_room = capacity;
     return true;
 }
 
@@ -533,13 +546,15 @@ struct stretch stretch_measure(double from, double to, double dt)
     double ratio = fabs(to - from) / dt;
     if (!(ratio <= LIMIT_STEPS))
         return (struct stretch){.ratio = ratio, .whole = (int64_t)LIMIT_STEPS};
-    /* The difference carries the rounding of both times, which is what the second bound allows for. */
+    /* The difference carries the rounding of both times, which is what the second bound allows for.
+     */
     double near = round(ratio), size = fmax(fabs(from), fabs(to)) / dt;
     if (fabs(ratio - near) <= 4 * DBL_EPSILON * fmax(near, size))
         return (struct stretch){.ratio = ratio, .whole = (int64_t)near, .exact = true};
     double whole = floor(ratio);
-    return (struct stretch){
-        .ratio = ratio, .whole = (int64_t)whole, .partial = to - (from + whole * copysign(dt, to - from))};
+    return (struct stretch){.ratio = ratio,
+                            .whole = (int64_t)whole,
+                            .partial = to - (from + whole * copysign(dt, to - from))};
 }
 
 /* ---- reading ---- */
@@ -581,7 +596,8 @@ const double *trace_state(const struct trace *trace, size_t i)
 
 const double *trace_state_after(const struct trace *trace, int64_t step)
 {
-    const bool recorded = !indexed(trace) && step % trace->every == 0 && step / trace->every < (int64_t)trace->count;
+    const bool recorded =
+        !indexed(trace) && step % trace->every == 0 && step / trace->every < (int64_t)trace->count;
     return recorded ? row_at(trace, (size_t)(step / trace->every)) : NULL;
 }
 
@@ -592,8 +608,8 @@ bool trace_decimated(const struct trace *trace)
 
 size_t trace_bytes(const struct trace *trace)
 {
-    return sizeof *trace + trace->room * sizeof *trace->chunk + trace->grid_room * sizeof *trace->grid +
-           trace->pool.bytes + trace->mark_pool.bytes +
-           (trace->mark ? trace->room * sizeof *trace->mark : 0) +
-           (trace->index ? trace->room * sizeof *trace->index : 0);
+    return sizeof *trace + trace->capacity * sizeof *trace->chunk +
+           trace->grid_room * sizeof *trace->grid + trace->pool.bytes + trace->mark_pool.bytes +
+           (trace->mark ? trace->capacity * sizeof *trace->mark : 0) +
+           (trace->index ? trace->capacity * sizeof *trace->index : 0);
 }

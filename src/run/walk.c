@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Walking over the rows of a run: each becomes a sample, and the energy balance is carried along where it is needed. */
+/* Walking over the rows of a run: each becomes a sample, and the energy balance is carried along
+ * where it is needed. */
 #include "run/private.h"
 
 static void take_state(struct walk *walk, const double *y)
@@ -10,7 +11,8 @@ static void take_state(struct walk *walk, const double *y)
 }
 
 /* The sample for (step, t, y); walk->state holds y scaled. */
-static void fill(struct walk *walk, int64_t step, double t, const double *y, double work, double drag)
+static void fill(struct walk *walk, int64_t step, double t, const double *y, double work,
+                 double drag)
 {
     const struct run *run = walk->run;
     const struct epoch *epoch = run_epoch(run, step);
@@ -30,8 +32,8 @@ static void fill(struct walk *walk, int64_t step, double t, const double *y, dou
         system_exact(&epoch->system, epoch->t, epoch->start, t, walk->exact, NULL);
 }
 
-/* Rows at equal times: what the exact solution does between them is found once. A method that has the exact solution is
- * compared with the very same. */
+/* Rows at equal times: what the exact solution does between them is found once. A method that has
+ * the exact solution is compared with the very same. */
 static void tabulate(struct walk *walk, int64_t step)
 {
     const struct run *run = walk->run;
@@ -42,7 +44,9 @@ static void tabulate(struct walk *walk, int64_t step)
     const double h = trace->interval > 0 ? trace->ahead * trace->interval
                                          : (double)trace->every * trace_grid_of(trace, step)->h;
     exact_table_free(walk->table);
-    walk->table = trace_decimated(trace) ? NULL : exact_table_create(&epoch->system, epoch->t, epoch->start, h);
+    walk->table = trace_decimated(trace)
+                      ? NULL
+                      : exact_table_create(&epoch->system, epoch->t, epoch->start, h);
     walk->epoch = epoch;
 }
 
@@ -54,7 +58,8 @@ void walk_begin(struct walk *walk, const struct run *run, unsigned needs)
     if (needs & NEED_WORK) {
         const double *y = trace_state(run->trace, 0);
         take_state(walk, y);
-        walk->sample.initial = system_energy(&run_epoch(run, 0)->system, needs & NEED_RATIO ? walk->state : y);
+        walk->sample.initial =
+            system_energy(&run_epoch(run, 0)->system, needs & NEED_RATIO ? walk->state : y);
         balance_begin(run, &walk->balance);
         walk->from = walk->to = 1;
     }
@@ -65,7 +70,8 @@ static double total(struct sum sum)
     return sum.high + sum.low;
 }
 
-/* Of the recorded row i of a trace with each step: blocks of rows are taken as the walk comes to them. */
+/* Of the recorded row i of a trace with each step: blocks of rows are taken as the walk comes to
+ * them. */
 static void work_on_the_way(struct walk *walk, size_t i, double *work, double *drag)
 {
     const struct run *run = walk->run;
@@ -74,8 +80,8 @@ static void work_on_the_way(struct walk *walk, size_t i, double *work, double *d
         const double *row = trace_rows(run->trace, i, run->trace->count, &count);
         const double *time = run->plan.adaptive ? row + run->system.n : NULL;
         walk->from = i;
-        walk->to += (size_t)balance_block(run, &walk->balance, row, time, run->trace->width, (int64_t)count,
-                                          &walk->done);
+        walk->to += (size_t)balance_block(run, &walk->balance, row, time, run->trace->width,
+                                          (int64_t)count, &walk->done);
     }
     *work = walk->done.all_work[i - walk->from];
     *drag = walk->done.all_drag[i - walk->from];

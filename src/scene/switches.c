@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Switches of a system: those of typed equations (typed_switch.c), then that of dry friction, whose argument is the
- * velocity. On a branch dry friction is a constant force: an oscillator stays one, about a centre that is shifted
- * (Rayleigh 1877, The Theory of Sound; den Hartog 1931, Trans. ASME 53:107).
+ * Switches of a system: those of typed equations (typed_switch.c), then that of dry friction, whose
+ * argument is the velocity. On a branch dry friction is a constant force: an oscillator stays one,
+ * about a centre that is shifted (Rayleigh 1877, The Theory of Sound; den Hartog 1931, Trans. ASME
+ * 53:107).
  */
 #include <math.h>
 #include <string.h>
@@ -26,7 +27,8 @@ TERM_POTENTIAL(side)
 }
 
 static const struct term_row side_row = {
-    .row = {"friction", "m/s^2", "dry friction while the body moves in one direction", "Coulomb 1785", NULL},
+    .row = {"friction", "m/s^2", "dry friction while the body moves in one direction",
+            "Coulomb 1785", NULL},
     .flags = TERM_LINEAR | TERM_CONSERVATIVE,
     .bind = side_bind,
     .add = side_add,
@@ -129,8 +131,9 @@ void system_guards(const struct system *frozen, double t, const double *y, doubl
     switch_arguments(side, t, y, guard);
     for (int i = 0; i < frozen->switches; i++) {
         const double branch = branch_on(side, i);
-        guard[i] = switch_kind_of(side, i) == SWITCH_SIGN ? (branch > 0 ? guard[i] : -guard[i])
-                                                          : (guard[i] - branch) * (branch + 1 - guard[i]);
+        guard[i] = switch_kind_of(side, i) == SWITCH_SIGN
+                       ? (branch > 0 ? guard[i] : -guard[i])
+                       : (guard[i] - branch) * (branch + 1 - guard[i]);
     }
     if (frozen->sliding)
         sliding_guards(frozen->sliding, t, y, guard);
@@ -145,7 +148,8 @@ double system_next_branch(const struct system *frozen, int i, double t, const do
     const double branch = branch_on(side, i);
     double argument[LIMIT_SWITCHES];
     switch_arguments(side, t, y, argument);
-    return switch_kind_of(side, i) == SWITCH_SIGN ? branch == 0 : branch + (argument[i] > branch + 0.5 ? 1 : -1);
+    return switch_kind_of(side, i) == SWITCH_SIGN ? branch == 0
+                                                  : branch + (argument[i] > branch + 0.5 ? 1 : -1);
 }
 
 double system_lower_branch(const struct system *frozen, int i, double t, const double *y)

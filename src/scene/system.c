@@ -13,7 +13,8 @@ static int term_rows(const struct system *system)
 }
 
 /* Adds up the terms whose flags under `mask` are `wanted`, in table order. */
-static void add_terms(const struct system *system, unsigned mask, unsigned wanted, double t, const double *y, double *a)
+static void add_terms(const struct system *system, unsigned mask, unsigned wanted, double t,
+                      const double *y, double *a)
 {
     for (int i = 0; i < term_rows(system); i++)
         a[i] = -0.0; /* adding to it changes nothing, to the bit */
@@ -71,7 +72,8 @@ double system_kinetic(const struct system *system, const double *y)
     const int rows = term_rows(system);
     for (int i = rows; i < system->n; i++) {
         const double part = 0.5 * system->mass * y[i] * y[i];
-        sum += system->order == 2 && system->ratio[i - rows] > 0 ? system->ratio[i - rows] * part : part;
+        sum += system->order == 2 && system->ratio[i - rows] > 0 ? system->ratio[i - rows] * part
+                                                                 : part;
     }
     return sum;
 }
@@ -94,7 +96,8 @@ bool system_has_potential(const struct system *system)
 }
 
 /* Of the terms whose flags under `mask` are `wanted`. */
-static double power_of(const struct system *system, unsigned mask, unsigned wanted, double t, const double *y)
+static double power_of(const struct system *system, unsigned mask, unsigned wanted, double t,
+                       const double *y)
 {
     double sum = 0;
     for (int i = 0; i < system->terms; i++)
@@ -114,14 +117,15 @@ double system_dissipation(const struct system *system, double t, const double *y
 }
 
 /*
- * The solution is v E / (1 + c |v| phi), E = exp(-gamma h), phi = (1 - E) / gamma. Where E would grow (gamma h < 0)
- * numerator and denominator are divided by it.
+ * The solution is v E / (1 + c |v| phi), E = exp(-gamma h), phi = (1 - E) / gamma. Where E would
+ * grow (gamma h < 0) numerator and denominator are divided by it.
  */
 struct drag_flow oscillator_drag_flow(const struct oscillator *oscillator, double h)
 {
     double gamma = oscillator->damping, x = gamma * h, decay = exp(-fabs(x));
     double phi = x != 0 ? -expm1(-fabs(x)) / fabs(gamma) : fabs(h);
-    return (struct drag_flow){x < 0 ? 1 : decay, x < 0 ? decay : 1, oscillator->quadratic * copysign(phi, h)};
+    return (struct drag_flow){x < 0 ? 1 : decay, x < 0 ? decay : 1,
+                              oscillator->quadratic * copysign(phi, h)};
 }
 
 struct variable system_variable(const struct system *system, int i)
@@ -131,8 +135,8 @@ struct variable system_variable(const struct system *system, int i)
 
 /* ---- binding ---- */
 
-static bool overflows(const struct system *system, const struct bound_term *term, int row, const double *y,
-                      struct error *error)
+static bool overflows(const struct system *system, const struct bound_term *term, int row,
+                      const double *y, struct error *error)
 {
     struct buffer at = {0};
     for (int i = 0; i < system->n; i++) {
@@ -143,8 +147,8 @@ static bool overflows(const struct system *system, const struct bound_term *term
     if (term->row->bind)
         error_set(error, ERROR_COMMAND, "the %s force overflows at %s", term->row->row.name, where);
     else
-        error_set(error, ERROR_COMMAND, "%s%s has no finite value at %s", system->model->variable[row].name,
-                  system->order == 2 ? "''" : "'", where);
+        error_set(error, ERROR_COMMAND, "%s%s has no finite value at %s",
+                  system->model->variable[row].name, system->order == 2 ? "''" : "'", where);
     buffer_free(&at);
     return false;
 }
@@ -160,15 +164,18 @@ bool bound_term_equal(const struct bound_term *a, const struct bound_term *b)
 }
 
 /* Coefficients, and the forces at the start and at full swing, must be finite. */
-static bool check_term(const struct system *system, const struct bound_term *term, struct error *error)
+static bool check_term(const struct system *system, const struct bound_term *term,
+                       struct error *error)
 {
     bool fine = true;
     /* typed ones: parameters, and what is made of them */
     for (int i = 0; term->row->bind && i < TERM_COEFFICIENTS; i++)
         fine = fine && isfinite(term->c[i]);
     if (!fine)
-        return error_set(error, ERROR_COMMAND, "a coefficient of the %s term overflows", term->row->row.name);
-    const double *states[] = {system->start, system->scale}; /* typed terms may have a pole at the latter */
+        return error_set(error, ERROR_COMMAND, "a coefficient of the %s term overflows",
+                         term->row->row.name);
+    const double *states[] = {system->start,
+                              system->scale}; /* typed terms may have a pole at the latter */
     for (size_t i = 0; i < (system->model->typed ? 1 : COUNT_OF(states)); i++) {
         double a[LIMIT_VARIABLES];
         for (int row = 0; row < term_rows(system); row++)
@@ -201,13 +208,15 @@ void system_sum_up(struct system *system)
     unsigned all = ~0u, any = 0;
     for (int i = 0; i < system->terms; i++) {
         all &= system->term[i].row->flags;
-        any |= system->term[i].row->flags & (system->dry && i == system->terms - 1 ? ~(unsigned)TERM_VELOCITY : ~0u);
+        any |= system->term[i].row->flags &
+               (system->dry && i == system->terms - 1 ? ~(unsigned)TERM_VELOCITY : ~0u);
     }
     system->linear = all & TERM_LINEAR;
     system->conservative = system->order == 2 && all & TERM_CONSERVATIVE;
     system->velocity = any & TERM_VELOCITY;
     system->autonomous = !(any & TERM_TIME);
-    system->kinks = system->order == 2 && system->n == 2 && (any & TERM_KINK || system->oscillator.quadratic != 0);
+    system->kinks = system->order == 2 && system->n == 2 &&
+                    (any & TERM_KINK || system->oscillator.quadratic != 0);
     if (system->n > 2 && system->oscillator.quadratic != 0) /* |v| is not that of each coordinate */
         system->oscillator.drag_whole = false;
 }
@@ -221,7 +230,8 @@ static bool has_pieces(const struct system *system)
 
 void system_turn_at_kinks(struct system *system)
 {
-    const bool dry = !system->dry && system->terms > 0 && system->term[system->terms - 1].row->flags & TERM_DRY;
+    const bool dry =
+        !system->dry && system->terms > 0 && system->term[system->terms - 1].row->flags & TERM_DRY;
     system->across = false;
     system->switches += dry;
     system->pieces = has_pieces(system) || dry;
@@ -282,7 +292,8 @@ bool scene_bind_motion(const struct scene *scene, struct system *system, struct 
     bind_rows(param, system);
     system_sum_up(system);
     system->across = scene->across;
-    if (typed_base(model)) /* sizes are those without what was typed, unless that is an oscillator, too */
+    if (typed_base(
+            model)) /* sizes are those without what was typed, unless that is an oscillator, too */
         model->begin(param, system);
     if (model->typed && !typed_bind(model->typed, param, system, error))
         return false;

@@ -20,7 +20,8 @@ bool models_alike(const struct model *a, const struct model *b)
     return alike;
 }
 
-bool chosen_find(const struct model *model, struct text name, struct chosen_column *column, struct error *error)
+bool chosen_find(const struct model *model, struct text name, struct chosen_column *column,
+                 struct error *error)
 {
     const int variable = model_variable(model, name), observed = model_observation(model, name);
     *column = (struct chosen_column){NULL, variable >= 0 ? variable : model->n + observed};
@@ -45,8 +46,9 @@ struct variable chosen_variable(const struct system *system, const struct chosen
 {
     const struct model *model = system->model;
     if (!column->observable)
-        return column->variable < model->n ? model->variable[column->variable]
-                                           : model_observed_variable(model, column->variable - model->n);
+        return column->variable < model->n
+                   ? model->variable[column->variable]
+                   : model_observed_variable(model, column->variable - model->n);
     struct variable variable = {.quantity = model_quantity(model, column->observable)};
     snprintf(variable.name, sizeof variable.name, "%s", column->observable->row.name);
     return variable;
@@ -58,7 +60,8 @@ const char *chosen_unit(const struct system *system, const struct chosen_column 
                               : quantity_unit(chosen_variable(system, column).quantity);
 }
 
-bool chosen_values(const struct run *run, const struct chosen_column *column, double *out, struct error *error)
+bool chosen_values(const struct run *run, const struct chosen_column *column, double *out,
+                   struct error *error)
 {
     if (column->observable)
         return run_column(run, column->observable, out, error);

@@ -15,27 +15,28 @@ static bool fitted(const struct session *session, const struct recording *record
            text_is((struct text){of.at + 5, of.len - 5}, recording->name);
 }
 
-double motion_frequency(const struct session *session, const struct recording *recording, const struct series *series,
-                        struct arena *arena)
+double motion_frequency(const struct session *session, const struct recording *recording,
+                        const struct series *series, struct arena *arena)
 {
-    return fitted(session, recording) ? session->fit.omega.value : series_peak_frequency(series, arena);
+    return fitted(session, recording) ? session->fit.omega.value
+                                      : series_peak_frequency(series, arena);
 }
 
 /* ---- velocities ---- */
 
-/* Those of the sensor, between its samples by straight lines. MotionSensor.vi writes backward differences, which belong
- * to half a step earlier. */
-static bool joined_velocity(const struct session *session, const struct recording *recording, struct arena *arena,
-                            struct data_motion *motion, struct error *error)
+/* Those of the sensor, between its samples by straight lines. MotionSensor.vi writes backward
+ * differences, which belong to half a step earlier. */
+static bool joined_velocity(const struct session *session, const struct recording *recording,
+                            struct arena *arena, struct data_motion *motion, struct error *error)
 {
-    const int place = session_find_recording(session, text_of(recording->velocity));
+    const int index = session_find_recording(session, text_of(recording->velocity));
     struct series s;
-    if (place < 0) {
-        error_set(error, ERROR_COMMAND, "the velocities of %s were in %s, which is gone", recording->name,
-                  recording->velocity);
+    if (index < 0) {
+        error_set(error, ERROR_COMMAND, "the velocities of %s were in %s, which is gone",
+                  recording->name, recording->velocity);
         return error_hint(error, "'data restore' takes the velocities from the positions again");
     }
-    struct recording whole = *session->recording[place]->recording; /* its arrays are shared */
+    struct recording whole = *session->recording[index]->recording; /* its arrays are shared */
     const bool backward = strcmp(whole.format, "motion-sensor") == 0;
     whole.window[0] = whole.t[0];
     whole.window[1] = whole.t[whole.rows - 1];
@@ -53,16 +54,18 @@ static bool joined_velocity(const struct session *session, const struct recordin
         known += there;
     }
     if (known < 2)
-        return error_set(error, ERROR_COMMAND, "%s and %s have no times in common: %.6g..%.6g s and %.6g..%.6g s",
-                         recording->name, whole.name, motion->t[0], motion->t[motion->n - 1], s.t[0], s.t[s.n - 1]);
+        return error_set(error, ERROR_COMMAND,
+                         "%s and %s have no times in common: %.6g..%.6g s and %.6g..%.6g s",
+                         recording->name, whole.name, motion->t[0], motion->t[motion->n - 1],
+                         s.t[0], s.t[s.n - 1]);
     motion->gain = sqrt(0.5) / whole.dt; /* the mean of two neighbouring differences */
     snprintf(motion->how_v, sizeof motion->how_v, "v of the sensor (%s%s)", whole.name,
              backward ? ", backward differences: half a step earlier" : "");
     return true;
 }
 
-static bool own_velocity(const struct series *series, struct arena *arena, struct data_motion *motion,
-                         struct error *error)
+static bool own_velocity(const struct series *series, struct arena *arena,
+                         struct data_motion *motion, struct error *error)
 {
     struct derivative d;
     if (!series_derivative(series, DERIVATIVE_POINTS, arena, &d, error))
@@ -70,28 +73,32 @@ static bool own_velocity(const struct series *series, struct arena *arena, struc
     motion->v = d.value;
     motion->gain = d.gain;
     motion->loss = isfinite(motion->omega) ? derivative_loss(&d, motion->omega) : 0;
-    snprintf(motion->how_v, sizeof motion->how_v, "v from parabolas through %d samples (%.2g %% too small)", d.points,
+    snprintf(motion->how_v, sizeof motion->how_v,
+             "v from parabolas through %d samples (%.2g %% too small)", d.points,
              100 * motion->loss);
     return true;
 }
 
 /* ---- energy ---- */
 
-static bool find_spring(const struct session *session, const struct recording *recording, struct data_motion *motion,
-                        struct error *error)
+static bool find_spring(const struct session *session, const struct recording *recording,
+                        struct data_motion *motion, struct error *error)
 {
     const struct scene *scene = &session->setup.scene;
     if (!needs_spring(scene, "the energy of a recording", error))
         return false;
     const int m = scene_param(scene, "m"), k = scene_param(scene, "k");
     const bool own = recording->mass.value > 0, fit = fitted(session, recording);
-    motion->mass = own ? recording->mass : (struct measured){scene->value[m], scene->uncertainty[m]};
+    motion->mass =
+        own ? recording->mass : (struct measured){scene->value[m], scene->uncertainty[m]};
     motion->k = fit ? fit_stiffness(&session->fit, motion->mass)
                     : (struct measured){scene->value[k], scene->uncertainty[k]};
     struct buffer text = {0};
     buffer_put(&text, TEXT("m = "));
     buffer_measured(&text, motion->mass, QUANTITY_MASS, 5);
-    buffer_put(&text, own ? TEXT(" of the recording, k = ") : fit ? TEXT(" of the scene, k = ") : TEXT(", k = "));
+    buffer_put(&text, own   ? TEXT(" of the recording, k = ")
+                      : fit ? TEXT(" of the scene, k = ")
+                            : TEXT(", k = "));
     buffer_measured(&text, motion->k, QUANTITY_STIFFNESS, 5);
     buffer_put(&text, fit ? TEXT(" of the fit") : TEXT(" of the scene"));
     snprintf(motion->how_k, sizeof motion->how_k, "%s", buffer_view(&text));
@@ -99,8 +106,9 @@ static bool find_spring(const struct session *session, const struct recording *r
     return true;
 }
 
-bool data_motion(const struct session *session, const struct recording *recording, const struct series *series,
-                 bool energy, struct arena *arena, struct data_motion *motion, struct error *error)
+bool data_motion(const struct session *session, const struct recording *recording,
+                 const struct series *series, bool energy, struct arena *arena,
+                 struct data_motion *motion, struct error *error)
 {
     struct series own;
     *motion = (struct data_motion){.omega = NAN};
@@ -136,16 +144,18 @@ bool data_motion(const struct session *session, const struct recording *recordin
     const double noise = energy ? series_noise(s, arena) : NAN;
     if (noise > 0)
         motion->noise = (struct energy_noise){
-            0.5 * noise * noise * (motion->k.value + motion->mass.value * motion->gain * motion->gain),
+            0.5 * noise * noise *
+                (motion->k.value + motion->mass.value * motion->gain * motion->gain),
             2 * noise * sqrt(motion->k.value)};
     return true;
 }
 
-bool motion_series(const struct data_motion *motion, bool energy, double from, double to, struct arena *arena,
-                   struct series *series, struct error *error)
+bool motion_series(const struct data_motion *motion, bool energy, double from, double to,
+                   struct arena *arena, struct series *series, struct error *error)
 {
     const double *value = energy ? motion->energy : motion->v;
-    double *t = arena_array(arena, motion->n, sizeof *t), *y = arena_array(arena, motion->n, sizeof *y);
+    double *t = arena_array(arena, motion->n, sizeof *t),
+           *y = arena_array(arena, motion->n, sizeof *y);
     size_t n = 0;
     if (!t || !y)
         return error_memory(error);

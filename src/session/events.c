@@ -28,8 +28,8 @@ static void keep(struct session *session, struct events *events)
     session->events = events;
 }
 
-const struct events *events_with(struct session *session, const struct event_line *line, struct text when,
-                                 struct text commands, struct error *error)
+const struct events *events_with(struct session *session, const struct event_line *line,
+                                 struct text when, struct text commands, struct error *error)
 {
     struct events *events = copy_without(session->setup.events, text_of(line->name), error);
     if (!events)
@@ -54,7 +54,8 @@ const struct events *events_with(struct session *session, const struct event_lin
     return NULL;
 }
 
-bool events_without(struct session *session, struct text name, const struct events **left, struct error *error)
+bool events_without(struct session *session, struct text name, const struct events **left,
+                    struct error *error)
 {
     const struct events *now = session->setup.events;
     struct suggestion near = {.wanted = name};
@@ -65,7 +66,8 @@ bool events_without(struct session *session, struct text name, const struct even
         suggestion_offer(&near, now->line[i].name);
     if (!now || events->count == now->count) {
         events_destroy(events);
-        error_at(error, name, "there is no event '%.*s'", (int)(name.len < 64 ? name.len : 64), name.at);
+        error_at(error, name, "there is no event '%.*s'", (int)(name.len < 64 ? name.len : 64),
+                 name.at);
         suggestion_hint(&near, error);
         return now ? error_hint(error, "('event' lists them)") : false;
     }
@@ -116,13 +118,15 @@ void events_plan(const struct events *events, struct buffer *text)
     buffer_put(text, TEXT("events    "));
     for (int i = 0; i < events->count; i++)
         buffer_format(text, "%s%s", i > 0 ? ", " : "", events->line[i].name);
-    buffer_put(text, TEXT(": looked for in every step; bounds of the expression there prove that none is missed\n"));
+    buffer_put(text, TEXT(": looked for in every step; bounds of the expression there prove that "
+                          "none is missed\n"));
 }
 
 /* ---- for runs ---- */
 
-bool events_compile(const struct events *events, const struct expr_scope *scope, struct arena *arena,
-                    const struct event **event, int *count, struct error *error)
+bool events_compile(const struct events *events, const struct expr_scope *scope,
+                    struct arena *arena, const struct event **event, int *count,
+                    struct error *error)
 {
     *event = NULL;
     *count = 0;
@@ -138,7 +142,8 @@ bool events_compile(const struct events *events, const struct expr_scope *scope,
         memcpy(list[i].name, line->name, sizeof list[i].name);
         if (!event_compile(text_of(line->when), scope, arena, &list[i], &used, error)) {
             error->where = (struct text){NULL, 0};
-            return error_hint(error, "in the event %s; 'event %s off' drops it", line->name, line->name);
+            return error_hint(error, "in the event %s; 'event %s off' drops it", line->name,
+                              line->name);
         }
     }
     *event = list;
@@ -146,18 +151,19 @@ bool events_compile(const struct events *events, const struct expr_scope *scope,
     return true;
 }
 
-int events_stopped_at(const struct held_run *held, const struct event_line *stopped[LIMIT_EVENTS])
+int events_stopped_at(const struct run_slot *slot, const struct event_line *stopped[LIMIT_EVENTS])
 {
-    const struct run *run = held->run;
-    size_t i = run_happenings(run);
+    const struct run *run = slot->run;
+    size_t i = run_event_records(run);
     int count = 0;
-    if (run->stop != STOP_CONDITION || !held->events)
+    if (run->stop != STOP_CONDITION || !slot->events)
         return 0;
-    while (i > 0 && run_happening(run, i - 1)->step == run->steps)
+    while (i > 0 && run_event_record(run, i - 1)->step == run->steps)
         i--;
-    for (; i < run_happenings(run); i++) {
-        const struct event_line *line = &held->events->line[run_happening(run, i)->event];
-        if (line->action != EVENT_RECORD && run_happening(run, i)->t == run->t && count < LIMIT_EVENTS)
+    for (; i < run_event_records(run); i++) {
+        const struct event_line *line = &slot->events->line[run_event_record(run, i)->event];
+        if (line->action != EVENT_RECORD && run_event_record(run, i)->t == run->t &&
+            count < LIMIT_EVENTS)
             stopped[count++] = line;
     }
     return count;

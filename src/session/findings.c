@@ -7,11 +7,12 @@
 #include <string.h>
 
 /*
- * To judge the window costs 2 us a sample, thirty times what measuring a period does. Of a long recording each k-th
- * sample is judged, if that leaves ENOUGH a period; where that is too many, only 'data clean' judges.
+ * To judge the window costs 2 us a sample, thirty times what measuring a period does. Of a long
+ * recording each k-th sample is judged, if that leaves ENOUGH a period; where that is too many,
+ * only 'data clean' judges.
  */
 #define ALL_JUDGED 16384
-#define JUDGED_MOST 32768
+#define JUDGED_MAX 32768
 #define ENOUGH 8
 #define BLOCKS 64
 
@@ -27,18 +28,20 @@ bool find_faults(struct recording *recording, struct arena *arena, struct error 
     const bool enough = recording_series(&whole, arena, 8, &series, &ignored);
     if (enough)
         series_overview(&series, arena, &overview);
-    if (!recording_inspect(recording, overview.period, overview.oscillates ? "" : overview.reason, error))
+    if (!recording_inspect(recording, overview.period, overview.oscillates ? "" : overview.reason,
+                           error))
         return false;
     const struct findings *f = recording->findings;
-    const bool narrow = f->window[0] > recording->t[0] || f->window[1] < recording->t[recording->rows - 1];
+    const bool narrow =
+        f->window[0] > recording->t[0] || f->window[1] < recording->t[recording->rows - 1];
     if (enough && narrow && isnan(f->rests) && series_beats(&series, arena))
         recording_keep_ends(recording);
     return true;
 }
 
 /* The same of a run, whose samples are as those of a recording. */
-static const struct findings *run_findings(const struct series *series, struct recording *as, struct column *column,
-                                           struct arena *arena)
+static const struct findings *run_findings(const struct series *series, struct recording *as,
+                                           struct column *column, struct arena *arena)
 {
     struct error ignored;
     *column = (struct column){.name = "y", .quantity = series->quantity, .factor = 1};
@@ -75,10 +78,11 @@ static double local_scatter(const struct series *series)
     return scatter[BLOCKS / 2];
 }
 
-/* Swings to and fro of more than the local scatter: at least half of all half periods, for half of the blocks have it. */
+/* Swings to and fro of more than the local scatter: at least half of all half periods, for half of
+ * the blocks have it. */
 static size_t count_swings(const struct series *series)
 {
-    const double least = local_scatter(series);
+    const double min = local_scatter(series);
     double extreme = series->y[0];
     size_t swings = 0;
     for (size_t i = 0; i < series->n; i++) {
@@ -86,7 +90,7 @@ static size_t count_swings(const struct series *series)
         const bool down = swings % 2;
         if (down ? y <= extreme : y >= extreme) {
             extreme = y;
-        } else if (fabs(y - extreme) > least) {
+        } else if (fabs(y - extreme) > min) {
             extreme = y;
             swings++;
         }
@@ -94,7 +98,7 @@ static size_t count_swings(const struct series *series)
     return swings;
 }
 
-/* What is judged of a long series; false: more than JUDGED_MOST samples would be needed. */
+/* What is judged of a long series; false: more than JUDGED_MAX samples would be needed. */
 static bool thin(struct series *series, struct arena *arena)
 {
     if (series->n <= ALL_JUDGED)
@@ -102,10 +106,10 @@ static bool thin(struct series *series, struct arena *arena)
     const size_t wanted = ENOUGH * count_swings(series); /* half of the half periods: periods */
     const size_t each = series->n / (wanted > ALL_JUDGED ? wanted : ALL_JUDGED);
     if (each <= 1)
-        return series->n <= JUDGED_MOST;
+        return series->n <= JUDGED_MAX;
     const size_t n = series->n / each;
     double *t = arena_array(arena, n, sizeof *t), *y = arena_array(arena, n, sizeof *y);
-    if (n > JUDGED_MOST || !t || !y)
+    if (n > JUDGED_MAX || !t || !y)
         return false;
     for (size_t i = 0; i < n; i++) {
         t[i] = series->t[i * each];
@@ -125,7 +129,8 @@ static const struct findings *thinned_findings(const struct subject *subject, st
     struct error ignored;
     *as = (struct recording){0};
     if (subject->recording) {
-        struct recording whole = *subject->recording; /* its arrays are shared: nothing of it is changed */
+        struct recording whole =
+            *subject->recording; /* its arrays are shared: nothing of it is changed */
         recording_restore(&whole);
         if (!recording_series(&whole, arena, 8, &series, &ignored))
             return NULL;
@@ -136,10 +141,12 @@ static const struct findings *thinned_findings(const struct subject *subject, st
 static void put_advice(const struct findings *f, const struct series *series, bool start, bool end,
                        struct window_advice *advice)
 {
-    const double from = start ? f->window[0] : series->t[0], to = end ? f->window[1] : series->t[series->n - 1];
+    const double from = start ? f->window[0] : series->t[0],
+                 to = end ? f->window[1] : series->t[series->n - 1];
     if (end && !start && isfinite(f->rests))
         snprintf(advice->text, sizeof advice->text,
-                 "it rests from %.6g s on, which is no free oscillation: try window=%.6g..%.6g s", f->rests, from, to);
+                 "it rests from %.6g s on, which is no free oscillation: try window=%.6g..%.6g s",
+                 f->rests, from, to);
     else
         snprintf(advice->text, sizeof advice->text,
                  "the %s no free oscillation (rest, hand or release): try window=%.6g..%.6g s",
@@ -159,11 +166,14 @@ void advise_window(const struct subject *subject, enum window_law law, struct ar
     advice->text[0] = 0;
     if (s->n < 8 || subject->energy || subject->column)
         return;
-    const bool whole = subject->recording && (subject->recording->findings || subject->recording->rows <= ALL_JUDGED);
+    const bool whole = subject->recording &&
+                       (subject->recording->findings || subject->recording->rows <= ALL_JUDGED);
     const bool looked = whole && find_faults(subject->recording, arena, &ignored);
-    const struct findings *f = looked ? subject->recording->findings : thinned_findings(subject, &as, &column, arena);
+    const struct findings *f =
+        looked ? subject->recording->findings : thinned_findings(subject, &as, &column, arena);
     const struct recording *judged = looked ? subject->recording : &as;
-    const double step = f ? (judged->t[judged->rows - 1] - judged->t[0]) / (double)(judged->rows - 1) : 0;
+    const double step =
+        f ? (judged->t[judged->rows - 1] - judged->t[0]) / (double)(judged->rows - 1) : 0;
     const bool inside = f && f->window[1] > s->t[0] && f->window[0] < s->t[s->n - 1];
     const bool start = inside && s->t[0] < f->window[0] - 1.5 * step && f->window[0] > judged->t[0];
     const bool end = inside && s->t[s->n - 1] > f->window[1] + 1.5 * step &&
@@ -196,7 +206,7 @@ static void cell_places(struct text_table *table, const struct finding *finding)
         buffer_short(&text, finding->first[i], 6);
     }
     if (text.len > 0)
-        buffer_put(&text, finding->places > FINDING_PLACES ? TEXT(" ... s") : TEXT(" s"));
+        buffer_put(&text, finding->indices > FINDING_PLACES ? TEXT(" ... s") : TEXT(" s"));
     cell_take(table, &text);
 }
 
@@ -220,7 +230,8 @@ static void put_size(struct buffer *text, const struct recording *recording, siz
 
 static size_t put_table(const struct recording *recording, struct arena *arena, struct buffer *text)
 {
-    static const char *const heads[] = {"found", "samples", "places", "size", "first at", "what is done"};
+    static const char *const heads[] = {"found", "samples",  "places",
+                                        "size",  "first at", "what is done"};
     struct text_table table = {.arena = arena, .columns = (int)COUNT_OF(heads), .gap = 2};
     size_t kinds = 0;
     for (size_t i = 0; i < COUNT_OF(heads); i++)
@@ -233,8 +244,8 @@ static size_t put_table(const struct recording *recording, struct arena *arena, 
         kinds++;
         cell_text(&table, row_of(k)->row.name);
         cell_count(&table, (int64_t)finding->count);
-        if (finding->places > 0)
-            cell_count(&table, (int64_t)finding->places);
+        if (finding->indices > 0)
+            cell_count(&table, (int64_t)finding->indices);
         else
             cell_text(&table, "");
         put_size(&size, recording, k);
@@ -249,8 +260,10 @@ static size_t put_table(const struct recording *recording, struct arena *arena, 
 
 static void reply_record(const struct recording *recording, struct reply *reply)
 {
-    static const char *const remedies[] = {
-        [REMEDY_MASK] = "mask", [REMEDY_WINDOW] = "window", [REMEDY_KEEP] = "keep", [REMEDY_DROPPED] = "dropped"};
+    static const char *const remedies[] = {[REMEDY_MASK] = "mask",
+                                           [REMEDY_WINDOW] = "window",
+                                           [REMEDY_KEEP] = "keep",
+                                           [REMEDY_DROPPED] = "dropped"};
     const struct findings *f = recording->findings;
     reply_begin(reply, "clean");
     reply_string(reply, "name", recording->name);
@@ -270,7 +283,7 @@ static void reply_record(const struct recording *recording, struct reply *reply)
         reply_object(reply, NULL);
         reply_string(reply, "kind", row_of(k)->row.name);
         reply_int(reply, "samples", (int64_t)finding->count);
-        reply_int(reply, "places", (int64_t)finding->places);
+        reply_int(reply, "places", (int64_t)finding->indices);
         reply_real(reply, "size", finding->size);
         reply_array(reply, "first");
         for (int i = 0; i < FINDING_PLACES && isfinite(finding->first[i]); i++)
@@ -286,19 +299,26 @@ static void reply_record(const struct recording *recording, struct reply *reply)
 void reply_findings(const struct recording *recording, struct arena *arena, struct reply *reply)
 {
     const struct findings *f = recording->findings;
-    const bool windowed = f->window[0] > recording->t[0] || f->window[1] < recording->t[recording->rows - 1];
+    const bool windowed =
+        f->window[0] > recording->t[0] || f->window[1] < recording->t[recording->rows - 1];
     struct buffer text = {0};
     const size_t kinds = put_table(recording, arena, &text);
     if (kinds == 0)
         buffer_format(&text, "%s: nothing wrong was found\n", recording->name);
     if (isnan(f->period))
-        buffer_format(&text, "it does not oscillate: %s; only times and steps were looked at\n", f->still);
+        buffer_format(&text, "it does not oscillate: %s; only times and steps were looked at\n",
+                      f->still);
     if (recording->cleaned)
-        buffer_format(&text, "%s: %zu of %zu samples masked, window %.6g..%.6g s; 'data restore' takes it back",
-                      recording->name, f->masked, recording->rows, recording->window[0], recording->window[1]);
+        buffer_format(
+            &text,
+            "%s: %zu of %zu samples masked, window %.6g..%.6g s; 'data restore' takes it back",
+            recording->name, f->masked, recording->rows, recording->window[0],
+            recording->window[1]);
     else if (f->masked > 0 || windowed)
-        buffer_format(&text, "'data clean apply' would mask %zu of %zu samples and use the window %.6g..%.6g s",
-                      f->masked, recording->rows, f->window[0], f->window[1]);
+        buffer_format(
+            &text,
+            "'data clean apply' would mask %zu of %zu samples and use the window %.6g..%.6g s",
+            f->masked, recording->rows, f->window[0], f->window[1]);
     else if (kinds > 0)
         buffer_put(&text, TEXT("there is nothing to mask"));
     while (text.len > 0 && text.data[text.len - 1] == '\n')

@@ -18,23 +18,23 @@ void inputs_use(struct inputs *inputs, const char *name, struct measured value)
     for (int i = 0; i < inputs->exacts; i++)
         if (strcmp(inputs->exact[i], name) == 0)
             return;
-    if (inputs->exacts < INPUTS_MOST)
+    if (inputs->exacts < INPUTS_MAX)
         inputs->exact[inputs->exacts++] = name;
 }
 
-static void use_param(struct inputs *inputs, const struct scene *scene, int place)
+static void use_param(struct inputs *inputs, const struct scene *scene, int index)
 {
-    inputs_use(inputs, param_at(scene, place)->row.name,
-               (struct measured){scene->value[place], scene->uncertainty[place]});
+    inputs_use(inputs, param_at(scene, index)->row.name,
+               (struct measured){scene->value[index], scene->uncertainty[index]});
 }
 
 void inputs_use_params(struct inputs *inputs, const struct scene *scene, const char *names)
 {
     struct text rest = text_of(names), name;
     while (text_split(&rest, ' ', &name)) {
-        const int place = scene_param_at(scene, name);
-        if (place >= 0)
-            use_param(inputs, scene, place);
+        const int index = scene_param_at(scene, name);
+        if (index >= 0)
+            use_param(inputs, scene, index);
     }
 }
 
@@ -87,7 +87,10 @@ void inputs_put(const struct inputs *inputs, struct buffer *text)
 {
     const int n = inputs->exacts;
     for (int i = 0; i < n; i++)
-        buffer_format(text, "%s%s", i == 0 ? "\n  (" : i + 1 < n ? ", " : " and ",
+        buffer_format(text, "%s%s",
+                      i == 0      ? "\n  ("
+                      : i + 1 < n ? ", "
+                                  : " and ",
                       inputs->exact[i]);
     if (n > 0)
         buffer_format(text,

@@ -9,7 +9,8 @@
 #define SLICE_NS 10000000   /* computing between two looks at the terminal */
 #define WAIT_NS 100000000   /* the longest wait for the clock: a frame */
 #define WINDOW_NS 500000000 /* over which the speed achieved is measured */
-#define LAG 0.2             /* [s] of wall time by which a run may trail the clock before it stops catching up */
+#define LAG                                                                                        \
+    0.2 /* [s] of wall time by which a run may trail the clock before it stops catching up */
 
 /* What the clock asks for: at `clock` the run was at t, and goes on at `speed`. */
 struct pace {
@@ -23,7 +24,8 @@ struct pace {
 static double behind(const struct pace *pace, const struct run *run, int64_t now)
 {
     return isinf(pace->speed) ? HUGE_VAL
-                              : (double)(now - pace->clock) * 1e-9 * pace->speed - pace->direction * (run->t - pace->t);
+                              : (double)(now - pace->clock) * 1e-9 * pace->speed -
+                                    pace->direction * (run->t - pace->t);
 }
 
 /* [s] the next step is long; of an adaptive run that is known only after it. */
@@ -32,7 +34,8 @@ static double next_step(const struct run *run, const struct run_target *target)
     return run->plan.adaptive ? 0 : fmin(run->settings.dt, fabs(target->t - run->t));
 }
 
-static int64_t steps_due(const struct pace *pace, const struct run *run, const struct run_target *target, int64_t now)
+static int64_t steps_due(const struct pace *pace, const struct run *run,
+                         const struct run_target *target, int64_t now)
 {
     const double ahead = behind(pace, run, now), h = next_step(run, target);
     if (isinf(ahead))
@@ -44,8 +47,8 @@ static int64_t steps_due(const struct pace *pace, const struct run *run, const s
 }
 
 /* As many steps as are due, for at most a slice. True while there is more to do. */
-static bool advance_slice(const struct pace *pace, struct run *run, const struct run_target *target, int64_t last,
-                          const struct cancel *cancel)
+static bool advance_slice(const struct pace *pace, struct run *run, const struct run_target *target,
+                          int64_t last, const struct cancel *cancel)
 {
     const int64_t begin = clock_ns();
     for (int64_t now = begin; now - begin < SLICE_NS; now = clock_ns()) {
@@ -63,7 +66,8 @@ static bool advance_slice(const struct pace *pace, struct run *run, const struct
 }
 
 /* When the next step is due; not so soon that the processor would only look at the clock. */
-static int64_t next_look(const struct pace *pace, const struct run *run, const struct run_target *target, int64_t now)
+static int64_t next_look(const struct pace *pace, const struct run *run,
+                         const struct run_target *target, int64_t now)
 {
     const double ahead = behind(pace, run, now), h = next_step(run, target);
     if (ahead > 0 && ahead >= h)
@@ -72,20 +76,24 @@ static int64_t next_look(const struct pace *pace, const struct run *run, const s
     return now + (wait < SLICE_NS ? SLICE_NS : wait > WAIT_NS ? WAIT_NS : (int64_t)wait);
 }
 
-static double fraction_done(const struct run *run, const struct run_target *target, double from, int64_t first)
+static double fraction_done(const struct run *run, const struct run_target *target, double from,
+                            int64_t first)
 {
     if (target->steps > 0)
         return (double)(run->steps - first) / (double)target->steps;
     return fabs(target->t) < FAR ? (run->t - from) / (target->t - from) : -1;
 }
 
-void live_advance(struct session *session, struct run *run, const struct run_target *target, bool clocked)
+void live_advance(struct session *session, struct run *run, const struct run_target *target,
+                  bool clocked)
 {
     const struct front *front = &session->front;
     struct live *live = &session->live;
-    const int64_t first = run->steps, last = target->steps < 0 ? INT64_MAX : run->steps + target->steps;
+    const int64_t first = run->steps,
+                  last = target->steps < 0 ? INT64_MAX : run->steps + target->steps;
     const double from = run->t;
-    struct pace pace = {clock_ns(), run->t, clocked ? live->speed : HUGE_VAL, target->t < run->t ? -1 : 1};
+    struct pace pace = {clock_ns(), run->t, clocked ? live->speed : HUGE_VAL,
+                        target->t < run->t ? -1 : 1};
     struct pace window = pace;
     live->state = LIVE_RUNNING;
     live->pausing = false;
@@ -95,17 +103,19 @@ void live_advance(struct session *session, struct run *run, const struct run_tar
         int64_t now = clock_ns();
         live->fraction = fraction_done(run, target, from, first);
         if (now - window.clock >= WINDOW_NS) {
-            live->achieved = window.direction * (run->t - window.t) / ((double)(now - window.clock) * 1e-9);
+            live->achieved =
+                window.direction * (run->t - window.t) / ((double)(now - window.clock) * 1e-9);
             window = (struct pace){now, run->t, 0, window.direction};
         }
-        if (!front->slice(front->context, session, next_look(&pace, run, target, now)) || live->pausing ||
-            session->quit) {
+        if (!front->slice(front->context, session, next_look(&pace, run, target, now)) ||
+            live->pausing || session->quit) {
             run->stop = STOP_CANCELLED;
             break;
         }
         now = clock_ns();
         const double speed = clocked ? live->speed : HUGE_VAL;
-        if (speed != pace.speed || (isfinite(speed) && behind(&pace, run, now) > next_step(run, target) + LAG * speed))
+        if (speed != pace.speed ||
+            (isfinite(speed) && behind(&pace, run, now) > next_step(run, target) + LAG * speed))
             pace = (struct pace){now, run->t, speed, pace.direction};
     }
     live->pausing = false;
@@ -116,12 +126,13 @@ void live_refresh(struct session *session)
 {
     struct live *live = &session->live;
     const struct run *run = session_run(session);
-    const struct held_run *held = run ? session->run[session->current_run] : NULL;
-    live->state = !run                          ? LIVE_IDLE
-                  : stop_is_pause(run->stop) ? LIVE_PAUSED
+    const struct run_slot *slot = run ? session->run[session->current_run] : NULL;
+    live->state = !run                                                       ? LIVE_IDLE
+                  : stop_is_pause(run->stop)                                 ? LIVE_PAUSED
                   : run->stop == STOP_DIVERGED || run->stop == STOP_SINGULAR ? LIVE_DIVERGED
-                                                : LIVE_IDLE;
-    live->mark_count = held ? journal_changes(held->last, live->marks, (int)COUNT_OF(live->marks)) : 0;
+                                                                             : LIVE_IDLE;
+    live->mark_count =
+        slot ? journal_changes(slot->last, live->marks, (int)COUNT_OF(live->marks)) : 0;
 }
 
 /* ---- parameters on the way ---- */
@@ -130,7 +141,8 @@ void live_refresh(struct session *session)
 static bool same_scene(const struct model *a, const struct model *b)
 {
     const struct model *base = typed_base(a);
-    return a == b || (base ? base == typed_base(b) : !typed_base(b) && strcmp(a->row.name, b->row.name) == 0);
+    return a == b ||
+           (base ? base == typed_base(b) : !typed_base(b) && strcmp(a->row.name, b->row.name) == 0);
 }
 
 bool live_bind(struct session *session, int param, double *from, struct error *error)
@@ -139,8 +151,10 @@ bool live_bind(struct session *session, int param, double *from, struct error *e
     const struct live *live = &session->live;
     const struct scene *now = &session->setup.scene;
     const char *name = param_at(now, param)->row.name;
-    const bool is_start = param_is_start(now, param), is_other = run && !same_scene(run->system.model, now->model);
-    const int place = run ? scene_param(&run->scene, name) : -1; /* lines typed since may have moved it */
+    const bool is_start = param_is_start(now, param),
+               is_other = run && !same_scene(run->system.model, now->model);
+    const int index =
+        run ? scene_param(&run->scene, name) : -1; /* lines typed since may have moved it */
     *from = NAN;
     if (live->changing && !run)
         return error_set(error, ERROR_COMMAND, "there is no run to change");
@@ -150,28 +164,35 @@ bool live_bind(struct session *session, int param, double *from, struct error *e
         return error_hint(error, "type: scene %s", run->scene.preset->row.name);
     }
     if (live->changing && is_start)
-        return error_set(error, ERROR_COMMAND, "%s is where a run starts: it cannot change on the way", name);
-    if (live->changing && place < 0)
-        return error_set(error, ERROR_COMMAND, "run %d has no %s: that came later", run->number, name);
-    const bool going = run && (live->state == LIVE_RUNNING || (session->typed && stop_is_pause(run->stop)) ||
-                               live->changing || session->reacting);
-    if (!going || is_start || is_other || place < 0)
+        return error_set(error, ERROR_COMMAND,
+                         "%s is where a run starts: it cannot change on the way", name);
+    if (live->changing && index < 0)
+        return error_set(error, ERROR_COMMAND, "run %d has no %s: that came later", run->number,
+                         name);
+    const bool going =
+        run && (live->state == LIVE_RUNNING || (session->typed && stop_is_pause(run->stop)) ||
+                live->changing || session->reacting);
+    if (!going || is_start || is_other || index < 0)
         return true;
-    struct held_run *held = session->run[session->current_run];
+    struct run_slot *slot = session->run[session->current_run];
     const struct measured value = {now->value[param], now->uncertainty[param]};
     struct scene scene;
-    const struct leg leg = {.kind = LEG_SET, .from = run->steps, .from_t = run->t, .param = place, .value = value,
-                            .by_event = session->reacting};
-    journal_scene(held, true, &scene);
-    if (!scene_set(&scene, place, value, error) || !journal_add(held, leg, TEXT(""), error))
+    const struct request request = {.kind = REQUEST_SET,
+                                    .from = run->steps,
+                                    .from_t = run->t,
+                                    .param = index,
+                                    .value = value,
+                                    .by_event = session->reacting};
+    journal_scene(slot, true, &scene);
+    if (!scene_set(&scene, index, value, error) || !journal_add(slot, request, TEXT(""), error))
         return false;
     if (!run_rebind(run, &scene, error)) {
-        journal_drop(held);
+        journal_drop(slot);
         return false;
     }
     const enum live_state state = live->state;
     if (state != LIVE_RUNNING && !live->changing && !session->reacting)
-        journal_write(session, held, journal_count(held->last) - 1, run->steps, 0, false,
+        journal_write(session, slot, journal_count(slot->last) - 1, run->steps, 0, false,
                       &session->live.record); /* in a file `set` alone would not do it */
     live_refresh(session);
     session->live.state = state;
@@ -182,14 +203,18 @@ bool live_bind(struct session *session, int param, double *from, struct error *e
 bool live_kick(struct session *session, int variable, double value, struct error *error)
 {
     struct run *run = session_run(session);
-    struct held_run *held = session->run[session->current_run];
-    const struct leg leg = {.kind = LEG_KICK, .from = run->steps, .from_t = run->t, .param = variable,
-                            .value = {value, 0}, .by_event = session->reacting};
-    if (!journal_add(held, leg, TEXT(""), error))
+    struct run_slot *slot = session->run[session->current_run];
+    const struct request request = {.kind = REQUEST_KICK,
+                                    .from = run->steps,
+                                    .from_t = run->t,
+                                    .param = variable,
+                                    .value = {value, 0},
+                                    .by_event = session->reacting};
+    if (!journal_add(slot, request, TEXT(""), error))
         return false;
     if (run_kick(run, variable, value, error))
         return true;
-    journal_drop(held);
+    journal_drop(slot);
     return false;
 }
 

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * What names mean in expressions: state and observables of the current run first, then parameters and derived
- * quantities of the scene, settings, variables, results. Parameters that a user has typed come before observables.
+ * What names mean in expressions: state and observables of the current run first, then parameters
+ * and derived quantities of the scene, settings, variables, results. Parameters that a user has
+ * typed come before observables.
  */
 #include <hooke/session/log.h>
 #include <hooke/session/subject.h>
@@ -22,11 +23,11 @@ enum name_kind {
 
 #define SLOT_KIND 16 /* slot = kind << SLOT_KIND | place */
 
-static bool in_values(const struct named_value *values, int count, struct text name, int *place)
+static bool in_values(const struct named_value *values, int count, struct text name, int *index)
 {
     for (int i = 0; i < count; i++)
         if (text_is(name, values[i].name)) {
-            *place = i;
+            *index = i;
             return true;
         }
     return false;
@@ -36,28 +37,29 @@ static bool in_values(const struct named_value *values, int count, struct text n
 static bool setting_is_number(const struct row *row)
 {
     const struct setting *setting = (const struct setting *)(const void *)row;
-    return setting && setting->most > 0;
+    return setting && setting->max > 0;
 }
 
-static bool in_catalog(const struct catalog *catalog, struct text name, int *place)
+static bool in_catalog(const struct catalog *catalog, struct text name, int *index)
 {
     const struct row *row = catalog_find(catalog, name);
     if (row)
-        *place = catalog_place(catalog, row);
+        *index = catalog_index(catalog, row);
     return row != NULL;
 }
 
 /* Whose state and observables have names; NULL: there is no run. */
 static const struct model *state_model(const struct names *names)
 {
-    const struct run *run = names->run || names->expects_run ? names->run : session_run(names->session);
+    const struct run *run =
+        names->run || names->expects_run ? names->run : session_run(names->session);
     return run ? run->system.model : names->expects_run ? names->session->setup.scene.model : NULL;
 }
 
-static bool in_state(const struct model *model, struct text name, int *place)
+static bool in_state(const struct model *model, struct text name, int *index)
 {
-    *place = model_variable(model, name);
-    return *place >= 0;
+    *index = model_variable(model, name);
+    return *index >= 0;
 }
 
 /* Whose parameters have names. */
@@ -66,9 +68,9 @@ static const struct scene *scene_of(const struct names *names)
     struct in_force *force = names->in_force;
     if (!force)
         return &names->session->setup.scene;
-    if (!force->known || force->last != force->held->last) {
-        journal_scene(force->held, true, &force->scene);
-        force->last = force->held->last;
+    if (!force->known || force->last != force->slot->last) {
+        journal_scene(force->slot, true, &force->scene);
+        force->last = force->slot->last;
         force->known = true;
     }
     return &force->scene;
@@ -77,7 +79,8 @@ static const struct scene *scene_of(const struct names *names)
 /* Typed forces without a potential have no energy. */
 static bool lacks_energy(const struct run *run, const struct observable *observable)
 {
-    return run && observable && observable->needs & NEED_ENERGY && run->system.order == 2 && !run->system.energy;
+    return run && observable && observable->needs & NEED_ENERGY && run->system.order == 2 &&
+           !run->system.energy;
 }
 
 static bool find_name(const struct names *names, struct text name, int *slot)
@@ -87,29 +90,31 @@ static bool find_name(const struct names *names, struct text name, int *slot)
     const struct model *moving = state_model(names);
     const struct run *run = names->run ? names->run : session_run(session);
     enum name_kind kind;
-    int place = 0;
-    if (moving && in_state(moving, name, &place))
+    int index = 0;
+    if (moving && in_state(moving, name, &index))
         kind = NAME_STATE;
-    else if (moving && (place = model_observation(moving, name)) >= 0)
+    else if (moving && (index = model_observation(moving, name)) >= 0)
         kind = NAME_OBSERVED;
-    else if (scene->model->typed && in_catalog(scene_params(scene), name, &place))
+    else if (scene->model->typed && in_catalog(scene_params(scene), name, &index))
         kind = NAME_PARAM;
-    else if (moving && model_observable(moving, name) && !lacks_energy(run, model_observable(moving, name)) &&
-             in_catalog(&observable_catalog, name, &place))
+    else if (moving && model_observable(moving, name) &&
+             !lacks_energy(run, model_observable(moving, name)) &&
+             in_catalog(&observable_catalog, name, &index))
         kind = NAME_OBSERVABLE;
-    else if (in_catalog(scene_params(scene), name, &place))
+    else if (in_catalog(scene_params(scene), name, &index))
         kind = NAME_PARAM;
-    else if (in_catalog(scene_derived(scene), name, &place))
+    else if (in_catalog(scene_derived(scene), name, &index))
         kind = NAME_DERIVED;
-    else if (setting_is_number(catalog_find(&setting_catalog, name)) && in_catalog(&setting_catalog, name, &place))
+    else if (setting_is_number(catalog_find(&setting_catalog, name)) &&
+             in_catalog(&setting_catalog, name, &index))
         kind = NAME_SETTING;
-    else if (!names->saved_only && in_values(session->setup.let, session->setup.lets, name, &place))
+    else if (!names->saved_only && in_values(session->setup.let, session->setup.lets, name, &index))
         kind = NAME_LET;
-    else if (!names->saved_only && in_values(session->result, session->results, name, &place))
+    else if (!names->saved_only && in_values(session->result, session->results, name, &index))
         kind = NAME_RESULT;
     else
         return false;
-    *slot = (int)kind << SLOT_KIND | place;
+    *slot = (int)kind << SLOT_KIND | index;
     return true;
 }
 
@@ -129,38 +134,38 @@ static struct named_value slot_value(const struct names *names, int slot)
 {
     const struct session *session = names->session;
     const struct run *run = names->run ? names->run : session_run(session);
-    const size_t place = (size_t)(slot & ((1 << SLOT_KIND) - 1));
+    const size_t index = (size_t)(slot & ((1 << SLOT_KIND) - 1));
     const struct setup *setup = &session->setup;
     const struct scene *scene = scene_of(names);
     struct named_value value = {.value = NAN, .quantity = QUANTITY_OTHER};
     const struct model *moving = state_model(names);
     switch ((enum name_kind)(slot >> SLOT_KIND)) {
     case NAME_STATE:
-        value.quantity = moving->variable[place].quantity;
+        value.quantity = moving->variable[index].quantity;
         if (run && run->system.model == moving)
-            value.value = run->y[place];
+            value.value = run->y[index];
         break;
     case NAME_OBSERVED:
-        value.quantity = model_observed_variable(moving, (int)place).quantity;
+        value.quantity = model_observed_variable(moving, (int)index).quantity;
         if (run && run->system.model == moving)
-            value.value = run_observed(run, (int)place);
+            value.value = run_observed(run, (int)index);
         break;
     case NAME_OBSERVABLE: {
         const struct observable *observable =
-            (const struct observable *)(const void *)catalog_row(&observable_catalog, place);
+            (const struct observable *)(const void *)catalog_row(&observable_catalog, index);
         value.quantity = model_quantity(moving, observable);
         if (run)
             value.value = run_observable(run, observable);
         break;
     }
     case NAME_PARAM:
-        value.value = scene->value[place];
-        value.uncertainty = scene->uncertainty[place];
-        value.quantity = param_at(scene, (int)place)->quantity;
+        value.value = scene->value[index];
+        value.uncertainty = scene->uncertainty[index];
+        value.quantity = param_at(scene, (int)index)->quantity;
         break;
     case NAME_DERIVED: {
         const struct derived_row *derived =
-            (const struct derived_row *)(const void *)catalog_row(scene_derived(scene), place);
+            (const struct derived_row *)(const void *)catalog_row(scene_derived(scene), index);
         const struct measured measured = derived->value(scene);
         value.value = measured.value;
         value.uncertainty = measured.uncertainty;
@@ -168,15 +173,16 @@ static struct named_value slot_value(const struct names *names, int slot)
         break;
     }
     case NAME_SETTING: {
-        const struct setting *setting = (const struct setting *)(const void *)catalog_row(&setting_catalog, place);
+        const struct setting *setting =
+            (const struct setting *)(const void *)catalog_row(&setting_catalog, index);
         value.value = setting_number(&setup->settings, setting);
         value.quantity = setting->quantity;
         break;
     }
     case NAME_LET:
-        return setup->let[place];
+        return setup->let[index];
     case NAME_RESULT:
-        return session->result[place];
+        return session->result[index];
     }
     return value;
 }
@@ -187,11 +193,12 @@ static double scope_load(const void *context, int slot)
 }
 
 static void each_name(const struct session *session, const struct model *moving,
-                      void (*offer)(void *context, const char *name, const char *brief), void *context)
+                      void (*offer)(void *context, const char *name, const char *brief),
+                      void *context)
 {
     const struct scene *scene = &session->setup.scene;
-    const struct catalog *const catalogs[] = {&observable_catalog, scene_params(scene), scene_derived(scene),
-                                              &setting_catalog};
+    const struct catalog *const catalogs[] = {&observable_catalog, scene_params(scene),
+                                              scene_derived(scene), &setting_catalog};
     for (int i = 0; i < moving->n; i++)
         if (!catalog_find(&observable_catalog, text_of(moving->variable[i].name)))
             offer(context, moving->variable[i].name, quantity_name(moving->variable[i].quantity));
@@ -200,7 +207,8 @@ static void each_name(const struct session *session, const struct model *moving,
     for (size_t c = 0; c < COUNT_OF(catalogs); c++)
         for (size_t i = 0; i < catalogs[c]->count; i++) {
             const struct row *row = catalog_row(catalogs[c], i);
-            const bool fits = c > 0 || model_offers(moving, (const struct observable *)(const void *)row);
+            const bool fits =
+                c > 0 || model_offers(moving, (const struct observable *)(const void *)row);
             if (fits && (catalogs[c] != &setting_catalog || setting_is_number(row)))
                 offer(context, row->name, row->brief);
         }
@@ -210,8 +218,8 @@ static void each_name(const struct session *session, const struct model *moving,
         offer(context, session->result[i].name, "result");
 }
 
-void names_each(const struct session *session, void (*offer)(void *context, const char *name, const char *brief),
-                void *context)
+void names_each(const struct session *session,
+                void (*offer)(void *context, const char *name, const char *brief), void *context)
 {
     const struct run *run = session_run(session);
     each_name(session, run ? run->system.model : session->setup.scene.model, offer, context);
@@ -227,7 +235,8 @@ static void scope_offer(const void *context, struct suggestion *suggestion)
 {
     const struct names *names = context;
     const struct model *moving = state_model(names);
-    each_name(names->session, moving ? moving : names->session->setup.scene.model, suggest, suggestion);
+    each_name(names->session, moving ? moving : names->session->setup.scene.model, suggest,
+              suggestion);
     suggestion_offer(suggestion, "pi");
 }
 
@@ -235,14 +244,14 @@ static void scope_offer(const void *context, struct suggestion *suggestion)
 static int scope_moving(const void *context, int slot)
 {
     const struct model *moving = state_model(context);
-    const int place = slot & ((1 << SLOT_KIND) - 1);
+    const int index = slot & ((1 << SLOT_KIND) - 1);
     switch ((enum name_kind)(slot >> SLOT_KIND)) {
     case NAME_STATE:
-        return place;
+        return index;
     case NAME_OBSERVED:
-        return moving->n + place;
+        return moving->n + index;
     case NAME_OBSERVABLE:
-        return moving->n + model_observed(moving) + place;
+        return moving->n + model_observed(moving) + index;
     default:
         return -1;
     }
@@ -281,7 +290,8 @@ bool names_explain(const struct session *session, struct error *error)
         return false;
     const struct model *model = session->setup.scene.model;
     if (lacks_energy(session_run(session), model_observable(model, name))) {
-        error_at(error, name, "'%.*s' has no value: the typed forces have no potential", (int)name.len, name.at);
+        error_at(error, name, "'%.*s' has no value: the typed forces have no potential",
+                 (int)name.len, name.at);
         return error_hint(error, "the kinetic energy is called kinetic");
     }
     if (model_observable(model, name) || model_variable(model, name) >= 0 ||
@@ -300,21 +310,24 @@ bool names_explain(const struct session *session, struct error *error)
 enum quantity name_quantity(const struct expr_scope *scope, struct text name)
 {
     int slot;
-    return scope && find_name(scope->context, name, &slot) ? slot_value(scope->context, slot).quantity : QUANTITY_OTHER;
+    return scope && find_name(scope->context, name, &slot)
+               ? slot_value(scope->context, slot).quantity
+               : QUANTITY_OTHER;
 }
 
 bool name_is_taken(const struct session *session, struct text name, const char **kind)
 {
     const struct scene *scene = &session->setup.scene;
-    const struct catalog *const catalogs[] = {scene_params(scene), scene_derived(scene), &setting_catalog,
-                                              &observable_catalog, &function_catalog};
+    const struct catalog *const catalogs[] = {scene_params(scene), scene_derived(scene),
+                                              &setting_catalog, &observable_catalog,
+                                              &function_catalog};
     for (size_t i = 0; i < COUNT_OF(catalogs); i++)
         if (catalog_find(catalogs[i], name)) {
             *kind = catalogs[i]->kind;
             return true;
         }
-    int place;
-    if (in_state(scene->model, name, &place)) {
+    int index;
+    if (in_state(scene->model, name, &index)) {
         *kind = "state variable";
         return true;
     }
@@ -322,6 +335,6 @@ bool name_is_taken(const struct session *session, struct text name, const char *
         *kind = "observed quantity";
         return true;
     }
-    *kind = in_values(session->result, session->results, name, &place) ? "result" : "constant";
-    return text_is(name, "pi") || in_values(session->result, session->results, name, &place);
+    *kind = in_values(session->result, session->results, name, &index) ? "result" : "constant";
+    return text_is(name, "pi") || in_values(session->result, session->results, name, &index);
 }

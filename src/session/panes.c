@@ -2,17 +2,17 @@
 /* What the screen can be made of: layouts, panes, what cursors snap to. */
 #include <hooke/session/subject.h>
 
-#define ROW(name, brief)                                                                                               \
-    {                                                                                                                  \
-        name, "", brief, "", NULL                                                                                      \
+#define ROW(name, brief)                                                                           \
+    {                                                                                              \
+        name, "", brief, "", NULL                                                                  \
     }
 
 static const struct layout_row layouts[] = {
     [LAYOUT_TRIO] = {ROW("trio", "position above energy, phase beside them"), 60, 0, LAYOUT_SINGLE},
     [LAYOUT_DUO] = {ROW("duo", "position and phase side by side"), 60, 0, LAYOUT_SINGLE},
     [LAYOUT_SINGLE] = {ROW("single", "the focused pane, and the log"), 0, 0, LAYOUT_SINGLE},
-    [LAYOUT_STACK] = {ROW("stack", "position, velocity and energy above each other, one time axis"), 0, 0,
-                      LAYOUT_STACK},
+    [LAYOUT_STACK] = {ROW("stack", "position, velocity and energy above each other, one time axis"),
+                      0, 0, LAYOUT_STACK},
     [LAYOUT_QUAD] = {ROW("quad", "position, phase, velocity and energy"), 110, 36, LAYOUT_TRIO},
     [LAYOUT_PLOT] = {ROW("plot", "the focused pane alone"), 0, 0, LAYOUT_PLOT},
     [LAYOUT_LOG] = {ROW("log", "the log alone"), 0, 0, LAYOUT_LOG},
@@ -35,15 +35,20 @@ static const struct row snaps[] = {
 const struct catalog snap_catalog = CATALOG("way to snap", snaps);
 
 static const struct pane_row panes[] = {
-    [PANE_POSITION] = {{"position", "m", "y against t, with the recording", "", NULL}, PANE_OF_SERIES},
+    [PANE_POSITION] = {{"position", "m", "y against t, with the recording", "", NULL},
+                       PANE_OF_SERIES},
     [PANE_ENERGY] = {{"energy", "J", "energy against t", "", NULL}, PANE_OF_MECHANICS},
-    [PANE_PHASE] = {{"phase", "m", "v against y; of first order the second value against the first", "", NULL},
+    [PANE_PHASE] = {{"phase", "m", "v against y; of first order the second value against the first",
+                     "", NULL},
                     PANE_OF_PHASE},
     [PANE_VELOCITY] = {{"velocity", "m/s", "v against t", "", NULL}, PANE_OF_MECHANICS},
-    [PANE_ERROR] = {{"error", "m", "distance from the exact solution against t", "", NULL}, PANE_OF_EXACT},
-    [PANE_RESIDUAL] = {{"residual", "m", "the recording minus its fit, or minus the run, against t", "", NULL},
+    [PANE_ERROR] = {{"error", "m", "distance from the exact solution against t", "", NULL},
+                    PANE_OF_EXACT},
+    [PANE_RESIDUAL] = {{"residual", "m", "the recording minus its fit, or minus the run, against t",
+                        "", NULL},
                        PANE_OF_RESIDUAL},
     [PANE_SPECTRUM] = {{"spectrum", "m", "amplitude against frequency", "", NULL}, PANE_OF_SERIES},
-    [PANE_ORBIT] = {{"orbit", "m", "the second coordinate against the first", "", NULL}, PANE_OF_ORBIT},
+    [PANE_ORBIT] = {{"orbit", "m", "the second coordinate against the first", "", NULL},
+                    PANE_OF_ORBIT},
 };
 const struct catalog pane_catalog = CATALOG("pane", panes);

@@ -1,30 +1,31 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What a scene has: parameters, derived quantities and variables by name. Which there are depends on its model. */
+/* What a scene has: parameters, derived quantities and variables by name. Which there are depends
+ * on its model. */
 #include <hooke/session/subject.h>
 
 #include <string.h>
 
-const struct param_row *param_at(const struct scene *scene, int place)
+const struct param_row *param_at(const struct scene *scene, int index)
 {
-    return (const struct param_row *)(const void *)catalog_row(scene_params(scene), (size_t)place);
+    return (const struct param_row *)(const void *)catalog_row(scene_params(scene), (size_t)index);
 }
 
 int scene_param_at(const struct scene *scene, struct text name)
 {
     const struct row *row = catalog_find(scene_params(scene), name);
-    return row ? catalog_place(scene_params(scene), row) : -1;
+    return row ? catalog_index(scene_params(scene), row) : -1;
 }
 
 double param_value(const struct scene *scene, const char *name)
 {
-    const int place = scene_param(scene, name);
-    return place >= 0 ? scene->value[place] : NAN;
+    const int index = scene_param(scene, name);
+    return index >= 0 ? scene->value[index] : NAN;
 }
 
 bool param_given(const struct scene *scene, const char *name)
 {
-    const int place = scene_param(scene, name);
-    return place >= 0 && scene->given[place];
+    const int index = scene_param(scene, name);
+    return index >= 0 && scene->given[index];
 }
 
 bool is_oscillator(const struct scene *scene)
@@ -61,15 +62,17 @@ void scene_script(const struct scene *scene, const char *end, struct buffer *tex
 
 enum effect { EFFECT_NONE, EFFECT_START, EFFECT_FORCE };
 
-/* What the parameter does in the scene as it is: the frequency of a drive that is not there does nothing. */
-static enum effect effect_of(const struct scene *scene, int place)
+/* What the parameter does in the scene as it is: the frequency of a drive that is not there does
+ * nothing. */
+static enum effect effect_of(const struct scene *scene, int index)
 {
     struct scene other = *scene;
     struct system a, b;
     struct error ignored;
-    const double value = scene->value[place];
-    other.value[place] = value == 0 ? 0.125 : 0.875 * value; /* towards 0: within bounds */
-    if (!scene_bind(scene, &a, &ignored) || !scene_bind(&other, &b, &ignored) || a.terms != b.terms || a.mass != b.mass)
+    const double value = scene->value[index];
+    other.value[index] = value == 0 ? 0.125 : 0.875 * value; /* towards 0: within bounds */
+    if (!scene_bind(scene, &a, &ignored) || !scene_bind(&other, &b, &ignored) ||
+        a.terms != b.terms || a.mass != b.mass)
         return EFFECT_FORCE;
     for (int i = 0; i < a.terms; i++)
         if (!bound_term_equal(&a.term[i], &b.term[i]))
@@ -78,19 +81,20 @@ static enum effect effect_of(const struct scene *scene, int place)
     return moved ? EFFECT_START : EFFECT_NONE;
 }
 
-bool param_is_start(const struct scene *scene, int place)
+bool param_is_start(const struct scene *scene, int index)
 {
-    return effect_of(scene, place) == EFFECT_START;
+    return effect_of(scene, index) == EFFECT_START;
 }
 
-bool param_matters(const struct scene *scene, int place)
+bool param_matters(const struct scene *scene, int index)
 {
-    const struct param_row *row = param_at(scene, place);
+    const struct param_row *row = param_at(scene, index);
     const struct text name = text_of(row->row.name);
-    const bool set = scene->given[place] || scene->value[place] != row->initial;
+    const bool set = scene->given[index] || scene->value[index] != row->initial;
     if (is_oscillator(scene))
-        return text_is(name, "m") || text_is(name, "k") || (set && scene->value[place] != 0);
-    return scene->value[place] != 0 && !text_is(name, "t0") && effect_of(scene, place) != EFFECT_NONE;
+        return text_is(name, "m") || text_is(name, "k") || (set && scene->value[index] != 0);
+    return scene->value[index] != 0 && !text_is(name, "t0") &&
+           effect_of(scene, index) != EFFECT_NONE;
 }
 
 int model_variable(const struct model *model, struct text name)
@@ -108,7 +112,8 @@ int model_observation(const struct model *model, struct text name)
 
 static bool model_has(const struct model *model, struct text name)
 {
-    return catalog_find(model->params, name) || catalog_find(model->derived, name) || model_variable(model, name) >= 0;
+    return catalog_find(model->params, name) || catalog_find(model->derived, name) ||
+           model_variable(model, name) >= 0;
 }
 
 const struct model *model_with(struct text name)
@@ -122,7 +127,8 @@ const struct model *model_with(struct text name)
 const char *model_scene(const struct model *model)
 {
     for (size_t i = 0; i < preset_catalog.count; i++) {
-        const struct preset *preset = (const struct preset *)(const void *)catalog_row(&preset_catalog, i);
+        const struct preset *preset =
+            (const struct preset *)(const void *)catalog_row(&preset_catalog, i);
         if ((preset->model ? preset->model : &oscillator_model) == model)
             return preset->row.name;
     }
@@ -137,13 +143,15 @@ enum quantity model_quantity(const struct model *model, const struct observable 
 
 const struct observable *model_observable(const struct model *model, struct text name)
 {
-    const struct row *row = model->typed && text_is(name, "y") ? NULL : catalog_find(&observable_catalog, name);
+    const struct row *row =
+        model->typed && text_is(name, "y") ? NULL : catalog_find(&observable_catalog, name);
     return (const struct observable *)(const void *)row;
 }
 
 bool model_offers(const struct model *model, const struct observable *observable)
 {
-    const unsigned never = model->order == 2 ? 0u : NEED_MECHANICS | (model->typed ? NEED_EXACT : 0u);
+    const unsigned never =
+        model->order == 2 ? 0u : NEED_MECHANICS | (model->typed ? NEED_EXACT : 0u);
     return !(observable->needs & never) && model_observable(model, text_of(observable->row.name));
 }
 
@@ -152,7 +160,8 @@ bool hint_other_model(const struct session *session, struct text name, struct er
     const struct scene *scene = &session->setup.scene;
     const struct model *other = model_has(scene->model, name) ? NULL : model_with(name);
     if (other)
-        error_hint(error, "'%.*s' belongs to another scene: scene %s", (int)name.len, name.at, model_scene(other));
+        error_hint(error, "'%.*s' belongs to another scene: scene %s", (int)name.len, name.at,
+                   model_scene(other));
     return other != NULL;
 }
 

@@ -30,7 +30,7 @@ const struct result_columns measurement_columns =
 
 static const struct run *run_of(const void *row)
 {
-    return ((const struct run_row *)row)->held->run;
+    return ((const struct run_row *)row)->slot->run;
 }
 
 static int64_t run_number(const void *row)
@@ -99,7 +99,7 @@ static const char *run_status(const void *row)
 
 static const char *run_note(const void *row)
 {
-    return ((const struct run_row *)row)->held->note;
+    return ((const struct run_row *)row)->slot->note;
 }
 
 #define NUMBER(function) .kind = COLUMN_COUNT, .number = function

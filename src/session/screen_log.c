@@ -4,8 +4,8 @@
 
 #include <stdlib.h>
 
-#define INDENT 2       /* [cell] of the further rows of a line */
-#define INDENT_LEAST 8 /* [cell] of width: below, every cell is for the words */
+#define INDENT 2     /* [cell] of the further rows of a line */
+#define INDENT_MIN 8 /* [cell] of width: below, every cell is for the words */
 
 static void add_line(struct log *log, struct text line)
 {
@@ -16,14 +16,14 @@ static void add_line(struct log *log, struct text line)
         buffer_free(&safe);
         return;
     }
-    const int place = (log->first + log->count) % LIMIT_LOG;
+    const int index = (log->first + log->count) % LIMIT_LOG;
     if (log->count == LIMIT_LOG) {
-        free(log->line[place]);
+        free(log->line[index]);
         log->first = (log->first + 1) % LIMIT_LOG;
     } else {
         log->count++;
     }
-    log->line[place] = safe.data;
+    log->line[index] = safe.data;
 }
 
 void log_add(struct log *log, struct text text)
@@ -42,13 +42,14 @@ void log_add(struct log *log, struct text text)
 
 const char *log_line(const struct log *log, int i)
 {
-    return i >= 0 && i < log->count ? log->line[(log->first + log->count - 1 - i) % LIMIT_LOG] : NULL;
+    return i >= 0 && i < log->count ? log->line[(log->first + log->count - 1 - i) % LIMIT_LOG]
+                                    : NULL;
 }
 
 struct text log_row(struct text line, size_t *from, int width, int *indent)
 {
     const struct text rest = {line.at + *from, line.len - *from};
-    *indent = *from > 0 && width >= INDENT_LEAST ? INDENT : 0;
+    *indent = *from > 0 && width >= INDENT_MIN ? INDENT : 0;
     int left = width - *indent;
     size_t at = 0, end = 0; /* what has been looked at; the end of the last word that fits */
     while (at < rest.len) {

@@ -22,14 +22,15 @@ struct session *session_create(const struct front *front)
         return NULL;
     }
     scene_init(&session->setup.scene, NULL);
-    session->setup.method = (const struct method *)(const void *)catalog_find(&method_catalog, TEXT("euler"));
+    session->setup.method =
+        (const struct method *)(const void *)catalog_find(&method_catalog, TEXT("euler"));
     session_default_settings(&session->setup.settings);
     session->current_run = session->current_recording = -1;
     session->next_run = 1;
     session->record_fd = -1;
     session->live.speed = 1;
-    session->view =
-        (struct view){.x = {NAN, NAN}, .y = {NAN, NAN}, .trail = 2, .paging = true, .cursors = {.periods = NAN}};
+    session->view = (struct view){
+        .x = {NAN, NAN}, .y = {NAN, NAN}, .trail = 2, .paging = true, .cursors = {.periods = NAN}};
     return session;
 }
 
@@ -48,11 +49,11 @@ void session_destroy(struct session *session)
         free(session->history[i]);
     free(session->history);
     free(session->measurement);
-    free(session->kept_fit);
+    free(session->stored_fit);
     free(session->fit_curve[0]);
     free(session->fit_curve[1]);
     session_drop_band(session);
-    buffer_free(&session->story);
+    buffer_free(&session->transcript);
     if (session->precision)
         precision_free(session->precision);
     free(session->precision);
@@ -86,75 +87,78 @@ void session_changed(struct session *session)
 
 /* ---- runs and recordings ---- */
 
-void held_run_release(struct held_run *held)
+void run_slot_release(struct run_slot *slot)
 {
-    if (--held->references > 0)
+    if (--slot->references > 0)
         return;
-    run_unmark(held);
-    run_destroy(held->run);
-    journal_release(held->last);
-    free(held->note);
-    free(held);
+    run_unmark(slot);
+    run_destroy(slot->run);
+    journal_release(slot->last);
+    free(slot->note);
+    free(slot);
 }
 
-void held_recording_release(struct held_recording *held)
+void recording_slot_release(struct recording_slot *slot)
 {
-    if (--held->references > 0)
+    if (--slot->references > 0)
         return;
-    recording_destroy(held->recording);
-    free(held->options);
-    free(held);
+    recording_destroy(slot->recording);
+    free(slot->options);
+    free(slot);
 }
 
 bool session_add_run(struct session *session, struct run *run, struct error *error)
 {
-    struct held_run *held = NULL;
+    struct run_slot *slot = NULL;
     if (session->runs == LIMIT_RUNS) {
         error_set(error, ERROR_COMMAND, "%d runs are kept already", LIMIT_RUNS);
         error_hint(error, "drop some: drop N.. or drop all");
-    } else if (!(held = calloc(1, sizeof *held))) {
+    } else if (!(slot = calloc(1, sizeof *slot))) {
         error_memory(error);
     } else {
-        *held = (struct held_run){.run = run, .references = 1};
+        *slot = (struct run_slot){.run = run, .references = 1};
         /* A run that comes from a study has been somewhere already. */
-        const double t0 = run->system.t0, t = run->stop == STOP_END ? run->t : copysign(FAR, run->t - t0);
+        const double t0 = run->system.t0,
+                     t = run->stop == STOP_END ? run->t : copysign(FAR, run->t - t0);
         if (run->steps > 0 &&
-            !journal_add(held, (struct leg){.kind = LEG_GO, .from_t = t0, .t = t, .end = INT64_MAX}, TEXT(""), error)) {
-            free(held);
-            held = NULL;
+            !journal_add(
+                slot, (struct request){.kind = REQUEST_GO, .from_t = t0, .t = t, .end = INT64_MAX},
+                TEXT(""), error)) {
+            free(slot);
+            slot = NULL;
         }
     }
-    if (!held) {
+    if (!slot) {
         run_destroy(run);
         return false;
     }
     run->number = session->next_run++;
     session->view.overlays = 0; /* a new run stands alone */
-    session->run[session->runs] = held;
+    session->run[session->runs] = slot;
     session->current_run = session->runs++;
     session->data_is_latest = false;
     session_changed(session);
     return true;
 }
 
-bool session_add_recording(struct session *session, struct recording *recording, const char *options,
-                           struct error *error)
+bool session_add_recording(struct session *session, struct recording *recording,
+                           const char *options, struct error *error)
 {
-    struct held_recording *held = NULL;
+    struct recording_slot *slot = NULL;
     char *copy = NULL;
     if (session->recordings == LIMIT_RECORDINGS) {
         error_set(error, ERROR_COMMAND, "%d recordings are kept already", LIMIT_RECORDINGS);
         error_hint(error, "drop one: data drop NAME");
-    } else if (!(held = calloc(1, sizeof *held)) || !(copy = strdup(options))) {
+    } else if (!(slot = calloc(1, sizeof *slot)) || !(copy = strdup(options))) {
         error_memory(error);
     }
     if (!copy) {
-        free(held);
+        free(slot);
         recording_destroy(recording);
         return false;
     }
-    *held = (struct held_recording){recording, 1, copy};
-    session->recording[session->recordings] = held;
+    *slot = (struct recording_slot){recording, 1, copy};
+    session->recording[session->recordings] = slot;
     session->current_recording = session->recordings++;
     session->data_is_latest = true;
     session_changed(session);
@@ -169,22 +173,23 @@ static int after_drop(int current, int dropped, int count)
     return current == dropped ? count - 1 : current;
 }
 
-void session_drop_run(struct session *session, int place)
+void session_drop_run(struct session *session, int index)
 {
-    held_run_release(session->run[place]);
+    run_slot_release(session->run[index]);
     session->runs--;
-    memmove(&session->run[place], &session->run[place + 1], (size_t)(session->runs - place) * sizeof(session->run[0]));
-    session->current_run = after_drop(session->current_run, place, session->runs);
+    memmove(&session->run[index], &session->run[index + 1],
+            (size_t)(session->runs - index) * sizeof(session->run[0]));
+    session->current_run = after_drop(session->current_run, index, session->runs);
     session_changed(session);
 }
 
-void session_drop_recording(struct session *session, int place)
+void session_drop_recording(struct session *session, int index)
 {
-    held_recording_release(session->recording[place]);
+    recording_slot_release(session->recording[index]);
     session->recordings--;
-    memmove(&session->recording[place], &session->recording[place + 1],
-            (size_t)(session->recordings - place) * sizeof(session->recording[0]));
-    session->current_recording = after_drop(session->current_recording, place, session->recordings);
+    memmove(&session->recording[index], &session->recording[index + 1],
+            (size_t)(session->recordings - index) * sizeof(session->recording[0]));
+    session->current_recording = after_drop(session->current_recording, index, session->recordings);
     session_changed(session);
 }
 
@@ -210,7 +215,8 @@ int session_find_recording(const struct session *session, struct text name)
 
 /* ---- results ---- */
 
-void session_set_result(struct session *session, const char *name, struct measured value, enum quantity quantity)
+void session_set_result(struct session *session, const char *name, struct measured value,
+                        enum quantity quantity)
 {
     struct named_value *result = NULL;
     for (int i = 0; i < session->results; i++)
@@ -220,25 +226,26 @@ void session_set_result(struct session *session, const char *name, struct measur
         return;
     if (!result)
         result = &session->result[session->results++];
-    *result = (struct named_value){.value = value.value, .uncertainty = value.uncertainty, .quantity = quantity};
+    *result = (struct named_value){
+        .value = value.value, .uncertainty = value.uncertainty, .quantity = quantity};
     snprintf(result->name, sizeof result->name, "%s", name);
 }
 
-void session_keep_fit(struct session *session, const struct kept_fit *fit)
+void session_store_fit(struct session *session, const struct stored_fit *fit)
 {
-    struct kept_fit *kept = NULL;
-    for (int i = 0; i < session->kept_fits; i++)
-        if (strcmp(session->kept_fit[i].of, fit->of) == 0 &&
-            strcmp(session->kept_fit[i].fit.model, fit->fit.model) == 0 &&
-            memcmp(session->kept_fit[i].fit.window, fit->fit.window, sizeof fit->fit.window) == 0)
-            kept = &session->kept_fit[i];
+    struct stored_fit *kept = NULL;
+    for (int i = 0; i < session->stored_fits; i++)
+        if (strcmp(session->stored_fit[i].of, fit->of) == 0 &&
+            strcmp(session->stored_fit[i].fit.model, fit->fit.model) == 0 &&
+            memcmp(session->stored_fit[i].fit.window, fit->fit.window, sizeof fit->fit.window) == 0)
+            kept = &session->stored_fit[i];
     if (!kept) {
-        struct kept_fit *larger =
-            realloc(session->kept_fit, ((size_t)session->kept_fits + 1) * sizeof *session->kept_fit);
+        struct stored_fit *larger = realloc(
+            session->stored_fit, ((size_t)session->stored_fits + 1) * sizeof *session->stored_fit);
         if (!larger)
             return;
-        session->kept_fit = larger;
-        kept = &larger[session->kept_fits++];
+        session->stored_fit = larger;
+        kept = &larger[session->stored_fits++];
     }
     *kept = *fit;
 }
@@ -261,7 +268,8 @@ struct run_settings session_run_settings(const struct session *session)
 {
     const struct settings *settings = &session->setup.settings;
     const bool adaptive = (session->setup.method->flags & METHOD_ADAPTIVE) && !session->setup.fixed;
-    return (struct run_settings){.dt = adaptive && settings->tol > 0 ? session_first_step(session) : settings->dt,
+    return (struct run_settings){.dt = adaptive && settings->tol > 0 ? session_first_step(session)
+                                                                     : settings->dt,
                                  .tol = adaptive ? settings->tol : 0,
                                  .drag = session->setup.drag,
                                  .kernel = (enum kernel)settings->kernel,
@@ -289,7 +297,9 @@ void session_size(const struct session *session, int *width, int *height)
 {
     const struct settings *settings = &session->setup.settings;
     *width = settings->width ? settings->width : session->front.width ? session->front.width : 80;
-    *height = settings->height ? settings->height : session->front.height ? session->front.height : 24;
+    *height = settings->height        ? settings->height
+              : session->front.height ? session->front.height
+                                      : 24;
 }
 
 /* ---- text for people ---- */
@@ -339,8 +349,8 @@ static double curve_value(const struct session *session, double t)
         return value[low];
     if (low == 0 || low == session->fit_samples)
         return NAN;
-    const double share = (t - time[low - 1]) / (time[low] - time[low - 1]);
-    return value[low - 1] + share * (value[low] - value[low - 1]);
+    const double fraction = (t - time[low - 1]) / (time[low] - time[low - 1]);
+    return value[low - 1] + fraction * (value[low] - value[low - 1]);
 }
 
 void session_fit_values(const struct session *session, const double *t, size_t n, double *value)

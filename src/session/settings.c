@@ -30,7 +30,8 @@ const struct catalog color_choice_catalog = CATALOG("color", color_rows);
 
 static const struct row sync_rows[] = {
     [SYNC_AUTO] = {"auto", "", "on where the terminal answers", "", NULL},
-    [SYNC_ON] = {"on", "", "the next frame waits until the terminal has shown the last one", "", NULL},
+    [SYNC_ON] = {"on", "", "the next frame waits until the terminal has shown the last one", "",
+                 NULL},
     [SYNC_OFF] = {"off", "", "frames do not wait", "", NULL},
 };
 const struct catalog sync_choice_catalog = CATALOG("way to keep in step", sync_rows);
@@ -41,37 +42,48 @@ static const struct row view_rows[] = {
 };
 static const struct row sums_rows[] = {
     [SUMS_PLAIN] = {"plain", "", "sums as they come: the textbook's", "", NULL},
-    [SUMS_COMPENSATED] = {"compensated", "", "rounding grows as slowly as chance allows (Brouwer's law)", "Kahan 1965",
+    [SUMS_COMPENSATED] = {"compensated", "",
+                          "rounding grows as slowly as chance allows (Brouwer's law)", "Kahan 1965",
                           NULL},
 };
 static const struct row turning_rows[] = {
-    [TURNING_ON] = {"on", "", "steps end at turning points and switches, in extra steps: methods keep their order", "",
-                    NULL},
+    [TURNING_ON] =
+        {"on", "",
+         "steps end at turning points and switches, in extra steps: methods keep their order", "",
+         NULL},
     [TURNING_OFF] = {"off", "", "steps go across: methods run as they are printed", "", NULL},
 };
 const struct catalog turning_catalog = CATALOG("way with turning points", turning_rows);
 
 static const struct row band_rows[] = {
     [BAND_OFF] = {"off", "", "panes show runs alone", "", NULL},
-    [BAND_ON] = {"on", "", "about the run of an adopted fit, 95 % of its uncertainty, found once after each run", "",
-                 NULL},
+    [BAND_ON] =
+        {"on", "",
+         "about the run of an adopted fit, 95 % of its uncertainty, found once after each run", "",
+         NULL},
 };
 static const struct catalog band_catalog = CATALOG("way to show bands", band_rows);
 
 static const struct row opinion_rows[] = {
-    [OPINIONS_AUTO] = {"auto", "", "a second solution, as far as some milliseconds and a tenth of the run's work go",
-                       "", NULL},
+    [OPINIONS_AUTO] =
+        {"auto", "",
+         "a second solution, as far as some milliseconds and a tenth of the run's work go", "",
+         NULL},
     [OPINIONS_FULL] = {"full", "", "to the end, whatever it takes", "", NULL},
-    [OPINIONS_WARN] = {"warn", "", "as auto; a run without a right digit is a warning, not an error (chaos)", "", NULL},
+    [OPINIONS_WARN] = {"warn", "",
+                       "as auto; a run without a right digit is a warning, not an error (chaos)",
+                       "", NULL},
     [OPINIONS_OFF] = {"off", "", "none", "", NULL},
 };
 const struct catalog opinion_catalog = CATALOG("kind of second opinion", opinion_rows);
 
 static const struct row record_rows[] = {
-    [RECORD_AUTO] = {"auto", "", "every step; very long runs are decimated, no peak is lost", "", NULL},
+    [RECORD_AUTO] = {"auto", "", "every step; very long runs are decimated, no peak is lost", "",
+                     NULL},
     [RECORD_ALL] = {"all", "", "every step, if the memory is there", "", NULL},
-    [RECORD_EVERY] = {"every", "", "every N: each so many steps; every TIME: at even times, from inside of steps",
-                      "", NULL},
+    [RECORD_EVERY] =
+        {"every", "",
+         "every N: each so many steps; every TIME: at even times, from inside of steps", "", NULL},
 };
 static const struct catalog record_catalog = CATALOG("rule", record_rows);
 
@@ -80,7 +92,8 @@ static const struct catalog sums_catalog = CATALOG("kind of sum", sums_rows);
 const struct catalog view_choice_catalog = CATALOG("kind of view", view_rows);
 
 static const struct row phase_rows[] = {
-    [PHASE_SCALED] = {"scaled", "", "v/omega0 in the unit of y: what conserves draws a circle", "", NULL},
+    [PHASE_SCALED] = {"scaled", "", "v/omega0 in the unit of y: what conserves draws a circle", "",
+                      NULL},
     [PHASE_RAW] = {"raw", "", "v", "", NULL},
 };
 const struct catalog phase_axes_catalog = CATALOG("kind of axes", phase_rows);
@@ -121,19 +134,22 @@ static bool parse_record(struct settings *settings, struct text value, struct er
     struct text rest = text_trim((struct text){value.at + word.len, value.len - word.len});
     double every;
     if (rest.len == 0 && (text_is(word, "auto") || text_is(word, "all"))) {
-        settings->record = (struct recording_rule){text_is(word, "all") ? RECORD_ALL : RECORD_AUTO, 1, 0};
+        settings->record =
+            (struct recording_rule){text_is(word, "all") ? RECORD_ALL : RECORD_AUTO, 1, 0};
         return true;
     }
-    if (text_is(word, "every") && real_parse(rest, &every) == REAL_OK && every >= 1 && every <= 1e15 &&
-        every == floor(every)) {
+    if (text_is(word, "every") && real_parse(rest, &every) == REAL_OK && every >= 1 &&
+        every <= 1e15 && every == floor(every)) {
         settings->record = (struct recording_rule){RECORD_EVERY, (int64_t)every, 0};
         return true;
     }
-    const struct text number = peek_word(rest, ""), after = {rest.at + number.len, rest.len - number.len};
+    const struct text number = peek_word(rest, ""),
+                      after = {rest.at + number.len, rest.len - number.len};
     const struct unit *unit = unit_find(text_trim(after));
     double time;
-    if (text_is(word, "every") && real_parse(number, &every) == REAL_OK && unit && unit->quantity == QUANTITY_TIME &&
-        unit_convert(unit, QUANTITY_TIME, every, &time) && time > 0 && time <= 1e300) {
+    if (text_is(word, "every") && real_parse(number, &every) == REAL_OK && unit &&
+        unit->quantity == QUANTITY_TIME && unit_convert(unit, QUANTITY_TIME, every, &time) &&
+        time > 0 && time <= 1e300) {
         settings->record = (struct recording_rule){RECORD_TIMES, 1, time};
         return true;
     }
@@ -161,9 +177,11 @@ static bool parse_size(struct settings *settings, struct text value, struct erro
         settings->width = settings->height = 0;
         return true;
     }
-    if (!text_split(&rest, 'x', &width) || real_parse(width, &w) != REAL_OK || real_parse(rest, &h) != REAL_OK ||
-        w < 1 || h < 1 || w > 1000 || h > 1000 || w != floor(w) || h != floor(h))
-        return error_at(error, value, "size is WIDTHxHEIGHT in characters from 1x1 to 1000x1000, or auto");
+    if (!text_split(&rest, 'x', &width) || real_parse(width, &w) != REAL_OK ||
+        real_parse(rest, &h) != REAL_OK || w < 1 || h < 1 || w > 1000 || h > 1000 ||
+        w != floor(w) || h != floor(h))
+        return error_at(error, value,
+                        "size is WIDTHxHEIGHT in characters from 1x1 to 1000x1000, or auto");
     settings->width = (int)w;
     settings->height = (int)h;
     return true;
@@ -180,7 +198,8 @@ static void show_size(const struct settings *settings, struct buffer *text)
 static bool parse_digits(struct settings *settings, struct text value, struct error *error)
 {
     double digits;
-    if (real_parse(value, &digits) != REAL_OK || digits < 1 || digits > 17 || digits != floor(digits))
+    if (real_parse(value, &digits) != REAL_OK || digits < 1 || digits > 17 ||
+        digits != floor(digits))
         return error_at(error, value, "digits is a whole number from 1 to 17");
     settings->digits = (int)digits;
     return true;
@@ -206,11 +225,11 @@ static void show_fps(const struct settings *settings, struct buffer *text)
 }
 
 #define FIELD(name) offsetof(struct settings, name), .bytes = sizeof((struct settings *)0)->name
-#define FIELDS(first, count)                                                                                           \
+#define FIELDS(first, count)                                                                       \
     offsetof(struct settings, first), .bytes = (count) * sizeof((struct settings *)0)->first
-#define BRIEF(name, unit, brief)                                                                                       \
-    {                                                                                                                  \
-        name, unit, brief, "", NULL                                                                                    \
+#define BRIEF(name, unit, brief)                                                                   \
+    {                                                                                              \
+        name, unit, brief, "", NULL                                                                \
     }
 
 static const struct setting settings_rows[] = {
@@ -219,22 +238,24 @@ static const struct setting settings_rows[] = {
      .offset = FIELD(duration),
      .given = offsetof(struct settings, duration_given),
      .natural = preset_duration,
-     .most = 1e300},
+     .max = 1e300},
     {.row = BRIEF("dt", "s", "time step; the first one where the method adapts"),
      .quantity = QUANTITY_TIME,
      .offset = FIELD(dt),
      .use = USE_STEP,
      .given = offsetof(struct settings, dt_given),
-     .most = 1e300},
-    {.row = BRIEF("tol", "", "tolerance of adaptive methods, relative to the size of the scene, or off"),
+     .max = 1e300},
+    {.row = BRIEF("tol", "",
+                  "tolerance of adaptive methods, relative to the size of the scene, or off"),
      .offset = FIELD(tol),
      .use = USE_TOLERANCE,
      .given = offsetof(struct settings, tol_given),
      .natural = preset_tol,
-     .most = 1,
+     .max = 1,
      .parse = parse_tol,
      .show = show_tol},
-    {.row = BRIEF("record", "", "what is kept of a run: auto, all, every N (steps), every TIME (even times)"),
+    {.row = BRIEF("record", "",
+                  "what is kept of a run: auto, all, every N (steps), every TIME (even times)"),
      .choices = &record_catalog,
      .offset = FIELD(record),
      .parse = parse_record,
@@ -242,7 +263,8 @@ static const struct setting settings_rows[] = {
     {.row = BRIEF("digits", "", "significant digits in text"),
      .offset = FIELD(digits),
      .plots = true,
-     .parse = parse_digits, .show = show_digits},
+     .parse = parse_digits,
+     .show = show_digits},
     {.row = BRIEF("format", "", "form of results: text, csv, json"),
      .offset = FIELD(format),
      .display = true,
@@ -277,7 +299,8 @@ static const struct setting settings_rows[] = {
      .offset = FIELD(phase_axes),
      .plots = true,
      .choices = &phase_axes_catalog},
-    {.row = BRIEF("band", "", "whether panes show the uncertainty of an adopted fit ('plot position --band')"),
+    {.row = BRIEF("band", "",
+                  "whether panes show the uncertainty of an adopted fit ('plot position --band')"),
      .offset = FIELD(band),
      .display = true,
      .choices = &band_catalog},
@@ -290,10 +313,14 @@ static const struct setting settings_rows[] = {
     {.row = BRIEF("sums", "", "whether fixed steps carry along what rounding takes from the state"),
      .offset = FIELD(sums),
      .choices = &sums_catalog},
-    {.row = BRIEF("turning", "", "whether steps end where forces have a kink or a jump: where the velocity turns, and at if, abs, sign, ..."),
+    {.row = BRIEF("turning", "",
+                  "whether steps end where forces have a kink or a jump: where the velocity turns, "
+                  "and at if, abs, sign, ..."),
      .offset = FIELD(turning),
      .choices = &turning_catalog},
-    {.row = BRIEF("opinion", "", "whether an adaptive run is solved again in another way, which says how large its error is"),
+    {.row = BRIEF("opinion", "",
+                  "whether an adaptive run is solved again in another way, which says how large "
+                  "its error is"),
      .offset = FIELD(opinion),
      .choices = &opinion_catalog},
 };
@@ -304,7 +331,8 @@ void settings_display(struct settings *settings, const struct settings *from)
     for (size_t i = 0; i < setting_catalog.count; i++) {
         const struct setting *setting = &settings_rows[i];
         if (setting->display)
-            memcpy((char *)settings + setting->offset, (const char *)from + setting->offset, setting->bytes);
+            memcpy((char *)settings + setting->offset, (const char *)from + setting->offset,
+                   setting->bytes);
     }
 }
 
@@ -326,7 +354,8 @@ static bool *given_flag(const struct setting *setting, struct settings *settings
 
 bool setting_is_given(const struct setting *setting, const struct settings *settings)
 {
-    return !setting->given || *(const bool *)(const void *)((const char *)settings + setting->given);
+    return !setting->given ||
+           *(const bool *)(const void *)((const char *)settings + setting->given);
 }
 
 void setting_give(const struct setting *setting, bool given, struct settings *settings)
@@ -347,14 +376,15 @@ void settings_of_scene(struct settings *settings, const struct preset *preset)
     }
 }
 
-static void put_setting(const struct setting *setting, const struct settings *settings, bool exact, struct buffer *text)
+static void put_setting(const struct setting *setting, const struct settings *settings, bool exact,
+                        struct buffer *text)
 {
     if (setting->show) {
         setting->show(settings, text);
     } else if (setting->choices) {
-        int place;
-        memcpy(&place, (const char *)settings + setting->offset, sizeof place);
-        buffer_put(text, text_of(catalog_row(setting->choices, (size_t)place)->name));
+        int index;
+        memcpy(&index, (const char *)settings + setting->offset, sizeof index);
+        buffer_put(text, text_of(catalog_row(setting->choices, (size_t)index)->name));
     } else {
         double value;
         memcpy(&value, (const char *)settings + setting->offset, sizeof value);
@@ -365,12 +395,14 @@ static void put_setting(const struct setting *setting, const struct settings *se
     }
 }
 
-void setting_show(const struct setting *setting, const struct settings *settings, struct buffer *text)
+void setting_show(const struct setting *setting, const struct settings *settings,
+                  struct buffer *text)
 {
     put_setting(setting, settings, false, text);
 }
 
-void setting_exact(const struct setting *setting, const struct settings *settings, struct buffer *text)
+void setting_exact(const struct setting *setting, const struct settings *settings,
+                   struct buffer *text)
 {
     put_setting(setting, settings, true, text);
 }

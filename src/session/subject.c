@@ -11,7 +11,8 @@ const struct scene *subject_scene(const struct session *session, const struct ru
     const struct scene *scene = &session->setup.scene;
     if (run)
         return &run->scene;
-    return is_oscillator(scene) && (param_given(scene, "k") || param_given(scene, "m")) ? scene : NULL;
+    return is_oscillator(scene) && (param_given(scene, "k") || param_given(scene, "m")) ? scene
+                                                                                        : NULL;
 }
 
 double derived_value(const struct scene *scene, const char *name)
@@ -31,7 +32,8 @@ double scene_period(const struct scene *scene)
 
 double scene_period_at(const struct scene *scene, double amplitude)
 {
-    const int angle = scene ? scene_param(scene, "theta0") : -1, rate = scene ? scene_param(scene, "rate0") : -1;
+    const int angle = scene ? scene_param(scene, "theta0") : -1,
+              rate = scene ? scene_param(scene, "rate0") : -1;
     if (angle < 0 || rate < 0)
         return NAN;
     struct scene turned = *scene;
@@ -40,12 +42,14 @@ double scene_period_at(const struct scene *scene, double amplitude)
     return derived_value(&turned, "period");
 }
 
-bool session_keep_measurement(struct session *session, const char *name, const char *of, struct measured value,
-                              enum quantity unit, double periods, struct error *error)
+bool session_keep_measurement(struct session *session, const char *name, const char *of,
+                              struct measured value, enum quantity unit, double periods,
+                              struct error *error)
 {
-    if ((session->measurements & (session->measurements - 1)) == 0) { /* full at every power of two */
-        const size_t room = session->measurements ? 2 * (size_t)session->measurements : 1;
-        struct measurement *larger = realloc(session->measurement, room * sizeof *larger);
+    if ((session->measurements & (session->measurements - 1)) ==
+        0) { /* full at every power of two */
+        const size_t capacity = session->measurements ? 2 * (size_t)session->measurements : 1;
+        struct measurement *larger = realloc(session->measurement, capacity * sizeof *larger);
         if (!larger)
             return error_memory(error);
         session->measurement = larger;

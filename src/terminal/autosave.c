@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Sessions saved on their own. A file is named after the process that writes it, so that those of living sessions are
- * left alone. It is replaced whole, and restored whole or not at all, from nothing but commands that recreate a
- * session.
+ * Sessions saved on their own. A file is named after the process that writes it, so that those of
+ * living sessions are left alone. It is replaced whole, and restored whole or not at all, from
+ * nothing but commands that recreate a session.
  */
 #include "terminal/terminal.h"
 
@@ -20,7 +20,8 @@
 #define SAVED_BYTES ((size_t)64 << 20)
 #define STALE_SECONDS 60 /* a temporary file of this age belongs to nobody */
 
-/* ---- the files there are ---------------------------------------------------------------------------------- */
+/* ---- the files there are
+ * ---------------------------------------------------------------------------------- */
 
 struct saved {
     char name[64];
@@ -39,8 +40,8 @@ static bool read_name(const char *name, struct saved *saved)
     long pid;
     int used = 0;
     if (strlen(name) >= sizeof saved->name ||
-        sscanf(name, AUTOSAVE_PREFIX "%*8[0-9]-%*6[0-9]-%9ld.hk%n", &pid, &used) != 1 || used == 0 ||
-        name[used] != '\0' || pid <= 0) {
+        sscanf(name, AUTOSAVE_PREFIX "%*8[0-9]-%*6[0-9]-%9ld.hk%n", &pid, &used) != 1 ||
+        used == 0 || name[used] != '\0' || pid <= 0) {
         return false;
     }
     memcpy(saved->name, name, strlen(name) + 1); /* fits: checked above */
@@ -54,10 +55,12 @@ static int by_time(const void *a, const void *b)
     return x->time != y->time ? (x->time < y->time ? 1 : -1) : strcmp(y->name, x->name);
 }
 
-/* What a writer leaves behind that was killed between naming its temporary file and putting it in place. */
+/* What a writer leaves behind that was killed between naming its temporary file and putting it in
+ * place. */
 static bool is_stale_temporary(const char *name, const struct stat *status)
 {
-    return (strncmp(name, "." AUTOSAVE_PREFIX, sizeof AUTOSAVE_PREFIX) == 0 || strncmp(name, ".history.", 9) == 0) &&
+    return (strncmp(name, "." AUTOSAVE_PREFIX, sizeof AUTOSAVE_PREFIX) == 0 ||
+            strncmp(name, ".history.", 9) == 0) &&
            strstr(name, ".hooke-") && time(NULL) - status->st_mtime > STALE_SECONDS;
 }
 
@@ -69,14 +72,16 @@ static struct saved_list list_saved(const char *folder, bool sweep)
     for (struct dirent *entry; directory && (entry = readdir(directory));) {
         struct saved saved;
         struct stat status;
-        if (fstatat(dirfd(directory), entry->d_name, &status, AT_SYMLINK_NOFOLLOW) != 0 || !S_ISREG(status.st_mode)) {
+        if (fstatat(dirfd(directory), entry->d_name, &status, AT_SYMLINK_NOFOLLOW) != 0 ||
+            !S_ISREG(status.st_mode)) {
             continue;
         }
         if (sweep && is_stale_temporary(entry->d_name, &status)) {
             unlinkat(dirfd(directory), entry->d_name, 0);
         }
-        struct saved *more =
-            read_name(entry->d_name, &saved) ? realloc(list.item, (size_t)(list.count + 1) * sizeof *more) : NULL;
+        struct saved *more = read_name(entry->d_name, &saved)
+                                 ? realloc(list.item, (size_t)(list.count + 1) * sizeof *more)
+                                 : NULL;
         if (more) {
             list.item = more;
             saved.time = status.st_mtime;
@@ -92,15 +97,18 @@ static struct saved_list list_saved(const char *folder, bool sweep)
     return list;
 }
 
-/* ---- writing ---------------------------------------------------------------------------------------------- */
+/* ---- writing
+ * ---------------------------------------------------------------------------------------------- */
 
 void autosave_begin(struct autosave *autosave, const struct session *session)
 {
     const char *wish = getenv("HOOKE_AUTOSAVE");
     double seconds;
-    *autosave = (struct autosave){
-        .session = session, .saved = session->changes, .interval = (int64_t)AUTOSAVE_SECONDS * 1000000000};
-    if (wish && real_parse(text_of(wish), &seconds) == REAL_OK && seconds >= 0.1 && seconds <= 86400) {
+    *autosave = (struct autosave){.session = session,
+                                  .saved = session->changes,
+                                  .interval = (int64_t)AUTOSAVE_SECONDS * 1000000000};
+    if (wish && real_parse(text_of(wish), &seconds) == REAL_OK && seconds >= 0.1 &&
+        seconds <= 86400) {
         autosave->interval = (int64_t)(seconds * 1e9);
     }
     char *folder = state_path("", true);
@@ -136,7 +144,8 @@ void autosave_end(struct autosave *autosave)
 
 static bool has_changed(const struct autosave *autosave)
 {
-    return autosave->session->changes != autosave->saved || autosave->session->live.state == LIVE_RUNNING;
+    return autosave->session->changes != autosave->saved ||
+           autosave->session->live.state == LIVE_RUNNING;
 }
 
 int64_t autosave_due(struct autosave *autosave)
@@ -158,7 +167,8 @@ static bool write_session(struct autosave *autosave, struct error *error)
     struct writer writer;
     session_autosave(autosave->session, &text);
     bool ok = text.failed ? error_memory(error)
-                          : writer_open(&writer, autosave->path, (struct write_policy){.force = true}, error);
+                          : writer_open(&writer, autosave->path,
+                                        (struct write_policy){.force = true}, error);
     if (ok) {
         writer_put(&writer, buffer_text(&text));
         ok = writer_commit(&writer, error);
@@ -187,25 +197,29 @@ bool autosave_write(struct autosave *autosave, struct error *error)
     return !tell;
 }
 
-/* ---- restoring -------------------------------------------------------------------------------------------- */
+/* ---- restoring
+ * -------------------------------------------------------------------------------------------- */
 
 /* The commands that session_save writes; nothing else may stand in a saved session. */
 static bool is_allowed(struct text line)
 {
-    static const char *const allowed[] = {"scene",     "set",      "unset",  "let",   "method", "load",    "data",
-                                          "run",       "continue", "change", "step",  "back",   "reset",   "use",
-                                          "rename",    "note",     "force",  "var",   "param",  "observe", "event",
-                                          "potential", "layout",   "focus",  "range", "window", "trail"};
+    static const char *const allowed[] = {
+        "scene",     "set",      "unset",  "let",   "method", "load",    "data",
+        "run",       "continue", "change", "step",  "back",   "reset",   "use",
+        "rename",    "note",     "force",  "var",   "param",  "observe", "event",
+        "potential", "layout",   "focus",  "range", "window", "trail"};
     size_t name = 0;
     while (name < line.len && !strchr(" \t='", line.at[name])) {
         name++;
     }
-    size_t after = name + strspn(line.at + name, " \t'");   /* the text is NUL-terminated behind the line */
+    size_t after =
+        name + strspn(line.at + name, " \t'"); /* the text is NUL-terminated behind the line */
     bool known = after < line.len && line.at[after] == '='; /* an assignment or an equation */
     for (size_t i = 0; i < COUNT_OF(allowed); i++) {
         known |= text_is((struct text){line.at, name}, allowed[i]);
     }
-    /* One statement a line: a semicolon only inside quotes. A ' directly after a name is a derivative mark. */
+    /* One statement a line: a semicolon only inside quotes. A ' directly after a name is a
+     * derivative mark. */
     char quote = 0;
     for (size_t i = 0; i < line.len; i++) {
         const char c = line.at[i];
@@ -235,7 +249,8 @@ static bool keep(void *context, struct text text)
 }
 
 /* Executes the lines; the first that fails ends it. */
-static bool execute(struct session *session, const char *name, struct text content, struct error *error)
+static bool execute(struct session *session, const char *name, struct text content,
+                    struct error *error)
 {
     struct buffer said = {0};
     struct reply reply;
@@ -250,7 +265,8 @@ static bool execute(struct session *session, const char *name, struct text conte
         }
         buffer_clear(&said);
         if (!is_allowed(line)) {
-            ok = error_set(error, ERROR_COMMAND, "%s:%d: this command does not belong into a saved session", name,
+            ok = error_set(error, ERROR_COMMAND,
+                           "%s:%d: this command does not belong into a saved session", name,
                            where.line);
         } else if (!command_exec(session, line, &where, &reply)) {
             struct text rest = text_trim(buffer_text(&said)), first = TEXT("");
@@ -269,8 +285,9 @@ static char *choose_saved(const char *folder, const char *name, struct error *er
     const char *found = NULL;
     for (int i = 0; i < list.count && !found; i++) {
         const size_t len = strlen(list.item[i].name);
-        const bool named = name && (strcmp(name, list.item[i].name) == 0 ||
-                                    (strlen(name) + 3 == len && strncmp(name, list.item[i].name, len - 3) == 0));
+        const bool named =
+            name && (strcmp(name, list.item[i].name) == 0 ||
+                     (strlen(name) + 3 == len && strncmp(name, list.item[i].name, len - 3) == 0));
         if (name ? named : !list.item[i].living) {
             found = list.item[i].name;
         }
@@ -279,17 +296,20 @@ static char *choose_saved(const char *folder, const char *name, struct error *er
     if (found) {
         buffer_format(&path, "%s%s", folder, found);
     } else {
-        error_set(error, ERROR_USAGE, "there is no saved session%s%s in %s", name ? " " : "", name ? name : "", folder);
+        error_set(error, ERROR_USAGE, "there is no saved session%s%s in %s", name ? " " : "",
+                  name ? name : "", folder);
         for (int i = 0; i < list.count && i < AUTOSAVE_KEPT; i++) {
             const size_t used = strlen(error->hint);
-            snprintf(error->hint + used, sizeof error->hint - used, "%s%s", i ? " " : "there are: ", list.item[i].name);
+            snprintf(error->hint + used, sizeof error->hint - used, "%s%s",
+                     i ? " " : "there are: ", list.item[i].name);
         }
     }
     free(list.item);
     return path.data;
 }
 
-bool autosave_resume(struct session **session, const char *name, struct buffer *told, struct error *error)
+bool autosave_resume(struct session **session, const char *name, struct buffer *told,
+                     struct error *error)
 {
     char *folder = state_path("", false);
     if (!folder) {
@@ -310,7 +330,8 @@ bool autosave_resume(struct session **session, const char *name, struct buffer *
     }
     if (ok) {
         buffer_format(told, "%s restored: %d run%s, %d recording%s", shown, restored->runs,
-                      restored->runs == 1 ? "" : "s", restored->recordings, restored->recordings == 1 ? "" : "s");
+                      restored->runs == 1 ? "" : "s", restored->recordings,
+                      restored->recordings == 1 ? "" : "s");
         session_destroy(*session);
         *session = restored;
     } else {

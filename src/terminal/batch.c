@@ -7,7 +7,8 @@
 #include <string.h>
 #include <unistd.h>
 
-/* Standard input line by line, so that results of the first line are out before the second arrives. */
+/* Standard input line by line, so that results of the first line are out before the second arrives.
+ */
 static void run_input(struct session *session, struct reply *reply, struct streams *streams)
 {
     struct script script;
@@ -28,9 +29,10 @@ static void run_input(struct session *session, struct reply *reply, struct strea
             const char *end = memchr(rest.at, '\n', rest.len);
             size_t len = end ? (size_t)(end - rest.at) : rest.len;
             /* An endless line is cut one byte above the limit, so that the interpreter names it. */
-            size_t room = LIMIT_LINE + 1 > line.len ? LIMIT_LINE + 1 - line.len : 0;
-            buffer_put(&line, (struct text){rest.at, len < room ? len : room});
-            rest = end ? (struct text){end + 1, rest.len - len - 1} : (struct text){rest.at + len, 0};
+            size_t capacity = LIMIT_LINE + 1 > line.len ? LIMIT_LINE + 1 - line.len : 0;
+            buffer_put(&line, (struct text){rest.at, len < capacity ? len : capacity});
+            rest =
+                end ? (struct text){end + 1, rest.len - len - 1} : (struct text){rest.at + len, 0};
             if (end) {
                 going = script_feed(&script, session, buffer_text(&line), reply);
                 buffer_clear(&line);
@@ -58,8 +60,8 @@ static void run_text(struct session *session, const char *text, struct reply *re
     script_end(&script, session, reply);
 }
 
-void batch_run(struct session *session, const struct options *options, bool input, struct reply *reply,
-               struct streams *streams)
+void batch_run(struct session *session, const struct options *options, bool input,
+               struct reply *reply, struct streams *streams)
 {
     for (int i = 0; i < options->tasks && !session->quit; i++) {
         const struct task *task = &options->task[i];

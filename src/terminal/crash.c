@@ -72,7 +72,8 @@ void crash_install(void)
     }
 }
 
-/* ---- memory for readline: it calls these two and would end the program on its own ------------------------- */
+/* ---- memory for readline: it calls these two and would end the program on its own
+ * ------------------------- */
 
 void *xmalloc(size_t size);
 void *xrealloc(void *old, size_t size);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Readline under the panes: it takes its bytes from our input, draws nothing and leaves the terminal's modes alone. Its
- * callbacks have no context: panes_active is it.
+ * Readline under the panes: it takes its bytes from our input, draws nothing and leaves the
+ * terminal's modes alone. Its callbacks have no context: panes_active is it.
  */
 #include "terminal/panes.h"
 
@@ -106,7 +106,8 @@ static void list_matches(char **match, int count, int longest)
 
 void edit_paste(struct panes *panes, struct text paste)
 {
-    if (RL_ISSTATE(RL_STATE_ISEARCH | RL_STATE_NSEARCH | RL_STATE_MULTIKEY | RL_STATE_CHARSEARCH | RL_STATE_VIMOTION)) {
+    if (RL_ISSTATE(RL_STATE_ISEARCH | RL_STATE_NSEARCH | RL_STATE_MULTIKEY | RL_STATE_CHARSEARCH |
+                   RL_STATE_VIMOTION)) {
         return;
     }
     char *text = strndup(paste.at, paste.len);
@@ -132,7 +133,8 @@ void edit_clear(struct panes *panes)
     panes->echo_stale = true;
 }
 
-/* ---- beginning and end ------------------------------------------------------------------------------------ */
+/* ---- beginning and end
+ * ------------------------------------------------------------------------------------ */
 
 void edit_begin(FILE *nowhere)
 {

@@ -17,7 +17,8 @@ void front_probe(struct front *front, const struct options *options, int fd)
     const char *no_color = getenv("NO_COLOR");
     bool terminal = isatty(fd);
     bool dumb = !term || strcmp(term, "dumb") == 0;
-    front->utf8 = strcmp(nl_langinfo(CODESET), "UTF-8") == 0 && !(term && strcmp(term, "linux") == 0);
+    front->utf8 =
+        strcmp(nl_langinfo(CODESET), "UTF-8") == 0 && !(term && strcmp(term, "linux") == 0);
     front->color = terminal && !dumb && !(no_color && *no_color);
     struct winsize size;
     if (terminal && ioctl(fd, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 && size.ws_row > 0) {
@@ -74,7 +75,9 @@ void rc_run(struct session *session, struct reply *reply)
     struct stat status;
     if (path && stat(path, &status) == 0) {
         if (status.st_uid != geteuid() || (status.st_mode & (S_IWGRP | S_IWOTH))) {
-            reply_warning(reply, "%s is not read: it must belong to you and be writable by nobody else", path);
+            reply_warning(reply,
+                          "%s is not read: it must belong to you and be writable by nobody else",
+                          path);
         } else {
             script_file(session, path, NULL, reply);
         }

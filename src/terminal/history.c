@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The history file: appended line by line under a lock, so that sessions side by side lose nothing. */
+/* The history file: appended line by line under a lock, so that sessions side by side lose nothing.
+ */
 #include "terminal/terminal.h"
 
 #include <errno.h>
@@ -13,10 +14,11 @@
 #include <readline/history.h>
 
 /* Cut back to HISTORY_LINES when the file has grown to this many. */
-#define HISTORY_MOST (HISTORY_LINES + HISTORY_LINES / 2)
+#define HISTORY_MAX (HISTORY_LINES + HISTORY_LINES / 2)
 #define HISTORY_BYTES ((size_t)64 << 20)
 
-/* Opens the file and locks it; again if another session replaced it in between. -1: no place for it. */
+/* Opens the file and locks it; again if another session replaced it in between. -1: no place for
+ * it. */
 static int open_locked(const char *path)
 {
     for (;;) {
@@ -36,12 +38,14 @@ static int open_locked(const char *path)
     }
 }
 
-/* The last HISTORY_LINES of the file go into a new one that takes its place; called under the lock. */
+/* The last HISTORY_LINES of the file go into a new one that takes its place; called under the lock.
+ */
 static void cut_back(const char *path, const char *kept, size_t len)
 {
     struct buffer temporary = {0};
     buffer_format(&temporary, "%s.%ld", path, (long)getpid());
-    int fd = temporary.failed ? -1 : open(temporary.data, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
+    int fd =
+        temporary.failed ? -1 : open(temporary.data, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
     if (fd >= 0) {
         bool whole = write(fd, kept, len) == (ssize_t)len && fsync(fd) == 0;
         whole = close(fd) == 0 && whole;
@@ -71,12 +75,13 @@ void history_load(void)
         while (skip > 0 && text_split(&rest, '\n', &line)) {
             skip--;
         }
-        if (lines > HISTORY_MOST) {
+        if (lines > HISTORY_MAX) {
             cut_back(path, rest.at, rest.len);
         }
         while (text_split(&rest, '\n', &line)) {
             if (line.len > 0) {
-                content.data[line.at + line.len - content.data] = 0; /* the newline, or the final NUL */
+                content.data[line.at + line.len - content.data] =
+                    0; /* the newline, or the final NUL */
                 add_history(line.at);
             }
         }
@@ -98,13 +103,14 @@ bool history_append(const char *line, struct error *error)
         struct buffer text = {0};
         buffer_put(&text, text_of(line));
         buffer_char(&text, '\n');
-        kept = !text.failed && write(fd, text.data, text.len) == (ssize_t)text.len; /* one write: whole lines only */
+        kept = !text.failed && write(fd, text.data, text.len) ==
+                                   (ssize_t)text.len; /* one write: whole lines only */
         kept = close(fd) == 0 && kept;
         buffer_free(&text);
     }
     if (!kept) {
-        error_set(error, ERROR_IO, "the history cannot be kept%s%s: %s", path ? " in " : "", path ? path : "",
-                  path ? strerror(errno) : "HOME is not set");
+        error_set(error, ERROR_IO, "the history cannot be kept%s%s: %s", path ? " in " : "",
+                  path ? path : "", path ? strerror(errno) : "HOME is not set");
     }
     free(path);
     return kept;

@@ -7,7 +7,7 @@
 
 #define PASTE_BEGIN "\033[200~"
 #define PASTE_END "\033[201~"
-#define INPUT_MOST (2 * (size_t)LIMIT_LINE) /* [byte] waiting; a longer paste is cut */
+#define INPUT_MAX (2 * (size_t)LIMIT_LINE) /* [byte] waiting; a longer paste is cut */
 
 void input_read(struct input *input, bool gone)
 {
@@ -21,7 +21,7 @@ void input_read(struct input *input, bool gone)
         input->head = 0;
         buffer_clear(&input->bytes);
     }
-    if (input->bytes.len - input->head < INPUT_MOST) {
+    if (input->bytes.len - input->head < INPUT_MAX) {
         buffer_put(&input->bytes, (struct text){chunk, (size_t)got});
     }
     if (input->bytes.failed) { /* what was waiting is lost, the keyboard is not */
@@ -32,8 +32,9 @@ void input_read(struct input *input, bool gone)
 
 static struct text waiting(const struct input *input)
 {
-    return input->bytes.data ? (struct text){input->bytes.data + input->head, input->bytes.len - input->head}
-                             : TEXT("");
+    return input->bytes.data
+               ? (struct text){input->bytes.data + input->head, input->bytes.len - input->head}
+               : TEXT("");
 }
 
 /* The text begins with the sequence, or could become it with what is still to come. */
@@ -45,7 +46,8 @@ static bool begins(struct text text, struct text sequence, bool *partly)
     return same && len == sequence.len;
 }
 
-enum input_item input_next(struct input *input, int64_t now, unsigned char *byte, struct text *paste)
+enum input_item input_next(struct input *input, int64_t now, unsigned char *byte,
+                           struct text *paste)
 {
     const struct text text = waiting(input);
     bool partly = false;
@@ -57,13 +59,15 @@ enum input_item input_next(struct input *input, int64_t now, unsigned char *byte
         return INPUT_REPLY;
     }
     if (begins(text, TEXT(PASTE_BEGIN), &partly)) {
-        const struct text inside = {text.at + sizeof PASTE_BEGIN - 1, text.len - (sizeof PASTE_BEGIN - 1)};
+        const struct text inside = {text.at + sizeof PASTE_BEGIN - 1,
+                                    text.len - (sizeof PASTE_BEGIN - 1)};
         const char *end = memmem(inside.at, inside.len, PASTE_END, sizeof PASTE_END - 1);
-        if (!end && inside.len < INPUT_MOST / 2) {
+        if (!end && inside.len < INPUT_MAX / 2) {
             return INPUT_NONE; /* the rest is still to come */
         }
         *paste = (struct text){inside.at, end ? (size_t)(end - inside.at) : inside.len};
-        input->head = end ? (size_t)(end - input->bytes.data) + sizeof PASTE_END - 1 : input->bytes.len;
+        input->head =
+            end ? (size_t)(end - input->bytes.data) + sizeof PASTE_END - 1 : input->bytes.len;
         return INPUT_PASTE;
     }
     if (partly && now - input->arrived < HELD_NS) {
@@ -78,7 +82,8 @@ int64_t input_due(const struct input *input)
 {
     const struct text text = waiting(input);
     bool partly = false;
-    return text.len == 0 || begins(text, TEXT(PASTE_BEGIN), &partly) || clock_ns() - input->arrived >= HELD_NS
+    return text.len == 0 || begins(text, TEXT(PASTE_BEGIN), &partly) ||
+                   clock_ns() - input->arrived >= HELD_NS
                ? INT64_MAX
                : input->arrived + HELD_NS;
 }
@@ -87,15 +92,16 @@ bool input_pending(const struct input *input)
 {
     const struct text text = waiting(input);
     bool partly = false;
-    return text.len > 0 && !begins(text, TEXT(REPLY_TEXT), &partly) && !begins(text, TEXT(PASTE_BEGIN), &partly) &&
-           !partly;
+    return text.len > 0 && !begins(text, TEXT(REPLY_TEXT), &partly) &&
+           !begins(text, TEXT(PASTE_BEGIN), &partly) && !partly;
 }
 
 bool input_strip_reply(struct input *input)
 {
     const struct text text = waiting(input);
-    char *reply =
-        text.len ? memmem(input->bytes.data + input->head, text.len, REPLY_TEXT, sizeof REPLY_TEXT - 1) : NULL;
+    char *reply = text.len ? memmem(input->bytes.data + input->head, text.len, REPLY_TEXT,
+                                    sizeof REPLY_TEXT - 1)
+                           : NULL;
     if (reply) {
         const char *after = reply + sizeof REPLY_TEXT - 1;
         input->bytes.len -= sizeof REPLY_TEXT - 1;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Keys: a row each, and each a command line. Readline's keymaps find them, so that the inputrc can bind them otherwise.
+/* Keys: a row each, and each a command line. Readline's keymaps find them, so that the inputrc can
+ * bind them otherwise.
  */
 #include "terminal/panes.h"
 
@@ -10,7 +11,8 @@
 
 #define CX "\030" /* C-x */
 
-/* Appends the command line; none: the key has done what it does by itself. count: the prefix argument, 1 without one.
+/* Appends the command line; none: the key has done what it does by itself. count: the prefix
+ * argument, 1 without one.
  */
 typedef void make(const struct session *session, int count, struct buffer *line);
 
@@ -32,7 +34,9 @@ static void say_run(const struct session *session, int count, struct buffer *lin
 {
     (void)count;
     const enum live_state state = session->live.state;
-    buffer_put(line, state == LIVE_RUNNING ? TEXT("pause") : state == LIVE_PAUSED ? TEXT("continue") : TEXT("run"));
+    buffer_put(line, state == LIVE_RUNNING  ? TEXT("pause")
+                     : state == LIVE_PAUSED ? TEXT("continue")
+                                            : TEXT("run"));
 }
 
 static void say_step(const struct session *session, int count, struct buffer *line)
@@ -74,13 +78,16 @@ static void say_earlier(const struct session *session, int count, struct buffer 
     pan(session, -count * session->front.width / 8.0, line);
 }
 
-/* Beyond the oldest line, where `scroll` may have gone, nothing moves: a page counts from that line on. */
+/* Beyond the oldest line, where `scroll` may have gone, nothing moves: a page counts from that line
+ * on. */
 static void page(const struct session *session, int pages, struct buffer *line)
 {
-    const int width = session->front.width, height = session->front.height, scroll = session->view.scroll;
-    const int rows = screen_log_rows(session, width, height), most = screen_log_most(session, width, height);
-    const int from = scroll < most ? scroll : most, to = from + pages * (rows > 1 ? rows - 1 : 1);
-    buffer_format(line, "scroll %d", (to < most ? to : most) - scroll);
+    const int width = session->front.width, height = session->front.height,
+              scroll = session->view.scroll;
+    const int rows = screen_log_rows(session, width, height),
+              max = screen_log_most(session, width, height);
+    const int from = scroll < max ? scroll : max, to = from + pages * (rows > 1 ? rows - 1 : 1);
+    buffer_format(line, "scroll %d", (to < max ? to : max) - scroll);
 }
 
 static void say_page_up(const struct session *session, int count, struct buffer *line)
@@ -97,7 +104,8 @@ static void say_page_down(const struct session *session, int count, struct buffe
 static void fill(const struct session *session, enum pane pane, struct buffer *line)
 {
     const bool full = session->view.full && session->view.focus == pane;
-    buffer_format(line, "focus %s %s", catalog_row(&pane_catalog, (size_t)pane)->name, full ? "shared" : "full");
+    buffer_format(line, "focus %s %s", catalog_row(&pane_catalog, (size_t)pane)->name,
+                  full ? "shared" : "full");
 }
 
 static void say_first(const struct session *session, int count, struct buffer *line)
@@ -124,9 +132,11 @@ static void say_fourth(const struct session *session, int count, struct buffer *
     fill(session, PANE_ENERGY, line);
 }
 
-/* ---- on the plot ------------------------------------------------------------------------------------------ */
+/* ---- on the plot
+ * ------------------------------------------------------------------------------------------ */
 
-static void move_cursor(const struct session *session, const char *where, int count, struct buffer *line)
+static void move_cursor(const struct session *session, const char *where, int count,
+                        struct buffer *line)
 {
     const double time = count * column_time(session);
     buffer_format(line, "cursor %s", where);
@@ -184,7 +194,8 @@ static void type_command(const struct session *session, int count, struct buffer
     type("");
 }
 
-/* ---- the table -------------------------------------------------------------------------------------------- */
+/* ---- the table
+ * -------------------------------------------------------------------------------------------- */
 
 static const struct key {
     const char *keys[4];    /* what the terminal sends */
@@ -237,7 +248,8 @@ static const struct key cursor_keys[] = {
     {{"q", "\004"}, NULL, "cursor off", NULL, false},
 };
 
-/* ---- from a key to its row: readline only says what was typed --------------------------------------------- */
+/* ---- from a key to its row: readline only says what was typed
+ * --------------------------------------------- */
 
 static Keymap on_plot; /* while the cursors have the keys */
 
@@ -255,7 +267,8 @@ static const char *sequence(const struct key *key, size_t i)
     return *typed ? typed : NULL;
 }
 
-/* Readline tells all that was typed, the digits of a prefix argument too: the row with the longest sequence at its end.
+/* Readline tells all that was typed, the digits of a prefix argument too: the row with the longest
+ * sequence at its end.
  */
 static const struct key *find_key(const struct key *rows, size_t count, size_t *longest)
 {
@@ -265,7 +278,8 @@ static const struct key *find_key(const struct key *rows, size_t count, size_t *
         for (size_t i = 0; i <= COUNT_OF(rows[r].keys); i++) {
             const char *key = sequence(&rows[r], i);
             const size_t len = key ? strlen(key) : 0;
-            if (len > *longest && len <= typed && memcmp(rl_executing_keyseq + typed - len, key, len) == 0) {
+            if (len > *longest && len <= typed &&
+                memcmp(rl_executing_keyseq + typed - len, key, len) == 0) {
                 *longest = len;
                 found = &rows[r];
             }
@@ -282,7 +296,8 @@ static int on_key(int count, int last)
     struct buffer line = {0};
     size_t longest = 0;
     const struct key *key = find_key(keys, COUNT_OF(keys), &longest);
-    const struct key *on_cursors = keys_on_plot() ? find_key(cursor_keys, COUNT_OF(cursor_keys), &longest) : NULL;
+    const struct key *on_cursors =
+        keys_on_plot() ? find_key(cursor_keys, COUNT_OF(cursor_keys), &longest) : NULL;
     key = on_cursors ? on_cursors : key;
     if (!key) {
         return rl_ding();

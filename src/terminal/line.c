@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Readline as both prompts use it: its settings and completion by the interpreter. It asks without a context, so what
- * it needs stands here. */
+/* Readline as both prompts use it: its settings and completion by the interpreter. It asks without
+ * a context, so what it needs stands here. */
 #include "terminal/panes.h"
 
 #include <stdio.h>
@@ -14,21 +14,21 @@ static bool begun;
 
 struct candidates {
     char **match; /* as readline wants them: the common prefix first, NULL at the end */
-    size_t count, room;
+    size_t count, capacity;
 };
 
 static void collect(void *context, const char *candidate, const char *brief)
 {
     (void)brief;
     struct candidates *all = context;
-    if (all->count + 2 >= all->room) {
-        size_t room = all->room ? 2 * all->room : 32;
-        char **more = realloc(all->match, room * sizeof *more);
+    if (all->count + 2 >= all->capacity) {
+        size_t capacity = all->capacity ? 2 * all->capacity : 32;
+        char **more = realloc(all->match, capacity * sizeof *more);
         if (!more) {
             return;
         }
         all->match = more;
-        all->room = room;
+        all->capacity = capacity;
     }
     char *copy = strdup(candidate);
     if (copy) {
@@ -73,8 +73,8 @@ static void ignore(void *context, const char *candidate, const char *brief)
 }
 
 /*
- * Readline asks where words end, and only then looks for quotes. In a formula words end at operators, too, and the ' of
- * x' = y is no quote: only names of files have some.
+ * Readline asks where words end, and only then looks for quotes. In a formula words end at
+ * operators, too, and the ' of x' = y is no quote: only names of files have some.
  */
 static char *word_breaks(void)
 {
@@ -95,8 +95,10 @@ static char **complete(const char *word, int begin, int end)
     size_t cursor = (size_t)end;
     rl_attempted_completion_over = 1;
     rl_completion_append_character = ' ';
-    /* The interpreter knows where the argument begins; readline keeps what stands between there and its own word. */
-    if (!command_complete(completing, (struct text){rl_line_buffer, (size_t)rl_end}, cursor, &start, collect, &all)) {
+    /* The interpreter knows where the argument begins; readline keeps what stands between there and
+     * its own word. */
+    if (!command_complete(completing, (struct text){rl_line_buffer, (size_t)rl_end}, cursor, &start,
+                          collect, &all)) {
         rl_attempted_completion_over = 0; /* a file name: readline's own */
         free(all.match);
         return NULL;
@@ -129,7 +131,8 @@ void line_begin(struct session *session)
     rl_completion_word_break_hook = word_breaks;
     rl_filename_quote_characters = " \t;#";
     rl_initialize();
-    /* Text of any language can be typed in any locale. The inputrc is read once more, so that it has the last word. */
+    /* Text of any language can be typed in any locale. The inputrc is read once more, so that it
+     * has the last word. */
     rl_variable_bind("input-meta", "on");
     rl_variable_bind("output-meta", "on");
     rl_variable_bind("convert-meta", "off");

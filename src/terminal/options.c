@@ -16,24 +16,29 @@ static const struct option_row {
     size_t offset;     /* of a bool (VALUE_NONE) or a string (VALUE_WORD) in struct options */
     const char *brief;
 } rows[] = {
-#define FLAG(letter, name, field, brief)                                                                               \
-    {                                                                                                                  \
-        letter, name, VALUE_NONE, "", offsetof(struct options, field), brief                                           \
+#define FLAG(letter, name, field, brief)                                                           \
+    {                                                                                              \
+        letter, name, VALUE_NONE, "", offsetof(struct options, field), brief                       \
     }
-    {'f', "file", VALUE_FILE, " FILE", 0, "run a command file (\"-\" = standard input); repeatable, in order with -c"},
+    {'f', "file", VALUE_FILE, " FILE", 0,
+     "run a command file (\"-\" = standard input); repeatable, in order with -c"},
     {'c', "command", VALUE_TEXT, " TEXT", 0, "run commands (\";\" separates); repeatable"},
     FLAG('i', "interactive", interactive, "go to the prompt after -f, -c, FILE"),
     FLAG('b', "batch", batch, "never a prompt (default when stdin or stdout is not a terminal)"),
     FLAG(0, "plain", plain, "prompt with readline, no panes"),
-    {0, "resume", VALUE_RESUME, " [NAME]", 0, "continue the last autosaved session, or session-NAME"},
-    FLAG('k', "keep-going", keep_going, "do not stop a script at the first error (exit status still 1)"),
+    {0, "resume", VALUE_RESUME, " [NAME]", 0,
+     "continue the last autosaved session, or session-NAME"},
+    FLAG('k', "keep-going", keep_going,
+         "do not stop a script at the first error (exit status still 1)"),
     FLAG('n', "norc", norc, "do not read the rc file"),
     FLAG(0, "rc", rc, "read the rc file in batch, too"),
     FLAG(0, "safe", safe, "refuse to write outside the current directory"),
     {0, "size", VALUE_SIZE, " WxH", 0, "size of plots when there is no terminal (default 80x24)"},
-    {0, "charset", VALUE_WORD, " NAME", offsetof(struct options, charset), "auto, braille, block or ascii"},
+    {0, "charset", VALUE_WORD, " NAME", offsetof(struct options, charset),
+     "auto, braille, block or ascii"},
     {0, "color", VALUE_WORD, " WHEN", offsetof(struct options, color), "auto, always or never"},
-    {0, "format", VALUE_WORD, " FORM", offsetof(struct options, format), "text, csv or json: form of results"},
+    {0, "format", VALUE_WORD, " FORM", offsetof(struct options, format),
+     "text, csv or json: form of results"},
     FLAG('q', "quiet", quiet, "only records, warnings and errors"),
     FLAG('v', "verbose", verbose, "show each line on standard error before it is executed"),
     FLAG('h', "help", help, "this list"),
@@ -43,9 +48,10 @@ static const struct option_row {
 
 void options_help(struct buffer *text)
 {
-    buffer_format(text, "usage: hooke [options] [FILE.hk ...]\n\n"
-                        "A laboratory for oscillators and the methods that integrate them.\n"
-                        "Without files and commands: a prompt, or commands from standard input.\n\n");
+    buffer_format(text,
+                  "usage: hooke [options] [FILE.hk ...]\n\n"
+                  "A laboratory for oscillators and the methods that integrate them.\n"
+                  "Without files and commands: a prompt, or commands from standard input.\n\n");
     for (size_t i = 0; i < COUNT_OF(rows); i++) {
         char name[40];
         snprintf(name, sizeof name, "--%s%s", rows[i].name, rows[i].shown);
@@ -55,16 +61,17 @@ void options_help(struct buffer *text)
             buffer_format(text, "      %-20s %s\n", name, rows[i].brief);
         }
     }
-    buffer_format(
-        text, "\nexit status: 0 done, 1 a command failed, 2 bad option or script not readable, 3 numerical failure,\n"
-              "4 input or output failed, 129 130 143 ended by a signal\n");
+    buffer_format(text, "\nexit status: 0 done, 1 a command failed, 2 bad option or script not "
+                        "readable, 3 numerical failure,\n"
+                        "4 input or output failed, 129 130 143 ended by a signal\n");
 }
 
 static bool complain(const char *what, const char *word)
 {
     struct buffer safe = {0};
     safe_text(&safe, text_of(word), false);
-    fprintf(stderr, "hooke: error: %s '%s' ('hooke --help' lists the options)\n", what, safe.data ? safe.data : "");
+    fprintf(stderr, "hooke: error: %s '%s' ('hooke --help' lists the options)\n", what,
+            safe.data ? safe.data : "");
     buffer_free(&safe);
     return false;
 }
@@ -75,18 +82,21 @@ static bool take_size(struct options *options, const char *value)
     double height;
     size_t used;
     struct text text = text_of(value);
-    if (real_scan(text, '.', &width, &used) == REAL_OK && used + 1 < text.len && value[used] == 'x' &&
-        real_parse((struct text){value + used + 1, text.len - used - 1}, &height) == REAL_OK && width >= 1 &&
-        width <= 1000 && height >= 1 && height <= 1000 && width == floor(width) && height == floor(height)) {
+    if (real_scan(text, '.', &width, &used) == REAL_OK && used + 1 < text.len &&
+        value[used] == 'x' &&
+        real_parse((struct text){value + used + 1, text.len - used - 1}, &height) == REAL_OK &&
+        width >= 1 && width <= 1000 && height >= 1 && height <= 1000 && width == floor(width) &&
+        height == floor(height)) {
         options->width = (int)width;
         options->height = (int)height;
         return true;
     }
-    return complain("--size wants WIDTHxHEIGHT in characters (1 to 1000), such as 80x24, not", value);
+    return complain("--size wants WIDTHxHEIGHT in characters (1 to 1000), such as 80x24, not",
+                    value);
 }
 
-/* Does a value follow? That of --resume may be left out; the names of saved sessions are told from files by their
- * beginning. */
+/* Does a value follow? That of --resume may be left out; the names of saved sessions are told from
+ * files by their beginning. */
 static bool wants_next(const struct option_row *row, const char *next)
 {
     if (row->value == VALUE_RESUME) {
@@ -114,7 +124,8 @@ static bool take(struct options *options, const struct option_row *row, const ch
         return true;
     case VALUE_FILE:
     case VALUE_TEXT:
-        options->task[options->tasks++] = (struct task){row->value == VALUE_FILE ? TASK_FILE : TASK_COMMAND, value};
+        options->task[options->tasks++] =
+            (struct task){row->value == VALUE_FILE ? TASK_FILE : TASK_COMMAND, value};
         return true;
     }
     return false;

@@ -6,9 +6,9 @@
 
 #define QUESTION "\033[5n"
 #define PATIENCE_NS 2000000000 /* an answer that has not come by then counts as missing */
-#define MISSING_MOST 2         /* then the terminal is one that does not answer */
+#define MISSING_MAX 2          /* then the terminal is one that does not answer */
 #define BLIND_FRAMES 2         /* frames a second without answers */
-#define SLOW_NS 8000000        /* an answer that takes longer has come over a link that may be slow */
+#define SLOW_NS 8000000 /* an answer that takes longer has come over a link that may be slow */
 #define SLOW_BYTES 500
 
 int pacing_bytes(const struct pacing *pacing)
@@ -19,7 +19,7 @@ int pacing_bytes(const struct pacing *pacing)
 static bool is_asking(const struct pacing *pacing, const struct session *session)
 {
     const int sync = session->setup.settings.sync;
-    return sync == SYNC_ON || (sync == SYNC_AUTO && pacing->missing < MISSING_MOST);
+    return sync == SYNC_ON || (sync == SYNC_AUTO && pacing->missing < MISSING_MAX);
 }
 
 int64_t pacing_due(const struct pacing *pacing, const struct session *session)
@@ -29,10 +29,11 @@ int64_t pacing_due(const struct pacing *pacing, const struct session *session)
     return waits && patience > pacing->next ? patience : pacing->next;
 }
 
-void pacing_drawn(struct pacing *pacing, const struct session *session, int64_t now, enum shown shown)
+void pacing_drawn(struct pacing *pacing, const struct session *session, int64_t now,
+                  enum shown shown)
 {
     const struct settings *settings = &session->setup.settings;
-    const bool blind = settings->sync == SYNC_AUTO && pacing->missing >= MISSING_MOST;
+    const bool blind = settings->sync == SYNC_AUTO && pacing->missing >= MISSING_MAX;
     const double frames = blind && settings->fps > BLIND_FRAMES ? BLIND_FRAMES : settings->fps;
     pacing->next = shown == SHOWN_PART ? now : now + (int64_t)(1e9 / frames);
     if (pacing->asked != 0) {
@@ -40,7 +41,8 @@ void pacing_drawn(struct pacing *pacing, const struct session *session, int64_t 
     }
     pacing->asked = 0;
     int ignored;
-    if (shown != SHOWN_NOTHING && is_asking(pacing, session) && write_all(STDOUT_FILENO, TEXT(QUESTION), &ignored)) {
+    if (shown != SHOWN_NOTHING && is_asking(pacing, session) &&
+        write_all(STDOUT_FILENO, TEXT(QUESTION), &ignored)) {
         pacing->asked = now;
     }
 }

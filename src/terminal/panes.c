@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Panes: one loop that waits for the terminal and for signals, feeds readline, executes what was typed and draws. A run
- * that is watched calls back into it between its slices. Readline edits and ncurses draws; neither reads or writes the
- * terminal on its own.
+ * Panes: one loop that waits for the terminal and for signals, feeds readline, executes what was
+ * typed and draws. A run that is watched calls back into it between its slices. Readline edits and
+ * ncurses draws; neither reads or writes the terminal on its own.
  */
 #include "terminal/panes.h"
 
@@ -18,15 +18,18 @@
 #define MORE "     > " /* before the further lines of a paste */
 #define LINES_HINT "several lines: Enter runs them, Ctrl-C drops them"
 #define GONE (POLLHUP | POLLERR | POLLNVAL)
-#define FAREWELL_NS 300000000 /* wait for an answer that is still under way before the shell gets to see it */
+#define FAREWELL_NS                                                                                \
+    300000000 /* wait for an answer that is still under way before the shell gets to see it */
 
 /* The person, the system or the terminal wants an end. */
 bool panes_over(const struct panes *panes)
 {
-    return panes_session(panes)->quit || panes->program->next != FRONT_END || signals_ending() || panes->input.closed;
+    return panes_session(panes)->quit || panes->program->next != FRONT_END || signals_ending() ||
+           panes->input.closed;
 }
 
-/* ---- what is said ----------------------------------------------------------------------------------------- */
+/* ---- what is said
+ * ----------------------------------------------------------------------------------------- */
 
 static bool say(void *context, struct text text)
 {
@@ -71,7 +74,8 @@ void panes_warn(struct panes *panes, const struct error *error)
 static void log_typed(struct panes *panes, struct text typed)
 {
     struct text line;
-    for (const char *before = PANES_PROMPT; typed.len > 0 && text_split(&typed, '\n', &line); before = MORE) {
+    for (const char *before = PANES_PROMPT; typed.len > 0 && text_split(&typed, '\n', &line);
+         before = MORE) {
         struct buffer shown = {0};
         buffer_put(&shown, text_of(before));
         buffer_put(&shown, line);
@@ -80,9 +84,10 @@ static void log_typed(struct panes *panes, struct text typed)
     }
 }
 
-/* ---- drawing ---------------------------------------------------------------------------------------------- */
+/* ---- drawing
+ * ---------------------------------------------------------------------------------------------- */
 
-void panes_prompt(const struct panes *panes, struct prompt_line *prompt, struct buffer *room)
+void panes_prompt(const struct panes *panes, struct prompt_line *prompt, struct buffer *capacity)
 {
     *prompt = (struct prompt_line){.prompt = text_of(rl_display_prompt),
                                    .line = {rl_line_buffer, (size_t)rl_end},
@@ -92,8 +97,8 @@ void panes_prompt(const struct panes *panes, struct prompt_line *prompt, struct 
         prompt->hint = TEXT(LINES_HINT);
     }
     if (panes->question) {
-        buffer_format(room, "%s [y/N] ", panes->question);
-        *prompt = (struct prompt_line){.prompt = buffer_text(room)};
+        buffer_format(capacity, "%s [y/N] ", panes->question);
+        *prompt = (struct prompt_line){.prompt = buffer_text(capacity)};
     } else if (keys_on_plot()) {
         prompt->prompt = TEXT("cursors (q leaves, : types a command)> ");
         prompt->line = TEXT("");
@@ -104,28 +109,31 @@ void panes_prompt(const struct panes *panes, struct prompt_line *prompt, struct 
 enum shown panes_show(struct panes *panes, bool only_prompt, int bytes)
 {
     struct prompt_line prompt;
-    struct buffer room = {0};
+    struct buffer capacity = {0};
     int x = 0, y = 0;
-    panes_prompt(panes, &prompt, &room);
+    panes_prompt(panes, &prompt, &capacity);
     struct canvas *canvas = &panes->screen.canvas;
     const int choice = panes_session(panes)->setup.settings.color;
     screen_color(&panes->screen, choice == COLOR_ALWAYS || (choice == COLOR_AUTO && panes->color));
     enum shown shown = SHOWN_NOTHING;
     if (!canvas->cell || screen_draw(panes_session(panes), &prompt, canvas, &x, &y)) {
-        shown = screen_show(&panes->screen, only_prompt ? panes->screen.height - 1 : 0, bytes, x, y);
+        shown =
+            screen_show(&panes->screen, only_prompt ? panes->screen.height - 1 : 0, bytes, x, y);
     }
-    buffer_free(&room);
+    buffer_free(&capacity);
     panes->echo_stale = false;
     panes->screen_stale &= only_prompt;
     return shown;
 }
 
-/* Draws what has to be seen now. Of a run the frames come when it is their time; what was typed is shown at once. */
+/* Draws what has to be seen now. Of a run the frames come when it is their time; what was typed is
+ * shown at once. */
 static void draw_due(struct panes *panes, int64_t now)
 {
     struct session *session = panes_session(panes);
     if (panes->running && now >= pacing_due(&panes->pacing, session)) {
-        const enum shown shown = panes_show(panes, false, panes->screen_stale ? INT_MAX : pacing_bytes(&panes->pacing));
+        const enum shown shown =
+            panes_show(panes, false, panes->screen_stale ? INT_MAX : pacing_bytes(&panes->pacing));
         pacing_drawn(&panes->pacing, session, now, shown);
     } else if (panes->screen_stale) {
         panes_show(panes, false, INT_MAX);
@@ -149,7 +157,8 @@ static void take_size(struct panes *panes)
     panes->screen_stale = true;
 }
 
-/* ---- signals ---------------------------------------------------------------------------------------------- */
+/* ---- signals
+ * ---------------------------------------------------------------------------------------------- */
 
 /* An answer that comes after we have left would appear at the shell's prompt. */
 static void await_answer(struct panes *panes)
@@ -210,7 +219,8 @@ static void heed_signals(struct panes *panes, bool forget)
     }
 }
 
-/* ---- waiting ---------------------------------------------------------------------------------------------- */
+/* ---- waiting
+ * ---------------------------------------------------------------------------------------------- */
 
 static int64_t earliest(int64_t a, int64_t b)
 {
@@ -232,20 +242,24 @@ void panes_wait(struct panes *panes, int64_t until)
         const int64_t left = until - clock_ns();
         timeout = left <= 0 ? 0 : left > 3600000000000 ? 3600000 : (int)((left + 999999) / 1000000);
     }
-    struct pollfd ready[2] = {{.fd = STDIN_FILENO, .events = POLLIN}, {.fd = signals_pipe(), .events = POLLIN}};
+    struct pollfd ready[2] = {{.fd = STDIN_FILENO, .events = POLLIN},
+                              {.fd = signals_pipe(), .events = POLLIN}};
     const bool any = poll(ready, 2, timeout) > 0;
     heed_signals(panes, true);
     if (any && ready[0].revents) {
         input_read(&panes->input, (ready[0].revents & GONE) != 0);
-        heed_signals(panes, false); /* what a Ctrl-C in between has left for us to read was typed after it */
+        heed_signals(
+            panes, false); /* what a Ctrl-C in between has left for us to read was typed after it */
     }
     struct error error;
-    if (clock_ns() >= autosave_due(panes->program->autosave) && !autosave_write(panes->program->autosave, &error)) {
+    if (clock_ns() >= autosave_due(panes->program->autosave) &&
+        !autosave_write(panes->program->autosave, &error)) {
         panes_warn(panes, &error);
     }
 }
 
-/* ---- executing -------------------------------------------------------------------------------------------- */
+/* ---- executing
+ * -------------------------------------------------------------------------------------------- */
 
 static bool say_nothing(void *context, struct text text)
 {
@@ -264,7 +278,8 @@ static void execute_silently(struct panes *panes, struct text line)
     reply_free(&reply);
 }
 
-/* A line typed during a run is executed inside the command that runs: it speaks through a reply of its own. */
+/* A line typed during a run is executed inside the command that runs: it speaks through a reply of
+ * its own. */
 static void execute_line(struct panes *panes)
 {
     struct program *program = panes->program;
@@ -309,7 +324,8 @@ static void execute_line(struct panes *panes)
     buffer_free(&line);
 }
 
-/* Everything that has been typed: keys to readline, complete lines to the session, one after the other. */
+/* Everything that has been typed: keys to readline, complete lines to the session, one after the
+ * other. */
 void panes_process(struct panes *panes)
 {
     if (!panes->running) {
@@ -337,7 +353,8 @@ void panes_process(struct panes *panes)
     }
 }
 
-/* ---- beginning and end ------------------------------------------------------------------------------------ */
+/* ---- beginning and end
+ * ------------------------------------------------------------------------------------ */
 
 /* What was typed ahead of `plain` is for the prompt. */
 static void hand_over(struct panes *panes)
@@ -357,14 +374,16 @@ static void hand_over(struct panes *panes)
 void panes_run(struct program *program)
 {
     struct session *session = program->session;
-    struct panes panes = {.program = program, .next_byte = -1, .screen_stale = true, .pacing = PACING_BEGIN};
+    struct panes panes = {
+        .program = program, .next_byte = -1, .screen_stale = true, .pacing = PACING_BEGIN};
     const struct front before = session->front;
     FILE *nowhere = fopen("/dev/null", "w");
     program->next = FRONT_END;
     line_begin(session); /* before ncurses: both look the terminal up */
     panes.color = before.color;
     panes.screen.utf8 = strcmp(nl_langinfo(CODESET), "UTF-8") == 0;
-    /* Before ncurses begins: where Ctrl-Z is not handled yet it would handle it, and ignore it while it draws. */
+    /* Before ncurses begins: where Ctrl-Z is not handled yet it would handle it, and ignore it
+     * while it draws. */
     signals_watch(1u << HAPPENED_RESIZE | 1u << HAPPENED_SUSPEND | 1u << HAPPENED_CONTINUE);
     if (!nowhere || signals_pipe() < 0 || !screen_begin(&panes.screen)) {
         signals_watch(0);
@@ -383,7 +402,8 @@ void panes_run(struct program *program)
     edit_begin(nowhere);
     keys_choose(session);
     if (!program->reply->quiet && session->log.count == 0) {
-        reply_line(program->reply, "hooke %s: 'help' lists commands, Tab completes, F1 explains, Ctrl-D leaves",
+        reply_line(program->reply,
+                   "hooke %s: 'help' lists commands, Tab completes, F1 explains, Ctrl-D leaves",
                    HOOKE_VERSION);
     }
     while (!panes_over(&panes)) {

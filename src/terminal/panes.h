@@ -8,12 +8,15 @@
 #include <stdio.h>
 
 /* ---- what the terminal sends (input.c)
- * ------------------------------------------------------------------------------------- Bytes wait here undecoded. Two
- * things are taken out before readline sees them: pastes, and the reply to our question.
+ * ------------------------------------------------------------------------------------- Bytes wait
+ * here undecoded. Two things are taken out before readline sees them: pastes, and the reply to our
+ * question.
  */
 
 #define REPLY_TEXT "\033[0n"
-#define HELD_NS 100000000 /* what may be the beginning of such a sequence is held back this long */
+#define HELD_NS                                                                                    \
+    100000000 /* what may be the beginning of such a sequence is held back this long               \
+               */
 
 struct input {
     struct buffer bytes;
@@ -27,7 +30,8 @@ enum input_item { INPUT_NONE, INPUT_BYTE, INPUT_PASTE, INPUT_REPLY };
 /* Reads what there is; gone: poll() says that the terminal has hung up. */
 void input_read(struct input *input, bool gone);
 /* The next item; of a paste, `paste` points at its text until the next call. */
-enum input_item input_next(struct input *input, int64_t now, unsigned char *byte, struct text *paste);
+enum input_item input_next(struct input *input, int64_t now, unsigned char *byte,
+                           struct text *paste);
 /* When something held back becomes a byte [clock_ns]; INT64_MAX: nothing is held. */
 int64_t input_due(const struct input *input);
 bool input_pending(const struct input *input);
@@ -37,9 +41,9 @@ void input_clear(struct input *input);
 void input_free(struct input *input);
 
 /* ---- how often it is drawn (pacing.c)
- * ----------------------------------------------------------------------------------------- After an animated frame the
- * terminal is asked ESC[5n; the next one waits for its answer. So a slow link never has more than one frame under way,
- * and what is typed is seen at once.
+ * ----------------------------------------------------------------------------------------- After
+ * an animated frame the terminal is asked ESC[5n; the next one waits for its answer. So a slow link
+ * never has more than one frame under way, and what is typed is seen at once.
  */
 
 enum shown { SHOWN_NOTHING, SHOWN_PART, SHOWN_ALL };
@@ -52,20 +56,23 @@ struct pacing {
 };
 
 /* The link counts as slow until it has answered for the first time. */
-#define PACING_BEGIN                                                                                                   \
-    {                                                                                                                  \
-        .delay = INT64_MAX                                                                                             \
+#define PACING_BEGIN                                                                               \
+    {                                                                                              \
+        .delay = INT64_MAX                                                                         \
     }
 
 /* Earliest time of the next animated frame [clock_ns]. */
 int64_t pacing_due(const struct pacing *pacing, const struct session *session);
 /* [byte] one frame may send: over a slow link few, so that what is typed never waits for long. */
 int pacing_bytes(const struct pacing *pacing);
-/* A frame, or a part of one, has been drawn. Asks, where that is wanted, unless nothing had to be sent. */
-void pacing_drawn(struct pacing *pacing, const struct session *session, int64_t now, enum shown shown);
+/* A frame, or a part of one, has been drawn. Asks, where that is wanted, unless nothing had to be
+ * sent. */
+void pacing_drawn(struct pacing *pacing, const struct session *session, int64_t now,
+                  enum shown shown);
 void pacing_replied(struct pacing *pacing, int64_t now);
 
-/* ---- the terminal under ncurses (screen.c) ---------------------------------------------------------------- */
+/* ---- the terminal under ncurses (screen.c)
+ * ---------------------------------------------------------------- */
 
 struct screen {
     void *handle; /* SCREEN of ncurses, NULL: not shown */
@@ -93,11 +100,13 @@ void screen_retake(struct screen *screen);
 void screen_repaint(struct screen *screen);
 /* Reads the size from the terminal and adapts to it. */
 void screen_resize(struct screen *screen);
-/* Sends what differs from `shown`, from row `from` on, at most about so many bytes: the rest comes with the next call.
+/* Sends what differs from `shown`, from row `from` on, at most about so many bytes: the rest comes
+ * with the next call.
  */
 enum shown screen_show(struct screen *screen, int from, int bytes, int cursor_x, int cursor_y);
 
-/* ---- the front end ---------------------------------------------------------------------------------------- */
+/* ---- the front end
+ * ---------------------------------------------------------------------------------------- */
 
 enum line_from {
     LINE_TYPED,
@@ -115,8 +124,9 @@ struct panes {
     struct buffer line; /* a complete line that waits to be executed */
     enum line_from line_from;
     bool line_waits;
-    struct buffer notice; /* what a key could not do: shown instead of the numbers until the next line */
-    bool echo_stale;      /* the prompt has changed */
+    struct buffer
+        notice;      /* what a key could not do: shown instead of the numbers until the next line */
+    bool echo_stale; /* the prompt has changed */
     bool screen_stale;    /* more than that has */
     bool interrupted;     /* Ctrl-C while a run goes on */
     bool running;         /* inside front.slice: a run goes on */
@@ -134,19 +144,22 @@ static inline struct session *panes_session(const struct panes *panes)
 bool panes_over(const struct panes *panes);
 /* Draws, waits for something to happen, at most until then [clock_ns], and reads what there is. */
 void panes_wait(struct panes *panes, int64_t until);
-/* Everything that has been typed: keys to readline, complete lines to the session, one after the other. */
+/* Everything that has been typed: keys to readline, complete lines to the session, one after the
+ * other. */
 void panes_process(struct panes *panes);
 /* A command line to be executed as soon as readline has returned. */
 void panes_enqueue(struct panes *panes, struct text line, enum line_from from);
 /* The lowest row as it is now; `room` holds a text it may need. */
-void panes_prompt(const struct panes *panes, struct prompt_line *prompt, struct buffer *room);
-/* only_prompt: its row alone, so that an echo costs little on a slow link. At most about so many bytes. */
+void panes_prompt(const struct panes *panes, struct prompt_line *prompt, struct buffer *capacity);
+/* only_prompt: its row alone, so that an echo costs little on a slow link. At most about so many
+ * bytes. */
 enum shown panes_show(struct panes *panes, bool only_prompt, int bytes);
 /* Everything is sent again, whatever the terminal shows. */
 void panes_repaint(struct panes *panes);
 void panes_warn(struct panes *panes, const struct error *error);
 
-/* ---- readline (edit.c) ------------------------------------------------------------------------------------ */
+/* ---- readline (edit.c)
+ * ------------------------------------------------------------------------------------ */
 
 /* The one that is running; readline's callbacks have no context. NULL: none. */
 extern struct panes *panes_active;
@@ -155,16 +168,20 @@ void edit_begin(FILE *nowhere); /* what readline wants to write goes nowhere */
 void edit_end(void);
 /* Whatever is being edited: gone, with every state readline may be in. */
 void edit_clear(struct panes *panes);
-/* A paste goes into the line as it is and waits for Enter; in the middle of a search it means nothing. */
+/* A paste goes into the line as it is and waits for Enter; in the middle of a search it means
+ * nothing. */
 void edit_paste(struct panes *panes, struct text paste);
 
-/* ---- what the session asks for (watch.c) ------------------------------------------------------------------ */
+/* ---- what the session asks for (watch.c)
+ * ------------------------------------------------------------------ */
 
 void watch_offer(struct panes *panes, struct front *front);
 
-/* ---- keys (keys.c) ---------------------------------------------------------------------------------------- */
+/* ---- keys (keys.c)
+ * ---------------------------------------------------------------------------------------- */
 
-/* Binds them in every keymap of readline; the inputrc, read afterwards, may bind them differently. */
+/* Binds them in every keymap of readline; the inputrc, read afterwards, may bind them differently.
+ */
 void keys_bind(void);
 /* Chooses the keymap: that of the cursors while they stand on the plot. */
 void keys_choose(const struct session *session);

@@ -9,7 +9,8 @@ static struct progress {
     bool visible;
 } progress;
 
-/* Four times a second at most, from one second on. *over: it has ended, and something is to be erased. */
+/* Four times a second at most, from one second on. *over: it has ended, and something is to be
+ * erased. */
 bool progress_due(double fraction, bool *over)
 {
     const int64_t now = clock_ns();
@@ -32,7 +33,8 @@ void progress_text(const struct run *run, double fraction, struct buffer *text)
 {
     const double spent = (double)(clock_ns() - progress.begun) * 1e-9;
     if (run) {
-        buffer_format(text, "%s: t = %.6g s, %lld steps", run->method->row.name, run->t, (long long)run->steps);
+        buffer_format(text, "%s: t = %.6g s, %lld steps", run->method->row.name, run->t,
+                      (long long)run->steps);
     }
     if (fraction > 0) {
         buffer_format(text, "%s%.0f %%, %.0f s left", run ? ", " : "", 100 * fraction,

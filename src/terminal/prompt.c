@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The plain prompt: readline for editing, history and completion; everything typed goes to command_exec(). */
+/* The plain prompt: readline for editing, history and completion; everything typed goes to
+ * command_exec(). */
 #include "terminal/terminal.h"
 
 #include <poll.h>
@@ -10,19 +11,22 @@
 
 #include <readline/readline.h>
 
-/* ---- signals while editing -------------------------------------------------------------------------------- */
+/* ---- signals while editing
+ * -------------------------------------------------------------------------------- */
 
 static struct program *at_prompt; /* readline asks without a context */
 
 static void save_when_due(void)
 {
     struct error error;
-    if (clock_ns() >= autosave_due(at_prompt->autosave) && !autosave_write(at_prompt->autosave, &error)) {
+    if (clock_ns() >= autosave_due(at_prompt->autosave) &&
+        !autosave_write(at_prompt->autosave, &error)) {
         reply_warning(at_prompt->reply, "%s", error.text);
     }
 }
 
-/* Ctrl-C clears the line and never leaves; Ctrl-Z leaves the terminal as it was; the alarm is for the autosave. */
+/* Ctrl-C clears the line and never leaves; Ctrl-Z leaves the terminal as it was; the alarm is for
+ * the autosave. */
 static void heed_signals(void)
 {
     signals_drain();
@@ -47,11 +51,12 @@ static void heed_signals(void)
     }
 }
 
-/* Waits for a key or a signal, whichever comes first and whenever it came: a read could miss the signal that precedes
- * it. */
+/* Waits for a key or a signal, whichever comes first and whenever it came: a read could miss the
+ * signal that precedes it. */
 static int get_key(FILE *stream)
 {
-    struct pollfd ready[2] = {{.fd = fileno(stream), .events = POLLIN}, {.fd = signals_pipe(), .events = POLLIN}};
+    struct pollfd ready[2] = {{.fd = fileno(stream), .events = POLLIN},
+                              {.fd = signals_pipe(), .events = POLLIN}};
     while (!signals_ending()) {
         const int count = poll(ready, 2, -1);
         rl_check_signals(); /* readline's own: the size of the window */
@@ -68,9 +73,9 @@ static bool confirm(void *context, const char *question)
 {
     (void)context;
     char *answer = NULL;
-    size_t room = 0;
+    size_t capacity = 0;
     fprintf(stderr, "%s [y/N] ", question);
-    bool yes = getline(&answer, &room, stdin) > 0 && (answer[0] == 'y' || answer[0] == 'Y');
+    bool yes = getline(&answer, &capacity, stdin) > 0 && (answer[0] == 'y' || answer[0] == 'Y');
     clearerr(stdin);
     free(answer);
     return yes;
@@ -98,7 +103,8 @@ static bool change(void *context, enum front_change change, struct error *error)
     return true;
 }
 
-/* ---- the loop --------------------------------------------------------------------------------------------- */
+/* ---- the loop
+ * --------------------------------------------------------------------------------------------- */
 
 void typed_run(struct session *session, struct text typed, struct reply *reply)
 {
@@ -106,7 +112,8 @@ void typed_run(struct session *session, struct text typed, struct reply *reply)
     struct script script;
     struct text line;
     script_begin(&script, session, pasted ? "paste" : NULL, NULL);
-    while (typed.len > 0 && text_split(&typed, '\n', &line) && script_feed(&script, session, line, reply)) {
+    while (typed.len > 0 && text_split(&typed, '\n', &line) &&
+           script_feed(&script, session, line, reply)) {
     }
     script_end(&script, session, reply);
 }
@@ -173,9 +180,11 @@ void prompt_run(struct program *program)
     crash_modes();
     crash_arm(TEXT("\033[?2004l\r\n")); /* what readline switches on */
     if (!program->reply->quiet) {
-        reply_line(program->reply, "hooke %s: 'help' lists commands, Tab completes, Ctrl-D leaves", HOOKE_VERSION);
+        reply_line(program->reply, "hooke %s: 'help' lists commands, Tab completes, Ctrl-D leaves",
+                   HOOKE_VERSION);
     }
-    while (!session->quit && !signals_ending() && program->next == FRONT_END && streams_flush(program->streams)) {
+    while (!session->quit && !signals_ending() && program->next == FRONT_END &&
+           streams_flush(program->streams)) {
         front_probe(&session->front, program->options, STDOUT_FILENO);
         char *typed = read_line(program);
         if (!typed || signals_ending()) {

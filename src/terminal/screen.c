@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The terminal under ncurses: its modes, its size, and cells on it. ncurses only draws; it never reads and catches no
- * signal. */
+/* The terminal under ncurses: its modes, its size, and cells on it. ncurses only draws; it never
+ * reads and catches no signal. */
 #include "terminal/panes.h"
 
 #include <stdlib.h>
@@ -14,7 +14,8 @@
 #include <curses.h>
 #include <term.h>
 
-/* ---- the terminal's own sequences ------------------------------------------------------------------------- */
+/* ---- the terminal's own sequences
+ * ------------------------------------------------------------------------- */
 
 const char *screen_capability(const char *name)
 {
@@ -53,10 +54,12 @@ static void arm_crash(void)
     buffer_free(&gathered);
 }
 
-/* ---- modes ------------------------------------------------------------------------------------------------ */
+/* ---- modes
+ * ------------------------------------------------------------------------------------------------
+ */
 
-/* Every key arrives as it is typed; only Ctrl-C, Ctrl-Z and Ctrl-\ are still signals. VMIN 0: a read never blocks,
- * whatever poll() said before. */
+/* Every key arrives as it is typed; only Ctrl-C, Ctrl-Z and Ctrl-\ are still signals. VMIN 0: a
+ * read never blocks, whatever poll() said before. */
 static void set_modes(void)
 {
     struct termios modes;
@@ -93,8 +96,8 @@ static void set_size(struct screen *screen)
     screen->stale = true;
 }
 
-#define LEAST_WIDTH 20
-#define LEAST_HEIGHT 6
+#define MIN_WIDTH 20
+#define MIN_HEIGHT 6
 
 bool panes_possible(struct error *error)
 {
@@ -102,20 +105,24 @@ bool panes_possible(struct error *error)
     struct winsize size;
     struct stat in, out;
     int status;
-    if (fstat(STDIN_FILENO, &in) != 0 || fstat(STDOUT_FILENO, &out) != 0 || in.st_rdev != out.st_rdev) {
+    if (fstat(STDIN_FILENO, &in) != 0 || fstat(STDOUT_FILENO, &out) != 0 ||
+        in.st_rdev != out.st_rdev) {
         return error_set(error, ERROR_COMMAND, "input and output are different terminals");
     }
     if (!term || !*term || setupterm(term, STDOUT_FILENO, &status) != OK) {
-        return error_set(error, ERROR_COMMAND, "the terminal is of an unknown kind (TERM=%.40s)", term ? term : "");
+        return error_set(error, ERROR_COMMAND, "the terminal is of an unknown kind (TERM=%.40s)",
+                         term ? term : "");
     }
     const bool moves = *screen_capability("cup") != '\0';
     del_curterm(cur_term);
     if (!moves) {
-        return error_set(error, ERROR_COMMAND, "the cursor cannot be moved on this terminal (TERM=%.40s)", term);
+        return error_set(error, ERROR_COMMAND,
+                         "the cursor cannot be moved on this terminal (TERM=%.40s)", term);
     }
     if (ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 && size.ws_row > 0 &&
-        (size.ws_col < LEAST_WIDTH || size.ws_row < LEAST_HEIGHT)) {
-        return error_set(error, ERROR_COMMAND, "the terminal is smaller than %dx%d", LEAST_WIDTH, LEAST_HEIGHT);
+        (size.ws_col < MIN_WIDTH || size.ws_row < MIN_HEIGHT)) {
+        return error_set(error, ERROR_COMMAND, "the terminal is smaller than %dx%d", MIN_WIDTH,
+                         MIN_HEIGHT);
     }
     return true;
 }
@@ -182,9 +189,12 @@ void screen_resize(struct screen *screen)
     clearok(stdscr, TRUE);
 }
 
-/* ---- cells ------------------------------------------------------------------------------------------------ */
+/* ---- cells
+ * ------------------------------------------------------------------------------------------------
+ */
 
-/* The terminal's own palette, the same as that of printed figures; backgrounds are never painted. */
+/* The terminal's own palette, the same as that of printed figures; backgrounds are never painted.
+ */
 static const struct look {
     attr_t attributes;
     short color; /* -1: none */
@@ -241,7 +251,8 @@ static void put_row(struct screen *screen, int y)
         }
         const wchar_t wide[2] = {shown_as(screen, row[x].codepoint), L'\0'};
         const struct look *look = &looks[row[x].codepoint == ' ' ? STYLE_PLAIN : row[x].style];
-        setcchar(&line[n++], wide, look->attributes, color && look->color >= 0 ? (short)(look - looks) : 0, NULL);
+        setcchar(&line[n++], wide, look->attributes,
+                 color && look->color >= 0 ? (short)(look - looks) : 0, NULL);
         if (wide[0] == L'?' && x + 1 < screen->width && row[x + 1].codepoint == 0) {
             setcchar(&line[n++], L" ", A_NORMAL, 0, NULL);
         }
@@ -280,7 +291,8 @@ enum shown screen_show(struct screen *screen, int from, int bytes, int cursor_x,
         const int cost = row_cost(screen->canvas.cell + at, screen->shown.cell + at, screen->width);
         if (screen->stale || cost > 0) {
             put_row(screen, y);
-            memcpy(screen->shown.cell + at, screen->canvas.cell + at, (size_t)screen->width * sizeof(struct cell));
+            memcpy(screen->shown.cell + at, screen->canvas.cell + at,
+                   (size_t)screen->width * sizeof(struct cell));
             sent += screen->stale ? screen->width : cost;
         }
     }

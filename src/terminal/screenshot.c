@@ -2,8 +2,8 @@
 /* The screen as text: the same cells that ncurses shows. */
 #include "terminal/terminal.h"
 
-bool screenshot_text(const struct session *session, const struct prompt_line *prompt, int width, int height,
-                     struct buffer *text, struct error *error)
+bool screenshot_text(const struct session *session, const struct prompt_line *prompt, int width,
+                     int height, struct buffer *text, struct error *error)
 {
     struct canvas canvas;
     bool ok = canvas_init(&canvas, width, height);
@@ -17,13 +17,13 @@ bool screenshot_text(const struct session *session, const struct prompt_line *pr
     return (ok && !text->failed) || error_memory(error);
 }
 
-bool screenshot_file(const struct session *session, const struct prompt_line *prompt, int width, int height,
-                     const char *path, struct write_policy policy, struct error *error)
+bool screenshot_file(const struct session *session, const struct prompt_line *prompt, int width,
+                     int height, const char *path, struct write_policy policy, struct error *error)
 {
     struct buffer text = {0};
     struct writer writer;
-    bool ok =
-        screenshot_text(session, prompt, width, height, &text, error) && writer_open(&writer, path, policy, error);
+    bool ok = screenshot_text(session, prompt, width, height, &text, error) &&
+              writer_open(&writer, path, policy, error);
     if (ok) {
         writer_put(&writer, buffer_text(&text));
         ok = writer_commit(&writer, error);
@@ -32,7 +32,8 @@ bool screenshot_file(const struct session *session, const struct prompt_line *pr
     return ok;
 }
 
-/* ---- without a screen: as large as asked for, the prompt empty -------------------------------------------- */
+/* ---- without a screen: as large as asked for, the prompt empty
+ * -------------------------------------------- */
 
 static const struct prompt_line empty_prompt = {.prompt = {"hooke> ", 7}};
 
@@ -42,7 +43,8 @@ static void choose_size(const struct session *session, int *width, int *height)
     *height = session->front.height ? session->front.height : 24;
 }
 
-static bool to_text(void *context, const struct session *session, struct buffer *text, struct error *error)
+static bool to_text(void *context, const struct session *session, struct buffer *text,
+                    struct error *error)
 {
     (void)context;
     int width, height;
@@ -50,8 +52,8 @@ static bool to_text(void *context, const struct session *session, struct buffer 
     return screenshot_text(session, &empty_prompt, width, height, text, error);
 }
 
-static bool to_file(void *context, const struct session *session, const char *path, struct write_policy policy,
-                    struct error *error)
+static bool to_file(void *context, const struct session *session, const char *path,
+                    struct write_policy policy, struct error *error)
 {
     (void)context;
     int width, height;

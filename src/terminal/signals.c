@@ -58,14 +58,15 @@ static void on_ending(int number)
     wake();
 }
 
-static void on_happening(int number)
+static void on_event(int number)
 {
     if (number == SIGTSTP && busy) {
         const int before = errno;
         crash_restore();
         signals_stop();
         errno = before;
-        number = SIGCONT; /* the terminal is to be taken back, also where the system would not stop us */
+        number =
+            SIGCONT; /* the terminal is to be taken back, also where the system would not stop us */
     }
     for (int i = 0; i < HAPPENED_COUNT; i++) {
         if (number_of[i] == number) {
@@ -108,7 +109,7 @@ void signals_watch(unsigned set)
 {
     for (int i = 0; i < HAPPENED_COUNT; i++) {
         if (number_of[i] != SIGALRM || !ending) {
-            handle(number_of[i], set & 1u << i ? on_happening : SIG_DFL);
+            handle(number_of[i], set & 1u << i ? on_event : SIG_DFL);
         }
     }
 }
@@ -117,7 +118,9 @@ bool signals_busy(bool now)
 {
     const bool before = busy;
     busy = now;
-    if (now && signals_happened(HAPPENED_SUSPEND)) { /* it came after the last look: nobody would see it for long */
+    if (now &&
+        signals_happened(
+            HAPPENED_SUSPEND)) { /* it came after the last look: nobody would see it for long */
         raise(SIGTSTP);
     }
     return before;
@@ -156,5 +159,5 @@ void signals_stop(void)
     sigprocmask(SIG_UNBLOCK, &stop, &before);
     raise(SIGTSTP);
     sigprocmask(SIG_SETMASK, &before, NULL);
-    handle(SIGTSTP, on_happening);
+    handle(SIGTSTP, on_event);
 }

@@ -30,7 +30,8 @@ bool streams_flush(struct streams *streams)
         streams->broken = true;
         streams->failure = ENOMEM;
     }
-    if (!streams->broken && !write_all(STDOUT_FILENO, buffer_text(&streams->out), &streams->failure)) {
+    if (!streams->broken &&
+        !write_all(STDOUT_FILENO, buffer_text(&streams->out), &streams->failure)) {
         streams->broken = true;
     }
     buffer_clear(&streams->out);

@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Private to the terminal layer: the only place that knows streams, signals, locales, readline and curses. */
+/* Private to the terminal layer: the only place that knows streams, signals, locales, readline and
+ * curses. */
 #ifndef HOOKE_TERMINAL_TERMINAL_H
 #define HOOKE_TERMINAL_TERMINAL_H
 
 #include <hooke/view.h>
 
-/* ---- what the command line of the program asks for -------------------------------------------------------- */
+/* ---- what the command line of the program asks for
+ * -------------------------------------------------------- */
 
 enum task_kind { TASK_FILE, TASK_COMMAND };
 
@@ -29,22 +31,25 @@ bool options_read(struct options *options, int argc, char **argv);
 void options_free(struct options *options);
 void options_help(struct buffer *text);
 
-/* ---- standard streams ------------------------------------------------------------------------------------- */
+/* ---- standard streams
+ * ------------------------------------------------------------------------------------- */
 
 struct streams {
     struct buffer out;
-    bool broken; /* standard output cannot be written; remembered until exit */
-    int failure; /* errno of that */
+    bool broken;     /* standard output cannot be written; remembered until exit */
+    int failure;     /* errno of that */
     struct log *log; /* where what is said is kept for the screen as well; NULL: nowhere */
 };
 
-/* Results are gathered and written in large pieces, always before a message; messages are written at once. */
+/* Results are gathered and written in large pieces, always before a message; messages are written
+ * at once. */
 struct sink streams_sink(struct streams *streams);
 bool streams_flush(struct streams *streams);
 void streams_free(struct streams *streams);
 bool write_all(int fd, struct text text, int *failure); /* goes on after signals; failure: errno */
 
-/* ---- signals ---------------------------------------------------------------------------------------------- */
+/* ---- signals
+ * ---------------------------------------------------------------------------------------------- */
 
 extern struct cancel interrupt; /* set by Ctrl-C */
 
@@ -53,22 +58,31 @@ int signals_ending(void);   /* SIGHUP or SIGTERM has arrived: its number; 0: non
 void signals_hang_up(void); /* the terminal is gone, without a signal: as if it had come */
 
 /* What else can happen; each is noticed once. */
-enum signalled { HAPPENED_RESIZE, HAPPENED_SUSPEND, HAPPENED_CONTINUE, HAPPENED_ALARM, HAPPENED_COUNT };
+enum signalled {
+    HAPPENED_RESIZE,
+    HAPPENED_SUSPEND,
+    HAPPENED_CONTINUE,
+    HAPPENED_ALARM,
+    HAPPENED_COUNT
+};
 
-/* Installs the handlers of those in the set (bits 1 << enum signalled), gives the others back to the system. */
+/* Installs the handlers of those in the set (bits 1 << enum signalled), gives the others back to
+ * the system. */
 void signals_watch(unsigned set);
 bool signals_happened(enum signalled what); /* and forgets it */
-/* While nobody looks because a command takes long, Ctrl-Z stops the program from inside the handler. Returns what it
- * was. */
+/* While nobody looks because a command takes long, Ctrl-Z stops the program from inside the
+ * handler. Returns what it was. */
 bool signals_busy(bool now);
-/* A descriptor that becomes readable with every signal; -1: no pipe could be made. Reading it empty is signals_drain().
+/* A descriptor that becomes readable with every signal; -1: no pipe could be made. Reading it empty
+ * is signals_drain().
  */
 int signals_pipe(void);
 void signals_drain(void);
 /* Stops the program the way the terminal's own Ctrl-Z does; returns when it is continued. */
 void signals_stop(void);
 
-/* ---- giving the terminal back, whatever happens (crash.c) ------------------------------------------------- */
+/* ---- giving the terminal back, whatever happens (crash.c)
+ * ------------------------------------------------- */
 
 /* Notes the modes that the terminal has now, to be restored. */
 void crash_modes(void);
@@ -77,10 +91,12 @@ void crash_arm(struct text text);
 void crash_disarm(void);
 void crash_restore(void); /* only write() and tcsetattr(): may be called from a signal handler */
 void crash_install(void); /* fatal signals: restore, then end as they would have */
-/* What is done when readline finds no memory, before the program ends with status 1. NULL: nothing. */
+/* What is done when readline finds no memory, before the program ends with status 1. NULL: nothing.
+ */
 void crash_last_act(void (*act)(void));
 
-/* ---- front ends ------------------------------------------------------------------------------------------- */
+/* ---- front ends
+ * ------------------------------------------------------------------------------------------- */
 
 enum front_kind { FRONT_END, FRONT_IS_PLAIN, FRONT_IS_PANES };
 
@@ -98,10 +114,12 @@ struct program {
 
 /* What this output can show: charset from the locale, colour, size. `fd`: where figures go. */
 void front_probe(struct front *front, const struct options *options, int fd);
-/* Runs the tasks, then standard input where `input`. Returns when done, asked to quit, or stopped. */
-void batch_run(struct session *session, const struct options *options, bool input, struct reply *reply,
-               struct streams *streams);
-/* Both return when the person leaves, the program is to end, or program->next says who takes over. */
+/* Runs the tasks, then standard input where `input`. Returns when done, asked to quit, or stopped.
+ */
+void batch_run(struct session *session, const struct options *options, bool input,
+               struct reply *reply, struct streams *streams);
+/* Both return when the person leaves, the program is to end, or program->next says who takes over.
+ */
 void prompt_run(struct program *program);
 void panes_run(struct program *program);
 /* Can panes be shown here? If not, why. */
@@ -110,13 +128,14 @@ bool panes_possible(struct error *error);
 struct sink panes_sink(struct session *session);
 /* $XDG_CONFIG_HOME/hooke/rc.hk, if it is the user's own and nobody else can write it. */
 void rc_run(struct session *session, struct reply *reply);
-/* A typed or pasted text: several lines are a small script named "paste" that stops at its first error. */
+/* A typed or pasted text: several lines are a small script named "paste" that stops at its first
+ * error. */
 void typed_run(struct session *session, struct text typed, struct reply *reply);
 /* The screen as text lines, and the same in a file. */
-bool screenshot_text(const struct session *session, const struct prompt_line *prompt, int width, int height,
-                     struct buffer *text, struct error *error);
-bool screenshot_file(const struct session *session, const struct prompt_line *prompt, int width, int height,
-                     const char *path, struct write_policy policy, struct error *error);
+bool screenshot_text(const struct session *session, const struct prompt_line *prompt, int width,
+                     int height, struct buffer *text, struct error *error);
+bool screenshot_file(const struct session *session, const struct prompt_line *prompt, int width,
+                     int height, const char *path, struct write_policy policy, struct error *error);
 /* The callbacks of front ends without a screen. */
 void screenshot_offer(struct front *front);
 
@@ -127,15 +146,17 @@ void progress_text(const struct run *run, double fraction, struct buffer *text);
 /* front.progress, on standard error */
 void progress_print(void *context, const struct run *run, double fraction);
 
-/* ---- readline, common to both prompts (line.c) ------------------------------------------------------------ */
+/* ---- readline, common to both prompts (line.c)
+ * ------------------------------------------------------------ */
 
 /* Settings and completion; once, before anything else of readline. */
 void line_begin(struct session *session);
 
-/* ---- files of the user ------------------------------------------------------------------------------------ */
+/* ---- files of the user
+ * ------------------------------------------------------------------------------------ */
 
-/* "$VARIABLE/hooke/NAME" or "$HOME/FALLBACK/hooke/NAME"; creates the folder where `create`. NULL: no place. Caller
- * frees. */
+/* "$VARIABLE/hooke/NAME" or "$HOME/FALLBACK/hooke/NAME"; creates the folder where `create`. NULL:
+ * no place. Caller frees. */
 char *user_path(const char *variable, const char *fallback, const char *name, bool create);
 char *state_path(const char *name, bool create); /* in $XDG_STATE_HOME, else ~/.local/state */
 
@@ -145,7 +166,8 @@ void history_load(void); /* readline's history from the file, the last HISTORY_L
 /* To readline and, under a lock, to the file. False: it cannot be kept there. */
 bool history_append(const char *line, struct error *error);
 
-/* ---- autosave: session-DATE-TIME-PID.hk ------------------------------------------------------------------- */
+/* ---- autosave: session-DATE-TIME-PID.hk
+ * ------------------------------------------------------------------- */
 
 #define AUTOSAVE_PREFIX "session-"
 #define AUTOSAVE_SECONDS 30 /* unless HOOKE_AUTOSAVE says otherwise */
@@ -160,15 +182,17 @@ struct autosave {
     bool warned;      /* that it cannot be written: said once */
 };
 
-/* Chooses the name and clears away what dead sessions left: temporaries, and all but the last AUTOSAVE_KEPT files. */
+/* Chooses the name and clears away what dead sessions left: temporaries, and all but the last
+ * AUTOSAVE_KEPT files. */
 void autosave_begin(struct autosave *autosave, const struct session *session);
 void autosave_end(struct autosave *autosave);
 /* When autosave_write is wanted [clock_ns]; INT64_MAX: nothing has changed. */
 int64_t autosave_due(struct autosave *autosave);
 /* Writes now if anything changed. False, once a session: it cannot be written, and why. */
 bool autosave_write(struct autosave *autosave, struct error *error);
-/* Replaces the session by a saved one; unchanged unless all of it could be restored. name NULL: the newest. told: what
- * was done. */
-bool autosave_resume(struct session **session, const char *name, struct buffer *told, struct error *error);
+/* Replaces the session by a saved one; unchanged unless all of it could be restored. name NULL: the
+ * newest. told: what was done. */
+bool autosave_resume(struct session **session, const char *name, struct buffer *told,
+                     struct error *error);
 
 #endif

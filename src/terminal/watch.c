@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What the session asks of the panes: to look after the terminal between two slices of a run, to ask, to draw into a
- * file. */
+/* What the session asks of the panes: to look after the terminal between two slices of a run, to
+ * ask, to draw into a file. */
 #include "terminal/panes.h"
 
 #include <limits.h>
@@ -34,7 +34,8 @@ static bool confirm(void *context, const char *question)
     panes->interrupted = false;
     while (item != INPUT_BYTE && !panes_over(panes) && !panes->interrupted) {
         panes_wait(panes, INT64_MAX);
-        while ((item = input_next(&panes->input, clock_ns(), &byte, &paste)) == INPUT_PASTE || item == INPUT_REPLY) {
+        while ((item = input_next(&panes->input, clock_ns(), &byte, &paste)) == INPUT_PASTE ||
+               item == INPUT_REPLY) {
         }
     }
     panes->interrupted = false;
@@ -50,23 +51,26 @@ static void clear(void *context)
     log_clear(&panes_session(context)->log);
 }
 
-static bool shot_text(void *context, const struct session *session, struct buffer *text, struct error *error)
-{
-    struct panes *panes = context;
-    struct prompt_line prompt;
-    struct buffer room = {0};
-    panes_prompt(panes, &prompt, &room);
-    return screenshot_text(session, &prompt, panes->screen.width, panes->screen.height, text, error);
-}
-
-static bool shot_file(void *context, const struct session *session, const char *path, struct write_policy policy,
+static bool shot_text(void *context, const struct session *session, struct buffer *text,
                       struct error *error)
 {
     struct panes *panes = context;
     struct prompt_line prompt;
-    struct buffer room = {0};
-    panes_prompt(panes, &prompt, &room);
-    return screenshot_file(session, &prompt, panes->screen.width, panes->screen.height, path, policy, error);
+    struct buffer capacity = {0};
+    panes_prompt(panes, &prompt, &capacity);
+    return screenshot_text(session, &prompt, panes->screen.width, panes->screen.height, text,
+                           error);
+}
+
+static bool shot_file(void *context, const struct session *session, const char *path,
+                      struct write_policy policy, struct error *error)
+{
+    struct panes *panes = context;
+    struct prompt_line prompt;
+    struct buffer capacity = {0};
+    panes_prompt(panes, &prompt, &capacity);
+    return screenshot_file(session, &prompt, panes->screen.width, panes->screen.height, path,
+                           policy, error);
 }
 
 static bool change(void *context, enum front_change change, struct error *error)

@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The two cursors: lines on the time plots, and the table of what they measure in place of the log. */
+/* The two cursors: lines on the time plots, and the table of what they measure in place of the log.
+ */
 #include "view/internal.h"
 
 #include <stdio.h>
 
 #define TABLE_ROWS 6
 #define SIDE 54 /* [cell] from here on it stands what the cursors snap to, and are on */
-#define DECIMALS_MOST 6
+#define DECIMALS_MAX 6
 
 /* A piece of the frame without writing, where a letter can stand. */
 static bool is_bare_frame(const struct screen *screen, const struct canvas *canvas, int x, int y)
@@ -15,34 +16,39 @@ static bool is_bare_frame(const struct screen *screen, const struct canvas *canv
            (screen->charset == CHARSET_ASCII ? '-' : 0x2500);
 }
 
-void cursors_draw(const struct screen *screen, const struct figure_layout *layout, struct canvas *canvas,
-                  struct rectangle at, bool letters)
+void cursors_draw(const struct screen *screen, const struct figure_layout *layout,
+                  struct canvas *canvas, struct rectangle at, bool letters)
 {
     const struct cursors *cursors = &screen->session->view.cursors;
     uint32_t line = screen->charset == CHARSET_ASCII ? ':' : 0x250A;
     int column, row;
 
     for (int i = 0; i < 2 && cursors->shown; i++) {
-        if (!cursors->at[i].set || !figure_cell(layout, cursors->at[i].t, layout->y.from, &column, &row))
+        if (!cursors->at[i].set ||
+            !figure_cell(layout, cursors->at[i].t, layout->y.from, &column, &row))
             continue;
         int x = at.x + layout->left + column, y = at.y + layout->top;
         for (row = 0; row < layout->rows; row++) { /* the curve stays in front */
-            const struct cell *cell = &canvas->cell[(size_t)(y + row) * (size_t)canvas->width + (size_t)x];
+            const struct cell *cell =
+                &canvas->cell[(size_t)(y + row) * (size_t)canvas->width + (size_t)x];
             if (cell->codepoint == ' ' || cell->style == STYLE_DIM)
                 canvas_put(canvas, x, y + row, line, i == cursors->active ? STYLE_BOLD : STYLE_DIM);
         }
         if (letters)
-            canvas_put(canvas, x, is_bare_frame(screen, canvas, x, at.y) ? at.y : y, (uint32_t) "AB"[i], STYLE_BOLD);
+            canvas_put(canvas, x, is_bare_frame(screen, canvas, x, at.y) ? at.y : y,
+                       (uint32_t) "AB"[i], STYLE_BOLD);
     }
 }
 
-/* "1.4530(4)": the uncertainty in units of the last digit. That of a simulation is beyond what is shown. */
+/* "1.4530(4)": the uncertainty in units of the last digit. That of a simulation is beyond what is
+ * shown. */
 static void put_parenthesis(struct buffer *out, double value, double uncertainty)
 {
-    int decimals =
-        uncertainty > 0 && uncertainty < 9.5 ? larger(-(int)floor(log10(uncertainty * 1.0526)), 0) : DECIMALS_MOST + 1;
-    if (decimals > DECIMALS_MOST) /* 1.0526: 9.5 rounds to 10 */
-        buffer_format(out, "%.*f", DECIMALS_MOST, value);
+    int decimals = uncertainty > 0 && uncertainty < 9.5
+                       ? larger(-(int)floor(log10(uncertainty * 1.0526)), 0)
+                       : DECIMALS_MAX + 1;
+    if (decimals > DECIMALS_MAX) /* 1.0526: 9.5 rounds to 10 */
+        buffer_format(out, "%.*f", DECIMALS_MAX, value);
     else
         buffer_format(out, "%.*f(%.0f)", decimals, value, uncertainty * pow(10, decimals));
 }
@@ -54,15 +60,19 @@ static void put_cursor(struct buffer *out, const struct cursors *cursors, int i)
         buffer_put(out, TEXT("not set"));
         return;
     }
-    const struct unit *unit = unit_display(cursors->quantity, fmax(cursors->at[i].amplitude, fabs(cursors->at[i].y)));
+    const struct unit *unit =
+        unit_display(cursors->quantity, fmax(cursors->at[i].amplitude, fabs(cursors->at[i].y)));
     buffer_put(out, TEXT("t = "));
     put_parenthesis(out, cursors->at[i].t, cursors->at[i].t_uncertainty);
-    double y = floor(cursors->at[i].y / (unit ? unit->factor : 1) * 100 + 0.5) / 100 + 0.0; /* never -0.00 */
-    buffer_format(out, " s   y = %.2f %s", y, unit ? unit->row.name : quantity_unit(cursors->quantity));
+    double y = floor(cursors->at[i].y / (unit ? unit->factor : 1) * 100 + 0.5) / 100 +
+               0.0; /* never -0.00 */
+    buffer_format(out, " s   y = %.2f %s", y,
+                  unit ? unit->row.name : quantity_unit(cursors->quantity));
     if (cursors->at[i].crossing > 0)
         buffer_format(out, "  up-crossing #%d", cursors->at[i].crossing);
     else if (isfinite(cursors->at[i].amplitude)) /* on the sheet it is read off here */
-        buffer_format(out, "  amplitude %.2f %s", cursors->at[i].amplitude / (unit ? unit->factor : 1),
+        buffer_format(out, "  amplitude %.2f %s",
+                      cursors->at[i].amplitude / (unit ? unit->factor : 1),
                       unit ? unit->row.name : quantity_unit(cursors->quantity));
 }
 
@@ -71,7 +81,8 @@ static void put_interval(struct buffer *out, const struct cursor_reading *readin
     buffer_format(out, " B-A = %.4f s", reading->dt);
     if (!isfinite(reading->period.value))
         return;
-    buffer_format(out, " / %.6g period%s   T = ", reading->periods, reading->periods == 1 ? "" : "s");
+    buffer_format(out, " / %.6g period%s   T = ", reading->periods,
+                  reading->periods == 1 ? "" : "s");
     put_parenthesis(out, reading->period.value, reading->period.uncertainty);
     buffer_put(out, TEXT(" s   f = "));
     put_parenthesis(out, reading->frequency.value, reading->frequency.uncertainty);
@@ -105,11 +116,14 @@ void cursors_table(const struct screen *screen, struct rectangle at)
         put_interval(&line[2], &reading);
         put_theory(&line[3], &reading);
     }
-    buffer_put(&line[4], TEXT(" </> move  n/N next/prev crossing  +/- periods  Tab A<->B  s snap  l lock"));
-    buffer_put(&line[5], TEXT(" Enter keep as measurement  z zoom  e export  q leave  ? help  PgUp log"));
+    buffer_put(&line[4],
+               TEXT(" </> move  n/N next/prev crossing  +/- periods  Tab A<->B  s snap  l lock"));
+    buffer_put(&line[5],
+               TEXT(" Enter keep as measurement  z zoom  e export  q leave  ? help  PgUp log"));
     for (int i = 0; i < smaller(at.height, TABLE_ROWS); i++)
         shown[order[i]] = true;
-    int side_x = larger(SIDE, larger(text_width(buffer_text(&line[0])), text_width(buffer_text(&line[1]))) + 2);
+    int side_x = larger(
+        SIDE, larger(text_width(buffer_text(&line[0])), text_width(buffer_text(&line[1]))) + 2);
     for (int i = 0, y = at.y; i < TABLE_ROWS; i++) {
         if (shown[i])
             line_draw(screen, at.x, y++, at.width, buffer_text(&line[i]),
@@ -119,9 +133,11 @@ void cursors_table(const struct screen *screen, struct rectangle at)
         buffer_free(&line[i]);
     }
     char side[2][LIMIT_NAME + 32];
-    snprintf(side[0], sizeof side[0], "snap: %s%s", catalog_row(&snap_catalog, (size_t)cursors->snap)->name,
+    snprintf(side[0], sizeof side[0], "snap: %s%s",
+             catalog_row(&snap_catalog, (size_t)cursors->snap)->name,
              cursors->locked ? ", locked" : "");
     snprintf(side[1], sizeof side[1], "on: %s", cursors->of);
     for (int i = 0; i < 2 && at.height > 2 && at.width >= side_x + 10; i++)
-        line_draw(screen, at.x + side_x, at.y + i, at.width - side_x, text_of(side[i]), STYLE_PLAIN);
+        line_draw(screen, at.x + side_x, at.y + i, at.width - side_x, text_of(side[i]),
+                  STYLE_PLAIN);
 }

@@ -1,16 +1,19 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A recording alone that is too dense for marks is drawn as a line, which breaks where nothing was recorded. */
+/* A recording alone that is too dense for marks is drawn as a line, which breaks where nothing was
+ * recorded. */
 #include "view/internal.h"
 
 #define DENSE 2 /* samples a column */
 
-/* The samples of a curve, with a NAN wherever a column or more of the time has none. NULL: no memory. */
+/* The samples of a curve, with a NAN wherever a column or more of the time has none. NULL: no
+ * memory. */
 static const struct curve *joined(struct arena *arena, const struct curve *from, int columns)
 {
     const double *t = from->t ? from->t : from->x;
     const double longest = (t[from->n - 1] - t[0]) / columns;
     struct curve *curve = arena_array(arena, 1, sizeof *curve);
-    double *x = arena_array(arena, 2 * from->n, sizeof *x), *y = arena_array(arena, 2 * from->n, sizeof *y);
+    double *x = arena_array(arena, 2 * from->n, sizeof *x),
+           *y = arena_array(arena, 2 * from->n, sizeof *y);
     double *times = from->t ? arena_array(arena, 2 * from->n, sizeof *times) : NULL;
     if (!curve || !x || !y || (from->t && !times))
         return NULL;
@@ -39,7 +42,8 @@ static const struct curve *joined(struct arena *arena, const struct curve *from,
 
 bool curves_join_dense(struct arena *arena, int columns, struct figure *figure)
 {
-    if (figure->curves != 1 || !figure->curve[0].points || figure->curve[0].n < DENSE * (size_t)larger(columns, 1))
+    if (figure->curves != 1 || !figure->curve[0].points ||
+        figure->curve[0].n < DENSE * (size_t)larger(columns, 1))
         return true;
     const struct curve *curve = joined(arena, &figure->curve[0], larger(columns, 1));
     figure->curve = curve ? curve : figure->curve;

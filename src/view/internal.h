@@ -19,11 +19,11 @@ struct rectangle {
 
 /* ---- layouts.c: which panes stand where ---- */
 
-#define PLACES_MOST 8
+#define PLACES_MAX 8
 
-/* One pane on the screen. Panes that share a time axis stand over each other in one frame; only the last of them has
- * labels below. */
-struct place {
+/* One pane on the screen. Panes that share a time axis stand over each other in one frame; only the
+ * last of them has labels below. */
+struct index {
     enum pane pane;
     struct rectangle at;
     bool open;   /* continues in the place below: no time labels, no lower frame */
@@ -38,7 +38,8 @@ struct division {
 
 struct division screen_division(const struct session *session, int height);
 /* The area is as wide as the screen, which has `height` rows. */
-int screen_places(const struct session *session, struct rectangle area, int height, struct place place[PLACES_MOST]);
+int screen_places(const struct session *session, struct rectangle area, int height,
+                  struct index index[PLACES_MAX]);
 bool pane_is_timed(enum pane pane); /* its horizontal axis is the time */
 bool pane_is_plane(enum pane pane); /* one part of the state against another: phase, orbit */
 
@@ -50,38 +51,47 @@ bool view_has_time_range(const struct view *view);
 /* Moves the end of a time axis of so many cells to the next label where that is near. */
 bool is_range(const double range[2]); /* not automatic */
 void ranges_reach_label(struct axis *axis, int columns);
-bool ranges_settle(struct screen *screen, const struct place *place, struct figure *figure); /* false: no memory */
+bool ranges_settle(struct screen *screen, const struct index *index,
+                   struct figure *figure); /* false: no memory */
 
 /* ---- panes.c ---- */
 
-/* One figure for each place, all time plots with the same time axis, as they will be drawn; false: no memory. */
-bool panes_figures(struct screen *screen, const struct place *place, int places, struct figure *figure);
-int pane_drawn_height(const struct place *place); /* of its figure: the lowest rows may lie under the pane below */
-bool panes_draw(struct screen *screen, const struct place *place, int places); /* false: no memory */
-/* [s] from, to of the time axis of the focused time plot, else of the first. Returns its columns, 0: there is none. */
-int panes_time_axis(struct screen *screen, const struct place *place, int places, double span[2]);
+/* One figure for each place, all time plots with the same time axis, as they will be drawn; false:
+ * no memory. */
+bool panes_figures(struct screen *screen, const struct index *index, int indices,
+                   struct figure *figure);
+int pane_drawn_height(
+    const struct index *index); /* of its figure: the lowest rows may lie under the pane below */
+bool panes_draw(struct screen *screen, const struct index *index,
+                int indices); /* false: no memory */
+/* [s] from, to of the time axis of the focused time plot, else of the first. Returns its columns,
+ * 0: there is none. */
+int panes_time_axis(struct screen *screen, const struct index *index, int indices, double span[2]);
 
 /* ---- cursors.c ---- */
 
-void cursors_draw(const struct screen *screen, const struct figure_layout *layout, struct canvas *canvas,
-                  struct rectangle at, bool letters);
+void cursors_draw(const struct screen *screen, const struct figure_layout *layout,
+                  struct canvas *canvas, struct rectangle at, bool letters);
 void cursors_table(const struct screen *screen, struct rectangle at);
 
 /* ---- one file each ---- */
 
-/* A curve of marks alone, too many for so many columns, becomes a line with gaps; false: no memory. */
+/* A curve of marks alone, too many for so many columns, becomes a line with gaps; false: no memory.
+ */
 bool curves_join_dense(struct arena *arena, int columns, struct figure *figure);
 
 /* Run numbers instead of names where those do not fit into the frame of width x height [cell]. */
-void labels_shorten(struct screen *screen, int width, int height, const struct figure_request *request,
-                    struct figure *figure);
+void labels_shorten(struct screen *screen, int width, int height,
+                    const struct figure_request *request, struct figure *figure);
 void state_line_draw(const struct screen *screen, int y);
 void numbers_draw(const struct screen *screen, struct text hint, int y);
 void log_draw(const struct screen *screen, struct rectangle at);
-void prompt_draw(const struct screen *screen, const struct prompt_line *prompt, int y, int *cursor_x);
+void prompt_draw(const struct screen *screen, const struct prompt_line *prompt, int y,
+                 int *cursor_x);
 
 /* One line of text, cut with a mark where it is longer than the width. */
-void line_draw(const struct screen *screen, int x, int y, int width, struct text text, enum style style);
+void line_draw(const struct screen *screen, int x, int y, int width, struct text text,
+               enum style style);
 
 static inline int larger(int a, int b)
 {

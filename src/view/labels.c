@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Names in a legend: where the frame has no room for all of them the runs go by their numbers, as in the list of runs,
- * so that no mark stays unexplained. */
+/* Names in a legend: where the frame has no room for all of them the runs go by their numbers, as
+ * in the list of runs, so that no mark stays unexplained. */
 #include "view/internal.h"
 
 #include <stdio.h>
@@ -9,8 +9,8 @@
 #define ENTRY 4 /* [cell] of the legend beside a label: mark and blanks */
 #define POWER 6 /* [cell] "1e-12 " in a title */
 
-void labels_shorten(struct screen *screen, int width, int height, const struct figure_request *request,
-                    struct figure *figure)
+void labels_shorten(struct screen *screen, int width, int height,
+                    const struct figure_request *request, struct figure *figure)
 {
     struct figure_layout layout;
     char number[16];
@@ -26,7 +26,8 @@ void labels_shorten(struct screen *screen, int width, int height, const struct f
     for (int i = 0; brief && i < figure->curves; i++) {
         brief[i] = figure->curve[i];
         if (i < request->runs && brief[i].label) {
-            snprintf(number, sizeof number, "%d", screen->session->run[request->run[i]]->run->number);
+            snprintf(number, sizeof number, "%d",
+                     screen->session->run[request->run[i]]->run->number);
             brief[i].label = arena_text(&screen->arena, text_of(number));
         }
     }

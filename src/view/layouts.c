@@ -1,16 +1,18 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Layouts: how the height is divided, and which panes stand where. A layout is a row of the table. */
+/* Layouts: how the height is divided, and which panes stand where. A layout is a row of the table.
+ */
 #include "view/internal.h"
 
-#define PLOT_ROWS 8    /* frame, axis with labels, and four rows of curve: before that the log gets one row only */
+#define PLOT_ROWS                                                                                  \
+    8 /* frame, axis with labels, and four rows of curve: before that the log gets one row only */
 #define SHARED_ROWS 3  /* axis, labels and lower frame of panes over each other */
 #define CURVE_ROWS 3   /* at least, of each of them */
-#define PHASE_LEAST 24 /* [cell] */
+#define PHASE_MIN 24   /* [cell] */
 #define PHASE_LABELS 7 /* [cell] frame and labels of the phase plot beside its square */
 
 /*
- * What gives way when the height shrinks (INTERFACE.md, section 6): numbers line, rows of the log but one, then the
- * plots lose labels and frame by themselves; at last there is only the prompt.
+ * What gives way when the height shrinks (INTERFACE.md, section 6): numbers line, rows of the log
+ * but one, then the plots lose labels and frame by themselves; at last there is only the prompt.
  */
 struct division screen_division(const struct session *session, int height)
 {
@@ -36,13 +38,24 @@ struct arrangement {
 
 static const struct arrangement arrangements[] = {
     [LAYOUT_SINGLE] = {.first = 1, .lefts = 1, .left = {PANE_POSITION}},
-    [LAYOUT_DUO] = {.first = 1, .lefts = 1, .left = {PANE_POSITION}, .rights = 1,
-                    .right = {PANE_PHASE}},
-    [LAYOUT_TRIO] = {.shared = true, .first = 2, .lefts = 2, .left = {PANE_POSITION, PANE_ENERGY},
-                     .rights = 1, .right = {PANE_PHASE}},
-    [LAYOUT_STACK] = {.shared = true, .first = 1, .lefts = 3, .left = {PANE_POSITION, PANE_VELOCITY, PANE_ENERGY}},
-    [LAYOUT_QUAD] = {.numbered = true, .first = 1, .lefts = 2,
-                     .left = {PANE_POSITION, PANE_VELOCITY}, .rights = 2, .right = {PANE_PHASE, PANE_ENERGY}},
+    [LAYOUT_DUO] =
+        {.first = 1, .lefts = 1, .left = {PANE_POSITION}, .rights = 1, .right = {PANE_PHASE}},
+    [LAYOUT_TRIO] = {.shared = true,
+                     .first = 2,
+                     .lefts = 2,
+                     .left = {PANE_POSITION, PANE_ENERGY},
+                     .rights = 1,
+                     .right = {PANE_PHASE}},
+    [LAYOUT_STACK] = {.shared = true,
+                      .first = 1,
+                      .lefts = 3,
+                      .left = {PANE_POSITION, PANE_VELOCITY, PANE_ENERGY}},
+    [LAYOUT_QUAD] = {.numbered = true,
+                     .first = 1,
+                     .lefts = 2,
+                     .left = {PANE_POSITION, PANE_VELOCITY},
+                     .rights = 2,
+                     .right = {PANE_PHASE, PANE_ENERGY}},
     [LAYOUT_PLOT] = {.first = 1, .lefts = 1, .left = {PANE_POSITION}},
     [LAYOUT_LOG] = {.first = 1},
 };
@@ -57,8 +70,10 @@ bool pane_is_plane(enum pane pane)
     return pane == PANE_PHASE || pane == PANE_ORBIT;
 }
 
-/* The panes that make sense here. An orbit, where there is one, says more than the phase plot of one coordinate. */
-static int choose_panes(const struct session *session, const enum pane *wanted, int count, enum pane *out)
+/* The panes that make sense here. An orbit, where there is one, says more than the phase plot of
+ * one coordinate. */
+static int choose_panes(const struct session *session, const enum pane *wanted, int count,
+                        enum pane *out)
 {
     const bool orbit = pane_offered(session, PANE_ORBIT) && session->view.focus != PANE_PHASE;
     int n = 0;
@@ -76,9 +91,10 @@ static bool holds(const enum pane *pane, int count, enum pane wanted)
     return false;
 }
 
-/* One column from top to bottom. Returns how many places it has: panes for which there is no height are left out. */
-static int stack_column(struct rectangle area, const struct arrangement *a, const enum pane *pane, int count,
-                        struct place *place)
+/* One column from top to bottom. Returns how many places it has: panes for which there is no height
+ * are left out. */
+static int stack_column(struct rectangle area, const struct arrangement *a, const enum pane *pane,
+                        int count, struct index *index)
 {
     bool shared = a->shared;
     for (int i = 0; i < count; i++)
@@ -86,35 +102,43 @@ static int stack_column(struct rectangle area, const struct arrangement *a, cons
     int each = shared ? CURVE_ROWS + 1 : PLOT_ROWS, common = shared ? SHARED_ROWS : 0;
     while (count > 1 && area.height < count * each + common)
         count--;
-    int shares = a->first + count - 1, frames = shared ? count : 0, rows = area.height - common - frames, y = area.y;
+    int fractions = a->first + count - 1, frames = shared ? count : 0,
+        rows = area.height - common - frames, y = area.y;
     for (int i = 0; i < count; i++) {
         bool last = i == count - 1;
-        /* Of two full plots over each other the upper one is a little higher: 15 and 12 of 27 rows. */
-        int most = rows - (y - area.y - (shared ? i : 0)) - CURVE_ROWS * (count - 1 - i); /* the rest needs its own */
-        int share = smaller((rows * (i ? 1 : a->first) + shares / 2) / shares, most);
-        int height = shared ? share + 1 : (area.height * 5 + 4) / 9;
+        /* Of two full plots over each other the upper one is a little higher: 15 and 12 of 27 rows.
+         */
+        int max = rows - (y - area.y - (shared ? i : 0)) -
+                  CURVE_ROWS * (count - 1 - i); /* the rest needs its own */
+        int fraction = smaller((rows * (i ? 1 : a->first) + fractions / 2) / fractions, max);
+        int height = shared ? fraction + 1 : (area.height * 5 + 4) / 9;
         if (last)
             height = area.y + area.height - y;
-        place[i] = (struct place){
-            .pane = pane[i], .at = {area.x, y, area.width, height}, .open = shared && !last, .joined = shared && i > 0};
+        index[i] = (struct index){.pane = pane[i],
+                                  .at = {area.x, y, area.width, height},
+                                  .open = shared && !last,
+                                  .joined = shared && i > 0};
         y += height;
     }
     return count;
 }
 
 /* The phase plot is square: twice as many columns as rows. */
-static int right_width(const struct arrangement *a, const enum pane *right, int rights, struct rectangle area)
+static int right_width(const struct arrangement *a, const enum pane *right, int rights,
+                       struct rectangle area)
 {
-    int most = area.width * 2 / 5, square = 2 * (area.height - SHARED_ROWS - 1) + PHASE_LABELS;
+    int max = area.width * 2 / 5, square = 2 * (area.height - SHARED_ROWS - 1) + PHASE_LABELS;
     if (a->numbered || !pane_is_plane(right[0]) || rights > 1)
-        return most;
-    return larger(smaller(square, most), PHASE_LEAST);
+        return max;
+    return larger(smaller(square, max), PHASE_MIN);
 }
 
-int screen_places(const struct session *session, struct rectangle area, int height, struct place place[PLACES_MOST])
+int screen_places(const struct session *session, struct rectangle area, int height,
+                  struct index index[PLACES_MAX])
 {
     const struct view *view = &session->view;
-    const enum layout layout = layout_drawn(view->full ? LAYOUT_SINGLE : view->layout, area.width, height);
+    const enum layout layout =
+        layout_drawn(view->full ? LAYOUT_SINGLE : view->layout, area.width, height);
     const struct arrangement *a = &arrangements[layout];
 
     enum pane left[3], right[2];
@@ -123,20 +147,21 @@ int screen_places(const struct session *session, struct rectangle area, int heig
     if (!lefts && !rights)
         left[lefts++] = PANE_POSITION;
     /* The focused one stands in the first place if the layout does not have it. */
-    if (pane_offered(session, view->focus) && !holds(left, lefts, view->focus) && !holds(right, rights, view->focus))
+    if (pane_offered(session, view->focus) && !holds(left, lefts, view->focus) &&
+        !holds(right, rights, view->focus))
         *(lefts ? left : right) = view->focus;
     if (!lefts || !rights) {
-        int n = stack_column(area, a, lefts ? left : right, lefts ? lefts : rights, place);
+        int n = stack_column(area, a, lefts ? left : right, lefts ? lefts : rights, index);
         for (int i = 0; i < n && a->numbered; i++)
-            place[i].number = i + 1;
+            index[i].number = i + 1;
         return n;
     }
     int width = right_width(a, right, rights, area);
     struct rectangle sides[2] = {{area.x, area.y, area.width - width, area.height},
                                  {area.x + area.width - width, area.y, width, area.height}};
-    int n = stack_column(sides[0], a, left, lefts, place),
-        all = n + stack_column(sides[1], a, right, rights, place + n);
+    int n = stack_column(sides[0], a, left, lefts, index),
+        all = n + stack_column(sides[1], a, right, rights, index + n);
     for (int i = 0; i < all && a->numbered; i++) /* by rows, as one reads */
-        place[i].number = i < n ? 2 * i + 1 : 2 * (i - n) + 2;
+        index[i].number = i < n ? 2 * i + 1 : 2 * (i - n) + 2;
     return all;
 }

@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The log: the last lines that commands said, from the top as on paper; once the pane is full the newest line is the
- * lowest. What is longer than the pane is wide goes on in the next row. */
+/* The log: the last lines that commands said, from the top as on paper; once the pane is full the
+ * newest line is the lowest. What is longer than the pane is wide goes on in the next row. */
 #include "view/internal.h"
 
 #include <string.h>
 
-void line_draw(const struct screen *screen, int x, int y, int width, struct text text, enum style style)
+void line_draw(const struct screen *screen, int x, int y, int width, struct text text,
+               enum style style)
 {
     if (width < 1)
         return;
@@ -21,21 +22,25 @@ void line_draw(const struct screen *screen, int x, int y, int width, struct text
         text.len -= used;
     }
     if (cut)
-        canvas_put(screen->canvas, end, y, screen->charset == CHARSET_ASCII ? '>' : 0x2026, STYLE_DIM);
+        canvas_put(screen->canvas, end, y, screen->charset == CHARSET_ASCII ? '>' : 0x2026,
+                   STYLE_DIM);
 }
 
 static enum style style_of(struct text line)
 {
     if (text_starts(line, TEXT("hooke> ")))
         return STYLE_BOLD;
-    return text_starts(line, TEXT("error: ")) || memmem(line.at, line.len, ": error: ", 9) ? STYLE_ALERT : STYLE_PLAIN;
+    return text_starts(line, TEXT("error: ")) || memmem(line.at, line.len, ": error: ", 9)
+               ? STYLE_ALERT
+               : STYLE_PLAIN;
 }
 
 void log_draw(const struct screen *screen, struct rectangle at)
 {
     const struct log *log = &screen->session->log;
     const struct text newest = text_of(log_line(log, 0));
-    if (at.height == 1 && screen->session->view.scroll <= 0) { /* the beginning of a line says more than its end */
+    if (at.height == 1 &&
+        screen->session->view.scroll <= 0) { /* the beginning of a line says more than its end */
         line_draw(screen, at.x, at.y, at.width, newest, style_of(newest));
         return;
     }
@@ -45,7 +50,8 @@ void log_draw(const struct screen *screen, struct rectangle at)
     while (oldest < log->count && rows < wanted)
         rows += log_rows(text_of(log_line(log, oldest++)), at.width);
 
-    int row = smaller(wanted - rows, 0); /* the oldest line stays at the top, however far one scrolls */
+    int row =
+        smaller(wanted - rows, 0); /* the oldest line stays at the top, however far one scrolls */
     for (int i = oldest - 1; i >= 0 && row < at.height; i--) {
         const struct text line = text_of(log_line(log, i));
         size_t from = 0;
@@ -53,7 +59,8 @@ void log_draw(const struct screen *screen, struct rectangle at)
         do {
             const struct text part = log_row(line, &from, at.width, &indent);
             if (row >= 0 && row < at.height)
-                line_draw(screen, at.x + indent, at.y + row, at.width - indent, part, style_of(line));
+                line_draw(screen, at.x + indent, at.y + row, at.width - indent, part,
+                          style_of(line));
             row++;
         } while (from < line.len);
     }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The numbers line: energy, its error, which run, the keys. Fields have fixed places, so that a new number changes few
- * cells. */
+/* The numbers line: energy, its error, which run, the keys. Fields have fixed places, so that a new
+ * number changes few cells. */
 #include "view/internal.h"
 
 #include <stdio.h>
@@ -17,11 +17,14 @@ static double present(const struct run *run, const char *name)
 /* "E=1.741 mJ": four digits, in the unit of the start as long as that is near. */
 static void put_energy(struct buffer *out, const struct run *run, double energy)
 {
-    double start = system_kinetic(&run->system, run->system.start) + system_potential(&run->system, run->system.start);
+    double start = system_kinetic(&run->system, run->system.start) +
+                   system_potential(&run->system, run->system.start);
     enum quantity quantity = observable_quantity(observable_energy(&run->system), &run->system);
     const struct unit *unit = unit_display(
-        quantity, fabs(energy) < 100 * fabs(start) && fabs(start) < 100 * fabs(energy) ? start : energy);
-    buffer_format(out, "%s=%#.4g%s%s", run->system.energy ? "E" : "Ekin", energy / (unit ? unit->factor : 1), unit ? " " : "", unit ? unit->row.name : "");
+        quantity,
+        fabs(energy) < 100 * fabs(start) && fabs(start) < 100 * fabs(energy) ? start : energy);
+    buffer_format(out, "%s=%#.4g%s%s", run->system.energy ? "E" : "Ekin",
+                  energy / (unit ? unit->factor : 1), unit ? " " : "", unit ? unit->row.name : "");
 }
 
 /* "dE/E0=-3.1e-6"; where drag or a drive changes the energy, the error of its balance. */
@@ -37,9 +40,10 @@ static void put_error(struct buffer *out, const struct run *run, double error)
 }
 
 /* Puts ` text ` into the line if it fits; returns the column after it. */
-static int put_field(const struct screen *screen, int x, int y, struct text text, int least, enum style style)
+static int put_field(const struct screen *screen, int x, int y, struct text text, int min,
+                     enum style style)
 {
-    int width = larger(text_width(text), least);
+    int width = larger(text_width(text), min);
     if (!text.len || x + width + 2 > screen->canvas->width)
         return x;
     for (int i = 0; i < width + 2; i++)
@@ -53,7 +57,8 @@ static int put_numbers(const struct screen *screen, int x, int y)
     const struct run *run = session_run(screen->session);
     if (!run)
         return x;
-    double energy = run_observable(run, observable_energy(&run->system)), error = present(run, "energy-error");
+    double energy = run_observable(run, observable_energy(&run->system)),
+           error = present(run, "energy-error");
     struct buffer full = {0}, brief = {0}, runs = {0};
     if (isfinite(energy)) {
         put_energy(&full, run, energy);
@@ -66,7 +71,8 @@ static int put_numbers(const struct screen *screen, int x, int y)
     int next = put_field(screen, x, y, buffer_text(&full), width, STYLE_PLAIN);
     if (next == x)
         next = put_field(screen, x, y, buffer_text(&brief), 0, STYLE_PLAIN);
-    buffer_format(&runs, "run %d/%d", run->number, screen->session->run[screen->session->runs - 1]->run->number);
+    buffer_format(&runs, "run %d/%d", run->number,
+                  screen->session->run[screen->session->runs - 1]->run->number);
     next = put_field(screen, next, y, buffer_text(&runs), 0, STYLE_PLAIN);
     buffer_free(&full);
     buffer_free(&brief);
@@ -86,14 +92,16 @@ void numbers_draw(const struct screen *screen, struct text hint, int y)
     if (hint.len) {
         canvas_put(screen->canvas, LEAD, y, ' ', STYLE_PLAIN);
         line_draw(screen, LEAD + 1, y, width - LEAD - 2, hint, STYLE_PLAIN);
-        canvas_put(screen->canvas, smaller(LEAD + 1 + text_width(hint), width - 1), y, ' ', STYLE_PLAIN);
+        canvas_put(screen->canvas, smaller(LEAD + 1 + text_width(hint), width - 1), y, ' ',
+                   STYLE_PLAIN);
         return;
     }
     int x = put_numbers(screen, LEAD, y);
     if (screen->session->view.scroll > 0) {
         char text[48];
-        const int most = screen_log_most(screen->session, width, screen->canvas->height);
-        snprintf(text, sizeof text, "PgDn: %d newer lines", smaller(screen->session->view.scroll, most));
+        const int max = screen_log_most(screen->session, width, screen->canvas->height);
+        snprintf(text, sizeof text, "PgDn: %d newer lines",
+                 smaller(screen->session->view.scroll, max));
         put_field(screen, x, y, text_of(text), 0, STYLE_BOLD);
     } else {
         put_field(screen, x, y, text_of(width < KEYS_LONG ? keys : long_keys), 0, STYLE_DIM);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Panes: the plots on the screen. Each is a figure of the session with axes that stay where they are while a curve
- * grows. */
+/* Panes: the plots on the screen. Each is a figure of the session with axes that stay where they
+ * are while a curve grows. */
 #include "view/internal.h"
 
 #include <stdio.h>
@@ -16,34 +16,39 @@ struct pane_kind {
 };
 
 static const struct pane_kind kinds[] = {
-    [PANE_POSITION] = {PLOT_POSITION, "", NULL},        [PANE_ENERGY] = {PLOT_ENERGY, "", "energy"},
-    [PANE_PHASE] = {PLOT_PHASE, "phase", NULL},         [PANE_VELOCITY] = {PLOT_VELOCITY, "", NULL},
-    [PANE_ERROR] = {PLOT_ERROR, "", "error"},           [PANE_RESIDUAL] = {PLOT_RESIDUAL, "", NULL},
-    [PANE_SPECTRUM] = {PLOT_SPECTRUM, "spectrum", NULL}, [PANE_ORBIT] = {PLOT_ORBIT, "orbit", NULL},
+    [PANE_POSITION] = {PLOT_POSITION, "", NULL},
+    [PANE_ENERGY] = {PLOT_ENERGY, "", "energy"},
+    [PANE_PHASE] = {PLOT_PHASE, "phase", NULL},
+    [PANE_VELOCITY] = {PLOT_VELOCITY, "", NULL},
+    [PANE_ERROR] = {PLOT_ERROR, "", "error"},
+    [PANE_RESIDUAL] = {PLOT_RESIDUAL, "", NULL},
+    [PANE_SPECTRUM] = {PLOT_SPECTRUM, "spectrum", NULL},
+    [PANE_ORBIT] = {PLOT_ORBIT, "orbit", NULL},
 };
 
 /* ---- what is asked of the session ---- */
 
 static double planned_end(const struct run *run)
 {
-    const double span = run->plan.adaptive ? NAN : (double)run->plan.whole * run->settings.dt + run->plan.partial;
+    const double span =
+        run->plan.adaptive ? NAN : (double)run->plan.whole * run->settings.dt + run->plan.partial;
     return span > 0 ? run->system.t0 + (run->t < run->system.t0 ? -span : span) : NAN;
 }
 
 /* The present run, then those laid over it. */
-static int shown_runs(const struct session *session, int place[1 + LIMIT_OVERLAY])
+static int shown_runs(const struct session *session, int index[1 + LIMIT_OVERLAY])
 {
     const struct run *present = session_run(session);
     int count = 0;
     if (!present)
         return 0;
-    place[count++] = session->current_run;
+    index[count++] = session->current_run;
     for (int i = 0; i < session->view.overlays; i++) {
         for (int r = 0; r < session->runs; r++) {
             const struct run *run = session->run[r]->run;
             if (run->number == session->view.overlay[i] && run != present &&
                 run->system.model == present->system.model) /* another has other variables */
-                place[count++] = r;
+                index[count++] = r;
         }
     }
     return count;
@@ -52,15 +57,16 @@ static int shown_runs(const struct session *session, int place[1 + LIMIT_OVERLAY
 /* What `range` has fixed; NULL: nothing. */
 static const struct figure_range *fixed_range(struct screen *screen, const double range[2])
 {
-    struct figure_range *fixed = is_range(range) ? arena_array(&screen->arena, 1, sizeof *fixed) : NULL;
+    struct figure_range *fixed =
+        is_range(range) ? arena_array(&screen->arena, 1, sizeof *fixed) : NULL;
     if (fixed)
         *fixed = (struct figure_range){.end = {range[0], range[1]}, .quantity = QUANTITY_OTHER};
     return fixed;
 }
 
 /* `width` [cell] decides how much time is shown: the same for all panes of a screen. */
-static struct figure_request make_request(struct screen *screen, enum pane pane, int width, bool alone,
-                                          int runs[1 + LIMIT_OVERLAY])
+static struct figure_request make_request(struct screen *screen, enum pane pane, int width,
+                                          bool alone, int runs[1 + LIMIT_OVERLAY])
 {
     const struct session *session = screen->session;
     const struct view *view = &session->view;
@@ -78,7 +84,8 @@ static struct figure_request make_request(struct screen *screen, enum pane pane,
         .follow = true,
         .alone = alone,
         .running = session->live.state == LIVE_RUNNING,
-        .kept_band = session->setup.settings.band == BAND_ON && session->live.state != LIVE_RUNNING,
+        .stored_band =
+            session->setup.settings.band == BAND_ON && session->live.state != LIVE_RUNNING,
         .span = view->window,
         .pages = view->paging ? PAGES : larger(width, 1),
         .until = run && run_in_progress(session) ? planned_end(run) : NAN,
@@ -95,17 +102,18 @@ static struct figure_request make_request(struct screen *screen, enum pane pane,
 }
 
 /* Before anything has run: axes as the run will need them. */
-static void empty_figure(const struct screen *screen, const struct place *place, struct figure *figure)
+static void empty_figure(const struct screen *screen, const struct index *index,
+                         struct figure *figure)
 {
     const struct setup *setup = &screen->session->setup;
     const struct variable *first = &setup->scene.model->variable[0];
     struct system system;
     struct error ignored;
-    *figure =
-        (struct figure){.x = {.label = "t", .unit = "s", .from = 0, .to = setup->settings.duration, .fixed = true},
-                        .y = {.label = first->name, .unit = quantity_unit(first->quantity), .factor = 1},
-                        .zero_line = true};
-    if (place->pane == PANE_POSITION && scene_bind(&setup->scene, &system, &ignored)) {
+    *figure = (struct figure){
+        .x = {.label = "t", .unit = "s", .from = 0, .to = setup->settings.duration, .fixed = true},
+        .y = {.label = first->name, .unit = quantity_unit(first->quantity), .factor = 1},
+        .zero_line = true};
+    if (index->pane == PANE_POSITION && scene_bind(&setup->scene, &system, &ignored)) {
         const struct unit *unit = unit_display(first->quantity, system.scale[0]);
         if (unit) {
             figure->y.unit = unit->row.name;
@@ -119,19 +127,20 @@ static void empty_figure(const struct screen *screen, const struct place *place,
 
 /* ---- one pane ---- */
 
-static const char *numbered_title(struct screen *screen, const struct place *place)
+static const char *numbered_title(struct screen *screen, const struct index *index)
 {
     char text[64];
-    const char *title = kinds[place->pane].title;
-    if (!place->number)
+    const char *title = kinds[index->pane].title;
+    if (!index->number)
         return title;
-    snprintf(text, sizeof text, "%d%s%s", place->number, *title ? " " : "", title);
+    snprintf(text, sizeof text, "%d%s%s", index->number, *title ? " " : "", title);
     return arena_text(&screen->arena, text_of(text));
 }
 
-int pane_drawn_height(const struct place *place)
+int pane_drawn_height(const struct index *index)
 {
-    return place->at.height + (place->open ? 3 : 0); /* axis, labels and lower frame will not be seen */
+    return index->at.height +
+           (index->open ? 3 : 0); /* axis, labels and lower frame will not be seen */
 }
 
 /* What the time plots of a screen have in common. */
@@ -143,52 +152,55 @@ struct shared_time {
 };
 
 /* One window, whatever the panes show of it. */
-static struct shared_time share_time(struct screen *screen, const struct place *place, int places)
+static struct shared_time share_time(struct screen *screen, const struct index *index, int indices)
 {
-    struct shared_time time = {.width = place[0].at.width, .alone = places == 1};
+    struct shared_time time = {.width = index[0].at.width, .alone = indices == 1};
     int runs[1 + LIMIT_OVERLAY], first = 0;
-    while (first < places - 1 && !pane_is_timed(place[first].pane))
+    while (first < indices - 1 && !pane_is_timed(index[first].pane))
         first++;
-    const struct figure_request request = make_request(screen, place[first].pane, time.width, time.alone, runs);
+    const struct figure_request request =
+        make_request(screen, index[first].pane, time.width, time.alone, runs);
     time.known = session_window(screen->session, &request, &screen->arena, &time.window);
     if (time.known && !view_has_time_range(&screen->session->view))
-        ranges_reach_label(&time.window.axis, place[first].at.width);
+        ranges_reach_label(&time.window.axis, index[first].at.width);
     return time;
 }
 
-static bool make_figure(struct screen *screen, const struct place *place, const struct shared_time *time,
-                        struct figure *figure)
+static bool make_figure(struct screen *screen, const struct index *index,
+                        const struct shared_time *time, struct figure *figure)
 {
-    const struct pane_kind *kind = &kinds[place->pane];
+    const struct pane_kind *kind = &kinds[index->pane];
     int runs[1 + LIMIT_OVERLAY];
-    struct figure_request request = make_request(screen, place->pane, time->width, time->alone, runs);
+    struct figure_request request =
+        make_request(screen, index->pane, time->width, time->alone, runs);
     struct error error = {0};
 
     request.shared = time->known ? &time->window : NULL;
     if (!request.runs && request.recording < 0) {
-        empty_figure(screen, place, figure);
+        empty_figure(screen, index, figure);
     } else if (!session_figure(screen->session, &request, &screen->arena, figure, &error)) {
-        empty_figure(screen, place, figure);
+        empty_figure(screen, index, figure);
         figure->note = arena_text(&screen->arena, text_of(error.text));
     } else {
-        if (!ranges_settle(screen, place, figure))
+        if (!ranges_settle(screen, index, figure))
             return false;
         if (!request.runs && !curves_join_dense(&screen->arena, request.width, figure))
             return false;
     }
-    if (time->known && pane_is_timed(place->pane))
+    if (time->known && pane_is_timed(index->pane))
         figure->x = time->window.axis;
     if (kind->label) /* an energy is called by the figure's title: it may be the kinetic one */
-        figure->y.label = place->pane == PANE_ENERGY ? figure->title : kind->label;
-    figure->title = numbered_title(screen, place);
-    figure->has_point = figure->has_point && pane_is_plane(place->pane);
-    if (pane_is_plane(place->pane) && place->at.width >= CAPTION_WIDTH) {
+        figure->y.label = index->pane == PANE_ENERGY ? figure->title : kind->label;
+    figure->title = numbered_title(screen, index);
+    figure->has_point = figure->has_point && pane_is_plane(index->pane);
+    if (pane_is_plane(index->pane) && index->at.width >= CAPTION_WIDTH) {
         figure->caption = figure->note;
         figure->note = NULL;
     }
     /* The curves are those of the first pane, unless that has none of a run. */
-    if (pane_is_plane(place->pane) || (place->joined && place[-1].pane != PANE_RESIDUAL)) {
-        struct curve *plain = arena_array(&screen->arena, (size_t)figure->curves + 1, sizeof *plain);
+    if (pane_is_plane(index->pane) || (index->joined && index[-1].pane != PANE_RESIDUAL)) {
+        struct curve *plain =
+            arena_array(&screen->arena, (size_t)figure->curves + 1, sizeof *plain);
         for (int i = 0; plain && i < figure->curves; i++) {
             plain[i] = figure->curve[i];
             plain[i].label = NULL;
@@ -197,20 +209,21 @@ static bool make_figure(struct screen *screen, const struct place *place, const 
         figure->curves = plain ? figure->curves : 0;
     }
     if (figure->title && request.runs > 1)
-        labels_shorten(screen, place->at.width, pane_drawn_height(place), &request, figure);
+        labels_shorten(screen, index->at.width, pane_drawn_height(index), &request, figure);
     return figure->title != NULL;
 }
 
 /* A parameter was changed here while the run went on. */
-static void draw_marks(const struct screen *screen, const struct figure_layout *layout, struct canvas *canvas,
-                       struct rectangle at)
+static void draw_marks(const struct screen *screen, const struct figure_layout *layout,
+                       struct canvas *canvas, struct rectangle at)
 {
     const struct live *live = &screen->session->live;
     uint32_t mark = screen->charset == CHARSET_ASCII ? '^' : 0x25B2;
     int column, row;
     for (int i = 0; i < live->mark_count && layout->x_labels; i++)
         if (figure_cell(layout, live->marks[i], layout->y.from, &column, &row))
-            canvas_put(canvas, at.x + layout->left + column, at.y + layout->top + layout->rows, mark, STYLE_BOLD);
+            canvas_put(canvas, at.x + layout->left + column, at.y + layout->top + layout->rows,
+                       mark, STYLE_BOLD);
 }
 
 /* Corners become branches where a pane continues the frame above. */
@@ -230,35 +243,38 @@ static void copy_rows(const struct canvas *from, struct canvas *to, struct recta
                 from->cell[(size_t)y * (size_t)from->width + (size_t)x];
 }
 
-static bool draw_pane(struct screen *screen, const struct place *place, const struct figure *figure)
+static bool draw_pane(struct screen *screen, const struct index *index, const struct figure *figure)
 {
-    struct rectangle at = {0, 0, place->at.width, pane_drawn_height(place)};
-    struct canvas sheet = {at.width, at.height,
-                           arena_array(&screen->arena, (size_t)at.width * (size_t)at.height, sizeof *sheet.cell)};
-    struct figure_panel panel[PANELS_MOST];
+    struct rectangle at = {0, 0, index->at.width, pane_drawn_height(index)};
+    struct canvas sheet = {
+        at.width, at.height,
+        arena_array(&screen->arena, (size_t)at.width * (size_t)at.height, sizeof *sheet.cell)};
+    struct figure_panel panel[PANELS_MAX];
 
     if (!sheet.cell || !figure_draw(figure, &sheet, 0, 0, at.width, at.height, screen->charset))
         return false;
     const int panels = figure_panels(figure, at.width, at.height, screen->charset, panel);
-    for (int i = 0; i < panels && pane_is_timed(place->pane); i++) {
+    for (int i = 0; i < panels && pane_is_timed(index->pane); i++) {
         const struct rectangle part = {panel[i].x, panel[i].y, panel[i].width, panel[i].height};
         struct figure_layout layout;
         figure_layout(&panel[i].figure, part.width, part.height, screen->charset, &layout);
-        cursors_draw(screen, &layout, &sheet, part, !place->joined && i == 0);
+        cursors_draw(screen, &layout, &sheet, part, !index->joined && i == 0);
         if (i == panels - 1)
             draw_marks(screen, &layout, &sheet, part);
     }
-    copy_rows(&sheet, screen->canvas, place->at);
-    if (place->joined)
-        draw_branches(screen, place->at);
+    copy_rows(&sheet, screen->canvas, index->at);
+    if (index->joined)
+        draw_branches(screen, index->at);
     return true;
 }
 
 /* What the labels of all panels of a figure need. */
-static int widest_gutter(const struct screen *screen, const struct place *place, const struct figure *figure)
+static int widest_gutter(const struct screen *screen, const struct index *index,
+                         const struct figure *figure)
 {
-    struct figure_panel panel[PANELS_MOST];
-    const int panels = figure_panels(figure, place->at.width, pane_drawn_height(place), screen->charset, panel);
+    struct figure_panel panel[PANELS_MAX];
+    const int panels =
+        figure_panels(figure, index->at.width, pane_drawn_height(index), screen->charset, panel);
     int gutter = 0;
     for (int i = 0; i < panels; i++) {
         struct figure_layout layout;
@@ -269,47 +285,50 @@ static int widest_gutter(const struct screen *screen, const struct place *place,
 }
 
 /* All time plots over each other get labels of the same width, so that their axes are aligned. */
-bool panes_figures(struct screen *screen, const struct place *place, int places, struct figure *figure)
+bool panes_figures(struct screen *screen, const struct index *index, int indices,
+                   struct figure *figure)
 {
-    const struct shared_time time = share_time(screen, place, places);
-    for (int i = 0; i < places; i++)
-        if (!make_figure(screen, &place[i], &time, &figure[i]))
+    const struct shared_time time = share_time(screen, index, indices);
+    for (int i = 0; i < indices; i++)
+        if (!make_figure(screen, &index[i], &time, &figure[i]))
             return false;
-    for (int i = 0; i < places; i++) {
+    for (int i = 0; i < indices; i++) {
         int gutter = 0;
-        for (int j = 0; j < places && pane_is_timed(place[i].pane); j++) {
-            if (!pane_is_timed(place[j].pane) || place[j].at.x != place[i].at.x)
+        for (int j = 0; j < indices && pane_is_timed(index[i].pane); j++) {
+            if (!pane_is_timed(index[j].pane) || index[j].at.x != index[i].at.x)
                 continue;
-            gutter = larger(gutter, widest_gutter(screen, &place[j], &figure[j]));
+            gutter = larger(gutter, widest_gutter(screen, &index[j], &figure[j]));
         }
         figure[i].gutter = gutter;
     }
     return true;
 }
 
-bool panes_draw(struct screen *screen, const struct place *place, int places)
+bool panes_draw(struct screen *screen, const struct index *index, int indices)
 {
-    struct figure figure[PLACES_MOST];
-    if (!panes_figures(screen, place, places, figure))
+    struct figure figure[PLACES_MAX];
+    if (!panes_figures(screen, index, indices, figure))
         return false;
-    for (int i = 0; i < places; i++)
-        if (!draw_pane(screen, &place[i], &figure[i]))
+    for (int i = 0; i < indices; i++)
+        if (!draw_pane(screen, &index[i], &figure[i]))
             return false;
     return true;
 }
 
-int panes_time_axis(struct screen *screen, const struct place *place, int places, double span[2])
+int panes_time_axis(struct screen *screen, const struct index *index, int indices, double span[2])
 {
-    struct figure figure[PLACES_MOST];
-    struct figure_panel panel[PANELS_MOST];
+    struct figure figure[PLACES_MAX];
+    struct figure_panel panel[PANELS_MAX];
     struct figure_layout layout;
     int found = -1;
-    for (int i = places - 1; i >= 0; i--)
-        if (pane_is_timed(place[i].pane) && (found < 0 || place[found].pane != screen->session->view.focus))
+    for (int i = indices - 1; i >= 0; i--)
+        if (pane_is_timed(index[i].pane) &&
+            (found < 0 || index[found].pane != screen->session->view.focus))
             found = i;
-    if (found < 0 || !panes_figures(screen, place, places, figure))
+    if (found < 0 || !panes_figures(screen, index, indices, figure))
         return 0;
-    figure_panels(&figure[found], place[found].at.width, pane_drawn_height(&place[found]), screen->charset, panel);
+    figure_panels(&figure[found], index[found].at.width, pane_drawn_height(&index[found]),
+                  screen->charset, panel);
     figure_layout(&panel[0].figure, panel[0].width, panel[0].height, screen->charset, &layout);
     span[0] = layout.x.from;
     span[1] = layout.x.to;

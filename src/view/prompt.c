@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The line being edited. What is longer than the screen scrolls sideways, by half a screen at a time. */
+/* The line being edited. What is longer than the screen scrolls sideways, by half a screen at a
+ * time. */
 #include "view/internal.h"
 
 #include <stdio.h>
 
 #define PIECE 8
 
-/* Takes the next thing off the text as it is shown: a code point, `^J` for a control character, `\xNN` for a byte that
- * is no UTF-8. */
+/* Takes the next thing off the text as it is shown: a code point, `^J` for a control character,
+ * `\xNN` for a byte that is no UTF-8. */
 static struct text next_piece(struct text *text, char out[PIECE])
 {
     static const char invalid[] = "\xEF\xBF\xBD"; /* U+FFFD itself */
@@ -17,7 +18,8 @@ static struct text next_piece(struct text *text, char out[PIECE])
     text->at += used;
     text->len -= used;
     if (codepoint == CODEPOINT_INVALID && !text_is(piece, invalid))
-        piece = (struct text){out, (size_t)snprintf(out, PIECE, "\\x%02X", (unsigned char)*piece.at)};
+        piece =
+            (struct text){out, (size_t)snprintf(out, PIECE, "\\x%02X", (unsigned char)*piece.at)};
     else if (codepoint < 0x20 || codepoint == 0x7F)
         piece = (struct text){out, (size_t)snprintf(out, PIECE, "^%c", (int)(codepoint ^ 0x40))};
     else if (codepoint < 0xA0 && codepoint >= 0x80)
@@ -37,7 +39,8 @@ static int shown_width(struct text text, size_t bytes)
 }
 
 /* Columns from..to of the text, from column x of the screen on. */
-static void draw_part(const struct screen *screen, struct text text, int from, int to, int x, int y, enum style style)
+static void draw_part(const struct screen *screen, struct text text, int from, int to, int x, int y,
+                      enum style style)
 {
     char out[PIECE];
     for (int column = 0; text.len && column < to;) {
@@ -46,7 +49,8 @@ static void draw_part(const struct screen *screen, struct text text, int from, i
             size_t used;
             int width = codepoint_width(text_codepoint(glyph, &used));
             if (column >= from && column + width <= to)
-                canvas_text(screen->canvas, x + column - from, y, (struct text){glyph.at, used}, style);
+                canvas_text(screen->canvas, x + column - from, y, (struct text){glyph.at, used},
+                            style);
             column += width;
             glyph.at += used;
             glyph.len -= used;
@@ -54,10 +58,12 @@ static void draw_part(const struct screen *screen, struct text text, int from, i
     }
 }
 
-void prompt_draw(const struct screen *screen, const struct prompt_line *prompt, int y, int *cursor_x)
+void prompt_draw(const struct screen *screen, const struct prompt_line *prompt, int y,
+                 int *cursor_x)
 {
     int width = screen->canvas->width, lead = shown_width(prompt->prompt, prompt->prompt.len);
-    int total = shown_width(prompt->line, prompt->line.len), cursor = shown_width(prompt->line, prompt->cursor);
+    int total = shown_width(prompt->line, prompt->line.len),
+        cursor = shown_width(prompt->line, prompt->cursor);
 
     if (lead > width / 2 && lead + total >= width) /* the line matters more */
         lead = 0;
@@ -70,7 +76,8 @@ void prompt_draw(const struct screen *screen, const struct prompt_line *prompt, 
     if (!marks)
         offset = larger(cursor - (field - 1), 0);
     bool before = marks && offset > 0, after = marks && total - offset > field;
-    draw_part(screen, prompt->line, offset + before, offset + field - after, lead + before, y, STYLE_PLAIN);
+    draw_part(screen, prompt->line, offset + before, offset + field - after, lead + before, y,
+              STYLE_PLAIN);
     if (before)
         canvas_put(screen->canvas, lead, y, '<', STYLE_DIM);
     if (after)

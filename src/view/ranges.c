@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Ranges of panes: axes that stay where they are while a curve grows, and the one time axis of a screen. */
+/* Ranges of panes: axes that stay where they are while a curve grows, and the one time axis of a
+ * screen. */
 #include "view/internal.h"
 
 #define TOUCH 0.01 /* of a range: so much more does not widen it */
@@ -45,27 +46,33 @@ static struct extent extent_of(const struct figure *figure, int panel, bool vert
     for (int c = 0; c < figure->curves; c++) {
         const struct curve *curve = &figure->curve[c];
         for (size_t i = 0; i < curve->n && curve->panel == panel; i++)
-            if (!vertical || !figure->x.fixed || (curve->x[i] >= figure->x.from && curve->x[i] <= figure->x.to))
+            if (!vertical || !figure->x.fixed ||
+                (curve->x[i] >= figure->x.from && curve->x[i] <= figure->x.to))
                 extend(&extent, vertical ? curve->y[i] : curve->x[i]);
     }
     return extent;
 }
 
 /*
- * Outward to quarter steps of the labels: the range jumps now and then instead of creeping. About zero an oscillation
- * gets as much room below as above. What varies by rounding only is left as it is.
+ * Outward to quarter steps of the labels: the range jumps now and then instead of creeping. About
+ * zero an oscillation gets as much room below as above. What varies by rounding only is left as it
+ * is.
  */
 static void settle(struct axis *axis, struct extent extent, int rows)
 {
-    if (extent.low < 0 && extent.high > 0 && fmin(-extent.low, extent.high) > 0.5 * fmax(-extent.low, extent.high)) {
+    if (extent.low < 0 && extent.high > 0 &&
+        fmin(-extent.low, extent.high) > 0.5 * fmax(-extent.low, extent.high)) {
         extent.high = fmax(-extent.low, extent.high);
         extent.low = -extent.high;
     }
-    double size = fmax(fabs(extent.low), fabs(extent.high)), factor = axis->factor > 0 ? axis->factor : 1;
+    double size = fmax(fabs(extent.low), fabs(extent.high)),
+           factor = axis->factor > 0 ? axis->factor : 1;
     if (axis->log || axis->fixed || !(extent.high - extent.low > 1e-6 * size))
         return;
-    struct ticks ticks = ticks_linear(extent.low / factor, extent.high / factor, 2 + rows / 4, larger(rows / 2, 3));
-    double step = ticks.count > 1 ? ticks.step * factor / 4 : 0, touch = TOUCH * (extent.high - extent.low);
+    struct ticks ticks =
+        ticks_linear(extent.low / factor, extent.high / factor, 2 + rows / 4, larger(rows / 2, 3));
+    double step = ticks.count > 1 ? ticks.step * factor / 4 : 0,
+           touch = TOUCH * (extent.high - extent.low);
     if (!(step > 0))
         return;
     axis->fixed = true;
@@ -76,23 +83,27 @@ static void settle(struct axis *axis, struct extent extent, int rows)
 void ranges_reach_label(struct axis *axis, int columns)
 {
     double span = axis->to - axis->from, factor = axis->factor > 0 ? axis->factor : 1;
-    struct ticks ticks = ticks_linear(axis->from / factor, axis->to / factor, 2 + columns / 12, larger(columns / 4, 2));
+    struct ticks ticks = ticks_linear(axis->from / factor, axis->to / factor, 2 + columns / 12,
+                                      larger(columns / 4, 2));
     double next = (ticks.first + ticks.count * ticks.step) * factor;
     if (ticks.count > 1 && next > axis->to && next - axis->to < NEAR * span)
         axis->to = next;
 }
 
-/* While a run goes on the range holds the amplitude the scene is expected to have, from the first frame on. */
-static void extend_expected(const struct session *session, const struct figure *figure, enum pane pane, bool vertical,
-                            struct extent *extent)
+/* While a run goes on the range holds the amplitude the scene is expected to have, from the first
+ * frame on. */
+static void extend_expected(const struct session *session, const struct figure *figure,
+                            enum pane pane, bool vertical, struct extent *extent)
 {
     const struct run *run = session_run(session);
-    if (!run || !run_in_progress(session) || pane == PANE_ERROR || pane == PANE_RESIDUAL || pane == PANE_SPECTRUM)
+    if (!run || !run_in_progress(session) || pane == PANE_ERROR || pane == PANE_RESIDUAL ||
+        pane == PANE_SPECTRUM)
         return;
     const struct system *system = &run->system;
     if (pane == PANE_ENERGY) {
         if (system->order == 2)
-            extend(extent, system_kinetic(system, system->start) + system_potential(system, system->start));
+            extend(extent,
+                   system_kinetic(system, system->start) + system_potential(system, system->start));
         return;
     }
     if (system->model->typed && system->oscillator.whole && !(system->oscillator.stiffness > 0))
@@ -107,7 +118,8 @@ static void extend_expected(const struct session *session, const struct figure *
 static void settle_decades(struct axis *axis, struct extent extent)
 {
     const double factor = axis->factor > 0 ? axis->factor : 1;
-    const double low = log10(fmax(extent.low, axis->least) / factor), high = log10(extent.high / factor);
+    const double low = log10(fmax(extent.low, axis->min) / factor),
+                 high = log10(extent.high / factor);
     if (axis->fixed || !isfinite(low) || !isfinite(high) || fabs(low) > 290 || fabs(high) > 290)
         return;
     axis->fixed = true;
@@ -116,8 +128,8 @@ static void settle_decades(struct axis *axis, struct extent extent)
 }
 
 /* The axes of one panel; the run that goes on is the first curve. */
-static void settle_panel(const struct screen *screen, const struct place *place, const struct figure *figure, int panel,
-                         struct axis *x, struct axis *y)
+static void settle_panel(const struct screen *screen, const struct index *index,
+                         const struct figure *figure, int panel, struct axis *x, struct axis *y)
 {
     const struct session *session = screen->session;
     const bool first = figure->curves == 0 || figure->curve[0].panel == panel;
@@ -126,29 +138,29 @@ static void settle_panel(const struct screen *screen, const struct place *place,
         settle_decades(y, extent);
         return;
     }
-    if (from_zero(place->pane) && extent.low <= extent.high)
+    if (from_zero(index->pane) && extent.low <= extent.high)
         extend(&extent, 0);
     if (first)
-        extend_expected(session, figure, place->pane, true, &extent);
-    settle(y, extent, place->at.height);
-    if (!pane_is_plane(place->pane))
+        extend_expected(session, figure, index->pane, true, &extent);
+    settle(y, extent, index->at.height);
+    if (!pane_is_plane(index->pane))
         return;
     if (first)
-        extend_expected(session, figure, place->pane, false, &across);
-    settle(x, across, place->at.height);
+        extend_expected(session, figure, index->pane, false, &across);
+    settle(x, across, index->at.height);
     if (figure->equal && (!x->fixed || !y->fixed)) { /* at rest */
-        double room = 0.1 * fmax(fabs(across.low), fabs(across.high));
-        x->fixed = y->fixed = room > 0 && isfinite(room);
-        x->from = across.low - room;
-        x->to = across.high + room;
-        y->from = extent.low - room;
-        y->to = extent.high + room;
+        double capacity = 0.1 * fmax(fabs(across.low), fabs(across.high));
+        x->fixed = y->fixed = capacity > 0 && isfinite(capacity);
+        x->from = across.low - capacity;
+        x->to = across.high + capacity;
+        y->from = extent.low - capacity;
+        y->to = extent.high + capacity;
     }
 }
 
-bool ranges_settle(struct screen *screen, const struct place *place, struct figure *figure)
+bool ranges_settle(struct screen *screen, const struct index *index, struct figure *figure)
 {
-    settle_panel(screen, place, figure, 0, &figure->x, &figure->y);
+    settle_panel(screen, index, figure, 0, &figure->x, &figure->y);
     if (!figure->second)
         return true;
     struct axis *second = arena_array(&screen->arena, 2, sizeof *second);
@@ -156,7 +168,7 @@ bool ranges_settle(struct screen *screen, const struct place *place, struct figu
         return false;
     second[0] = figure->plane ? figure->second[0] : figure->x;
     second[1] = figure->second[1];
-    settle_panel(screen, place, figure, 1, &second[0], &second[1]);
+    settle_panel(screen, index, figure, 1, &second[0], &second[1]);
     figure->second = second;
     return true;
 }

@@ -12,10 +12,10 @@ static void draw_parts(struct screen *screen, const struct prompt_line *prompt, 
     if (division.state)
         state_line_draw(screen, y++);
     if (division.plots) {
-        struct place place[PLACES_MOST];
-        int places = screen_places(session, (struct rectangle){0, y, width, division.plots}, screen->canvas->height,
-                                   place);
-        *ok = panes_draw(screen, place, places);
+        struct index index[PLACES_MAX];
+        int indices = screen_places(session, (struct rectangle){0, y, width, division.plots},
+                                    screen->canvas->height, index);
+        *ok = panes_draw(screen, index, indices);
         y += division.plots;
     }
     struct rectangle log = {0, y, width, division.log};
@@ -28,10 +28,11 @@ static void draw_parts(struct screen *screen, const struct prompt_line *prompt, 
         numbers_draw(screen, prompt->hint, y);
 }
 
-bool screen_draw(const struct session *session, const struct prompt_line *prompt, struct canvas *canvas, int *cursor_x,
-                 int *cursor_y)
+bool screen_draw(const struct session *session, const struct prompt_line *prompt,
+                 struct canvas *canvas, int *cursor_x, int *cursor_y)
 {
-    struct screen screen = {.session = session, .canvas = canvas, .charset = session_charset(session)};
+    struct screen screen = {
+        .session = session, .canvas = canvas, .charset = session_charset(session)};
     bool ok = true;
     int x = 0;
 
@@ -69,10 +70,10 @@ static int time_axis(const struct session *session, int width, int height, doubl
 {
     struct screen screen = {.session = session, .charset = session_charset(session)};
     struct division division = screen_division(session, height);
-    struct place place[PLACES_MOST];
+    struct index index[PLACES_MAX];
     const struct rectangle area = {0, division.state, width, division.plots};
-    int places = division.plots ? screen_places(session, area, height, place) : 0;
-    int columns = panes_time_axis(&screen, place, places, span);
+    int indices = division.plots ? screen_places(session, area, height, index) : 0;
+    int columns = panes_time_axis(&screen, index, indices, span);
     arena_reset(&screen.arena);
     return columns;
 }

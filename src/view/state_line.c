@@ -11,10 +11,14 @@ struct form {
 };
 
 static const struct form forms[] = {
-    {true, true, true, true, true, true, true, true},         {true, false, true, true, true, true, true, true},
-    {true, false, true, true, true, false, true, true},       {true, false, false, true, true, false, true, true},
-    {true, false, false, true, true, false, true, false},     {false, false, false, true, true, false, true, false},
-    {false, false, false, true, false, false, true, false},   {false, false, false, false, false, false, true, false},
+    {true, true, true, true, true, true, true, true},
+    {true, false, true, true, true, true, true, true},
+    {true, false, true, true, true, false, true, true},
+    {true, false, false, true, true, false, true, true},
+    {true, false, false, true, true, false, true, false},
+    {false, false, false, true, true, false, true, false},
+    {false, false, false, true, false, false, true, false},
+    {false, false, false, false, false, false, true, false},
     {false, false, false, false, false, false, false, false},
 };
 
@@ -30,7 +34,8 @@ static void put_quantity(struct buffer *out, double value, enum quantity quantit
 
 static void put_parameter(struct buffer *out, const struct scene *scene, int i, const char *gap)
 {
-    const struct param_row *param = (const struct param_row *)(const void *)catalog_row(scene_params(scene), (size_t)i);
+    const struct param_row *param =
+        (const struct param_row *)(const void *)catalog_row(scene_params(scene), (size_t)i);
     buffer_format(out, "%s%s=", gap, param->row.name);
     if (scene->value[i] == 0 || param->quantity == QUANTITY_RATE) /* 1/s goes without saying */
         buffer_short(out, scene->value[i], 3);
@@ -39,16 +44,16 @@ static void put_parameter(struct buffer *out, const struct scene *scene, int i, 
 }
 
 /* Those that matter, `most` in all; where it starts only on request. */
-static void put_parameters(struct buffer *out, const struct scene *scene, int most, bool start)
+static void put_parameters(struct buffer *out, const struct scene *scene, int max, bool start)
 {
     const int count = (int)scene_params(scene)->count, t0 = scene_param(scene, "t0");
     bool is_start[PARAM_MAX];
     for (int i = 0; i < count; i++) {
         is_start[i] = param_is_start(scene, i);
-        if (is_start[i] || most <= 0 || !param_matters(scene, i))
+        if (is_start[i] || max <= 0 || !param_matters(scene, i))
             continue;
         put_parameter(out, scene, i, "  ");
-        most--;
+        max--;
     }
     const char *gap = "  ";
     for (int i = 0; i < count && start; i++) {
@@ -63,7 +68,8 @@ static void put_parameters(struct buffer *out, const struct scene *scene, int mo
 static int time_decimals(double dt)
 {
     int decimals = 2;
-    for (double unit = 0.01; decimals < 4 && dt < 0.5 && fabs(dt / unit - floor(dt / unit + 0.5)) > 1e-6; unit /= 10)
+    for (double unit = 0.01;
+         decimals < 4 && dt < 0.5 && fabs(dt / unit - floor(dt / unit + 0.5)) > 1e-6; unit /= 10)
         decimals++;
     return decimals;
 }
@@ -86,12 +92,14 @@ static void put_progress(struct buffer *out, const struct session *session, cons
         buffer_put(out, form->blanks ? TEXT("  ") : TEXT(" "));
     } else if (form->state && live->state == LIVE_PAUSED) {
         buffer_put(out, TEXT("PAUSED "));
-    } else if (form->state && (live->state == LIVE_DIVERGED || (run && run->stop == STOP_DIVERGED))) {
+    } else if (form->state &&
+               (live->state == LIVE_DIVERGED || (run && run->stop == STOP_DIVERGED))) {
         buffer_put(out, TEXT("DIVERGED "));
     }
     if (!run)
         return;
-    buffer_format(out, "t=%.*f%s", time_decimals(run->settings.dt), run->t, form->blanks ? " s" : "");
+    buffer_format(out, "t=%.*f%s", time_decimals(run->settings.dt), run->t,
+                  form->blanks ? " s" : "");
     if (form->steps)
         buffer_format(out, "  %lld step%s", (long long)run->steps, run->steps == 1 ? "" : "s");
 }
@@ -117,8 +125,8 @@ static void put_method(struct buffer *out, const struct session *session, const 
     const struct run *run = session_run(session);
     const struct solving next = {session->setup.method, session_run_settings(session)};
     const struct solving by = run ? (struct solving){run->method, run->settings} : next;
-    const bool other =
-        by.settings.tol != next.settings.tol || (by.settings.tol == 0 && by.settings.dt != next.settings.dt);
+    const bool other = by.settings.tol != next.settings.tol ||
+                       (by.settings.tol == 0 && by.settings.dt != next.settings.dt);
     buffer_put(out, text_of(by.method->row.name));
     if (form->step)
         put_step(out, &by, form);
@@ -129,7 +137,8 @@ static void put_method(struct buffer *out, const struct session *session, const 
         put_step(out, &next, form);
 }
 
-static void put_form(struct buffer *out, const struct session *session, const struct form *form, int parameters)
+static void put_form(struct buffer *out, const struct session *session, const struct form *form,
+                     int parameters)
 {
     const struct setup *setup = &session->setup;
     const struct text bar = form->blanks ? TEXT(" | ") : TEXT(" ");
@@ -151,7 +160,8 @@ static void put_form(struct buffer *out, const struct session *session, const st
 }
 
 /* The word that tells the state stands out, but is there without colours too. */
-static void mark_word(const struct screen *screen, int y, struct text line, const char *word, enum style style)
+static void mark_word(const struct screen *screen, int y, struct text line, const char *word,
+                      enum style style)
 {
     const char *at = line.len ? memmem(line.at, line.len, word, strlen(word)) : NULL;
     if (at)
@@ -179,8 +189,10 @@ void state_line_draw(const struct screen *screen, int y)
             tighten(&text);
         if (text_width(buffer_text(&text)) <= width)
             break;
-        if (forms[i].parameters && !forms[i].steps && parameters > 2) /* the last ones go before all do */
-            parameters = smaller(parameters, (int)scene_params(&screen->session->setup.scene)->count) - 1;
+        if (forms[i].parameters && !forms[i].steps &&
+            parameters > 2) /* the last ones go before all do */
+            parameters =
+                smaller(parameters, (int)scene_params(&screen->session->setup.scene)->count) - 1;
         else
             i++;
     }

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Adaptive solves at the same achieved error, not at the same tolerance: the errors of each solver are measured over
- * ten decades of tolerances, and it is timed at the one where they pass the error asked for.
+ * Adaptive solves at the same achieved error, not at the same tolerance: the errors of each solver
+ * are measured over ten decades of tolerances, and it is timed at the one where they pass the error
+ * asked for.
  */
 #include "bench/bench.h"
 #include "study/compare/solve.h"
@@ -65,7 +66,8 @@ static void robertson(double t, const double *y, double *dydt)
 
 static void robertson_jacobian(double t, const double *y, double *jac)
 {
-    const double row[] = {-0.04, 1e4 * y[2], 1e4 * y[1], 0.04, -1e4 * y[2] - 6e7 * y[1], -1e4 * y[1], 0, 6e7 * y[1], 0};
+    const double row[] = {-0.04,       1e4 * y[2], 1e4 * y[1], 0.04, -1e4 * y[2] - 6e7 * y[1],
+                          -1e4 * y[1], 0,          6e7 * y[1], 0};
     (void)t;
     memcpy(jac, row, sizeof row);
 }
@@ -77,7 +79,8 @@ static void robertson_jacobian(double t, const double *y, double *jac)
 struct rival {
     const char *name;
     solve_function *solve; /* NULL: hooke's method of that name */
-    double goal; /* hooke: of the ratio to the solver by hand, NAN: none; others: of hooke's to it */
+    double
+        goal; /* hooke: of the ratio to the solver by hand, NAN: none; others: of hooke's to it */
     const char *absent;
     const char *mine; /* others: hooke's that is of the same kind; NULL: the best */
 };
@@ -121,26 +124,26 @@ static double run_entry(void *self)
 static double achieved(struct entry *e, double tol)
 {
     const double span = e->problem.span;
-    double most = 0;
+    double max = 0;
     for (int k = 0; k < PROBLEM_CHECKS && e->problem.check[k].t > 0; k++) {
         const struct check *check = &e->problem.check[k];
         double end[LIMIT_VARIABLES] = {0};
         e->problem.span = check->t;
         if (!solve_once(e, tol, e->start, end))
-            most = NAN;
+            max = NAN;
         for (int i = 0; i < e->problem.n; i++) {
             const double error = fabs(end[i] - check->y[i]) / e->problem.unit[i];
-            if (!(error <= most))
-                most = error;
+            if (!(error <= max))
+                max = error;
         }
     }
     e->problem.span = span;
-    return most;
+    return max;
 }
 
 /*
- * The tolerance below which there are as many larger errors as there are small ones above it: where errors fall
- * steadily, the one where they pass ERROR. False: there is none.
+ * The tolerance below which there are as many larger errors as there are small ones above it: where
+ * errors fall steadily, the one where they pass ERROR. False: there is none.
  */
 static bool calibrate(struct entry *e)
 {
@@ -206,7 +209,8 @@ static void compete(const struct problem *p, const struct scene *scene, const st
     for (int i = 0; i < count; i++) {
         if (entry[i].solve)
             hand = hand < 0 ? i : hand;
-        else if (strncmp(name[i], "cvode", 5) != 0 && (best < 0 || arm[i].minimum < arm[best].minimum))
+        else if (strncmp(name[i], "cvode", 5) != 0 &&
+                 (best < 0 || arm[i].minimum < arm[best].minimum))
             best = i;
     }
     table_begin(p->name, "us a solve");
@@ -214,7 +218,8 @@ static void compete(const struct problem *p, const struct scene *scene, const st
     for (int i = 0; i < count && hand >= 0 && best >= 0; i++) {
         const bool own = !entry[i].solve && strncmp(name[i], "cvode", 5) != 0;
         const int mine = own ? i : kin[i] >= 0 ? kin[i] : best;
-        snprintf(what, sizeof what, "%s, tol %.1e, error %.1e", name[mine], entry[mine].tol, entry[mine].error);
+        snprintf(what, sizeof what, "%s, tol %.1e, error %.1e", name[mine], entry[mine].tol,
+                 entry[mine].error);
         if (own)
             table_row(what, &arm[i], name[hand], &arm[hand], i == best ? goal[i] : NAN);
         else if (i != hand)
@@ -232,8 +237,8 @@ static void compete(const struct problem *p, const struct scene *scene, const st
 
 /* ---- the contests ---- */
 
-static const char note[] =
-    "Each at the tolerance where its error is 1e-6 (unit: the amplitudes); hooke without recording.";
+static const char note[] = "Each at the tolerance where its error is 1e-6 (unit: the amplitudes); "
+                           "hooke without recording.";
 #ifdef HAVE_BOOST
 #define BOOST(function) .solve = (function)
 #else
@@ -276,8 +281,11 @@ void bench_adaptive(void)
         {"cvode-adams", NULL, 1, NULL},
         {NULL, NULL, 0, NULL},
     };
-    struct problem unit = {
-        .name = "Harmonic oscillator to t = 100", .n = 2, .span = 100, .unit = {1, 1}, .slope = oscillator};
+    struct problem unit = {.name = "Harmonic oscillator to t = 100",
+                           .n = 2,
+                           .span = 100,
+                           .unit = {1, 1},
+                           .slope = oscillator};
     struct problem orbit = {.name = "Kepler, e = 0.5, 20 orbits",
                             .n = 4,
                             .span = 20 * 6.283185307179586477,
@@ -293,7 +301,8 @@ void bench_adaptive(void)
     table_note("%s", note);
 }
 
-/* Reference values: __float128 Radau IIA of order 17 against order 13; IVP test set (Mazzia, Magherini 2008). */
+/* Reference values: __float128 Radau IIA of order 17 against order 13; IVP test set (Mazzia,
+ * Magherini 2008). */
 void bench_stiff(void)
 {
     static const struct rival relaxations[] = {
@@ -316,24 +325,29 @@ void bench_stiff(void)
         {"cvode-bdf", NULL, 1, NULL},
         {NULL, NULL, 0, NULL},
     };
-    static const struct problem vdp = {.name = "van der Pol, mu = 1000, to t = 2000",
-                                       .n = 2,
-                                       .span = 2000,
-                                       .check = {{2000, {1.7061677321704650084781876, -8.9280970102481654778e-4}}},
-                                       .unit = {2, 1333},
-                                       .scale = {2, 2},
-                                       .slope = vanderpol,
-                                       .jacobian = vanderpol_jacobian};
+    static const struct problem vdp = {
+        .name = "van der Pol, mu = 1000, to t = 2000",
+        .n = 2,
+        .span = 2000,
+        .check = {{2000, {1.7061677321704650084781876, -8.9280970102481654778e-4}}},
+        .unit = {2, 1333},
+        .scale = {2, 2},
+        .slope = vanderpol,
+        .jacobian = vanderpol_jacobian};
     static const struct problem rober = {
         .name = "Robertson to t = 1e11",
         .n = 3,
         .span = 1e11,
-        .check = {{1, {9.6645973733300350351e-1, 3.07462657857867473926e-5, 3.35095164012107097421e-2}},
-                  {100, {6.172348823960877560214e-1, 6.1535912746391229234e-6, 3.8275896401263760486e-1}},
-                  {1e4, {1.07300428537804041956e-1, 4.800166972571659793e-7, 8.92699091445498700879e-1}},
-                  {1e6, {2.03148392497341551292e-3, 8.142277783356161890e-9, 9.97968507932748801131e-1}},
-                  {1e8, {2.08241751217946066846e-5, 8.329841429908957698e-11, 9.99979175741579791094e-1}},
-                  {1e11, {2.08334014970129423057e-8, 8.333360770334783401e-14, 9.99999979166515169379e-1}}},
+        .check =
+            {{1, {9.6645973733300350351e-1, 3.07462657857867473926e-5, 3.35095164012107097421e-2}},
+             {100,
+              {6.172348823960877560214e-1, 6.1535912746391229234e-6, 3.8275896401263760486e-1}},
+             {1e4, {1.07300428537804041956e-1, 4.800166972571659793e-7, 8.92699091445498700879e-1}},
+             {1e6, {2.03148392497341551292e-3, 8.142277783356161890e-9, 9.97968507932748801131e-1}},
+             {1e8,
+              {2.08241751217946066846e-5, 8.329841429908957698e-11, 9.99979175741579791094e-1}},
+             {1e11,
+              {2.08334014970129423057e-8, 8.333360770334783401e-14, 9.99999979166515169379e-1}}},
         .unit = {1, 3.6514837167011e-5, 1},
         .scale = {1, 3.6514837167011e-5, 1},
         .slope = robertson,

@@ -66,11 +66,12 @@ static int met, missed;
 void table_begin(const char *title, const char *unit)
 {
     printf("\n%s; times in %s\n", title, unit);
-    printf("%-41s %7s %-17s %7s %5s %4s %-7s %s\n", "what", "hooke", "against", "other", "ratio", "goal", "verdict",
-           "noise");
+    printf("%-41s %7s %-17s %7s %5s %4s %-7s %s\n", "what", "hooke", "against", "other", "ratio",
+           "goal", "verdict", "noise");
 }
 
-void table_row(const char *what, const struct arm *hooke, const char *other_name, const struct arm *other, double goal)
+void table_row(const char *what, const struct arm *hooke, const char *other_name,
+               const struct arm *other, double goal)
 {
     const double ratio = hooke->minimum / other->minimum, spread = arm_spread(hooke, other);
     const bool good = ratio <= goal;
@@ -81,8 +82,8 @@ void table_row(const char *what, const struct arm *hooke, const char *other_name
         snprintf(wanted, sizeof wanted, "%.2f", goal);
         snprintf(verdict, sizeof verdict, "%s%s", good ? "met" : "MISSED", spread > 0.1 ? "~" : "");
     }
-    printf("%-41s %7.3g %-17s %7.3g %5.*f %4s %-7s %3.0f%%\n", what, hooke->minimum, other_name, other->minimum,
-           ratio < 1 ? 3 : 2, ratio, wanted, verdict, 100 * spread);
+    printf("%-41s %7.3g %-17s %7.3g %5.*f %4s %-7s %3.0f%%\n", what, hooke->minimum, other_name,
+           other->minimum, ratio < 1 ? 3 : 2, ratio, wanted, verdict, 100 * spread);
     fflush(stdout);
 }
 
@@ -135,13 +136,14 @@ struct scene bench_scene(const char *preset, const char *setting, double value)
     if (!row)
         bench_die(preset, "no such scene");
     scene_init(&scene, (const void *)row);
-    if (setting && !scene_set(&scene, scene_param(&scene, setting), (struct measured){value, 0}, &error))
+    if (setting &&
+        !scene_set(&scene, scene_param(&scene, setting), (struct measured){value, 0}, &error))
         bench_die(setting, error.text);
     return scene;
 }
 
-struct run *bench_run(const struct scene *scene, const struct method *method, const struct run_settings *settings,
-                      double span)
+struct run *bench_run(const struct scene *scene, const struct method *method,
+                      const struct run_settings *settings, double span)
 {
     struct error error = {0};
     return run_create(scene, method, settings, span, &error);
@@ -167,7 +169,9 @@ static const struct topic {
 static const char *instructions(void)
 {
 #ifdef __x86_64__
-    return __builtin_cpu_supports("avx512f") ? "AVX-512" : __builtin_cpu_supports("avx2") ? "AVX2" : "x86-64";
+    return __builtin_cpu_supports("avx512f") ? "AVX-512"
+           : __builtin_cpu_supports("avx2")  ? "AVX2"
+                                             : "x86-64";
 #else
     return "baseline";
 #endif
@@ -176,10 +180,12 @@ static const char *instructions(void)
 int main(int argc, char **argv)
 {
     bool found = argc < 2;
-    /* The heap keeps what a run gives back, so that the next one finds warm memory, as the loops by hand do. */
+    /* The heap keeps what a run gives back, so that the next one finds warm memory, as the loops by
+     * hand do. */
     mallopt(M_TRIM_THRESHOLD, 512 << 20);
     mallopt(M_TOP_PAD, 64 << 20);
-    printf("instructions: %s; minimum of %d rounds, in random order; ~: a median more than 10 %% above\n",
+    printf("instructions: %s; minimum of %d rounds, in random order; ~: a median more than 10 %% "
+           "above\n",
            instructions(), ROUNDS);
     printf("memory that was freed stays warm: mallopt(M_TRIM_THRESHOLD, M_TOP_PAD)\n");
     for (size_t i = 0; i < COUNT_OF(topics); i++) {
@@ -189,7 +195,8 @@ int main(int argc, char **argv)
         topics[i].run();
     }
     if (!found)
-        bench_die(argv[1], "topics are commands, ranking, fixed, linear, cost, text, adaptive, stiff, sweep, forces");
+        bench_die(argv[1], "topics are commands, ranking, fixed, linear, cost, text, adaptive, "
+                           "stiff, sweep, forces");
     printf("\n%d goals met, %d missed\n", met, missed);
     return 0;
 }

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What the benchmarks share: contests between arms, tables of ratios, the hand-written competitors. */
+/* What the benchmarks share: contests between arms, tables of ratios, the hand-written competitors.
+ */
 #ifndef BENCH_H
 #define BENCH_H
 
@@ -7,7 +8,8 @@
 
 #include "bench/problem.h"
 
-/* ---- a contest: arms interleaved in random order, so that whatever disturbs the machine meets all alike ---- */
+/* ---- a contest: arms interleaved in random order, so that whatever disturbs the machine meets all
+ * alike ---- */
 
 #define ROUNDS 25
 
@@ -16,19 +18,21 @@ struct arm {
     void *self;
     double minimum, median;
 };
-#define ARM(function, what)                                                                                            \
-    {                                                                                                                  \
-        .run = (function), .self = (what)                                                                              \
+#define ARM(function, what)                                                                        \
+    {                                                                                              \
+        .run = (function), .self = (what)                                                          \
     }
 
 void contest(struct arm *arm, int count);
-double arm_spread(const struct arm *a, const struct arm *b); /* the larger median/minimum - 1 of both */
+double arm_spread(const struct arm *a,
+                  const struct arm *b); /* the larger median/minimum - 1 of both */
 
 /* ---- tables: 98 columns ---- */
 
 void table_begin(const char *title, const char *unit); /* unit: of the times */
 /* ratio = hooke/other; goal NAN: none. A verdict on times that wander by more than 10 % has a ~. */
-void table_row(const char *what, const struct arm *hooke, const char *other_name, const struct arm *other, double goal);
+void table_row(const char *what, const struct arm *hooke, const char *other_name,
+               const struct arm *other, double goal);
 void table_absent(const char *other_name, const char *why);
 /* A goal that is no ratio of times. */
 void table_verdict(bool good, const char *format, ...) __attribute__((format(printf, 2, 3)));
@@ -37,9 +41,10 @@ void table_note(const char *format, ...) __attribute__((format(printf, 1, 2)));
 /* ---- scenes and methods by name; the benchmark ends where one is missing ---- */
 
 const struct method *bench_method(const char *name);
-struct scene bench_scene(const char *preset, const char *setting, double value); /* setting NULL: none */
-struct run *bench_run(const struct scene *scene, const struct method *method, const struct run_settings *settings,
-                      double span);
+struct scene bench_scene(const char *preset, const char *setting,
+                         double value); /* setting NULL: none */
+struct run *bench_run(const struct scene *scene, const struct method *method,
+                      const struct run_settings *settings, double span);
 void bench_die(const char *what, const char *why) __attribute__((noreturn));
 void memory_cold(void); /* what is free goes back to the system */
 
@@ -62,9 +67,11 @@ hand_loop *hand_chain(int n); /* rk4 of 4, 8, 16 or 32 oscillators in a ring */
 
 /* ---- adaptive solves: hooke, by hand, and by libraries ---- */
 
-solve_function hand_dop853_oscillator, hand_dop853_kepler, hand_rodas5p_vanderpol, hand_rodas5p_robertson;
+solve_function hand_dop853_oscillator, hand_dop853_kepler, hand_rodas5p_vanderpol,
+    hand_rodas5p_robertson;
 solve_function gsl_rk8pd, gsl_msbdf, gsl_bsimp;
-hand_loop *gsl_loop(const char *method, const char *scene); /* its rk4, with the scene's terms only */
+hand_loop *gsl_loop(const char *method,
+                    const char *scene); /* its rk4, with the scene's terms only */
 
 /* ---- topics ---- */
 

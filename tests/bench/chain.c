@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Rings of oscillators by hand: x_i'' = k (x_i+1 - 2 x_i + x_i-1) - b x_i^3, their number known to the compiler. */
+/* Rings of oscillators by hand: x_i'' = k (x_i+1 - 2 x_i + x_i-1) - b x_i^3, their number known to
+ * the compiler. */
 #include "bench/bench.h"
 
 #include <string.h>
@@ -14,23 +15,25 @@ INLINE void accelerate(int n, const struct known *f, const double *x, double *a)
     a[n - 1] = f->k * (x[0] - 2 * x[n - 1] + x[n - 2]) - f->b * x[n - 1] * x[n - 1] * x[n - 1];
 }
 
-enum { CHAIN_MOST = 32 };
+enum { CHAIN_MAX = 32 };
 
 /* z = y + part k, both the positions and the velocities; then the slope there */
 INLINE void stage(int n, const struct known *f, const double *y, double part, const double *k,
                   double *slope)
 {
-    double z[2 * CHAIN_MOST];
+    double z[2 * CHAIN_MAX];
     for (int i = 0; i < 2 * n; i++)
         z[i] = y[i] + part * k[i];
     memcpy(slope, z + n, (size_t)n * sizeof *z);
     accelerate(n, f, z, slope + n);
 }
 
-INLINE void rk4(int n, const struct known *given, double h, int64_t count, double *state, double *row)
+INLINE void rk4(int n, const struct known *given, double h, int64_t count, double *state,
+                double *row)
 {
     const struct known known = *given, *const f = &known;
-    double y[2 * CHAIN_MOST], k1[2 * CHAIN_MOST], k2[2 * CHAIN_MOST], k3[2 * CHAIN_MOST], k4[2 * CHAIN_MOST];
+    double y[2 * CHAIN_MAX], k1[2 * CHAIN_MAX], k2[2 * CHAIN_MAX], k3[2 * CHAIN_MAX],
+        k4[2 * CHAIN_MAX];
     memcpy(y, state, 2 * (size_t)n * sizeof *y);
     for (int64_t i = 0; i < count; i++, row += 2 * n) {
         memcpy(k1, y + n, (size_t)n * sizeof *y);

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * What people type, as whole processes: the processor time (user and system) of the program with a command, start and
- * end included, against that of a program by hand that does the same job and is linked with the same libraries.
+ * What people type, as whole processes: the processor time (user and system) of the program with a
+ * command, start and end included, against that of a program by hand that does the same job and is
+ * linked with the same libraries.
  */
 #include "bench/bench.h"
 
@@ -31,7 +32,8 @@ static const char *program(void)
     return path;
 }
 
-__attribute__((format(printf, 2, 3))) static void put(struct command *command, const char *format, ...)
+__attribute__((format(printf, 2, 3))) static void put(struct command *command, const char *format,
+                                                      ...)
 {
     va_list args;
     va_start(args, format);
@@ -58,7 +60,8 @@ static double run_command(void *self)
         execv(command->word[0], command->word);
         _exit(127);
     }
-    if (child < 0 || wait4(child, &status, 0, &usage) != child || !WIFEXITED(status) || WEXITSTATUS(status) != 0)
+    if (child < 0 || wait4(child, &status, 0, &usage) != child || !WIFEXITED(status) ||
+        WEXITSTATUS(status) != 0)
         return NAN;
     return 1e3 * (double)(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec) +
            1e-3 * (double)(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec);
@@ -94,7 +97,8 @@ static void row(const char *what, struct command *hooke, struct command *hand, d
 }
 
 /* The words that hand programs want of a run: scene, method, steps, dt, start. */
-static void put_run(struct command *command, const struct hand_scene *hand, const char *method, long steps, double h)
+static void put_run(struct command *command, const struct hand_scene *hand, const char *method,
+                    long steps, double h)
 {
     const struct scene scene = bench_scene(hand->preset, NULL, 0);
     struct system system;
@@ -109,14 +113,15 @@ static void put_run(struct command *command, const struct hand_scene *hand, cons
         put(command, "%.17g", system.start[i]);
 }
 
-static void run_row(const struct hand_scene *scene, const char *method, long steps, const char *record, double goal)
+static void run_row(const struct hand_scene *scene, const char *method, long steps,
+                    const char *record, double goal)
 {
     const double h = 1e-3;
     char line[256], what[64];
     if (!hand_find(scene, method))
         return;
-    snprintf(line, sizeof line, "scene %s; method %s dt=%gs; set record %s; run %.17g s", scene->preset, method, h,
-             record, (double)steps * h);
+    snprintf(line, sizeof line, "scene %s; method %s dt=%gs; set record %s; run %.17g s",
+             scene->preset, method, h, record, (double)steps * h);
     struct command hooke = typed(line), hand = by_hand("run");
     put_run(&hand, scene, method, steps, h);
     snprintf(what, sizeof what, "run, %s, %s", method, scene->name);
@@ -129,7 +134,8 @@ static void runs(void)
     table_begin("Whole commands: run, 5e5 steps, all recorded", "ms of processor time");
     for (const struct hand_scene *scene = hand_scenes; scene->name; scene++)
         for (size_t m = 0; scene->n == 2 && m < COUNT_OF(methods); m++) {
-            const bool dear = strcmp(scene->name, "driven") == 0 || strcmp(scene->name, "quadratic drag") == 0;
+            const bool dear =
+                strcmp(scene->name, "driven") == 0 || strcmp(scene->name, "quadratic drag") == 0;
             run_row(scene, methods[m], 500000, "all", dear ? 1.3 : 1.15);
         }
     table_begin("Whole commands: run, 5e6 steps, as recorded by default", "ms of processor time");
@@ -138,7 +144,8 @@ static void runs(void)
 }
 
 /* So many lines of a script, each of so many steps. */
-static void line_row(const char *what, const char *line, int count, long steps, const char *scene, const char *method)
+static void line_row(const char *what, const char *line, int count, long steps, const char *scene,
+                     const char *method)
 {
     const struct hand_scene *scene_by_hand = hand_scene(scene);
     static const char name[] = FOLDER "lines.hk";
@@ -182,13 +189,15 @@ static void others(void)
 
     hooke = typed("duration = 100 s; timing off; compare euler symplectic-euler verlet rk4 dt=1ms");
     hand = by_hand("compare");
-    const char *const words[] = {"100000", "0.001", "8.6602540378443873", "0.05", "euler", "symplectic-euler", "verlet",
-                                 "rk4"};
+    const char *const words[] = {"100000", "0.001", "8.6602540378443873",
+                                 "0.05",   "euler", "symplectic-euler",
+                                 "verlet", "rk4"};
     for (size_t i = 0; i < COUNT_OF(words); i++)
         put(&hand, "%s", words[i]);
     row("compare, four methods, 1e5 steps", &hooke, &hand, NAN);
 
-    hooke = typed("duration = 8 s; timing off; precision euler verlet rk4 dt=0.000244140625:0.0625");
+    hooke =
+        typed("duration = 8 s; timing off; precision euler verlet rk4 dt=0.000244140625:0.0625");
     hand = by_hand("precision");
     const char *const words_of[] = {"8", "8.6602540378443873", "0.05", "euler", "verlet", "rk4"};
     for (size_t i = 0; i < COUNT_OF(words_of); i++)
@@ -215,7 +224,8 @@ static void others(void)
     put(&hand, "8.66");
     row("load and fit damped, 12000 rows", &hooke, &hand, NAN);
 
-    hooke = typed("scene duffing; method rk4 dt=1ms; run 200 s; export " FOLDER "rows.csv t,y,v --force");
+    hooke = typed("scene duffing; method rk4 dt=1ms; run 200 s; export " FOLDER
+                  "rows.csv t,y,v --force");
     hand = by_hand("export");
     put(&hand, "%s", FOLDER "hand.csv");
     put_run(&hand, hand_scene("duffing"), "rk4", 200000, 1e-3);
@@ -226,5 +236,6 @@ void bench_commands(void)
 {
     runs();
     others();
-    table_note("C program: one for the job, with loops for this method and scene, same flags, same libraries linked.");
+    table_note("C program: one for the job, with loops for this method and scene, same flags, same "
+               "libraries linked.");
 }

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What is not asked for costs nothing; what recording, watching, decimating and compensated sums cost. */
+/* What is not asked for costs nothing; what recording, watching, decimating and compensated sums
+ * cost. */
 #include "bench/bench.h"
 #include "study/compare/solve.h"
 
@@ -8,9 +9,12 @@
 
 #define DT 0.01
 #define STEPS 61440 /* whole chunks of the loop by hand */
-#define CAP 196608  /* [byte] a trace of 8192 rows: the same is done beyond a million, in samples too long to be quiet \
-                     */
-#define SLICE 8192  /* steps between two looks of a live pane: fewer than 60 a second would ask for */
+#define CAP                                                                                        \
+    196608 /* [byte] a trace of 8192 rows: the same is done beyond a million, in samples too long  \
+            * to be quiet                                                                          \
+            */
+#define SLICE                                                                                      \
+    8192 /* steps between two looks of a live pane: fewer than 60 a second would ask for */
 
 struct job {
     struct scene scene;
@@ -24,16 +28,18 @@ struct job {
 static double run_job(void *self)
 {
     const struct job *job = self;
-    struct run *run =
-        bench_run(&job->scene, bench_method(job->method), &job->settings, (double)job->steps * job->settings.dt);
+    struct run *run = bench_run(&job->scene, bench_method(job->method), &job->settings,
+                                (double)job->steps * job->settings.dt);
     if (!run)
         return NAN;
-    const struct observable *energy = (const void *)catalog_find(&observable_catalog, TEXT("energy"));
+    const struct observable *energy =
+        (const void *)catalog_find(&observable_catalog, TEXT("energy"));
     double sum = 0;
     const int64_t begin = clock_ns();
     while (run->steps < job->steps) {
         const int64_t left = job->steps - run->steps;
-        const struct run_target target = {.t = HUGE_VAL, .steps = job->watched && left > SLICE ? SLICE : left};
+        const struct run_target target = {.t = HUGE_VAL,
+                                          .steps = job->watched && left > SLICE ? SLICE : left};
         while (run_advance(run, &target, 0, NULL)) {
         }
         if (job->watched)
@@ -78,7 +84,8 @@ static void bare_init(struct bare *bare, const struct job *job)
     bare->steps = job->steps;
     if (!scene_bind(&job->scene, &bare->system, &error) ||
         !method_applies(method, &bare->system, &settings.drag, &error) ||
-        !solver_init(&bare->solver, &bare->system, method, &settings, (double)job->steps * settings.dt))
+        !solver_init(&bare->solver, &bare->system, method, &settings,
+                     (double)job->steps * settings.dt))
         bench_die(job->method, error.text);
 }
 
@@ -121,7 +128,8 @@ static void left_out(void)
     static const char *const kernels[] = {"propagator", "kernel", "general"};
     table_begin("What is not asked for", "ns a step");
     for (enum kernel kernel = KERNEL_PROPAGATOR; kernel <= KERNEL_GENERAL; kernel++) {
-        struct job plain = job(kernel == KERNEL_PROPAGATOR ? "spring" : "duffing", "rk4", STEPS >> 2 * kernel);
+        struct job plain =
+            job(kernel == KERNEL_PROPAGATOR ? "spring" : "duffing", "rk4", STEPS >> 2 * kernel);
         plain.settings.kernel = kernel;
         struct job zeroed = plain;
         zero(&zeroed.scene, "gamma");
@@ -147,8 +155,9 @@ static void recording(void)
     struct bare bare;
     bare_init(&bare, &few);
     struct ring ring = {hand_scene("duffing"), hand_find(hand_scene("duffing"), "verlet"), STEPS};
-    struct arm arm[] = {ARM(run_job, &few),  ARM(run_bare, &bare), ARM(run_job, &many),    ARM(run_job, &watched),
-                        ARM(run_job, &rare), ARM(run_ring, &ring), ARM(run_job, &exported)};
+    struct arm arm[] = {ARM(run_job, &few),     ARM(run_bare, &bare), ARM(run_job, &many),
+                        ARM(run_job, &watched), ARM(run_job, &rare),  ARM(run_ring, &ring),
+                        ARM(run_job, &exported)};
     contest(arm, 7);
     table_begin("Recording: verlet on the Duffing spring", "ns a step");
     table_row("every step recorded", &arm[0], "not recorded", &arm[1], 1.03);

@@ -1,12 +1,15 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Steps of fixed size, recording y and v: each method on each scene against the loop by hand, and against libraries. */
+/* Steps of fixed size, recording y and v: each method on each scene against the loop by hand, and
+ * against libraries. */
 #include "bench/bench.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#define STEPS 60000   /* at most: what they leave behind fits into the second cache, for the loops as for hooke */
+#define STEPS                                                                                      \
+    60000 /* at most: what they leave behind fits into the second cache, for the loops as for      \
+             hooke */
 #define SAMPLE_NS 4e5 /* short, so that some samples of a round meet nobody else */
 #define DT 0.01
 
@@ -24,7 +27,8 @@ struct recorded {
 static double run_recorded(void *self)
 {
     struct recorded *r = self;
-    struct run *run = bench_run(&r->scene, r->method, &r->settings, (double)r->steps * r->settings.dt);
+    struct run *run =
+        bench_run(&r->scene, r->method, &r->settings, (double)r->steps * r->settings.dt);
     if (!run)
         return NAN;
     if (r->cold)
@@ -87,7 +91,8 @@ static struct looped looped(const struct hand_scene *scene, hand_loop *loop, dou
     return l;
 }
 
-static struct recorded recorded(const struct hand_scene *scene, const char *method, enum kernel kernel)
+static struct recorded recorded(const struct hand_scene *scene, const char *method,
+                                enum kernel kernel)
 {
     return (struct recorded){.scene = bench_scene(scene->preset, NULL, 0),
                              .method = bench_method(method),
@@ -95,13 +100,14 @@ static struct recorded recorded(const struct hand_scene *scene, const char *meth
                              .steps = STEPS};
 }
 
-/* Both must do the same. Steps cut at turning points are another method, and a propagator rounds differently. */
+/* Both must do the same. Steps cut at turning points are another method, and a propagator rounds
+ * differently. */
 static double apart(const struct hand_scene *scene, const double *a, const double *b)
 {
-    double most = 0;
+    double max = 0;
     for (int i = 0; i < scene->n; i++)
-        most = fmax(most, fabs(a[i] - b[i]) / (1 + fabs(a[i])));
-    return most;
+        max = fmax(max, fabs(a[i] - b[i]) / (1 + fabs(a[i])));
+    return max;
 }
 
 /* So many steps that a sample is short. */
@@ -197,8 +203,10 @@ void bench_fixed(void)
     for (size_t m = 0; m < COUNT_OF(methods); m++)
         for (const struct hand_scene *scene = hand_scenes; scene->name; scene++)
             against_hand(methods[m], scene, row);
-    table_note("C loop: written for this method and scene alone, compiled with the same flags as hooke.");
-    table_note("differs: hooke ends steps of order above 2 at the turning points of |v|v and keeps its order.");
+    table_note(
+        "C loop: written for this method and scene alone, compiled with the same flags as hooke.");
+    table_note("differs: hooke ends steps of order above 2 at the turning points of |v|v and keeps "
+               "its order.");
     table_begin("What kernels gain", "ns a step");
     for (size_t m = 0; m < COUNT_OF(methods); m++) {
         against_general(methods[m], "linear drag");
@@ -207,7 +215,8 @@ void bench_fixed(void)
     against_libraries(row);
 
     struct recorded fresh = recorded(hand_scene("duffing"), "verlet", KERNEL_PROPAGATOR);
-    struct looped hand = looped(hand_scene("duffing"), hand_find(hand_scene("duffing"), "verlet"), row);
+    struct looped hand =
+        looped(hand_scene("duffing"), hand_find(hand_scene("duffing"), "verlet"), row);
     fresh.cold = hand.cold = true;
     struct arm arm[] = {ARM(run_recorded, &fresh), ARM(run_looped, &hand)};
     contest(arm, 2);
@@ -221,7 +230,8 @@ void bench_fixed(void)
 /* Against the C loop of the first; then each method against the first, for all cost the same. */
 void bench_linear(void)
 {
-    static const char *const methods[] = {"symplectic-euler", "verlet", "rk4", "dop853", "implicit-midpoint", "gauss6"};
+    static const char *const methods[] = {"symplectic-euler",  "verlet", "rk4", "dop853",
+                                          "implicit-midpoint", "gauss6"};
     const struct hand_scene *scene = hand_scene("linear drag");
     double *row = rows(4);
     struct looped hand = looped(scene, hand_find(scene, methods[0]), row);

@@ -52,7 +52,8 @@ static struct program *ready(const char *text, bool native)
 
 static double program_force(const struct typed *typed, double y, double v, double t)
 {
-    return program_code(typed->program)(typed->program, y, v, t, NULL, NULL, NULL, typed->frame).first;
+    return program_code(typed->program)(typed->program, y, v, t, NULL, NULL, NULL, typed->frame)
+        .first;
 }
 
 static inline double plain_force(const struct typed *f, double y, double v, double t)
@@ -67,19 +68,19 @@ static inline double driven_force(const struct typed *f, double y, double v, dou
 }
 
 /* A step of RK4 of y'' = force, in named scalars. */
-#define LOOP(name, force)                                                                                              \
-    static double name(double y, double v, double t0, double h, const struct typed *given)                             \
-    {                                                                                                                  \
-        const struct typed f = *given;                                                                                 \
-        for (int i = 0; i < STEPS; i++) {                                                                              \
-            const double t = t0 + i * h, v1 = v, a1 = force(&f, y, v1, t);                                             \
-            const double v2 = v + h / 2 * a1, a2 = force(&f, y + h / 2 * v1, v2, t + h / 2);                           \
-            const double v3 = v + h / 2 * a2, a3 = force(&f, y + h / 2 * v2, v3, t + h / 2);                           \
-            const double v4 = v + h * a3, a4 = force(&f, y + h * v3, v4, t + h);                                       \
-            y += h / 6 * (v1 + 2 * v2 + 2 * v3 + v4);                                                                  \
-            v += h / 6 * (a1 + 2 * a2 + 2 * a3 + a4);                                                                  \
-        }                                                                                                              \
-        return y + v;                                                                                                  \
+#define LOOP(name, force)                                                                          \
+    static double name(double y, double v, double t0, double h, const struct typed *given)         \
+    {                                                                                              \
+        const struct typed f = *given;                                                             \
+        for (int i = 0; i < STEPS; i++) {                                                          \
+            const double t = t0 + i * h, v1 = v, a1 = force(&f, y, v1, t);                         \
+            const double v2 = v + h / 2 * a1, a2 = force(&f, y + h / 2 * v1, v2, t + h / 2);       \
+            const double v3 = v + h / 2 * a2, a3 = force(&f, y + h / 2 * v2, v3, t + h / 2);       \
+            const double v4 = v + h * a3, a4 = force(&f, y + h * v3, v4, t + h);                   \
+            y += h / 6 * (v1 + 2 * v2 + 2 * v3 + v4);                                              \
+            v += h / 6 * (a1 + 2 * a2 + 2 * a3 + a4);                                              \
+        }                                                                                          \
+        return y + v;                                                                              \
     }
 
 LOOP(plain_loop, plain_force)
@@ -124,17 +125,17 @@ lanes_step(const struct typed *f, double *restrict y, double *restrict v, double
     program_eval_lanes(f->program, sum_v, f->frame);
     memcpy(force, sum_v, sizeof force);
     for (int stage = 0; stage < 3; stage++) {
-        const double step = at[stage] * h, share = weight[stage];
+        const double step = at[stage] * h, fraction = weight[stage];
         for (int i = 0; i < W; i++) {
             in[Y * W + i] = y[i] + step * in[V * W + i];
             in[V * W + i] = v[i] + step * force[i];
-            sum_y[i] += share * in[V * W + i];
+            sum_y[i] += fraction * in[V * W + i];
         }
         for (int i = 0; f->driven && i < W; i++)
             in[T * W + i] = t + step;
         program_eval_lanes(f->program, force, f->frame);
         for (int i = 0; i < W; i++)
-            sum_v[i] += share * force[i];
+            sum_v[i] += fraction * force[i];
     }
     for (int i = 0; i < W; i++) {
         y[i] += h / 6 * sum_y[i];
@@ -155,16 +156,18 @@ static double run_lanes(void *self)
     return (double)(clock_ns() - begin) / TIMES / PROGRAM_LANES;
 }
 
-static void contest_of(const char *text, double (*by_hand)(double, double, double, double, const struct typed *),
+static void contest_of(const char *text,
+                       double (*by_hand)(double, double, double, double, const struct typed *),
                        double goal)
 {
     struct typed form[3];
     for (int i = 0; i < 3; i++) {
-        form[i] = (struct typed){.text = text, .program = ready(text, i == 0), .made = program_loop};
+        form[i] =
+            (struct typed){.text = text, .program = ready(text, i == 0), .made = program_loop};
         form[i].driven = program_depends(form[i].program, 0, 1, T);
         const struct program *program = form[i].program;
-        const size_t room = i == 2 ? program_frame_lanes(program) : program_frame(program);
-        form[i].frame = aligned_alloc(64, (room + 7) / 8 * 64);
+        const size_t capacity = i == 2 ? program_frame_lanes(program) : program_frame(program);
+        form[i].frame = aligned_alloc(64, (capacity + 7) / 8 * 64);
         form[i].input = aligned_alloc(64, (size_t)NAMES * PROGRAM_LANES * sizeof(double));
         if (!form[i].frame || !form[i].input)
             bench_die(text, "out of memory");
@@ -186,7 +189,8 @@ static void contest_of(const char *text, double (*by_hand)(double, double, doubl
         table_absent("machine code", "not on this system");
     table_row("  without machine code", &arm[1], "C by hand", &arm[3], NAN);
     table_row("  64 trajectories at once, each", &arm[2], "C by hand, one", &arm[3], NAN);
-    table_note("ready %.1f us after Enter (goal 50); 64 at once: %.2f ns a trajectory-step (goal without cosine 3)",
+    table_note("ready %.1f us after Enter (goal 50); 64 at once: %.2f ns a trajectory-step (goal "
+               "without cosine 3)",
                1e-3 * arm[4].minimum, arm[2].minimum);
     for (int i = 0; i < 3; i++) {
         program_destroy(form[i].program);

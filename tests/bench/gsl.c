@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The same problems by GSL's ODE drivers, with the same error norm; what they allocate is kept between solves. */
+/* The same problems by GSL's ODE drivers, with the same error norm; what they allocate is kept
+ * between solves. */
 #include "bench/bench.h"
 
 #include <gsl/gsl_errno.h>
@@ -21,8 +22,8 @@ static int jacobian(double t, const double *y, double *jac, double *dfdt, void *
 }
 
 /* One driver is kept: solves of a contest come in batches with the same problem and tolerance. */
-static bool solve(const gsl_odeiv2_step_type *type, const struct problem *problem, double tol, const double *start,
-                  double *end)
+static bool solve(const gsl_odeiv2_step_type *type, const struct problem *problem, double tol,
+                  const double *start, double *end)
 {
     static struct {
         const gsl_odeiv2_step_type *type;
@@ -31,14 +32,16 @@ static bool solve(const gsl_odeiv2_step_type *type, const struct problem *proble
         gsl_odeiv2_system system;
         gsl_odeiv2_driver *driver;
     } kept;
-    if (!kept.driver || kept.type != type || kept.problem.slope != problem->slope || kept.tol != tol) {
+    if (!kept.driver || kept.type != type || kept.problem.slope != problem->slope ||
+        kept.tol != tol) {
         if (kept.driver)
             gsl_odeiv2_driver_free(kept.driver);
         kept.type = type;
         kept.problem = *problem;
         kept.tol = tol;
         kept.system = (gsl_odeiv2_system){slope, jacobian, (size_t)problem->n, &kept.problem};
-        kept.driver = gsl_odeiv2_driver_alloc_scaled_new(&kept.system, type, 1e-4, tol, tol, 1, 0, kept.problem.scale);
+        kept.driver = gsl_odeiv2_driver_alloc_scaled_new(&kept.system, type, 1e-4, tol, tol, 1, 0,
+                                                         kept.problem.scale);
         if (!kept.driver)
             return false;
     }
@@ -65,23 +68,23 @@ bool gsl_bsimp(const struct problem *problem, double tol, const double *start, d
 }
 
 /* Each scene's terms, and no others; the library calls them through a pointer. */
-#define LOOP(scene, value)                                                                                             \
-    static int scene(double t, const double *y, double *dydt, void *known)                                             \
-    {                                                                                                                  \
-        const struct known *f = known;                                                                                 \
-        (void)t;                                                                                                       \
-        dydt[0] = y[1];                                                                                                \
-        dydt[1] = value;                                                                                               \
-        return GSL_SUCCESS;                                                                                            \
-    }                                                                                                                  \
-    static void scene##_loop(const struct known *known, double h, int64_t first, int64_t count, double *state,         \
-                             double *row)                                                                              \
-    {                                                                                                                  \
-        rk4(scene, known, h, first, count, state, row);                                                                \
+#define LOOP(scene, value)                                                                         \
+    static int scene(double t, const double *y, double *dydt, void *known)                         \
+    {                                                                                              \
+        const struct known *f = known;                                                             \
+        (void)t;                                                                                   \
+        dydt[0] = y[1];                                                                            \
+        dydt[1] = value;                                                                           \
+        return GSL_SUCCESS;                                                                        \
+    }                                                                                              \
+    static void scene##_loop(const struct known *known, double h, int64_t first, int64_t count,    \
+                             double *state, double *row)                                           \
+    {                                                                                              \
+        rk4(scene, known, h, first, count, state, row);                                            \
     }
 
-static void rk4(int (*force)(double, const double *, double *, void *), const struct known *known, double h,
-                int64_t first, int64_t count, double *state, double *row)
+static void rk4(int (*force)(double, const double *, double *, void *), const struct known *known,
+                double h, int64_t first, int64_t count, double *state, double *row)
 {
     struct known copy = *known;
     const gsl_odeiv2_system system = {force, NULL, 2, &copy};
@@ -101,6 +104,7 @@ LOOP(vanderpol, -f->k *y[0] + f->mu * (1 - y[0] * f->narrow * (y[0] * f->narrow)
 hand_loop *gsl_loop(const char *method, const char *scene)
 {
     (void)method;
-    return strcmp(scene, "duffing") == 0 ? duffing_loop : strcmp(scene, "quadratic drag") == 0 ? drag_loop
-                                                                                                : vanderpol_loop;
+    return strcmp(scene, "duffing") == 0          ? duffing_loop
+           : strcmp(scene, "quadratic drag") == 0 ? drag_loop
+                                                  : vanderpol_loop;
 }

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Adaptive solves by hand: dop853 and rodas5p written for one problem, with the classical controller of Hairer and
- * Wanner's codes. Coefficients come from hooke's tables, where the compiler can see them; the loops unroll.
+ * Adaptive solves by hand: dop853 and rodas5p written for one problem, with the classical
+ * controller of Hairer and Wanner's codes. Coefficients come from hooke's tables, where the
+ * compiler can see them; the loops unroll.
  */
 #include "bench/bench.h"
 #include "method/rows/rows.h"
@@ -37,7 +38,8 @@ INLINE double next_step(double h, double error, double exponent)
 
 /* ---- dop853 (Hairer, Norsett, Wanner 1993, II.10) ---- */
 
-INLINE bool dop853(int n, slope_of *slope, const struct problem *problem, double tol, const double *start, double *end)
+INLINE bool dop853(int n, slope_of *slope, const struct problem *problem, double tol,
+                   const double *start, double *end)
 {
     const struct tableau *m = DOP853.tableau;
     double y[4], z[4], k[13][4], t = 0, h = 0.01;
@@ -67,12 +69,13 @@ INLINE bool dop853(int n, slope_of *slope, const struct problem *problem, double
             double e5 = -0.0, e3 = -0.0;
             UNROLL for (int j = 0; j < 12; j++)
             {
-                if (m->b[j] != m->companion[j])
-                    e5 += (m->b[j] - m->companion[j]) * k[j][i];
+                if (m->b[j] != m->b_hat[j])
+                    e5 += (m->b[j] - m->b_hat[j]) * k[j][i];
                 if (m->b[j] != m->rough[j])
                     e3 += (m->b[j] - m->rough[j]) * k[j][i];
             }
-            const double size = 1 / (tol * larger(problem->scale[i], larger(fabs(y[i]), fabs(z[i]))));
+            const double size =
+                1 / (tol * larger(problem->scale[i], larger(fabs(y[i]), fabs(z[i]))));
             fine += e5 * size * (e5 * size);
             rough += e3 * size * (e3 * size);
         }
@@ -106,7 +109,8 @@ INLINE void kepler(const double *y, double *dydt)
     dydt[3] = -pull * y[1];
 }
 
-bool hand_dop853_oscillator(const struct problem *problem, double tol, const double *start, double *end)
+bool hand_dop853_oscillator(const struct problem *problem, double tol, const double *start,
+                            double *end)
 {
     return dop853(2, oscillator, problem, tol, start, end);
 }
@@ -129,7 +133,8 @@ INLINE void invert2(const double *a, double *b)
 
 INLINE void invert3(const double *a, double *b)
 {
-    const double x = a[4] * a[8] - a[5] * a[7], y = a[5] * a[6] - a[3] * a[8], z = a[3] * a[7] - a[4] * a[6];
+    const double x = a[4] * a[8] - a[5] * a[7], y = a[5] * a[6] - a[3] * a[8],
+                 z = a[3] * a[7] - a[4] * a[6];
     const double d = 1 / (a[0] * x + a[1] * y + a[2] * z);
     b[0] = x * d;
     b[1] = (a[2] * a[7] - a[1] * a[8]) * d;
@@ -142,11 +147,12 @@ INLINE void invert3(const double *a, double *b)
     b[8] = (a[0] * a[4] - a[1] * a[3]) * d;
 }
 
-INLINE bool rodas5p(int n, slope_of *slope, jacobian_of *jacobian, const struct problem *problem, double tol,
-                    const double *start, double *end)
+INLINE bool rodas5p(int n, slope_of *slope, jacobian_of *jacobian, const struct problem *problem,
+                    double tol, const double *start, double *end)
 {
     const struct rosenbrock *m = RODAS5P.rosenbrock;
-    double y[3], z[3], u[8][3], jac[9] = {0}, matrix[9], inverse[9], f[3], first[3] = {0}, t = 0, h = 1e-4;
+    double y[3], z[3], u[8][3], jac[9] = {0}, matrix[9], inverse[9], f[3], first[3] = {0}, t = 0,
+                                h = 1e-4;
     bool again = false;
     for (int i = 0; i < n; i++)
         y[i] = start[i];
@@ -193,7 +199,8 @@ INLINE bool rodas5p(int n, slope_of *slope, jacobian_of *jacobian, const struct 
             }
         }
         double square = 0;
-        for (int i = 0; i < n; i++) { /* the last stage is the error, and what makes z the new state */
+        for (int i = 0; i < n;
+             i++) { /* the last stage is the error, and what makes z the new state */
             z[i] += u[7][i];
             const double e = u[7][i] / larger(problem->scale[i], larger(fabs(y[i]), fabs(z[i])));
             square += e * e;
@@ -246,12 +253,14 @@ INLINE void robertson_jacobian(const double *y, double *jac)
     jac[7] = 6e7 * y[1];
 }
 
-bool hand_rodas5p_vanderpol(const struct problem *problem, double tol, const double *start, double *end)
+bool hand_rodas5p_vanderpol(const struct problem *problem, double tol, const double *start,
+                            double *end)
 {
     return rodas5p(2, vanderpol, vanderpol_jacobian, problem, tol, start, end);
 }
 
-bool hand_rodas5p_robertson(const struct problem *problem, double tol, const double *start, double *end)
+bool hand_rodas5p_robertson(const struct problem *problem, double tol, const double *start,
+                            double *end)
 {
     return rodas5p(3, robertson, robertson_jacobian, problem, tol, start, end);
 }

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Methods as one would write them for one scene, over REAL: a double, or a vector of two for motion in a plane. The
- * force, what drag does (its flow, its constants) and so the whole loop are known to the compiler.
+ * Methods as one would write them for one scene, over REAL: a double, or a vector of two for motion
+ * in a plane. The force, what drag does (its flow, its constants) and so the whole loop are known
+ * to the compiler.
  */
 
 #define NAME_(method, real) method##_##real
@@ -11,21 +12,21 @@
 typedef REAL NAME(force)(const struct known *f, double t, REAL y, REAL v);
 typedef REAL NAME(flow)(const struct known *f, double h, REAL v);
 
-#define LOOP_BEGIN                                                                                                     \
-    const struct known known = *given, *const f = &known;                                                              \
-    REAL y, v;                                                                                                         \
-    memcpy(&y, state, sizeof y);                                                                                       \
+#define LOOP_BEGIN                                                                                 \
+    const struct known known = *given, *const f = &known;                                          \
+    REAL y, v;                                                                                     \
+    memcpy(&y, state, sizeof y);                                                                   \
     memcpy(&v, state + sizeof y / sizeof *state, sizeof v);
-#define STEP_END                                                                                                       \
-    memcpy(row, &y, sizeof y);                                                                                         \
-    memcpy(row + sizeof y / sizeof *row, &v, sizeof v);                                                                \
+#define STEP_END                                                                                   \
+    memcpy(row, &y, sizeof y);                                                                     \
+    memcpy(row + sizeof y / sizeof *row, &v, sizeof v);                                            \
     row += 2 * sizeof y / sizeof *row;
-#define LOOP_END                                                                                                       \
-    memcpy(state, &y, sizeof y);                                                                                       \
+#define LOOP_END                                                                                   \
+    memcpy(state, &y, sizeof y);                                                                   \
     memcpy(state + sizeof y / sizeof *state, &v, sizeof v);
-#define ARGUMENTS                                                                                                      \
-    NAME(force) *force, NAME(flow) *flow, bool damped, const struct known *given, double h, int64_t first,             \
-        int64_t count, double *state, double *row
+#define ARGUMENTS                                                                                  \
+    NAME(force) * force, NAME(flow) * flow, bool damped, const struct known *given, double h,      \
+        int64_t first, int64_t count, double *state, double *row
 
 INLINE void NAME(euler)(ARGUMENTS)
 {
@@ -77,13 +78,16 @@ INLINE void NAME(pefrl)(ARGUMENTS)
 {
     (void)flow;
     LOOP_BEGIN
-    const double xi = 0.178617895844809067, lambda = -0.212341831062605404, chi = -0.0662645826698184962;
-    const double outer = (1 - 2 * lambda) / 2 * h, inner = lambda * h, middle = (1 - 2 * (chi + xi)) * h;
+    const double xi = 0.178617895844809067, lambda = -0.212341831062605404,
+                 chi = -0.0662645826698184962;
+    const double outer = (1 - 2 * lambda) / 2 * h, inner = lambda * h,
+                 middle = (1 - 2 * (chi + xi)) * h;
     const double keep_outer = exp(-f->gamma * outer), keep_inner = exp(-f->gamma * inner);
     const double pull_outer = damped ? (1 - keep_outer) / f->gamma : outer;
     const double pull_inner = damped ? (1 - keep_inner) / f->gamma : inner;
     const REAL rest = {0};
-#define KICK(part, at) v = (damped ? keep_##part * v : v) + pull_##part * force(f, t + (at)*h, y, rest)
+#define KICK(part, at)                                                                             \
+    v = (damped ? keep_##part * v : v) + pull_##part * force(f, t + (at)*h, y, rest)
     for (int64_t i = 0; i < count; i++) {
         const double t = (double)(first + i) * h;
         y += xi * h * v;
@@ -130,16 +134,24 @@ INLINE void NAME(dopri5)(ARGUMENTS)
         const REAL y3 = v + h * (3. / 40 * v1 + 9. / 40 * v2),
                    v3 = force(f, t + 3. / 10 * h, y + h * (3. / 40 * y1 + 9. / 40 * y2), y3);
         const REAL y4 = v + h * (44. / 45 * v1 - 56. / 15 * v2 + 32. / 9 * v3),
-                   v4 = force(f, t + 4. / 5 * h, y + h * (44. / 45 * y1 - 56. / 15 * y2 + 32. / 9 * y3), y4);
-        const REAL y5 = v + h * (19372. / 6561 * v1 - 25360. / 2187 * v2 + 64448. / 6561 * v3 - 212. / 729 * v4),
-                   v5 = force(f, t + 8. / 9 * h, y + h * (19372. / 6561 * y1 - 25360. / 2187 * y2 + 64448. / 6561 * y3
-                                                          - 212. / 729 * y4), y5);
-        const REAL y6 = v + h * (9017. / 3168 * v1 - 355. / 33 * v2 + 46732. / 5247 * v3 + 49. / 176 * v4
-                                 - 5103. / 18656 * v5),
-                   v6 = force(f, t + h, y + h * (9017. / 3168 * y1 - 355. / 33 * y2 + 46732. / 5247 * y3
-                                                 + 49. / 176 * y4 - 5103. / 18656 * y5), y6);
-        y += h * (35. / 384 * y1 + 500. / 1113 * y3 + 125. / 192 * y4 - 2187. / 6784 * y5 + 11. / 84 * y6);
-        v += h * (35. / 384 * v1 + 500. / 1113 * v3 + 125. / 192 * v4 - 2187. / 6784 * v5 + 11. / 84 * v6);
+                   v4 = force(f, t + 4. / 5 * h,
+                              y + h * (44. / 45 * y1 - 56. / 15 * y2 + 32. / 9 * y3), y4);
+        const REAL y5 = v + h * (19372. / 6561 * v1 - 25360. / 2187 * v2 + 64448. / 6561 * v3 -
+                                 212. / 729 * v4),
+                   v5 = force(f, t + 8. / 9 * h,
+                              y + h * (19372. / 6561 * y1 - 25360. / 2187 * y2 +
+                                       64448. / 6561 * y3 - 212. / 729 * y4),
+                              y5);
+        const REAL y6 = v + h * (9017. / 3168 * v1 - 355. / 33 * v2 + 46732. / 5247 * v3 +
+                                 49. / 176 * v4 - 5103. / 18656 * v5),
+                   v6 = force(f, t + h,
+                              y + h * (9017. / 3168 * y1 - 355. / 33 * y2 + 46732. / 5247 * y3 +
+                                       49. / 176 * y4 - 5103. / 18656 * y5),
+                              y6);
+        y += h * (35. / 384 * y1 + 500. / 1113 * y3 + 125. / 192 * y4 - 2187. / 6784 * y5 +
+                  11. / 84 * y6);
+        v += h * (35. / 384 * v1 + 500. / 1113 * v3 + 125. / 192 * v4 - 2187. / 6784 * v5 +
+                  11. / 84 * v6);
         y1 = v;
         v1 = force(f, t + h, y, v);
         STEP_END

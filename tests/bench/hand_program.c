@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * What one would write instead of typing a command: a program for each, with the loops of hands.c, in plain C. The
- * first argument says which; it prints its result, as the command does.
+ * What one would write instead of typing a command: a program for each, with the loops of hands.c,
+ * in plain C. The first argument says which; it prints its result, as the command does.
  */
 #include "bench/bench.h"
 
@@ -32,23 +32,25 @@ struct recorded {
     int64_t count;
 };
 
-static struct recorded given(char **word, int64_t room)
+static struct recorded given(char **word, int64_t capacity)
 {
-    struct recorded run = {.scene = hand_scene(word[0]), .h = strtod(word[3], NULL), .count = atoll(word[2])};
+    struct recorded run = {
+        .scene = hand_scene(word[0]), .h = strtod(word[3], NULL), .count = atoll(word[2])};
     run.loop = hand_find(run.scene, word[1]);
     if (!run.loop)
         bench_die(word[1], "no loop");
     for (int i = 0; i < run.scene->n; i++)
         run.state[i] = strtod(word[4 + i], NULL);
-    room = room > run.count ? room : run.count;
-    run.t = memory((size_t)room);
-    run.row = memory((size_t)(room * run.scene->n));
+    capacity = capacity > run.count ? capacity : run.count;
+    run.t = memory((size_t)capacity);
+    run.row = memory((size_t)(capacity * run.scene->n));
     return run;
 }
 
 static void advance(struct recorded *run, int64_t first, int64_t count)
 {
-    run->loop(&run->scene->known, run->h, first, count, run->state, run->row + first * run->scene->n);
+    run->loop(&run->scene->known, run->h, first, count, run->state,
+              run->row + first * run->scene->n);
     for (int64_t i = first; i < first + count; i++)
         run->t[i] = (double)(i + 1) * run->h;
 }
@@ -57,7 +59,8 @@ static void run(char **word)
 {
     struct recorded all = given(word, 0);
     advance(&all, 0, all.count);
-    printf("t = %g s, %lld steps, y = %g\n", all.t[all.count - 1], (long long)all.count, all.state[0]);
+    printf("t = %g s, %lld steps, y = %g\n", all.t[all.count - 1], (long long)all.count,
+           all.state[0]);
 }
 
 /* ---- lines FILE SCENE METHOD STEPS H START..: so many steps for each line of the file ---- */
@@ -80,7 +83,8 @@ static void lines(char **word)
         fclose(file);
 }
 
-/* ---- compare STEPS H OMEGA Y0 METHOD..: of the spring; largest errors of the energy and of the position ---- */
+/* ---- compare STEPS H OMEGA Y0 METHOD..: of the spring; largest errors of the energy and of the
+ * position ---- */
 
 static void errors(const char *method, int64_t steps, double h, double omega, double y0)
 {
@@ -100,7 +104,8 @@ static void errors(const char *method, int64_t steps, double h, double omega, do
 static void compare(char **word)
 {
     for (char **method = word + 4; *method; method++)
-        errors(*method, atoll(word[0]), strtod(word[1], NULL), strtod(word[2], NULL), strtod(word[3], NULL));
+        errors(*method, atoll(word[0]), strtod(word[1], NULL), strtod(word[2], NULL),
+               strtod(word[3], NULL));
 }
 
 /* The same for steps 2^-4 .. 2^-15 of a second, over a span. */
@@ -108,18 +113,20 @@ static void precision(char **word)
 {
     for (char **method = word + 3; *method; method++)
         for (int k = 4; k < 16; k++)
-            errors(*method, (int64_t)(strtod(word[0], NULL) * ldexp(1, k)), ldexp(1, -k), strtod(word[1], NULL),
-                   strtod(word[2], NULL));
+            errors(*method, (int64_t)(strtod(word[0], NULL) * ldexp(1, k)), ldexp(1, -k),
+                   strtod(word[1], NULL), strtod(word[2], NULL));
 }
 
-/* ---- sweep POINTS STEPS H K GAMMA OMEGA Y0: rk4 of the driven spring, amplitudes of the drive; the largest y ---- */
+/* ---- sweep POINTS STEPS H K GAMMA OMEGA Y0: rk4 of the driven spring, amplitudes of the drive;
+ * the largest y ---- */
 
 enum { BLOCK = 32 };
 
 #if defined(__x86_64__) && !defined(__clang__)
 __attribute__((target_clones("default", "avx2", "avx512f")))
 #endif
-static void swept(const double *restrict drive, double *restrict most, int64_t steps, const double *given)
+static void
+swept(const double *restrict drive, double *restrict max, int64_t steps, const double *given)
 {
     const double h = given[0], k = given[1], gamma = given[2], omega = given[3];
     double y[BLOCK], v[BLOCK], top[BLOCK];
@@ -132,28 +139,30 @@ static void swept(const double *restrict drive, double *restrict most, int64_t s
         const double c1 = cos(omega * t), c2 = cos(omega * (t + h / 2)), c4 = cos(omega * (t + h));
         for (int i = 0; i < BLOCK; i++) {
             const double a1 = drive[i] * c1 - k * y[i] - gamma * v[i];
-            const double v2 = v[i] + h / 2 * a1, a2 = drive[i] * c2 - k * (y[i] + h / 2 * v[i]) - gamma * v2;
-            const double v3 = v[i] + h / 2 * a2, a3 = drive[i] * c2 - k * (y[i] + h / 2 * v2) - gamma * v3;
+            const double v2 = v[i] + h / 2 * a1,
+                         a2 = drive[i] * c2 - k * (y[i] + h / 2 * v[i]) - gamma * v2;
+            const double v3 = v[i] + h / 2 * a2,
+                         a3 = drive[i] * c2 - k * (y[i] + h / 2 * v2) - gamma * v3;
             const double v4 = v[i] + h * a3, a4 = drive[i] * c4 - k * (y[i] + h * v3) - gamma * v4;
             y[i] += h / 6 * (v[i] + 2 * v2 + 2 * v3 + v4);
             v[i] += h / 6 * (a1 + 2 * a2 + 2 * a3 + a4);
             top[i] = y[i] > top[i] ? y[i] : top[i];
         }
     }
-    memcpy(most, top, sizeof top);
+    memcpy(max, top, sizeof top);
 }
 
 static void sweep(char **word)
 {
-    const double given[] = {strtod(word[2], NULL), strtod(word[3], NULL), strtod(word[4], NULL), strtod(word[5], NULL),
-                            strtod(word[6], NULL)};
+    const double given[] = {strtod(word[2], NULL), strtod(word[3], NULL), strtod(word[4], NULL),
+                            strtod(word[5], NULL), strtod(word[6], NULL)};
     for (int64_t first = 0; first < atoll(word[0]); first += BLOCK) {
-        double drive[BLOCK], most[BLOCK];
+        double drive[BLOCK], max[BLOCK];
         for (int i = 0; i < BLOCK; i++)
             drive[i] = 1e-3 * (double)(first + i + 1);
-        swept(drive, most, atoll(word[1]), given);
+        swept(drive, max, atoll(word[1]), given);
         for (int i = 0; i < BLOCK; i++)
-            printf("%g %g\n", drive[i], most[i]);
+            printf("%g %g\n", drive[i], max[i]);
     }
 }
 
@@ -162,17 +171,17 @@ static void sweep(char **word)
 static int64_t load(const char *name, double **t, double **y)
 {
     char line[256];
-    int64_t count = 0, room = 0;
+    int64_t count = 0, capacity = 0;
     FILE *file = fopen(name, "r");
     *t = *y = NULL;
     if (!file)
         bench_die(name, "cannot be opened");
     while (fgets(line, sizeof line, file)) {
         char *next;
-        if (count == room) {
-            room = room ? 2 * room : 1024;
-            *t = realloc(*t, (size_t)room * sizeof **t);
-            *y = realloc(*y, (size_t)room * sizeof **y);
+        if (count == capacity) {
+            capacity = capacity ? 2 * capacity : 1024;
+            *t = realloc(*t, (size_t)capacity * sizeof **t);
+            *y = realloc(*y, (size_t)capacity * sizeof **y);
             if (!*t || !*y)
                 bench_die(name, "out of memory");
         }
@@ -197,12 +206,14 @@ static void measure(char **word)
             sum_nt += number * at;
             number++;
         }
-    printf("period %.9g s\n", (number * sum_nt - sum_n * sum_t) / (number * sum_nn - sum_n * sum_n));
+    printf("period %.9g s\n",
+           (number * sum_nt - sum_n * sum_t) / (number * sum_nn - sum_n * sum_n));
     free(t);
     free(y);
 }
 
-/* fit FILE OMEGA: A exp(-d t) cos(w t + phi) + c by Gauss and Newton's iteration, from a guess of w alone */
+/* fit FILE OMEGA: A exp(-d t) cos(w t + phi) + c by Gauss and Newton's iteration, from a guess of w
+ * alone */
 static void fit(char **word)
 {
     double *t, *y, p[] = {0.01, strtod(word[1], NULL), 1, 0, 0}; /* d, w, A cos phi, A sin phi, c */
@@ -210,9 +221,11 @@ static void fit(char **word)
     for (int turn = 0; turn < 12; turn++) {
         double a[5][6] = {{0}};
         for (int64_t i = 0; i < count; i++) {
-            const double fade = exp(-p[0] * t[i]), c = fade * cos(p[1] * t[i]), s = fade * sin(p[1] * t[i]);
+            const double fade = exp(-p[0] * t[i]), c = fade * cos(p[1] * t[i]),
+                         s = fade * sin(p[1] * t[i]);
             const double model = p[2] * c - p[3] * s;
-            const double slope[] = {-t[i] * model, -t[i] * (p[2] * s + p[3] * c), c, -s, 1, y[i] - model - p[4]};
+            const double slope[] = {-t[i] * model,      -t[i] * (p[2] * s + p[3] * c), c, -s, 1,
+                                    y[i] - model - p[4]};
             for (int j = 0; j < 5; j++)
                 for (int l = j; l < 6; l++)
                     a[j][l] += slope[j] * slope[l];
@@ -263,8 +276,11 @@ int main(int argc, char **argv)
         const char *name;
         void (*job)(char **word);
         int words;
-    } jobs[] = {{"run", run, 6},           {"lines", lines, 7}, {"compare", compare, 5}, {"precision", precision, 4},
-                {"sweep", sweep, 7},       {"measure", measure, 1}, {"fit", fit, 2},      {"export", export, 7},      {"quit", quit, 0}};
+    } jobs[] = {{"run", run, 6},         {"lines", lines, 7},
+                {"compare", compare, 5}, {"precision", precision, 4},
+                {"sweep", sweep, 7},     {"measure", measure, 1},
+                {"fit", fit, 2},         {"export", export, 7},
+                {"quit", quit, 0}};
     for (size_t i = 0; i < COUNT_OF(jobs) && argc > 1; i++)
         if (strcmp(argv[1], jobs[i].name) == 0 && argc - 2 >= jobs[i].words) {
             jobs[i].job(argv + 2);

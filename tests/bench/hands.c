@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The loops that hooke is measured against: one for each method and scene, compiled with hooke's own flags. */
+/* The loops that hooke is measured against: one for each method and scene, compiled with hooke's
+ * own flags. */
 #include "bench/bench.h"
 
 #include <string.h>
@@ -10,11 +11,11 @@ typedef double plane __attribute__((vector_size(16)));
 
 /* ---- forces ---- */
 
-#define FORCE(scene, value)                                                                                            \
-    INLINE double scene##_force(const struct known *f, double t, double y, double v)                                   \
-    {                                                                                                                  \
-        (void)f, (void)t, (void)v;                                                                                     \
-        return value;                                                                                                  \
+#define FORCE(scene, value)                                                                        \
+    INLINE double scene##_force(const struct known *f, double t, double y, double v)               \
+    {                                                                                              \
+        (void)f, (void)t, (void)v;                                                                 \
+        return value;                                                                              \
     }
 FORCE(spring, -f->k *y)
 FORCE(damped, -f->k *y - f->gamma * v)
@@ -70,12 +71,13 @@ INLINE plane free_flow(const struct known *f, double h, plane v)
 #include "bench/hand_methods.h"
 #undef REAL
 
-/* ---- implicit midpoint: the velocity u in the middle solves u = v + h/2 a(t + h/2, y + h/2 u, u) ---- */
+/* ---- implicit midpoint: the velocity u in the middle solves u = v + h/2 a(t + h/2, y + h/2 u, u)
+ * ---- */
 
 typedef double middle_function(const struct known *f, double t, double h, double y, double v);
 
-INLINE void implicit_midpoint(middle_function *middle, const struct known *given, double h, int64_t first,
-                              int64_t count, double *state, double *row)
+INLINE void implicit_midpoint(middle_function *middle, const struct known *given, double h,
+                              int64_t first, int64_t count, double *state, double *row)
 {
     const struct known known = *given;
     double y = state[0], v = state[1];
@@ -90,11 +92,11 @@ INLINE void implicit_midpoint(middle_function *middle, const struct known *given
     state[1] = v;
 }
 
-#define CLOSED(scene, value)                                                                                           \
-    INLINE double scene##_middle(const struct known *f, double t, double h, double y, double v)                        \
-    {                                                                                                                  \
-        (void)t;                                                                                                       \
-        return value;                                                                                                  \
+#define CLOSED(scene, value)                                                                       \
+    INLINE double scene##_middle(const struct known *f, double t, double h, double y, double v)    \
+    {                                                                                              \
+        (void)t;                                                                                   \
+        return value;                                                                              \
     }
 INLINE double root(double a, double c, double r)
 {
@@ -103,50 +105,51 @@ INLINE double root(double a, double c, double r)
 CLOSED(spring, (v - h * f->k * y) / (1 + h * h * f->k))
 CLOSED(damped, (v - h * f->k * y) / (1 + h * f->gamma + h * h * f->k))
 CLOSED(drag, root(1 + h * h * f->k, h * f->c, v - h * f->k * y))
-CLOSED(driven, (v - h * (f->k * y - f->drive * cos(f->omega * t + f->phase))) / (1 + h * f->gamma + h * h * f->k))
+CLOSED(driven, (v - h * (f->k * y - f->drive * cos(f->omega * t + f->phase))) /
+                   (1 + h * f->gamma + h * h * f->k))
 
 /* Newton's iteration; slope: da/dq h + da/dv */
-#define NEWTON(scene, slope)                                                                                           \
-    INLINE double scene##_middle(const struct known *f, double t, double h, double y, double v)                        \
-    {                                                                                                                  \
-        double u = v;                                                                                                  \
-        for (int turn = 0; turn < 10; turn++) {                                                                        \
-            const double q = y + h * u;                                                                                \
-            const double move = (u - v - h * scene##_force(f, t, q, u)) / (1 - h * (slope));                           \
-            u -= move;                                                                                                 \
-            if (fabs(move) <= 1e-15 * (1 + fabs(u)))                                                                   \
-                break;                                                                                                 \
-        }                                                                                                              \
-        return u;                                                                                                      \
+#define NEWTON(scene, slope)                                                                       \
+    INLINE double scene##_middle(const struct known *f, double t, double h, double y, double v)    \
+    {                                                                                              \
+        double u = v;                                                                              \
+        for (int turn = 0; turn < 10; turn++) {                                                    \
+            const double q = y + h * u;                                                            \
+            const double move = (u - v - h * scene##_force(f, t, q, u)) / (1 - h * (slope));       \
+            u -= move;                                                                             \
+            if (fabs(move) <= 1e-15 * (1 + fabs(u)))                                               \
+                break;                                                                             \
+        }                                                                                          \
+        return u;                                                                                  \
     }
 NEWTON(duffing, h *(-f->k - 3 * f->b * q * q))
-NEWTON(vanderpol,
-       h *(-f->k - 2 * f->mu * f->narrow * f->narrow * q * u) + f->mu * (1 - q * f->narrow * (q * f->narrow)))
+NEWTON(vanderpol, h *(-f->k - 2 * f->mu * f->narrow * f->narrow * q * u) +
+                      f->mu * (1 - q * f->narrow * (q * f->narrow)))
 NEWTON(pendulum, h * -f->k * cos(q))
 
 /* ---- the loops ---- */
 
-#define LOOP(scene, method, real, force, flow, damped)                                                                 \
-    static void scene##_##method(const struct known *f, double h, int64_t first, int64_t count, double *state,         \
-                                 double *row)                                                                          \
-    {                                                                                                                  \
-        method##_##real(force, flow, damped, f, h, first, count, state, row);                                          \
+#define LOOP(scene, method, real, force, flow, damped)                                             \
+    static void scene##_##method(const struct known *f, double h, int64_t first, int64_t count,    \
+                                 double *state, double *row)                                       \
+    {                                                                                              \
+        method##_##real(force, flow, damped, f, h, first, count, state, row);                      \
     }
-#define MIDPOINT(scene)                                                                                                \
-    static void scene##_implicit_midpoint(const struct known *f, double h, int64_t first, int64_t count,               \
-                                          double *state, double *row)                                                  \
-    {                                                                                                                  \
-        implicit_midpoint(scene##_middle, f, h, first, count, state, row);                                             \
+#define MIDPOINT(scene)                                                                            \
+    static void scene##_implicit_midpoint(const struct known *f, double h, int64_t first,          \
+                                          int64_t count, double *state, double *row)               \
+    {                                                                                              \
+        implicit_midpoint(scene##_middle, f, h, first, count, state, row);                         \
     }
-#define EXPLICIT(scene, real, flow)                                                                                    \
-    LOOP(scene, euler, real, scene##_force, flow, false)                                                               \
-    LOOP(scene, symplectic_euler, real, scene##_force, flow, false)                                                    \
-    LOOP(scene, rk4, real, scene##_force, flow, false)                                                                 \
+#define EXPLICIT(scene, real, flow)                                                                \
+    LOOP(scene, euler, real, scene##_force, flow, false)                                           \
+    LOOP(scene, symplectic_euler, real, scene##_force, flow, false)                                \
+    LOOP(scene, rk4, real, scene##_force, flow, false)                                             \
     LOOP(scene, dopri5, real, scene##_force, flow, false)
 
-#define FREE(scene, real, flow)                                                                                        \
-    EXPLICIT(scene, real, flow)                                                                                        \
-    LOOP(scene, verlet, real, scene##_force, flow, false)                                                              \
+#define FREE(scene, real, flow)                                                                    \
+    EXPLICIT(scene, real, flow)                                                                    \
+    LOOP(scene, verlet, real, scene##_force, flow, false)                                          \
     LOOP(scene, pefrl, real, scene##_force, flow, false)
 FREE(spring, double, no_flow)
 FREE(duffing, double, no_flow)
@@ -169,10 +172,11 @@ MIDPOINT(duffing)
 MIDPOINT(vanderpol)
 MIDPOINT(pendulum)
 
-#define ALWAYS(scene)                                                                                                  \
-    {"euler", scene##_euler}, {"symplectic-euler", scene##_symplectic_euler}, {"rk4", scene##_rk4},                    \
-    {                                                                                                                  \
-        "dopri5", scene##_dopri5                                                                                       \
+#define ALWAYS(scene)                                                                              \
+    {"euler", scene##_euler}, {"symplectic-euler", scene##_symplectic_euler},                      \
+        {"rk4", scene##_rk4},                                                                      \
+    {                                                                                              \
+        "dopri5", scene##_dopri5                                                                   \
     }
 
 /* clang-format off */

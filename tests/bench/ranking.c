@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The order in which `compare` puts methods by their time a step, beside the order of C loops of the same methods. */
+/* The order in which `compare` puts methods by their time a step, beside the order of C loops of
+ * the same methods. */
 #include "bench/bench.h"
 
 #include <stdio.h>
@@ -34,9 +35,10 @@ static void ask(struct timed *timed, int count)
 {
     const char *build = getenv("BUILD");
     char command[1024], line[8192];
-    int used = snprintf(command, sizeof command,
-                        "%s/hooke -n -q -c 'set format json; scene %s; duration = %g s; timing full; compare",
-                        build ? build : "build", timed->scene->preset, STEPS * DT);
+    int used = snprintf(
+        command, sizeof command,
+        "%s/hooke -n -q -c 'set format json; scene %s; duration = %g s; timing full; compare",
+        build ? build : "build", timed->scene->preset, STEPS * DT);
     for (int i = 0; i < count; i++)
         used += snprintf(command + used, sizeof command - (size_t)used, " %s", timed[i].method);
     snprintf(command + used, sizeof command - (size_t)used, " dt=%gs' 2>/dev/null", DT);
@@ -50,7 +52,8 @@ static void ask(struct timed *timed, int count)
                 timed[i].compare_ns = strtod(time + strlen("\"ns_per_step\":"), NULL);
             const char *path = strstr(line, "\"path\":\"");
             if (strstr(line, key) && path)
-                snprintf(timed[i].path, sizeof timed[i].path, "%.*s", (int)strcspn(path + 8, "\""), path + 8);
+                snprintf(timed[i].path, sizeof timed[i].path, "%.*s", (int)strcspn(path + 8, "\""),
+                         path + 8);
         }
     if (said)
         pclose(said);
@@ -64,8 +67,8 @@ static int by_loop(const void *a, const void *b)
 
 static void rank(const struct hand_scene *scene, double *row)
 {
-    static const char *const methods[] = {"euler", "symplectic-euler", "verlet", "rk4",
-                                          "dopri5", "pefrl", "implicit-midpoint"};
+    static const char *const methods[] = {"euler", "symplectic-euler", "verlet", "rk4", "dopri5",
+                                          "pefrl", "implicit-midpoint"};
     struct timed timed[COUNT_OF(methods)];
     struct arm arm[COUNT_OF(methods)];
     struct system system;
@@ -78,7 +81,8 @@ static void rank(const struct hand_scene *scene, double *row)
         hand_loop *loop = hand_find(scene, methods[i]);
         if (!loop)
             continue;
-        timed[count] = (struct timed){.method = methods[i], .scene = scene, .loop = loop, .row = row, .compare_ns = NAN};
+        timed[count] = (struct timed){
+            .method = methods[i], .scene = scene, .loop = loop, .row = row, .compare_ns = NAN};
         memcpy(timed[count].start, system.start, sizeof timed[count].start);
         arm[count] = (struct arm)ARM(run_loop, &timed[count]);
         count++;
@@ -97,14 +101,16 @@ static void rank(const struct hand_scene *scene, double *row)
         }
     printf("%s\n", scene->name);
     for (int i = 0; i < count; i++)
-        printf("  %-20s C loop %6.2f   compare %6.2f  %s\n", timed[i].method, timed[i].loop_ns, timed[i].compare_ns,
-               timed[i].path);
-    table_verdict(turned == 0, "%d of %d pairs timed by the same code in the other order", turned, pairs);
+        printf("  %-20s C loop %6.2f   compare %6.2f  %s\n", timed[i].method, timed[i].loop_ns,
+               timed[i].compare_ns, timed[i].path);
+    table_verdict(turned == 0, "%d of %d pairs timed by the same code in the other order", turned,
+                  pairs);
 }
 
 void bench_ranking(void)
 {
-    static const char *const scenes[] = {"spring", "linear drag", "quadratic drag", "duffing", "driven", "van der pol"};
+    static const char *const scenes[] = {"spring",  "linear drag", "quadratic drag",
+                                         "duffing", "driven",      "van der pol"};
     double *row = malloc(2 * STEPS * sizeof *row);
     if (!row)
         bench_die("rows", "out of memory");

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Sweeps: many trajectories side by side, against loops over lanes by hand and against one trajectory after another. */
+/* Sweeps: many trajectories side by side, against loops over lanes by hand and against one
+ * trajectory after another. */
 #include "bench/bench.h"
 
 #include "unit/scene/typing.h"
@@ -24,13 +25,15 @@ struct lane_case {
 };
 
 /* typed: a force, in place of the preset's; NULL: the preset's own. */
-static bool lane_case_init(struct lane_case *one, const char *method, const char *preset, const char *typed)
+static bool lane_case_init(struct lane_case *one, const char *method, const char *preset,
+                           const char *typed)
 {
     struct scene scene = bench_scene(preset, NULL, 0);
     struct error error;
     if (typed) {
         struct typed_models *models = typed_create(&error); /* lives as long as the benchmark */
-        const char *const lines[] = {"var y = 0.05", "param k = 75", "param c = 0.3", "param w = 2", typed, NULL};
+        const char *const lines[] = {"var y = 0.05", "param k = 75", "param c = 0.3",
+                                     "param w = 2",  typed,          NULL};
         if (!models || !type_scene(models, &scene, lines))
             bench_die("sweep", typed);
     }
@@ -131,22 +134,24 @@ static double whole_sweep(void *self)
 {
     const struct sweep_case *one = self;
     const struct scene scene = bench_scene("driven", NULL, 0);
-    struct sweep_request request = {.scene = &scene,
-                                    .method = bench_method(one->method),
-                                    .settings = {.dt = H, .kernel = KERNEL_SPECIALISED},
-                                    .duration = one->steps * H,
-                                    .axis = {{.from = 0.1, .to = 1, .count = one->points[0]},
-                                             {.from = 0.01, .to = 1, .count = one->points[1]}},
-                                    .axes = 2,
-                                    .measure = {{.kind = SWEEP_AMPLITUDE, .column = SWEEP_VARIABLE}},
-                                    .measures = 1,
-                                    .shard = 1,
-                                    .shards = 1,
-                                    .threads = one->threads};
+    struct sweep_request request = {
+        .scene = &scene,
+        .method = bench_method(one->method),
+        .settings = {.dt = H, .kernel = KERNEL_SPECIALISED},
+        .duration = one->steps * H,
+        .axis = {{.from = 0.1, .to = 1, .count = one->points[0]},
+                 {.from = 0.01, .to = 1, .count = one->points[1]}},
+        .axes = 2,
+        .measure = {{.kind = SWEEP_AMPLITUDE, .column = SWEEP_VARIABLE}},
+        .measures = 1,
+        .shard = 1,
+        .shards = 1,
+        .threads = one->threads};
     struct sweep sweep;
     struct error error;
     if (!sweep_axis_find(&scene, TEXT("F0"), &request.axis[0]) ||
-        !sweep_axis_find(&scene, TEXT("gamma"), &request.axis[1]) || !study_sweep(&request, &sweep, &error))
+        !sweep_axis_find(&scene, TEXT("gamma"), &request.axis[1]) ||
+        !study_sweep(&request, &sweep, &error))
         bench_die("sweep", error.text);
     const double ns = sweep.seconds * 1e9 / sweep.steps;
     sweep_free(&sweep);
@@ -175,7 +180,8 @@ static void large_row(const char *method)
 {
     struct sweep_case large = {method, 0, 100, {1000, 1000}};
     const double before = megabytes(), ns = whole_sweep(&large);
-    table_note("%s, 1000 x 1000 points of 100 steps: %.2f s on all processors, %.2f us a point, %.0f MB more than before",
+    table_note("%s, 1000 x 1000 points of 100 steps: %.2f s on all processors, %.2f us a point, "
+               "%.0f MB more than before",
                method, ns * 1e8 * 1e-9, ns * 0.1, megabytes() - before);
 }
 
@@ -216,7 +222,8 @@ static void lane_rows(const char *method, const char *preset, struct hand_case *
 static void typed_topic(void)
 {
     struct lane_case duffing, driven, drag;
-    if (!lane_case_init(&duffing, "rk4", "duffing", NULL) || !lane_case_init(&driven, "rk4", "driven", NULL) ||
+    if (!lane_case_init(&duffing, "rk4", "duffing", NULL) ||
+        !lane_case_init(&driven, "rk4", "driven", NULL) ||
         !lane_case_init(&drag, "rk4", "drag", NULL))
         bench_die("sweep", "they go in lanes");
     table_begin("Typed forces side by side, rk4", "ns a trajectory-step");
@@ -224,7 +231,8 @@ static void typed_topic(void)
     typed_rows("y'' = -k*y - c*y'*abs(y)", &duffing, 3);
     typed_rows("y'' = -k*y - c*y' + cos(w*t)", &driven, 3);
     typed_rows("y'' = -k*y - c*y'*abs(y')", &drag, 3);
-    table_note("the last ones step to each turning point, 2.8 in 100 steps here; the second is the same without");
+    table_note("the last ones step to each turning point, 2.8 in 100 steps here; the second is the "
+               "same without");
     lanes_destroy(duffing.lanes);
     lanes_destroy(driven.lanes);
     lanes_destroy(drag.lanes);
@@ -244,7 +252,8 @@ void bench_sweep(void)
     lane_rows("verlet", "drag", NULL);
     table_note("rk4 steps to each turning point of quadratic drag, 2.8 in 100 steps here");
     typed_topic();
-    table_begin("A sweep of the driven oscillator: 100 x 300 points, 1000 steps each, amplitude", "ns a trajectory-step");
+    table_begin("A sweep of the driven oscillator: 100 x 300 points, 1000 steps each, amplitude",
+                "ns a trajectory-step");
     threads_row("rk4");
     threads_row("symplectic-euler");
     large_row("rk4");

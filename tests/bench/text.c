@@ -143,7 +143,8 @@ static void tables(struct buffer *text)
     for (int i = 0; i < LINES; i++)
         fprintf(file, "%.2f\t%.3f\n", i * 0.02, 40 + 5 * cos(0.1 * i));
     fclose(file);
-    struct arm arm[] = {ARM(csv_hooke, text), ARM(csv_printf, NULL), ARM(load_hooke, path), ARM(load_strtod, path)};
+    struct arm arm[] = {ARM(csv_hooke, text), ARM(csv_printf, NULL), ARM(load_hooke, path),
+                        ARM(load_strtod, path)};
     contest(arm, 4);
     unlink(path);
     table_begin("Tables", "ns a line");
@@ -160,7 +161,8 @@ void bench_text(void)
         columns[1][i] = 0.05 * cos(0.0866 * i);
         columns[2][i] = -0.433 * sin(0.0866 * i);
     }
-    struct arm arm[] = {ARM(out_hooke, &out), ARM(out_printf, NULL), ARM(in_hooke, &in), ARM(in_strtod, &in)};
+    struct arm arm[] = {ARM(out_hooke, &out), ARM(out_printf, NULL), ARM(in_hooke, &in),
+                        ARM(in_strtod, &in)};
     contest(arm, 4);
     table_begin("Numbers, round-trip exact", "ns a number");
     table_row("out, 17 digits needed", &arm[0], "snprintf %.17g", &arm[1], 1);

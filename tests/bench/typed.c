@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Scenes as typed, in runs: against loops in C, against the built-in scenes, and how soon they are ready. */
+/* Scenes as typed, in runs: against loops in C, against the built-in scenes, and how soon they are
+ * ready. */
 #include "bench/bench.h"
 #include "study/compare/solve.h"
 #include "unit/scene/typing.h"
@@ -50,7 +51,8 @@ static double run_typed(void *self)
     while (run_advance(run, &target, 0, NULL)) {
     }
     const double ns = (double)(clock_ns() - begin) / (double)run->steps;
-    typed->way = method_kernel(typed->method, &run->system, run->settings.drag) ? "kernel" : "general";
+    typed->way =
+        method_kernel(typed->method, &run->system, run->settings.drag) ? "kernel" : "general";
     run_destroy(run);
     return ns;
 }
@@ -81,7 +83,8 @@ FORM(driven, "var y = 1;param k = 75;param gamma = 0.3;param F = 0.1;param omega
              "y'' = -k*y - gamma*y' + F*cos(omega*t)");
 FORM(vanderpol, "var y = 1;param mu = 1;y'' = mu*(1 - y^2)*y' - y");
 FORM(pendulum, "var y = 1;param g = 9.81;param l = 1;y'' = -g/l*sin(y)");
-FORM(kepler, "var x = 0.5;var y = 0;var y' = 1.7320508075688772;param k = 1;x'' = -k*x/(x^2 + y^2)^1.5;y'' = -k*y/(x^2 "
+FORM(kepler, "var x = 0.5;var y = 0;var y' = 1.7320508075688772;param k = 1;x'' = -k*x/(x^2 + "
+             "y^2)^1.5;y'' = -k*y/(x^2 "
              "+ y^2)^1.5");
 FORM(stars, "var x = 0;var y = 0.1;var x' = 0.49;var y' = 0;x'' = -x - 2*x*y;y'' = -y - x^2 + y^2");
 
@@ -99,14 +102,19 @@ static void against_hand(double *row)
         {"pefrl", "duffing", duffing, 1.8},   {"symplectic-euler", "driven", driven, 2.3},
     };
     for (size_t i = 0; i < COUNT_OF(rows); i++) {
-        struct typed typed = {.method = bench_method(rows[i].method), .settings = {.dt = 0.01}, .steps = STEPS};
+        struct typed typed = {
+            .method = bench_method(rows[i].method), .settings = {.dt = 0.01}, .steps = STEPS};
         type(&typed, rows[i].lines);
         struct typed general = typed;
         general.settings.kernel = KERNEL_GENERAL;
         const struct hand_scene *scene = hand_scene(rows[i].scene);
         static const double line[] = {1, 0}, plane[] = {0.5, 0, 0, 1.7320508075688772};
-        struct hand hand = {hand_find(scene, rows[i].method), scene->known, scene->n == 2 ? line : plane, row,
-                            scene->n, STEPS};
+        struct hand hand = {hand_find(scene, rows[i].method),
+                            scene->known,
+                            scene->n == 2 ? line : plane,
+                            row,
+                            scene->n,
+                            STEPS};
         struct arm arm[] = {ARM(run_typed, &typed), ARM(run_hand, &hand), ARM(run_typed, &general)};
         contest(arm, 3);
         char what[64];
@@ -121,7 +129,8 @@ static void against_hand(double *row)
 static void add_ring(struct buffer *lines, const char *format, int n)
 {
     for (int i = 0; i < n; i++)
-        buffer_format(lines, format, i + 1, (i + 1) % n + 1, (i + n - 1) % n + 1, (i + n - 2) % n + 1);
+        buffer_format(lines, format, i + 1, (i + 1) % n + 1, (i + n - 1) % n + 1,
+                      (i + n - 2) % n + 1);
 }
 
 static void against_general(void)
@@ -140,7 +149,8 @@ static void against_general(void)
     static const char *const method[] = {"rk4", "verlet", "dopri5"};
     for (int i = 0; i < 3; i++)
         for (size_t m = 0; m < COUNT_OF(method); m++) {
-            struct typed typed = {.method = bench_method(method[m]), .settings = {.dt = 0.01}, .steps = STEPS / 20};
+            struct typed typed = {
+                .method = bench_method(method[m]), .settings = {.dt = 0.01}, .steps = STEPS / 20};
             if (i == 0 && m == 1)
                 continue;
             type(&typed, lines[i].data);
@@ -170,7 +180,8 @@ static void chains(double *row)
         for (int j = 1; j < n; j++)
             buffer_format(&lines, ";var x%d = 0", j + 1);
         add_ring(&lines, ";x%1$d'' = k*(x%2$d - 2*x%1$d + x%3$d) - b*x%1$d^3", n);
-        struct typed typed = {.method = bench_method("rk4"), .settings = {.dt = 0.01}, .steps = STEPS / 20};
+        struct typed typed = {
+            .method = bench_method("rk4"), .settings = {.dt = 0.01}, .steps = STEPS / 20};
         type(&typed, lines.data);
         struct hand hand = {hand_chain(n), known, start, row, 2 * n, STEPS / 20};
         struct arm arm[] = {ARM(run_typed, &typed), ARM(run_hand, &hand)};
@@ -208,14 +219,16 @@ static void against_built_in(void)
         {"dopri5", "kepler", kepler, 1e-8, 20},
         {"dop853", "kepler", kepler, 1e-8, 20},
         {"dop853", "henon-heiles", stars, 1e-8, 100},
-        {"rodas5p", "vanderpol-1000", "var y1 = 2;var y2 = 0;param mu = 1000;y1' = y2;y2' = mu*(1 - y1^2)*y2 - y1",
-         1e-8, 2000},
+        {"rodas5p", "vanderpol-1000",
+         "var y1 = 2;var y2 = 0;param mu = 1000;y1' = y2;y2' = mu*(1 - y1^2)*y2 - y1", 1e-8, 2000},
         {"rodas5p", "robertson",
-         "var A = 1;var B = 0;var C = 0;A' = -0.04*A + 1e4*B*C;B' = 0.04*A - 1e4*B*C - 3e7*B^2;C' = 3e7*B^2", 1e-8,
-         1e8},
+         "var A = 1;var B = 0;var C = 0;A' = -0.04*A + 1e4*B*C;B' = 0.04*A - 1e4*B*C - 3e7*B^2;C' "
+         "= 3e7*B^2",
+         1e-8, 1e8},
         {"radau5", "robertson",
-         "var A = 1;var B = 0;var C = 0;A' = -0.04*A + 1e4*B*C;B' = 0.04*A - 1e4*B*C - 3e7*B^2;C' = 3e7*B^2", 1e-8,
-         1e8},
+         "var A = 1;var B = 0;var C = 0;A' = -0.04*A + 1e4*B*C;B' = 0.04*A - 1e4*B*C - 3e7*B^2;C' "
+         "= 3e7*B^2",
+         1e-8, 1e8},
     };
     for (size_t i = 0; i < COUNT_OF(rows); i++) {
         struct typed typed = {.method = bench_method(rows[i].method)};
@@ -270,8 +283,9 @@ static void ready(void)
     add_ring(&chain, ";x%1$d'' = k/mass*(x%2$d - 2*x%1$d + x%3$d)", 20);
     struct arm arm[] = {ARM(run_ready, (void *)(uintptr_t)drag), ARM(run_ready, chain.data)};
     contest(arm, 2);
-    table_note("ready to step after the last line's Enter: drag %.0f us (goal 50), 20 masses %.0f us", arm[0].minimum,
-               arm[1].minimum);
+    table_note(
+        "ready to step after the last line's Enter: drag %.0f us (goal 50), 20 masses %.0f us",
+        arm[0].minimum, arm[1].minimum);
     buffer_free(&chain);
 }
 

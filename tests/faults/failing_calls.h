@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Include once in a test program: these definitions of the system calls that write files stand before those of libc,
- * and the call number fault.at fails with fault.number, is cut short, or is the last one the process makes.
+ * Include once in a test program: these definitions of the system calls that write files stand
+ * before those of libc, and the call number fault.at fails with fault.number, is cut short, or is
+ * the last one the process makes.
  */
 #ifndef HOOKE_TESTS_FAULTS_FAILING_CALLS_H
 #define HOOKE_TESTS_FAULTS_FAILING_CALLS_H
@@ -51,17 +52,17 @@ static void find_real(void *function, const char *name)
     memcpy(function, &symbol, sizeof symbol);
 }
 
-#define INTERPOSE(type, name, parameters, arguments)                                                                   \
-    type name parameters                                                                                               \
-    {                                                                                                                  \
-        static type(*real) parameters;                                                                                 \
-        if (!real)                                                                                                     \
-            find_real(&real, #name);                                                                                   \
-        if (strikes(#name))                                                                                            \
-            return (type)-1;                                                                                           \
-        type result = real arguments;                                                                                  \
-        afterwards();                                                                                                  \
-        return result;                                                                                                 \
+#define INTERPOSE(type, name, parameters, arguments)                                               \
+    type name parameters                                                                           \
+    {                                                                                              \
+        static type(*real) parameters;                                                             \
+        if (!real)                                                                                 \
+            find_real(&real, #name);                                                               \
+        if (strikes(#name))                                                                        \
+            return (type)-1;                                                                       \
+        type result = real arguments;                                                              \
+        afterwards();                                                                              \
+        return result;                                                                             \
     }
 
 INTERPOSE(int, fsync, (int fd), (fd))
@@ -71,9 +72,11 @@ INTERPOSE(int, access, (const char *path, int mode), (path, mode))
 INTERPOSE(int, fchmod, (int fd, mode_t mode), (fd, mode))
 INTERPOSE(int, unlinkat, (int folder, const char *path, int flags), (folder, path, flags))
 INTERPOSE(int, mkdirat, (int folder, const char *path, mode_t mode), (folder, path, mode))
-INTERPOSE(int, linkat, (int a, const char *from, int b, const char *to, int flags), (a, from, b, to, flags))
+INTERPOSE(int, linkat, (int a, const char *from, int b, const char *to, int flags),
+          (a, from, b, to, flags))
 INTERPOSE(ssize_t, getrandom, (void *bytes, size_t count, unsigned flags), (bytes, count, flags))
-INTERPOSE(int, fstatat, (int folder, const char *restrict path, struct stat *restrict st, int flags),
+INTERPOSE(int, fstatat,
+          (int folder, const char *restrict path, struct stat *restrict st, int flags),
           (folder, path, st, flags))
 
 ssize_t write(int fd, const void *bytes, size_t count)

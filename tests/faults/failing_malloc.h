@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Include once in a test program: its malloc, calloc, realloc and aligned_alloc count the allocations of the whole
- * process (libc's own, in strdup and others, too) and fail on request. Under AddressSanitizer, which has its own, nothing is replaced:
- * skip() when !MALLOC_CAN_FAIL.
+ * Include once in a test program: its malloc, calloc, realloc and aligned_alloc count the
+ * allocations of the whole process (libc's own, in strdup and others, too) and fail on request.
+ * Under AddressSanitizer, which has its own, nothing is replaced: skip() when !MALLOC_CAN_FAIL.
  */
 #ifndef HOOKE_TESTS_FAULTS_FAILING_MALLOC_H
 #define HOOKE_TESTS_FAULTS_FAILING_MALLOC_H
@@ -25,8 +25,9 @@
 #define MALLOC_CAN_FAIL 1
 #endif
 
-static long malloc_calls;         /* since it was last set to 0 */
-static long malloc_fail_at = -1;  /* this call fails (0 is the next after malloc_calls = 0); -1: none */
+static long malloc_calls; /* since it was last set to 0 */
+static long malloc_fail_at =
+    -1; /* this call fails (0 is the next after malloc_calls = 0); -1: none */
 static bool malloc_fail_for_ever; /* and all that follow it */
 
 #if MALLOC_CAN_FAIL
@@ -38,7 +39,8 @@ void *aligned_alloc(size_t alignment, size_t size);
 static bool malloc_fails_now(void)
 {
     const long call = malloc_calls++;
-    if (malloc_fail_at < 0 || (malloc_fail_for_ever ? call < malloc_fail_at : call != malloc_fail_at))
+    if (malloc_fail_at < 0 ||
+        (malloc_fail_for_ever ? call < malloc_fail_at : call != malloc_fail_at))
         return false;
     errno = ENOMEM;
     return true;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Any bytes as a script: replies and errors, never a crash, and nothing written outside a folder of its own. */
+/* Any bytes as a script: replies and errors, never a crash, and nothing written outside a folder of
+ * its own. */
 #include <hooke/command.h>
 
 #include <signal.h>
@@ -29,7 +30,8 @@ static void on_alarm(int number)
     atomic_store_explicit(&cancel.requested, 1, memory_order_relaxed);
 }
 
-/* Scripts may write files: they get a folder of their own, small files, no way out (--safe), and a moment of time. */
+/* Scripts may write files: they get a folder of their own, small files, no way out (--safe), and a
+ * moment of time. */
 static void settle(void)
 {
     static char folder[] = "/tmp/hooke-fuzz-XXXXXX";

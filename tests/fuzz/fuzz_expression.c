@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Any bytes as an expression, a condition and a program: an error or a value, the same in all forms, never a crash. */
+/* Any bytes as an expression, a condition and a program: an error or a value, the same in all
+ * forms, never a crash. */
 #include <hooke/scene.h>
 
 #include <stdlib.h>
@@ -45,7 +46,8 @@ static void compare_forms(const struct expr *expr)
         equations_derive(equations, 0, 1, (const int[]){0, 1}, 2, &error)) {
         for (int native = 0; native < 2; native++) {
             form[native] = program_create(equations, 0, 3, bound, x, native, &error);
-            double *frame = form[native] ? calloc(program_frame(form[native]) + 1, sizeof *frame) : NULL;
+            double *frame =
+                form[native] ? calloc(program_frame(form[native]) + 1, sizeof *frame) : NULL;
             check(frame);
             program_prepare(form[native], frame);
             program_eval(form[native], x, output[native], frame);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Any bytes as an instrument's file: a recording or an error, never a crash; what loads can be analysed. */
+/* Any bytes as an instrument's file: a recording or an error, never a crash; what loads can be
+ * analysed. */
 #include <hooke/analysis.h>
 
 #include <stdio.h>

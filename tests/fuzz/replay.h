@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * A fuzz target without libFuzzer: replays the corpus and a fixed number of mutations of it, as an ordinary test.
- * The target's file is named on the command line of the compiler through CORPUS, its folder below tests/fuzz/corpus.
+ * A fuzz target without libFuzzer: replays the corpus and a fixed number of mutations of it, as an
+ * ordinary test. The target's file is named on the command line of the compiler through CORPUS, its
+ * folder below tests/fuzz/corpus.
  */
 #ifndef REPLAY_H
 #define REPLAY_H
@@ -25,10 +26,11 @@ static uint64_t replay_random(uint64_t *state) /* xorshift64*, Vigna 2016 */
 }
 
 /* Flips, overwrites, cuts and doubles bytes. */
-static size_t replay_mutate(uint8_t *data, size_t size, size_t room, uint64_t *state)
+static size_t replay_mutate(uint8_t *data, size_t size, size_t capacity, uint64_t *state)
 {
-    static const char *const words[] = {"1e400", "nan", "-", "(",  ")",    "\"",   "'",   ";",    "#",  "+-",
-                                        ",",     ":",   "=", "\t", "\r\n", "\xff", "0x1", "9e99", "..", "\x1b["};
+    static const char *const words[] = {"1e400", "nan",  "-",   "(",    ")",  "\"",   "'",
+                                        ";",     "#",    "+-",  ",",    ":",  "=",    "\t",
+                                        "\r\n",  "\xff", "0x1", "9e99", "..", "\x1b["};
     for (uint64_t times = replay_random(state) % 6; times > 0 && size > 0; times--) {
         size_t at = replay_random(state) % size;
         switch (replay_random(state) % 5) {
@@ -42,7 +44,7 @@ static size_t replay_mutate(uint8_t *data, size_t size, size_t room, uint64_t *s
             size = at;
             break;
         case 3: {
-            size_t len = size - at < room - size ? size - at : room - size;
+            size_t len = size - at < capacity - size ? size - at : capacity - size;
             memcpy(data + size, data + at, len);
             size += len;
             break;
@@ -50,7 +52,7 @@ static size_t replay_mutate(uint8_t *data, size_t size, size_t room, uint64_t *s
         default: {
             const char *word = words[replay_random(state) % (sizeof words / sizeof words[0])];
             size_t len = strlen(word);
-            if (size + len <= room) {
+            if (size + len <= capacity) {
                 memmove(data + at + len, data + at, size - at);
                 memcpy(data + at, word, len);
                 size += len;
@@ -66,7 +68,8 @@ int main(void)
     const char *folder = "tests/fuzz/corpus/" CORPUS;
     struct dirent **entry = NULL;
     int files = scandir(folder, &entry, NULL, alphasort);
-    int corpus = open(folder, O_RDONLY | O_DIRECTORY); /* the target may change the working directory */
+    int corpus =
+        open(folder, O_RDONLY | O_DIRECTORY); /* the target may change the working directory */
     enum { ROOM = 1 << 16 };
     static uint8_t original[ROOM / 2];
     static uint8_t data[ROOM];
@@ -92,8 +95,8 @@ int main(void)
     }
     free(entry);
     close(corpus);
-    printf("%s 1 - " CORPUS ": %d files and %ld mutations of each\n1..1\n", replayed > 0 ? "ok" : "not ok", replayed,
-           rounds);
+    printf("%s 1 - " CORPUS ": %d files and %ld mutations of each\n1..1\n",
+           replayed > 0 ? "ok" : "not ok", replayed, rounds);
     return replayed > 0 ? 0 : 1;
 }
 

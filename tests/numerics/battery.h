@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Oscillators and kinked systems as typed scenes, with their solutions: closed forms, or (exact NULL) what two methods
- * of different kinds agree to.
+ * Oscillators and kinked systems as typed scenes, with their solutions: closed forms, or (exact
+ * NULL) what two methods of different kinds agree to.
  */
 #ifndef HOOKE_TESTS_NUMERICS_BATTERY_H
 #define HOOKE_TESTS_NUMERICS_BATTERY_H
@@ -36,17 +36,18 @@ static inline struct scene typed_scene(struct typed_models *models, const char *
 }
 
 /* The run at t, however it stopped; most: steps, < 0: any number. */
-static inline struct run *reach_within(const struct scene *scene, const char *method, double tol, double first,
-                                       double t, int64_t most)
+static inline struct run *reach_within(const struct scene *scene, const char *method, double tol,
+                                       double first, double t, int64_t max)
 {
     const struct run_settings settings = {.dt = first, .tol = tol};
     struct run *run = start(scene, method, settings, t);
-    const struct run_target target = {.t = t, .steps = most};
+    const struct run_target target = {.t = t, .steps = max};
     assert_false(run_advance(run, &target, 0, NULL));
     return run;
 }
 
-static inline struct run *reach(const struct scene *scene, const char *method, double tol, double first, double t)
+static inline struct run *reach(const struct scene *scene, const char *method, double tol,
+                                double first, double t)
 {
     return reach_within(scene, method, tol, first, t, -1);
 }
@@ -57,8 +58,8 @@ static inline struct run *reach(const struct scene *scene, const char *method, d
 #pragma GCC diagnostic ignored "-Wdouble-promotion"
 
 /*
- * sn, cn, dn at u for the modulus k and its complement, by the arithmetic-geometric mean (Abramowitz, Stegun 1964,
- * 16.4), in extended precision.
+ * sn, cn, dn at u for the modulus k and its complement, by the arithmetic-geometric mean
+ * (Abramowitz, Stegun 1964, 16.4), in extended precision.
  */
 struct jacobi {
     long double sn, cn, dn;
@@ -90,7 +91,8 @@ static inline double pendulum_angle(double theta0, double t)
     return (double)(2 * asinl(k * at.cn / at.dn));
 }
 
-/* x'' = -a x - b x^3 from rest at A: A cn over the middle, A cd where the spring softens, A dn in one of two wells. */
+/* x'' = -a x - b x^3 from rest at A: A cn over the middle, A cd where the spring softens, A dn in
+ * one of two wells. */
 static inline double duffing_place(double a, double b, double A, double t)
 {
     const long double square = (long double)A * A;
@@ -107,7 +109,8 @@ static inline double duffing_place(double a, double b, double A, double t)
     return (double)(A * jacobi_at(sqrtl(w2) * t, sqrtl(m), sqrtl(1 - m)).cn);
 }
 
-/* Kepler's equation M = E - e sin E by bisection: [-pi, pi] holds it. From the pericentre, a = GM = 1. */
+/* Kepler's equation M = E - e sin E by bisection: [-pi, pi] holds it. From the pericentre, a = GM
+ * = 1. */
 static inline void kepler_place(double e, double t, double *x)
 {
     const long double pi = acosl(-1), M = remainderl(t, 2 * pi);
@@ -123,7 +126,8 @@ static inline void kepler_place(double e, double t, double *x)
     x[1] = (double)(sqrtl(1 - (long double)e * e) * sinl(low));
 }
 
-/* Of N between fixed ends the one at `at`, from (1, 0, …, 0): by frequencies (decays false) or rates, in units of unit.
+/* Of N between fixed ends the one at `at`, from (1, 0, …, 0): by frequencies (decays false) or
+ * rates, in units of unit.
  */
 static inline double chain_place(int N, int at, bool decays, double unit, double t)
 {
@@ -177,8 +181,11 @@ struct swinging {
     void (*exact)(double parameter, double t, double *x);
 };
 
-#define KEPLER "var x = %.17g;var y = 0;var y' = %.17g;x'' = -x/(x^2+y^2)^1.5;y'' = -y/(x^2+y^2)^1.5"
-#define ELASTIC "var x = 1.2;var y = 0;param k = $;x'' = -k*x*(1-1/sqrt(x^2+y^2));y'' = -k*y*(1-1/sqrt(x^2+y^2)) - 9.81"
+#define KEPLER                                                                                     \
+    "var x = %.17g;var y = 0;var y' = %.17g;x'' = -x/(x^2+y^2)^1.5;y'' = -y/(x^2+y^2)^1.5"
+#define ELASTIC                                                                                    \
+    "var x = 1.2;var y = 0;param k = $;x'' = -k*x*(1-1/sqrt(x^2+y^2));y'' = "                      \
+    "-k*y*(1-1/sqrt(x^2+y^2)) - 9.81"
 #define VAN_DER_POL "var x = 2;param mu = $;x'' = mu*(1-x^2)*x' - x"
 
 static const struct swinging oscillators[] = {
@@ -202,7 +209,8 @@ static const struct swinging oscillators[] = {
     {"elastic pendulum", ELASTIC, 1e4, 3, NULL},
     {"elastic pendulum", ELASTIC, 1e6, 0.5, NULL},
     {"Toda", "var x = $;x'' = 1 - exp(x)", 3, 40, NULL},
-    {"Lotka-Volterra", "var x = 1;var y = 1;param b = $;x' = x*(1.5 - b*y);y' = y*(x - 3)", 1, 20, NULL},
+    {"Lotka-Volterra", "var x = 1;var y = 1;param b = $;x' = x*(1.5 - b*y);y' = y*(x - 3)", 1, 20,
+     NULL},
     {"chain", NULL, 1, 40, exact_chain},
     {"heat", NULL, 1000, 0.1, exact_heat},
 };
@@ -214,7 +222,8 @@ static inline void oscillator_lines(const struct swinging *o, char *lines, size_
     const int n = heat ? HEAT : CHAIN;
     size_t used = 0;
     if (o->exact == kepler_place)
-        snprintf(lines, size, KEPLER, 1 - o->parameter, sqrt((1 + o->parameter) / (1 - o->parameter)));
+        snprintf(lines, size, KEPLER, 1 - o->parameter,
+                 sqrt((1 + o->parameter) / (1 - o->parameter)));
     else if (o->lines) {
         const int at = (int)strcspn(o->lines, "$");
         snprintf(lines, size, "%.*s%.17g%s", at, o->lines, o->parameter, o->lines + at + 1);
@@ -224,8 +233,8 @@ static inline void oscillator_lines(const struct swinging *o, char *lines, size_
     for (int i = 1; i <= n; i++)
         used += (size_t)snprintf(lines + used, size - used, "var y%d = %d;", i, i == 1);
     for (int i = 1; i <= n; i++) {
-        used += (size_t)snprintf(lines + used, size - used, "%sy%d'%s = %.17g*(-2*y%d", i > 1 ? ";" : "", i,
-                                 heat ? "" : "'", o->parameter, i);
+        used += (size_t)snprintf(lines + used, size - used, "%sy%d'%s = %.17g*(-2*y%d",
+                                 i > 1 ? ";" : "", i, heat ? "" : "'", o->parameter, i);
         if (i > 1)
             used += (size_t)snprintf(lines + used, size - used, " + y%d", i - 1);
         if (i < n)
@@ -243,7 +252,8 @@ static inline double two_springs(double t)
     return u < M_PI ? sin(u) : -sin(10 * (u - M_PI)) / 10;
 }
 
-/* x'' = -x - sign(x')/2 from rest at 10, before it sticks: half periods about -+1/2 take 1 off the amplitude. */
+/* x'' = -x - sign(x')/2 from rest at 10, before it sticks: half periods about -+1/2 take 1 off the
+ * amplitude. */
 static inline double dry(double t)
 {
     const double half = floor(t / M_PI), amplitude = 9.5 - half, sign = fmod(half, 2) == 0 ? 1 : -1;
@@ -253,7 +263,8 @@ static inline double dry(double t)
 /* x'' = -sign(x) from rest at 1: parabolas, quarter period sqrt(2). */
 static inline double wedge(double t)
 {
-    const double quarter = sqrt(2), u = fmod(t + quarter, 4 * quarter), v = fmod(u, 2 * quarter) - quarter;
+    const double quarter = sqrt(2), u = fmod(t + quarter, 4 * quarter),
+                 v = fmod(u, 2 * quarter) - quarter;
     return (u < 2 * quarter ? 1 : -1) * (1 - v * v / 2);
 }
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * The table of reference solutions, references.csv beside the recordings, and which families of methods have reached
- * each of its rows.
+ * The table of reference solutions, references.csv beside the recordings, and which families of
+ * methods have reached each of its rows.
  */
 #ifndef HOOKE_TESTS_NUMERICS_REFERENCES_H
 #define HOOKE_TESTS_NUMERICS_REFERENCES_H
@@ -18,10 +18,11 @@ struct table_row {
     unsigned reached; /* family_of() of all that came to it */
 };
 
-/* Methods that have no code of their steps in common, as one bit; 0: a closed form, which is none. */
+/* Methods that have no code of their steps in common, as one bit; 0: a closed form, which is none.
+ */
 static inline unsigned family_of(const struct method *method)
 {
-    const bool is[] = {method->flags & METHOD_YARDSTICK,
+    const bool is[] = {method->flags & METHOD_EXTERNAL,
                        method->tableau,
                        method->splitting,
                        method->nystrom,
@@ -42,7 +43,8 @@ static inline int families(unsigned reached)
     return count;
 }
 
-/* A method of the table, with a tolerance where it is adaptive, else a step; below 0: a step in any case. */
+/* A method of the table, with a tolerance where it is adaptive, else a step; below 0: a step in any
+ * case. */
 struct attempt {
     const char *method;
     double by;
@@ -59,7 +61,8 @@ static inline bool is_there(const struct attempt *attempt)
 
 static inline struct run_settings settings_of(const struct attempt *attempt)
 {
-    struct run_settings settings = {.dt = fabs(attempt->by), .record = {RECORD_EVERY, INT64_MAX, 0}};
+    struct run_settings settings = {.dt = fabs(attempt->by),
+                                    .record = {RECORD_EVERY, INT64_MAX, 0}};
     if (method_named(attempt->method)->flags & METHOD_ADAPTIVE && attempt->by > 0) {
         settings.dt = 1e-6;
         settings.tol = attempt->by;
@@ -135,15 +138,17 @@ static inline int place_of(const struct table_row *row)
 static inline bool is_of(const struct table_row *row, const char *problem, const char *parameters)
 {
     return text_starts(text_of(row->problem), text_of(problem)) &&
-           (!strstr(row->problem, "_drag") || strstr(problem, "_drag")) && strstr(row->parameters, parameters);
+           (!strstr(row->problem, "_drag") || strstr(problem, "_drag")) &&
+           strstr(row->parameters, parameters);
 }
 
 /*
- * Largest error over the rows of the problem, in units of each value, or of `least` where that is smaller (NAN: of what
- * the scene holds to be the variable's size); -1: there are none. Marks them.
+ * Largest error over the rows of the problem, in units of each value, or of `least` where that is
+ * smaller (NAN: of what the scene holds to be the variable's size); -1: there are none. Marks them.
  */
-static inline double worst_of(struct table_row *table, size_t rows, const char *problem, const char *parameters,
-                              const struct scene *scene, const struct attempt *by, double least)
+static inline double worst_of(struct table_row *table, size_t rows, const char *problem,
+                              const char *parameters, const struct scene *scene,
+                              const struct attempt *by, double min)
 {
     const unsigned family = family_of(method_named(by->method));
     double worst = -1, t = 0;
@@ -164,7 +169,7 @@ static inline double worst_of(struct table_row *table, size_t rows, const char *
             if (!is_of(&table[i], problem, parameters) || table[i].t != t)
                 continue;
             assert_true(k < run->system.n);
-            const double size = fmax(fabs(table[i].value), isnan(least) ? run->system.scale[k] : least);
+            const double size = fmax(fabs(table[i].value), isnan(min) ? run->system.scale[k] : min);
             worst = fmax(worst, fabs(run->y[k] - table[i].value) / size);
             table[i].reached |= family;
         }
@@ -174,12 +179,12 @@ static inline double worst_of(struct table_row *table, size_t rows, const char *
 }
 
 /*
- * Largest error over the rows of the problem in units of tol and of each variable's size along the run; NAN: more than
- * `most` steps are needed, or there is no row.
+ * Largest error over the rows of the problem in units of tol and of each variable's size along the
+ * run; NAN: more than `most` steps are needed, or there is no row.
  */
 static inline double error_over_tol(const struct table_row *table, size_t rows, const char *problem,
-                                    const char *parameters, const struct scene *scene, const char *method, double tol,
-                                    int64_t most)
+                                    const char *parameters, const struct scene *scene,
+                                    const char *method, double tol, int64_t max)
 {
     const struct attempt by = {method, tol, 0};
     struct run *run = start(scene, method, settings_of(&by), HUGE_VAL);
@@ -192,7 +197,7 @@ static inline double error_over_tol(const struct table_row *table, size_t rows, 
         if (isinf(next))
             break;
         t = next;
-        struct run_target target = {.t = t, .steps = most - run->steps};
+        struct run_target target = {.t = t, .steps = max - run->steps};
         assert_false(run_advance(run, &target, 0, NULL));
         if (run->t != t) {
             worst = NAN;
@@ -210,7 +215,7 @@ static inline double error_over_tol(const struct table_row *table, size_t rows, 
     return worst;
 }
 
-enum { TOLERANCES = 3, STEPS_LEAST = 20000, RATIOS = 80 };
+enum { TOLERANCES = 3, STEPS_MIN = 20000, RATIOS = 80 };
 
 /* error/tol of each adaptive method at the end of each problem */
 struct proportions {
@@ -221,21 +226,24 @@ struct proportions {
 /* The first is taken in any case. Steps of second order are too many for tighter ones. */
 static inline double tolerance_of(const struct method *method, int k)
 {
-    static const double second[TOLERANCES] = {1e-4, 1e-3, 1e-5}, third[TOLERANCES] = {1e-5, 1e-4, 1e-6},
+    static const double second[TOLERANCES] = {1e-4, 1e-3, 1e-5},
+                        third[TOLERANCES] = {1e-5, 1e-4, 1e-6},
                         others[TOLERANCES] = {1e-6, 1e-4, 1e-8};
     return (method->order > 3 ? others : method->order > 2 ? third : second)[k];
 }
 
 /* Of all methods that can do it. */
-static inline void add_proportions(struct proportions *p, const struct table_row *table, size_t rows,
-                                   const char *problem, const char *parameters, const struct scene *scene)
+static inline void add_proportions(struct proportions *p, const struct table_row *table,
+                                   size_t rows, const char *problem, const char *parameters,
+                                   const struct scene *scene)
 {
     const char *wish = getenv("LONG");
     struct system system;
     struct error error;
     assert_true(method_catalog.count <= COUNT_OF(p->ratio) && scene_bind(scene, &system, &error));
     for (size_t m = 0; m < method_catalog.count; m++) {
-        const struct method *method = (const struct method *)(const void *)catalog_row(&method_catalog, m);
+        const struct method *method =
+            (const struct method *)(const void *)catalog_row(&method_catalog, m);
         enum drag drag = DRAG_DEFAULT;
         if (!(method->flags & METHOD_ADAPTIVE) || !method_applies(method, &system, &drag, &error))
             continue;
@@ -243,11 +251,11 @@ static inline void add_proportions(struct proportions *p, const struct table_row
             if (k > 0 && !(wish && *wish))
                 continue;
             p->tried[m][k]++;
-            const double off = error_over_tol(table, rows, problem, parameters, scene, method->row.name,
-                                              tolerance_of(method, k), STEPS_LEAST);
+            const double off = error_over_tol(table, rows, problem, parameters, scene,
+                                              method->row.name, tolerance_of(method, k), STEPS_MIN);
             if (getenv("VERBOSE"))
-                print_message("%-16s %.0e %-26s %-14s %.2g\n", method->row.name, tolerance_of(method, k), problem,
-                              parameters, off);
+                print_message("%-16s %.0e %-26s %-14s %.2g\n", method->row.name,
+                              tolerance_of(method, k), problem, parameters, off);
             if (!isnan(off))
                 p->ratio[m][k][p->count[m][k]++] = off;
             assert_true(p->count[m][k] < RATIOS);
@@ -262,20 +270,22 @@ static inline int by_size(const void *a, const void *b)
 }
 
 /*
- * The error is about tol for every method, in the median over the problems. Where a tolerance needs too many steps for
- * many of them the others are the easy ones, and say nothing.
+ * The error is about tol for every method, in the median over the problems. Where a tolerance needs
+ * too many steps for many of them the others are the easy ones, and say nothing.
  *
- * The unit is tol times the size of the variable along the run: the mean of struct controller, or the value at the end
- * if that is larger. This is the stricter of the readings that a control by sizes allows: by the largest value so far,
- * which is what an absolute tolerance would be made of, ratios are smaller. By the present value alone they are some
- * ten times that: what decays, or passes through 0, has fewer digits, and no tolerance promises them.
+ * The unit is tol times the size of the variable along the run: the mean of struct controller, or
+ * the value at the end if that is larger. This is the stricter of the readings that a control by
+ * sizes allows: by the largest value so far, which is what an absolute tolerance would be made of,
+ * ratios are smaller. By the present value alone they are some ten times that: what decays, or
+ * passes through 0, has fewer digits, and no tolerance promises them.
  */
 static inline void assert_proportional(struct proportions *p)
 {
     int wrong = 0, judged = 0;
     for (size_t m = 0; m < method_catalog.count; m++)
         for (int k = 0; k < TOLERANCES; k++) {
-            const struct method *method = (const struct method *)(const void *)catalog_row(&method_catalog, m);
+            const struct method *method =
+                (const struct method *)(const void *)catalog_row(&method_catalog, m);
             double *ratio = p->ratio[m][k];
             const int n = p->count[m][k];
             if (n < 10 || 3 * n < 2 * p->tried[m][k])
@@ -283,9 +293,10 @@ static inline void assert_proportional(struct proportions *p)
             qsort(ratio, (size_t)n, sizeof *ratio, by_size);
             const double median = ratio[n / 2];
             const bool bad = !(median >= 0.1 && median <= 3);
-            print_message("# %-16s tol %.0e: median of error/tol %.2g, quartiles %.2g and %.2g, of %d%s\n",
-                          method->row.name, tolerance_of(method, k), median, ratio[n / 4], ratio[3 * n / 4], n,
-                          bad ? ": wrong" : "");
+            print_message(
+                "# %-16s tol %.0e: median of error/tol %.2g, quartiles %.2g and %.2g, of %d%s\n",
+                method->row.name, tolerance_of(method, k), median, ratio[n / 4], ratio[3 * n / 4],
+                n, bad ? ": wrong" : "");
             wrong += bad;
             judged++;
         }
@@ -293,14 +304,16 @@ static inline void assert_proportional(struct proportions *p)
     assert_true(judged >= 8);
 }
 
-/* The problems that only typed scenes express (command_references.c); run_reference.c runs the others. */
+/* The problems that only typed scenes express (command_references.c); run_reference.c runs the
+ * others. */
 static inline bool is_foreign(const struct table_row *row)
 {
     return text_starts(text_of(row->problem), TEXT("arenstorf")) ||
            (text_starts(text_of(row->problem), TEXT("DETEST-")) && strchr("ABC", row->problem[7]));
 }
 
-/* None of the rows, but for those of problems that are foreign, was reached by fewer than two families. */
+/* None of the rows, but for those of problems that are foreign, was reached by fewer than two
+ * families. */
 static inline void assert_all_reached(const struct table_row *table, size_t count, bool foreign)
 {
     size_t seen = 0;
@@ -309,9 +322,9 @@ static inline void assert_all_reached(const struct table_row *table, size_t coun
             continue;
         seen++;
         if (families(table[i].reached) < 2)
-            fail_msg("%s, %s, t = %g, %s: reached by %d famil%s of methods", table[i].problem, table[i].parameters,
-                     table[i].t, table[i].component, families(table[i].reached),
-                     families(table[i].reached) == 1 ? "y" : "ies");
+            fail_msg("%s, %s, t = %g, %s: reached by %d famil%s of methods", table[i].problem,
+                     table[i].parameters, table[i].t, table[i].component,
+                     families(table[i].reached), families(table[i].reached) == 1 ? "y" : "ies");
     }
     assert_true(seen > 200);
 }

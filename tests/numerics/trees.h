@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Rooted trees up to order 9 and the order conditions on them: sum_i b_i weight_i(tree) = theta^order / density.
- * For explicit, implicit and linearly implicit Runge-Kutta methods. Sources: Butcher 1963; Hairer, Norsett, Wanner I,
- * II.2; Hairer, Wanner II, IV.7.
+ * Rooted trees up to order 9 and the order conditions on them: sum_i b_i weight_i(tree) =
+ * theta^order / density. For explicit, implicit and linearly implicit Runge-Kutta methods. Sources:
+ * Butcher 1963; Hairer, Norsett, Wanner I, II.2; Hairer, Wanner II, IV.7.
  *
- * A tree is a smaller tree (its trunk) with one more branch at its root. Written so that branches never grow (in table
- * order), each tree appears once. Include after cmocka and method_testing.h; one static struct forest and one static
- * struct tree_weights (1 MB) are enough for a test program.
+ * A tree is a smaller tree (its trunk) with one more branch at its root. Written so that branches
+ * never grow (in table order), each tree appears once. Include after cmocka and method_testing.h;
+ * one static struct forest and one static struct tree_weights (1 MB) are enough for a test program.
  */
 #ifndef TESTS_TREES_H
 #define TESTS_TREES_H
@@ -41,7 +41,8 @@ static inline void forest_grow(struct forest *forest)
                 if (t->order + b->order != order || (t->branch >= 0 && branch > t->branch))
                     continue;
                 assert_true(forest->count < TREES);
-                /* The density belongs to the whole tree: gamma = order * product of the branches' gamma. */
+                /* The density belongs to the whole tree: gamma = order * product of the branches'
+                 * gamma. */
                 double density = order * (t->density / t->order) * b->density;
                 forest->tree[forest->count++] = (struct tree){order, trunk, branch, density};
             }
@@ -56,11 +57,13 @@ struct tree_weight {
 
 struct tree_weights {
     int stages;
-    struct tree_weight of[TREES][TREE_STAGES];    /* of each tree at each stage */
-    struct tree_weight among[TREES][TREE_STAGES]; /* the same where more branches will follow at the root */
+    struct tree_weight of[TREES][TREE_STAGES]; /* of each tree at each stage */
+    struct tree_weight
+        among[TREES][TREE_STAGES]; /* the same where more branches will follow at the root */
 };
 
-static inline struct tree_weight tree_branch(int stages, const double *row, const struct tree_weight *branch)
+static inline struct tree_weight tree_branch(int stages, const double *row,
+                                             const struct tree_weight *branch)
 {
     struct tree_weight sum = {0, 0};
     for (int j = 0; j < stages; j++) {
@@ -71,11 +74,12 @@ static inline struct tree_weight tree_branch(int stages, const double *row, cons
 }
 
 /*
- * Product over the branches of sum_j a_ij weight_j(branch), for a [stages][stages]. A root with only one branch takes
- * `single` instead of `a`: alpha + gamma where alpha is `a` in Rosenbrock methods (IV.7, eq. 7.11'), `a` itself else.
+ * Product over the branches of sum_j a_ij weight_j(branch), for a [stages][stages]. A root with
+ * only one branch takes `single` instead of `a`: alpha + gamma where alpha is `a` in Rosenbrock
+ * methods (IV.7, eq. 7.11'), `a` itself else.
  */
-static inline void tree_weigh(const struct forest *forest, int stages, const double *a, const double *single,
-                              struct tree_weights *weights)
+static inline void tree_weigh(const struct forest *forest, int stages, const double *a,
+                              const double *single, struct tree_weights *weights)
 {
     assert_in_range(stages, 1, TREE_STAGES);
     weights->stages = stages;
@@ -87,7 +91,8 @@ static inline void tree_weigh(const struct forest *forest, int stages, const dou
                 *of = *among = (struct tree_weight){1, 1};
                 continue;
             }
-            const struct tree_weight *trunk = &weights->among[tree->trunk][i], *branch = weights->of[tree->branch];
+            const struct tree_weight *trunk = &weights->among[tree->trunk][i],
+                                     *branch = weights->of[tree->branch];
             struct tree_weight factor = tree_branch(stages, a + i * stages, branch);
             *among = (struct tree_weight){trunk->value * factor.value, trunk->size * factor.size};
             *of = tree->trunk > 0 ? *among : tree_branch(stages, single + i * stages, branch);
@@ -95,11 +100,11 @@ static inline void tree_weigh(const struct forest *forest, int stages, const dou
 }
 
 /*
- * Largest violation among the trees of one order, for weights b [stages] of the state at t + theta h. In units of the
- * terms' size where that is more than 1.
+ * Largest violation among the trees of one order, for weights b [stages] of the state at t + theta
+ * h. In units of the terms' size where that is more than 1.
  */
-static inline double tree_violation(const struct forest *forest, const struct tree_weights *weights, const double *b,
-                                    int order, double theta)
+static inline double tree_violation(const struct forest *forest, const struct tree_weights *weights,
+                                    const double *b, int order, double theta)
 {
     double largest = 0;
     for (int t = forest->first[order]; t < forest->first[order + 1]; t++) {
@@ -111,8 +116,9 @@ static inline double tree_violation(const struct forest *forest, const struct tr
 }
 
 /* The order of the weights b equals the claim: the conditions one order higher must fail. */
-static inline void assert_tree_order(const char *what, const struct forest *forest, const struct tree_weights *weights,
-                                     const double *b, int claim, double theta)
+static inline void assert_tree_order(const char *what, const struct forest *forest,
+                                     const struct tree_weights *weights, const double *b, int claim,
+                                     double theta)
 {
     assert_in_range(claim, 1, TREE_ORDERS - 1);
     for (int order = 1; order <= claim; order++)

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A terminal in memory: what ncurses sends for xterm and its kin becomes a screen that tests can look at. */
+/* A terminal in memory: what ncurses sends for xterm and its kin becomes a screen that tests can
+ * look at. */
 #ifndef TEST_EMULATOR_H
 #define TEST_EMULATOR_H
 
@@ -45,7 +46,8 @@ static inline void emulator_size(struct emulator *e, int width, int height)
     }
     for (int y = 0; y < height; y++) {
         for (int x = 0; x < width; x++) {
-            cell[y * width + x] = e->cell && x < e->width && y < e->height ? e->cell[y * e->width + x] : ' ';
+            cell[y * width + x] =
+                e->cell && x < e->width && y < e->height ? e->cell[y * e->width + x] : ' ';
         }
     }
     free(e->cell);
@@ -120,8 +122,8 @@ static inline void emulator_put(struct emulator *e, uint32_t c)
 static inline void emulator_shift(struct emulator *e, int n)
 {
     uint32_t *row = e->cell + e->y * e->width;
-    const int room = e->width - e->x, by = abs(n) < room ? abs(n) : room;
-    const size_t bytes = (size_t)(room - by) * sizeof *row;
+    const int capacity = e->width - e->x, by = abs(n) < capacity ? abs(n) : capacity;
+    const size_t bytes = (size_t)(capacity - by) * sizeof *row;
     if (n > 0) {
         memmove(row + e->x + by, row + e->x, bytes);
         emulator_blank(e, e->x, e->y, e->x + by, e->y + 1);
@@ -131,9 +133,9 @@ static inline void emulator_shift(struct emulator *e, int n)
     }
 }
 
-static inline int emulator_clamp(int value, int most)
+static inline int emulator_clamp(int value, int max)
 {
-    return value < 0 ? 0 : value > most ? most : value;
+    return value < 0 ? 0 : value > max ? max : value;
 }
 
 static inline void emulator_modes(struct emulator *e, const int *p, int n, bool on)

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The folders that the tests of a terminal give the program: gone when the test program has ended. */
+/* The folders that the tests of a terminal give the program: gone when the test program has ended.
+ */
 #ifndef TEST_FOLDER_H
 #define TEST_FOLDER_H
 
@@ -9,15 +10,16 @@
 #include <string.h>
 #include <unistd.h>
 
-#define FOLDERS_MOST 32
+#define FOLDERS_MAX 32
 
 static struct {
     pid_t owner; /* not the programs it starts */
-    char path[FOLDERS_MOST][64];
+    char path[FOLDERS_MAX][64];
     int count;
 } test_folders;
 
-static inline int remove_entry(const char *path, const struct stat *status, int kind, struct FTW *where)
+static inline int remove_entry(const char *path, const struct stat *status, int kind,
+                               struct FTW *where)
 {
     (void)status;
     (void)kind;
@@ -39,7 +41,8 @@ static inline char *make_folder(char *template)
         test_folders.owner = getpid();
         atexit(remove_folders);
     }
-    if (test_folders.count == FOLDERS_MOST || strlen(template) >= sizeof test_folders.path[0] || !mkdtemp(template)) {
+    if (test_folders.count == FOLDERS_MAX || strlen(template) >= sizeof test_folders.path[0] ||
+        !mkdtemp(template)) {
         return NULL;
     }
     snprintf(test_folders.path[test_folders.count++], sizeof test_folders.path[0], "%s", template);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A person at a terminal: types, looks at the screen, waits for what should appear there. Never sleeps. */
+/* A person at a terminal: types, looks at the screen, waits for what should appear there. Never
+ * sleeps. */
 #ifndef TEST_PERSON_H
 #define TEST_PERSON_H
 
@@ -20,15 +21,14 @@
 #include "terminal/emulator.h"
 #include "terminal/folder.h"
 
-#define PATIENCE_NS                                                                                                    \
-    (getenv("HASTE")                                                                                                   \
-         ? 3000000000                                                                                                  \
-         : 20000000000) /* what has not come by then will not come; generous for sanitizers on a busy machine */
+#define PATIENCE_NS                                                                                \
+    (getenv("HASTE") ? 3000000000 : 20000000000) /* what has not come by then will not come;       \
+                                                    generous for sanitizers on a busy machine */
 #define MS 1000000
 
 struct person {
     pid_t program; /* or the shell that stands before it */
-    int stopped;   /* a byte comes from here whenever the program has stopped, and when it goes on */
+    int stopped; /* a byte comes from here whenever the program has stopped, and when it goes on */
     int fd;
     struct emulator screen;
     struct buffer raw; /* everything the program sent */
@@ -46,13 +46,14 @@ struct start {
     const char *argument[6];
     int width, height;
     bool silent;
-    bool shell; /* a shell stands between that sees the program stop: without one the system ignores Ctrl-Z */
+    bool shell; /* a shell stands between that sees the program stop: without one the system ignores
+                   Ctrl-Z */
 };
 
 static char state_folder[] = "/tmp/hooke-panes-XXXXXX";
 
-/* The least of a shell: starts the program in the foreground, says when it stops, continues it on SIGUSR1, ends as it
- * does. */
+/* The least of a shell: starts the program in the foreground, says when it stops, continues it on
+ * SIGUSR1, ends as it does. */
 static inline void be_shell(int report)
 {
     sigset_t usr1;
@@ -150,7 +151,8 @@ static inline void type(struct person *p, const char *keys)
     }
 }
 
-/* Processor time of the program so far [ns]: what it does in answer is bounded by work, not by the clock. */
+/* Processor time of the program so far [ns]: what it does in answer is bounded by work, not by the
+ * clock. */
 static inline int64_t work_ns(pid_t program)
 {
     clockid_t clock;
@@ -172,25 +174,26 @@ static inline bool pump(struct person *p, int ms)
 {
     struct pollfd ready = {.fd = p->fd, .events = POLLIN};
     char chunk[4096];
-    size_t most = sizeof chunk;
+    size_t max = sizeof chunk;
     if (p->rate > 0) { /* a slow link: a few bytes at a time, no earlier than it can carry them */
         const int64_t wait = p->link_free - clock_ns();
         if (wait > 0 && poll(NULL, 0, (int)(wait / MS) + 1) < 0) {
             return true;
         }
-        most = 32;
+        max = 32;
     }
     if (p->hung_up || poll(&ready, 1, ms) <= 0) {
         return false;
     }
-    const ssize_t got = read(p->fd, chunk, most);
+    const ssize_t got = read(p->fd, chunk, max);
     if (got <= 0) {
         p->hung_up = true;
         return false;
     }
     const int64_t now = clock_ns();
     if (p->rate > 0) {
-        p->link_free = (p->link_free > now - 10 * MS ? p->link_free : now) + got * 1000000000 / p->rate;
+        p->link_free =
+            (p->link_free > now - 10 * MS ? p->link_free : now) + got * 1000000000 / p->rate;
     }
     buffer_put(&p->raw, (struct text){chunk, (size_t)got});
     for (ssize_t i = 0; i < got; i++) {

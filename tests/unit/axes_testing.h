@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Axes as a person reads them: from the numbers beside the ticks, and from nothing else. Included after <cmocka.h> by
- * tests that draw.
+ * Axes as a person reads them: from the numbers beside the ticks, and from nothing else. Included
+ * after <cmocka.h> by tests that draw.
  */
 #ifndef AXES_TESTING_H
 #define AXES_TESTING_H
@@ -42,7 +42,8 @@ static inline double dice_between(struct dice *dice, double a, double b)
     return a + (b - a) * dice_roll(dice) / 4294967296.0;
 }
 
-/* A recording of a swing that dies away: times [s], distances [cm]; of some a part in the middle is missing. */
+/* A recording of a swing that dies away: times [s], distances [cm]; of some a part in the middle is
+ * missing. */
 static inline void write_swing(struct dice *dice, const char *name)
 {
     const double period = dice_between(dice, 0.3, 3), step = dice_between(dice, 0.01, 0.1),
@@ -57,7 +58,8 @@ static inline void write_swing(struct dice *dice, const char *name)
         if (i > left_out && i <= left_out + gap)
             continue;
         fprintf(file, "%.4f\t%.3f\n", from + t,
-                20 + 5 * exp(-0.01 * t) * cos(6.2831853 * t / period) + dice_between(dice, -0.02, 0.02));
+                20 + 5 * exp(-0.01 * t) * cos(6.2831853 * t / period) +
+                    dice_between(dice, -0.02, 0.02));
     }
     assert_int_equal(fclose(file), 0);
 }
@@ -80,14 +82,14 @@ static inline int axes_folder_leave(void **state)
 
 /* ---- one axis ---- */
 
-#define TICKS_MOST 64
+#define TICKS_MAX 64
 
 /* Numbers and where they stand, as read; a place is known to half a unit. */
 struct read_axis {
-    double value[TICKS_MOST], at[TICKS_MOST];
+    double value[TICKS_MAX], at[TICKS_MAX];
     int n;
     bool log;
-    double unit; /* value of 1, with the power of ten of the title */
+    double unit;   /* value of 1, with the power of ten of the title */
     double offset; /* that the title takes off, in that unit */
 };
 
@@ -111,11 +113,12 @@ static inline double read_place(const struct read_axis *axis, double value, doub
 }
 
 /* The ticks between the outermost two agree with them. */
-static inline bool read_axis_is_even(const struct read_axis *axis, double least)
+static inline bool read_axis_is_even(const struct read_axis *axis, double min)
 {
     double reach;
     for (int i = 0; i < axis->n; i++)
-        if (fabs(read_place(axis, (axis->value[i] + axis->offset) * axis->unit, &reach) - axis->at[i]) > least * (reach + 0.5) + 1e-6)
+        if (fabs(read_place(axis, (axis->value[i] + axis->offset) * axis->unit, &reach) -
+                 axis->at[i]) > min * (reach + 0.5) + 1e-6)
             return false;
     return true;
 }
@@ -159,7 +162,8 @@ static inline double read_power(const struct canvas *canvas, int from, int to, i
 {
     for (int x = from; x < to; x++) {
         int end;
-        if (cell_at(canvas, x, y) != '[' || cell_at(canvas, x + 1, y) != '1' || cell_at(canvas, x + 2, y) != 'e')
+        if (cell_at(canvas, x, y) != '[' || cell_at(canvas, x + 1, y) != '1' ||
+            cell_at(canvas, x + 2, y) != 'e')
             continue;
         return read_number(canvas, x + 1, y, to, &end);
     }
@@ -172,9 +176,11 @@ static inline double read_offset(const struct canvas *canvas, int from, int to, 
     for (int x = from + 3; x < to && cell_at(canvas, x, y) != '['; x++) {
         const uint32_t sign = cell_at(canvas, x, y);
         int end;
-        if ((sign != '-' && sign != '+') || cell_at(canvas, x - 1, y) != ' ' || cell_at(canvas, x + 1, y) != ' ')
+        if ((sign != '-' && sign != '+') || cell_at(canvas, x - 1, y) != ' ' ||
+            cell_at(canvas, x + 1, y) != ' ')
             continue;
-        const uint32_t label = cell_at(canvas, x - 2, y); /* of the axis; a mark of the legend, "+ 3", has none */
+        const uint32_t label =
+            cell_at(canvas, x - 2, y); /* of the axis; a mark of the legend, "+ 3", has none */
         if (label == ' ' || label == '-' || label == 0x2500)
             continue;
         const double offset = read_number(canvas, x + 2, y, to, &end);
@@ -201,12 +207,12 @@ static inline bool read_x_axis(struct reader *r, double unit)
     r->last = r->first;
     for (x = r->first; x < r->right && cell_at(c, x, y) != ' '; x++) {
         r->last = x;
-        if (is_x_tick(cell_at(c, x, y)) && tick < TICKS_MOST)
+        if (is_x_tick(cell_at(c, x, y)) && tick < TICKS_MAX)
             r->x.at[tick++] = x;
     }
-    for (x = r->left + 1; x < r->right; x = end > x ? end : x + 1) {
+    for (x = r->left + 1; x<r->right; x = end> x ? end : x + 1) {
         const double value = read_number(c, x, y + 1, r->right, &end);
-        if (end > x && r->x.n < TICKS_MOST)
+        if (end > x && r->x.n < TICKS_MAX)
             r->x.value[r->x.n++] = value;
     }
     const double power = read_power(c, r->left, r->right, y + 2);
@@ -221,7 +227,7 @@ static inline bool read_y_axis(struct reader *r, double unit, bool decades)
     int end;
     for (int y = r->bottom - 1; y > r->top; y--) {
         const uint32_t mark = cell_at(c, r->first - 1, y);
-        if ((mark != '+' && mark != 0x2524) || y == r->axis_row || r->y.n == TICKS_MOST)
+        if ((mark != '+' && mark != 0x2524) || y == r->axis_row || r->y.n == TICKS_MAX)
             continue;
         int x = r->first - 2;
         while (x > r->left && is_number_cell(cell_at(c, x, y)))
@@ -256,13 +262,15 @@ static inline void ink_may(struct ink *ink, int x, int y)
 /* Where a straight line between two samples may be seen, if places are known to `reach` cells. */
 static inline void ink_line(struct ink *ink, const double a[4], const double b[4])
 {
-    const double reach_x = 0.5 + fmin(fmax(a[2], b[2]), 3) + 1e-6, reach_y = 0.5 + fmin(fmax(a[3], b[3]), 3) + 1e-6;
+    const double reach_x = 0.5 + fmin(fmax(a[2], b[2]), 3) + 1e-6,
+                 reach_y = 0.5 + fmin(fmax(a[3], b[3]), 3) + 1e-6;
     const double low = fmin(a[0], b[0]), high = fmax(a[0], b[0]);
     const double left_end = ink->r->first - 1, right_end = ink->r->last + 1;
     const int from = (int)fmin(fmax(ceil(low - reach_x), left_end), right_end),
               to = (int)fmax(fmin(floor(high + reach_x), right_end), left_end);
     for (int x = from; x <= to; x++) {
-        const double left = fmax(low, x - reach_x), right = fmin(high, x + reach_x), span = b[0] - a[0];
+        const double left = fmax(low, x - reach_x), right = fmin(high, x + reach_x),
+                     span = b[0] - a[0];
         double y0 = a[1], y1 = b[1];
         if (fabs(span) > 1e-9) {
             y0 = a[1] + (left - a[0]) / span * (b[1] - a[1]);
@@ -277,7 +285,8 @@ static inline void ink_line(struct ink *ink, const double a[4], const double b[4
 }
 
 /* x, y, and what they are known to; false: none. */
-static inline bool reader_spot(const struct reader *r, const struct curve *curve, size_t i, double spot[4])
+static inline bool reader_spot(const struct reader *r, const struct curve *curve, size_t i,
+                               double spot[4])
 {
     spot[0] = read_place(&r->x, curve->x[i], &spot[2]);
     spot[1] = read_place(&r->y, curve->y[i], &spot[3]);
@@ -286,19 +295,23 @@ static inline bool reader_spot(const struct reader *r, const struct curve *curve
 
 static inline bool has_ink_near(const struct reader *r, const double spot[4])
 {
-    /* A line that passes from one column to the next leaves the dot between them to one of both: up to half a cell. */
+    /* A line that passes from one column to the next leaves the dot between them to one of both: up
+     * to half a cell. */
     const double dot = 0.5, reach_x = 0.5 + spot[2] + 1e-6, reach_y = 0.5 + dot + spot[3] + 1e-6;
     if (spot[0] < r->first || spot[0] > r->last || spot[1] <= r->top || spot[1] >= r->bottom)
         return true; /* outside it is not seen */
     for (int y = (int)ceil(spot[1] - reach_y); y <= floor(spot[1] + reach_y); y++)
         for (int x = (int)ceil(spot[0] - reach_x); x <= floor(spot[0] + reach_x); x++)
-            if (x < r->first || x > r->last || y <= r->top || y >= r->bottom || cell_at(r->canvas, x, y) != ' ')
+            if (x < r->first || x > r->last || y <= r->top || y >= r->bottom ||
+                cell_at(r->canvas, x, y) != ' ')
                 return true; /* over the edge */
     return false;
 }
 
-/* Ink only where the axes put something of a curve, and some at each sample of a line; *problem says what is wrong. */
-static inline bool reader_agrees(const struct reader *r, const struct figure *figure, char problem[200])
+/* Ink only where the axes put something of a curve, and some at each sample of a line; *problem
+ * says what is wrong. */
+static inline bool reader_agrees(const struct reader *r, const struct figure *figure,
+                                 char problem[200])
 {
     struct ink ink = {r, r->canvas->width, r->canvas->height, NULL};
     bool fine = true;
@@ -321,8 +334,8 @@ static inline bool reader_agrees(const struct reader *r, const struct figure *fi
             memcpy(before, spot, sizeof before);
             joined = true;
             if (fine && !curve->points && !has_ink_near(r, spot)) {
-                snprintf(problem, 200, "nothing is drawn at x = %g, y = %g: column %g, row %g", curve->x[i], curve->y[i],
-                         spot[0], spot[1]);
+                snprintf(problem, 200, "nothing is drawn at x = %g, y = %g: column %g, row %g",
+                         curve->x[i], curve->y[i], spot[0], spot[1]);
                 fine = false;
             }
         }
@@ -330,7 +343,8 @@ static inline bool reader_agrees(const struct reader *r, const struct figure *fi
     for (int y = r->top + 1; y < r->bottom && y != r->axis_row && fine; y++) {
         for (int x = r->first; x <= r->last && fine; x++) {
             const struct cell *cell = &r->canvas->cell[y * r->canvas->width + x];
-            if (cell->style < STYLE_CURVE_1 || cell->style > STYLE_CURVE_4 || ink.may[y * ink.width + x])
+            if (cell->style < STYLE_CURVE_1 || cell->style > STYLE_CURVE_4 ||
+                ink.may[y * ink.width + x])
                 continue;
             snprintf(problem, 200, "column %d, row %d has ink where the axes have no sample", x, y);
             fine = false;

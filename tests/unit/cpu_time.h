@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Bounds on work are bounds on processor time: on a busy machine the clock on the wall says nothing of the program. */
+/* Bounds on work are bounds on processor time: on a busy machine the clock on the wall says nothing
+ * of the program. */
 #ifndef CPU_TIME_H
 #define CPU_TIME_H
 

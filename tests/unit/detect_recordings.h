@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Recordings that oscillate and recordings that do not, drawn at random. Included after <cmocka.h>. */
+/* Recordings that oscillate and recordings that do not, drawn at random. Included after <cmocka.h>.
+ */
 #ifndef HOOKE_TESTS_UNIT_DETECT_RECORDINGS_H
 #define HOOKE_TESTS_UNIT_DETECT_RECORDINGS_H
 
@@ -20,7 +21,8 @@ struct drawn {
 
 static inline struct drawn draw(size_t n, double rate)
 {
-    struct drawn d = {.t = malloc(n * sizeof(double)), .y = calloc(n, sizeof(double)), .n = n, .period = NAN};
+    struct drawn d = {
+        .t = malloc(n * sizeof(double)), .y = calloc(n, sizeof(double)), .n = n, .period = NAN};
     if (!d.t || !d.y)
         abort();
     for (size_t i = 0; i < n; i++)
@@ -50,7 +52,8 @@ static inline struct drawn bump(void)
 static inline struct drawn step(void)
 {
     struct drawn d = draw(600, 50);
-    const double at = random_between(0.2, 0.8) * d.span, width = of_random_size(0.001, 0.1) * d.span;
+    const double at = random_between(0.2, 0.8) * d.span,
+                 width = of_random_size(0.001, 0.1) * d.span;
     for (size_t i = 0; i < d.n; i++)
         d.y[i] = 5 * tanh((d.t[i] - at) / width);
     add_noise(&d, of_random_size(0.005, 0.3));
@@ -114,7 +117,8 @@ static inline struct drawn many_samples(void)
 static inline struct drawn drifting(void)
 {
     struct drawn d = draw(13220, 20);
-    const double change = random_between(-0.08, 0.08), phase = random_between(-PI, PI), swings = random_between(100, 350);
+    const double change = random_between(-0.08, 0.08), phase = random_between(-PI, PI),
+                 swings = random_between(100, 350);
     d.period = d.span / swings;
     for (size_t i = 0; i < d.n; i++) {
         const double x = d.t[i] / d.span;
@@ -127,12 +131,15 @@ static inline struct drawn drifting(void)
 /* A few swings that friction ends, then rest. */
 static inline struct drawn swings_then_rest(void)
 {
-    const double swings = random_between(4, 8), rest = random_between(0.3, 0.8), phase = random_between(-1, 1);
+    const double swings = random_between(4, 8), rest = random_between(0.3, 0.8),
+                 phase = random_between(-1, 1);
     struct drawn d = draw(2000, 50);
     const double moving = (1 - rest) * d.span;
     d.period = moving / swings;
     for (size_t i = 0; i < d.n; i++)
-        d.y[i] = 10 + (d.t[i] < moving ? 4 * (1 - d.t[i] / moving) * cos(2 * PI * d.t[i] / d.period + phase) : 0);
+        d.y[i] = 10 + (d.t[i] < moving
+                           ? 4 * (1 - d.t[i] / moving) * cos(2 * PI * d.t[i] / d.period + phase)
+                           : 0);
     add_noise(&d, of_random_size(1e-3, 0.05));
     return d;
 }
@@ -168,7 +175,8 @@ static inline struct drawn strongly_damped(void)
     const double quality = random_between(2.5, 20), phase = random_between(-1, 1);
     d.period = d.span / random_between(5, 30);
     for (size_t i = 0; i < d.n; i++)
-        d.y[i] = 3 * exp(-PI * d.t[i] / d.period / quality) * cos(2 * PI * d.t[i] / d.period + phase);
+        d.y[i] =
+            3 * exp(-PI * d.t[i] / d.period / quality) * cos(2 * PI * d.t[i] / d.period + phase);
     add_noise(&d, of_random_size(1e-3, 0.03));
     return d;
 }
@@ -189,8 +197,11 @@ struct kind {
     struct drawn (*draw)(void);
 };
 
-static const struct kind still[] = {
-    {"bump", bump}, {"step", step}, {"noise", noise}, {"random walk", walk}, {"exponential", exponential}};
+static const struct kind still[] = {{"bump", bump},
+                                    {"step", step},
+                                    {"noise", noise},
+                                    {"random walk", walk},
+                                    {"exponential", exponential}};
 static const struct kind moving[] = {{"2.05 to 2.5 samples a period", few_samples},
                                      {"4 to 100 samples a period", many_samples},
                                      {"drifting frequency", drifting},

@@ -7,8 +7,8 @@
 
 /* ---- least squares for any curve ----
  *
- * y = f(parameters, t) with exact derivatives: Levenberg-Marquardt (GSL; More's scaling, QR), with geodesic
- * acceleration where the plain form does not arrive (Transtrum & Sethna 2012).
+ * y = f(parameters, t) with exact derivatives: Levenberg-Marquardt (GSL; More's scaling, QR), with
+ * geodesic acceleration where the plain form does not arrive (Transtrum & Sethna 2012).
  */
 
 #define CURVE_PARAMETERS 24
@@ -17,21 +17,24 @@ struct fit_curve {
     int parameters;
     const char *const *name; /* [parameters] for messages */
     void *context;
-    /* Values [n] at the times t [n] and, unless NULL, derivatives [n][parameters]. False: there is no value there (or
-     * the evaluation was cancelled). */
-    bool (*evaluate)(void *context, const double *parameter, const double *t, size_t n, double *value,
-                     double *derivative);
+    /* Values [n] at the times t [n] and, unless NULL, derivatives [n][parameters]. False: there is
+     * no value there (or the evaluation was cancelled). */
+    bool (*evaluate)(void *context, const double *parameter, const double *t, size_t n,
+                     double *value, double *derivative);
 };
 
 struct curve_options {
-    const double *low, *high; /* [parameters] bounds, NULL: none; -INFINITY and INFINITY: none on that side */
-    bool robust;    /* soft-L1, then bisquare (4.685 robust sigma): what is far off has no weight, and is counted */
-    bool rough;     /* a start for another fit is wanted: neither the last digits nor what is determined */
-    /* an evaluation takes long, as where a motion is integrated: weights settle on the curve's tangent, and digits far
-     * below the uncertainties are not looked for */
+    const double *low,
+        *high;   /* [parameters] bounds, NULL: none; -INFINITY and INFINITY: none on that side */
+    bool robust; /* soft-L1, then bisquare (4.685 robust sigma): what is far off has no weight, and
+                    is counted */
+    bool rough; /* a start for another fit is wanted: neither the last digits nor what is determined
+                 */
+    /* an evaluation takes long, as where a motion is integrated: weights settle on the curve's
+     * tangent, and digits far below the uncertainties are not looked for */
     bool costly;
-    /* robust: so many samples in a row are judged by their own scatter, where that is larger than that of all: what the
-     * curve misses for long is no outlier; 0: all together */
+    /* robust: so many samples in a row are judged by their own scatter, where that is larger than
+     * that of all: what the curve misses for long is no outlier; 0: all together */
     size_t stretch;
     int iterations; /* at most; 0: 500 */
     int bootstrap;  /* parametric bootstrap samples for the intervals, 0: none */
@@ -41,37 +44,43 @@ struct curve_options {
 
 struct curve_fit {
     int parameters;
-    struct measured value[CURVE_PARAMETERS]; /* uncertainty: widened for correlated residuals; NAN: not determined */
+    struct measured value[CURVE_PARAMETERS]; /* uncertainty: widened for correlated residuals; NAN:
+                                                not determined */
     double formal[CURVE_PARAMETERS];         /* the same as if residuals were independent */
-    double interval[CURVE_PARAMETERS][2];    /* 95 % (Student's t; of the bootstrap where it was asked for) */
+    double interval[CURVE_PARAMETERS]
+                   [2]; /* 95 % (Student's t; of the bootstrap where it was asked for) */
     double covariance[CURVE_PARAMETERS][CURVE_PARAMETERS]; /* widened */
     double correlation[CURVE_PARAMETERS][CURVE_PARAMETERS];
     bool determined[CURVE_PARAMETERS]; /* by the data */
     bool bound[CURVE_PARAMETERS];      /* lies on its bound: no uncertainty */
     bool converged;                    /* small_step, small_gradient, everything determined */
-    bool small_step; /* the next full step would change no parameter by more than 1e-8 of itself or its uncertainty */
-    bool small_gradient; /* the residuals are orthogonal to the derivatives to 1e-6, or to rounding */
+    bool small_step; /* the next full step would change no parameter by more than 1e-8 of itself or
+                        its uncertainty */
+    bool small_gradient; /* the residuals are orthogonal to the derivatives to 1e-6, or to rounding
+                          */
     int iterations;
     double rss, sigma; /* (weighted) sum of squares; standard deviation of the residuals */
     size_t used, rejected;
     double autocorrelation; /* lag 1 of the residuals */
-    double runs;            /* runs of equal sign: standard deviations from what chance gives; < -3: systematic */
-    int bootstrapped;       /* samples that converged */
-    double *residual;       /* [n] y - f, from the arena */
-    double *weight;         /* [n] 1, or the robust ones */
-    char said[200];         /* in words: "converged: …", "did not converge: …" */
+    double
+        runs; /* runs of equal sign: standard deviations from what chance gives; < -3: systematic */
+    int bootstrapped; /* samples that converged */
+    double *residual; /* [n] y - f, from the arena */
+    double *weight;   /* [n] 1, or the robust ones */
+    char said[200];   /* in words: "converged: …", "did not converge: …" */
 };
 
 /*
- * Least squares from the start [parameters]. True: there is an answer, and `converged` and `said` tell what it is worth
- * (ERROR_NUMERICAL is the caller's to set). False: ERROR_COMMAND (fewer samples than parameters, the curve has no value
- * at the start), ERROR_CANCELLED, memory.
+ * Least squares from the start [parameters]. True: there is an answer, and `converged` and `said`
+ * tell what it is worth (ERROR_NUMERICAL is the caller's to set). False: ERROR_COMMAND (fewer
+ * samples than parameters, the curve has no value at the start), ERROR_CANCELLED, memory.
  */
 bool curve_fit(const struct fit_curve *curve, const struct series *series, const double *start,
-               const struct curve_options *options, struct arena *arena, struct curve_fit *fit, struct error *error);
+               const struct curve_options *options, struct arena *arena, struct curve_fit *fit,
+               struct error *error);
 
-/* A model that more than a fifth of the samples must leave is none, whether they are bad echoes or lie behind flat
- * tops: no fit of any kind that leaves out so many has converged. */
+/* A model that more than a fifth of the samples must leave is none, whether they are bad echoes or
+ * lie behind flat tops: no fit of any kind that leaves out so many has converged. */
 static inline bool fit_discards_much(size_t rejected, size_t samples)
 {
     return (double)rejected > 0.2 * (double)samples;
@@ -101,27 +110,34 @@ struct formula {
 };
 
 /*
- * Compiles the longest formula at the start of `text` (see expr_compile). `known`, or NULL: names that are constants,
- * with their present values. columns: more variables than t, or NULL. At least one parameter and at most
- * CURVE_PARAMETERS.
+ * Compiles the longest formula at the start of `text` (see expr_compile). `known`, or NULL: names
+ * that are constants, with their present values. columns: more variables than t, or NULL. At least
+ * one parameter and at most CURVE_PARAMETERS.
  */
-bool formula_compile(struct text text, const struct expr_scope *known, const struct formula_column *column, int columns,
-                     struct arena *arena, struct formula *formula, size_t *used, struct error *error);
-/* Start and bounds of a parameter by name; false: the formula has no such parameter (with suggestion). */
+bool formula_compile(struct text text, const struct expr_scope *known,
+                     const struct formula_column *column, int columns, struct arena *arena,
+                     struct formula *formula, size_t *used, struct error *error);
+/* Start and bounds of a parameter by name; false: the formula has no such parameter (with
+ * suggestion). */
 bool formula_start(struct formula *formula, struct text name, double start, struct error *error);
-bool formula_bounds(struct formula *formula, struct text name, double low, double high, struct error *error);
+bool formula_bounds(struct formula *formula, struct text name, double low, double high,
+                    struct error *error);
 /*
- * Fits it. Starts that are not given are looked for: parameters in which the formula is linear are solved for exactly,
- * the others tried on scales that the series suggests (its spectrum, span, range), the best refined. As curve_fit().
+ * Fits it. Starts that are not given are looked for: parameters in which the formula is linear are
+ * solved for exactly, the others tried on scales that the series suggests (its spectrum, span,
+ * range), the best refined. As curve_fit().
  */
-bool formula_fit(const struct formula *formula, const struct series *series, const struct curve_options *options,
-                 struct arena *arena, struct curve_fit *fit, struct error *error);
+bool formula_fit(const struct formula *formula, const struct series *series,
+                 const struct curve_options *options, struct arena *arena, struct curve_fit *fit,
+                 struct error *error);
 /* Values at n times (columns other than t: as fitted, by index). */
-void formula_values(const struct formula *formula, const double *parameter, const double *t, size_t n, double *value);
+void formula_values(const struct formula *formula, const double *parameter, const double *t,
+                    size_t n, double *value);
 
 /* ---- fits ---- */
 
-/* What damps an oscillation: terms of y'' + gamma y' + b|y'|y' + f sign(y') + omega0^2 y = 0, and their sums. */
+/* What damps an oscillation: terms of y'' + gamma y' + b|y'|y' + f sign(y') + omega0^2 y = 0, and
+ * their sums. */
 enum drag_law {
     LAW_NONE = 0,
     LAW_LINEAR = 1,
@@ -133,21 +149,23 @@ enum drag_law {
 };
 
 struct drag_law_row {
-    struct row row;     /* linear, linear+quadratic, …; citation: its equation */
+    struct row row; /* linear, linear+quadratic, …; citation: its equation */
     enum drag_law law;
 };
 
 extern const struct catalog drag_law_catalog;
 
 struct drag_rate {
-    const char *name;     /* gamma, b, f */
-    const char *unit;     /* of a position in metres */
-    const char *bare;     /* of an angle or a plain number */
+    const char *name; /* gamma, b, f */
+    const char *unit; /* of a position in metres */
+    const char *bare; /* of an angle or a plain number */
 };
 
-extern const struct drag_rate drag_rates[DRAG_RATES]; /* in the order of the bits of enum drag_law */
+extern const struct drag_rate
+    drag_rates[DRAG_RATES]; /* in the order of the bits of enum drag_law */
 
-const char *drag_law_name(enum drag_law law); /* "linear+dry", "not distinguishable", NULL for LAW_NONE */
+const char *
+drag_law_name(enum drag_law law); /* "linear+dry", "not distinguishable", NULL for LAW_NONE */
 
 enum {
     EQUATION_START,
@@ -159,13 +177,15 @@ enum {
     EQUATION_PARAMETERS
 };
 
-/* What pulls back: omega0^2 y, omega0^2 y + beta y^3 (Duffing), omega0^2 sin(y) (pendulum: y is an angle). */
+/* What pulls back: omega0^2 y, omega0^2 y + beta y^3 (Duffing), omega0^2 sin(y) (pendulum: y is an
+ * angle). */
 enum restoring_force { RESTORING_LINEAR, RESTORING_CUBIC, RESTORING_SINE, RESTORING_FORCES };
 
 extern const struct catalog restoring_catalog;
 const char *restoring_name(enum restoring_force force); /* "linear", "Duffing", "pendulum" */
 
-/* One motion under such a law: y and y' at t0 [without the offset], omega0, gamma, b, f, beta, and the offset. */
+/* One motion under such a law: y and y' at t0 [without the offset], omega0, gamma, b, f, beta, and
+ * the offset. */
 struct equation {
     double value[EQUATION_PARAMETERS];
     double t0;
@@ -174,10 +194,12 @@ struct equation {
 };
 
 /*
- * Values [n] at ascending times t >= t0, offset included, and unless NULL their derivatives [n][EQUATION_PARAMETERS].
- * Integrated to rounding, through turning points and into rest. False: it cannot be integrated so far.
+ * Values [n] at ascending times t >= t0, offset included, and unless NULL their derivatives
+ * [n][EQUATION_PARAMETERS]. Integrated to rounding, through turning points and into rest. False: it
+ * cannot be integrated so far.
  */
-bool equation_solve(const struct equation *equation, const double *t, size_t n, double *value, double *derivative);
+bool equation_solve(const struct equation *equation, const double *t, size_t n, double *value,
+                    double *derivative);
 
 enum { EQUATION_ORDER = 18, EQUATION_COLUMNS = EQUATION_OFFSET + 1 };
 
@@ -198,37 +220,42 @@ struct equation_walk {
     double c[EQUATION_ORDER + 1][EQUATION_COLUMNS];
 };
 
-bool equation_begin(const struct equation *equation, enum equation_slopes slopes, struct equation_walk *walk);
-bool equation_values(struct equation_walk *walk, const double *t, size_t n, double *value, double *derivative);
+bool equation_begin(const struct equation *equation, enum equation_slopes slopes,
+                    struct equation_walk *walk);
+bool equation_values(struct equation_walk *walk, const double *t, size_t n, double *value,
+                     double *derivative);
 
 /* The whole oscillation under each law, integrated. */
 struct drag_fit {
     struct drag_candidate {
         enum drag_law law;
         bool converged;
-        struct measured rate[DRAG_RATES]; /* gamma [1/s], b [1/m], f [m/s^2] where y is a length; 0: it has none */
+        struct measured rate[DRAG_RATES]; /* gamma [1/s], b [1/m], f [m/s^2] where y is a length; 0:
+                                             it has none */
         double bic;                       /* of this many independent residuals */
         double rms;
     } candidate[DRAG_LAWS];
-    int candidates;        /* 0: the fit was not one of drag */
-    enum drag_law best;    /* the simplest that remains: the law that the fit's values are those of */
-    unsigned remaining;    /* bit i: the data do not exclude candidate[i]; more than one: not distinguishable */
-    double independent;    /* residuals, after allowing for their correlation in the amplitude */
-    double delta;          /* BIC of the next best law less that of the best */
-    double p_value;        /* F-test of the last term of a sum, or of a second one beside a single law */
+    int candidates;     /* 0: the fit was not one of drag */
+    enum drag_law best; /* the simplest that remains: the law that the fit's values are those of */
+    unsigned remaining; /* bit i: the data do not exclude candidate[i]; more than one: not
+                           distinguishable */
+    double independent; /* residuals, after allowing for their correlation in the amplitude */
+    double delta;       /* BIC of the next best law less that of the best */
+    double p_value; /* F-test of the last term of a sum, or of a second one beside a single law */
     struct equation motion;
     struct measured start, speed; /* y and y' at t0 */
     struct restoring_candidate {
         bool converged;
         double bic;
     } restoring[RESTORING_FORCES];
-    int forces;                   /* 0: only the spring was tried */
-    enum restoring_force force;   /* the simplest that remains */
-    unsigned forces_remaining;    /* bit i: the data do not exclude force i; more than one: not distinguishable */
-    struct measured cubic;        /* beta [1/(s^2 y^2)] of a Duffing spring */
-    double signal;                /* rms of the motion alone */
-    double wander;                /* of the baseline: standard deviation between its blocks; 0: it stands still */
-    char said[240];               /* the choice in words, with the numbers */
+    int forces;                 /* 0: only the spring was tried */
+    enum restoring_force force; /* the simplest that remains */
+    unsigned forces_remaining;  /* bit i: the data do not exclude force i; more than one: not
+                                   distinguishable */
+    struct measured cubic;      /* beta [1/(s^2 y^2)] of a Duffing spring */
+    double signal;              /* rms of the motion alone */
+    double wander;  /* of the baseline: standard deviation between its blocks; 0: it stands still */
+    char said[240]; /* the choice in words, with the numbers */
 };
 
 /*
@@ -248,13 +275,15 @@ void fit_covariance_widen(struct fit_covariance *covariance, int i, double uncer
 
 struct fit {
     const char *model;
-    struct measured period, omega, gamma, amplitude, phase, offset; /* SI; period = 2 pi/omega (the damped one) */
-    double rms;                                                     /* of the residuals of the samples used */
+    struct measured period, omega, gamma, amplitude, phase,
+        offset; /* SI; period = 2 pi/omega (the damped one) */
+    double rms; /* of the residuals of the samples used */
     size_t used, rejected;
-    double window[2];                /* [s] */
-    struct measured halves[2];       /* gamma of the two halves of the window, NAN where a half determines nothing */
+    double window[2]; /* [s] */
+    struct measured
+        halves[2]; /* gamma of the two halves of the window, NAN where a half determines nothing */
     struct measured half_periods[2]; /* [s] */
-    enum drag_law preferred;         /* of damping; LAW_NONE: the laws were not compared (fit drag does) */
+    enum drag_law preferred; /* of damping; LAW_NONE: the laws were not compared (fit drag does) */
     bool converged;
     int iterations;
     double autocorrelation; /* lag 1 of the residuals */
@@ -268,16 +297,18 @@ struct fit {
 
 struct fit_model {
     struct row row; /* damped, sine, … */
-    bool (*fit)(const struct series *series, struct arena *arena, const struct cancel *cancel, struct fit *fit,
-                struct error *error);
+    bool (*fit)(const struct series *series, struct arena *arena, const struct cancel *cancel,
+                struct fit *fit, struct error *error);
 };
 
 /*
- * Rows damped, sine, drag and law need no guess. law: drag under the restoring force that BIC prefers. drag: the fit's values are those of the best law (by BIC), `preferred` is
- * LAW_UNDECIDED where the data do not decide. Uncertainties: least squares, widened for what the residuals share with
- * each parameter (sway, wandering); of period, omega and gamma also half the difference of the window's halves where
- * these differ by more than 2.5 standard deviations. ERROR_COMMAND: does not oscillate; ERROR_NUMERICAL: did not
- * converge. A fit switches GSL's error handler off (process-wide: GSL has no other way).
+ * Rows damped, sine, drag and law need no guess. law: drag under the restoring force that BIC
+ * prefers. drag: the fit's values are those of the best law (by BIC), `preferred` is LAW_UNDECIDED
+ * where the data do not decide. Uncertainties: least squares, widened for what the residuals share
+ * with each parameter (sway, wandering); of period, omega and gamma also half the difference of the
+ * window's halves where these differ by more than 2.5 standard deviations. ERROR_COMMAND: does not
+ * oscillate; ERROR_NUMERICAL: did not converge. A fit switches GSL's error handler off
+ * (process-wide: GSL has no other way).
  */
 extern const struct catalog fit_catalog;
 
@@ -290,7 +321,7 @@ struct measured fit_stiffness(const struct fit *fit, struct measured mass);
 
 /* ---- modes: several damped sines at once ---- */
 
-#define MODES_MOST 5
+#define MODES_MAX 5
 
 struct normal_mode {
     struct measured frequency; /* [Hz] the damped one: omega/(2 pi) */
@@ -300,23 +331,26 @@ struct normal_mode {
 };
 
 struct modes_fit {
-    struct fit fit; /* offset, its drift, rms, warnings and the like; NAN where there is one of each mode */
+    struct fit fit; /* offset, its drift, rms, warnings and the like; NAN where there is one of each
+                       mode */
     int modes;
-    struct normal_mode mode[MODES_MOST]; /* the slowest first */
+    struct normal_mode mode[MODES_MAX]; /* the slowest first */
     /* Of two modes, else NAN: */
     struct measured splitting; /* [Hz] */
-    struct measured coupling;  /* kc/k of two equal oscillators coupled by kc: omega0^2 = k/m and (k + 2 kc)/m */
+    struct measured
+        coupling; /* kc/k of two equal oscillators coupled by kc: omega0^2 = k/m and (k + 2 kc)/m */
     struct measured stiffness; /* [1/s^2] kc/m */
     double *residual;          /* [n] y - model, from the arena */
 };
 
 /*
- * y = c + d t + the sum of so many damped sines, by least squares; no guesses. Uncertainties as those of fit_catalog's
- * rows: widened for what the residuals share with each parameter. ERROR_NUMERICAL: fewer frequencies stand out of the
- * noise. True: look at fit.converged; a warning tells where two lie too near to each other.
+ * y = c + d t + the sum of so many damped sines, by least squares; no guesses. Uncertainties as
+ * those of fit_catalog's rows: widened for what the residuals share with each parameter.
+ * ERROR_NUMERICAL: fewer frequencies stand out of the noise. True: look at fit.converged; a warning
+ * tells where two lie too near to each other.
  */
-bool series_modes(const struct series *series, int modes, struct arena *arena, const struct cancel *cancel,
-                  struct modes_fit *fit, struct error *error);
+bool series_modes(const struct series *series, int modes, struct arena *arena,
+                  const struct cancel *cancel, struct modes_fit *fit, struct error *error);
 
 /* ---- the same quantity, measured several times ---- */
 
@@ -324,12 +358,14 @@ struct repeat {
     int n;
     struct measured mean;     /* all alike; uncertainty: scatter/sqrt(n) */
     double scatter;           /* standard deviation of one */
-    struct measured weighted; /* by the stated uncertainties, and what follows from these alone; NAN: one states none */
-    double birge;             /* sqrt(chi2/(n - 1)): how many times the scatter is what was stated */
-    double chance;            /* that stated uncertainties which are right scatter so much */
-    double between;           /* standard deviation to be added to each, so that they explain the scatter; 0: none */
-    struct measured quote;    /* weighted with both: what should be quoted */
-    double interval;          /* half of its 95 % interval (Student) */
+    struct measured weighted; /* by the stated uncertainties, and what follows from these alone;
+                                 NAN: one states none */
+    double birge;   /* sqrt(chi2/(n - 1)): how many times the scatter is what was stated */
+    double chance;  /* that stated uncertainties which are right scatter so much */
+    double between; /* standard deviation to be added to each, so that they explain the scatter; 0:
+                       none */
+    struct measured quote; /* weighted with both: what should be quoted */
+    double interval;       /* half of its 95 % interval (Student) */
 };
 
 /* Birge 1932, Paule and Mandel 1982. False: fewer than two. */

@@ -7,16 +7,18 @@
 
 /* What the series looks like before any model: NaN-free, robust. */
 struct overview {
-    double mean, low, high; /* offset (mid of the robust extremes, or mean over whole periods), extremes */
-    double noise;           /* standard deviation of the noise, from differences */
-    double period;          /* [s] first estimate from the spectrum, refined; NAN: does not oscillate */
-    double periods;         /* how many of them the series holds */
+    double mean, low,
+        high;       /* offset (mid of the robust extremes, or mean over whole periods), extremes */
+    double noise;   /* standard deviation of the noise, from differences */
+    double period;  /* [s] first estimate from the spectrum, refined; NAN: does not oscillate */
+    double periods; /* how many of them the series holds */
     bool oscillates;
     char reason[160]; /* why not */
 };
 
 void series_overview(const struct series *series, struct arena *arena, struct overview *overview);
-/* Whether it is two damped sines, of which one alone is far from it: their beats are no start and no end. */
+/* Whether it is two damped sines, of which one alone is far from it: their beats are no start and
+ * no end. */
 bool series_beats(const struct series *series, struct arena *arena);
 /* The part [from, to] of a series; shares memory. */
 struct series series_window(struct series series, double from, double to);
@@ -29,12 +31,13 @@ struct crossing {
 };
 
 /*
- * Crossings of `level` with hysteresis (4 sigma of the noise or 5 % of the amplitude, whichever is more), each placed
- * by a line fit to the samples around it (+-5 samples of noisy data, as many as the curvature allows; cubic
- * interpolation for noise-free series). Writes up to `room`, returns how many there are.
+ * Crossings of `level` with hysteresis (4 sigma of the noise or 5 % of the amplitude, whichever is
+ * more), each placed by a line fit to the samples around it (+-5 samples of noisy data, as many as
+ * the curvature allows; cubic interpolation for noise-free series). Writes up to `room`, returns
+ * how many there are.
  */
 size_t series_crossings(const struct series *series, const struct overview *overview, double level,
-                        struct crossing *out, size_t room);
+                        struct crossing *out, size_t capacity);
 
 struct period {
     struct measured period; /* [s] */
@@ -46,21 +49,24 @@ struct period {
 };
 
 /*
- * Noisy samples: from the line through the phases of sines fitted window by window, each on its own parabola. Others,
- * and fewer than four windows: from the line through the up-crossing times against their number. Refused with a reason
- * where it does not oscillate.
+ * Noisy samples: from the line through the phases of sines fitted window by window, each on its own
+ * parabola. Others, and fewer than four windows: from the line through the up-crossing times
+ * against their number. Refused with a reason where it does not oscillate.
  */
-bool series_period(const struct series *series, struct arena *arena, struct period *period, struct error *error);
+bool series_period(const struct series *series, struct arena *arena, struct period *period,
+                   struct error *error);
 /*
- * The same of a simulation, which has no noise, about a centre that is known: from the crossings alone, at a small part
- * of the cost. False: they are not regular, or too few, or there are less than 20 samples a period.
+ * The same of a simulation, which has no noise, about a centre that is known: from the crossings
+ * alone, at a small part of the cost. False: they are not regular, or too few, or there are less
+ * than 20 samples a period.
  */
-bool series_clean_period(const struct series *series, double centre, struct arena *arena, struct period *period);
+bool series_clean_period(const struct series *series, double centre, struct arena *arena,
+                         struct period *period);
 
 struct period_reading {
-    double from, to, t;         /* [s] the window, and its middle */
-    struct measured amplitude;  /* half the swing; of a simulation with its overtones */
-    struct measured period;     /* [s] */
+    double from, to, t;        /* [s] the window, and its middle */
+    struct measured amplitude; /* half the swing; of a simulation with its overtones */
+    struct measured period;    /* [s] */
     double periods;
 };
 
@@ -72,12 +78,13 @@ bool series_period_readings(const struct series *series, int windows, struct are
 
 struct reading {
     double t;                  /* [s] centre of the window */
-    struct measured amplitude; /* half the swing about the local offset: local harmonic fit over one or more periods */
+    struct measured amplitude; /* half the swing about the local offset: local harmonic fit over one
+                                  or more periods */
 };
 
 /* Amplitude at the given times (each from a window of `width` [s], 0: two periods). */
-bool series_amplitudes(const struct series *series, struct arena *arena, const double *at, int count, double width,
-                       struct reading *out, struct error *error);
+bool series_amplitudes(const struct series *series, struct arena *arena, const double *at,
+                       int count, double width, struct reading *out, struct error *error);
 
 struct decay {
     struct measured gamma;     /* [1/s] from the weighted line through ln(amplitude) */
@@ -90,26 +97,31 @@ struct decay {
     struct reading reading[64]; /* what the line was fitted to */
 };
 
-/* Of an energy m v^2/2 + k y^2/2 from samples with noise sigma of y and gain sigma of v; all 0: of a simulation. */
+/* Of an energy m v^2/2 + k y^2/2 from samples with noise sigma of y and gain sigma of v; all 0: of
+ * a simulation. */
 struct energy_noise {
-    double floor;  /* [J] what the noise adds on average: sigma^2 (k + m gain^2)/2 */
-    double spread; /* [J^1/2] a sample of E scatters by spread sqrt(E) about that: 2 sigma sqrt(k) */
+    double floor; /* [J] what the noise adds on average: sigma^2 (k + m gain^2)/2 */
+    double
+        spread; /* [J^1/2] a sample of E scatters by spread sqrt(E) about that: 2 sigma sqrt(k) */
 };
 
-/* Standard deviation of the noise of a smooth motion, from sixth differences; NAN: too few samples, or no memory. */
+/* Standard deviation of the noise of a smooth motion, from sixth differences; NAN: too few samples,
+ * or no memory. */
 double series_noise(const struct series *series, struct arena *arena);
 
-/* energy: the series is an energy with this noise (falls as exp(-gamma t) without crossing zero; the line is fitted to
- * its local means, less what the noise adds); NULL: it is a motion. */
-bool series_decay(const struct series *series, struct arena *arena, const struct energy_noise *energy, int readings,
-                  struct decay *decay, struct error *error);
+/* energy: the series is an energy with this noise (falls as exp(-gamma t) without crossing zero;
+ * the line is fitted to its local means, less what the noise adds); NULL: it is a motion. */
+bool series_decay(const struct series *series, struct arena *arena,
+                  const struct energy_noise *energy, int readings, struct decay *decay,
+                  struct error *error);
 
 /* ---- spectrum ---- */
 
-/* Hann window, zero padding, log-parabolic peak; uneven sampling by Lomb–Scargle. Peak angular frequency [rad/s], NAN
- * if none stands out. */
+/* Hann window, zero padding, log-parabolic peak; uneven sampling by Lomb–Scargle. Peak angular
+ * frequency [rad/s], NAN if none stands out. */
 double series_peak_frequency(const struct series *series, struct arena *arena);
-/* Amplitude spectrum on `bins` frequencies [Hz] from 0 to the Nyquist frequency; arrays from arena. */
+/* Amplitude spectrum on `bins` frequencies [Hz] from 0 to the Nyquist frequency; arrays from arena.
+ */
 bool series_spectrum(const struct series *series, struct arena *arena, const double **frequency,
                      const double **amplitude, size_t *bins);
 
@@ -118,48 +130,53 @@ struct spectrum_peak {
     struct measured amplitude; /* as y */
 };
 /*
- * The strongest line, and others that stand out; returns how many, 0: there is none. Least-squares sines with the
- * uncertainty of a steady tone (Rife and Boorstyn 1974) in the noise around the line.
+ * The strongest line, and others that stand out; returns how many, 0: there is none. Least-squares
+ * sines with the uncertainty of a steady tone (Rife and Boorstyn 1974) in the noise around the
+ * line.
  */
-int series_peaks(const struct series *series, struct arena *arena, struct spectrum_peak *peak, int most);
+int series_peaks(const struct series *series, struct arena *arena, struct spectrum_peak *peak,
+                 int max);
 
 /* ---- rates ---- */
 
 struct derivative {
-    double *value;          /* [n] beside the series, from the arena; NAN next to gaps */
-    size_t known;           /* of them */
-    double gain;            /* [1/s] standard deviation for samples with independent noise of 1 */
-    double step;            /* [s] median */
+    double *value; /* [n] beside the series, from the arena; NAN next to gaps */
+    size_t known;  /* of them */
+    double gain;   /* [1/s] standard deviation for samples with independent noise of 1 */
+    double step;   /* [s] median */
     int points;
     enum quantity quantity; /* of the values */
 };
 
 #define DERIVATIVE_POINTS 5
 
-/* The slope of the least-squares parabola through so many neighbouring samples (odd, 3 at least), at any times. */
-bool series_derivative(const struct series *series, int points, struct arena *arena, struct derivative *derivative,
-                       struct error *error);
-/* By which part the velocities of an oscillation come out too small, because the parabola smooths. */
+/* The slope of the least-squares parabola through so many neighbouring samples (odd, 3 at least),
+ * at any times. */
+bool series_derivative(const struct series *series, int points, struct arena *arena,
+                       struct derivative *derivative, struct error *error);
+/* By which part the velocities of an oscillation come out too small, because the parabola smooths.
+ */
 double derivative_loss(const struct derivative *derivative, double omega);
 
 /*
- * The period from the shifts at which the series is most like itself, near the multiples of the known one: a cross-check;
- * of a long recording from parts all along it. False: it does not oscillate long enough, or no memory.
+ * The period from the shifts at which the series is most like itself, near the multiples of the
+ * known one: a cross-check; of a long recording from parts all along it. False: it does not
+ * oscillate long enough, or no memory.
  */
-bool series_correlation_period(const struct series *series, const struct period *known, struct arena *arena,
-                               struct measured *period);
+bool series_correlation_period(const struct series *series, const struct period *known,
+                               struct arena *arena, struct measured *period);
 
 /* ---- straight lines ---- */
 
 struct line_fit {
     struct measured slope, intercept;
-    double covariance;   /* of both */
-    double chi2;         /* sum of squares over the uncertainties */
-    int freedom;         /* points less two */
+    double covariance; /* of both */
+    double chi2;       /* sum of squares over the uncertainties */
+    int freedom;       /* points less two */
 };
 
-/* Weighted by the uncertainties u of y (u 0: all alike), which are widened where the points scatter more. False: fewer
- * than two different x. */
+/* Weighted by the uncertainties u of y (u 0: all alike), which are widened where the points scatter
+ * more. False: fewer than two different x. */
 bool line_fit(const double *x, const struct measured *y, int n, struct line_fit *fit);
 
 #endif

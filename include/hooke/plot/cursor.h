@@ -22,15 +22,21 @@ struct ground {
     struct arena *arena;
 };
 
-/* A run or a recording, as session->view.cursors.on_data says; the other where there is only that. */
-bool ground_open(struct session *session, struct arena *arena, struct ground *ground, struct error *error);
+/* A run or a recording, as session->view.cursors.on_data says; the other where there is only that.
+ */
+bool ground_open(struct session *session, struct arena *arena, struct ground *ground,
+                 struct error *error);
 double ground_spacing(const struct ground *ground); /* [s] between samples */
 /* Puts cursor `which` to t, or to the place it snaps to if that is within `reach` [s]. */
-void cursor_put(struct cursors *cursors, const struct ground *ground, int which, double t, double reach);
-/* To the next (forward) or previous crossing, or peak where cursors snap to peaks. False: there is none, with error. */
-bool cursor_jump(struct cursors *cursors, const struct ground *ground, bool forward, struct error *error);
+void cursor_put(struct cursors *cursors, const struct ground *ground, int which, double t,
+                double reach);
+/* To the next (forward) or previous crossing, or peak where cursors snap to peaks. False: there is
+ * none, with error. */
+bool cursor_jump(struct cursors *cursors, const struct ground *ground, bool forward,
+                 struct error *error);
 /* B to A + n periods. */
-bool cursor_span(struct cursors *cursors, const struct ground *ground, double n, struct error *error);
+bool cursor_span(struct cursors *cursors, const struct ground *ground, double n,
+                 struct error *error);
 /* The first and the last place to snap to, else both ends. */
 void cursor_spread(struct cursors *cursors, const struct ground *ground);
 /* What follows from the two places: periods, amplitudes. */

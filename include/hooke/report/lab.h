@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * The report of a session: what the lab asks to hand in, as far as the session has it. Nothing is computed here that
- * the session does not hold: runs, recordings, measurements, fits. What it says depends on nothing else, so that the
- * session's script gives the same bytes.
+ * The report of a session: what the lab asks to hand in, as far as the session has it. Nothing is
+ * computed here that the session does not hold: runs, recordings, measurements, fits. What it says
+ * depends on nothing else, so that the session's script gives the same bytes.
  */
 #ifndef HOOKE_REPORT_LAB_H
 #define HOOKE_REPORT_LAB_H
@@ -48,9 +48,9 @@ struct report {
         enum plot_kind kind;
         enum section section;
     } figure[REPORT_FIGURES];
-    char no_pictures[600];                                      /* why there are none; "": there are */
+    char no_pictures[600]; /* why there are none; "": there are */
     bool run_shown[LIMIT_RUNS], recording_shown[LIMIT_RECORDINGS]; /* in a figure */
-    bool rested[SECTION_COUNT];                                 /* sections that are there */
+    bool rested[SECTION_COUNT];                                    /* sections that are there */
     int files;
 };
 
@@ -61,15 +61,18 @@ bool report_owns(const char *name);
 
 /* ---- what the parts share ---- */
 
-bool report_put(struct report *report, const char *name, const struct buffer *content, struct error *error);
+bool report_put(struct report *report, const char *name, const struct buffer *content,
+                struct error *error);
 bool collect_values(struct report *report, struct error *error);
-/* Values of a run or a recording, all or the measured and fitted ones; nothing where there are none. */
+/* Values of a run or a recording, all or the measured and fitted ones; nothing where there are
+ * none. */
 void put_values(struct report *report, const char *of, bool parameters);
 const struct report_value *find_value(const struct report *report, const char *name);
 void say_measured(struct document *document, struct measured value, enum quantity quantity);
-/* Of these runs (places) and this recording (place, -1: none), with its caption; nothing without such a plot. */
-bool put_figure(struct report *report, enum section section, enum plot_kind kind, const int *run, int runs,
-                int recording, struct error *error);
+/* Of these runs (places) and this recording (place, -1: none), with its caption; nothing without
+ * such a plot. */
+bool put_figure(struct report *report, enum section section, enum plot_kind kind, const int *run,
+                int runs, int recording, struct error *error);
 /* Place of the recording that a run is to be compared with; -1: none. */
 int recording_beside(struct report *report, int run, enum plot_kind kind);
 /* The runs as a table; distance: from the recordings beside them. */
@@ -78,10 +81,12 @@ bool write_tables(struct report *report, struct error *error);
 
 /* ---- sections ---- */
 
-/* Those of a section that the session has something for. first: the run that the sections on simulation begin with. */
+/* Those of a section that the session has something for. first: the run that the sections on
+ * simulation begin with. */
 void put_questions(struct report *report, enum section section, const struct run *first);
 bool write_sections(struct report *report, struct error *error);
 /* Sections that are not there, with what to type. */
-void report_missing(const struct report *report, void (*say)(void *context, const char *what), void *context);
+void report_missing(const struct report *report, void (*say)(void *context, const char *what),
+                    void *context);
 
 #endif

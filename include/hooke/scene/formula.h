@@ -7,13 +7,15 @@
 
 /* ---- expressions ----
  *
- * + - * / ^ ( ), unary -, numbers, pi, functions, and names that a scope knows. Compiled once (operator precedence
- * parsing with constant folding) into a stack program; values are SI numbers. `^` binds tighter than unary minus and to
- * the right: -2^2 = -4. A name may have a hyphen inside (phase-error) where the scope knows it as a whole. Inside of
- * parentheses and calls < <= > >= compare, to 1 or 0: (x < 0)*k*x. A NaN operand of a comparison gives NaN.
+ * + - * / ^ ( ), unary -, numbers, pi, functions, and names that a scope knows. Compiled once
+ * (operator precedence parsing with constant folding) into a stack program; values are SI numbers.
+ * `^` binds tighter than unary minus and to the right: -2^2 = -4. A name may have a hyphen inside
+ * (phase-error) where the scope knows it as a whole. Inside of parentheses and calls < <= > >=
+ * compare, to 1 or 0: (x < 0)*k*x. A NaN operand of a comparison gives NaN.
  *
- * x^n is multiplications where n is an integer or half of one and |n| <= 16, rounded after each: the bits of |n| from
- * the highest down, r r for each and r x for a 1, for the half times sqrt(x), and 1/that for n < 0; else pow().
+ * x^n is multiplications where n is an integer or half of one and |n| <= 16, rounded after each:
+ * the bits of |n| from the highest down, r r for each and r x for a 1, for the half times sqrt(x),
+ * and 1/that for n < 0; else pow().
  */
 
 struct expr_scope {
@@ -23,7 +25,8 @@ struct expr_scope {
     double (*load)(const void *context, int slot);
     /* Offers every known name for "did you mean"; may be NULL. */
     void (*offer)(const void *context, struct suggestion *suggestion);
-    /* Where a run's names are wrapped: the slot in its own scope (run_scope), -1: of what does not move; NULL: as is. */
+    /* Where a run's names are wrapped: the slot in its own scope (run_scope), -1: of what does not
+     * move; NULL: as is. */
     int (*moving)(const void *context, int slot);
 };
 
@@ -32,19 +35,24 @@ struct expr;
 extern const struct catalog function_catalog; /* sin, cos, …: help and completion */
 
 /*
- * Compiles the longest expression at the start of `text`; *used [byte] is where it stops (at a unit, a comma, a colon,
- * "+-", a comparison or the end). Memory from `arena`. scope may be NULL (constants only). Errors: unknown name with
- * suggestion, malformed number, missing operand or parenthesis, depth and size limits.
+ * Compiles the longest expression at the start of `text`; *used [byte] is where it stops (at a
+ * unit, a comma, a colon,
+ * "+-", a comparison or the end). Memory from `arena`. scope may be NULL (constants only). Errors:
+ * unknown name with suggestion, malformed number, missing operand or parenthesis, depth and size
+ * limits.
  */
-const struct expr *expr_compile(struct text text, const struct expr_scope *scope, struct arena *arena, size_t *used,
-                                struct error *error);
-double expr_value(const struct expr *expr, const struct expr_scope *scope); /* NaN and infinities pass through */
-bool expr_constant(const struct expr *expr, double *value);                 /* no names inside */
-/* The value and its exact partial derivatives [count] with respect to the names in these slots: dual numbers, not
- * differences. A step (sign, floor …) has derivative 0, a corner (abs, min, if) that of the branch taken. */
-double expr_gradient(const struct expr *expr, const struct expr_scope *scope, const int *slot, int count,
-                     double *gradient);
-/* Is it, as it is written, linear in these names together: a0 + a1 x1 + a2 x2 with other names only in the a? */
+const struct expr *expr_compile(struct text text, const struct expr_scope *scope,
+                                struct arena *arena, size_t *used, struct error *error);
+double expr_value(const struct expr *expr,
+                  const struct expr_scope *scope);          /* NaN and infinities pass through */
+bool expr_constant(const struct expr *expr, double *value); /* no names inside */
+/* The value and its exact partial derivatives [count] with respect to the names in these slots:
+ * dual numbers, not differences. A step (sign, floor …) has derivative 0, a corner (abs, min, if)
+ * that of the branch taken. */
+double expr_gradient(const struct expr *expr, const struct expr_scope *scope, const int *slot,
+                     int count, double *gradient);
+/* Is it, as it is written, linear in these names together: a0 + a1 x1 + a2 x2 with other names only
+ * in the a? */
 bool expr_linear(const struct expr *expr, const int *slot, int count);
 
 /* ---- bounds ---- */
@@ -54,74 +62,83 @@ struct interval {
     double lo, hi;
 };
 
-/* Bounds of a function of one argument on a stretch of it, of its first and of its second derivative there. */
+/* Bounds of a function of one argument on a stretch of it, of its first and of its second
+ * derivative there. */
 struct jet {
     struct interval value, slope, bend;
 };
 
 /*
- * The bounds that follow from those of the names, jet [slot]; rounding is inside. At a jump the slope is unbounded, at
- * a corner the second derivative (Moore 1966, Interval Analysis; natural extension, forward mode).
+ * The bounds that follow from those of the names, jet [slot]; rounding is inside. At a jump the
+ * slope is unbounded, at a corner the second derivative (Moore 1966, Interval Analysis; natural
+ * extension, forward mode).
  */
 struct jet expr_jet(const struct expr *expr, const struct jet *jet);
 /*
- * As expr_jet(), over an argument within `half` of where the names are centre [slot]: what each part of the expression
- * is there and its slope bound it, too (the mean value form, Moore 1966). t*t - 2*a*t + a*a is as narrow as (t - a)^2.
+ * As expr_jet(), over an argument within `half` of where the names are centre [slot]: what each
+ * part of the expression is there and its slope bound it, too (the mean value form, Moore 1966).
+ * t*t - 2*a*t + a*a is as narrow as (t - a)^2.
  */
-struct jet expr_jet_about(const struct expr *expr, const struct jet *jet, const struct jet *centre, double half);
+struct jet expr_jet_about(const struct expr *expr, const struct jet *jet, const struct jet *centre,
+                          double half);
 /*
- * Where a function of x passes through 0 on a stretch: every place, which its bounds prove, or it says from where on
- * they do not.
+ * Where a function of x passes through 0 on a stretch: every place, which its bounds prove, or it
+ * says from where on they do not.
  */
 struct root_search {
     void *context;
     double (*value)(void *context, double x);
     struct jet (*bounds)(void *context, double a, double b);
-    /* In the order of x: the sign beyond, 0 where it only touches. False: no more are looked for. */
+    /* In the order of x: the sign beyond, 0 where it only touches. False: no more are looked for.
+     */
     bool (*found)(void *context, double x, int sign);
-    bool (*touches)(void *context, double x); /* is the value 0 there, within errors? NULL: who touches is not asked */
-    double least; /* stretches are not cut below this length */
-    int budget;   /* bounds asked for, beside some for each root */
+    bool (*touches)(
+        void *context,
+        double x); /* is the value 0 there, within errors? NULL: who touches is not asked */
+    double min;    /* stretches are not cut below this length */
+    int budget;    /* bounds asked for, beside some for each root */
 
     int sign; /* in: of the value before, where it was last not 0; out: at the end */
 
     int used, count;
-    bool unsure;        /* the bounds did not decide from here on */
+    bool unsure; /* the bounds did not decide from here on */
     double unsure_from;
-    bool nonzero;       /* some value inside was not 0; only ever set */
+    bool nonzero; /* some value inside was not 0; only ever set */
     bool stopped, touched;
     double last_touch;
 };
 
 /*
- * The root between a and b, where the values fa and fb have different signs: inverse quadratic interpolation where that
- * is safe, else bisection (Chandrupatla 1997, Adv. Eng. Software 28:145). It is known to `least`; where it returns, the
- * value is 0 or has the sign of fb.
+ * The root between a and b, where the values fa and fb have different signs: inverse quadratic
+ * interpolation where that is safe, else bisection (Chandrupatla 1997, Adv. Eng. Software 28:145).
+ * It is known to `least`; where it returns, the value is 0 or has the sign of fb.
  */
-double root_between(double (*value)(void *context, double x), void *context, double a, double fa, double b, double fb,
-                    double least);
+double root_between(double (*value)(void *context, double x), void *context, double a, double fa,
+                    double b, double fb, double min);
 
 /* From a, where the value is fa, to b. */
 void roots_find(struct root_search *roots, double a, double fa, double b, double fb);
 
 /*
- * The same expression where the names that move have the slots that `slot` says, and others, for which it is < 0, are
- * the numbers that they are now. NULL: no memory.
+ * The same expression where the names that move have the slots that `slot` says, and others, for
+ * which it is < 0, are the numbers that they are now. NULL: no memory.
  */
 const struct expr *expr_settle(const struct expr *expr, const struct expr_scope *scope,
-                               int (*slot)(void *context, int slot), void *context, struct arena *arena);
+                               int (*slot)(void *context, int slot), void *context,
+                               struct arena *arena);
 
 /* ---- programs ----
  *
- * Expressions that are evaluated often. Equations hold several in the same names (0 … names - 1, the slots of their
- * scope) as a graph: what they share is computed once; derivatives are added to it. A program is some of them with some
- * names known and the rest as inputs; making it again for other values takes microseconds. It has three forms that give
- * the same bits: operations on the doubles of a frame, on lanes of doubles, and, where the machine can, machine code.
+ * Expressions that are evaluated often. Equations hold several in the same names (0 … names - 1,
+ * the slots of their scope) as a graph: what they share is computed once; derivatives are added to
+ * it. A program is some of them with some names known and the rest as inputs; making it again for
+ * other values takes microseconds. It has three forms that give the same bits: operations on the
+ * doubles of a frame, on lanes of doubles, and, where the machine can, machine code.
  *
- * The result is that of expr_value() bit for bit but for the rule of the scene that a term whose coefficient is 0 is
- * absent: where a factor or a numerator is the number 0 once the known names are in (not a variable that happens to be
- * 0), the product is the number 0 even for an infinite or NaN rest, and adding or subtracting it leaves no trace, not
- * even in the sign of a zero.
+ * The result is that of expr_value() bit for bit but for the rule of the scene that a term whose
+ * coefficient is 0 is absent: where a factor or a numerator is the number 0 once the known names
+ * are in (not a variable that happens to be 0), the product is the number 0 even for an infinite or
+ * NaN rest, and adding or subtracting it leaves no trace, not even in the sign of a zero.
  */
 
 #define PROGRAM_SIZE (1 << 17) /* operations of equations with their derivatives */
@@ -134,26 +151,31 @@ struct program;
 struct equations *equations_create(int names, struct error *error);
 void equations_destroy(struct equations *equations);
 /* From here on the name means this expression of those before. */
-bool equations_let(struct equations *equations, int name, const struct expr *expr, struct error *error);
+bool equations_let(struct equations *equations, int name, const struct expr *expr,
+                   struct error *error);
 /* One more output. */
 bool equations_add(struct equations *equations, const struct expr *expr, struct error *error);
-/* More outputs: for each of `count` outputs from `first` its partial derivatives by the names, [count][names]. Those of
- * abs, sign, min, max, step, if, comparisons and roundings are those of the branch taken; abs has 0 at 0. */
+/* More outputs: for each of `count` outputs from `first` its partial derivatives by the names,
+ * [count][names]. Those of abs, sign, min, max, step, if, comparisons and roundings are those of
+ * the branch taken; abs has 0 at 0. */
 bool equations_derive(struct equations *equations, int first, int count, const int *name, int names,
                       struct error *error);
 int equations_count(const struct equations *equations); /* outputs */
 
 /*
- * `count` outputs from `first`, at least one. bound, value [names]: which names are known, and their values (NULL:
- * none). native: as machine code where possible. The equations may change or go away afterwards. NULL: no memory, or
- * too large.
+ * `count` outputs from `first`, at least one. bound, value [names]: which names are known, and
+ * their values (NULL: none). native: as machine code where possible. The equations may change or go
+ * away afterwards. NULL: no memory, or too large.
  */
-struct program *program_create(const struct equations *equations, int first, int count, const bool *bound,
-                               const double *value, bool native, struct error *error);
+struct program *program_create(const struct equations *equations, int first, int count,
+                               const bool *bound, const double *value, bool native,
+                               struct error *error);
 void program_destroy(struct program *program);
 bool program_native(const struct program *program);
-int program_operations(const struct program *program); /* a product and the sum that it goes into count as one */
-bool program_constant(const struct program *program, int output, double *value); /* depends on no input */
+int program_operations(
+    const struct program *program); /* a product and the sum that it goes into count as one */
+bool program_constant(const struct program *program, int output,
+                      double *value); /* depends on no input */
 /* Does any of `count` outputs from `first` depend on the input, as it is written? */
 bool program_depends(const struct program *program, int first, int count, int name);
 
@@ -161,27 +183,30 @@ bool program_depends(const struct program *program, int first, int count, int na
 size_t program_frame(const struct program *program);
 /* Once for each frame; costs nothing where the program is machine code. */
 void program_prepare(const struct program *program, double *frame);
-/* input [names], those of known names are not read; it may be the frame itself. output [count], apart from the input.
- * Returns the first output. Never allocates. */
-double program_eval(const struct program *program, const double *input, double *output, double *frame);
+/* input [names], those of known names are not read; it may be the frame itself. output [count],
+ * apart from the input. Returns the first output. Never allocates. */
+double program_eval(const struct program *program, const double *input, double *output,
+                    double *frame);
 
 /*
- * A program's own function, for kernels: names 0, 1, 2 as numbers, so that a state of two needs no memory; name i >= 3
- * is state[i - 1], those that are given (of a typed term: the values behind t and the state) follow in an array of
- * their own. Outputs 0 and 1 are returned, as calling conventions do it (of a single one the second is anything), the
- * others stored. What has no such names or outputs may be NULL.
+ * A program's own function, for kernels: names 0, 1, 2 as numbers, so that a state of two needs no
+ * memory; name i >= 3 is state[i - 1], those that are given (of a typed term: the values behind t
+ * and the state) follow in an array of their own. Outputs 0 and 1 are returned, as calling
+ * conventions do it (of a single one the second is anything), the others stored. What has no such
+ * names or outputs may be NULL.
  */
 struct leading {
     double first, second;
 };
-typedef struct leading program_function(const struct program *program, double x0, double x1, double x2,
-                                        const double *state, const double *given, double *output, double *frame);
+typedef struct leading program_function(const struct program *program, double x0, double x1,
+                                        double x2, const double *state, const double *given,
+                                        double *output, double *frame);
 program_function *program_code(const struct program *program);
 
 /*
- * The same with PROGRAM_LANES doubles for each name and output. The frame is prepared for one place of input [names].
- * lanes [names]: what is known of the names; those that are fixed have their values already. NULL: nothing. Best
- * aligned to 64 bytes, all of them.
+ * The same with PROGRAM_LANES doubles for each name and output. The frame is prepared for one place
+ * of input [names]. lanes [names]: what is known of the names; those that are fixed have their
+ * values already. NULL: nothing. Best aligned to 64 bytes, all of them.
  */
 enum program_lanes {
     LANES_ALIKE = 1, /* the same value in all lanes, whenever it is evaluated */
@@ -189,11 +214,12 @@ enum program_lanes {
 };
 
 size_t program_frame_lanes(const struct program *program);
-void program_prepare_lanes(const struct program *program, const double *input, const unsigned char *lanes,
-                           double *frame);
+void program_prepare_lanes(const struct program *program, const double *input,
+                           const unsigned char *lanes, double *frame);
 void program_eval_lanes(const struct program *program, double *output, double *frame);
 
-/* A comparison `expr < expr` (also <= > >=), as in `run until y < 0`. The sides may carry units: y < 1 cm. */
+/* A comparison `expr < expr` (also <= > >=), as in `run until y < 0`. The sides may carry units: y
+ * < 1 cm. */
 struct condition {
     const struct expr *left, *right;
     double left_factor, right_factor; /* of the units */

@@ -7,8 +7,8 @@
 
 /* ---- parameters ----
  *
- * src/scene/terms.def lists each force term with its parameters; the table comes from there. A parameter is known by
- * its row; its place in the table indexes scene.value.
+ * src/scene/terms.def lists each force term with its parameters; the table comes from there. A
+ * parameter is known by its row; its place in the table indexes scene.value.
  */
 
 #define PARAM_MAX 192 /* of a typed scene: an initial value for each variable, t0 and its own */
@@ -17,11 +17,12 @@ struct param_row {
     struct row row; /* name, SI unit, brief */
     enum quantity quantity;
     double initial;      /* default, SI */
-    double least;        /* smallest value allowed, -HUGE_VAL: any */
+    double min;          /* smallest value allowed, -HUGE_VAL: any */
     bool least_excluded; /* value > least */
 };
 
-extern const struct catalog param_catalog; /* those of the oscillator: struct param_row, at most PARAM_MAX */
+extern const struct catalog
+    param_catalog; /* those of the oscillator: struct param_row, at most PARAM_MAX */
 
 int param_index(const char *name); /* of a name that exists in that table (asserted) */
 
@@ -33,8 +34,9 @@ struct scene {
     double value[PARAM_MAX];       /* SI */
     double uncertainty[PARAM_MAX]; /* one standard uncertainty, 0: exact */
     bool given[PARAM_MAX];         /* set by the user since the preset */
-    bool across;                   /* methods step across kinks at turning points, as they are printed */
-    double atol[LIMIT_VARIABLES];  /* [n] errors of adaptive methods that do not matter, SI; 0: not given */
+    bool across; /* methods step across kinks at turning points, as they are printed */
+    double atol[LIMIT_VARIABLES]; /* [n] errors of adaptive methods that do not matter, SI; 0: not
+                                     given */
 };
 
 /* Settings of a model under a name. */
@@ -45,8 +47,9 @@ struct preset {
         const char *param; /* NULL: end */
         double value;      /* SI */
     } value[16];           /* what differs from the parameters' defaults */
-    /* How long what it shows takes [s], the tolerance it needs, and a first step [s] of methods that adapt. 0: the
-     * lab's (preset_duration() and so on; 0 for the first step: the setting dt). */
+    /* How long what it shows takes [s], the tolerance it needs, and a first step [s] of methods
+     * that adapt. 0: the lab's (preset_duration() and so on; 0 for the first step: the setting dt).
+     */
     double duration, tol, first;
 };
 
@@ -68,16 +71,19 @@ extern const struct catalog preset_catalog;
 /* The parameters and derived quantities of the scene's model; places in them index scene.value. */
 const struct catalog *scene_params(const struct scene *scene);
 const struct catalog *scene_derived(const struct scene *scene);
-int scene_param(const struct scene *scene, const char *name); /* place, -1: this scene has no such parameter */
+int scene_param(const struct scene *scene,
+                const char *name); /* place, -1: this scene has no such parameter */
 
-void scene_init(struct scene *scene, const struct preset *preset); /* NULL: "spring" with the lab's defaults */
-/* Checks the range (m > 0, …, finite) and that k/m does not overflow; the scene is unchanged on error. */
+void scene_init(struct scene *scene,
+                const struct preset *preset); /* NULL: "spring" with the lab's defaults */
+/* Checks the range (m > 0, …, finite) and that k/m does not overflow; the scene is unchanged on
+ * error. */
 bool scene_set(struct scene *scene, int param, struct measured value, struct error *error);
 void scene_set_atol(struct scene *scene, int variable, double atol); /* 0: not given */
 void scene_unset(struct scene *scene, int param); /* back to the preset's value */
 
-/* Quantities that follow from the parameters: omega0, T0, f0, zeta, Q, omega_d, T_d, equilibrium … NaN where not
- * defined. */
+/* Quantities that follow from the parameters: omega0, T0, f0, zeta, Q, omega_d, T_d, equilibrium …
+ * NaN where not defined. */
 struct derived_row {
     struct row row;
     enum quantity quantity;
@@ -89,18 +95,21 @@ struct derived_row {
 
 extern const struct catalog derived_catalog; /* those of the oscillator */
 
-/* Sets the row's target parameter so that the quantity takes this value; the uncertainty goes with it. */
-bool scene_set_derived(struct scene *scene, const struct derived_row *row, struct measured value, struct error *error);
+/* Sets the row's target parameter so that the quantity takes this value; the uncertainty goes with
+ * it. */
+bool scene_set_derived(struct scene *scene, const struct derived_row *row, struct measured value,
+                       struct error *error);
 
-/* Re = rho v length / eta for a speed [m/s], NaN unless the scene is an oscillator; regime in words: "laminar",
- * "transitional", "turbulent". */
+/* Re = rho v length / eta for a speed [m/s], NaN unless the scene is an oscillator; regime in
+ * words: "laminar", "transitional", "turbulent". */
 double scene_reynolds(const struct scene *scene, double speed);
 const char *reynolds_regime(double reynolds);
 
 /* ---- models: what moves, and by which laws ----
  *
- * A model is one file, src/scene/model_NAME.c, that ends in its struct model, and a line in models.c: its variables,
- * parameters and terms. The oscillator (the spring and all that can be hung on it) is terms.def.
+ * A model is one file, src/scene/model_NAME.c, that ends in its struct model, and a line in
+ * models.c: its variables, parameters and terms. The oscillator (the spring and all that can be
+ * hung on it) is terms.def.
  */
 
 struct system;
@@ -116,13 +125,16 @@ struct model {
     struct row row;
     int order; /* 2: positions, then velocities; 1 */
     int n;
-    const struct variable *variable;                /* [n] */
-    const struct catalog *params, *terms, *derived; /* struct param_row, struct term_row, struct derived_row */
-    bool (*coherent)(const double *param, struct error *error); /* rules beyond each parameter's range; NULL: none */
+    const struct variable *variable; /* [n] */
+    const struct catalog *params, *terms,
+        *derived; /* struct param_row, struct term_row, struct derived_row */
+    bool (*coherent)(const double *param,
+                     struct error *error); /* rules beyond each parameter's range; NULL: none */
     /* Fills t0, start, mass and scale (natural sizes, > 0) once the terms are bound. */
     void (*begin)(const double *param, struct system *system);
     /* As system_exact(); NULL: no closed form, or that of the linear oscillator. */
-    void (*exact)(const struct system *system, double t0, const double *start, double t, double *y, double *floor);
+    void (*exact)(const struct system *system, double t0, const double *start, double t, double *y,
+                  double *floor);
     const struct typed *typed; /* what a user typed; NULL: one of scene_models */
 };
 
@@ -141,39 +153,44 @@ enum term_flag {
     TERM_TIME = 4,         /* depends on time */
     TERM_CONSERVATIVE = 8, /* has a potential; otherwise it has a power */
     TERM_KINK = 16,        /* in a scene of one coordinate: not smooth where its velocity is 0 */
-    TERM_DRY = 32,         /* dry friction: the last term, that of one coordinate, c[0] [m/s^2], c[1] [N] */
+    TERM_DRY = 32, /* dry friction: the last term, that of one coordinate, c[0] [m/s^2], c[1] [N] */
 };
 
 /*
  * The scene as one oscillator, where it is one:
- *   q'' = -stiffness q - damping q' - quadratic |q'| q' - friction sign(q') - gravity + drive cos(omega t + phase)
- * Closed-form steps and exact solutions use it where it is `whole`: nothing else acts. Exact drag flows need no more
- * than `drag_whole`; with several coordinates it is that of each: v_i' = -damping v_i.
+ *   q'' = -stiffness q - damping q' - quadratic |q'| q' - friction sign(q') - gravity + drive
+ * cos(omega t + phase) Closed-form steps and exact solutions use it where it is `whole`: nothing
+ * else acts. Exact drag flows need no more than `drag_whole`; with several coordinates it is that
+ * of each: v_i' = -damping v_i.
  */
 struct oscillator {
-    double stiffness;    /* [1/s^2] k/m, any sign */
-    double damping;      /* [1/s] gamma */
-    double quadratic;    /* [1/m] C rho area / m */
-    double friction;     /* [m/s^2] F/m, at rest what it takes; frozen on a branch it is part of gravity */
+    double stiffness; /* [1/s^2] k/m, any sign */
+    double damping;   /* [1/s] gamma */
+    double quadratic; /* [1/m] C rho area / m */
+    double
+        friction; /* [m/s^2] F/m, at rest what it takes; frozen on a branch it is part of gravity */
     double gravity;      /* [m/s^2] */
     double drive;        /* [m/s^2] F0/m */
     double omega, phase; /* [rad/s] [rad] */
     bool whole;
-    bool drag_whole; /* no force depends on velocity but damping and quadratic (the latter with one coordinate only) */
+    bool drag_whole; /* no force depends on velocity but damping and quadratic (the latter with one
+                        coordinate only) */
 };
 
 struct term_row {
     struct row row; /* name, unit of what `add` adds, brief, citation */
     unsigned flags;
-    /* Coefficients from the parameters, also added into `oscillator`; false: the term is absent (its coefficient is
-     * zero). */
+    /* Coefficients from the parameters, also added into `oscillator`; false: the term is absent
+     * (its coefficient is zero). */
     bool (*bind)(const double *param, double *c, struct oscillator *oscillator);
     /* Adds to the accelerations [n/2] or, in a first-order scene, to the derivatives [n]. */
     void (*add)(const double *c, double t, const double *y, double *a);
-    /* Adds d a / d y, a row of n for each a, row-major; NULL: the term does not depend on the state. */
+    /* Adds d a / d y, a row of n for each a, row-major; NULL: the term does not depend on the
+     * state. */
     void (*jacobian)(const double *c, double t, const double *y, double *jac);
-    double (*potential)(const double *c, const double *y);       /* [J], NULL unless TERM_CONSERVATIVE */
-    double (*power)(const double *c, double t, const double *y); /* [W], NULL if TERM_CONSERVATIVE or first order */
+    double (*potential)(const double *c, const double *y); /* [J], NULL unless TERM_CONSERVATIVE */
+    double (*power)(const double *c, double t,
+                    const double *y); /* [W], NULL if TERM_CONSERVATIVE or first order */
 };
 
 extern const struct catalog term_catalog; /* those of the oscillator */
@@ -183,7 +200,8 @@ struct bound_term {
     double c[TERM_VALUES]; /* set: TERM_COEFFICIENTS, all of a typed term */
 };
 
-bool bound_term_equal(const struct bound_term *a, const struct bound_term *b); /* the same row and coefficients */
+bool bound_term_equal(const struct bound_term *a,
+                      const struct bound_term *b); /* the same row and coefficients */
 
 struct system {
     const struct model *model;
@@ -192,78 +210,87 @@ struct system {
     int terms;
     struct bound_term term[TERM_MAX];
     struct bound_term typed; /* of a typed scene: all that was typed at once; row NULL: not there */
-    bool linear;       /* every term TERM_LINEAR: y' = A y + b(t) */
-    bool autonomous;   /* no TERM_TIME */
+    bool linear;             /* every term TERM_LINEAR: y' = A y + b(t) */
+    bool autonomous;         /* no TERM_TIME */
     bool velocity;     /* some force depends on velocity, but for dry friction that is located */
     bool conservative; /* every term has a potential: energy is constant */
-    bool energy;       /* kinetic and potential; false: kinetic is all there is, of typed forces without a potential */
-    int switches;      /* of typed equations, then that of dry friction: with branches that can be frozen */
-    bool dry;          /* the last of them is that of dry friction, at v = 0 */
-    bool pieces;       /* steps of fixed size, too, end at switches: unless they go across, or it is frozen */
+    bool energy; /* kinetic and potential; false: kinetic is all there is, of typed forces without a
+                    potential */
+    int switches; /* of typed equations, then that of dry friction: with branches that can be frozen
+                   */
+    bool dry;     /* the last of them is that of dry friction, at v = 0 */
+    bool pieces;  /* steps of fixed size, too, end at switches: unless they go across, or it is
+                     frozen */
     const struct sliding *sliding; /* of a frozen system; NULL: along none of them */
-    bool kinks;        /* n = 2, and some force is not smooth at v = 0, where it is not frozen */
-    bool across;       /* methods step across such kinks, as they are printed */
-    double mass;       /* [kg] or what takes its place: kinetic energy = mass v^2 / 2 */
-    double ratio[LIMIT_VARIABLES / 2]; /* of the mass of each coordinate to it, where typed ones differ; 0: 1 */
+    bool kinks;  /* n = 2, and some force is not smooth at v = 0, where it is not frozen */
+    bool across; /* methods step across such kinks, as they are printed */
+    double mass; /* [kg] or what takes its place: kinetic energy = mass v^2 / 2 */
+    double ratio[LIMIT_VARIABLES /
+                 2]; /* of the mass of each coordinate to it, where typed ones differ; 0: 1 */
     struct oscillator oscillator;
     double start[LIMIT_VARIABLES]; /* state at t0 */
     double t0;                     /* [s] */
-    double scale[LIMIT_VARIABLES]; /* natural size of each variable (amplitude, amplitude * omega): error norms; > 0 */
+    double scale[LIMIT_VARIABLES]; /* natural size of each variable (amplitude, amplitude * omega):
+                                      error norms; > 0 */
     double atol[LIMIT_VARIABLES];  /* as the scene's */
 };
 
 bool scene_bind(const struct scene *scene, struct system *system, struct error *error);
-/* Without looking for the potential of typed forces, which takes about a thousand evaluations: for those who bind many
- * and ask for no energy. */
+/* Without looking for the potential of typed forces, which takes about a thousand evaluations: for
+ * those who bind many and ask for no energy. */
 bool scene_bind_motion(const struct scene *scene, struct system *system, struct error *error);
 
 /* As if methods did not step across kinks. */
 void system_turn_at_kinks(struct system *system);
 
-void system_acceleration(const struct system *system, double t, const double *y, double *a);  /* [n/2], order 2 only */
-void system_derivative(const struct system *system, double t, const double *y, double *dydt); /* [n] */
+void system_acceleration(const struct system *system, double t, const double *y,
+                         double *a); /* [n/2], order 2 only */
+void system_derivative(const struct system *system, double t, const double *y,
+                       double *dydt); /* [n] */
 /* Only the terms that do not depend on velocity. */
 void system_force(const struct system *system, double t, const double *y, double *a);
 /* Only the terms that do depend on velocity. */
 void system_drag(const struct system *system, double t, const double *y, double *a);
 /*
- * Exact flow of v' = -gamma v - c |v| v over h (Hairer, Lubich, Wanner 2006, II.5), prepared once for many v:
- * v keep/(least + pull |v|). Sign-preserving, exact at v = 0. Backwards in time quadratic drag has a pole: infinite
- * beyond it.
+ * Exact flow of v' = -gamma v - c |v| v over h (Hairer, Lubich, Wanner 2006, II.5), prepared once
+ * for many v: v keep/(least + pull |v|). Sign-preserving, exact at v = 0. Backwards in time
+ * quadratic drag has a pole: infinite beyond it.
  */
 struct drag_flow {
-    double keep, least, pull;
+    double keep, min, pull;
 };
 
 struct drag_flow oscillator_drag_flow(const struct oscillator *oscillator, double h);
 
 static inline double drag_flow_apply(const struct drag_flow *flow, double v)
 {
-    double below = flow->pull == 0 ? flow->least : flow->least + flow->pull * fabs(v);
+    double below = flow->pull == 0 ? flow->min : flow->min + flow->pull * fabs(v);
     if (!(below > 0))
         return copysign(HUGE_VAL, v);
-    return flow->least == 1 && flow->pull == 0 ? v * flow->keep : v * flow->keep / below;
+    return flow->min == 1 && flow->pull == 0 ? v * flow->keep : v * flow->keep / below;
 }
 void system_jacobian(const struct system *system, double t, const double *y,
                      double *jac); /* d y'/d y, [n][n] row-major */
 
 /*
- * Short times at which a typed equation does something that samples would miss, as bounds of it prove, along the
- * smooth way from one state to another: between t[0] and t[1] [s], shorter than 1/32 of it each. Appended to those
- * there are, and those that meet become one; the new count, at most `most`. sure: of smooth forces none, as a warning
- * has to be true; else some where a force has no bend, which costs steps and no more.
+ * Short times at which a typed equation does something that samples would miss, as bounds of it
+ * prove, along the smooth way from one state to another: between t[0] and t[1] [s], shorter than
+ * 1/32 of it each. Appended to those there are, and those that meet become one; the new count, at
+ * most `most`. sure: of smooth forces none, as a warning has to be true; else some where a force
+ * has no bend, which costs steps and no more.
  */
 struct burst {
     double from, to; /* [s] */
 };
 
-int system_bursts(const struct system *system, const double t[2], const double *from, const double *to,
-                  bool sure, struct burst *burst, int count, int most);
+int system_bursts(const struct system *system, const double t[2], const double *from,
+                  const double *to, bool sure, struct burst *burst, int count, int max);
 
-double system_kinetic(const struct system *system, const double *y);         /* [J] */
-double system_potential(const struct system *system, const double *y);       /* [J] */
-bool system_has_potential(const struct system *system);                      /* all forces but drag have one */
-double system_power(const struct system *system, double t, const double *y); /* [W] of the non-conservative terms */
+double system_kinetic(const struct system *system, const double *y);   /* [J] */
+double system_potential(const struct system *system, const double *y); /* [J] */
+bool system_has_potential(const struct system *system); /* all forces but drag have one */
+double system_power(const struct system *system, double t,
+                    const double *y); /* [W] of the non-conservative terms */
 double system_dissipation(const struct system *system, double t,
                           const double *y); /* [W] of the drag terms alone, <= 0 */
 
@@ -273,23 +300,26 @@ int model_state(const struct model *model, struct text name);
 
 /* ---- exact solutions ----
  *
- * For linear oscillators in every regime (under-, critically and overdamped, k = 0, k < 0, gamma < 0, constant force,
- * driven, resonance, with formulas that do not cancel), typed or not; for models that bring their own; by the matrix
- * exponential for other linear systems with constant coefficients and up to 16 variables; for linear oscillators with dry
- * friction, without a drive. From `start` at t0 to t
- * (before or after t0); growth beyond double ends as infinity. floor [n], or NULL: what one ulp in the coefficients (of
- * other models: in the start) does to the answer, about eps * omega * |t - t0| times the amplitude: no error below it
- * means anything.
+ * For linear oscillators in every regime (under-, critically and overdamped, k = 0, k < 0, gamma <
+ * 0, constant force, driven, resonance, with formulas that do not cancel), typed or not; for models
+ * that bring their own; by the matrix exponential for other linear systems with constant
+ * coefficients and up to 16 variables; for linear oscillators with dry friction, without a drive.
+ * From `start` at t0 to t (before or after t0); growth beyond double ends as infinity. floor [n],
+ * or NULL: what one ulp in the coefficients (of other models: in the start) does to the answer,
+ * about eps * omega * |t - t0| times the amplitude: no error below it means anything.
  */
 bool system_has_exact(const struct system *system);
-void system_exact(const struct system *system, double t0, const double *start, double t, double *y, double *floor);
+void system_exact(const struct system *system, double t0, const double *start, double t, double *y,
+                  double *floor);
 /*
- * The same for many times that are h apart but for rounding, [s] in the direction of h, at a fraction of the cost: found
- * anew from time to time, and from there on by what each step does, in long double. Good to an ulp of system_exact();
- * times elsewhere are right too. NULL: not of use for this system or step, or no memory. The system has to stay.
+ * The same for many times that are h apart but for rounding, [s] in the direction of h, at a
+ * fraction of the cost: found anew from time to time, and from there on by what each step does, in
+ * long double. Good to an ulp of system_exact(); times elsewhere are right too. NULL: not of use
+ * for this system or step, or no memory. The system has to stay.
  */
 struct exact_table;
-struct exact_table *exact_table_create(const struct system *system, double t0, const double *start, double h);
+struct exact_table *exact_table_create(const struct system *system, double t0, const double *start,
+                                       double h);
 void exact_table_at(struct exact_table *table, double t, double *y);
 void exact_table_free(struct exact_table *table);
 

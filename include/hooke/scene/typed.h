@@ -18,83 +18,104 @@
  *   potential EXPR         [J], of the forces that depend on positions only
  *   observe E = EXPR       a quantity to look at, and a name for the lines below it
  *
- * A potential that was typed for the forces before goes when a force is added; on a built-in scene it is that of the
- * typed forces.
+ * A potential that was typed for the forces before goes when a force is added; on a built-in scene
+ * it is that of the typed forces.
  *
- * Names in expressions: t, variables, velocities, parameters, observed quantities. They have to be there when a line
- * uses them.
+ * Names in expressions: t, variables, velocities, parameters, observed quantities. They have to be
+ * there when a line uses them.
  *
- * Initial values are parameters: x0 of x and vy0 of vy, x1_0 of x1. So is t0. The mass is the parameter m where there
- * is one, else 1. If every variable has an equation of second order the scene is of second order: positions, then
- * velocities; else of first order: variables as they were declared, then velocities.
+ * Initial values are parameters: x0 of x and vy0 of vy, x1_0 of x1. So is t0. The mass is the
+ * parameter m where there is one, else 1. If every variable has an equation of second order the
+ * scene is of second order: positions, then velocities; else of first order: variables as they were
+ * declared, then velocities.
  *
- * Summands of a second derivative are sorted into forces that depend on positions (and time) and drag, which depends on
- * velocities, so that splittings apply with drag=explicit. A summand whose factor is a parameter that is 0 is absent.
- * Jacobians are derivatives of the expressions. Without a typed
- * potential the summands that depend on positions only get one where there is one; what depends on time alone is a
- * drive, whose work counts, like that of drag. All other forces have no energy: the kinetic one is all that is known.
+ * Summands of a second derivative are sorted into forces that depend on positions (and time) and
+ * drag, which depends on velocities, so that splittings apply with drag=explicit. A summand whose
+ * factor is a parameter that is 0 is absent. Jacobians are derivatives of the expressions. Without
+ * a typed potential the summands that depend on positions only get one where there is one; what
+ * depends on time alone is a drive, whose work counts, like that of drag. All other forces have no
+ * energy: the kinetic one is all that is known.
  *
- * A model is immutable: a line makes a new one. All of them live until typed_destroy(). An incomplete one (a variable
- * without an equation) can be looked at and set; scene_bind() says what is missing. Natural sizes: the largest |initial
- * value| and |value| on a short trial run of about one time constant (of linear systems: many); where all are 0, 1.
+ * A model is immutable: a line makes a new one. All of them live until typed_destroy(). An
+ * incomplete one (a variable without an equation) can be looked at and set; scene_bind() says what
+ * is missing. Natural sizes: the largest |initial value| and |value| on a short trial run of about
+ * one time constant (of linear systems: many); where all are 0, 1.
  *
- * What is a second-order equation in y with a0 + a1 y + a2 y' + a3 |y'| y' + a4 cos(a5 t + a6) on its right, as it is
- * written (or with sin), with the present parameters and a3 <= 0, is the oscillator with these coefficients: natural
- * sizes, exact solution, exact drag and derived quantities are those of the built-in one. So are forces on top of it.
+ * What is a second-order equation in y with a0 + a1 y + a2 y' + a3 |y'| y' + a4 cos(a5 t + a6) on
+ * its right, as it is written (or with sin), with the present parameters and a3 <= 0, is the
+ * oscillator with these coefficients: natural sizes, exact solution, exact drag and derived
+ * quantities are those of the built-in one. So are forces on top of it.
  */
 
-enum typed_kind { TYPED_VAR, TYPED_PARAM, TYPED_EQUATION, TYPED_FORCE, TYPED_POTENTIAL, TYPED_OBSERVE };
+enum typed_kind {
+    TYPED_VAR,
+    TYPED_PARAM,
+    TYPED_EQUATION,
+    TYPED_FORCE,
+    TYPED_POTENTIAL,
+    TYPED_OBSERVE
+};
 
 struct typed_line {
     enum typed_kind kind;
-    struct text name;       /* of a velocity's initial value: y' (TYPED_VAR); force: "" is the first coordinate */
-    int order;              /* TYPED_EQUATION: 1 or 2 */
-    struct text expr;       /* all but TYPED_VAR and TYPED_PARAM; a whole expression, nothing behind it */
-    double value;           /* TYPED_VAR, TYPED_PARAM: SI */
+    struct text
+        name; /* of a velocity's initial value: y' (TYPED_VAR); force: "" is the first coordinate */
+    int order;        /* TYPED_EQUATION: 1 or 2 */
+    struct text expr; /* all but TYPED_VAR and TYPED_PARAM; a whole expression, nothing behind it */
+    double value;     /* TYPED_VAR, TYPED_PARAM: SI */
     enum quantity quantity; /* the same; QUANTITY_NUMBER: no unit */
 };
 
 struct typed_models; /* all of a session */
 
 struct typed_models *typed_create(struct error *error); /* NULL: no memory */
-void typed_destroy(struct typed_models *models);        /* with every model: nothing may use them any more */
-/* A scene without a line under this name ("": typed); lines that are added to it keep the name. NULL: error. */
+void typed_destroy(
+    struct typed_models *models); /* with every model: nothing may use them any more */
+/* A scene without a line under this name ("": typed); lines that are added to it keep the name.
+ * NULL: error. */
 const struct model *typed_new(struct typed_models *models, struct text name, struct error *error);
 /*
- * `from` with one more line; a line of the same kind and name is replaced. On a built-in model var and equations begin
- * an empty scene, the others add to it. Texts are copied. NULL: error, whose `where` lies in line->expr or line->name.
+ * `from` with one more line; a line of the same kind and name is replaced. On a built-in model var
+ * and equations begin an empty scene, the others add to it. Texts are copied. NULL: error, whose
+ * `where` lies in line->expr or line->name.
  */
-const struct model *typed_add(struct typed_models *models, const struct model *from, const struct typed_line *line,
-                              struct error *error);
-/* Without that line; a variable takes its equation and its initial velocity along. What is left may be the built-in
- * model itself. NULL: it is not there, or others use it. */
-const struct model *typed_remove(struct typed_models *models, const struct model *from, enum typed_kind kind,
-                                 struct text name, struct error *error);
-/* The lines as they were typed, in the order in which they can be typed again. 0 of a built-in model. */
+const struct model *typed_add(struct typed_models *models, const struct model *from,
+                              const struct typed_line *line, struct error *error);
+/* Without that line; a variable takes its equation and its initial velocity along. What is left may
+ * be the built-in model itself. NULL: it is not there, or others use it. */
+const struct model *typed_remove(struct typed_models *models, const struct model *from,
+                                 enum typed_kind kind, struct text name, struct error *error);
+/* The lines as they were typed, in the order in which they can be typed again. 0 of a built-in
+ * model. */
 int typed_lines(const struct model *model);
 const struct typed_line *typed_line(const struct model *model, int i);
-void typed_describe(const struct typed_line *line, struct buffer *text); /* "y'' = -k*y", as one types it */
-const struct model *typed_base(const struct model *model); /* the built-in model below; NULL: none, all is typed */
+void typed_describe(const struct typed_line *line,
+                    struct buffer *text); /* "y'' = -k*y", as one types it */
+const struct model *
+typed_base(const struct model *model); /* the built-in model below; NULL: none, all is typed */
 
 /* Settings under the name of a scene that is all typed; NULL: it is not. */
 const struct preset *typed_preset(const struct model *model);
 
-/* The scene with another model: values stay with the names of their parameters, unless the line gave a new one. */
+/* The scene with another model: values stay with the names of their parameters, unless the line
+ * gave a new one. */
 void scene_remodel(struct scene *scene, const struct model *model);
 
-/* The term that is the whole right-hand side of a scene that is all typed. NULL: there are several. */
+/* The term that is the whole right-hand side of a scene that is all typed. NULL: there are several.
+ */
 const struct bound_term *system_whole(const struct system *system);
 
 /*
- * What a typed term adds, as a program of t, y and the values behind them [*values], which are term->c from 1 on. NULL:
- * a built-in term.
+ * What a typed term adds, as a program of t, y and the values behind them [*values], which are
+ * term->c from 1 on. NULL: a built-in term.
  */
 const struct program *term_program(const struct bound_term *term, int *values);
 
 /*
- * Switches of typed equations: where abs(), sign(), if(), <, min(), max(), step(), floor(), mod() go from one branch to
- * another; and of dry friction, where the velocity is 0. A frozen system stays on its branches and is smooth; its guards are above 0 as long as they are the right
- * ones. branch, guard: [system->switches].
+ * Switches of typed equations: where abs(), sign(), if(), <, min(), max(), step(), floor(), mod()
+ * go from one branch to another; and of dry friction, where the velocity is 0. A frozen system
+ * stays on its branches and is smooth; its guards are above 0 as long as they are the right ones.
+ * branch, guard: [system->switches].
  */
 #define LIMIT_TYPED_SWITCHES 12
 #define LIMIT_SWITCHES (LIMIT_TYPED_SWITCHES + 1)
@@ -102,11 +123,11 @@ void system_branches(const struct system *system, double t, const double *y, dou
 void system_freeze(const struct system *system, const double *branch, struct system *frozen);
 void system_guards(const struct system *frozen, double t, const double *y, double *guard);
 /*
- * Sliding along `count` switches at once: the field that keeps all their arguments where they are, between those on the
- * two sides of each (Filippov 1988; with more than one switch the equivalent control of Utkin 1992, to which each adds
- * its own part). The guard of such a switch is above 0 as long as the share of either side is. Where
- * jumps change the rate of an argument only, as forces do that of a position, its second derivative
- * is kept 0.
+ * Sliding along `count` switches at once: the field that keeps all their arguments where they are,
+ * between those on the two sides of each (Filippov 1988; with more than one switch the equivalent
+ * control of Utkin 1992, to which each adds its own part). The guard of such a switch is above 0 as
+ * long as the share of either side is. Where jumps change the rate of an argument only, as forces
+ * do that of a position, its second derivative is kept 0.
  */
 #define LIMIT_SLIDING 4
 struct sliding {
@@ -118,9 +139,10 @@ struct sliding {
 };
 
 /* `slides` [system->switches]: along which; false: too many. *frozen refers to *sliding. */
-bool system_slide(const struct system *system, const double *branch, const bool *slides, double near,
-                  struct sliding *sliding, struct system *frozen);
-/* Puts the state back on the switches from which it is off by what steps leave; false: it is there. */
+bool system_slide(const struct system *system, const double *branch, const bool *slides,
+                  double near, struct sliding *sliding, struct system *frozen);
+/* Puts the state back on the switches from which it is off by what steps leave; false: it is there.
+ */
 bool sliding_return(const struct sliding *sliding, double t, double *y);
 /*
  * Is the motion on its way across switch i, along which it was to slide? Yes, where jumps change
@@ -128,7 +150,8 @@ bool sliding_return(const struct sliding *sliding, double t, double *y);
  */
 bool sliding_passes(const struct sliding *sliding, int i, double t, const double *y, double within);
 
-/* A state that is on switch i but for rounding is put there, where it is known how: where dry friction turns. */
+/* A state that is on switch i but for rounding is put there, where it is known how: where dry
+ * friction turns. */
 void system_end_at_switch(const struct system *frozen, int i, double *y);
 
 /* Of switch i, beyond the guard that is 0 at (t, y). */
@@ -137,7 +160,8 @@ double system_next_branch(const struct system *frozen, int i, double t, const do
 /* The branch below switch i, where the motion slides along it. */
 double system_lower_branch(const struct system *frozen, int i, double t, const double *y);
 /* Does the argument of switch i change with this variable? */
-bool system_switch_sees(const struct system *system, int i, double t, const double *y, int variable);
+bool system_switch_sees(const struct system *system, int i, double t, const double *y,
+                        int variable);
 
 #define LIMIT_OBSERVED 64 /* quantities that a typed scene observes */
 

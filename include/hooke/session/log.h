@@ -8,90 +8,100 @@
 /* ---- what was asked of a run (journal.c) ---- */
 
 /*
- * What was asked of a run since its start, so that it can be made again bit for bit: by undo, by a saved session, by
- * `record`. How the work was cut into slices, and where it was paused, leaves no trace in the samples and stands here
- * only as the step at which something else was asked.
+ * What was asked of a run since its start, so that it can be made again bit for bit: by undo, by a
+ * saved session, by `record`. How the work was cut into slices, and where it was paused, leaves no
+ * trace in the samples and stands here only as the step at which something else was asked.
  */
 
-
-enum leg_kind {
-    LEG_GO,   /* towards a time, a step or a condition */
-    LEG_SET,  /* a parameter changes */
-    LEG_KICK, /* a variable of the state changes, in a step of its own */
-    LEG_BACK, /* recorded states are dropped; only of adaptive runs, the others keep no memory of it */
+enum request_kind {
+    REQUEST_GO,   /* towards a time, a step or a condition */
+    REQUEST_SET,  /* a parameter changes */
+    REQUEST_KICK, /* a variable of the state changes, in a step of its own */
+    REQUEST_BACK, /* recorded states are dropped; only of adaptive runs, the others keep no memory
+                     of it */
 };
 
 /*
- * The list is persistent: a leg knows the one before it and never changes while two lists have it, so that the run and
- * all undo entries share what they have in common, and a new entry costs nothing but a count.
+ * The list is persistent: a leg knows the one before it and never changes while two lists have it,
+ * so that the run and all undo entries share what they have in common, and a new entry costs
+ * nothing but a count.
  */
-struct leg {
-    enum leg_kind kind;
-    int64_t from;    /* step of the run at which it was asked for */
-    double from_t;   /* [s] */
-    double t;        /* LEG_GO: the target [s], FAR either way: none */
-    int64_t end;     /* LEG_GO: step at which it ends, INT64_MAX: none; LEG_BACK: step it led to */
-    char *condition; /* LEG_GO: as typed, NULL: none */
+struct request {
+    enum request_kind kind;
+    int64_t from;  /* step of the run at which it was asked for */
+    double from_t; /* [s] */
+    double t;      /* REQUEST_GO: the target [s], FAR either way: none */
+    int64_t
+        end; /* REQUEST_GO: step at which it ends, INT64_MAX: none; REQUEST_BACK: step it led to */
+    char *condition; /* REQUEST_GO: as typed, NULL: none */
     int64_t met;     /* step at which the condition became true, 0: it did not */
-    int param;       /* LEG_SET; LEG_KICK: variable */
+    int param;       /* REQUEST_SET; REQUEST_KICK: variable */
     struct measured value;
-    bool by_event;   /* asked for by the commands of an event of the run */
-    int64_t rows; /* LEG_BACK */
+    bool by_event; /* asked for by the commands of an event of the run */
+    int64_t rows;  /* REQUEST_BACK */
 
     /* Private to journal.c. */
     int references, count; /* of legs up to this one */
-    bool backs;            /* one of them is a LEG_BACK */
-    struct leg *before;
-    const struct leg *go; /* the latest LEG_GO before it */
-    struct {              /* of each LEG_SET [1], of those not by events [0]: */
-        const struct leg *before;
-        int count;           /* up to this leg */
-        struct scene *scene; /* what they have made of the scene: at each so many of them, else NULL */
+    bool backs;            /* one of them is a REQUEST_BACK */
+    struct request *before;
+    const struct request *go; /* the latest REQUEST_GO before it */
+    struct {                  /* of each REQUEST_SET [1], of those not by events [0]: */
+        const struct request *before;
+        int count; /* up to this leg */
+        struct scene
+            *scene; /* what they have made of the scene: at each so many of them, else NULL */
     } set[2];
 };
 
 /* One more at the end of the run's list. */
-bool journal_add(struct held_run *held, struct leg leg, struct text condition, struct error *error);
-void journal_drop(struct held_run *held); /* the last one */
-struct leg *journal_share(struct leg *last); /* another owner of the list that ends there; NULL: an empty one */
-void journal_release(struct leg *last);
-int journal_count(const struct leg *last);
-/* The legs from place `first` on, in order, *count of them; free() the list, not them. False: no memory, *count 0. */
-bool journal_list(const struct leg *last, int first, const struct leg ***list, int *count);
-/* The times [s] of the latest changes of parameters, at most `most`, in order; not those by events. Returns how many. */
-int journal_changes(const struct leg *last, double *t, int most);
-/* What is still to be done after a pause: the last LEG_GO; NULL: nothing. */
-const struct leg *journal_pending(const struct held_run *held);
+bool journal_add(struct run_slot *slot, struct request request, struct text condition,
+                 struct error *error);
+void journal_drop(struct run_slot *slot); /* the last one */
+struct request *journal_share(
+    struct request *last); /* another owner of the list that ends there; NULL: an empty one */
+void journal_release(struct request *last);
+int journal_count(const struct request *last);
+/* The legs from place `first` on, in order, *count of them; free() the list, not them. False: no
+ * memory, *count 0. */
+bool journal_list(const struct request *last, int first, const struct request ***list, int *count);
+/* The times [s] of the latest changes of parameters, at most `most`, in order; not those by events.
+ * Returns how many. */
+int journal_changes(const struct request *last, double *t, int max);
+/* What is still to be done after a pause: the last REQUEST_GO; NULL: nothing. */
+const struct request *journal_pending(const struct run_slot *slot);
 /* The same, of this run alone, so that it may be changed. NULL: no memory (there has to be one). */
-struct leg *journal_edit_pending(struct held_run *held, struct error *error);
+struct request *journal_edit_pending(struct run_slot *slot, struct error *error);
 /* Where an event has stopped the run: on towards the same. */
-bool journal_go_on(struct held_run *held, bool by_event, struct error *error);
+bool journal_go_on(struct run_slot *slot, bool by_event, struct error *error);
 /* The run has been taken back by `rows`, from step `before`. */
-bool journal_back(struct held_run *held, int64_t before, double before_t, int64_t rows, struct error *error);
-/* The parameters in force now: those of the start and what was changed since, by events too or without them. */
-void journal_scene(const struct held_run *held, bool by_events, struct scene *scene);
+bool journal_back(struct run_slot *slot, int64_t before, double before_t, int64_t rows,
+                  struct error *error);
+/* The parameters in force now: those of the start and what was changed since, by events too or
+ * without them. */
+void journal_scene(const struct run_slot *slot, bool by_events, struct scene *scene);
 /* Has something been changed since leg `first`, not by an event? */
-bool journal_changed(const struct held_run *held, int first);
+bool journal_changed(const struct run_slot *slot, int first);
 /*
- * Takes the run to the state at the end of the list that ends at `last`: `steps`, at time `t`. It may share a beginning
- * with the run's own, which it replaces; the run keeps its own without memory.
+ * Takes the run to the state at the end of the list that ends at `last`: `steps`, at time `t`. It
+ * may share a beginning with the run's own, which it replaces; the run keeps its own without
+ * memory.
  */
-bool journal_restore(struct session *session, struct held_run *held, struct leg *last, int64_t steps, double t);
-/* What a LEG_SET or LEG_KICK changed, and to what: "gamma 0.1 1/s". */
-void journal_put_change(const struct run *run, const struct leg *leg, struct buffer *text);
+bool journal_restore(struct session *session, struct run_slot *slot, struct request *last,
+                     int64_t steps, double t);
+/* What a REQUEST_SET or REQUEST_KICK changed, and to what: "gamma 0.1 1/s". */
+void journal_put_change(const struct run *run, const struct request *request, struct buffer *text);
 /*
- * Appends the commands that do what was done since leg `first` and step `since` (0, -1: all): run, continue, change,
- * back. number: of the run, 0: the next. by_events: also what the run's events did, which does it again where they only
- * stop. False: a condition needs names that no saved session knows; then nothing is appended.
+ * Appends the commands that do what was done since leg `first` and step `since` (0, -1: all): run,
+ * continue, change, back. number: of the run, 0: the next. by_events: also what the run's events
+ * did, which does it again where they only stop. False: a condition needs names that no saved
+ * session knows; then nothing is appended.
  */
-bool journal_write(const struct session *session, const struct held_run *held, int first, int64_t since, int number,
-                   bool by_events, struct buffer *text);
+bool journal_write(const struct session *session, const struct run_slot *slot, int first,
+                   int64_t since, int number, bool by_events, struct buffer *text);
 
 /* ---- executed lines, and the file that `record` appends to (history.c) ---- */
 
-
-
-#define HISTORY_MOST 5000
+#define HISTORY_MAX 5000
 
 void history_add(struct session *session, struct text line);
 /* Appends the statement to the file of `record`, if there is one; a failure ends the recording. */
@@ -101,13 +111,12 @@ void history_close(struct session *session);
 
 /* ---- moving between snapshots: undo, redo, checkpoint, restore (undo.c) ---- */
 
-
-
 /* One step back (or forward again). label: the command that was undone. */
 bool undo_move(struct session *session, bool back, char label[LIMIT_NAME + 1], struct error *error);
 bool checkpoint_make(struct session *session, const char *name, struct error *error);
 /* The latest one where name is empty. *label: its name, owned by the session. */
-bool checkpoint_restore(struct session *session, struct text name, const char **label, struct error *error);
+bool checkpoint_restore(struct session *session, struct text name, const char **label,
+                        struct error *error);
 const char *snapshot_label(const struct snapshot *snapshot);
 
 #endif

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What can be called by name: parameters, variables, observables, and all that expressions may use. */
+/* What can be called by name: parameters, variables, observables, and all that expressions may use.
+ */
 #ifndef HOOKE_SESSION_NAMES_H
 #define HOOKE_SESSION_NAMES_H
 
@@ -7,63 +8,72 @@
 
 /* ---- what a scene has, by name ---- */
 
-const struct param_row *param_at(const struct scene *scene, int place);
+const struct param_row *param_at(const struct scene *scene, int index);
 int scene_param_at(const struct scene *scene, struct text name); /* as scene_param() */
-double param_value(const struct scene *scene, const char *name); /* NAN: the scene has no such parameter */
+double param_value(const struct scene *scene,
+                   const char *name); /* NAN: the scene has no such parameter */
 bool param_given(const struct scene *scene, const char *name);
 bool is_oscillator(const struct scene *scene); /* also with forces that were typed */
 bool is_pendulum(const struct scene *scene);   /* on a rigid rod */
 /* What was typed, a line each after `before`. */
 void scene_lines(const struct scene *scene, const char *before, struct buffer *text);
-/* The same, each before `end`, in an order in which they can be typed: a line may use one that was typed after it,
- * where it has taken the place of another. */
+/* The same, each before `end`, in an order in which they can be typed: a line may use one that was
+ * typed after it, where it has taken the place of another. */
 void scene_script(const struct scene *scene, const char *end, struct buffer *text);
-/* "atol y = 0.1 mm", of one variable; the absolute tolerances that were given, as scene_script(). */
+/* "atol y = 0.1 mm", of one variable; the absolute tolerances that were given, as scene_script().
+ */
 void atol_describe(const struct scene *scene, int variable, struct buffer *text);
 void atol_script(const struct scene *scene, const char *end, struct buffer *text);
-int model_variable(const struct model *model, struct text name); /* place, -1: none; y' is vy of a typed model */
-int model_observation(const struct model *model, struct text name); /* place of what a typed model observes, -1: none */
-const struct model *model_with(struct text name); /* the first with such a parameter, derived quantity or variable */
+int model_variable(const struct model *model,
+                   struct text name); /* place, -1: none; y' is vy of a typed model */
+int model_observation(const struct model *model,
+                      struct text name); /* place of what a typed model observes, -1: none */
+const struct model *
+model_with(struct text name); /* the first with such a parameter, derived quantity or variable */
 const char *model_scene(const struct model *model); /* name of a scene that is one */
 enum quantity model_quantity(const struct model *model, const struct observable *observable);
 /* NULL: none. In what a user has typed `y` is no other name of the first coordinate. */
 const struct observable *model_observable(const struct model *model, struct text name);
-bool model_offers(const struct model *model, const struct observable *observable); /* as far as the model decides it */
+bool model_offers(const struct model *model,
+                  const struct observable *observable); /* as far as the model decides it */
 /* Says where the name belongs, if it is to another model; false: it does not. */
 bool hint_other_model(const struct session *session, struct text name, struct error *error);
 /* A scene of the user's own, by its name; NULL: there is none. */
 const struct preset *own_scene(const struct setup *setup, struct text name);
-bool unknown_parameter(const struct session *session, struct text name, struct error *error); /* false, always */
+bool unknown_parameter(const struct session *session, struct text name,
+                       struct error *error); /* false, always */
 
 /* ---- names in expressions ---- */
 
 /* The scene of a run that goes on, with what was changed on the way. */
 struct in_force {
-    const struct held_run *held;
-    bool known;             /* `scene` is there, as of this end of its journal */
-    const struct leg *last;
+    const struct run_slot *slot;
+    bool known; /* `scene` is there, as of this end of its journal */
+    const struct request *last;
     struct scene scene;
 };
 
 struct names {
     const struct session *session;
     struct in_force *in_force; /* whose parameters; NULL: those of the set-up */
-    bool expects_run;      /* state and observables are known although there is no run yet: it is about to start */
-    bool saved_only;       /* without variables and results: what means the same when a saved session is read again */
+    bool expects_run; /* state and observables are known although there is no run yet: it is about
+                         to start */
+    bool saved_only;  /* without variables and results: what means the same when a saved session is
+                         read again */
     const struct run *run; /* whose state and observables; NULL: those of the current run */
 };
 
 struct expr_scope names_scope(const struct names *names);
 /* Value, uncertainty and quantity of one name; false: unknown. */
-/* After a failed compilation: says what has to come first where the unknown name is that of something not there yet.
- * False, always. */
+/* After a failed compilation: says what has to come first where the unknown name is that of
+ * something not there yet. False, always. */
 bool names_explain(const struct session *session, struct error *error);
 bool names_value(const struct session *session, struct text name, struct named_value *value);
 /* Of a name in a scope made by names_scope; QUANTITY_OTHER: unknown. */
 enum quantity name_quantity(const struct expr_scope *scope, struct text name);
 /* Everything that can be named: offers candidates for completion and help. */
-void names_each(const struct session *session, void (*offer)(void *context, const char *name, const char *brief),
-                void *context);
+void names_each(const struct session *session,
+                void (*offer)(void *context, const char *name, const char *brief), void *context);
 bool name_is_taken(const struct session *session, struct text name, const char **kind);
 
 #endif

@@ -8,7 +8,15 @@
 
 struct session;
 
-enum layout { LAYOUT_TRIO, LAYOUT_DUO, LAYOUT_SINGLE, LAYOUT_STACK, LAYOUT_QUAD, LAYOUT_PLOT, LAYOUT_LOG };
+enum layout {
+    LAYOUT_TRIO,
+    LAYOUT_DUO,
+    LAYOUT_SINGLE,
+    LAYOUT_STACK,
+    LAYOUT_QUAD,
+    LAYOUT_PLOT,
+    LAYOUT_LOG
+};
 
 extern const struct catalog layout_catalog; /* struct layout_row at the enum's place */
 
@@ -54,7 +62,6 @@ struct pane_row {
     enum pane_of of;
 };
 
-
 extern const struct catalog pane_catalog; /* at the enum's place */
 
 enum snap { SNAP_CROSSING, SNAP_PEAK, SNAP_SAMPLE, SNAP_NONE };
@@ -79,20 +86,19 @@ struct cursors {
     enum quantity quantity;   /* of y */
 };
 
-
 #define LIMIT_OVERLAY 4 /* as many as have marks of their own */
 
 struct view {
     enum layout layout;
-    enum pane focus;            /* the pane that commands and zooming act on */
-    bool full;                  /* the focused pane alone */
-    double x[2], y[2];          /* fixed ranges of the focused pane (time [s], SI); NAN: automatic */
-    double window;              /* [s] of time shown; 0: automatic */
-    double trail;               /* periods of the phase trail; HUGE_VAL: all */
-    int scroll;                 /* rows the log is scrolled up */
-    bool paging;                /* the live view sweeps, then pages; otherwise it scrolls by whole cells */
-    int overlay[LIMIT_OVERLAY]; /* numbers of the runs drawn besides the present one; those that are gone are passed
-                                   over */
+    enum pane focus;   /* the pane that commands and zooming act on */
+    bool full;         /* the focused pane alone */
+    double x[2], y[2]; /* fixed ranges of the focused pane (time [s], SI); NAN: automatic */
+    double window;     /* [s] of time shown; 0: automatic */
+    double trail;      /* periods of the phase trail; HUGE_VAL: all */
+    int scroll;        /* rows the log is scrolled up */
+    bool paging;       /* the live view sweeps, then pages; otherwise it scrolls by whole cells */
+    int overlay[LIMIT_OVERLAY]; /* numbers of the runs drawn besides the present one; those that are
+                                   gone are passed over */
     int overlays;
     struct cursors cursors;
 };
@@ -101,16 +107,18 @@ struct view {
 #define LIMIT_LOG 2000
 
 struct log {
-    char **line; /* [LIMIT_LOG], allocated when the first line comes; each made safe, without newline */
+    char **line; /* [LIMIT_LOG], allocated when the first line comes; each made safe, without
+                    newline */
     int first, count;
 };
 
-void log_add(struct log *log, struct text text);    /* one or more lines; without memory they are dropped */
+void log_add(struct log *log,
+             struct text text); /* one or more lines; without memory they are dropped */
 const char *log_line(const struct log *log, int i); /* i = 0: the newest */
 /*
- * The row of a line that begins at byte *from, as it stands in a pane of that width [cell]: whole words, unless one is
- * longer than a row. *indent [cell] goes before it; 0 in the first row. *from is then where the next row begins:
- * line.len after the last.
+ * The row of a line that begins at byte *from, as it stands in a pane of that width [cell]: whole
+ * words, unless one is longer than a row. *indent [cell] goes before it; 0 in the first row. *from
+ * is then where the next row begins: line.len after the last.
  */
 struct text log_row(struct text line, size_t *from, int width, int *indent);
 int log_rows(struct text line, int width); /* how many the line takes: 1 at least */

@@ -11,8 +11,15 @@
 enum charset_choice { CHOOSE_AUTO, CHOOSE_ASCII, CHOOSE_BLOCK, CHOOSE_BRAILLE };
 enum color_choice { COLOR_AUTO, COLOR_ALWAYS, COLOR_NEVER };
 enum phase_axes { PHASE_SCALED, PHASE_RAW };
-enum sync_choice { SYNC_AUTO, SYNC_ON, SYNC_OFF }; /* whether the next frame waits until the terminal has answered */
-enum view_choice { VIEW_PAGE, VIEW_SCROLL };       /* the live view sweeps, then pages; or scrolls by whole cells */
+enum sync_choice {
+    SYNC_AUTO,
+    SYNC_ON,
+    SYNC_OFF
+}; /* whether the next frame waits until the terminal has answered */
+enum view_choice {
+    VIEW_PAGE,
+    VIEW_SCROLL
+}; /* the live view sweeps, then pages; or scrolls by whole cells */
 
 enum sums { SUMS_PLAIN, SUMS_COMPENSATED };
 enum turning { TURNING_ON, TURNING_OFF };
@@ -24,15 +31,17 @@ struct settings {
     double tol;      /* 0: off */
     double duration; /* [s] */
     struct recording_rule record;
-    int width, height;                              /* [cell] of plots, 0: the front end's */
-    int digits;                                     /* significant, in text */
-    int charset, color, format, timing, phase_axes; /* the enums above, enum output_format, enum timing */
+    int width, height; /* [cell] of plots, 0: the front end's */
+    int digits;        /* significant, in text */
+    int charset, color, format, timing,
+        phase_axes; /* the enums above, enum output_format, enum timing */
     int sync, view;
     int kernel, sums, turning; /* enum kernel, enum sums, enum turning */
     int band;                  /* BAND_ON: panes show that of an adopted fit */
     int opinion;               /* enum opinion_choice */
-    bool dt_given, tol_given, duration_given; /* by the user: else tol and duration are those of the scene */
-    double fps; /* frames a second of the live view */
+    bool dt_given, tol_given,
+        duration_given; /* by the user: else tol and duration are those of the scene */
+    double fps;         /* frames a second of the live view */
 };
 
 /* What methods make of it: `set` says so. */
@@ -41,32 +50,36 @@ enum setting_use { USE_ANY, USE_STEP, USE_TOLERANCE };
 struct setting {
     struct row row;
     enum quantity quantity;
-    size_t offset, bytes;          /* of the field in struct settings */
-    size_t given;                  /* 0, or the offset of the bool that says the user has set it */
-    double (*natural)(const struct preset *preset); /* its value where he has not; NULL: a new session's */
-    bool plots;                    /* `show plot` shows it although it belongs to the experiment */
+    size_t offset, bytes; /* of the field in struct settings */
+    size_t given;         /* 0, or the offset of the bool that says the user has set it */
+    double (*natural)(
+        const struct preset *preset); /* its value where he has not; NULL: a new session's */
+    bool plots; /* `show plot` shows it although it belongs to the experiment */
     enum setting_use use;
-    bool display;                  /* how results look, not part of the experiment: neither saved nor undone */
+    bool display; /* how results look, not part of the experiment: neither saved nor undone */
     const struct catalog *choices; /* the field is an int at the choice's place; NULL: a double */
-    double least, most;            /* of a number: allowed are least < x <= most; most 0: not a number */
+    double min, max; /* of a number: allowed are least < x <= most; most 0: not a number */
     /* For those that are neither; NULL otherwise. */
     bool (*parse)(struct settings *settings, struct text value, struct error *error);
     void (*show)(const struct settings *settings, struct buffer *text);
 };
 
 extern const struct catalog setting_catalog;
-extern const struct catalog format_choice_catalog; /* struct row at the enum's place: text, csv, json */
+extern const struct catalog
+    format_choice_catalog; /* struct row at the enum's place: text, csv, json */
 
 #define FAR 1e300 /* [s] no run gets there; finite, so that what is left of the way is a number */
 
-
 /* ---- values of settings ---- */
 
-void setting_show(const struct setting *setting, const struct settings *settings, struct buffer *text);
+void setting_show(const struct setting *setting, const struct settings *settings,
+                  struct buffer *text);
 /* As a command that reads back exactly. */
-void setting_exact(const struct setting *setting, const struct settings *settings, struct buffer *text);
+void setting_exact(const struct setting *setting, const struct settings *settings,
+                   struct buffer *text);
 
-extern const struct catalog charset_choice_catalog, color_choice_catalog, phase_axes_catalog, turning_catalog;
+extern const struct catalog charset_choice_catalog, color_choice_catalog, phase_axes_catalog,
+    turning_catalog;
 extern const struct catalog opinion_catalog;
 
 #endif

@@ -14,89 +14,95 @@ struct subject {
     bool column;                /* it is a column that was asked for by name */
     struct run *run;            /* NULL: a recording */
     struct recording *recording;
-    char how[340]; /* of the energy of a recording: whose m, k and v */
-    struct measured mass, k; /* these */
+    char how[340];             /* of the energy of a recording: whose m, k and v */
+    struct measured mass, k;   /* these */
     struct energy_noise noise; /* of the energy of a recording */
 };
 
-/* The scene that a run or a recording is measured against: its own; for a recording the present one, if somebody has
- * said what the spring is, else NULL. */
+/* The scene that a run or a recording is measured against: its own; for a recording the present
+ * one, if somebody has said what the spring is, else NULL. */
 const struct scene *subject_scene(const struct session *session, const struct run *run);
 /* Whether the scene is an oscillator; error if not, which says that `what` needs one. */
 bool needs_spring(const struct scene *scene, const char *what, struct error *error);
-/* [s] of the oscillation with its linear damping, of another model as wide as it starts; NAN: it does not oscillate, or
- * there is no scene. */
+/* [s] of the oscillation with its linear damping, of another model as wide as it starts; NAN: it
+ * does not oscillate, or there is no scene. */
 double scene_period(const struct scene *scene);
-/* [s] of a pendulum that swings so far [rad], without damping: complete elliptic integral; NAN: another scene. */
+/* [s] of a pendulum that swings so far [rad], without damping: complete elliptic integral; NAN:
+ * another scene. */
 double scene_period_at(const struct scene *scene, double amplitude);
-double derived_value(const struct scene *scene, const char *name); /* NAN: no scene, or not defined */
+double derived_value(const struct scene *scene,
+                     const char *name); /* NAN: no scene, or not defined */
 /* Keeps it as a row of `list measurements` and as the result measured_NAME. */
-bool session_keep_measurement(struct session *session, const char *name, const char *of, struct measured value,
-                              enum quantity unit, double periods, struct error *error);
+bool session_keep_measurement(struct session *session, const char *name, const char *of,
+                              struct measured value, enum quantity unit, double periods,
+                              struct error *error);
 /* The first variable, or energy, of a run over time; oldest first also where it went backwards. */
-bool run_series(const struct run *run, bool energy, struct arena *arena, struct series *series, struct error *error);
-/* As of its position over all recorded rows, found the cheapest way that is sound for it; false: it has none. */
+bool run_series(const struct run *run, bool energy, struct arena *arena, struct series *series,
+                struct error *error);
+/* As of its position over all recorded rows, found the cheapest way that is sound for it; false: it
+ * has none. */
 bool run_period(const struct run *run, struct arena *arena, struct measured *period);
 
 /* ---- what a run has to show over its rows (columns.c) ---- */
 
-
-
 struct chosen_column {
-    const struct observable *observable; /* NULL: number `variable` of the state, or of what is observed behind it */
+    const struct observable
+        *observable; /* NULL: number `variable` of the state, or of what is observed behind it */
     int variable;
 };
 
-/* Whether both have the same things to show, in the same order: models may be typed anew with other laws. */
+/* Whether both have the same things to show, in the same order: models may be typed anew with other
+ * laws. */
 bool models_alike(const struct model *a, const struct model *b);
 /* A user's names come before those of observables. Error: the model has nothing of that name. */
-bool chosen_find(const struct model *model, struct text name, struct chosen_column *column, struct error *error);
+bool chosen_find(const struct model *model, struct text name, struct chosen_column *column,
+                 struct error *error);
 /* Its name and quantity. */
 struct variable chosen_variable(const struct system *system, const struct chosen_column *column);
 /* SI, as in files. */
 const char *chosen_unit(const struct system *system, const struct chosen_column *column);
 /* Over all rows of the trace, into out [trace_count]. */
-bool chosen_values(const struct run *run, const struct chosen_column *column, double *out, struct error *error);
+bool chosen_values(const struct run *run, const struct chosen_column *column, double *out,
+                   struct error *error);
 
 /* ---- velocity and energy of a recording of positions (data_motion.c) ---- */
 
-
-
 struct data_motion {
     size_t n;
-    const double *t, *y;      /* [n] as recording_series gives them */
-    double *v;                /* [n] [m/s] NAN: not known there */
-    double *energy;           /* [n] [J] NAN: not known there; NULL: not asked for */
-    double middle;            /* [m] equilibrium, in y */
-    double omega;             /* [rad/s] of the oscillation; NAN: it has none */
-    enum quantity quantity;   /* of v */
-    double gain;              /* [1/s] standard deviation of v for positions with independent noise of 1 */
-    double loss;              /* by which part v comes out too small; 0: of the sensor's own */
-    struct measured mass, k;  /* of the energy */
+    const double *t, *y;    /* [n] as recording_series gives them */
+    double *v;              /* [n] [m/s] NAN: not known there */
+    double *energy;         /* [n] [J] NAN: not known there; NULL: not asked for */
+    double middle;          /* [m] equilibrium, in y */
+    double omega;           /* [rad/s] of the oscillation; NAN: it has none */
+    enum quantity quantity; /* of v */
+    double gain; /* [1/s] standard deviation of v for positions with independent noise of 1 */
+    double loss; /* by which part v comes out too small; 0: of the sensor's own */
+    struct measured mass, k; /* of the energy */
     struct energy_noise noise;
     char how_v[160], how_k[160]; /* where they come from, in words */
 };
 
 /* series: of the recording; NULL: its window. */
-bool data_motion(const struct session *session, const struct recording *recording, const struct series *series,
-                 bool energy, struct arena *arena, struct data_motion *motion, struct error *error);
-/* [rad/s] of the oscillation: of the fit, else of the largest peak of the spectrum; NAN: it has none. */
-double motion_frequency(const struct session *session, const struct recording *recording, const struct series *series,
-                        struct arena *arena);
+bool data_motion(const struct session *session, const struct recording *recording,
+                 const struct series *series, bool energy, struct arena *arena,
+                 struct data_motion *motion, struct error *error);
+/* [rad/s] of the oscillation: of the fit, else of the largest peak of the spectrum; NAN: it has
+ * none. */
+double motion_frequency(const struct session *session, const struct recording *recording,
+                        const struct series *series, struct arena *arena);
 /* The rows where v (energy: the energy) is known, as a series; from, to [s]. */
-bool motion_series(const struct data_motion *motion, bool energy, double from, double to, struct arena *arena,
-                   struct series *series, struct error *error);
+bool motion_series(const struct data_motion *motion, bool energy, double from, double to,
+                   struct arena *arena, struct series *series, struct error *error);
 
 /* ---- what a derived number was computed with (inputs.c) ----
  *
  * What a derived number was computed with: which of these values were stated without an
  * uncertainty and count as exact, and how uncertain the others make it. */
 
-
-#define INPUTS_MOST 16
+#define INPUTS_MAX 16
 
 struct inputs {
-    const char *exact[INPUTS_MOST]; /* names, each once */
+    const char *exact[INPUTS_MAX]; /* names, each once */
     int exacts;
     double relative; /* uncertainty of a product or quotient of all of them (GUM 5.1.6) */
 };
@@ -120,13 +126,11 @@ void inputs_recall(struct inputs *inputs, const struct exact_names *names);
 
 /* ---- what is wrong with a recording (findings.c) ---- */
 
-
-
 /* Looks at the recording if nobody has yet. */
 bool find_faults(struct recording *recording, struct arena *arena, struct error *error);
 /*
- * Which part of a subject is the free oscillation: the one judgement of it, that of 'data clean', in words for every
- * command that works on a window. Nothing where the whole of it is.
+ * Which part of a subject is the free oscillation: the one judgement of it, that of 'data clean',
+ * in words for every command that works on a window. Nothing where the whole of it is.
  */
 enum window_law { WINDOW_LAW_SINE, WINDOW_LAW_STICKS /* it knows what rests */ };
 
@@ -136,7 +140,8 @@ struct window_advice {
 
 void advise_window(const struct subject *subject, enum window_law law, struct arena *arena,
                    struct window_advice *advice);
-void reply_advice(const struct subject *subject, struct arena *arena, struct reply *reply); /* as a warning */
+void reply_advice(const struct subject *subject, struct arena *arena,
+                  struct reply *reply); /* as a warning */
 
 /* The table, then what was done or would be done. */
 void reply_findings(const struct recording *recording, struct arena *arena, struct reply *reply);

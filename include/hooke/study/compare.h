@@ -8,12 +8,16 @@
 
 /* ---- timing: how long a solve takes, nothing recorded ----
  *
- * Repeats are chained through the data (a start that depends on the last result), batched until a sample is long enough
- * for the clock, and reported as minimum and median. One warm-up solve is discarded. Nothing is allocated or written in
- * the timed region.
+ * Repeats are chained through the data (a start that depends on the last result), batched until a
+ * sample is long enough for the clock, and reported as minimum and median. One warm-up solve is
+ * discarded. Nothing is allocated or written in the timed region.
  */
 
-enum timing { TIMING_OFF, TIMING_QUICK /* about 2 ms a point */, TIMING_FULL /* NUMERICS: >= 15 samples of >= 1 ms */ };
+enum timing {
+    TIMING_OFF,
+    TIMING_QUICK /* about 2 ms a point */,
+    TIMING_FULL /* NUMERICS: >= 15 samples of >= 1 ms */
+};
 
 extern const struct catalog timing_catalog; /* struct row at the enum's place: off, quick, full */
 
@@ -28,28 +32,33 @@ struct timing_result {
 
 #define TIMING_SPREAD 0.1 /* above it a time is flagged */
 
-double timing_step_ns(const struct timing_result *time, int64_t steps); /* [ns] of the minimum; NAN: not timed */
-void buffer_step_time(struct buffer *text, double ns);                  /* for people, without its unit */
+double timing_step_ns(const struct timing_result *time,
+                      int64_t steps);                  /* [ns] of the minimum; NAN: not timed */
+void buffer_step_time(struct buffer *text, double ns); /* for people, without its unit */
 
 /*
- * The code that a study solves and times with: KERNEL_SPECIALISED, made for the method and these forces, or
- * KERNEL_GENERAL. Never the propagator: methods are compared, not powers of their matrices. Times by different code say
- * nothing about the methods, so nothing ranks them against each other.
+ * The code that a study solves and times with: KERNEL_SPECIALISED, made for the method and these
+ * forces, or KERNEL_GENERAL. Never the propagator: methods are compared, not powers of their
+ * matrices. Times by different code say nothing about the methods, so nothing ranks them against
+ * each other.
  */
-enum kernel study_path(const struct system *system, const struct method *method, const struct run_settings *settings);
+enum kernel study_path(const struct system *system, const struct method *method,
+                       const struct run_settings *settings);
 const char *path_name(enum kernel path); /* as in kernel_catalog */
 
 /* tol > 0: adaptive. Solves from system->t0 over `span`. */
-void time_solve(const struct system *system, const struct method *method, const struct run_settings *settings,
-                double span, enum timing timing, const struct cancel *cancel, struct timing_result *result);
+void time_solve(const struct system *system, const struct method *method,
+                const struct run_settings *settings, double span, enum timing timing,
+                const struct cancel *cancel, struct timing_result *result);
 
 /* ---- reference: what errors are measured against ----
  *
- * On a common grid of 257 times, so that a coarse method is not sampled kindly: the closed form where one is known,
- * else the same problem solved by two methods of different kinds (explicit, splitting, implicit, Rosenbrock), with
- * compensated sums. What they agree to is the accuracy, and nothing below it is claimed; a contestant at a tighter
- * tolerance alone would be no reference. Distances are those of the positions (of all variables in a first-order
- * scene), each divided by its amplitude, the largest |y_i| on the grid.
+ * On a common grid of 257 times, so that a coarse method is not sampled kindly: the closed form
+ * where one is known, else the same problem solved by two methods of different kinds (explicit,
+ * splitting, implicit, Rosenbrock), with compensated sums. What they agree to is the accuracy, and
+ * nothing below it is claimed; a contestant at a tighter tolerance alone would be no reference.
+ * Distances are those of the positions (of all variables in a first-order scene), each divided by
+ * its amplitude, the largest |y_i| on the grid.
  */
 
 #define STUDY_TIMES 257
@@ -61,38 +70,40 @@ struct reference {
     double amplitude[LIMIT_VARIABLES]; /* > 0 */
     bool exact;
     const struct method *by[2]; /* unless exact: the solution, and what confirmed it */
-    double accuracy;            /* distance between both, or the conditioning floor of the closed form */
+    double accuracy; /* distance between both, or the conditioning floor of the closed form */
     struct singularity singular; /* where there is no reference because the solution ends */
-    double meaning;             /* [s] after t0: from here on they differ by more than 1e-3; span: nowhere */
-    bool sudden;                /* there they part within 1/256 of the span: not as rounding grows */
-    double shortest;            /* [s] the shortest stretch that its steps had to be cut for, 0: none */
-    double bound;               /* [s] no step of it is longer, except of one of the two methods */
-    bool again;                 /* computed again, in shorter steps, because finer runs disagreed with it */
-    const struct method *against[2]; /* their runs agree with each other and not with it: not resolved; NULL: nobody */
+    double meaning;  /* [s] after t0: from here on they differ by more than 1e-3; span: nowhere */
+    bool sudden;     /* there they part within 1/256 of the span: not as rounding grows */
+    double shortest; /* [s] the shortest stretch that its steps had to be cut for, 0: none */
+    double bound;    /* [s] no step of it is longer, except of one of the two methods */
+    bool again;      /* computed again, in shorter steps, because finer runs disagreed with it */
+    const struct method *against[2]; /* their runs agree with each other and not with it: not
+                                        resolved; NULL: nobody */
     double apart;                    /* by so much, in amplitudes */
-    bool kept;                  /* by an earlier study of the same scene */
+    bool kept;                       /* by an earlier study of the same scene */
 };
 
-/* Bounded in cost (about 4e7 evaluations a solution at most) and cancellable. False: cancelled, or no two methods
- * agree to reach the end. Of a failure `singular` holds. */
+/* Bounded in cost (about 4e7 evaluations a solution at most) and cancellable. False: cancelled, or
+ * no two methods agree to reach the end. Of a failure `singular` holds. */
 bool study_reference(const struct system *system, double span, const struct cancel *cancel,
                      struct reference *reference, struct error *error);
 /* As study_reference(), where no step of any method is longer than `step` [s]. */
-bool study_reference_again(const struct system *system, double span, double step, const struct cancel *cancel,
-                           struct reference *reference, struct error *error);
+bool study_reference_again(const struct system *system, double span, double step,
+                           const struct cancel *cancel, struct reference *reference,
+                           struct error *error);
 void reference_free(struct reference *reference);
 /* "dop853 and gauss6, which agree …" */
 void reference_describe(const struct reference *reference, struct buffer *text);
 
 /*
- * References of the scenes that were studied last, so that the next study of one of them does not compute it again;
- * also that there is none. Owned by the caller, zeroed at first, references_free(). They hold as long as the typed
- * models that they are of.
+ * References of the scenes that were studied last, so that the next study of one of them does not
+ * compute it again; also that there is none. Owned by the caller, zeroed at first,
+ * references_free(). They hold as long as the typed models that they are of.
  */
 #define REFERENCES 4
 
 struct references {
-    struct kept_reference {
+    struct stored_reference {
         struct scene scene;
         double span; /* [s] */
         struct reference reference;
@@ -103,43 +114,48 @@ struct references {
 };
 
 /*
- * As study_reference() of the scene bound to `system`, which keeps it there: any other value of a parameter, start,
- * tolerance of a variable, typed line or span is another scene. A copy, the caller's own. references NULL: nothing is
- * kept.
+ * As study_reference() of the scene bound to `system`, which keeps it there: any other value of a
+ * parameter, start, tolerance of a variable, typed line or span is another scene. A copy, the
+ * caller's own. references NULL: nothing is kept.
  */
-bool references_get(struct references *references, const struct scene *scene, const struct system *system, double span,
-                    const struct cancel *cancel, struct reference *reference, struct error *error);
-/* One that is suspect, computed again in steps of at most `step` [s], and kept instead. False: that cannot be done, and
- * the old one stays (ERROR_NUMERICAL), or cancelled. */
-bool references_again(struct references *references, const struct scene *scene, const struct system *system,
-                      double span, double step, const struct cancel *cancel, struct reference *reference,
+bool references_get(struct references *references, const struct scene *scene,
+                    const struct system *system, double span, const struct cancel *cancel,
+                    struct reference *reference, struct error *error);
+/* One that is suspect, computed again in steps of at most `step` [s], and kept instead. False: that
+ * cannot be done, and the old one stays (ERROR_NUMERICAL), or cancelled. */
+bool references_again(struct references *references, const struct scene *scene,
+                      const struct system *system, double span, double step,
+                      const struct cancel *cancel, struct reference *reference,
                       struct error *error);
 /* What is kept of it; NULL: nothing, or that there is none. */
-const struct reference *references_find(const struct references *references, const struct scene *scene, double span);
+const struct reference *references_find(const struct references *references,
+                                        const struct scene *scene, double span);
 void references_free(struct references *references);
 
 struct study_errors {
-    double end, max;         /* at the end, on the grid */
-    double energy;           /* largest |E - E_reference| / largest |E_reference|; NAN for first-order scenes */
+    double end, max; /* at the end, on the grid */
+    double
+        energy; /* largest |E - E_reference| / largest |E_reference|; NAN for first-order scenes */
     double phase, amplitude; /* [rad] and relative, at the end, of an oscillator; NAN */
 };
 
 /* ---- precision: error against run time ---- */
 
-struct contender {
+struct method_choice {
     const struct method *method;
     enum drag drag; /* DRAG_DEFAULT: the method's own */
 };
 
-const char *contender_drag(const struct contender *by); /* NULL: the method's own */
+const char *contender_drag(const struct method_choice *by); /* NULL: the method's own */
 
 struct precision_request {
     const struct scene *scene;
-    const struct contender *contender;
-    int contenders;
-    double dt[2];  /* [s] ends of the sweep, NAN: choose. Given: methods that adapt take fixed steps too */
+    const struct method_choice *choice;
+    int choices;
+    double dt[2];  /* [s] ends of the sweep, NAN: choose. Given: methods that adapt take fixed steps
+                      too */
     double tol[2]; /* ends of the sweep of methods that adapt, NAN: choose */
-    double duration; /* [s] */
+    double duration;  /* [s] */
     bool compensated; /* sums of fixed steps */
     enum timing timing;
     double seconds; /* [s] about what all of it may take besides the reference, 0: chosen */
@@ -156,27 +172,33 @@ struct precision_point {
     enum stop stop;
     bool refused; /* the method takes no steps of this size here */
     struct study_errors errors;
-    bool probed; /* lost already where the motion goes furthest: steps, cost and error are of that 1/256 alone */
-    double seconds;    /* [s] of the processor, for the one solve that was measured, sampling included */
-    int64_t timed_steps; /* the time is that of so many, scaled to all of them; 0: of whole solves */
-    double order;      /* log(error ratio)/log(dt or tol ratio) to the point before, NAN for the first */
-    bool below;        /* below the accuracy of the reference */
-    bool asymptotic;   /* takes part in the fit */
+    bool probed; /* lost already where the motion goes furthest: steps, cost and error are of that
+                    1/256 alone */
+    double
+        seconds; /* [s] of the processor, for the one solve that was measured, sampling included */
+    int64_t
+        timed_steps; /* the time is that of so many, scaled to all of them; 0: of whole solves */
+    double order; /* log(error ratio)/log(dt or tol ratio) to the point before, NAN for the first */
+    bool below;   /* below the accuracy of the reference */
+    bool asymptotic;  /* takes part in the fit */
     enum kernel path; /* as study_path() */
     struct timing_result time;
-    double recording; /* [s] the same with all rows recorded, shortest of three; NAN: not asked for */
+    double
+        recording; /* [s] the same with all rows recorded, shortest of three; NAN: not asked for */
 };
 
 /* One method: its points from coarse to fine, and the line through the asymptotic ones. */
 struct precision_curve {
-    struct contender by;
+    struct method_choice by;
     bool adaptive;
     int first, count;
     double slope, r2; /* of log error over log dt (or log tol); NAN: fewer than three points */
     int fitted;
-    double expected; /* order, or 1 for tol: error proportional to tolerance; NAN: nothing is expected (exact) */
-    bool differs;    /* slope is further than PRECISION_SLOPE (for orders above 6: a 20th) from what is expected */
-    bool cut;        /* ended by the time allowed, not by rounding or cost */
+    double expected; /* order, or 1 for tol: error proportional to tolerance; NAN: nothing is
+                        expected (exact) */
+    bool differs; /* slope is further than PRECISION_SLOPE (for orders above 6: a 20th) from what is
+                     expected */
+    bool cut;     /* ended by the time allowed, not by rounding or cost */
 };
 
 #define PRECISION_SLOPE 0.3
@@ -194,12 +216,14 @@ struct precision {
 };
 
 /*
- * Sweeps each contender from coarse steps to the floor of rounding (or the ends given), measures the errors, then times
- * all points together. Failed points are results; of those before the first success only the last is kept. A contender
- * that does not apply is an error before anything runs. False also when cancelled: what is finished is kept
- * (curves > 0), times may be missing. precision_free() in every case.
+ * Sweeps each contender from coarse steps to the floor of rounding (or the ends given), measures
+ * the errors, then times all points together. Failed points are results; of those before the first
+ * success only the last is kept. A contender that does not apply is an error before anything runs.
+ * False also when cancelled: what is finished is kept (curves > 0), times may be missing.
+ * precision_free() in every case.
  */
-bool study_precision(const struct precision_request *request, struct precision *precision, struct error *error);
+bool study_precision(const struct precision_request *request, struct precision *precision,
+                     struct error *error);
 void precision_free(struct precision *precision);
 
 /* A point with what it belongs to: a row of its result. */
@@ -219,49 +243,55 @@ extern const struct result_columns precision_columns; /* of struct precision_row
 /* A point that says something: it reached the end, with an error below 1. */
 bool precision_meaningful(const struct precision_point *point);
 
-/* What an error costs, read off a curve between its points (straight lines in logarithms); false: not reached. */
+/* What an error costs, read off a curve between its points (straight lines in logarithms); false:
+ * not reached. */
 struct precision_cost {
     int curve;
     enum kernel path;
     double evals, minimum, median; /* [s], NAN without times */
     bool tied;                     /* [minimum, median] overlaps that of the fastest */
 };
-bool precision_cost_at(const struct precision *precision, int curve, double error, struct precision_cost *cost);
+bool precision_cost_at(const struct precision *precision, int curve, double error,
+                       struct precision_cost *cost);
 /*
- * The curves that reach this error, the fastest first (without times: by evaluations); returns how many are ranked.
- * Those with general code that are not ahead of all specialised ones follow, *others: code of their own might bring
- * them anywhere ahead. (One that is ahead stays there: it would only gain.) costs [curves]; others may be NULL.
+ * The curves that reach this error, the fastest first (without times: by evaluations); returns how
+ * many are ranked. Those with general code that are not ahead of all specialised ones follow,
+ * *others: code of their own might bring them anywhere ahead. (One that is ahead stays there: it
+ * would only gain.) costs [curves]; others may be NULL.
  */
-int precision_fastest(const struct precision *precision, double error, struct precision_cost *costs, int *others);
+int precision_fastest(const struct precision *precision, double error, struct precision_cost *costs,
+                      int *others);
 
 /*
- * Force evaluations that an error needs on an undamped linear oscillator, predicted from the method's amplification
- * matrix: phase, amplitude and shape of M^n against the rotation (NUMERICS 1.5). NAN: another scene, adaptive steps, or
- * a method without such a matrix.
+ * Force evaluations that an error needs on an undamped linear oscillator, predicted from the
+ * method's amplification matrix: phase, amplitude and shape of M^n against the rotation
+ * (NUMERICS 1.5). NAN: another scene, adaptive steps, or a method without such a matrix.
  */
 double precision_predict(const struct precision *precision, int curve, double error);
 bool precision_predicts(const struct system *system);
 
-/* Natural rates times duration are so large that explicit methods take their steps for stability alone. */
+/* Natural rates times duration are so large that explicit methods take their steps for stability
+ * alone. */
 bool precision_is_stiff(const struct system *system, double duration);
-/* A dozen methods that apply to the system, by what it is (stiff or not); returns how many. Each of the others that was
- * considered is offered with the reason. */
+/* A dozen methods that apply to the system, by what it is (stiff or not); returns how many. Each of
+ * the others that was considered is offered with the reason. */
 #define PRECISION_DEFAULTS 12
-int precision_defaults(const struct system *system, double duration, struct contender *contender,
-                       void (*absent)(void *context, const char *method, const char *reason), void *context);
+int precision_defaults(const struct system *system, double duration, struct method_choice *choice,
+                       void (*absent)(void *context, const char *method, const char *reason),
+                       void *context);
 
 /* ---- compare ---- */
 
 struct compare_request {
     const struct scene *scene;
-    const struct contender *contender;
-    int contenders;
+    const struct method_choice *choice;
+    int choices;
     const double *dt; /* [s] [dts]; with tol[] given: first guesses, one is enough */
     int dts;
     const double *tol; /* [tols] adaptive where the method can; fixed-step methods use dt */
     int tols;
-    double first;    /* [s] first step of methods that adapt, 0: dt[0] */
-    double duration; /* [s] */
+    double first;     /* [s] first step of methods that adapt, 0: dt[0] */
+    double duration;  /* [s] */
     bool compensated; /* sums of fixed steps */
     struct recording_rule record;
     enum timing timing;
@@ -271,27 +301,34 @@ struct compare_request {
 
 struct comparison {           /* one method at one setting */
     struct run *run;          /* owned by the caller after study_compare */
-    struct run_errors errors; /* against the exact solution; without one end, max and floor against the reference */
+    struct run_errors errors; /* against the exact solution; without one end, max and floor against
+                                 the reference */
     double duration;          /* [s] asked for */
-    const struct method *reference[2]; /* what that reference was made with, NULL: not needed, or there is none */
-    bool reference_kept;               /* by an earlier study */
+    const struct method
+        *reference[2]; /* what that reference was made with, NULL: not needed, or there is none */
+    bool reference_stored; /* by an earlier study */
     struct ledger ledger;
-    double order;         /* log(error ratio)/log(dt ratio) to the row before of the same method, NAN for the first */
-    double energy_factor; /* E/E0 at the end */
-    double predicted_factor; /* what the method's amplification matrix says of E/E0; NAN where it does not apply */
+    double order; /* log(error ratio)/log(dt ratio) to the row before of the same method, NAN for
+                     the first */
+    double energy_factor;    /* E/E0 at the end */
+    double predicted_factor; /* what the method's amplification matrix says of E/E0; NAN where it
+                                does not apply */
     enum kernel path;        /* as study_path() */
     struct timing_result time;
     char verdict[200]; /* in words: "energy x 1.76e+03 in 10 s, as predicted: 1.0075 a step" */
 };
 
 /* Steps and computing time [s] that all of it will take; false where study_compare would refuse. */
-bool study_compare_plan(const struct compare_request *request, double *steps, double *seconds, struct error *error);
+bool study_compare_plan(const struct compare_request *request, double *steps, double *seconds,
+                        struct error *error);
 /*
- * Runs every contender at every setting, in order. rows has room for contenders * max(dts, 1) (or tols); *count says
- * how many were finished. A method that does not apply to the scene, or a setting that is refused, is an error before
- * anything runs. A diverged run is a result. False also when cancelled: the finished rows are kept and *count > 0.
+ * Runs every contender at every setting, in order. rows has room for contenders * max(dts, 1) (or
+ * tols); *count says how many were finished. A method that does not apply to the scene, or a
+ * setting that is refused, is an error before anything runs. A diverged run is a result. False also
+ * when cancelled: the finished rows are kept and *count > 0.
  */
-bool study_compare(const struct compare_request *request, struct comparison *rows, int *count, struct error *error);
+bool study_compare(const struct compare_request *request, struct comparison *rows, int *count,
+                   struct error *error);
 void comparison_free(struct comparison *row); /* destroys the run if it is still there */
 
 /* A comparison as it is shown, written and kept: without the run, which has a life of its own. */
@@ -302,12 +339,12 @@ struct compared_row {
     int64_t steps;
     struct cost cost;
     enum stop stop;
-    int number;                          /* of the run */
-    struct measured period;              /* [s] NAN: none, or not looked for */
-    double data_rms;                     /* from a recording, NAN: there is none */
-    enum quantity data_quantity;         /* of that */
-    char data_heading[LIMIT_NAME + 16];  /* "rms(y-data)"; empty: there is no recording */
-    bool mixed;                          /* the rows are not all timed by the same code */
+    int number;                         /* of the run */
+    struct measured period;             /* [s] NAN: none, or not looked for */
+    double data_rms;                    /* from a recording, NAN: there is none */
+    enum quantity data_quantity;        /* of that */
+    char data_heading[LIMIT_NAME + 16]; /* "rms(y-data)"; empty: there is no recording */
+    bool mixed;                         /* the rows are not all timed by the same code */
 };
 
 /* Takes over what is known; period, data and `mixed` are to be filled in. */
@@ -318,16 +355,16 @@ extern const struct result_columns compared_columns; /* of struct compared_row *
 
 /* ---- order: how fast the error falls with the step ----
  *
- * Fixed steps of duration/N with compensated sums, errors of the whole state at the end. The order is the slope over
- * the asymptotic part: below the errors that are too large to say anything, above rounding and the accuracy of the
- * reference; there the finest few points whose local slopes agree.
+ * Fixed steps of duration/N with compensated sums, errors of the whole state at the end. The order
+ * is the slope over the asymptotic part: below the errors that are too large to say anything, above
+ * rounding and the accuracy of the reference; there the finest few points whose local slopes agree.
  */
 
 struct order_request {
     const struct scene *scene;
-    struct contender by;
-    double dt[2];    /* [s] ends of the sweep, NAN: choose */
-    double duration; /* [s] */
+    struct method_choice by;
+    double dt[2];                  /* [s] ends of the sweep, NAN: choose */
+    double duration;               /* [s] */
     struct references *references; /* kept between studies, NULL: not */
     const struct cancel *cancel;
 };
@@ -337,8 +374,9 @@ struct order_point {
     int64_t steps;
     enum stop stop;
     bool refused; /* the method takes no steps of this size here */
-    double error; /* largest over the variables, in units of their amplitudes; NAN: did not arrive */
-    double slope; /* to the point before; NAN */
+    double
+        error; /* largest over the variables, in units of their amplitudes; NAN: did not arrive */
+    double slope;  /* to the point before; NAN */
     int64_t turns; /* extra steps that end at turning points */
     bool fitted;
 };
@@ -346,31 +384,47 @@ struct order_point {
 #define ORDER_POINTS 64
 #define ORDER_BAND 0.05 /* a slope that close to the claim agrees with it */
 
-enum order_verdict { ORDER_AGREES, ORDER_LOWER, ORDER_HIGHER, ORDER_ERRATIC, ORDER_NO_RANGE, ORDER_EXACT };
+enum order_verdict {
+    ORDER_AGREES,
+    ORDER_LOWER,
+    ORDER_HIGHER,
+    ORDER_ERRATIC,
+    ORDER_NO_RANGE,
+    ORDER_EXACT
+};
 
 extern const struct catalog order_verdict_catalog; /* struct row at the enum's place */
 
 struct order {
-    struct contender by;
-    int claimed;           /* by the row; explicit drag claims 1 on a scene with drag */
-    double slope, guard, r2; /* guard: how far local slopes and the line's own uncertainty reach; NAN: no range */
+    struct method_choice by;
+    int claimed; /* by the row; explicit drag claims 1 on a scene with drag */
+    double slope, guard,
+        r2; /* guard: how far local slopes and the line's own uncertainty reach; NAN: no range */
     struct order_point point[ORDER_POINTS];
     int points, fitted;
-    double floor; /* errors below are not claimed */
-    bool reference_kept; /* what they are measured against was there before */
+    double floor;          /* errors below are not claimed */
+    bool reference_stored; /* what they are measured against was there before */
     enum order_verdict verdict;
-    bool switches; /* the forces switch, beside dry friction */
+    bool switches;   /* the forces switch, beside dry friction */
     char words[300]; /* why the scene spoils it, "" where nothing is to say */
 };
 
-extern const struct result_columns order_columns, order_point_columns; /* of struct order, struct order_point */
+extern const struct result_columns order_columns,
+    order_point_columns; /* of struct order, struct order_point */
 
-/* False: the method does not apply, there is no reference, or cancelled (what is finished is kept: points > 0). */
+/* False: the method does not apply, there is no reference, or cancelled (what is finished is kept:
+ * points > 0). */
 bool study_order(const struct order_request *request, struct order *order, struct error *error);
 
 /* ---- selftest: what the rows claim, measured on this machine ---- */
 
-enum selftest_check { SELFTEST_ORDER, SELFTEST_AREA, SELFTEST_REVERSAL, SELFTEST_STABILITY, SELFTEST_CHECKS };
+enum selftest_check {
+    SELFTEST_ORDER,
+    SELFTEST_AREA,
+    SELFTEST_REVERSAL,
+    SELFTEST_STABILITY,
+    SELFTEST_CHECKS
+};
 
 extern const struct catalog selftest_catalog;
 
@@ -378,12 +432,14 @@ struct selftest_row {
     const struct method *method;
     struct {
         bool asked, passed;
-        double value, wanted; /* order; area factor - 1; distance from the start; growth around the limit */
+        double value,
+            wanted; /* order; area factor - 1; distance from the start; growth around the limit */
     } check[SELFTEST_CHECKS];
     bool passed;
 };
 
 /* One method, as its row says; false: no memory, or cancelled. */
-bool selftest_method(const struct method *method, const struct cancel *cancel, struct selftest_row *row);
+bool selftest_method(const struct method *method, const struct cancel *cancel,
+                     struct selftest_row *row);
 
 #endif

@@ -7,8 +7,8 @@
 
 /* ---- fit a scene: its equation of motion to a recording ----
  *
- * Integrated and fitted by sensitivities: y of the series is the first coordinate, its velocity or its acceleration (by
- * quantity), plus an offset. Any parameters may be free, within their ranges.
+ * Integrated and fitted by sensitivities: y of the series is the first coordinate, its velocity or
+ * its acceleration (by quantity), plus an offset. Any parameters may be free, within their ranges.
  */
 
 struct scene_fit_request {
@@ -24,8 +24,9 @@ struct scene_fit_request {
 };
 
 struct scene_fit {
-    struct scene scene; /* with what was fitted; t0 is the first sample where the whole start was free */
-    int place[CURVE_PARAMETERS];        /* of the curve's parameters; -1: the offset, the last */
+    struct scene
+        scene; /* with what was fitted; t0 is the first sample where the whole start was free */
+    int index[CURVE_PARAMETERS];        /* of the curve's parameters; -1: the offset, the last */
     const char *name[CURVE_PARAMETERS]; /* of the same */
     struct curve_fit curve;             /* uncertainties with those of the held values (the mass) */
     const struct method *method;        /* that integrated it */
@@ -33,20 +34,20 @@ struct scene_fit {
 };
 
 /* True: there is an answer, and curve.converged and said tell what it is worth; as curve_fit(). */
-bool study_fit_scene(const struct scene_fit_request *request, struct arena *arena, struct scene_fit *fit,
-                     struct error *error);
+bool study_fit_scene(const struct scene_fit_request *request, struct arena *arena,
+                     struct scene_fit *fit, struct error *error);
 /*
- * What is free unless somebody says so: the start, and what a recording can tell of the equation (k, gamma, C of a drag
- * that is there …). Returns how many; those of them that the user has given without an uncertainty are held instead.
- * Both arrays [PARAM_MAX].
+ * What is free unless somebody says so: the start, and what a recording can tell of the equation
+ * (k, gamma, C of a drag that is there …). Returns how many; those of them that the user has given
+ * without an uncertainty are held instead. Both arrays [PARAM_MAX].
  */
-int scene_fit_usual(const struct scene *scene, int *place, int *held, int *helds);
+int scene_fit_usual(const struct scene *scene, int *index, int *slot, int *slots);
 
 /* ---- spread: how uncertain a motion is, for what is known of its parameters ---- */
 
 struct spread_request {
     const struct scene *scene;
-    const int *place; /* [count] of the parameters that are uncertain */
+    const int *index; /* [count] of the parameters that are uncertain */
     int count;
     const double *covariance; /* [count][count] SI */
     int variable;             /* of the state */

@@ -8,28 +8,31 @@
 /* ---- stability: predicted from the method, verified by running it ----
  *
  * Each eigenvalue lambda of the scene's Jacobian is an oscillator of its own: omega = |lambda|,
- * zeta = -Re lambda/omega. On a linear scene that is the whole truth; else it is taken at the start and along the run,
- * and is an estimate.
+ * zeta = -Re lambda/omega. On a linear scene that is the whole truth; else it is taken at the start
+ * and along the run, and is an estimate.
  */
 
 struct mode {
-    double omega, zeta; /* [1/s]; zeta > 1: a pair of real eigenvalues; < 0: it grows */
-    double t;           /* [s] where it was met */
-    enum stiffness_sign sign; /* of y'' + 2 zeta omega y' +, 0, - omega^2 y = 0: where it is not the first, omega is a unit */
+    double omega, zeta;       /* [1/s]; zeta > 1: a pair of real eigenvalues; < 0: it grows */
+    double t;                 /* [s] where it was met */
+    enum stiffness_sign sign; /* of y'' + 2 zeta omega y' +, 0, - omega^2 y = 0: where it is not the
+                                 first, omega is a unit */
 };
 
-/* [1/s] The two eigenvalues, that with the larger real part first; im of the first, the second is conjugate. */
+/* [1/s] The two eigenvalues, that with the larger real part first; im of the first, the second is
+ * conjugate. */
 void mode_eigenvalues(const struct mode *mode, double re[2], double *im);
 
 struct stability_request {
     const struct scene *scene;
-    struct contender by;
+    struct method_choice by;
     double dt, duration; /* [s] */
     const struct cancel *cancel;
 };
 
-struct stability_check { /* one step size, run for so many steps */
-    double dt, predicted, measured; /* growth a step; measured: envelope of the last quarter over that of the second */
+struct stability_check {            /* one step size, run for so many steps */
+    double dt, predicted, measured; /* growth a step; measured: envelope of the last quarter over
+                                       that of the second */
     int64_t steps;
     bool agrees;
 };
@@ -41,25 +44,26 @@ extern const struct catalog stability_verdict_catalog;
 #define STABILITY_MODES 48
 
 struct stability {
-    struct contender by;
+    struct method_choice by;
     double dt;
     bool linear, grows; /* the scene itself grows somewhere: no step is asked to prevent that */
     struct mode mode[STABILITY_MODES]; /* those at the start first */
     int modes, at_start;
-    struct mode worst;  /* grows most at dt */
+    struct mode worst;    /* grows most at dt */
     struct mode tightest; /* sets dt_max */
-    double dt_max; /* [s] supremum of the steps in which nothing grows but what does so by itself; HUGE_VAL: every, 0:
-                    * none, NAN: nothing decides it */
+    double dt_max; /* [s] supremum of the steps in which nothing grows but what does so by itself;
+                    * HUGE_VAL: every, 0: none, NAN: nothing decides it */
     double growth_predicted, growth_measured, growth_exact; /* a step of dt, of the worst mode */
     double energy_factor;                                   /* a step */
-    struct stability_check check[3];                        /* dt, a little below dt_max, a little above */
+    struct stability_check check[3]; /* dt, a little below dt_max, a little above */
     int checks;
     bool agrees;
     enum stability_verdict verdict;
-    double doubling;         /* steps until the amplitude doubles; HUGE_VAL: never */
-    double weak[2];          /* growth - 1 is about weak[0] (omega dt)^weak[1]; NAN: not weak */
-    double window[3];        /* [s] [s] 1: a narrow resonance from .. to, and the largest growth in it; NAN: none */
-    enum stop stop;          /* of the scene itself, run with dt where it is not linear */
+    double doubling;  /* steps until the amplitude doubles; HUGE_VAL: never */
+    double weak[2];   /* growth - 1 is about weak[0] (omega dt)^weak[1]; NAN: not weak */
+    double window[3]; /* [s] [s] 1: a narrow resonance from .. to, and the largest growth in it;
+                         NAN: none */
+    enum stop stop;   /* of the scene itself, run with dt where it is not linear */
     double reached, largest; /* [s] and amplitude of that run over the natural one */
 };
 
@@ -67,9 +71,11 @@ extern const struct result_columns stability_columns, stability_check_columns; /
 /* A growth a step for people: "1.00012", "1+2.3e-06". */
 void buffer_growth(struct buffer *out, double growth);
 
-bool study_stability(const struct stability_request *request, struct stability *stability, struct error *error);
-/* Growth a step on y' = lambda y with z = lambda dt (and its conjugate). NAN: the method does not apply there. */
-double stability_growth(const struct contender *by, double re, double im);
+bool study_stability(const struct stability_request *request, struct stability *stability,
+                     struct error *error);
+/* Growth a step on y' = lambda y with z = lambda dt (and its conjugate). NAN: the method does not
+ * apply there. */
+double stability_growth(const struct method_choice *by, double re, double im);
 
 /* ---- stress: the stiff and the extreme, each method, one verdict each ---- */
 
@@ -81,7 +87,7 @@ enum stress_verdict {
     STRESS_SINGULAR, /* the solution itself goes to infinity on the way */
     STRESS_REFUSED,  /* with the reason: does not apply, out of budget, no solution … */
     STRESS_DIVERGED,
-    STRESS_UNKNOWN, /* arrived, but no two references do */
+    STRESS_UNKNOWN,     /* arrived, but no two references do */
     STRESS_UNEXPLAINED, /* none of these: must not happen */
     STRESS_VERDICTS
 };
@@ -99,7 +105,8 @@ struct stress_case {
     const struct stress_scene *of; /* that scene; NULL: the preset */
     enum { STRESS_AS_IT_IS, STRESS_STEP, STRESS_PARAM, STRESS_START } change;
     int param;    /* PARAM: its place */
-    double value; /* SI, of the parameter or of the initial values; STEP: dt in units of the method's own limit */
+    double value; /* SI, of the parameter or of the initial values; STEP: dt in units of the
+                     method's own limit */
     double span;  /* [s], 0: ten seconds */
     bool fixed;   /* the case is about its dt: methods that adapt take it too */
     double dt;    /* [s] where fixed, else span/1024 */
@@ -107,7 +114,7 @@ struct stress_case {
 };
 
 struct stress_row {
-    int place; /* of the case */
+    int index; /* of the case */
     const struct method *method;
     enum stress_verdict verdict;
     double error; /* NAN: did not arrive, or nothing to measure against */
@@ -116,7 +123,7 @@ struct stress_row {
     char reason[240];
 };
 
-#define STRESS_MOST 300 /* cases */
+#define STRESS_MAX 300 /* cases */
 
 /* A scene that is driven to extremes: steps, parameters, initial values. */
 struct stress_scene {
@@ -127,17 +134,17 @@ struct stress_scene {
 };
 
 struct stress {
-    struct stress_case cases[STRESS_MOST];
+    struct stress_case cases[STRESS_MAX];
     int count;
-    struct arena text; /* names of the cases of a scene */
+    struct arena text;      /* names of the cases of a scene */
     struct stress_row *row; /* [rows], case by case, the methods in order; owned: stress_free() */
     int rows;
     int count_of[STRESS_VERDICTS];
     double seconds;
 };
 
-/* scene NULL: the cases that are always there. False also when cancelled: the finished rows are kept. stress_free() in
- * every case. */
+/* scene NULL: the cases that are always there. False also when cancelled: the finished rows are
+ * kept. stress_free() in every case. */
 bool study_stress(const struct stress_scene *scene, const struct method *const *methods, int count,
                   const struct cancel *cancel, struct stress *stress, struct error *error);
 void stress_free(struct stress *stress);

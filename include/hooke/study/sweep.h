@@ -7,8 +7,9 @@
 
 /* ---- sweep: one or two quantities varied, a trajectory each ----
  *
- * Points are numbered 0 … total - 1, the last axis fastest. What is measured of a point does not depend on the others,
- * on threads or on shards: shard i of n is a stretch of the numbers, and stretches put together are the whole.
+ * Points are numbered 0 … total - 1, the last axis fastest. What is measured of a point does not
+ * depend on the others, on threads or on shards: shard i of n is a stretch of the numbers, and
+ * stretches put together are the whole.
  */
 
 enum sweep_role { SWEEP_PARAM, SWEEP_DERIVED, SWEEP_DT, SWEEP_TOL };
@@ -16,7 +17,7 @@ enum sweep_role { SWEEP_PARAM, SWEEP_DERIVED, SWEEP_DT, SWEEP_TOL };
 struct sweep_axis {
     char name[LIMIT_NAME + 1];
     enum sweep_role target;
-    int place; /* of the parameter or the derived quantity */
+    int index; /* of the parameter or the derived quantity */
     enum quantity quantity;
     double from, to; /* SI */
     int count;
@@ -29,10 +30,10 @@ double sweep_axis_value(const struct sweep_axis *axis, int i);
 
 enum sweep_kind {
     /* Watched on the way, of a column: */
-    SWEEP_AMPLITUDE,    /* half its swing in the last third of the duration */
-    SWEEP_PERIOD,       /* mean time between its maxima there */
-    SWEEP_MEAN,         /* over that time */
-    SWEEP_MAX,          /* from the start on */
+    SWEEP_AMPLITUDE, /* half its swing in the last third of the duration */
+    SWEEP_PERIOD,    /* mean time between its maxima there */
+    SWEEP_MEAN,      /* over that time */
+    SWEEP_MAX,       /* from the start on */
     SWEEP_MIN,
     SWEEP_ERROR,        /* as struct run_errors has it */
     SWEEP_ENERGY_ERROR, /* largest, as the ledger has it */
@@ -47,8 +48,8 @@ enum sweep_kind {
 /* At the end, unless it says otherwise. */
 struct sweep_measure {
     enum sweep_kind kind;
-    enum sweep_kind column;              /* what is watched: one of the last three, else the first variable */
-    int variable;                        /* SWEEP_VARIABLE, SWEEP_OBSERVED: which one */
+    enum sweep_kind column; /* what is watched: one of the last three, else the first variable */
+    int variable;           /* SWEEP_VARIABLE, SWEEP_OBSERVED: which one */
     const struct observable *observable; /* SWEEP_OBSERVABLE */
     char name[LIMIT_SYMBOL + 16];        /* max(z) */
 };
@@ -61,12 +62,13 @@ static inline bool sweep_watches(const struct sweep_measure *measure)
 /* struct row at the place of the kind: those with names of their own */
 extern const struct catalog sweep_measure_catalog;
 
-/* A row of that catalog, a state variable, a typed quantity, an observable; max(z) for what is watched of another column
- * than the first. */
+/* A row of that catalog, a state variable, a typed quantity, an observable; max(z) for what is
+ * watched of another column than the first. */
 bool sweep_measure_find(const struct model *model, struct text name, struct sweep_measure *measure,
                         struct error *error);
 const char *sweep_measure_name(const struct sweep_measure *measure);
-enum quantity sweep_measure_quantity(const struct sweep_measure *measure, const struct model *model);
+enum quantity sweep_measure_quantity(const struct sweep_measure *measure,
+                                     const struct model *model);
 
 #define SWEEP_MEASURES 16
 #define SWEEP_THREADS 256
@@ -83,7 +85,8 @@ struct sweep_request {
     int64_t shard, shards; /* 1 … shards */
     int threads;           /* 0: as many as there are processors */
     const struct cancel *cancel;
-    void (*progress)(void *context, double fraction); /* from the calling thread, ten times a second; NULL */
+    void (*progress)(void *context,
+                     double fraction); /* from the calling thread, ten times a second; NULL */
     void *context;
 };
 
@@ -93,8 +96,9 @@ struct sweep {
     struct sweep_axis axis[2];
     int axes, measures;
     int64_t total, first, count; /* points of all shards, number of the first here, how many here */
-    double *value;               /* [count][measures] NAN: not defined, or did not get there; owned: sweep_free() */
-    signed char *status;         /* [count] enum stop or sweep_status */
+    double
+        *value; /* [count][measures] NAN: not defined, or did not get there; owned: sweep_free() */
+    signed char *status;                             /* [count] enum stop or sweep_status */
     int64_t finished, refused, failed, side_by_side; /* failed: diverged and the like; in lanes */
     char reason[600];                                /* of the first refused point */
     double steps;                                    /* of all */
@@ -104,10 +108,12 @@ struct sweep {
 
 /* Steps and computing time [s] that it will take, roughly; NAN: not known before. */
 void study_sweep_predict(const struct sweep_request *request, double *steps, double *seconds);
-/* False: refused as a whole, or cancelled; then what is finished is kept. sweep_free() in every case. */
+/* False: refused as a whole, or cancelled; then what is finished is kept. sweep_free() in every
+ * case. */
 bool study_sweep(const struct sweep_request *request, struct sweep *sweep, struct error *error);
 void sweep_free(struct sweep *sweep);
-int64_t sweep_number(const struct sweep *sweep, int axis, int64_t i); /* place on the axis of point first + i */
+int64_t sweep_number(const struct sweep *sweep, int axis,
+                     int64_t i); /* place on the axis of point first + i */
 const char *sweep_status_name(int status);
 
 #endif

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Parametric bootstrap (Efron & Tibshirani 1993, chapter 6.5): the fitted curve with new normal noise of the residuals'
- * size and lag-1 autocorrelation is fitted again and again; the 2.5 % and 97.5 % quantiles are the interval.
+ * Parametric bootstrap (Efron & Tibshirani 1993, chapter 6.5): the fitted curve with new normal
+ * noise of the residuals' size and lag-1 autocorrelation is fitted again and again; the 2.5 %
+ * and 97.5 % quantiles are the interval.
  */
 #include "analysis/fit/least_squares.h"
 
@@ -11,7 +12,8 @@ static double normal(uint64_t *state) /* Box & Muller 1958 */
     return sqrt(-2 * log(u)) * cos(TWO_PI * v);
 }
 
-/* What is fitted has no outliers: where the fit was robust, the noise is that of the samples that count. */
+/* What is fitted has no outliers: where the fit was robust, the noise is that of the samples that
+ * count. */
 static double noise_of(const struct problem *p, const struct curve_fit *fit)
 {
     double square = 0, weight = 0;
@@ -22,12 +24,15 @@ static double noise_of(const struct problem *p, const struct curve_fit *fit)
     return p->robust && weight > 0 ? fmax(p->scale, sqrt(square / weight)) : fit->sigma;
 }
 
-bool bootstrap(const struct problem *p, const struct series *series, const struct curve_options *options,
-               struct arena *arena, struct curve_fit *fit, struct error *error)
+bool bootstrap(const struct problem *p, const struct series *series,
+               const struct curve_options *options, struct arena *arena, struct curve_fit *fit,
+               struct error *error)
 {
     int count = fit->parameters, rounds = options->bootstrap;
-    double *y = arena_array(arena, p->n, sizeof *y), *model = arena_array(arena, p->n, sizeof *model);
-    double *found = arena_array(arena, (size_t)(count * rounds), sizeof *found), start[CURVE_PARAMETERS];
+    double *y = arena_array(arena, p->n, sizeof *y),
+           *model = arena_array(arena, p->n, sizeof *model);
+    double *found = arena_array(arena, (size_t)(count * rounds), sizeof *found),
+           start[CURVE_PARAMETERS];
     if (!y || !model || !found)
         return error_memory(error);
     for (int j = 0; j < count; j++)
@@ -37,7 +42,8 @@ bool bootstrap(const struct problem *p, const struct series *series, const struc
     struct curve_options plain = *options;
     plain.bootstrap = 0;
     plain.robust = false;
-    double sigma = noise_of(p, fit), rho = fmax(fit->autocorrelation, 0), fresh = sqrt(1 - rho * rho);
+    double sigma = noise_of(p, fit), rho = fmax(fit->autocorrelation, 0),
+           fresh = sqrt(1 - rho * rho);
     uint64_t state = options->seed;
     for (int k = 0; k < rounds; k++) {
         struct arena scratch = {0};

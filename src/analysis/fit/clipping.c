@@ -1,23 +1,27 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Clipped tops (a nearer object echoes, the sensor's range ends): y = min(level, model) + noise. Samples at which the
- * model lies beyond the level are censored, whatever they read themselves: were they judged by their reading, those
- * that noise carries one way would be kept and the others dropped, and amplitude and decay would be wrong by many
- * standard deviations.
+ * Clipped tops (a nearer object echoes, the sensor's range ends): y = min(level, model) + noise.
+ * Samples at which the model lies beyond the level are censored, whatever they read themselves:
+ * were they judged by their reading, those that noise carries one way would be kept and the others
+ * dropped, and amplitude and decay would be wrong by many standard deviations.
  */
 #include "analysis/internal.h"
 
 #include <math.h>
 #include <string.h>
 
-enum { CENSORED_LEAST = 6, ROUNDS = 25 };
+enum { CENSORED_MIN = 6, ROUNDS = 25 };
 
-#define HARMONICS 2.5   /* standard deviations of the second or third harmonic that make it worth a look */
-#define GAIN_LEAST 9.0  /* chi-square by which a ceiling must explain the samples better */
-#define RESOLVED 1.5    /* steps of the recording: what is flat over less is rounded, not cut */
-#define FLAT 3.0        /* standard deviations of the noise by which readings of a flat top may scatter, */
+#define HARMONICS                                                                                  \
+    2.5 /* standard deviations of the second or third harmonic that make it worth a look */
+#define GAIN_MIN 9.0 /* chi-square by which a ceiling must explain the samples better */
+#define RESOLVED 1.5 /* steps of the recording: what is flat over less is rounded, not cut */
+#define FLAT                                                                                       \
+    3.0 /* standard deviations of the noise by which readings of a flat top may scatter,           \
+         */
 #define FLAT_SHARE 0.02 /* or by this share of what the model does there */
-#define SLOPE_MOST 0.35 /* of reading against model beyond the level: 0 where it is flat, 1 where it is not */
+#define SLOPE_MAX                                                                                  \
+    0.35 /* of reading against model beyond the level: 0 where it is flat, 1 where it is not */
 
 /* A flat top has harmonics; noise has none at all. */
 static bool has_harmonics(const struct motion *m)
@@ -27,15 +31,16 @@ static bool has_harmonics(const struct motion *m)
     for (size_t i = 0; i < m->samples.n; i++) {
         if (!m->samples.use[i])
             continue;
-        double s = m->samples.t[i] - h->origin, e = exp(-1.5 * h->gamma * s), c = cos(h->omega * s + phase);
+        double s = m->samples.t[i] - h->origin, e = exp(-1.5 * h->gamma * s),
+               c = cos(h->omega * s + phase);
         double u[2] = {e * (2 * c * c - 1), e * c * (4 * c * c - 3)}; /* cos 2x, cos 3x */
         for (int k = 0; k < 2; k++) {
             sum[k] += u[k] * m->residual[i];
             norm[k] += u[k] * u[k];
         }
     }
-    double sigma = harmonic_sigma(h, FREE_GAMMA), least = HARMONICS * HARMONICS * sigma * sigma;
-    return sum[0] * sum[0] > least * norm[0] || sum[1] * sum[1] > least * norm[1];
+    double sigma = harmonic_sigma(h, FREE_GAMMA), min = HARMONICS * HARMONICS * sigma * sigma;
+    return sum[0] * sum[0] > min * norm[0] || sum[1] * sum[1] > min * norm[1];
 }
 
 struct censoring {
@@ -48,7 +53,8 @@ struct censoring {
     size_t censored;
 };
 
-/* From a first level on: censor beyond it, fit the rest, read the level again from what is censored. */
+/* From a first level on: censor beyond it, fit the rest, read the level again from what is
+ * censored. */
 static bool settle(const struct motion *m, int side, struct censoring *c)
 {
     struct samples x = m->samples;
@@ -61,14 +67,15 @@ static bool settle(const struct motion *m, int side, struct censoring *c)
         size_t changed = 0;
         c->censored = 0;
         for (size_t i = 0; i < x.n; i++) {
-            bool beyond = side * (x.y[i] - c->residual[i] - c->level) > 0, use = m->samples.use[i] && !beyond;
+            bool beyond = side * (x.y[i] - c->residual[i] - c->level) > 0,
+                 use = m->samples.use[i] && !beyond;
             changed += use != (c->use[i] != 0);
             c->use[i] = use;
             c->censored += beyond;
             sum += beyond && m->samples.use[i] ? x.y[i] : 0;
             counted += beyond && m->samples.use[i];
         }
-        if (counted < CENSORED_LEAST || !harmonic_fit(&x, FREE_GAMMA, &c->harmonic, c->residual) ||
+        if (counted < CENSORED_MIN || !harmonic_fit(&x, FREE_GAMMA, &c->harmonic, c->residual) ||
             !c->harmonic.converged)
             return false;
         c->level = sum / counted;
@@ -96,15 +103,17 @@ static bool settle(const struct motion *m, int side, struct censoring *c)
     return true;
 }
 
-/* A wave with a wide trough is no flat top: its readings change there, by more than noise and rounding do. */
+/* A wave with a wide trough is no flat top: its readings change there, by more than noise and
+ * rounding do. */
 static bool is_flat(const struct motion *m, const struct censoring *c)
 {
-    return fabs(c->slope) < SLOPE_MOST && c->beyond > RESOLVED * m->quantum &&
+    return fabs(c->slope) < SLOPE_MAX && c->beyond > RESOLVED * m->quantum &&
            c->scatter <= FLAT * m->overview.noise + RESOLVED * m->quantum + FLAT_SHARE * c->beyond;
 }
 
 /* The best ceiling on one side; false: none explains the samples better. */
-static bool find_ceiling(const struct motion *m, int side, struct censoring *best, struct censoring *trial)
+static bool find_ceiling(const struct motion *m, int side, struct censoring *best,
+                         struct censoring *trial)
 {
     static const double heights[] = {0.95, 0.8, 0.6};
     const struct harmonic *h = &m->harmonic;
@@ -118,7 +127,7 @@ static bool find_ceiling(const struct motion *m, int side, struct censoring *bes
         if (!settle(m, side, trial) || (found && trial->rss >= best->rss))
             continue;
         double variance = trial->rss / (double)h->used;
-        bool better = h->rss - trial->rss > GAIN_LEAST * variance;
+        bool better = h->rss - trial->rss > GAIN_MIN * variance;
         if (better && is_flat(m, trial)) {
             struct censoring swap = *best;
             *best = *trial;

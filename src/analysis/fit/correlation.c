@@ -1,12 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The period from the autocorrelation: the shifts at which a series looks most like itself, against their number. */
+/* The period from the autocorrelation: the shifts at which a series looks most like itself, against
+ * their number. */
 #include "analysis/internal.h"
 
 #include <math.h>
 
-enum { PEAKS_MOST = 12, BLOCKS = 16, BLOCK_LEAST = 4096, PERIODS_IN_BLOCK = 4 * PEAKS_MOST };
+enum { PEAKS_MAX = 12, BLOCKS = 16, BLOCK_MIN = 4096, PERIODS_IN_BLOCK = 4 * PEAKS_MAX };
 
-/* Parts of a recording on an even grid, its mean taken off: all of it, or of a long one some all along it. */
+/* Parts of a recording on an even grid, its mean taken off: all of it, or of a long one some all
+ * along it. */
 struct blocks {
     double *y;
     size_t count, length;
@@ -31,13 +33,14 @@ static double fill_grid(const struct series *s, double t0, double dt, size_t len
 }
 
 /* period [samples]. False: no memory. */
-static bool fill_blocks(const struct series *s, double dt, double period, struct arena *arena, struct blocks *b)
+static bool fill_blocks(const struct series *s, double dt, double period, struct arena *arena,
+                        struct blocks *b)
 {
-    const double least = fmax(BLOCK_LEAST, PERIODS_IN_BLOCK * period);
+    const double min = fmax(BLOCK_MIN, PERIODS_IN_BLOCK * period);
     double sum = 0;
     *b = (struct blocks){.count = 1, .length = s->n};
-    if (2 * BLOCKS * least < (double)s->n)
-        *b = (struct blocks){.count = BLOCKS, .length = (size_t)least};
+    if (2 * BLOCKS * min < (double)s->n)
+        *b = (struct blocks){.count = BLOCKS, .length = (size_t)min};
     const size_t all = b->count * b->length;
     b->y = arena_array(arena, all, sizeof *b->y);
     if (!b->y)
@@ -64,8 +67,8 @@ static double correlation(const struct blocks *b, size_t shift)
 }
 
 /*
- * The shift of the highest correlation within a quarter of a period, uphill from where it is expected, refined by a
- * parabola; NAN: at the border.
+ * The shift of the highest correlation within a quarter of a period, uphill from where it is
+ * expected, refined by a parabola; NAN: at the border.
  */
 static double peak_about(const struct blocks *b, double shift, double period)
 {
@@ -74,7 +77,8 @@ static double peak_about(const struct blocks *b, double shift, double period)
     size_t at = (size_t)fmin(fmax(nearbyint(shift), (double)low + 1), (double)high - 1);
     if (low + 2 > high)
         return NAN;
-    double before = correlation(b, at - 1), best = correlation(b, at), after = correlation(b, at + 1);
+    double before = correlation(b, at - 1), best = correlation(b, at),
+           after = correlation(b, at + 1);
     while (!(best >= before && best >= after)) {
         const bool up = after > before;
         at = up ? at + 1 : at - 1;
@@ -93,19 +97,19 @@ static double peak_about(const struct blocks *b, double shift, double period)
     return (double)at + 0.5 * (before - after) / (before - 2 * best + after);
 }
 
-bool series_correlation_period(const struct series *series, const struct period *known, struct arena *arena,
-                               struct measured *period)
+bool series_correlation_period(const struct series *series, const struct period *known,
+                               struct arena *arena, struct measured *period)
 {
     *period = (struct measured){NAN, NAN};
     const size_t n = series->n;
     const double span = n > 1 ? series->t[n - 1] - series->t[0] : 0, dt = span / (double)(n - 1);
     const double expected = known->period.value / dt, periods = span / known->period.value;
-    double at[PEAKS_MOST], kk = 0, kt = 0, square = 0;
+    double at[PEAKS_MAX], kk = 0, kt = 0, square = 0;
     struct blocks blocks;
     if (!(dt > 0) || !(periods > 0) || !fill_blocks(series, dt, expected, arena, &blocks))
         return false;
     int peaks = 0;
-    while (peaks < PEAKS_MOST && 2 * (peaks + 1) <= periods) {
+    while (peaks < PEAKS_MAX && 2 * (peaks + 1) <= periods) {
         const double shift = peak_about(&blocks, (peaks + 1) * expected, expected);
         if (!isfinite(shift))
             break;

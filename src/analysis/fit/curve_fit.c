@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Least squares for any curve: the iteration. Bounds by a change of variables (James & Roos 1975, MINUIT), robust loss
- * by weights that are set anew between the fits (Holland & Welsch 1977).
+ * Least squares for any curve: the iteration. Bounds by a change of variables (James & Roos 1975,
+ * MINUIT), robust loss by weights that are set anew between the fits (Holland & Welsch 1977).
  */
 #include "analysis/fit/least_squares.h"
 
@@ -17,14 +17,17 @@ enum { ITERATIONS = 500, ROBUST_ROUNDS = 40, SOFT_ROUNDS = 5, MANY = 20000 };
 #define BISQUARE 4.685 /* robust standard deviations: 95 % efficient for normal noise */
 #define SOFT_L1 1.345
 #define WEIGHTS_STAY 1e-3 /* change of a weight from which on they stay */
-#define LENGTH_EXACT 1e-14 /* of the step that is polished no further, relative to value or uncertainty */
+#define LENGTH_EXACT                                                                               \
+    1e-14 /* of the step that is polished no further, relative to value or uncertainty */
 #define LENGTH_COSTLY 1e-10
 
-/* ---- bounds: x = low + (high - low)(1 + sin u)/2, or low - 1 + sqrt(u^2 + 1) in units of the start ---- */
+/* ---- bounds: x = low + (high - low)(1 + sin u)/2, or low - 1 + sqrt(u^2 + 1) in units of the
+ * start ---- */
 
 double inside(const struct problem *p, int j, double u, double *slope)
 {
-    double low = p->low ? p->low[j] : -INFINITY, high = p->high ? p->high[j] : INFINITY, unit = p->unit[j];
+    double low = p->low ? p->low[j] : -INFINITY, high = p->high ? p->high[j] : INFINITY,
+           unit = p->unit[j];
     *slope = 1;
     if (isfinite(low) && isfinite(high)) {
         *slope = 0.5 * (high - low) * cos(u);
@@ -32,7 +35,8 @@ double inside(const struct problem *p, int j, double u, double *slope)
     }
     if (!isfinite(low) && !isfinite(high))
         return u;
-    double root = sqrt(1 + u * u), beyond = unit * u * u / (root + 1); /* root - 1 without cancellation */
+    double root = sqrt(1 + u * u),
+           beyond = unit * u * u / (root + 1); /* root - 1 without cancellation */
     *slope = isfinite(low) ? unit * u / root : -unit * u / root;
     return isfinite(low) ? low + beyond : high - beyond;
 }
@@ -40,7 +44,8 @@ double inside(const struct problem *p, int j, double u, double *slope)
 /* The other way; a start on or beyond a bound is moved a little inside, where there is a slope. */
 static double outside(const struct problem *p, int j, double x)
 {
-    double low = p->low ? p->low[j] : -INFINITY, high = p->high ? p->high[j] : INFINITY, unit = p->unit[j];
+    double low = p->low ? p->low[j] : -INFINITY, high = p->high ? p->high[j] : INFINITY,
+           unit = p->unit[j];
     if (isfinite(low) && isfinite(high))
         return asin(fmin(fmax(2 * (x - low) / (high - low) - 1, -0.999), 0.999));
     if (!isfinite(low) && !isfinite(high))
@@ -90,9 +95,11 @@ static int derivatives(const gsl_vector *u, void *context, gsl_matrix *jacobian)
 /* Has the iteration nowhere to go? polish() does the rest. */
 static bool settled(const gsl_multifit_nlinear_workspace *work, const struct problem *p)
 {
-    const gsl_vector *f = gsl_multifit_nlinear_residual(work), *dx = work->dx, *x = work->x, *g = work->g;
+    const gsl_vector *f = gsl_multifit_nlinear_residual(work), *dx = work->dx, *x = work->x,
+                     *g = work->g;
     const gsl_matrix *jacobian = gsl_multifit_nlinear_jac(work);
-    double size = gsl_blas_dnrm2(f), rounding = fmin(1, 16 * 2.3e-16 * p->size / fmax(size, 1e-300));
+    double size = gsl_blas_dnrm2(f),
+           rounding = fmin(1, 16 * 2.3e-16 * p->size / fmax(size, 1e-300));
     for (size_t j = 0; j < x->size; j++) {
         gsl_vector_const_view column = gsl_matrix_const_column(jacobian, j);
         double norm = gsl_blas_dnrm2(&column.vector), at = fabs(gsl_vector_get(x, j));
@@ -107,7 +114,7 @@ static bool settled(const gsl_multifit_nlinear_workspace *work, const struct pro
 enum outcome { OUTCOME_DONE, OUTCOME_NO_VALUE, OUTCOME_MEMORY, OUTCOME_CANCELLED };
 
 /* From u [parameters] to the nearest minimum; u is the answer. */
-static enum outcome descend(struct problem *p, double *u, bool accelerate, int most, int *iterations)
+static enum outcome descend(struct problem *p, double *u, bool accelerate, int max, int *iterations)
 {
     size_t count = (size_t)p->curve->parameters;
     gsl_multifit_nlinear_parameters parameters = gsl_multifit_nlinear_default_parameters();
@@ -115,22 +122,25 @@ static enum outcome descend(struct problem *p, double *u, bool accelerate, int m
     parameters.scale = gsl_multifit_nlinear_scale_more;
     parameters.solver = gsl_multifit_nlinear_solver_qr;
     parameters.avmax = 0.75;
-    gsl_multifit_nlinear_fdf fdf = {.f = residuals, .df = derivatives, .n = p->n, .p = count, .params = p};
+    gsl_multifit_nlinear_fdf fdf = {
+        .f = residuals, .df = derivatives, .n = p->n, .p = count, .params = p};
     gsl_multifit_nlinear_workspace *work =
         gsl_multifit_nlinear_alloc(gsl_multifit_nlinear_trust, &parameters, p->n, count);
     if (!work)
         return OUTCOME_MEMORY;
-    gsl_vector_view start = gsl_vector_view_array(u, count), weight = gsl_vector_view_array(p->weight, p->n);
+    gsl_vector_view start = gsl_vector_view_array(u, count),
+                    weight = gsl_vector_view_array(p->weight, p->n);
     enum outcome outcome = OUTCOME_DONE;
     int status = gsl_multifit_nlinear_winit(&start.vector, &weight.vector, &fdf, work);
     if (status != GSL_SUCCESS || !(gsl_blas_dnrm2(gsl_multifit_nlinear_residual(work)) < NO_VALUE))
         outcome = OUTCOME_NO_VALUE;
-    for (int i = 0; i < most && status == GSL_SUCCESS && outcome == OUTCOME_DONE; i++) {
+    for (int i = 0; i < max && status == GSL_SUCCESS && outcome == OUTCOME_DONE; i++) {
         if (cancelled(p->cancel)) {
             outcome = OUTCOME_CANCELLED;
             break;
         }
-        status = gsl_multifit_nlinear_iterate(work); /* GSL_ENOPROG: the minimum to the last digit, or stuck */
+        status = gsl_multifit_nlinear_iterate(
+            work); /* GSL_ENOPROG: the minimum to the last digit, or stuck */
         ++*iterations;
         if (status == GSL_SUCCESS && settled(work, p))
             break;
@@ -143,8 +153,8 @@ static enum outcome descend(struct problem *p, double *u, bool accelerate, int m
 }
 
 /*
- * Close to the minimum the sum of squares does not change in its last digit any more and can lead nowhere; full
- * Gauss-Newton steps still can, as long as they shrink. False: no memory.
+ * Close to the minimum the sum of squares does not change in its last digit any more and can lead
+ * nowhere; full Gauss-Newton steps still can, as long as they shrink. False: no memory.
  */
 static bool polish(struct problem *p, double *x, struct curve_fit *fit)
 {
@@ -153,13 +163,15 @@ static bool polish(struct problem *p, double *x, struct curve_fit *fit)
     if (!judge(p, x, false, fit))
         return false;
     double length = p->length, floor = fit->rss * (1 + 1e-12) + p->size * p->size * 1e-31;
-    const double least = p->costly ? LENGTH_COSTLY : LENGTH_EXACT;
-    for (int k = 0; k < STEPS && fit->small_gradient && length > least && !cancelled(p->cancel); k++) {
+    const double min = p->costly ? LENGTH_COSTLY : LENGTH_EXACT;
+    for (int k = 0; k < STEPS && fit->small_gradient && length > min && !cancelled(p->cancel);
+         k++) {
         double trial[CURVE_PARAMETERS];
         bool allowed = true;
         for (int j = 0; j < count; j++) {
             trial[j] = x[j] + p->step[j];
-            allowed = allowed && !(p->low && trial[j] < p->low[j]) && !(p->high && trial[j] > p->high[j]);
+            allowed =
+                allowed && !(p->low && trial[j] < p->low[j]) && !(p->high && trial[j] > p->high[j]);
         }
         if (allowed && !judge(p, trial, false, fit))
             return false;
@@ -172,10 +184,11 @@ static bool polish(struct problem *p, double *x, struct curve_fit *fit)
 }
 
 /*
- * Of very many samples, from a start that fits a part of them: Gauss-Newton steps, halved where they lead upwards. No
- * matrix with a row for each sample but the derivatives themselves.
+ * Of very many samples, from a start that fits a part of them: Gauss-Newton steps, halved where
+ * they lead upwards. No matrix with a row for each sample but the derivatives themselves.
  */
-static enum outcome descend_long(struct problem *p, double *x, int most, int *iterations, struct curve_fit *fit)
+static enum outcome descend_long(struct problem *p, double *x, int max, int *iterations,
+                                 struct curve_fit *fit)
 {
     enum { HALVINGS = 12 };
     const int count = p->curve->parameters;
@@ -183,7 +196,7 @@ static enum outcome descend_long(struct problem *p, double *x, int most, int *it
         return OUTCOME_MEMORY;
     if (!isfinite(fit->rss))
         return OUTCOME_NO_VALUE;
-    for (int k = 0; k < most && !fit->converged && p->length > 1e-12; k++) {
+    for (int k = 0; k < max && !fit->converged && p->length > 1e-12; k++) {
         double trial[CURVE_PARAMETERS], step[CURVE_PARAMETERS], part = 1;
         const double before = fit->rss * (1 + 1e-12);
         memcpy(step, p->step, sizeof step);
@@ -209,21 +222,23 @@ static enum outcome descend_long(struct problem *p, double *x, int most, int *it
 }
 
 /* Plain, then accelerated where that did not arrive: the better of the two. */
-static enum outcome minimise(struct problem *p, double *x, int most, int *iterations, struct curve_fit *fit)
+static enum outcome minimise(struct problem *p, double *x, int max, int *iterations,
+                             struct curve_fit *fit)
 {
     struct curve_fit best = {.converged = false};
     double start[CURVE_PARAMETERS], slope;
     size_t bytes = (size_t)p->curve->parameters * sizeof *x;
     if (p->n > MANY) {
-        const enum outcome outcome = descend_long(p, x, most, iterations, fit);
-        return outcome == OUTCOME_DONE && !p->rough && !judge(p, x, true, fit) ? OUTCOME_MEMORY : outcome;
+        const enum outcome outcome = descend_long(p, x, max, iterations, fit);
+        return outcome == OUTCOME_DONE && !p->rough && !judge(p, x, true, fit) ? OUTCOME_MEMORY
+                                                                               : outcome;
     }
     memcpy(start, x, bytes);
     for (int accelerate = 0; accelerate < (p->rough ? 1 : 2) && !best.converged; accelerate++) {
         double u[CURVE_PARAMETERS];
         for (int j = 0; j < p->curve->parameters; j++)
             u[j] = outside(p, j, start[j]);
-        enum outcome outcome = descend(p, u, accelerate, most, iterations);
+        enum outcome outcome = descend(p, u, accelerate, max, iterations);
         if (outcome != OUTCOME_DONE)
             return outcome;
         for (int j = 0; j < p->curve->parameters; j++)
@@ -239,7 +254,8 @@ static enum outcome minimise(struct problem *p, double *x, int most, int *iterat
 }
 
 /* Robust standard deviation of the residuals [from, to) about `middle`. */
-static double robust_scale(struct problem *p, const double *residual, double middle, size_t from, size_t to)
+static double robust_scale(struct problem *p, const double *residual, double middle, size_t from,
+                           size_t to)
 {
     for (size_t i = from; i < to; i++)
         p->scratch[i] = fabs(residual[i] - middle);
@@ -253,14 +269,17 @@ static double set_weights(struct problem *p, const double *residual, bool soft)
     for (size_t i = 0; i < p->n; i++)
         p->scratch[i] = residual[i];
     double middle = quantile(p->scratch, p->n, 0.5), change = 0;
-    p->scale = fmax(robust_scale(p, residual, middle, 0, p->n), 4e-16 * p->size / sqrt((double)p->n));
+    p->scale =
+        fmax(robust_scale(p, residual, middle, 0, p->n), 4e-16 * p->size / sqrt((double)p->n));
     for (size_t k = 0; k < stretches; k++) {
         const size_t from = p->n * k / stretches, to = p->n * (k + 1) / stretches;
         const double local = stretches > 1 ? robust_scale(p, residual, middle, from, to) : 0;
         const double width = fmax(p->scale, local) * (soft ? SOFT_L1 : BISQUARE);
         for (size_t i = from; i < to; i++) {
             double z = residual[i] / width;
-            double left = 1 - z * z, weight = soft ? 1 / sqrt(1 + z * z) : left > 0 ? left * left : 0;
+            double left = 1 - z * z, weight = soft       ? 1 / sqrt(1 + z * z)
+                                              : left > 0 ? left * left
+                                                         : 0;
             change = fmax(change, fabs(weight - p->weight[i]));
             p->weight[i] = weight;
         }
@@ -269,7 +288,8 @@ static double set_weights(struct problem *p, const double *residual, bool soft)
 }
 
 /* A few steps towards the minimum, which is not asked for: the weights are about to change. */
-static enum outcome come_nearer(struct problem *p, double *x, int most, int *iterations, struct curve_fit *fit)
+static enum outcome come_nearer(struct problem *p, double *x, int max, int *iterations,
+                                struct curve_fit *fit)
 {
     enum { STEPS = 3 };
     double u[CURVE_PARAMETERS], slope;
@@ -277,17 +297,18 @@ static enum outcome come_nearer(struct problem *p, double *x, int most, int *ite
         return descend_long(p, x, 1, iterations, fit);
     for (int j = 0; j < p->curve->parameters; j++)
         u[j] = outside(p, j, x[j]);
-    enum outcome outcome = descend(p, u, false, most < STEPS ? most : STEPS, iterations);
+    enum outcome outcome = descend(p, u, false, max < STEPS ? max : STEPS, iterations);
     for (int j = 0; j < p->curve->parameters && outcome == OUTCOME_DONE; j++)
         x[j] = inside(p, j, u[j], &slope);
     return outcome == OUTCOME_DONE && !judge(p, x, false, fit) ? OUTCOME_MEMORY : outcome;
 }
 
 /*
- * Weights and steps by turns on the tangent of the curve at the last judged point, `left` [n] being what its residuals
- * become; round: counted on. False: no memory.
+ * Weights and steps by turns on the tangent of the curve at the last judged point, `left` [n] being
+ * what its residuals become; round: counted on. False: no memory.
  */
-static bool settle_on_tangent(struct problem *p, const struct curve_fit *fit, double *left, double *step, int *round)
+static bool settle_on_tangent(struct problem *p, const struct curve_fit *fit, double *left,
+                              double *step, int *round)
 {
     const size_t count = (size_t)fit->parameters;
     memcpy(left, fit->residual, p->n * sizeof *left);
@@ -308,8 +329,9 @@ static bool settle_on_tangent(struct problem *p, const struct curve_fit *fit, do
 }
 
 /*
- * The robust rounds of a curve that is costly: it is evaluated only where the weights have settled on its tangent.
- * Stops where the curve leaves that tangent; x is then the best point, and judged. soft: the soft rounds are done.
+ * The robust rounds of a curve that is costly: it is evaluated only where the weights have settled
+ * on its tangent. Stops where the curve leaves that tangent; x is then the best point, and judged.
+ * soft: the soft rounds are done.
  */
 static enum outcome approach_on_tangent(struct problem *p, double *x, bool *soft, int *iterations,
                                         struct curve_fit *fit)
@@ -342,31 +364,35 @@ static enum outcome approach_on_tangent(struct problem *p, double *x, bool *soft
     return OUTCOME_DONE;
 }
 
-static enum outcome minimise_robust(struct problem *p, double *x, int most, struct curve_fit *fit)
+static enum outcome minimise_robust(struct problem *p, double *x, int max, struct curve_fit *fit)
 {
     int iterations = 0;
-    const bool is_long = p->n > MANY; /* then it starts from a robust fit already: nothing soft is needed */
+    const bool is_long =
+        p->n > MANY; /* then it starts from a robust fit already: nothing soft is needed */
     const bool wanted = p->rough;
     p->rough = true; /* until the weights stay */
     enum outcome outcome =
-        is_long ? come_nearer(p, x, most, &iterations, fit) : minimise(p, x, most, &iterations, fit);
+        is_long ? come_nearer(p, x, max, &iterations, fit) : minimise(p, x, max, &iterations, fit);
     bool settles = false, soft = is_long; /* the soft rounds are done */
     if (p->costly && outcome == OUTCOME_DONE)
         outcome = approach_on_tangent(p, x, &soft, &iterations, fit);
-    for (int round = soft ? SOFT_ROUNDS : 0; round < ROBUST_ROUNDS && outcome == OUTCOME_DONE && !settles; round++) {
-        settles = set_weights(p, fit->residual, round < SOFT_ROUNDS) < WEIGHTS_STAY && round >= SOFT_ROUNDS;
+    for (int round = soft ? SOFT_ROUNDS : 0;
+         round < ROBUST_ROUNDS && outcome == OUTCOME_DONE && !settles; round++) {
+        settles = set_weights(p, fit->residual, round < SOFT_ROUNDS) < WEIGHTS_STAY &&
+                  round >= SOFT_ROUNDS;
         if (!settles)
-            outcome = come_nearer(p, x, most, &iterations, fit);
+            outcome = come_nearer(p, x, max, &iterations, fit);
     }
     p->rough = wanted;
     if (outcome == OUTCOME_DONE)
-        outcome = minimise(p, x, most, &iterations, fit);
+        outcome = minimise(p, x, max, &iterations, fit);
     fit->iterations = iterations;
     fit->converged = fit->converged && settles;
     return outcome;
 }
 
-static bool fail(enum outcome outcome, const struct fit_curve *curve, const double *start, struct error *error)
+static bool fail(enum outcome outcome, const struct fit_curve *curve, const double *start,
+                 struct error *error)
 {
     if (outcome == OUTCOME_CANCELLED)
         return error_set(error, ERROR_CANCELLED, "the fit was stopped");
@@ -383,7 +409,8 @@ static bool fail(enum outcome outcome, const struct fit_curve *curve, const doub
     return error_hint(error, "give other starts");
 }
 
-static bool prepare(struct problem *p, const struct series *series, const double *start, struct arena *arena)
+static bool prepare(struct problem *p, const struct series *series, const double *start,
+                    struct arena *arena)
 {
     size_t n = series->n, count = (size_t)p->curve->parameters;
     p->t = series->t;
@@ -400,7 +427,9 @@ static bool prepare(struct problem *p, const struct series *series, const double
         p->size = hypot(p->size, series->y[i]);
     }
     for (size_t j = 0; j < count; j++) {
-        double bound = p->low && isfinite(p->low[j]) ? p->low[j] : p->high && isfinite(p->high[j]) ? p->high[j] : 0;
+        double bound = p->low && isfinite(p->low[j])     ? p->low[j]
+                       : p->high && isfinite(p->high[j]) ? p->high[j]
+                                                         : 0;
         p->unit[j] = fmax(fabs(start[j] - bound), 1e-3 * fabs(bound));
         p->unit[j] = p->unit[j] > 0 ? p->unit[j] : 1;
     }
@@ -410,12 +439,13 @@ static bool prepare(struct problem *p, const struct series *series, const double
 bool enough_samples(const struct series *series, int parameters, struct error *error)
 {
     return series->n > (size_t)parameters ||
-           error_set(error, ERROR_COMMAND, "%zu samples cannot determine %d parameters", series->n, parameters);
+           error_set(error, ERROR_COMMAND, "%zu samples cannot determine %d parameters", series->n,
+                     parameters);
 }
 
 /*
- * Of very many samples the start comes from a fit of every so manieth. False: an error that ends everything; a part that
- * has no answer leaves the start as it was.
+ * Of very many samples the start comes from a fit of every so manieth. False: an error that ends
+ * everything; a part that has no answer leaves the start as it was.
  */
 static bool improve_by_part(const struct fit_curve *curve, const struct series *series, double *x,
                             const struct curve_options *options, struct error *error)
@@ -447,14 +477,22 @@ static bool improve_by_part(const struct fit_curve *curve, const struct series *
 }
 
 bool curve_fit(const struct fit_curve *curve, const struct series *series, const double *start,
-               const struct curve_options *options, struct arena *arena, struct curve_fit *fit, struct error *error)
+               const struct curve_options *options, struct arena *arena, struct curve_fit *fit,
+               struct error *error)
 {
     static const struct curve_options none;
     const struct curve_options *o = options ? options : &none;
-    struct problem p = {.curve = curve, .low = o->low, .high = o->high, .robust = o->robust, .rough = o->rough,
-                        .costly = o->costly, .stretch = o->stretch, .cancel = o->cancel};
+    struct problem p = {.curve = curve,
+                        .low = o->low,
+                        .high = o->high,
+                        .robust = o->robust,
+                        .rough = o->rough,
+                        .costly = o->costly,
+                        .stretch = o->stretch,
+                        .cancel = o->cancel};
     double x[CURVE_PARAMETERS];
-    int count = curve->parameters, most = o->iterations > 0 ? o->iterations : ITERATIONS, iterations = 0;
+    int count = curve->parameters, max = o->iterations > 0 ? o->iterations : ITERATIONS,
+        iterations = 0;
     *fit = (struct curve_fit){.parameters = count};
     gsl_set_error_handler_off(); /* GSL's default ends the program; statuses are checked here */
     if (!enough_samples(series, count, error))
@@ -466,7 +504,8 @@ bool curve_fit(const struct fit_curve *curve, const struct series *series, const
     if (!fit->residual || !prepare(&p, series, start, arena))
         return error_memory(error);
     fit->weight = p.weight;
-    enum outcome outcome = o->robust ? minimise_robust(&p, x, most, fit) : minimise(&p, x, most, &iterations, fit);
+    enum outcome outcome =
+        o->robust ? minimise_robust(&p, x, max, fit) : minimise(&p, x, max, &iterations, fit);
     if (outcome != OUTCOME_DONE)
         return fail(cancelled(o->cancel) ? OUTCOME_CANCELLED : outcome, curve, start, error);
     fit->iterations += iterations;

@@ -44,29 +44,34 @@ static void cover(const struct harmonic *h, const double *const gradient[],
 }
 
 /*
- * From the parameters at the origin to those of y = c + A exp(-gamma t/2) cos(omega t + phi), t from t0, A >= 0, phi in
- * (-pi, pi]. Uncertainties: covariance of the least-squares problem times the variance of the residuals, widened for
- * what the residuals have in common with each parameter (sway, drift). To that the caller adds what two halves tell.
- * Not included: other ways in which the model itself may miss (see the warnings).
+ * From the parameters at the origin to those of y = c + A exp(-gamma t/2) cos(omega t + phi), t
+ * from t0, A >= 0, phi in
+ * (-pi, pi]. Uncertainties: covariance of the least-squares problem times the variance of the
+ * residuals, widened for what the residuals have in common with each parameter (sway, drift). To
+ * that the caller adds what two halves tell. Not included: other ways in which the model itself may
+ * miss (see the warnings).
  */
-static void report(const struct samples *x, const double *residual, const struct harmonic *h, int unknowns, double t0,
-                   struct fit *fit)
+static void report(const struct samples *x, const double *residual, const struct harmonic *h,
+                   int unknowns, double t0, struct fit *fit)
 {
     double back = h->origin - t0, square = h->a * h->a + h->b * h->b;
     double amplitude = sqrt(square) * exp(0.5 * h->gamma * back);
     double phase = remainder(atan2(-h->b, h->a) - h->omega * back, TWO_PI);
     struct oscillation o = {h->a, h->b, h->omega, h->gamma, h->origin};
     struct widening widen = residual_widening(x, residual, &o, 2);
-    double sigma = harmonic_sigma(h, unknowns), slow = sigma * sqrt(widen.amplitude), fast = sigma * sqrt(widen.phase);
+    double sigma = harmonic_sigma(h, unknowns), slow = sigma * sqrt(widen.amplitude),
+           fast = sigma * sqrt(widen.phase);
     double wander = sigma * sqrt(widen.offset);
-    double of_amplitude[HARMONIC_PARAMETERS] = {h->a / square, h->b / square, [RATE_GAMMA] = 0.5 * back}; /* d ln A */
+    double of_amplitude[HARMONIC_PARAMETERS] = {
+        h->a / square, h->b / square, [RATE_GAMMA] = 0.5 * back}; /* d ln A */
     double of_phase[HARMONIC_PARAMETERS] = {h->b / square, -h->a / square, [RATE_OMEGA] = -back};
     double of_offset[HARMONIC_PARAMETERS] = {[LINEAR_C] = 1, [LINEAR_D] = -back};
     fit->omega = (struct measured){h->omega, fast * sqrt(h->inverse[RATE_OMEGA][RATE_OMEGA])};
     fit->period.value = TWO_PI / h->omega;
     fit->period.uncertainty = fit->period.value * fit->omega.uncertainty / h->omega;
     fit->gamma = (struct measured){h->gamma, slow * sqrt(h->inverse[RATE_GAMMA][RATE_GAMMA])};
-    fit->amplitude = (struct measured){amplitude, amplitude * slow * sqrt(variance(h, of_amplitude))};
+    fit->amplitude =
+        (struct measured){amplitude, amplitude * slow * sqrt(variance(h, of_amplitude))};
     fit->phase = (struct measured){phase <= -PI ? PI : phase, fast * sqrt(variance(h, of_phase))};
     fit->offset = (struct measured){h->c - h->d * back, wander * sqrt(variance(h, of_offset))};
     fit->drift = (struct measured){h->d, wander * sqrt(h->inverse[LINEAR_D][LINEAR_D])};
@@ -77,11 +82,13 @@ static void report(const struct samples *x, const double *residual, const struct
     cover(h, gradient, deviation, &fit->covariance);
 }
 
-/* One half of the samples on its own, from the whole's frequency and damping on. NAN where it determines nothing. */
+/* One half of the samples on its own, from the whole's frequency and damping on. NAN where it
+ * determines nothing. */
 static void fit_half(const struct motion *m, size_t from, size_t to, int i, struct fit *fit)
 {
     struct samples part = samples_part(&m->samples, from, to);
-    struct harmonic h = {.omega = m->harmonic.omega, .gamma = m->harmonic.gamma, .drifts = m->harmonic.drifts};
+    struct harmonic h = {
+        .omega = m->harmonic.omega, .gamma = m->harmonic.gamma, .drifts = m->harmonic.drifts};
     struct fit half;
     if (part.n < 8) {
         return;
@@ -94,10 +101,12 @@ static void fit_half(const struct motion *m, size_t from, size_t to, int i, stru
     }
 }
 
-/* Halves that differ by more than chance: the one number for the whole is only as good as half their difference. */
+/* Halves that differ by more than chance: the one number for the whole is only as good as half
+ * their difference. */
 static void widen_by_halves(const struct measured half[2], struct measured *whole)
 {
-    double difference = fabs(half[0].value - half[1].value), chance = hypot(half[0].uncertainty, half[1].uncertainty);
+    double difference = fabs(half[0].value - half[1].value),
+           chance = hypot(half[0].uncertainty, half[1].uncertainty);
     if (difference > HALVES_DIFFER * chance) {
         whole->uncertainty = fmax(whole->uncertainty, 0.5 * difference);
     }
@@ -105,7 +114,8 @@ static void widen_by_halves(const struct measured half[2], struct measured *whol
 
 enum { LEFT_OUT_SIZE = 120 };
 
-/* ": 205 of 600 samples would be left out, 200 of them where the fit is beyond flat tops (clipped)" */
+/* ": 205 of 600 samples would be left out, 200 of them where the fit is beyond flat tops (clipped)"
+ */
 static void say_left_out(const struct motion *m, char out[LEFT_OUT_SIZE])
 {
     char flat[64] = "";
@@ -113,7 +123,8 @@ static void say_left_out(const struct motion *m, char out[LEFT_OUT_SIZE])
         snprintf(flat, sizeof flat, ", %zu of them at flat tops (clipped)", m->clipped);
     out[0] = 0;
     if (m->rejected > 0)
-        snprintf(out, LEFT_OUT_SIZE, ": %zu of %zu samples would be left out%s", m->rejected, m->samples.n, flat);
+        snprintf(out, LEFT_OUT_SIZE, ": %zu of %zu samples would be left out%s", m->rejected,
+                 m->samples.n, flat);
 }
 
 static bool refuse_laws(const struct motion *m, struct fit *fit, struct error *error)
@@ -121,21 +132,25 @@ static bool refuse_laws(const struct motion *m, struct fit *fit, struct error *e
     char without[LEFT_OUT_SIZE];
     fit->converged = false;
     say_left_out(m, without);
-    error_set(error, ERROR_NUMERICAL, "it oscillates, every %.4g s on average, but no law of damping follows it%s",
+    error_set(error, ERROR_NUMERICAL,
+              "it oscillates, every %.4g s on average, but no law of damping follows it%s",
               m->overview.period, without);
     return error_hint(error, "fit a shorter window; 'measure period' follows what changes");
 }
 
-/* What is integrated beside the sine: nothing, laws of damping, those and of the restoring force. */
+/* What is integrated beside the sine: nothing, laws of damping, those and of the restoring force.
+ */
 enum laws { LAWS_NONE, LAWS_OF_DAMPING, LAWS_ALL };
 
-static bool fit_harmonic(const char *model, enum harmonic_free unknowns, enum laws laws, const struct series *series,
-                         struct arena *arena, const struct cancel *cancel, struct fit *fit, struct error *error)
+static bool fit_harmonic(const char *model, enum harmonic_free unknowns, enum laws laws,
+                         const struct series *series, struct arena *arena,
+                         const struct cancel *cancel, struct fit *fit, struct error *error)
 {
     const bool drag = laws != LAWS_NONE;
     struct motion m;
     *fit = (struct fit){.model = model};
-    fit->halves[0] = fit->halves[1] = fit->half_periods[0] = fit->half_periods[1] = (struct measured){NAN, NAN};
+    fit->halves[0] = fit->halves[1] = fit->half_periods[0] = fit->half_periods[1] =
+        (struct measured){NAN, NAN};
     gsl_set_error_handler_off(); /* GSL's default ends the program; statuses are checked here */
     if (!motion_require(&m, series, arena, cancel, error)) {
         return false;
@@ -144,8 +159,8 @@ static bool fit_harmonic(const char *model, enum harmonic_free unknowns, enum la
         m.harmonic.gamma = 0;
         m.harmonic.a = m.harmonic.b = m.harmonic.d = 0;
         m.harmonic.origin = 0.5 * (series->t[0] + series->t[series->n - 1]);
-        m.harmonic.converged = harmonic_fit(&m.samples, unknowns, &m.harmonic, m.residual) && m.harmonic.converged &&
-                               !fit_discards_much(m.rejected, m.samples.n);
+        m.harmonic.converged = harmonic_fit(&m.samples, unknowns, &m.harmonic, m.residual) &&
+                               m.harmonic.converged && !fit_discards_much(m.rejected, m.samples.n);
         m.autocorrelation = residual_autocorrelation(&m.samples, m.residual);
     }
     if (cancelled(cancel)) {
@@ -163,19 +178,22 @@ static bool fit_harmonic(const char *model, enum harmonic_free unknowns, enum la
     if (m.tracked && !fit->converged && !drag) {
         char without[LEFT_OUT_SIZE];
         say_left_out(&m, without);
-        error_set(error, ERROR_NUMERICAL, "it oscillates, every %.4g s on average, but one %s sine does not follow it%s",
+        error_set(error, ERROR_NUMERICAL,
+                  "it oscillates, every %.4g s on average, but one %s sine does not follow it%s",
                   m.overview.period, unknowns == FREE_GAMMA ? "damped" : "plain", without);
         struct mode_pair pair;
         return two_lines(&m.samples, &pair)
-                   ? error_hint(error, "two frequencies, T = %.5g and %.5g s: fit modes 2", pair.period[0],
-                                pair.period[1])
-                   : error_hint(error, "fit a shorter window; 'measure period' follows what changes");
+                   ? error_hint(error, "two frequencies, T = %.5g and %.5g s: fit modes 2",
+                                pair.period[0], pair.period[1])
+                   : error_hint(error,
+                                "fit a shorter window; 'measure period' follows what changes");
     }
-    const bool determined = isfinite(fit->amplitude.value) && fit->amplitude.uncertainty < fit->amplitude.value;
+    const bool determined =
+        isfinite(fit->amplitude.value) && fit->amplitude.uncertainty < fit->amplitude.value;
     if ((!fit->converged || !determined) && !drag) {
         fit->converged = false;
-        return error_set(error, ERROR_NUMERICAL, "the fit of %s did not converge in %d iterations", fit->model,
-                         fit->iterations);
+        return error_set(error, ERROR_NUMERICAL, "the fit of %s did not converge in %d iterations",
+                         fit->model, fit->iterations);
     }
     double sway = NAN;
     if (unknowns == FREE_GAMMA) {
@@ -204,26 +222,26 @@ static bool fit_harmonic(const char *model, enum harmonic_free unknowns, enum la
     return true;
 }
 
-static bool fit_damped(const struct series *series, struct arena *arena, const struct cancel *cancel, struct fit *fit,
-                       struct error *error)
+static bool fit_damped(const struct series *series, struct arena *arena,
+                       const struct cancel *cancel, struct fit *fit, struct error *error)
 {
     return fit_harmonic("damped", FREE_GAMMA, LAWS_NONE, series, arena, cancel, fit, error);
 }
 
-static bool fit_sine(const struct series *series, struct arena *arena, const struct cancel *cancel, struct fit *fit,
-                     struct error *error)
+static bool fit_sine(const struct series *series, struct arena *arena, const struct cancel *cancel,
+                     struct fit *fit, struct error *error)
 {
     return fit_harmonic("sine", FREE_OMEGA, LAWS_NONE, series, arena, cancel, fit, error);
 }
 
-static bool fit_drag(const struct series *series, struct arena *arena, const struct cancel *cancel, struct fit *fit,
-                     struct error *error)
+static bool fit_drag(const struct series *series, struct arena *arena, const struct cancel *cancel,
+                     struct fit *fit, struct error *error)
 {
     return fit_harmonic("drag", FREE_GAMMA, LAWS_OF_DAMPING, series, arena, cancel, fit, error);
 }
 
-static bool fit_law(const struct series *series, struct arena *arena, const struct cancel *cancel, struct fit *fit,
-                    struct error *error)
+static bool fit_law(const struct series *series, struct arena *arena, const struct cancel *cancel,
+                    struct fit *fit, struct error *error)
 {
     return fit_harmonic("law", FREE_GAMMA, LAWS_ALL, series, arena, cancel, fit, error);
 }
@@ -239,14 +257,17 @@ static const struct fit_model models[] = {
              .brief = "y = c + A cos(omega t + phi), no guess needed",
              .citation = "Golub & Pereyra 2003 (variable projection)"},
      .fit = fit_sine},
-    {.row = {.name = "drag",
-             .unit = "",
-             .brief = "which drag: linear, quadratic, dry friction or their sums, integrated and compared",
-             .citation = "Moore 1966 (Taylor series); Schwarz 1978 (BIC)"},
+    {.row =
+         {.name = "drag",
+          .unit = "",
+          .brief =
+              "which drag: linear, quadratic, dry friction or their sums, integrated and compared",
+          .citation = "Moore 1966 (Taylor series); Schwarz 1978 (BIC)"},
      .fit = fit_drag},
     {.row = {.name = "law",
              .unit = "",
-             .brief = "the same, and which force pulls back: a spring, a Duffing spring, a pendulum",
+             .brief =
+                 "the same, and which force pulls back: a spring, a Duffing spring, a pendulum",
              .citation = "Nayfeh & Mook 1979; Schwarz 1978 (BIC)"},
      .fit = fit_law},
 };
@@ -263,7 +284,8 @@ void fit_values(const struct fit *fit, const double *t, size_t n, double *value)
     } else {
         for (size_t i = 0; i < n; i++) {
             const double s = t[i] - fit->t0, decay = isfinite(gamma) ? exp(-0.5 * gamma * s) : 1;
-            value[i] = fit->offset.value + fit->amplitude.value * decay * cos(omega * s + fit->phase.value);
+            value[i] = fit->offset.value +
+                       fit->amplitude.value * decay * cos(omega * s + fit->phase.value);
         }
     }
     for (size_t i = 0; i < n; i++)
@@ -279,8 +301,11 @@ double fit_value(const struct fit *fit, double t)
 
 struct measured fit_stiffness(const struct fit *fit, struct measured mass)
 {
-    double w = fit->omega.value, g = fit->gamma.value, square = w * w + 0.25 * g * g, m = mass.value;
+    double w = fit->omega.value, g = fit->gamma.value, square = w * w + 0.25 * g * g,
+           m = mass.value;
     double by_mass = isfinite(mass.uncertainty) ? square * mass.uncertainty : 0;
-    double by_omega = 2 * m * w * fit->omega.uncertainty, by_gamma = 0.5 * m * g * fit->gamma.uncertainty;
-    return (struct measured){m * square, sqrt(by_mass * by_mass + by_omega * by_omega + by_gamma * by_gamma)};
+    double by_omega = 2 * m * w * fit->omega.uncertainty,
+           by_gamma = 0.5 * m * g * fit->gamma.uncertainty;
+    return (struct measured){m * square,
+                             sqrt(by_mass * by_mass + by_omega * by_omega + by_gamma * by_gamma)};
 }

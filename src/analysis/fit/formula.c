@@ -15,7 +15,11 @@ struct names {
     enum { NAMES_FINE, NAMES_MANY, NAMES_MEMORY } state;
 };
 
-enum { FIRST_PARAMETER = 64, FIRST_CONSTANT = FIRST_PARAMETER + CURVE_PARAMETERS, CONSTANTS_MOST = 256 };
+enum {
+    FIRST_PARAMETER = 64,
+    FIRST_CONSTANT = FIRST_PARAMETER + CURVE_PARAMETERS,
+    CONSTANTS_MAX = 256
+};
 
 struct scope_context {
     struct names *names;
@@ -32,7 +36,8 @@ static int find_parameter(const struct formula *f, struct text name)
 static bool find_constant(struct names *n, struct text name, int *slot)
 {
     int known;
-    if (!n->known || !n->known->find(n->known->context, name, &known) || n->constants == CONSTANTS_MOST)
+    if (!n->known || !n->known->find(n->known->context, name, &known) ||
+        n->constants == CONSTANTS_MAX)
         return false;
     n->constant[n->constants] = n->known->load(n->known->context, known);
     *slot = FIRST_CONSTANT + n->constants++;
@@ -55,7 +60,8 @@ static bool find(const void *context, struct text name, int *slot)
     int j = find_parameter(f, name);
     if (j < 0 && find_constant(n, name, slot))
         return true;
-    if (j < 0 && (memchr(name.at, '-', name.len) || name.len > LIMIT_NAME || catalog_find(&function_catalog, name)))
+    if (j < 0 && (memchr(name.at, '-', name.len) || name.len > LIMIT_NAME ||
+                  catalog_find(&function_catalog, name)))
         return false;
     if (j < 0 && f->parameters == CURVE_PARAMETERS) {
         n->state = NAMES_MANY;
@@ -85,16 +91,19 @@ static void mark_linear(struct formula *f)
     }
 }
 
-bool formula_compile(struct text text, const struct expr_scope *known, const struct formula_column *column, int columns,
-                     struct arena *arena, struct formula *formula, size_t *used, struct error *error)
+bool formula_compile(struct text text, const struct expr_scope *known,
+                     const struct formula_column *column, int columns, struct arena *arena,
+                     struct formula *formula, size_t *used, struct error *error)
 {
     *formula = (struct formula){.column = column, .columns = columns};
-    formula->constant = arena_array(arena, CONSTANTS_MOST, sizeof(double));
+    formula->constant = arena_array(arena, CONSTANTS_MAX, sizeof(double));
     if (!formula->constant)
         return error_memory(error);
-    struct names names = {.formula = formula, .known = known, .arena = arena, .constant = formula->constant};
+    struct names names = {
+        .formula = formula, .known = known, .arena = arena, .constant = formula->constant};
     struct scope_context context = {&names};
-    struct expr_scope scope = {.context = &context, .find = find, .offer = known ? known->offer : NULL};
+    struct expr_scope scope = {
+        .context = &context, .find = find, .offer = known ? known->offer : NULL};
     formula->expr = expr_compile(text, &scope, arena, used, error);
     if (names.state == NAMES_MEMORY)
         return error_memory(error);
@@ -104,7 +113,8 @@ bool formula_compile(struct text text, const struct expr_scope *known, const str
         return false;
     if (formula->parameters == 0) {
         error_at(error, (struct text){text.at, *used}, "the formula has no parameter to fit");
-        return error_hint(error, "names that are not known yet are its parameters: a*exp(-b*t) + c");
+        return error_hint(error,
+                          "names that are not known yet are its parameters: a*exp(-b*t) + c");
     }
     for (int j = 0; j < formula->parameters; j++) {
         formula->low[j] = -INFINITY;
@@ -120,8 +130,8 @@ static int require_parameter(const struct formula *f, struct text name, struct e
     if (j >= 0)
         return j;
     struct suggestion suggestion = {.wanted = name};
-    error_at(error, name, "the formula has no parameter '%.*s'", name.len < LIMIT_NAME ? (int)name.len : LIMIT_NAME,
-             name.at);
+    error_at(error, name, "the formula has no parameter '%.*s'",
+             name.len < LIMIT_NAME ? (int)name.len : LIMIT_NAME, name.at);
     for (int i = 0; i < f->parameters; i++)
         suggestion_offer(&suggestion, f->name[i]);
     suggestion_hint(&suggestion, error);
@@ -138,13 +148,15 @@ bool formula_start(struct formula *f, struct text name, double start, struct err
     return j >= 0;
 }
 
-bool formula_bounds(struct formula *f, struct text name, double low, double high, struct error *error)
+bool formula_bounds(struct formula *f, struct text name, double low, double high,
+                    struct error *error)
 {
     int j = require_parameter(f, name, error);
     if (j < 0)
         return false;
     if (!(low < high))
-        return error_at(error, name, "the bounds of %s are no range: %g to %g", f->name[j], low, high);
+        return error_at(error, name, "the bounds of %s are no range: %g to %g", f->name[j], low,
+                        high);
     f->low[j] = low;
     f->high[j] = high;
     return true;
@@ -152,7 +164,7 @@ bool formula_bounds(struct formula *f, struct text name, double low, double high
 
 /* ---- evaluation ---- */
 
-struct place {
+struct index {
     const struct formula *formula;
     const double *parameter;
     double t;
@@ -161,7 +173,7 @@ struct place {
 
 static double load(const void *context, int slot)
 {
-    const struct place *p = context;
+    const struct index *p = context;
     const struct formula *f = p->formula;
     if (slot >= FIRST_CONSTANT)
         return f->constant[slot - FIRST_CONSTANT];
@@ -170,34 +182,35 @@ static double load(const void *context, int slot)
     return slot < f->columns && f->column[slot].value ? f->column[slot].value[p->i] : p->t;
 }
 
-bool formula_evaluate(void *context, const double *parameter, const double *t, size_t n, double *value,
-                      double *derivative)
+bool formula_evaluate(void *context, const double *parameter, const double *t, size_t n,
+                      double *value, double *derivative)
 {
     const struct formula *f = context;
-    struct place place = {.formula = f, .parameter = parameter};
-    struct expr_scope scope = {.context = &place, .load = load};
+    struct index index = {.formula = f, .parameter = parameter};
+    struct expr_scope scope = {.context = &index, .load = load};
     int slot[CURVE_PARAMETERS];
     for (int j = 0; j < f->parameters; j++)
         slot[j] = FIRST_PARAMETER + j;
     for (size_t i = 0; i < n; i++) {
-        place.t = t[i];
-        place.i = i;
-        value[i] = derivative
-                       ? expr_gradient(f->expr, &scope, slot, f->parameters, derivative + i * (size_t)f->parameters)
-                       : expr_value(f->expr, &scope);
+        index.t = t[i];
+        index.i = i;
+        value[i] = derivative ? expr_gradient(f->expr, &scope, slot, f->parameters,
+                                              derivative + i * (size_t)f->parameters)
+                              : expr_value(f->expr, &scope);
         if (!isfinite(value[i]))
             return false;
     }
     return true;
 }
 
-void formula_values(const struct formula *formula, const double *parameter, const double *t, size_t n, double *value)
+void formula_values(const struct formula *formula, const double *parameter, const double *t,
+                    size_t n, double *value)
 {
-    struct place place = {.formula = formula, .parameter = parameter};
-    struct expr_scope scope = {.context = &place, .load = load};
+    struct index index = {.formula = formula, .parameter = parameter};
+    struct expr_scope scope = {.context = &index, .load = load};
     for (size_t i = 0; i < n; i++) {
-        place.t = t[i];
-        place.i = i;
+        index.t = t[i];
+        index.i = i;
         value[i] = expr_value(formula->expr, &scope);
     }
 }

@@ -6,7 +6,7 @@
 #include "analysis/internal.h"
 
 /* A formula (the context) as struct fit_curve wants it. */
-bool formula_evaluate(void *context, const double *parameter, const double *t, size_t n, double *value,
-                      double *derivative);
+bool formula_evaluate(void *context, const double *parameter, const double *t, size_t n,
+                      double *value, double *derivative);
 
 #endif

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Fitting a formula, with starts that are looked for: what it is linear in is projected out, the rest is tried on the
- * scales of the series; the best trials are refined.
+ * Fitting a formula, with starts that are looked for: what it is linear in is projected out, the
+ * rest is tried on the scales of the series; the best trials are refined.
  */
 #include "analysis/fit/formula.h"
 #include "analysis/fit/projection.h"
@@ -9,7 +9,7 @@
 #include <gsl/gsl_errno.h>
 #include <string.h>
 
-enum { THIN = 400, TRIALS = 3000, REFINED = 12, SCALES_MOST = 40 };
+enum { THIN = 400, TRIALS = 3000, REFINED = 12, SCALES_MAX = 40 };
 
 struct search {
     struct formula formula; /* with its columns thinned like the series */
@@ -17,7 +17,7 @@ struct search {
     struct fit_curve curve;
     struct projection projection;            /* of these */
     int unknown[CURVE_PARAMETERS], unknowns; /* neither linear nor given */
-    double scale[SCALES_MOST];
+    double scale[SCALES_MAX];
     int scales;
     uint64_t state;
 };
@@ -52,7 +52,8 @@ static bool thin_out(struct search *s, const struct series *series, struct arena
         column[k] = (struct formula_column){s->formula.column[k].name, values + k * n};
     s->formula.column = column;
     s->thin = (struct series){.t = t, .y = y, .n = n, .quantity = series->quantity};
-    s->curve = (struct fit_curve){s->formula.parameters, s->formula.name, &s->formula, formula_evaluate};
+    s->curve =
+        (struct fit_curve){s->formula.parameters, s->formula.name, &s->formula, formula_evaluate};
     return projection_init(&s->projection, &s->curve, s->formula.linear, &s->thin, arena);
 }
 
@@ -100,13 +101,15 @@ static double pick(struct search *s, int j)
     double low = s->formula.low[j], high = s->formula.high[j];
     if (isfinite(low) && isfinite(high))
         return low + (high - low) * uniform(s);
-    double size = uniform(s) < 0.6 ? s->scale[(size_t)(uniform(s) * s->scales)] : pow(10, 8 * uniform(s) - 5);
+    double size =
+        uniform(s) < 0.6 ? s->scale[(size_t)(uniform(s) * s->scales)] : pow(10, 8 * uniform(s) - 5);
     size = uniform(s) < 0.3 ? -size : size;
     return isfinite(low) ? low + fabs(size) : isfinite(high) ? high - fabs(size) : size;
 }
 
 /* The best trials, the best first. Returns how many there are. */
-static int try_scales(struct search *s, const struct cancel *cancel, const double *given, struct trial *best)
+static int try_scales(struct search *s, const struct cancel *cancel, const double *given,
+                      struct trial *best)
 {
     int kept = 0, trials = s->unknowns > 0 ? TRIALS : 1;
     for (int k = 0; k < trials && !cancelled(cancel); k++) {
@@ -171,7 +174,8 @@ static bool refine_projected(struct refining *r, const double *x)
     double start[CURVE_PARAMETERS], all[CURVE_PARAMETERS], rss;
     struct curve_fit reduced;
     struct error local = {0};
-    struct curve_options plain = {.iterations = r->options->iterations, .cancel = r->options->cancel};
+    struct curve_options plain = {.iterations = r->options->iterations,
+                                  .cancel = r->options->cancel};
     struct formula formula = *r->formula;
     const struct fit_curve whole = {formula.parameters, formula.name, &formula, formula_evaluate};
     if (!projection_init(&projection, &whole, formula.linear, r->series, r->arena))
@@ -195,8 +199,9 @@ static bool refine_projected(struct refining *r, const double *x)
     return on;
 }
 
-bool formula_fit(const struct formula *formula, const struct series *series, const struct curve_options *options,
-                 struct arena *arena, struct curve_fit *fit, struct error *error)
+bool formula_fit(const struct formula *formula, const struct series *series,
+                 const struct curve_options *options, struct arena *arena, struct curve_fit *fit,
+                 struct error *error)
 {
     static const struct curve_options none;
     struct curve_options o = options ? *options : none;
@@ -231,7 +236,8 @@ bool formula_fit(const struct formula *formula, const struct series *series, con
     if (cancelled(o.cancel))
         return error_set(error, ERROR_CANCELLED, "the fit was stopped");
     if (!r.found && error->code == ERROR_NONE)
-        error_set(error, ERROR_COMMAND, "no start was found from which the formula has finite values everywhere");
+        error_set(error, ERROR_COMMAND,
+                  "no start was found from which the formula has finite values everywhere");
     if (!r.found)
         return error_hint(error, "give starts: fit 'a*exp(-b*t)' a=5 b=0.1");
     *error = (struct error){0};

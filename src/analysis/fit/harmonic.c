@@ -1,15 +1,16 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * The damped sine y = c + d s + exp(-gamma s/2) (a cos(omega s) + b sin(omega s)): variable projection with
- * Levenberg–Marquardt.
+ * The damped sine y = c + d s + exp(-gamma s/2) (a cos(omega s) + b sin(omega s)): variable
+ * projection with Levenberg–Marquardt.
  *
- * One pass over the samples accumulates the products of the columns [u v 1 s | dy/domega dy/dgamma | r]. The Cholesky
- * factor of that small matrix is the R of the QR factorisation of the n-row problem: its last rows are the problem in
- * (omega, gamma) after the linear parameters have been projected out (Kaufman's variable projection, Golub & Pereyra
- * 2003, Inverse Problems 19 R1, section 4). Forming products squares the condition number, which is small here: the
- * columns are scaled, the origin lies at the weight of the amplitude, what is fitted is the residual of the current
- * model (so rounding is corrected by the next iteration), and a factor worse than PIVOT_LEAST is refused. No matrix
- * with n rows is ever stored.
+ * One pass over the samples accumulates the products of the columns [u v 1 s | dy/domega dy/dgamma
+ * | r]. The Cholesky factor of that small matrix is the R of the QR factorisation of the n-row
+ * problem: its last rows are the problem in (omega, gamma) after the linear parameters have been
+ * projected out (Kaufman's variable projection, Golub & Pereyra 2003, Inverse Problems 19 R1,
+ * section 4). Forming products squares the condition number, which is small here: the columns are
+ * scaled, the origin lies at the weight of the amplitude, what is fitted is the residual of the
+ * current model (so rounding is corrected by the next iteration), and a factor worse than PIVOT_MIN
+ * is refused. No matrix with n rows is ever stored.
  */
 #include "analysis/internal.h"
 
@@ -18,7 +19,7 @@
 
 enum { CHUNK = 64, COLUMNS = HARMONIC_PARAMETERS + 1, PASSES = 40 };
 
-#define PIVOT_LEAST 1e-10 /* squared sine of the angle between a column and those before it */
+#define PIVOT_MIN 1e-10 /* squared sine of the angle between a column and those before it */
 
 typedef double pair __attribute__((vector_size(16)));
 
@@ -27,12 +28,14 @@ union block {
     pair p[CHUNK / 2];
 };
 
-/* exp((-gamma/2 + i omega) k dt): a chunk starts from an exact phase, so no error accumulates along the series. */
+/* exp((-gamma/2 + i omega) k dt): a chunk starts from an exact phase, so no error accumulates along
+ * the series. */
 struct turn {
     double re[CHUNK], im[CHUNK];
 };
 
-/* Four accumulators, so that additions overlap; the order of the sums is fixed, whatever the compiler makes of it. */
+/* Four accumulators, so that additions overlap; the order of the sums is fixed, whatever the
+ * compiler makes of it. */
 static double dot(const union block *x, const union block *y)
 {
     pair a = {0, 0}, b = a, c = a, d = a;
@@ -57,9 +60,10 @@ static void turn_init(struct turn *turn, const struct harmonic *h, double dt)
     }
 }
 
-/* u + i v = exp((-gamma/2 + i omega) s) and s for the samples from `at` on; `count` of them exist. */
-static void fill_basis(const struct samples *x, size_t at, int count, const struct harmonic *h, const struct turn *turn,
-                       union block *u, union block *v, union block *s)
+/* u + i v = exp((-gamma/2 + i omega) s) and s for the samples from `at` on; `count` of them exist.
+ */
+static void fill_basis(const struct samples *x, size_t at, int count, const struct harmonic *h,
+                       const struct turn *turn, union block *u, union block *v, union block *s)
 {
     if (x->uniform) {
         double start = x->t0 + (double)at * x->dt - h->origin, e = exp(-0.5 * h->gamma * start);
@@ -72,17 +76,18 @@ static void fill_basis(const struct samples *x, size_t at, int count, const stru
         return;
     }
     for (int k = 0; k < CHUNK; k++) {
-        double time = k < count ? x->t[at + (size_t)k] - h->origin : 0, e = exp(-0.5 * h->gamma * time);
+        double time = k < count ? x->t[at + (size_t)k] - h->origin : 0,
+               e = exp(-0.5 * h->gamma * time);
         u->d[k] = e * cos(h->omega * time);
         v->d[k] = e * sin(h->omega * time);
         s->d[k] = time;
     }
 }
 
-/* Products of the model's first `unknowns` columns and of the residual (the last column). Returns the number of samples
- * used. */
-static size_t products(const struct samples *x, int unknowns, const struct harmonic *h, double gram[COLUMNS][COLUMNS],
-                       double *residual)
+/* Products of the model's first `unknowns` columns and of the residual (the last column). Returns
+ * the number of samples used. */
+static size_t products(const struct samples *x, int unknowns, const struct harmonic *h,
+                       double gram[COLUMNS][COLUMNS], double *residual)
 {
     union block column[COLUMNS], s, mask;
     struct turn turn;
@@ -139,7 +144,8 @@ static size_t products(const struct samples *x, int unknowns, const struct harmo
     return used;
 }
 
-/* The gram matrix with columns scaled to length one: gram = S R^T R S with R upper triangular, r last. */
+/* The gram matrix with columns scaled to length one: gram = S R^T R S with R upper triangular, r
+ * last. */
 struct factor {
     double r[COLUMNS][COLUMNS], scale[COLUMNS];
 };
@@ -162,7 +168,7 @@ static bool factorise(double gram[COLUMNS][COLUMNS], int unknowns, struct factor
             if (j > i) {
                 f->r[i][j] = sum / f->r[i][i];
             } else if (i < unknowns) {
-                if (!(sum > PIVOT_LEAST)) {
+                if (!(sum > PIVOT_MIN)) {
                     return false;
                 }
                 f->r[i][i] = sqrt(sum);
@@ -184,7 +190,8 @@ static void damped_step(const struct factor *f, int unknowns, double lambda, dou
         step[RATE_OMEGA] = p / (a * (1 + lambda)) / f->scale[RATE_OMEGA];
         return;
     }
-    double b = w[RATE_OMEGA] * w[RATE_GAMMA], d = w[RATE_GAMMA] * w[RATE_GAMMA] + g[RATE_GAMMA] * g[RATE_GAMMA];
+    double b = w[RATE_OMEGA] * w[RATE_GAMMA],
+           d = w[RATE_GAMMA] * w[RATE_GAMMA] + g[RATE_GAMMA] * g[RATE_GAMMA];
     double q = w[RATE_GAMMA] * w[unknowns] + g[RATE_GAMMA] * g[unknowns];
     a *= 1 + lambda;
     d *= 1 + lambda;
@@ -229,8 +236,10 @@ double harmonic_sigma(const struct harmonic *h, int unknowns)
     return h->used > fitted ? sqrt(h->rss / (double)(h->used - fitted)) : NAN;
 }
 
-/* What one pass says about a point (omega, gamma): best linear parameters there, its sum of squares, its factor. */
-static bool look(const struct samples *x, int unknowns, struct harmonic *h, struct factor *f, double *residual)
+/* What one pass says about a point (omega, gamma): best linear parameters there, its sum of
+ * squares, its factor. */
+static bool look(const struct samples *x, int unknowns, struct harmonic *h, struct factor *f,
+                 double *residual)
 {
     double gram[COLUMNS][COLUMNS], step[COLUMNS];
     h->used = products(x, unknowns, h, gram, residual);
@@ -256,7 +265,8 @@ static bool look(const struct samples *x, int unknowns, struct harmonic *h, stru
     return isfinite(h->rss);
 }
 
-bool harmonic_fit(const struct samples *x, enum harmonic_free wanted, struct harmonic *out, double *residual)
+bool harmonic_fit(const struct samples *x, enum harmonic_free wanted, struct harmonic *out,
+                  double *residual)
 {
     struct harmonic best = *out;
     struct factor factor;
@@ -265,18 +275,22 @@ bool harmonic_fit(const struct samples *x, enum harmonic_free wanted, struct har
     if (x->n == 0 || cancelled(x->cancel)) {
         return false;
     }
-    bool cold = best.a == 0 &&
-                best.b == 0; /* no start: work around a first answer, so that rounding is that of the residuals */
+    bool cold =
+        best.a == 0 &&
+        best.b ==
+            0; /* no start: work around a first answer, so that rounding is that of the residuals */
     if (cold) {
         best.c = x->y[0];
         if (!look(x, FREE_LINEAR, &best, &factor, NULL)) {
             return false;
         }
     }
-    if ((!cold || unknowns > FREE_LINEAR || residual) && !look(x, unknowns, &best, &factor, residual)) {
+    if ((!cold || unknowns > FREE_LINEAR || residual) &&
+        !look(x, unknowns, &best, &factor, residual)) {
         return false;
     }
-    if (!cold && unknowns == FREE_LINEAR && residual && !look(x, unknowns, &best, &factor, residual)) {
+    if (!cold && unknowns == FREE_LINEAR && residual &&
+        !look(x, unknowns, &best, &factor, residual)) {
         return false; /* the first look's residuals were those of the start */
     }
     double span = x->t[x->n - 1] - x->t[0], lambda = 0, floor = 0;
@@ -289,7 +303,8 @@ bool harmonic_fit(const struct samples *x, enum harmonic_free wanted, struct har
         for (int i = FREE_LINEAR; i < unknowns; i++) {
             gain += factor.r[i][unknowns] * factor.r[i][unknowns];
         }
-        /* A step of less than a thousandth of a standard deviation, or one that only stirs rounding noise. */
+        /* A step of less than a thousandth of a standard deviation, or one that only stirs rounding
+         * noise. */
         floor = 1e-26 * (double)best.used * (best.a * best.a + best.b * best.b + best.c * best.c);
         if (gain <= 1e-6 * best.rss / (double)best.used || gain <= floor) {
             best.converged = true;
@@ -303,7 +318,8 @@ bool harmonic_fit(const struct samples *x, enum harmonic_free wanted, struct har
         trial.gamma += step[RATE_GAMMA];
         trial.iterations = ++best.iterations;
         bool sane = trial.omega > 0 && fabs(trial.gamma) * span < 600;
-        if (sane && look(x, unknowns, &trial, &trial_factor, residual) && trial.rss <= best.rss + floor) {
+        if (sane && look(x, unknowns, &trial, &trial_factor, residual) &&
+            trial.rss <= best.rss + floor) {
             best = trial;
             factor = trial_factor;
             stale = false;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Variable projection: the parameters in which a curve is linear are solved for exactly, so that only the others are
- * searched (Golub & Pereyra 2003; derivatives in Kaufman's form, BIT 15, 1975).
+ * Variable projection: the parameters in which a curve is linear are solved for exactly, so that
+ * only the others are searched (Golub & Pereyra 2003; derivatives in Kaufman's form, BIT 15, 1975).
  */
 #include "analysis/fit/projection.h"
 
@@ -9,7 +9,7 @@
 #include <gsl/gsl_linalg.h>
 #include <string.h>
 
-#define PIVOT_LEAST 1e-12 /* sine of the angle between a column and those before it */
+#define PIVOT_MIN 1e-12 /* sine of the angle between a column and those before it */
 
 bool projection_init(struct projection *v, const struct fit_curve *curve, const bool *linear,
                      const struct series *series, struct arena *arena)
@@ -53,7 +53,8 @@ bool project(struct projection *v, double *x, double *value, double *derivative,
     size_t n = v->series->n, m = (size_t)v->linears;
     const double *t = v->series->t, *y = v->series->y;
     double tau_of[CURVE_PARAMETERS], norm[CURVE_PARAMETERS];
-    gsl_vector_view r = gsl_vector_view_array(v->column, n), tau = gsl_vector_view_array(tau_of, m ? m : 1);
+    gsl_vector_view r = gsl_vector_view_array(v->column, n),
+                    tau = gsl_vector_view_array(tau_of, m ? m : 1);
     gsl_matrix_view qr = gsl_matrix_view_array(v->basis, n, m ? m : 1);
     for (size_t k = 0; k < m; k++)
         x[v->linear[k]] = 0;
@@ -71,7 +72,7 @@ bool project(struct projection *v, double *x, double *value, double *derivative,
     if (m > 0) {
         gsl_linalg_QR_decomp(&qr.matrix, &tau.vector);
         for (size_t k = 0; k < m; k++)
-            if (!(fabs(gsl_matrix_get(&qr.matrix, k, k)) > PIVOT_LEAST))
+            if (!(fabs(gsl_matrix_get(&qr.matrix, k, k)) > PIVOT_MIN))
                 return false;
         gsl_linalg_QR_QTvec(&qr.matrix, &tau.vector, &r.vector);
         for (size_t k = m; k-- > 0;) {
@@ -101,8 +102,8 @@ bool project(struct projection *v, double *x, double *value, double *derivative,
     return isfinite(length);
 }
 
-bool projection_evaluate(void *context, const double *parameter, const double *t, size_t n, double *value,
-                         double *derivative)
+bool projection_evaluate(void *context, const double *parameter, const double *t, size_t n,
+                         double *value, double *derivative)
 {
     struct projection *v = context;
     double x[CURVE_PARAMETERS], rss;

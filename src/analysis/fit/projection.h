@@ -18,12 +18,13 @@ struct projection {
 bool projection_init(struct projection *v, const struct fit_curve *curve, const bool *linear,
                      const struct series *series, struct arena *arena);
 /*
- * Sets the linear parameters in x [parameters] to the best for the others there. value [n] and derivative [n][others]
- * of the curve with them, or NULL. False: no finite values there, or linear parameters that are not determined.
+ * Sets the linear parameters in x [parameters] to the best for the others there. value [n] and
+ * derivative [n][others] of the curve with them, or NULL. False: no finite values there, or linear
+ * parameters that are not determined.
  */
 bool project(struct projection *v, double *x, double *value, double *derivative, double *rss);
 /* The same (the context) as struct fit_curve wants it: a curve of the other parameters alone. */
-bool projection_evaluate(void *context, const double *parameter, const double *t, size_t n, double *value,
-                         double *derivative);
+bool projection_evaluate(void *context, const double *parameter, const double *t, size_t n,
+                         double *value, double *derivative);
 
 #endif

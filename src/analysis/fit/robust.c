@@ -1,26 +1,28 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Rejection of missed echoes and of clipped samples around a least-squares fit. Nothing is dropped without being
- * counted. */
+/* Rejection of missed echoes and of clipped samples around a least-squares fit. Nothing is dropped
+ * without being counted. */
 #include "analysis/internal.h"
 
 #include <math.h>
 #include <string.h>
 
-#define REJECT_AT 5.0      /* robust standard deviations */
-#define EXACT 1e-7         /* of the amplitude: deviations below are the model's, not the instrument's */
-#define CLIPPED_LEAST 0.01 /* of the samples */
-#define RESOLVED 1.5       /* steps of the recording: what falls short by less is rounded, not cut */
-#define FLAT 0.8           /* of the samples that fall short of the model read the same, or these are no flat tops */
+#define REJECT_AT 5.0 /* robust standard deviations */
+#define EXACT 1e-7    /* of the amplitude: deviations below are the model's, not the instrument's */
+#define CLIPPED_MIN 0.01 /* of the samples */
+#define RESOLVED 1.5     /* steps of the recording: what falls short by less is rounded, not cut */
+#define FLAT                                                                                       \
+    0.8 /* of the samples that fall short of the model read the same, or these are no flat tops */
 
-/* Where the model of a sample is: its value less the residual. side 1: above, -1: below; positive beyond the level. */
+/* Where the model of a sample is: its value less the residual. side 1: above, -1: below; positive
+ * beyond the level. */
 static double beyond(const struct motion *m, size_t i, int side, double level)
 {
     return side * (m->samples.y[i] - m->residual[i] - level);
 }
 
 /*
- * Flat tops: of the samples that fall short of the model by more than noise, in the outer part of the oscillation,
- * nearly all read the same (a nearer object echoes, the sensor's range ends).
+ * Flat tops: of the samples that fall short of the model by more than noise, in the outer part of
+ * the oscillation, nearly all read the same (a nearer object echoes, the sensor's range ends).
  */
 static void find_ceiling(struct motion *m, int side, double band)
 {
@@ -31,7 +33,7 @@ static void find_ceiling(struct motion *m, int side, double band)
     for (size_t i = 0; i < x->n; i++)
         if (-side * m->residual[i] > band && side * (x->y[i] - middle) > outer)
             m->scratch[count++] = x->y[i];
-    if (count < 6 || (double)count < CLIPPED_LEAST * (double)x->n)
+    if (count < 6 || (double)count < CLIPPED_MIN * (double)x->n)
         return;
     double level = quantile(m->scratch, count, 0.5);
     for (size_t i = 0; i < count; i++)
@@ -41,8 +43,9 @@ static void find_ceiling(struct motion *m, int side, double band)
 }
 
 /*
- * A sample is censored where the model reaches beyond the ceiling, whatever it reads itself: were it judged by its
- * reading, those that noise carries up would be kept and those that it carries down dropped.
+ * A sample is censored where the model reaches beyond the ceiling, whatever it reads itself: were
+ * it judged by its reading, those that noise carries up would be kept and those that it carries
+ * down dropped.
  */
 static bool is_censored(const struct motion *m, size_t i, double sigma)
 {
@@ -50,23 +53,26 @@ static bool is_censored(const struct motion *m, size_t i, double sigma)
            (m->ceiling[1].found && beyond(m, i, -1, m->ceiling[1].level) > -sigma);
 }
 
-/* Local harmonic fit of a segment: what is slow (sway, another law of drag, drift) is in its a, b, c and rejects
- * nothing. */
+/* Local harmonic fit of a segment: what is slow (sway, another law of drag, drift) is in its a, b,
+ * c and rejects nothing. */
 static void fit_segment(struct motion *m, struct segment *s)
 {
     struct samples part = samples_part(&m->samples, s->from, s->to);
-    struct harmonic h = {.a = s->a, .b = s->b, .c = s->c, .omega = m->harmonic.omega, .gamma = m->harmonic.gamma};
+    struct harmonic h = {
+        .a = s->a, .b = s->b, .c = s->c, .omega = m->harmonic.omega, .gamma = m->harmonic.gamma};
     h.origin = 0.5 * (part.t[0] + part.t[part.n - 1]);
     s->settled = true;
     if (!harmonic_fit(&part, FREE_LINEAR, &h, m->residual + s->from)) {
-        memset(m->residual + s->from, 0, part.n * sizeof(double)); /* too few good samples to judge the others */
+        memset(m->residual + s->from, 0,
+               part.n * sizeof(double)); /* too few good samples to judge the others */
         return;
     }
     s->a = h.a;
     s->b = h.b;
     s->c = h.c;
     /* What the model misses is in proportion to the amplitude: the scale is that of the middle. */
-    double square = 0, growth = exp(0.5 * h.gamma * (part.t[part.n - 1] - part.t[0]) / (double)(part.n - 1));
+    double square = 0,
+           growth = exp(0.5 * h.gamma * (part.t[part.n - 1] - part.t[0]) / (double)(part.n - 1));
     double weight = exp(0.5 * h.gamma * (part.t[0] - h.origin));
     for (size_t i = 0; i < part.n; i++, weight *= growth) {
         double r = m->residual[s->from + i], model = part.y[i] - r - h.c;
@@ -82,7 +88,8 @@ static size_t update_mask(struct motion *m, double typical, double noise)
 {
     size_t changed = 0;
     double exact = EXACT * hypot(m->harmonic.a, m->harmonic.b);
-    double band = fmax(fmax(3 * noise, RESOLVED * m->quantum), 0.004 * (m->overview.high - m->overview.low));
+    double band =
+        fmax(fmax(3 * noise, RESOLVED * m->quantum), 0.004 * (m->overview.high - m->overview.low));
     find_ceiling(m, 1, band);
     find_ceiling(m, -1, band);
     m->rejected = m->clipped = 0;
@@ -93,7 +100,8 @@ static size_t update_mask(struct motion *m, double typical, double noise)
         double local = s->scale * exp(0.25 * m->harmonic.gamma * duration);
         for (size_t i = s->from; i < s->to; i++, local *= fall) {
             bool censored = is_censored(m, i, noise);
-            bool use = !censored && fabs(m->residual[i]) <= REJECT_AT * fmax(local, typical) + exact;
+            bool use =
+                !censored && fabs(m->residual[i]) <= REJECT_AT * fmax(local, typical) + exact;
             if (use != (m->samples.use[i] != 0)) {
                 m->samples.use[i] = use;
                 s->settled = false;
@@ -109,8 +117,9 @@ static size_t update_mask(struct motion *m, double typical, double noise)
 bool reject_outliers(struct motion *m, struct arena *arena)
 {
     enum { ROUNDS = 30, LEAST = 24 };
-    double span = m->samples.t[m->samples.n - 1] - m->samples.t[0], most = (double)(m->samples.n / LEAST);
-    m->segments = (size_t)fmax(1, fmin(most, floor(0.25 * m->harmonic.omega * span / PI)));
+    double span = m->samples.t[m->samples.n - 1] - m->samples.t[0],
+           max = (double)(m->samples.n / LEAST);
+    m->segments = (size_t)fmax(1, fmin(max, floor(0.25 * m->harmonic.omega * span / PI)));
     m->segment = arena_array(arena, m->segments, sizeof *m->segment);
     if (!m->segment) {
         return false;

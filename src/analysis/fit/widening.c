@@ -1,16 +1,18 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * How much less than independent residuals the real ones tell about each parameter. Amplitude and decay are read from
- * what is in phase with the oscillation, phase and frequency from what is a quarter period off, the offset from what is
- * slow: sway spoils the first, a wandering offset the last, and neither the others.
+ * How much less than independent residuals the real ones tell about each parameter. Amplitude and
+ * decay are read from what is in phase with the oscillation, phase and frequency from what is a
+ * quarter period off, the offset from what is slow: sway spoils the first, a wandering offset the
+ * last, and neither the others.
  */
 #include "analysis/internal.h"
 
 #include <math.h>
 
-enum { PERIODS = 2, WINDOWS_LEAST = 8 };
+enum { PERIODS = 2, WINDOWS_MIN = 8 };
 
-/* One of the two directions: the residuals' part along it, window by window, scaled to the variance of one sample. */
+/* One of the two directions: the residuals' part along it, window by window, scaled to the variance
+ * of one sample. */
 struct direction {
     double square, product, norm, before;
 };
@@ -24,7 +26,8 @@ static void add_window(struct direction *d, double sum, double norm)
     d->before = z;
 }
 
-/* The windows' variance against that of the samples, and their correlation, where they are more than chance. */
+/* The windows' variance against that of the samples, and their correlation, where they are more
+ * than chance. */
 static double factor_of(const struct direction *d, double windows, double variance, int fitted)
 {
     double ratio = d->square / d->norm / variance * windows / fmax(windows - fitted, 1);
@@ -33,11 +36,12 @@ static double factor_of(const struct direction *d, double windows, double varian
     return factor > 1 + sqrt(2 / windows) ? factor : 1;
 }
 
-struct widening residual_widening(const struct samples *x, const double *residual, const struct oscillation *o,
-                                  int fitted)
+struct widening residual_widening(const struct samples *x, const double *residual,
+                                  const struct oscillation *o, int fitted)
 {
     struct direction in_phase = {0}, across = {0};
-    double lag = autocorrelation_factor(residual_autocorrelation(x, residual)), square = 0, used = 0, windows = 0;
+    double lag = autocorrelation_factor(residual_autocorrelation(x, residual)), square = 0,
+           used = 0, windows = 0;
     double period = TWO_PI / o->omega, end = x->n > 0 ? x->t[0] + PERIODS * period : 0;
     double sum[2] = {0, 0}, norm[2] = {0, 0};
     for (size_t i = 0; i <= x->n; i++) {
@@ -52,7 +56,8 @@ struct widening residual_widening(const struct samples *x, const double *residua
             sum[0] = sum[1] = norm[0] = norm[1] = 0;
         }
         if (i < x->n && x->use[i]) {
-            double s = x->t[i] - o->origin, e = exp(-0.5 * o->gamma * s), c = cos(o->omega * s), d = sin(o->omega * s);
+            double s = x->t[i] - o->origin, e = exp(-0.5 * o->gamma * s), c = cos(o->omega * s),
+                   d = sin(o->omega * s);
             double u = e * (o->a * c + o->b * d), v = e * (o->b * c - o->a * d);
             sum[0] += u * residual[i];
             sum[1] += v * residual[i];
@@ -62,7 +67,7 @@ struct widening residual_widening(const struct samples *x, const double *residua
             used++;
         }
     }
-    if (windows < WINDOWS_LEAST || !(square > 0))
+    if (windows < WINDOWS_MIN || !(square > 0))
         return (struct widening){lag, lag, lag};
     double variance = square / used;
     return (struct widening){factor_of(&in_phase, windows, variance, fitted),

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Which law makes the oscillation die out: the equation of motion under each, integrated (equation.c) and fitted to all
- * samples (law_fit.c); the averaged envelope is only where the search begins. Which samples take part is judged by what
- * the most general of the laws leaves, not by the damped sine; so is whether the baseline wanders.
+ * Which law makes the oscillation die out: the equation of motion under each, integrated
+ * (equation.c) and fitted to all samples (law_fit.c); the averaged envelope is only where the
+ * search begins. Which samples take part is judged by what the most general of the laws leaves, not
+ * by the damped sine; so is whether the baseline wanders.
  */
 #include "analysis/law/drag.h"
 
@@ -11,42 +12,46 @@
 
 enum { ROUNDS = 4 };
 
-#define LONG 100000    /* samples, from which on a step of ten standard deviations is trusted in the end */
-#define NEARLY 100.0   /* variances that a step may promise to be taken unseen: in the search, */
-#define FINALLY 1e-3   /* and at the end */
-#define REJECT_AT 5.0    /* robust standard deviations */
-#define CLIPPED 0.2      /* of what was taken for clipped that must be off, or it was not */
+#define LONG                                                                                       \
+    100000 /* samples, from which on a step of ten standard deviations is trusted in the end */
+#define NEARLY 100.0  /* variances that a step may promise to be taken unseen: in the search, */
+#define FINALLY 1e-3  /* and at the end */
+#define REJECT_AT 5.0 /* robust standard deviations */
+#define CLIPPED 0.2   /* of what was taken for clipped that must be off, or it was not */
 #define BASELINE_PERIODS 3
-#define WANDERS 2.0 /* variance that a baseline of its own takes in each block, over that of the residuals */
+#define WANDERS                                                                                    \
+    2.0 /* variance that a baseline of its own takes in each block, over that of the residuals */
 
-int drag_places(enum drag_law law, enum restoring_force force, int place[LAW_PARAMETERS])
+int drag_places(enum drag_law law, enum restoring_force force, int index[LAW_PARAMETERS])
 {
     int count = FIRST_RATE;
-    place[START] = EQUATION_START;
-    place[SPEED] = EQUATION_SPEED;
-    place[OMEGA] = EQUATION_OMEGA;
+    index[START] = EQUATION_START;
+    index[SPEED] = EQUATION_SPEED;
+    index[OMEGA] = EQUATION_OMEGA;
     for (int k = 0; k < DRAG_RATES; k++)
         if (law >> k & 1)
-            place[count++] = EQUATION_RATE + k;
+            index[count++] = EQUATION_RATE + k;
     if (force == RESTORING_CUBIC)
-        place[count++] = EQUATION_CUBIC;
+        index[count++] = EQUATION_CUBIC;
     return count;
 }
 
 /* ---- the fits ---- */
 
-/* The law alone from the rates of the envelope; a sum from the best of what it contains, its further term at 0. */
+/* The law alone from the rates of the envelope; a sum from the best of what it contains, its
+ * further term at 0. */
 static void begin_law(struct fitting *f, int i)
 {
     const enum drag_law law = (enum drag_law)(i + 1);
     struct law_fit *fit = &f->fit[i];
     int part = -1;
     for (int j = 0; j < i; j++)
-        if (((j + 1) & (i + 1)) == j + 1 && f->fit[j].converged && (part < 0 || f->fit[j].rss < f->fit[part].rss))
+        if (((j + 1) & (i + 1)) == j + 1 && f->fit[j].converged &&
+            (part < 0 || f->fit[j].rss < f->fit[part].rss))
             part = j;
     *fit = (struct law_fit){.motion = part >= 0 ? f->fit[part].motion : f->start,
                             .omega = f->start.value[EQUATION_OMEGA]};
-    fit->parameters = drag_places(law, f->start.force, fit->place);
+    fit->parameters = drag_places(law, f->start.force, fit->index);
     for (int k = 0; k < DRAG_RATES && part < 0; k++)
         fit->motion.value[EQUATION_RATE + k] = law >> k & 1 ? f->rate[k] : 0;
 }
@@ -55,12 +60,13 @@ static void begin_law(struct fitting *f, int i)
 static void scan(const struct fitting *f, struct law_fit *fit)
 {
     static const double sizes[] = {0.4, 0.7, 1, 1.5, 2.5};
-    double *rate = &fit->motion.value[fit->place[FIRST_RATE]], guess = *rate, best = guess, least = HUGE_VAL;
+    double *rate = &fit->motion.value[fit->index[FIRST_RATE]], guess = *rate, best = guess,
+           min = HUGE_VAL;
     for (size_t k = 0; k < COUNT_OF(sizes); k++) {
         *rate = guess * sizes[k];
         const double sum = law_squares(&f->samples, fit);
-        if (sum < least) {
-            least = sum;
+        if (sum < min) {
+            min = sum;
             best = *rate;
         }
     }
@@ -73,7 +79,8 @@ static void fit_law(struct fitting *f, int i, bool again, double trust)
     const bool begins = !again || !fit->converged;
     if (begins)
         begin_law(f, i);
-    if (law_descend(&f->samples, trust, f->rounding, fit) || !begins || fit->parameters > FIRST_RATE + 1)
+    if (law_descend(&f->samples, trust, f->rounding, fit) || !begins ||
+        fit->parameters > FIRST_RATE + 1)
         return;
     begin_law(f, i);
     scan(f, fit);
@@ -111,8 +118,10 @@ static struct baseline many_blocks(const struct fitting *f, size_t *edge)
 {
     const struct samples *x = &f->motion->samples;
     const double span = x->t[x->n - 1] - x->t[0], omega = f->start.value[EQUATION_OMEGA];
-    const double count = fmin(floor(omega * span / TWO_PI / BASELINE_PERIODS), (double)(x->n / BASELINE_LEAST));
-    struct baseline baseline = {.blocks = (size_t)fmax(count, 1), .edge = edge, .terms = BASELINE_TERMS};
+    const double count =
+        fmin(floor(omega * span / TWO_PI / BASELINE_PERIODS), (double)(x->n / BASELINE_MIN));
+    struct baseline baseline = {
+        .blocks = (size_t)fmax(count, 1), .edge = edge, .terms = BASELINE_TERMS};
     edge[0] = 0;
     for (size_t k = 1; k < baseline.blocks; k++) {
         const size_t at = samples_index(x, x->t[0] + span * (double)k / (double)baseline.blocks);
@@ -129,14 +138,16 @@ static bool wanders(struct fitting *f, int at, size_t *edge)
     local.baseline = many_blocks(f, edge);
     struct law_fit trial = f->fit[at];
     const double before = law_squares(&f->samples, &trial), after = law_squares(&local, &trial);
-    const double more = (double)(BASELINE_TERMS * local.baseline.blocks) - f->samples.baseline.terms;
+    const double more =
+        (double)(BASELINE_TERMS * local.baseline.blocks) - f->samples.baseline.terms;
     const double left = (double)trial.used - (double)(BASELINE_TERMS * local.baseline.blocks);
     if (!(more > 0) || !(left > 0) || after < (double)trial.used * INTEGRATED * f->size * f->size)
         return false;
     return (before - after) / more > (WANDERS + 3 * sqrt(2 / more)) * after / left;
 }
 
-/* Samples far off the nearest law do not take part; residual of all of them. Returns how many changed sides. */
+/* Samples far off the nearest law do not take part; residual of all of them. Returns how many
+ * changed sides. */
 static size_t judge_samples(struct fitting *f, const double *residual)
 {
     struct motion *m = f->motion;
@@ -154,9 +165,9 @@ static size_t judge_samples(struct fitting *f, const double *residual)
     for (int twice = 0; twice < 2; twice++) {
         const bool clips = (double)off > CLIPPED * (double)m->clipped;
         for (size_t k = 0; k < m->segments; k++) {
-            const double most = REJECT_AT * fmax(m->segment[k].scale, typical) + 1e-7 * f->size;
+            const double max = REJECT_AT * fmax(m->segment[k].scale, typical) + 1e-7 * f->size;
             for (size_t i = m->segment[k].from; i < m->segment[k].to; i++) {
-                const bool far = fabs(residual[i]) > most;
+                const bool far = fabs(residual[i]) > max;
                 off += twice == 0 && far && !x->use[i];
                 if (twice == 0 || (m->clipped > 0 && clips && !x->use[i]))
                     continue;
@@ -169,8 +180,9 @@ static size_t judge_samples(struct fitting *f, const double *residual)
 }
 
 /*
- * Where friction stops a body is a triangle of its friction, a tooth for each half swing: a long rest at the end has an
- * answer in every tooth. So what moves comes first, and finds the right one. False: it does not come to rest.
+ * Where friction stops a body is a triangle of its friction, a tooth for each half swing: a long
+ * rest at the end has an answer in every tooth. So what moves comes first, and finds the right one.
+ * False: it does not come to rest.
  */
 static bool fit_motion_first(struct fitting *f)
 {
@@ -243,7 +255,8 @@ static void guess_rates(const struct envelope_rates rates[3], double span, struc
     f->rounding = INTEGRATED * f->size * f->size;
 }
 
-static bool prepare(struct motion *m, enum quantity quantity, struct arena *arena, struct fitting *f)
+static bool prepare(struct motion *m, enum quantity quantity, struct arena *arena,
+                    struct fitting *f)
 {
     const size_t n = m->samples.n;
     *f = (struct fitting){.motion = m, .t0 = m->samples.t0};
@@ -276,23 +289,26 @@ static bool choose_force(struct fitting *f, enum quantity quantity, struct drag_
     f->start = best.motion;
     for (int k = 0; k < DRAG_RATES; k++) {
         f->start.value[EQUATION_RATE + k] = 0;
-        f->rate[k] = best.motion.value[EQUATION_RATE + k] > 0 ? best.motion.value[EQUATION_RATE + k] : f->rate[k];
+        f->rate[k] = best.motion.value[EQUATION_RATE + k] > 0 ? best.motion.value[EQUATION_RATE + k]
+                                                              : f->rate[k];
     }
     return true;
 }
 
-bool drag_laws(struct motion *m, enum quantity quantity, bool forces, const struct envelope_rates rates[3],
-               struct arena *arena, struct fit *out, struct error *error)
+bool drag_laws(struct motion *m, enum quantity quantity, bool forces,
+               const struct envelope_rates rates[3], struct arena *arena, struct fit *out,
+               struct error *error)
 {
     struct fitting f;
-    size_t *edge = arena_array(arena, m->samples.n / BASELINE_LEAST + 2, sizeof *edge);
+    size_t *edge = arena_array(arena, m->samples.n / BASELINE_MIN + 2, sizeof *edge);
     if (!edge || !prepare(m, quantity, arena, &f))
         return error_memory(error);
     guess_rates(rates, m->samples.t[m->samples.n - 1] - f.t0, &f);
     struct drag_fit *drag = &out->drag;
     *drag = (struct drag_fit){.candidates = DRAG_LAWS};
     if (forces && !choose_force(&f, quantity, drag))
-        return error_set(error, ERROR_NUMERICAL, "no restoring force could be fitted: the search did not converge");
+        return error_set(error, ERROR_NUMERICAL,
+                         "no restoring force could be fitted: the search did not converge");
     const bool settled = settle(&f, edge);
     if (cancelled(m->samples.cancel))
         return error_set(error, ERROR_CANCELLED, "the fit was stopped");
@@ -300,11 +316,12 @@ bool drag_laws(struct motion *m, enum quantity quantity, bool forces, const stru
     struct drag_factors factors;
     if (widest < 0 || !law_residuals(&f.samples, &f.fit[widest], m->residual, NULL, NULL) ||
         !drag_factors(&f, &f.fit[widest], &factors))
-        return error_set(error, ERROR_NUMERICAL, "no law of damping could be fitted: the search did not converge");
+        return error_set(error, ERROR_NUMERICAL,
+                         "no law of damping could be fitted: the search did not converge");
     struct law_evidence evidence = {.fit = f.fit};
     evidence.variance = factors.amplitude * fmax(factors.sigma * factors.sigma, f.rounding);
     drag->independent = fmax((double)f.fit[widest].used / factors.amplitude, 2);
-    const bool by_windows = factors.amplitude > DRAG_WIDENED && factors.windows >= DRAG_WINDOWS_LEAST;
+    const bool by_windows = factors.amplitude > DRAG_WIDENED && factors.windows >= DRAG_WINDOWS_MIN;
     evidence.freedom = by_windows ? factors.windows : drag->independent;
     for (int i = 0; i < DRAG_LAWS; i++) {
         drag_describe(&f.fit[i], i, factors.sigma * sqrt(factors.amplitude), &drag->candidate[i]);

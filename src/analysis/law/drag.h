@@ -6,15 +6,18 @@
 #include "analysis/law/law_fit.h"
 
 /* Places among a fit's parameters; windows from which slow changes are read. */
-enum { START, SPEED, OMEGA, FIRST_RATE, DRAG_WINDOWS_LEAST = 8 };
+enum { START, SPEED, OMEGA, FIRST_RATE, DRAG_WINDOWS_MIN = 8 };
 
-#define INTEGRATED 1e-16 /* mean square, relative, to which integration is good: no law is better than that */
+#define INTEGRATED                                                                                 \
+    1e-16 /* mean square, relative, to which integration is good: no law is better than that */
 
-#define DELTA_LEAST 6.0   /* of BIC, for a claim, and */
-#define CHANCE_MOST 0.001 /* of the F-test, for a further term to be claimed, and */
-#define HIDDEN 0.01       /* to be taken for possible, though not shown */
-#define SHARE_MOST 0.2    /* of the loss, or of the force, that a further term may take (two standard deviations) */
-#define DRAG_WIDENED 1.05 /* of a variance: slow changes count, so windows are what is independent */
+#define DELTA_MIN 6.0    /* of BIC, for a claim, and */
+#define CHANCE_MAX 0.001 /* of the F-test, for a further term to be claimed, and */
+#define HIDDEN 0.01      /* to be taken for possible, though not shown */
+#define SHARE_MAX                                                                                  \
+    0.2 /* of the loss, or of the force, that a further term may take (two standard deviations) */
+#define DRAG_WIDENED                                                                               \
+    1.05 /* of a variance: slow changes count, so windows are what is independent */
 
 struct fitting {
     struct motion *motion;
@@ -38,22 +41,24 @@ struct drag_factors {
 };
 
 /* Places of the fit's parameters among the equation's; their number. */
-int drag_places(enum drag_law law, enum restoring_force force, int place[LAW_PARAMETERS]);
+int drag_places(enum drag_law law, enum restoring_force force, int index[LAW_PARAMETERS]);
 
 /* ---- drag_report.c ---- */
 
 bool drag_factors(const struct fitting *f, const struct law_fit *fit, struct drag_factors *out);
 void drag_losses(const struct fitting *f, const struct law_fit *fit, double loss[DRAG_RATES]);
 void drag_describe(const struct law_fit *fit, int i, double deviation, struct drag_candidate *out);
-bool drag_report_offset(struct fitting *f, const struct law_fit *fit, const struct drag_factors *factors,
-                        struct arena *arena, struct fit *out);
-void drag_report(const struct fitting *f, int i, const struct drag_factors *factors, struct fit *out);
+bool drag_report_offset(struct fitting *f, const struct law_fit *fit,
+                        const struct drag_factors *factors, struct arena *arena, struct fit *out);
+void drag_report(const struct fitting *f, int i, const struct drag_factors *factors,
+                 struct fit *out);
 
 /* ---- restoring.c ---- */
 
 /*
- * Fits each restoring force with linear and quadratic damping, in windows that grow, and chooses by BIC and F-test:
- * fills drag->restoring, force, forces_remaining, and best. angle: it may be a pendulum. False: no number.
+ * Fits each restoring force with linear and quadratic damping, in windows that grow, and chooses by
+ * BIC and F-test: fills drag->restoring, force, forces_remaining, and best. angle: it may be a
+ * pendulum. False: no number.
  */
 bool restoring_choose(struct fitting *f, bool angle, struct drag_fit *drag, struct law_fit *best);
 

@@ -1,20 +1,32 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
  * The motion of a mass under a restoring force and a law of damping,
- *     y'' + gamma y' + b |y'| y' + f sign(y') + R(y) = 0,  R = omega^2 y, omega^2 y + beta y^3 or omega^2 sin(y),
- * and its derivatives by everything in it. Between two turning points the sign of y' is constant and the solution is
- * analytic: Taylor series of it and of its variational equations (Moore 1966, Interval Analysis, ch. 11), in the time
- * unit 1/omega. At a turning point the friction jumps; the variations of y' jump with the acceleration (saltation:
- * Aizerman & Gantmakher 1958). Where the spring is weaker than the friction there, the motion ends.
+ *     y'' + gamma y' + b |y'| y' + f sign(y') + R(y) = 0,  R = omega^2 y, omega^2 y + beta y^3 or
+ * omega^2 sin(y), and its derivatives by everything in it. Between two turning points the sign of
+ * y' is constant and the solution is analytic: Taylor series of it and of its variational equations
+ * (Moore 1966, Interval Analysis, ch. 11), in the time unit 1/omega. At a turning point the
+ * friction jumps; the variations of y' jump with the acceleration (saltation: Aizerman & Gantmakher
+ * 1958). Where the spring is weaker than the friction there, the motion ends.
  */
 #include "analysis/internal.h"
 
 #include <string.h>
 
-enum { ORDER = 18, COLUMNS = EQUATION_COLUMNS, OF_START = 1, OF_SPEED, OF_OMEGA, OF_GAMMA, OF_B, OF_F, OF_CUBIC };
+enum {
+    ORDER = 18,
+    COLUMNS = EQUATION_COLUMNS,
+    OF_START = 1,
+    OF_SPEED,
+    OF_OMEGA,
+    OF_GAMMA,
+    OF_B,
+    OF_F,
+    OF_CUBIC
+};
 
-#define STEP_MOST 1.2  /* [rad] */
-#define ROUNDING 1e-15 /* share of the series that its last term may have: what follows is ten times smaller */
+#define STEP_MAX 1.2 /* [rad] */
+#define ROUNDING                                                                                   \
+    1e-15 /* share of the series that its last term may have: what follows is ten times smaller */
 
 _Static_assert((int)ORDER == (int)EQUATION_ORDER && (int)OF_CUBIC == (int)COLUMNS - 1,
                "a column for each parameter of the motion");
@@ -27,7 +39,8 @@ struct restoring {
     double first[ORDER], slope[ORDER], cube[ORDER];
 };
 
-/* That of order k, from the coefficients y of the motion up to it: c [k + 1][..] from column 0 on. */
+/* That of order k, from the coefficients y of the motion up to it: c [k + 1][..] from column 0 on.
+ */
 static double restore(const struct equation_walk *s, int k, struct restoring *r)
 {
     const double(*c)[COLUMNS] = s->c;
@@ -52,7 +65,9 @@ static double restore(const struct equation_walk *s, int k, struct restoring *r)
 
 static double restoring_at(const struct equation_walk *s, double y)
 {
-    return s->force == RESTORING_LINEAR ? y : s->force == RESTORING_SINE ? sin(y) : y + s->cubic * y * y * y;
+    return s->force == RESTORING_LINEAR ? y
+           : s->force == RESTORING_SINE ? sin(y)
+                                        : y + s->cubic * y * y * y;
 }
 
 /* Taylor coefficients from those of orders 0 and 1. */
@@ -67,11 +82,13 @@ static void expand_values(struct equation_walk *s)
             product += rate[j] * rate[k - j];
         const double pull = s->force == RESTORING_LINEAR ? s->c[k][0] : restore(s, k, &restoring);
         const double friction = k == 0 ? s->side * s->f : 0;
-        s->c[k + 2][0] = -(pull + s->g * rate[k] + s->side * s->b * product + friction) / ((k + 1) * (k + 2));
+        s->c[k + 2][0] =
+            -(pull + s->g * rate[k] + s->side * s->b * product + friction) / ((k + 1) * (k + 2));
     }
 }
 
-/* The same with the derivatives: each is a motion in the linear equation along the motion, driven by its parameter. */
+/* The same with the derivatives: each is a motion in the linear equation along the motion, driven
+ * by its parameter. */
 static void expand_slopes(struct equation_walk *s)
 {
     row rate[ORDER];
@@ -113,7 +130,8 @@ static void expand(struct equation_walk *s)
         expand_values(s);
 }
 
-/* Of the first column or of all: the derivative by time of the given order, at x after the start of the step. */
+/* Of the first column or of all: the derivative by time of the given order, at x after the start of
+ * the step. */
 static void evaluate(const struct equation_walk *s, double x, int order, int columns, double *out)
 {
     if (columns == 1) {
@@ -173,7 +191,8 @@ static double direction(const struct equation_walk *s)
 
 static void turn(struct equation_walk *s)
 {
-    const double pull = restoring_at(s, s->c[0][0]), before = -pull - s->side * s->f, side = direction(s);
+    const double pull = restoring_at(s, s->c[0][0]), before = -pull - s->side * s->f,
+                 side = direction(s);
     const double ratio = side == 0 || before == 0 ? 0 : (-pull - side * s->f) / before;
     for (int i = 0; i < COLUMNS; i++)
         s->c[1][i] *= ratio;
@@ -186,11 +205,12 @@ static double step_length(const struct equation_walk *s)
 {
     double size = 0, last = 0;
     for (int i = 0; i < (s->slopes ? COLUMNS : 1); i++) {
-        const double first = fabs(s->c[0][i]) + fabs(s->c[1][i]), end = fabs(s->c[ORDER][i]) + fabs(s->c[ORDER - 1][i]);
+        const double first = fabs(s->c[0][i]) + fabs(s->c[1][i]),
+                     end = fabs(s->c[ORDER][i]) + fabs(s->c[ORDER - 1][i]);
         size = first > size ? first : size;
         last = end > last ? end : last;
     }
-    return last > 0 ? fmin(STEP_MOST, pow(ROUNDING * size / last, 1.0 / ORDER)) : STEP_MOST;
+    return last > 0 ? fmin(STEP_MAX, pow(ROUNDING * size / last, 1.0 / ORDER)) : STEP_MAX;
 }
 
 bool equation_begin(const struct equation *e, enum equation_slopes slopes, struct equation_walk *s)
@@ -199,7 +219,8 @@ bool equation_begin(const struct equation *e, enum equation_slopes slopes, struc
     *s = (struct equation_walk){.force = e->force,
                                 .order = e->order,
                                 .slopes = slopes != EQUATION_VALUES,
-                                .quadratic = slopes == EQUATION_SLOPES || e->value[EQUATION_RATE + 1] != 0,
+                                .quadratic =
+                                    slopes == EQUATION_SLOPES || e->value[EQUATION_RATE + 1] != 0,
                                 .t0 = e->t0,
                                 .omega = omega,
                                 .offset = e->value[EQUATION_OFFSET],
@@ -217,11 +238,14 @@ bool equation_begin(const struct equation *e, enum equation_slopes slopes, struc
     return true;
 }
 
-/* Values at the samples [from, ..) that lie within the step; returns the first beyond it, n + 1: no number. */
-static size_t within_step(const struct equation_walk *s, double h, const double *t, size_t from, size_t n,
-                          double *value, double *derivative)
+/* Values at the samples [from, ..) that lie within the step; returns the first beyond it, n + 1: no
+ * number. */
+static size_t within_step(const struct equation_walk *s, double h, const double *t, size_t from,
+                          size_t n, double *value, double *derivative)
 {
-    const double over = 1 / s->omega, grow = s->order == 0 ? 1 : s->order == 1 ? s->omega : s->omega * s->omega;
+    const double over = 1 / s->omega, grow = s->order == 0   ? 1
+                                             : s->order == 1 ? s->omega
+                                                             : s->omega * s->omega;
     const double unit[COLUMNS] = {1, 1, over, over, over, 1, over * over, over * over};
     const int columns = derivative ? COLUMNS : 1;
     double here[COLUMNS];
@@ -241,7 +265,8 @@ static size_t within_step(const struct equation_walk *s, double h, const double 
     return i;
 }
 
-bool equation_values(struct equation_walk *s, const double *t, size_t n, double *value, double *derivative)
+bool equation_values(struct equation_walk *s, const double *t, size_t n, double *value,
+                     double *derivative)
 {
     double left = 1000 + 20 * (n > 0 ? (t[n - 1] - s->t0) * s->omega - s->at : 0);
     if (n > 0 && !((t[0] - s->t0) * s->omega >= s->at))
@@ -270,7 +295,8 @@ bool equation_values(struct equation_walk *s, const double *t, size_t n, double 
     return true;
 }
 
-bool equation_solve(const struct equation *e, const double *t, size_t n, double *value, double *derivative)
+bool equation_solve(const struct equation *e, const double *t, size_t n, double *value,
+                    double *derivative)
 {
     struct equation_walk walk;
     return equation_begin(e, derivative ? EQUATION_SLOPES : EQUATION_VALUES, &walk) &&

@@ -1,20 +1,27 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Normal equations of an equation of motion, sample after sample, less what a baseline block by block explains. */
+/* Normal equations of an equation of motion, sample after sample, less what a baseline block by
+ * block explains. */
 #include "analysis/law/law_fit.h"
 
 #include <string.h>
 
-enum { CHUNK = 128, ITERATIONS = 60, COLUMNS = LAW_PARAMETERS + 1 }; /* derivatives, then the residual */
+enum {
+    CHUNK = 128,
+    ITERATIONS = 60,
+    COLUMNS = LAW_PARAMETERS + 1
+}; /* derivatives, then the residual */
 
-/* With friction a minimum may lie where a half swing more begins, in a kink: no step promises little there. */
+/* With friction a minimum may lie where a half swing more begins, in a kink: no step promises
+ * little there. */
 #define KINK 1e8 /* damping at which none goes down */
-enum { SMALL_MOST = 4 };
+enum { SMALL_MAX = 4 };
 
 struct normal {
     double product[COLUMNS][COLUMNS]; /* lower part; the last row is that of the residual */
 };
 
-/* Sums over the samples of a block: of the basis 1, s, s^2 (s in -1 .. 1) and of it with the columns. */
+/* Sums over the samples of a block: of the basis 1, s, s^2 (s in -1 .. 1) and of it with the
+ * columns. */
 struct block {
     double middle, half; /* [s] */
     double gram[BASELINE_TERMS][BASELINE_TERMS];
@@ -57,15 +64,18 @@ static void backward(int n, int width, const double *l, double *x)
 }
 
 /* (A + lambda diag A) step = right, the columns scaled to length one; false: not positive. */
-static bool damped_step(int n, const struct normal *normal, double lambda, const double *right, double *step)
+static bool damped_step(int n, const struct normal *normal, double lambda, const double *right,
+                        double *step)
 {
-    double a[LAW_PARAMETERS * LAW_PARAMETERS] = {0}, l[LAW_PARAMETERS * LAW_PARAMETERS], scale[LAW_PARAMETERS];
+    double a[LAW_PARAMETERS * LAW_PARAMETERS] = {0}, l[LAW_PARAMETERS * LAW_PARAMETERS],
+                              scale[LAW_PARAMETERS];
     for (int i = 0; i < n; i++) {
         scale[i] = sqrt(normal->product[i][i]);
         if (!(scale[i] > 0) || !isfinite(scale[i]))
             return false;
         for (int j = 0; j <= i; j++)
-            a[i * LAW_PARAMETERS + j] = normal->product[i][j] / (scale[i] * scale[j]) + (i == j ? lambda : 0);
+            a[i * LAW_PARAMETERS + j] =
+                normal->product[i][j] / (scale[i] * scale[j]) + (i == j ? lambda : 0);
         step[i] = right[i] / scale[i];
     }
     if (!cholesky(n, LAW_PARAMETERS, a, l))
@@ -101,8 +111,8 @@ static void basis(const struct block *block, int terms, double t, double out[BAS
 }
 
 /* A row of columns into the sums. */
-static void add_row(int count, int terms, const double *column, const double *base, struct block *block,
-                    struct normal *normal)
+static void add_row(int count, int terms, const double *column, const double *base,
+                    struct block *block, struct normal *normal)
 {
     for (int j = 0; j < count; j++)
         for (int k = 0; k <= j; k++)
@@ -151,17 +161,19 @@ static int gather(const struct law_samples *x, size_t *at, size_t end, double *t
     return count;
 }
 
-/* Normal equations at the motion of the fit, unless NULL. Returns the sum of squares, NAN: no value there. */
+/* Normal equations at the motion of the fit, unless NULL. Returns the sum of squares, NAN: no value
+ * there. */
 static double pass(const struct law_samples *x, struct law_fit *fit, struct normal *normal)
 {
-    double t[CHUNK], y[CHUNK], value[CHUNK], derivative[CHUNK * EQUATION_PARAMETERS], column[COLUMNS], base[3];
+    double t[CHUNK], y[CHUNK], value[CHUNK], derivative[CHUNK * EQUATION_PARAMETERS],
+        column[COLUMNS], base[3];
     const int rows = normal ? fit->parameters : 0, terms = x->baseline.terms;
     enum equation_slopes slopes = normal ? EQUATION_SLOPES_BUT_B : EQUATION_VALUES;
     struct normal sums;
     struct equation_walk walk;
     memset(&sums, 0, sizeof sums);
     for (int j = 0; j < rows; j++)
-        slopes = fit->place[j] == EQUATION_RATE + 1 ? EQUATION_SLOPES : slopes;
+        slopes = fit->index[j] == EQUATION_RATE + 1 ? EQUATION_SLOPES : slopes;
     fit->motion.value[EQUATION_OFFSET] = 0;
     fit->used = 0;
     if (!(fabs(fit->motion.value[EQUATION_OMEGA] - fit->omega) < 0.5 * fit->omega) ||
@@ -176,7 +188,7 @@ static double pass(const struct law_samples *x, struct law_fit *fit, struct norm
                 return NAN;
             for (int i = 0; i < count; i++) {
                 for (int j = 0; j < rows; j++)
-                    column[j] = derivative[i * EQUATION_PARAMETERS + fit->place[j]];
+                    column[j] = derivative[i * EQUATION_PARAMETERS + fit->index[j]];
                 column[rows] = y[i] - value[i];
                 basis(&block, terms, t[i], base);
                 add_row(rows + 1, terms, column, base, &block, &sums);
@@ -202,7 +214,7 @@ static void move(const struct law_fit *from, const double *step, struct law_fit 
 {
     *to = *from;
     for (int j = 0; j < from->parameters; j++)
-        to->motion.value[from->place[j]] += step[j];
+        to->motion.value[from->index[j]] += step[j];
 }
 
 static bool invert(const struct normal *normal, struct law_fit *fit)
@@ -218,8 +230,10 @@ static bool invert(const struct normal *normal, struct law_fit *fit)
     return true;
 }
 
-/* The step and by how much it promises to lower the sum of squares (to first order, twice that); NAN: none. */
-static double find_step(const struct law_fit *fit, const struct normal *normal, double lambda, double *step)
+/* The step and by how much it promises to lower the sum of squares (to first order, twice that);
+ * NAN: none. */
+static double find_step(const struct law_fit *fit, const struct normal *normal, double lambda,
+                        double *step)
 {
     const double *right = normal->product[fit->parameters];
     double decrement = 0;
@@ -259,7 +273,7 @@ bool law_descend(const struct law_samples *x, double trust, double rounding, str
         } else {
             lambda = fmax(lambda * 10, 1e-6);
         }
-        if (fit->motion.value[EQUATION_RATE + 2] > 0 && (lambda > KINK || small >= SMALL_MOST)) {
+        if (fit->motion.value[EQUATION_RATE + 2] > 0 && (lambda > KINK || small >= SMALL_MAX)) {
             fit->converged = true;
             break;
         }
@@ -275,8 +289,8 @@ double law_formal(const struct law_fit *fit, int at)
 
 /* ---- what is left ---- */
 
-bool law_residuals(const struct law_samples *x, const struct law_fit *fit, double *residual, double *level,
-                   double *slope)
+bool law_residuals(const struct law_samples *x, const struct law_fit *fit, double *residual,
+                   double *level, double *slope)
 {
     struct equation_walk walk;
     double t[CHUNK], base[BASELINE_TERMS], l[BASELINE_TERMS * BASELINE_TERMS];

@@ -6,16 +6,18 @@
 #include <math.h>
 #include <string.h>
 
-#define REJECTED 5.0      /* robust standard deviations */
-#define ROUNDING 1e-9     /* of an amplitude: what is nearer is no outlier of a simulation */
-#define SURE 3.0          /* standard deviations of an amplitude, and */
-#define SURE_SLOW 5.0     /* where the slowest has fewer than PERIODS: a random walk looks like that */
-#define CLEAR 6.0         /* of the noise beside its line */
-#define DECIDES 6.0       /* BIC */
-#define RESOLVED 1.5      /* line widths 1/span between two frequencies */
-#define LEFT 8.0          /* standard deviations of a line that is left */
-#define LEFT_LEAST 0.02   /* of the smallest amplitude */
-#define POOR 0.10         /* rms of the residuals over that of the signal */
+#define REJECTED 5.0  /* robust standard deviations */
+#define ROUNDING 1e-9 /* of an amplitude: what is nearer is no outlier of a simulation */
+#define SURE 3.0      /* standard deviations of an amplitude, and */
+#define SURE_SLOW                                                                                  \
+    5.0               /* where the slowest has fewer than PERIODS: a random walk looks like that   \
+                       */
+#define CLEAR 6.0     /* of the noise beside its line */
+#define DECIDES 6.0   /* BIC */
+#define RESOLVED 1.5  /* line widths 1/span between two frequencies */
+#define LEFT 8.0      /* standard deviations of a line that is left */
+#define LEFT_MIN 0.02 /* of the smallest amplitude */
+#define POOR 0.10     /* rms of the residuals over that of the signal */
 #define PERIODS 3.0
 #define OVERTONE 0.1   /* line widths from a multiple of a slower frequency */
 #define TWO_RATHER 0.3 /* of the sum of squares is left by a second line: a sway leaves more */
@@ -256,9 +258,9 @@ static void warn_rest(const struct fitting *f, const struct modes_fit *modes, st
     for (int k = 0; k < modes->modes; k++)
         smallest = fmin(smallest, modes->mode[k].amplitude.value);
     if (series_peaks(&left, f->arena, &line, 1) == 1 &&
-        line.amplitude.value > fmax(LEFT * line.amplitude.uncertainty, LEFT_LEAST * smallest))
+        line.amplitude.value > fmax(LEFT * line.amplitude.uncertainty, LEFT_MIN * smallest))
         fit_warn(fit, "the residuals hold another line, at %.5g Hz%s", line.frequency.value,
-                 modes->modes < MODES_MOST ? ": try one mode more" : "");
+                 modes->modes < MODES_MAX ? ": try one mode more" : "");
     for (size_t i = 0; i < f->series->n; i++) {
         const double moves = f->series->y[i] - f->residual[i] - f->fit.value[MODES_OFFSET].value;
         signal += f->samples.use[i] ? moves * moves : 0;
@@ -279,7 +281,7 @@ static void report(struct fitting *f, size_t rejected, struct modes_fit *modes)
     static const struct measured none = {NAN, NAN};
     struct fit *fit = &modes->fit;
     double widen[CURVE_PARAMETERS], x[CURVE_PARAMETERS];
-    int order[MODES_MOST];
+    int order[MODES_MAX];
     const double t0 = f->series->t[0], end = f->series->t[f->series->n - 1];
     for (int j = 0; j < f->fit.parameters; j++)
         x[j] = f->fit.value[j].value;
@@ -365,11 +367,11 @@ static bool certain(const struct fitting *f, const struct modes_fit *modes, stru
 static int count_modes(const struct samples *x, int count, const struct cancel *cancel,
                        struct mode_start *start)
 {
-    const int most = count < MODES_MOST
-                         ? count + 1
-                         : count; /* one that is left would look like correlated noise */
+    const int max = count < MODES_MAX
+                        ? count + 1
+                        : count; /* one that is left would look like correlated noise */
     int sure = 0;
-    for (int wanted = count; wanted <= most && sure < count; wanted++) {
+    for (int wanted = count; wanted <= max && sure < count; wanted++) {
         double samples;
         const int found = modes_search(x, wanted, false, cancel, start, &samples);
         if (found < 0)
@@ -385,7 +387,7 @@ bool series_modes(const struct series *series, int count, struct arena *arena,
                   const struct cancel *cancel, struct modes_fit *modes, struct error *error)
 {
     struct fitting f = {.series = series, .arena = arena, .cancel = cancel};
-    struct mode_start start[MODES_MOST + 2];
+    struct mode_start start[MODES_MAX + 2];
     size_t rejected = 0;
     gsl_set_error_handler_off(); /* GSL's default ends the program; statuses are checked here */
     f.residual = arena_array(arena, series->n + 1, sizeof *f.residual);

@@ -80,14 +80,14 @@ static double fastest(const struct samples *x, struct arena *arena)
     const struct series series = {.t = x->t, .y = x->y, .n = x->n};
     struct spectrum_peak peak[LINES];
     bool memory;
-    double omega[LINES], most = 0;
+    double omega[LINES], max = 0;
     const int peaks = series_peaks(&series, arena, peak, LINES);
     const int candidates = spectrum_candidates(x, arena, omega, LINES, &memory);
     for (int i = 0; i < peaks; i++)
-        most = fmax(most, peak[i].frequency.value);
+        max = fmax(max, peak[i].frequency.value);
     for (int i = 0; i < candidates; i++)
-        most = fmax(most, omega[i] / TWO_PI);
-    return most;
+        max = fmax(max, omega[i] / TWO_PI);
+    return max;
 }
 
 /* Means of so many neighbours that are used; false: no memory. */
@@ -96,8 +96,8 @@ static bool thin_out(const struct samples *x, size_t wanted, struct arena *arena
 {
     const double span = x->t[x->n - 1] - x->t[0], dt = span / (double)(x->n - 1);
     size_t each = x->n / wanted;
-    const double most = each > 1 ? 1 / (A_PERIOD * fastest(x, arena) * dt) : 1;
-    each = each < 1 || !(most >= 2) ? 1 : (double)each < most ? each : (size_t)most;
+    const double max = each > 1 ? 1 / (A_PERIOD * fastest(x, arena) * dt) : 1;
+    each = each < 1 || !(max >= 2) ? 1 : (double)each < max ? each : (size_t)max;
     double *t = arena_array(arena, x->n / each + 1, sizeof *t),
            *y = arena_array(arena, x->n / each + 1, sizeof *y);
     if (!t || !y)
@@ -125,7 +125,7 @@ struct rates {
 };
 
 struct trial {
-    struct rates rates[MODES_MOST];
+    struct rates rates[MODES_MAX];
     double rss;
 };
 
@@ -176,7 +176,7 @@ static void try_lines(struct search *s, const struct rates *known, const double 
 {
     const struct series left = {.t = s->series.t, .y = residual, .n = s->series.n};
     struct samples x;
-    struct rates rates[MODES_MOST];
+    struct rates rates[MODES_MAX];
     double omega[LINES];
     bool memory;
     if (!samples_init(&x, &left, s->arena))
@@ -195,7 +195,7 @@ static void try_splits(struct search *s, const struct rates *known)
     static const double apart[] = {0.8, 1.6};
     for (int k = 0; k + 1 < s->modes; k++) {
         for (size_t i = 0; i < COUNT_OF(apart); i++) {
-            struct rates rates[MODES_MOST];
+            struct rates rates[MODES_MAX];
             const double shift = PI * apart[i] / s->span;
             memcpy(rates, known, sizeof rates);
             rates[s->modes - 1] = (struct rates){known[k].omega + shift, known[k].gamma};
@@ -245,7 +245,7 @@ static bool refine(struct search *s, struct mode_start *start, double *residual)
 static bool add_mode(struct search *s, const struct mode_start *start, struct mode_start *next,
                      double *residual)
 {
-    struct rates known[MODES_MOST] = {{0, 0}};
+    struct rates known[MODES_MAX] = {{0, 0}};
     for (int k = 0; k < s->modes; k++) {
         const double *mode = start->value + MODES_FIRST + k * MODE_PARAMETERS;
         known[k] = (struct rates){mode[MODE_OMEGA], mode[MODE_GAMMA]};
@@ -303,6 +303,6 @@ double modes_evidence(const struct mode_start *start, int k, int found, double s
 {
     const double n = samples / autocorrelation_factor(start[found].autocorrelation);
     const double rounding = ROUNDING * start[0].rss;
-    return n * log(fmax(start[k - 1].rss, rounding) / fmax(start[k].rss, rounding)) - MODE_PARAMETERS * log(n) -
-           2 * log(n / 2);
+    return n * log(fmax(start[k - 1].rss, rounding) / fmax(start[k].rss, rounding)) -
+           MODE_PARAMETERS * log(n) - 2 * log(n / 2);
 }

@@ -37,14 +37,15 @@ static double interpolate(const struct series *s, size_t from, size_t count, dou
     return p[0];
 }
 
-/* Noise-free: the root of the quintic through the six samples around the bracket [i - 1, i], by false position
- * (Illinois). */
+/* Noise-free: the root of the quintic through the six samples around the bracket [i - 1, i], by
+ * false position (Illinois). */
 static bool place_exact(const struct context *c, size_t i, struct crossing *out)
 {
     const struct series *s = c->series;
     size_t count = s->n < 6 ? s->n : 6, from = i < 3 ? 0 : i - 3;
     from = from + count > s->n ? s->n - count : from;
-    double a = s->t[i - 1], b = s->t[i], fa = s->y[i - 1] - c->level, fb = s->y[i] - c->level, t = a;
+    double a = s->t[i - 1], b = s->t[i], fa = s->y[i - 1] - c->level, fb = s->y[i] - c->level,
+           t = a;
     double slope = (fb - fa) / (b - a), close = 1e-15 * (fabs(fa) + fabs(fb));
     int side = 0;
     for (int k = 0; k < 60; k++) {
@@ -71,9 +72,10 @@ static bool place_exact(const struct context *c, size_t i, struct crossing *out)
 }
 
 /*
- * Two-parameter fit y - mean = p cos(omega s) + q sin(omega s)/omega, s = t - centre, to the samples within `half` of
- * the centre: a line that knows how a sine bends (a plain line where omega is unknown), so the window may be wide.
- * Samples five sigma off (missed echoes) are left out in the end.
+ * Two-parameter fit y - mean = p cos(omega s) + q sin(omega s)/omega, s = t - centre, to the
+ * samples within `half` of the centre: a line that knows how a sine bends (a plain line where omega
+ * is unknown), so the window may be wide. Samples five sigma off (missed echoes) are left out in
+ * the end.
  */
 static bool place_fit(const struct context *c, double centre, struct crossing *out)
 {
@@ -85,9 +87,11 @@ static bool place_fit(const struct context *c, double centre, struct crossing *o
         size_t from = samples_index(&all, centre - c->half), used = 0;
         double cc = 0, cs = 0, ss = 0, cy = 0, sy = 0;
         for (size_t i = from; i < s->n && s->t[i] <= centre + c->half; i++) {
-            double x = s->t[i] - centre, u = cos(c->omega * x), v = c->omega > 0 ? sin(c->omega * x) / c->omega : x;
+            double x = s->t[i] - centre, u = cos(c->omega * x),
+                   v = c->omega > 0 ? sin(c->omega * x) / c->omega : x;
             double y = s->y[i] - c->mean;
-            if (fitted && pass > 1 && fabs(y - p * u - q * v) > 5 * c->noise + SHAPE * fabs(q) * c->half) {
+            if (fitted && pass > 1 &&
+                fabs(y - p * u - q * v) > 5 * c->noise + SHAPE * fabs(q) * c->half) {
                 continue;
             }
             cc += u * u;
@@ -113,7 +117,8 @@ static bool place_fit(const struct context *c, double centre, struct crossing *o
         }
         centre += x;
         out->uncertainty = c->noise * sqrt(ss / det) / fabs(q);
-        /* p, q move with the centre: as seen from the new one the value is the target and the slope q' */
+        /* p, q move with the centre: as seen from the new one the value is the target and the slope
+         * q' */
         double slope = q * cos(c->omega * x) - p * c->omega * sin(c->omega * x);
         p = target;
         q = slope;
@@ -123,8 +128,8 @@ static bool place_fit(const struct context *c, double centre, struct crossing *o
     return true;
 }
 
-size_t series_crossings(const struct series *s, const struct overview *o, double level, struct crossing *out,
-                        size_t room)
+size_t series_crossings(const struct series *s, const struct overview *o, double level,
+                        struct crossing *out, size_t capacity)
 {
     double amplitude = 0.5 * (o->high - o->low), hysteresis = fmax(4 * o->noise, 0.05 * amplitude);
     struct context c = {.series = s, .level = level, .mean = level, .noise = o->noise};
@@ -148,7 +153,8 @@ size_t series_crossings(const struct series *s, const struct overview *o, double
             continue;
         }
         if (side == -now) {
-            /* Noise may cross the level several times in between: start from the middle of first and last. */
+            /* Noise may cross the level several times in between: start from the middle of first
+             * and last. */
             size_t first = 0, last = 0;
             for (size_t k = since + 1; k <= i; k++) {
                 if ((s->y[k] >= level) != (s->y[k - 1] >= level)) {
@@ -159,7 +165,7 @@ size_t series_crossings(const struct series *s, const struct overview *o, double
             struct crossing crossing = {.up = now > 0};
             double centre = 0.25 * (s->t[first - 1] + s->t[first] + s->t[last - 1] + s->t[last]);
             if (c.exact ? place_exact(&c, last, &crossing) : place_fit(&c, centre, &crossing)) {
-                if (count < room) {
+                if (count < capacity) {
                     out[count] = crossing;
                 }
                 count++;

@@ -4,7 +4,7 @@
 
 #include <math.h>
 
-enum { READINGS_DEFAULT = 6, READINGS_LEAST = 3 };
+enum { READINGS_DEFAULT = 6, READINGS_MIN = 3 };
 
 #define FLOOR_WRONG 0.15 /* part of it, of recordings that are rounded */
 #define SHARED 3.0       /* scatter of the noise's own energy, in units of it */
@@ -15,8 +15,9 @@ struct line {
 };
 
 /*
- * Weights from the readings' own uncertainties, which are widened by the scatter about the line where that is larger
- * (an amplitude modulated by sideways sway). Readings that are not positive have no logarithm and are left out.
+ * Weights from the readings' own uncertainties, which are widened by the scatter about the line
+ * where that is larger (an amplitude modulated by sideways sway). Readings that are not positive
+ * have no logarithm and are left out.
  */
 static bool fit_line(const struct reading *reading, int count, double t0, struct line *line)
 {
@@ -54,7 +55,8 @@ static bool fit_line(const struct reading *reading, int count, double t0, struct
     line->intercept = lm - line->slope * tm;
     for (int i = 0; i < count; i++) {
         if (weight[i] > 0) {
-            double r = log(reading[i].amplitude.value) - line->intercept - line->slope * (reading[i].t - t0);
+            double r = log(reading[i].amplitude.value) - line->intercept -
+                       line->slope * (reading[i].t - t0);
             chi2 += weight[i] * r * r;
         }
     }
@@ -65,14 +67,15 @@ static bool fit_line(const struct reading *reading, int count, double t0, struct
 }
 
 /*
- * Mean under a Hann window over [from, to): its ripple at twice the frequency of the motion cancels, an exponential
- * keeps its rate. What the noise adds is taken off; its own scatter goes on over some samples, because velocities share
- * them.
+ * Mean under a Hann window over [from, to): its ripple at twice the frequency of the motion
+ * cancels, an exponential keeps its rate. What the noise adds is taken off; its own scatter goes on
+ * over some samples, because velocities share them.
  */
-static void local_mean(const struct samples *x, size_t from, size_t to, const struct energy_noise *noise,
-                       struct reading *reading)
+static void local_mean(const struct samples *x, size_t from, size_t to,
+                       const struct energy_noise *noise, struct reading *reading)
 {
-    double sum = 0, weight = 0, square = 0, moment = 0, begin = x->t[from], width = x->t[to - 1] - begin;
+    double sum = 0, weight = 0, square = 0, moment = 0, begin = x->t[from],
+           width = x->t[to - 1] - begin;
     for (size_t i = from; i < to; i++) {
         double s = sin(PI * (x->t[i] - begin) / width);
         sum += s * s * x->y[i];
@@ -86,13 +89,15 @@ static void local_mean(const struct samples *x, size_t from, size_t to, const st
     reading->amplitude = (struct measured){value, sqrt(scatter * square) / weight};
 }
 
-/* By how much such a mean of an exponential is larger than the exponential at its middle; x: gamma times half the width. */
+/* By how much such a mean of an exponential is larger than the exponential at its middle; x: gamma
+ * times half the width. */
 static double mean_gain(double x)
 {
     return fabs(x) < 1e-4 ? 1 : sinh(x) / x * (PI * PI) / (PI * PI + x * x);
 }
 
-static int read_energy(const struct samples *x, int count, const struct energy_noise *noise, struct reading *out)
+static int read_energy(const struct samples *x, int count, const struct energy_noise *noise,
+                       struct reading *out)
 {
     for (int k = 0; k < count; k++) {
         size_t from = x->n * (size_t)k / (size_t)count, to = x->n * (size_t)(k + 1) / (size_t)count;
@@ -101,7 +106,8 @@ static int read_energy(const struct samples *x, int count, const struct energy_n
     return count;
 }
 
-/* By which part a floor that is wrong by FLOOR_WRONG changes the slope of ln(E - floor): its share of the energy. */
+/* By which part a floor that is wrong by FLOOR_WRONG changes the slope of ln(E - floor): its share
+ * of the energy. */
 static double floor_share(const struct decay *decay, const struct energy_noise *noise)
 {
     double sum = 0;
@@ -118,7 +124,8 @@ static int read_amplitudes(const struct motion *m, int count, struct reading *ou
     int read = 0;
     for (int k = 0; k < count; k++) {
         double from = first + (last - first) * k / (count - 1);
-        size_t low = samples_index(x, from - 1e-9 * width), high = samples_index(x, from + width * (1 + 1e-9));
+        size_t low = samples_index(x, from - 1e-9 * width),
+               high = samples_index(x, from + width * (1 + 1e-9));
         read += local_amplitude(m, low, high, &out[read]);
     }
     return read;
@@ -130,15 +137,16 @@ static struct measured quotient(double top, struct measured x)
     return (struct measured){top / x.value, fabs(top / (x.value * x.value)) * x.uncertainty};
 }
 
-bool series_decay(const struct series *series, struct arena *arena, const struct energy_noise *energy, int readings,
-                  struct decay *decay, struct error *error)
+bool series_decay(const struct series *series, struct arena *arena,
+                  const struct energy_noise *energy, int readings, struct decay *decay,
+                  struct error *error)
 {
     struct motion m;
     *decay = (struct decay){.halves = {NAN, NAN}};
     int count = readings > 0 ? readings : READINGS_DEFAULT;
-    if (count < READINGS_LEAST || count > (int)COUNT_OF(decay->reading)) {
-        return error_set(error, ERROR_COMMAND, "a decay is read at %d to %d times, not at %d", READINGS_LEAST,
-                         (int)COUNT_OF(decay->reading), count);
+    if (count < READINGS_MIN || count > (int)COUNT_OF(decay->reading)) {
+        return error_set(error, ERROR_COMMAND, "a decay is read at %d to %d times, not at %d",
+                         READINGS_MIN, (int)COUNT_OF(decay->reading), count);
     }
     double omega = NAN, rate = energy ? -1 : -2; /* gamma = rate * slope */
     if (energy) {
@@ -146,7 +154,8 @@ bool series_decay(const struct series *series, struct arena *arena, const struct
             return error_memory(error);
         }
         if (series->n < 4 * (size_t)count || !(m.samples.dt > 0)) {
-            return error_set(error, ERROR_COMMAND, "too few samples for %d readings of the energy", count);
+            return error_set(error, ERROR_COMMAND, "too few samples for %d readings of the energy",
+                             count);
         }
         decay->readings = read_energy(&m.samples, count, energy, decay->reading);
     } else {
@@ -154,7 +163,7 @@ bool series_decay(const struct series *series, struct arena *arena, const struct
             return false;
         }
         if (readings <= 0) { /* no more windows than the record holds */
-            count = (int)fmin(count, fmax(READINGS_LEAST, floor(m.overview.periods)));
+            count = (int)fmin(count, fmax(READINGS_MIN, floor(m.overview.periods)));
         }
         omega = m.harmonic.omega;
         decay->readings = read_amplitudes(&m, count, decay->reading);
@@ -162,17 +171,21 @@ bool series_decay(const struct series *series, struct arena *arena, const struct
     struct line line, half;
     double t0 = series->t[0];
     if (!fit_line(decay->reading, decay->readings, t0, &line)) {
-        return error_set(error, ERROR_COMMAND, "no decay: fewer than two readings stand out of the noise");
+        return error_set(error, ERROR_COMMAND,
+                         "no decay: fewer than two readings stand out of the noise");
     }
     decay->gamma = (struct measured){rate * line.slope, fabs(rate) * line.slope_sigma};
     if (energy)
-        decay->gamma.uncertainty = hypot(decay->gamma.uncertainty, floor_share(decay, energy) * decay->gamma.value);
+        decay->gamma.uncertainty =
+            hypot(decay->gamma.uncertainty, floor_share(decay, energy) * decay->gamma.value);
     const double span = series->t[series->n - 1] - t0;
-    const double initial = exp(line.intercept) / (energy ? mean_gain(0.5 * decay->gamma.value * span / count) : 1);
+    const double initial =
+        exp(line.intercept) / (energy ? mean_gain(0.5 * decay->gamma.value * span / count) : 1);
     decay->initial = (struct measured){initial, initial * line.intercept_sigma};
     decay->tau = quotient(2, decay->gamma);
     decay->quality = quotient(omega, decay->gamma);
-    decay->decrement = (struct measured){PI / omega * decay->gamma.value, PI / omega * decay->gamma.uncertainty};
+    decay->decrement =
+        (struct measured){PI / omega * decay->gamma.value, PI / omega * decay->gamma.uncertainty};
     int middle = decay->readings / 2;
     for (int i = 0; i < 2; i++) {
         const struct reading *from = decay->reading + (i ? middle : 0);

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * The envelope, where the search for the laws of damping begins, and what sways about it. Averaging y'' + gamma y' +
- * b|y'|y' + Omega^2 y = 0 over a period gives A(s) = A0 exp(-gamma s/2) / (1 + q phi(s)), phi = (1 - exp(-gamma s/2))
- * 2/gamma, q = 4 b Omega A0/(3 pi); the phase is unaffected (Nayfeh & Mook 1979, Nonlinear Oscillations, 3.3). Linear:
- * q = 0; quadratic: gamma = 0, A = A0/(1 + q s).
+ * The envelope, where the search for the laws of damping begins, and what sways about it. Averaging
+ * y'' + gamma y' + b|y'|y' + Omega^2 y = 0 over a period gives A(s) = A0 exp(-gamma s/2) / (1 + q
+ * phi(s)), phi = (1 - exp(-gamma s/2)) 2/gamma, q = 4 b Omega A0/(3 pi); the phase is unaffected
+ * (Nayfeh & Mook 1979, Nonlinear Oscillations, 3.3). Linear: q = 0; quadratic: gamma = 0, A = A0/(1
+ * + q s).
  */
 #include "analysis/internal.h"
 
@@ -11,21 +12,23 @@
 #include <gsl/gsl_multifit_nlinear.h>
 #include <math.h>
 
-enum { WINDOWS_MOST = 64, WINDOWS_LEAST = 8 };
+enum { WINDOWS_MAX = 64, WINDOWS_MIN = 8 };
 
-#define AVERAGED 1e-10 /* mean square to which averaging over a period is good: no law is better than that */
+#define AVERAGED                                                                                   \
+    1e-10 /* mean square to which averaging over a period is good: no law is better than that */
 
 struct envelope {
     size_t count;
-    double s[WINDOWS_MOST]; /* time since the start over the span: 0 … 1 */
-    double a[WINDOWS_MOST]; /* amplitude over the largest one */
-    double noise;           /* mean variance of the readings */
-    bool gamma, quadratic;  /* which terms the law has */
+    double s[WINDOWS_MAX]; /* time since the start over the span: 0 … 1 */
+    double a[WINDOWS_MAX]; /* amplitude over the largest one */
+    double noise;          /* mean variance of the readings */
+    bool gamma, quadratic; /* which terms the law has */
 };
 
 double envelope_value(const struct envelope_rates *rates, double s, double by[2])
 {
-    double h = 0.5 * rates->gamma, hs = h * s, phi, slope; /* phi = (1 - exp(-hs))/h, slope = dphi/dh */
+    double h = 0.5 * rates->gamma, hs = h * s, phi,
+           slope; /* phi = (1 - exp(-hs))/h, slope = dphi/dh */
     if (fabs(hs) < 1e-3) {
         phi = s * (1 - hs / 2 * (1 - hs / 3));
         slope = s * s * (-0.5 + hs / 3);
@@ -39,7 +42,8 @@ double envelope_value(const struct envelope_rates *rates, double s, double by[2]
     return value;
 }
 
-/* x = ln A0, then the rates the law has [1/span]. value and its derivatives d[3] with respect to ln A0, gamma, q. */
+/* x = ln A0, then the rates the law has [1/span]. value and its derivatives d[3] with respect to ln
+ * A0, gamma, q. */
 static double law_value(const struct envelope *e, const gsl_vector *x, double s, double d[3])
 {
     struct envelope_rates rates = {.gamma = e->gamma ? gsl_vector_get(x, 1) : 0,
@@ -84,7 +88,8 @@ struct law_fit {
     bool found;
 };
 
-static bool fit_law(struct envelope *e, bool gamma, bool quadratic, double start, struct law_fit *result)
+static bool fit_law(struct envelope *e, bool gamma, bool quadratic, double start,
+                    struct law_fit *result)
 {
     size_t p = 1 + (size_t)gamma + (size_t)quadratic;
     double x0[3] = {log(e->a[0]), gamma ? (quadratic ? 0.5 : 1) * start : start / 2, start / 4};
@@ -92,7 +97,8 @@ static bool fit_law(struct envelope *e, bool gamma, bool quadratic, double start
     e->quadratic = quadratic;
     gsl_multifit_nlinear_parameters parameters = gsl_multifit_nlinear_default_parameters();
     parameters.trs = gsl_multifit_nlinear_trs_lmaccel;
-    gsl_multifit_nlinear_fdf fdf = {.f = law_residual, .df = law_jacobian, .n = e->count, .p = p, .params = e};
+    gsl_multifit_nlinear_fdf fdf = {
+        .f = law_residual, .df = law_jacobian, .n = e->count, .p = p, .params = e};
     gsl_multifit_nlinear_workspace *work =
         gsl_multifit_nlinear_alloc(gsl_multifit_nlinear_trust, &parameters, e->count, p);
     gsl_vector_view x = gsl_vector_view_array(x0, p);
@@ -105,7 +111,8 @@ static bool fit_law(struct envelope *e, bool gamma, bool quadratic, double start
         int status = gsl_multifit_nlinear_driver(100, 1e-8, 1e-10, 0, NULL, NULL, &info, work);
         /* GSL_ENOPROG: the minimum to the last digit */
         result->found = status == GSL_SUCCESS || status == GSL_ENOPROG;
-        const gsl_vector *f = gsl_multifit_nlinear_residual(work), *at = gsl_multifit_nlinear_position(work);
+        const gsl_vector *f = gsl_multifit_nlinear_residual(work),
+                         *at = gsl_multifit_nlinear_position(work);
         double square = 0;
         for (size_t i = 0; i < e->count; i++) {
             square += gsl_vector_get(f, i) * gsl_vector_get(f, i);
@@ -120,16 +127,17 @@ static bool fit_law(struct envelope *e, bool gamma, bool quadratic, double start
 }
 
 /*
- * Amplitudes of successive windows of whole periods (part of one would alternate with the shape of the oscillation),
- * where they stand out of their noise.
+ * Amplitudes of successive windows of whole periods (part of one would alternate with the shape of
+ * the oscillation), where they stand out of their noise.
  */
 static void read_envelope(const struct motion *m, struct envelope *e)
 {
     const struct samples *x = &m->samples;
     double span = x->t[x->n - 1] - x->t[0], largest = 0, noise = 0;
-    double whole = fmax(1, ceil(m->overview.periods / WINDOWS_MOST)), width = whole * m->overview.period;
+    double whole = fmax(1, ceil(m->overview.periods / WINDOWS_MAX)),
+           width = whole * m->overview.period;
     size_t windows = (size_t)(span / width * (1 + 1e-9));
-    for (size_t k = 0; k < windows && e->count < WINDOWS_MOST; k++) {
+    for (size_t k = 0; k < windows && e->count < WINDOWS_MAX; k++) {
         struct reading reading;
         size_t from = samples_index(x, x->t[0] + width * (double)k);
         size_t to = samples_index(x, x->t[0] + width * (double)(k + 1));
@@ -157,10 +165,11 @@ bool envelope_laws(const struct motion *m, double *sway, struct envelope_rates r
     struct envelope readings = {0}, *e = &readings;
     *sway = NAN;
     read_envelope(m, e);
-    if (e->count < WINDOWS_LEAST) {
+    if (e->count < WINDOWS_MIN) {
         return true;
     }
-    double span = m->samples.t[m->samples.n - 1] - m->samples.t[0], start = m->harmonic.gamma * span;
+    double span = m->samples.t[m->samples.n - 1] - m->samples.t[0],
+           start = m->harmonic.gamma * span;
     for (size_t i = 0; i < COUNT_OF(laws); i++) {
         if (!fit_law(e, laws[i].gamma, laws[i].quadratic, start, &law[i])) {
             return false;

@@ -1,25 +1,29 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Lines of a spectrum: each is fitted as a sine by least squares, and taken away before the next is looked for; then all
- * are fitted together (CLEAN, Hogbom 1974; with the refinement of all components as Foster, Astron. J. 109 (1995) 1889).
+ * Lines of a spectrum: each is fitted as a sine by least squares, and taken away before the next is
+ * looked for; then all are fitted together (CLEAN, Hogbom 1974; with the refinement of all
+ * components as Foster, Astron. J. 109 (1995) 1889).
  *
- * Uncertainties are those of the Cramer-Rao bound for one real tone (Rife and Boorstyn, IEEE Trans. Inf. Theory 20
- * (1974) 591, with twice the variance of their complex tone; Kay, Fundamentals of Statistical Signal Processing I
- * (1993), example 3.14), which the least-squares estimate reaches. The variance in them is that of the residuals, or
- * their power beside the line where that is more: what a decay, an unsteady period or a neighbour leaks into the line
- * is there, too.
+ * Uncertainties are those of the Cramer-Rao bound for one real tone (Rife and Boorstyn, IEEE Trans.
+ * Inf. Theory 20 (1974) 591, with twice the variance of their complex tone; Kay, Fundamentals of
+ * Statistical Signal Processing I (1993), example 3.14), which the least-squares estimate reaches.
+ * The variance in them is that of the residuals, or their power beside the line where that is more:
+ * what a decay, an unsteady period or a neighbour leaks into the line is there, too.
  */
 #include "analysis/internal.h"
 
 #include <math.h>
 #include <string.h>
 
-#define BESIDE 4    /* bins on each side of a line where its surroundings are looked at */
-#define APART 1.5   /* bins: nearer to a line that was found is its own foot */
-#define ROUNDS 6    /* each line is fitted again beside the others */
-#define LEAST 0.01  /* of the first line */
-#define SIGMAS 8    /* a line stands so far above its surroundings: by chance none of 10^4 bins does */
-#define WHITE 6     /* the first one so far above white noise, its own foot counted as such: it may be broad */
+#define BESIDE 4   /* bins on each side of a line where its surroundings are looked at */
+#define APART 1.5  /* bins: nearer to a line that was found is its own foot */
+#define ROUNDS 6   /* each line is fitted again beside the others */
+#define LEAST 0.01 /* of the first line */
+#define SIGMAS                                                                                     \
+    8 /* a line stands so far above its surroundings: by chance none of 10^4 bins does             \
+       */
+#define WHITE                                                                                      \
+    6 /* the first one so far above white noise, its own foot counted as such: it may be broad */
 
 double variance_beside(const struct samples *x, const double *residual, double omega)
 {
@@ -43,16 +47,19 @@ double variance_beside(const struct samples *x, const double *residual, double o
 }
 
 /* What a line is, and how certain, beside what all lines together leave. */
-static bool stands(const struct samples *x, const struct harmonic *h, const double *residual, bool first,
-                   struct spectrum_peak *peak)
+static bool stands(const struct samples *x, const struct harmonic *h, const double *residual,
+                   bool first, struct spectrum_peak *peak)
 {
     const double span = x->t[x->n - 1] - x->t[0];
-    const double amplitude = hypot(h->a, h->b), n = (double)h->used, white = harmonic_sigma(h, FREE_OMEGA);
+    const double amplitude = hypot(h->a, h->b), n = (double)h->used,
+                 white = harmonic_sigma(h, FREE_OMEGA);
     const double variance = fmax(white * white, variance_beside(x, residual, h->omega));
     const double length = span * sqrt((n + 1) / (n - 1));
     peak->amplitude = (struct measured){amplitude, sqrt(2 * variance / n)};
-    peak->frequency = (struct measured){h->omega / TWO_PI, sqrt(24 * variance / n) / (TWO_PI * amplitude * length)};
-    const double chance = first ? WHITE * white * sqrt(2 / n) : SIGMAS * peak->amplitude.uncertainty;
+    peak->frequency = (struct measured){h->omega / TWO_PI,
+                                        sqrt(24 * variance / n) / (TWO_PI * amplitude * length)};
+    const double chance =
+        first ? WHITE * white * sqrt(2 / n) : SIGMAS * peak->amplitude.uncertainty;
     return amplitude > chance;
 }
 
@@ -60,11 +67,14 @@ static bool fit_line(const struct samples *x, double omega, struct harmonic *h, 
 {
     const double span = x->t[x->n - 1] - x->t[0];
     *h = (struct harmonic){.omega = omega, .origin = x->t[0] + 0.5 * span};
-    return omega > 0 && harmonic_fit(x, FREE_OMEGA, h, residual) && fabs(h->omega - omega) <= TWO_PI / span;
+    return omega > 0 && harmonic_fit(x, FREE_OMEGA, h, residual) &&
+           fabs(h->omega - omega) <= TWO_PI / span;
 }
 
-/* All lines together: each is fitted again to what the others leave, in turn. residual [n] in and out; work [n]. */
-static bool fit_together(const struct samples *x, struct harmonic *line, int count, double *residual, double *work)
+/* All lines together: each is fitted again to what the others leave, in turn. residual [n] in and
+ * out; work [n]. */
+static bool fit_together(const struct samples *x, struct harmonic *line, int count,
+                         double *residual, double *work)
 {
     struct samples one = *x;
     one.y = work;
@@ -81,14 +91,16 @@ static bool fit_together(const struct samples *x, struct harmonic *line, int cou
     return true;
 }
 
-/* The next line of what `found` lines leave in left [n]: after all are fitted together it is its own and stands. */
-static bool next_line(const struct samples *x, struct arena *arena, struct harmonic *line, int found,
-                      struct spectrum_peak *peak, double *left, double *work)
+/* The next line of what `found` lines leave in left [n]: after all are fitted together it is its
+ * own and stands. */
+static bool next_line(const struct samples *x, struct arena *arena, struct harmonic *line,
+                      int found, struct spectrum_peak *peak, double *left, double *work)
 {
     bool memory;
     struct samples rest = *x;
     rest.y = found > 0 ? left : x->y;
-    const double omega = peak_frequency(&rest, arena, &memory), bin = TWO_PI / (x->t[x->n - 1] - x->t[0]);
+    const double omega = peak_frequency(&rest, arena, &memory),
+                 bin = TWO_PI / (x->t[x->n - 1] - x->t[0]);
     if (!fit_line(&rest, omega, &line[found], work))
         return false;
     memcpy(left, work, x->n * sizeof *left);
@@ -104,18 +116,19 @@ static bool next_line(const struct samples *x, struct arena *arena, struct harmo
     return good;
 }
 
-int series_peaks(const struct series *series, struct arena *arena, struct spectrum_peak *peak, int most)
+int series_peaks(const struct series *series, struct arena *arena, struct spectrum_peak *peak,
+                 int max)
 {
     struct samples x;
-    struct spectrum_peak *now = arena_array(arena, (size_t)most, sizeof *now);
-    struct harmonic *line = arena_array(arena, (size_t)most, sizeof *line);
+    struct spectrum_peak *now = arena_array(arena, (size_t)max, sizeof *now);
+    struct harmonic *line = arena_array(arena, (size_t)max, sizeof *line);
     double *left = arena_array(arena, series->n + 1, sizeof *left);
     double *work = arena_array(arena, series->n + 1, sizeof *work);
     int count = 0;
     if (series->n < 8 || !now || !line || !left || !work || !samples_init(&x, series, arena))
         return 0;
     samples_flag_spikes(&x, work);
-    for (; count < most && next_line(&x, arena, line, count, now, left, work); count++)
+    for (; count < max && next_line(&x, arena, line, count, now, left, work); count++)
         memcpy(peak, now, (size_t)(count + 1) * sizeof *peak);
     return count;
 }

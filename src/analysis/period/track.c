@@ -4,14 +4,22 @@
 #include <math.h>
 #include <string.h>
 
-enum { COLUMNS = 5, WINDOW_SAMPLES = 10, CANDIDATES = 15, PERIODS_MOST = 32, FEW = 2, MANY = 8, PART = 4096 };
+enum {
+    COLUMNS = 5,
+    WINDOW_SAMPLES = 10,
+    CANDIDATES = 15,
+    PERIODS_MAX = 32,
+    FEW = 2,
+    MANY = 8,
+    PART = 4096
+};
 
-#define BEAT_LEAST 0.6   /* [beats with the sampling] cosine and sine differ too little over less */
-#define CLEAR_AT 5.0     /* explained over residual variance, per degree of freedom */
-#define PIVOT_LEAST 1e-8 /* squared sine of the angle between a column and those before it */
-#define FOLLOW 0.5       /* how much of a window's news about the frequency is believed at once */
-#define FILLED 0.6       /* of a window: less is beside a gap, too short for a phase */
-#define STRAY 0.35       /* relative: so far the frequency may be from where it started */
+#define BEAT_MIN 0.6   /* [beats with the sampling] cosine and sine differ too little over less */
+#define CLEAR_AT 5.0   /* explained over residual variance, per degree of freedom */
+#define PIVOT_MIN 1e-8 /* squared sine of the angle between a column and those before it */
+#define FOLLOW 0.5     /* how much of a window's news about the frequency is believed at once */
+#define FILLED 0.6     /* of a window: less is beside a gap, too short for a phase */
+#define STRAY 0.35     /* relative: so far the frequency may be from where it started */
 
 /* Of the columns 1, s, s^2, cos, sin and y. */
 struct moments {
@@ -19,7 +27,8 @@ struct moments {
     size_t used;
 };
 
-static inline void add_sample(double gram[COLUMNS + 1][COLUMNS + 1], double x, double c, double d, double y)
+static inline void add_sample(double gram[COLUMNS + 1][COLUMNS + 1], double x, double c, double d,
+                              double y)
 {
     const double column[COLUMNS + 1] = {1, x, x * x, c, d, y};
 #pragma GCC unroll 8
@@ -34,7 +43,8 @@ static inline void add_sample(double gram[COLUMNS + 1][COLUMNS + 1], double x, d
 static struct moments collect(const struct samples *x, const struct track_window *w, double half)
 {
     struct moments m = {.used = 0};
-    double gram[COLUMNS + 1][COLUMNS + 1] = {{0}}; /* on its own, so that it can stay in registers */
+    double gram[COLUMNS + 1][COLUMNS + 1] = {
+        {0}}; /* on its own, so that it can stay in registers */
     const double scale = 1 / half;
     const double first = w->omega * (x->t[w->from] - w->t), y0 = x->y[w->from];
     double c = cos(first), d = sin(first), re = cos(w->omega * x->dt), im = sin(w->omega * x->dt);
@@ -68,7 +78,7 @@ static bool factorise(struct moments *m)
             }
             if (j < i) {
                 m->gram[i][j] = sum / m->gram[j][j];
-            } else if (i < COLUMNS && !(sum > PIVOT_LEAST * before)) {
+            } else if (i < COLUMNS && !(sum > PIVOT_MIN * before)) {
                 return false;
             } else {
                 m->gram[i][i] = sqrt(fmax(sum, 0));
@@ -99,13 +109,14 @@ static void fit_window(const struct samples *x, struct track_window *w)
     w->mean = x->y[w->from] + m.gram[COLUMNS][0] / m.gram[0][0];
     const double *r = m.gram[COLUMNS], pc = r[3], pd = r[4];
     const double q = pd / m.gram[4][4], p = (pc - m.gram[4][3] * q) / m.gram[3][3];
-    const double freedom = (double)(m.used - COLUMNS), tiny = 1e-13 * (m.gram[COLUMNS][0] * m.gram[COLUMNS][0]);
+    const double freedom = (double)(m.used - COLUMNS),
+                 tiny = 1e-13 * (m.gram[COLUMNS][0] * m.gram[COLUMNS][0]);
     w->explained = pc * pc + pd * pd;
     w->rss = m.gram[COLUMNS][COLUMNS] * m.gram[COLUMNS][COLUMNS];
     w->amplitude = hypot(p, q);
     w->phase = atan2(-q, p);
     const double variance = w->rss / freedom, spread = 0.5 * (1 / (m.gram[3][3] * m.gram[3][3]) +
-                                                             1 / (m.gram[4][4] * m.gram[4][4]));
+                                                              1 / (m.gram[4][4] * m.gram[4][4]));
     w->sigma = w->amplitude > 0 ? sqrt(variance * spread) / w->amplitude : NAN;
     w->clear = w->explained > 2 * CLEAR_AT * variance && w->explained > tiny && w->amplitude > 0;
 }
@@ -139,14 +150,14 @@ static bool divide(const struct samples *x, double width, struct arena *arena, s
 static size_t best_window(const struct samples *x, double omega, struct track *track)
 {
     size_t best = track->windows;
-    double most = 0;
+    double max = 0;
     for (size_t k = 0; k < track->windows; k++) {
         struct track_window *w = &track->window[k];
         w->omega = omega;
         fit_window(x, w);
         const double merit = w->clear ? w->explained * w->explained / (w->explained + w->rss) : 0;
-        if (merit > most) {
-            most = merit;
+        if (merit > max) {
+            max = merit;
             best = k;
         }
     }
@@ -154,9 +165,10 @@ static size_t best_window(const struct samples *x, double omega, struct track *t
 }
 
 /* From one window on in one direction, each with the frequency that those before it had. */
-static void follow(const struct samples *x, struct track *track, size_t start, int direction, double omega)
+static void follow(const struct samples *x, struct track *track, size_t start, int direction,
+                   double omega)
 {
-    const double least = (1 - STRAY) * omega, most = (1 + STRAY) * omega;
+    const double min = (1 - STRAY) * omega, max = (1 + STRAY) * omega;
     struct track_window *before = &track->window[start];
     size_t lost = 0;
     for (size_t k = start + (size_t)direction; k < track->windows; k += (size_t)direction) {
@@ -171,7 +183,7 @@ static void follow(const struct samples *x, struct track *track, size_t start, i
             continue;
         }
         w->off = off;
-        omega = fmin(fmax(omega + FOLLOW * off / step, least), most);
+        omega = fmin(fmax(omega + FOLLOW * off / step, min), max);
         if (lost > 0) {
             lost = 0;
         }
@@ -203,7 +215,7 @@ static void conclude_track(struct track *track)
     }
     track->coherence = weight > 0 ? cosine / weight : 0;
     track->explained = explained;
-    track->share = explained > 0 ? explained / (explained + rss) : 0;
+    track->fraction = explained > 0 ? explained / (explained + rss) : 0;
     track->omega = first && last > first ? (last->phase - first->phase) / (last->t - first->t)
                    : first               ? first->omega
                                          : NAN;
@@ -213,11 +225,12 @@ static void conclude_track(struct track *track)
 static double window_width(const struct samples *x, double omega, double periods)
 {
     const double beat = 0.5 - omega * x->dt / TWO_PI; /* [1/sample] from the Nyquist frequency */
-    return fmax(periods * TWO_PI / omega, fmax(WINDOW_SAMPLES, BEAT_LEAST / fmax(beat, 1e-3)) * x->dt);
+    return fmax(periods * TWO_PI / omega,
+                fmax(WINDOW_SAMPLES, BEAT_MIN / fmax(beat, 1e-3)) * x->dt);
 }
 
-bool track_from(const struct samples *x, double omega, double periods, double at, struct arena *arena,
-                struct track *track)
+bool track_from(const struct samples *x, double omega, double periods, double at,
+                struct arena *arena, struct track *track)
 {
     *track = (struct track){.omega = NAN, .periods = periods};
     if (!divide(x, window_width(x, omega, periods), arena, track)) {
@@ -237,7 +250,8 @@ bool track_from(const struct samples *x, double omega, double periods, double at
     return true;
 }
 
-/* The frequency between the best window and those beside it; what was given where these are not clear. */
+/* The frequency between the best window and those beside it; what was given where these are not
+ * clear. */
 static double refined(const struct track *track, size_t start, double omega)
 {
     double sum = 0, count = 0;
@@ -279,13 +293,14 @@ bool track_follow(const struct samples *x, double omega, double periods, struct 
 }
 
 /*
- * An oscillation keeps its phase from window to window. Where a few windows are all there is, hardly anything else may
- * be in them; thousands of bumps, steps, exponentials and random walks stay well below (tests/unit/analysis_detect.c).
+ * An oscillation keeps its phase from window to window. Where a few windows are all there is,
+ * hardly anything else may be in them; thousands of bumps, steps, exponentials and random walks
+ * stay well below (tests/unit/analysis_detect.c).
  */
 bool track_is_oscillation(const struct track *track)
 {
-    const bool all = track->clear >= FEW && track->coherence > 0.9 && track->share > 0.9;
-    return all || (track->clear >= MANY && track->coherence > 0.85 && track->share > 0.2);
+    const bool all = track->clear >= FEW && track->coherence > 0.9 && track->fraction > 0.9;
+    return all || (track->clear >= MANY && track->coherence > 0.85 && track->fraction > 0.2);
 }
 
 /* Of an oscillation with strong harmonics the fundamental, if it is followed as well. */
@@ -304,11 +319,13 @@ bool track_find(const struct samples *x, struct arena *arena, struct track *trac
     struct track best = {.omega = NAN};
     for (int pass = 0; pass < 2 && memory; pass++) {
         for (int i = 0; i < count && memory; i++) {
-            for (int periods = 2; periods <= PERIODS_MOST && memory; periods *= 2) {
+            for (int periods = 2; periods <= PERIODS_MAX && memory; periods *= 2) {
                 struct track trial;
                 memory = track_follow(x, omega[i], periods, arena, &trial);
-                const bool found = memory && (pass == 0 ? track_is_oscillation(&trial) : is_fundamental(&trial, &best));
-                if (found && (pass == 1 || !(trial.explained * trial.coherence <= best.explained * best.coherence))) {
+                const bool found = memory && (pass == 0 ? track_is_oscillation(&trial)
+                                                        : is_fundamental(&trial, &best));
+                if (found && (pass == 1 || !(trial.explained * trial.coherence <=
+                                             best.explained * best.coherence))) {
                     best = trial;
                 }
                 if (found) {

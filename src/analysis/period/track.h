@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * An oscillation followed window by window: phase and amplitude of local least-squares sines on a local parabola, the
- * frequency of one window taken from the phases of those before. Nothing is assumed about the whole: frequency,
- * amplitude and baseline may drift, and the motion may come to rest.
+ * An oscillation followed window by window: phase and amplitude of local least-squares sines on a
+ * local parabola, the frequency of one window taken from the phases of those before. Nothing is
+ * assumed about the whole: frequency, amplitude and baseline may drift, and the motion may come to
+ * rest.
  */
 #ifndef HOOKE_ANALYSIS_PERIOD_TRACK_H
 #define HOOKE_ANALYSIS_PERIOD_TRACK_H
@@ -16,12 +17,13 @@ struct track_window {
     double amplitude; /* as y */
     double phase;     /* [rad] at t, counted through */
     double sigma;     /* [rad] of the phase, from the residuals of the window */
-    double off;       /* [rad] of the phase from where the windows before expected it; NAN: nothing was expected */
-    double mean;      /* of the samples */
+    double off;  /* [rad] of the phase from where the windows before expected it; NAN: nothing was
+                    expected */
+    double mean; /* of the samples */
     double explained; /* sum of squares that the sine takes off what the parabola left */
     double rss;       /* sum of squares that is left */
     size_t used;
-    bool clear;       /* the sine stands out of what is left */
+    bool clear; /* the sine stands out of what is left */
 };
 
 struct track {
@@ -29,35 +31,41 @@ struct track {
     size_t windows, clear;
     double periods;   /* per window, as asked for */
     double omega;     /* [rad/s] mean over the clear windows, by their phases */
-    double coherence; /* mean cosine of `off`, weighted by amplitude: 1 for an oscillation, about 0 for chance */
-    double share;     /* of the variance about the baseline, in the windows from the first to the last clear one */
+    double coherence; /* mean cosine of `off`, weighted by amplitude: 1 for an oscillation, about 0
+                         for chance */
+    double fraction;  /* of the variance about the baseline, in the windows from the first to the
+                         last clear one */
     double explained; /* sum of squares */
 };
 
 /*
- * Windows of so many periods of omega (more where there are few samples a period). False: no memory.
+ * Windows of so many periods of omega (more where there are few samples a period). False: no
+ * memory.
  */
 bool track_follow(const struct samples *samples, double omega, double periods, struct arena *arena,
                   struct track *track);
 
 /*
- * The oscillation of the recording, from the peaks of its spectrum on, in the narrowest windows that show one; omega is
- * NAN where there is none. False: no memory.
+ * The oscillation of the recording, from the peaks of its spectrum on, in the narrowest windows
+ * that show one; omega is NAN where there is none. False: no memory.
  */
 bool track_find(const struct samples *samples, struct arena *arena, struct track *track);
 
-/* One pass over all samples with the frequency that they have at the time `at`. False: no memory. */
-bool track_from(const struct samples *samples, double omega, double periods, double at, struct arena *arena,
-                struct track *track);
+/* One pass over all samples with the frequency that they have at the time `at`. False: no memory.
+ */
+bool track_from(const struct samples *samples, double omega, double periods, double at,
+                struct arena *arena, struct track *track);
 
 bool track_is_oscillation(const struct track *track);
 
-/* Of a long recording, from a part of it and from means of neighbours: one pass over all samples. False: no memory. */
+/* Of a long recording, from a part of it and from means of neighbours: one pass over all samples.
+ * False: no memory. */
 bool track_long(const struct samples *samples, struct arena *arena, struct track *track);
 
 /*
- * The period from the weighted line through the phases of the clear windows; its uncertainty from their scatter about
- * the line, whatever made it. A warning where the phases bend. False: too few windows.
+ * The period from the weighted line through the phases of the clear windows; its uncertainty from
+ * their scatter about the line, whatever made it. A warning where the phases bend. False: too few
+ * windows.
  */
 bool track_period(const struct track *track, struct arena *arena, struct period *period);
 

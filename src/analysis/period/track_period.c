@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * The period from phases: the slope of the weighted line through them. What disturbs them (noise of any colour, jitter,
- * a baseline that wanders) shows in their scatter, which is what the uncertainty is taken from.
+ * The period from phases: the slope of the weighted line through them. What disturbs them (noise of
+ * any colour, jitter, a baseline that wanders) shows in their scatter, which is what the
+ * uncertainty is taken from.
  */
 #include "analysis/period/track.h"
 
@@ -10,16 +11,16 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { PHASES_LEAST = 4, POWERS = 3 };
+enum { PHASES_MIN = 4, POWERS = 3 };
 
-#define FAR_OFF 6.0   /* robust standard deviations */
-#define GAP 2.5       /* of the usual distance between phases */
-#define NORMAL 1.96   /* of a 95 % interval */
-#define RARELY 1e-5   /* the chance of scatter so small that it is none */
-#define BENDS_AT 4.0  /* standard deviations of the curvature */
-#define RISES_AT 3.0   /* standard deviations of the curvature of log A */
+#define FAR_OFF 6.0  /* robust standard deviations */
+#define GAP 2.5      /* of the usual distance between phases */
+#define NORMAL 1.96  /* of a 95 % interval */
+#define RARELY 1e-5  /* the chance of scatter so small that it is none */
+#define BENDS_AT 4.0 /* standard deviations of the curvature */
+#define RISES_AT 3.0 /* standard deviations of the curvature of log A */
 #define LATE 1.8
-#define BENDS_LEAST 1e-4 /* relative change of the period over the recording that is worth a word */
+#define BENDS_MIN 1e-4 /* relative change of the period over the recording that is worth a word */
 
 struct phases {
     double *t, *phase, *sigma, *residual; /* [n]; t from -1 to 1 */
@@ -61,7 +62,8 @@ static bool solve_polynomial(double a[POWERS][POWERS + 1], int terms, double inv
     return true;
 }
 
-/* Residuals in their own standard deviations, scaled by the scatter; neighbours that hang together widen it. */
+/* Residuals in their own standard deviations, scaled by the scatter; neighbours that hang together
+ * widen it. */
 static double scatter(const struct phases *p, const unsigned char *use, int terms)
 {
     double square = 0, product = 0, before = 0, n = 0;
@@ -80,14 +82,16 @@ static double scatter(const struct phases *p, const unsigned char *use, int term
     return variance * (rho > chance ? autocorrelation_factor(rho) : 1);
 }
 
-/* Least squares through the phases in use; scratch [n]: the size of the residuals in their standard deviations. */
-static bool weigh_polynomial(const struct phases *p, int terms, double *scratch, const unsigned char *use,
-                             struct polynomial *out)
+/* Least squares through the phases in use; scratch [n]: the size of the residuals in their standard
+ * deviations. */
+static bool weigh_polynomial(const struct phases *p, int terms, double *scratch,
+                             const unsigned char *use, struct polynomial *out)
 {
     double a[POWERS][POWERS + 1] = {{0}}, inverse[POWERS];
     out->used = 0;
     for (size_t i = 0; i < p->n; i++) {
-        const double w = use[i] / (p->sigma[i] * p->sigma[i]), x[POWERS] = {1, p->t[i], p->t[i] * p->t[i]};
+        const double w = use[i] / (p->sigma[i] * p->sigma[i]),
+                     x[POWERS] = {1, p->t[i], p->t[i] * p->t[i]};
         for (int j = 0; j < terms; j++) {
             for (int k = 0; k < terms; k++) {
                 a[j][k] += w * x[j] * x[k];
@@ -101,7 +105,8 @@ static bool weigh_polynomial(const struct phases *p, int terms, double *scratch,
     }
     for (size_t i = 0; i < p->n; i++) {
         const double t = p->t[i];
-        p->residual[i] = p->phase[i] - a[0][POWERS] - t * (a[1][POWERS] + (terms > 2 ? t * a[2][POWERS] : 0));
+        p->residual[i] =
+            p->phase[i] - a[0][POWERS] - t * (a[1][POWERS] + (terms > 2 ? t * a[2][POWERS] : 0));
         scratch[i] = fabs(p->residual[i] / p->sigma[i]);
     }
     out->variance = scatter(p, use, terms);
@@ -150,7 +155,7 @@ static bool gather(const struct track *track, struct arena *arena, struct phases
         p->phase[p->n] = w->phase - first->phase;
         p->sigma[p->n++] = fmax(w->sigma, 1e-9);
     }
-    if (p->n < PHASES_LEAST) {
+    if (p->n < PHASES_MIN) {
         return false;
     }
     p->middle = 0.5 * (first->t + last->t);
@@ -161,8 +166,10 @@ static bool gather(const struct track *track, struct arena *arena, struct phases
     return true;
 }
 
-/* The variance of all phases about a straight line, with so many turns more from phase `at` on; NAN: no line. */
-static double variance_with(const struct phases *p, size_t at, int turns, double *scratch, unsigned char *use)
+/* The variance of all phases about a straight line, with so many turns more from phase `at` on;
+ * NAN: no line. */
+static double variance_with(const struct phases *p, size_t at, int turns, double *scratch,
+                            unsigned char *use)
 {
     struct polynomial line;
     memset(use, 1, p->n);
@@ -176,19 +183,20 @@ static double variance_with(const struct phases *p, size_t at, int turns, double
     return fitted ? line.variance : NAN;
 }
 
-/* Across a gap the frequency before it may not be good enough to count the periods: the count that makes the line
- * straightest. */
+/* Across a gap the frequency before it may not be good enough to count the periods: the count that
+ * makes the line straightest. */
 static void count_across_gaps(struct phases *p, double *scratch, unsigned char *use)
 {
     enum { TURNS = 4 };
-    for (size_t i = 1; i < p->n && p->n > PHASES_LEAST; i++) {
-        const double width = 2.0 / (double)(p->n - 1); /* at least that of a window: gaps take some of the time */
-        double least = HUGE_VAL;
+    for (size_t i = 1; i < p->n && p->n > PHASES_MIN; i++) {
+        const double width =
+            2.0 / (double)(p->n - 1); /* at least that of a window: gaps take some of the time */
+        double min = HUGE_VAL;
         int best = 0;
         for (int turns = -TURNS; turns <= TURNS && p->t[i] - p->t[i - 1] > GAP * width; turns++) {
             const double variance = variance_with(p, i, turns, scratch, use);
-            best = variance < least ? turns : best;
-            least = fmin(least, variance);
+            best = variance < min ? turns : best;
+            min = fmin(min, variance);
         }
         for (size_t j = i; j < p->n; j++) {
             p->phase[j] += best * TWO_PI;
@@ -203,8 +211,9 @@ static double crossing_near(const struct track_window *w)
 }
 
 /*
- * Half a 95 % interval of the slope, over 1.96. A few phases lie closer to their line by chance than they should; so
- * close as chance does not bring them they lie where the windows' residuals repeat (harmonics), and are believed.
+ * Half a 95 % interval of the slope, over 1.96. A few phases lie closer to their line by chance
+ * than they should; so close as chance does not bring them they lie where the windows' residuals
+ * repeat (harmonics), and are believed.
  */
 static double slope_sigma(const struct polynomial *line)
 {
@@ -215,12 +224,12 @@ static double slope_sigma(const struct polynomial *line)
 }
 
 /*
- * How much longer the period may seem than it is, relative to it: under dry friction the decay rate r = -A'/A rises and
- * with it the delay of the phase, by up to LATE dr/omega (1.4 to 1.8 in recordings whose motion is known; linear and
- * quadratic drag have none).
+ * How much longer the period may seem than it is, relative to it: under dry friction the decay rate
+ * r = -A'/A rises and with it the delay of the phase, by up to LATE dr/omega (1.4 to 1.8 in
+ * recordings whose motion is known; linear and quadratic drag have none).
  */
-static double delay_of_friction(const struct track *track, struct phases *p, double omega, double *scratch,
-                                unsigned char *use)
+static double delay_of_friction(const struct track *track, struct phases *p, double omega,
+                                double *scratch, unsigned char *use)
 {
     struct polynomial decay;
     size_t n = 0;
@@ -231,7 +240,7 @@ static double delay_of_friction(const struct track *track, struct phases *p, dou
         }
     }
     memset(use, 1, p->n);
-    if (p->n <= PHASES_LEAST || !weigh_polynomial(p, 3, scratch, use, &decay) ||
+    if (p->n <= PHASES_MIN || !weigh_polynomial(p, 3, scratch, use, &decay) ||
         !(decay.coefficient[2] < -RISES_AT * decay.sigma[2])) {
         return 0;
     }
@@ -254,7 +263,7 @@ bool track_period(const struct track *track, struct arena *arena, struct period 
     }
     count_across_gaps(&p, scratch, use);
     memset(use, 1, p.n);
-    const bool bends = p.n > PHASES_LEAST && fit_polynomial(&p, 3, scratch, use, &bent) &&
+    const bool bends = p.n > PHASES_MIN && fit_polynomial(&p, 3, scratch, use, &bent) &&
                        fabs(bent.coefficient[2]) > BENDS_AT * bent.sigma[2];
     for (size_t i = 0; i < p.n; i++) {
         use[i] = use[i] || bends;
@@ -282,7 +291,7 @@ bool track_period(const struct track *track, struct arena *arena, struct period 
     if (bends) {
         const double from = TWO_PI * p.half / (bent.coefficient[1] - 2 * bent.coefficient[2]),
                      to = TWO_PI * p.half / (bent.coefficient[1] + 2 * bent.coefficient[2]);
-        if (fabs(to / from - 1) > BENDS_LEAST) {
+        if (fabs(to / from - 1) > BENDS_MIN) {
             snprintf(out->warning, sizeof out->warning,
                      "the period changes along the recording, from about %.5g to %.5g s", from, to);
             out->period.uncertainty = fmax(out->period.uncertainty, 0.25 * fabs(to - from));
@@ -291,8 +300,10 @@ bool track_period(const struct track *track, struct arena *arena, struct period 
     const double late = delay_of_friction(track, &p, omega, scratch, use) * period;
     if (late > NORMAL * out->period.uncertainty && !out->warning[0]) {
         snprintf(out->warning, sizeof out->warning,
-                 "the decay speeds up, as under dry friction, which delays the phases: T may be up to %.2g s too "
-                 "long ('fit drag' knows)", late);
+                 "the decay speeds up, as under dry friction, which delays the phases: T may be up "
+                 "to %.2g s too "
+                 "long ('fit drag' knows)",
+                 late);
     }
     out->period.uncertainty = hypot(out->period.uncertainty, late / NORMAL);
     return out->period.value > 0;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Completion: what can stand at the cursor, by the description of the arguments. Nothing is executed and no expression
- * is evaluated. */
+/* Completion: what can stand at the cursor, by the description of the arguments. Nothing is
+ * executed and no expression is evaluated. */
 #include "command/complete/complete.h"
 #include "command/internal.h"
 
@@ -26,7 +26,8 @@ int count_words(struct text text)
     return count;
 }
 
-static const struct argument *find_by_form(const struct command *command, enum argument_form form, struct text name)
+static const struct argument *find_by_form(const struct command *command, enum argument_form form,
+                                           struct text name)
 {
     for (int i = 0; i < command->arguments; i++)
         if (command->argument[i].form == form && text_is(name, command->argument[i].name))
@@ -59,13 +60,14 @@ void complete_next(struct completion *c, const struct command *command, struct t
         }
     if (led)
         return;
-    int places = count_words(before);
+    int indices = count_words(before);
     const char *lead = "";
-    const struct argument *place = NULL;
+    const struct argument *index = NULL;
     for (int i = 0; i < command->arguments; i++) {
         const struct argument *argument = &command->argument[i];
-        if (argument->form == FORM_PLACE && !place && (places-- == 0 || (argument->flags & ARG_MANY)))
-            place = argument;
+        if (argument->form == FORM_PLACE && !index &&
+            (indices-- == 0 || (argument->flags & ARG_MANY)))
+            index = argument;
         if (argument->form == FORM_WORD && argument->name[0] != '>' && !argument->lead)
             complete_offer(c, argument->name, "");
         else if (argument->form == FORM_KEY && argument->type != TYPE_START)
@@ -76,20 +78,23 @@ void complete_next(struct completion *c, const struct command *command, struct t
             complete_offer(c, argument->lead, "");
         lead = argument->lead ? argument->lead : lead;
     }
-    if (place)
-        complete_item(c, place, before);
+    if (index)
+        complete_item(c, index, before);
     else if (ends_in_digit(before) && command->arguments > 0 && takes_values(command))
-        complete_units(c, command->argument[0].type == TYPE_VALUE ? command->argument[0].quantity : QUANTITY_OTHER);
+        complete_units(c, command->argument[0].type == TYPE_VALUE ? command->argument[0].quantity
+                                                                  : QUANTITY_OTHER);
 }
 
 static bool goes_on(const struct command *command, struct text before)
 {
     const struct text t = text_trim(before);
-    const bool compares = find_by_form(command, FORM_WORD, TEXT("until")) && t.len > 0 && strchr("<>", t.at[t.len - 1]);
+    const bool compares = find_by_form(command, FORM_WORD, TEXT("until")) && t.len > 0 &&
+                          strchr("<>", t.at[t.len - 1]);
     return takes_values(command) && (compares || value_is_open(before));
 }
 
-static void complete_arguments(struct completion *c, const struct command *command, struct text before)
+static void complete_arguments(struct completion *c, const struct command *command,
+                               struct text before)
 {
     const struct text last = last_word(before);
     if (command->completes == COMPLETES_SWEEP) {
@@ -109,7 +114,8 @@ static void complete_arguments(struct completion *c, const struct command *comma
     while (equals > 0 && before.at[equals - 1] != '=')
         equals--;
     if (equals > 0 && ends_in_digit(before)) {
-        const struct argument *key = find_by_form(command, FORM_KEY, last_word((struct text){before.at, equals - 1}));
+        const struct argument *key =
+            find_by_form(command, FORM_KEY, last_word((struct text){before.at, equals - 1}));
         if (key && key->type == TYPE_VALUE) {
             complete_units(c, key->quantity);
             return;
@@ -121,7 +127,8 @@ static void complete_arguments(struct completion *c, const struct command *comma
     }
     const struct argument *word = find_by_form(command, FORM_WORD, last);
     const struct argument *option =
-        last.len > 2 ? find_by_form(command, FORM_OPTION, (struct text){last.at + 2, last.len - 2}) : NULL;
+        last.len > 2 ? find_by_form(command, FORM_OPTION, (struct text){last.at + 2, last.len - 2})
+                     : NULL;
     if (word && word->type != TYPE_NONE)
         complete_item(c, word, TEXT(""));
     else if (option && option->type != TYPE_NONE)
@@ -139,7 +146,8 @@ static void complete_arguments(struct completion *c, const struct command *comma
         complete_next(c, command, before);
 }
 
-/* The command of a statement that defines a scene or an event, and what stands behind its name; NULL: another one. */
+/* The command of a statement that defines a scene or an event, and what stands behind its name;
+ * NULL: another one. */
 static const struct command *formula_command(struct text statement, struct text *rest)
 {
     text_skip_blanks(&statement);
@@ -148,8 +156,8 @@ static const struct command *formula_command(struct text statement, struct text 
     *rest = (struct text){statement.at + name.len, statement.len - name.len};
     if (name.len > 0 && rest->len > 0 && rest->at[0] == '\'')
         return command_with(COMMAND_EQUATES);
-    const bool formula =
-        command && command->arguments > 0 && command->argument[command->arguments - 1].type == TYPE_FORMULA;
+    const bool formula = command && command->arguments > 0 &&
+                         command->argument[command->arguments - 1].type == TYPE_FORMULA;
     return formula && rest->len > 0 && strchr(" \t", rest->at[0]) ? command : NULL;
 }
 
@@ -169,7 +177,8 @@ static const char *event_string(struct text statement)
 }
 
 bool command_complete(struct session *session, struct text line, size_t cursor, size_t *start,
-                      void (*offer_to)(void *context, const char *candidate, const char *brief), void *context)
+                      void (*offer_to)(void *context, const char *candidate, const char *brief),
+                      void *context)
 {
     struct text rest = {line.at, cursor < line.len ? cursor : line.len}, statement = rest;
     struct error ignored;
@@ -180,7 +189,8 @@ bool command_complete(struct session *session, struct text line, size_t cursor, 
             if (!inside || inside > end)
                 return true; /* inside a string */
             const struct text commands = {inside, (size_t)(end - inside)};
-            const bool names = command_complete(session, commands, commands.len, start, offer_to, context);
+            const bool names =
+                command_complete(session, commands, commands.len, start, offer_to, context);
             *start += (size_t)(inside - line.at);
             return names;
         }
@@ -192,7 +202,8 @@ bool command_complete(struct session *session, struct text line, size_t cursor, 
     size_t word = statement.len;
     while (word > 0 && !strchr(" \t=,;:", statement.at[word - 1]))
         word--;
-    struct completion c = {session, {statement.at + word, statement.len - word}, offer_to, context, false};
+    struct completion c = {
+        session, {statement.at + word, statement.len - word}, offer_to, context, false};
     struct text before = {statement.at, word}, behind;
     const struct command *formula = formula_command(before, &behind);
     text_skip_blanks(&before);

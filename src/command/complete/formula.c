@@ -48,7 +48,8 @@ static size_t operand(const struct completion *c, void (*names)(struct completio
     int count = 0;
     while (first > 0 && !is_operator(word.at[first - 1]))
         first--;
-    struct completion whole = {c->session, {word.at + first, word.len - first}, count_offer, &count, false};
+    struct completion whole = {
+        c->session, {word.at + first, word.len - first}, count_offer, &count, false};
     names(&whole);
     return count > 0 ? first : from;
 }
@@ -148,7 +149,8 @@ static void complete_event(struct completion *c, struct text rest)
         if (text_is(last, "do") && text_trim(left).len > 0)
             return;
     }
-    const bool turned = text_is(last, "rising") || text_is(last, "falling") || text_is(last, "touching");
+    const bool turned =
+        text_is(last, "rising") || text_is(last, "falling") || text_is(last, "touching");
     if (text_is(last, "do")) {
         complete_offer(c, "stop", "the run stops there");
         complete_offer(c, "record", "a row of 'list events'");

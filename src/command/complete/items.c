@@ -22,7 +22,8 @@ void complete_catalog(struct completion *c, const struct catalog *catalog)
         complete_offer(c, catalog_row(catalog, i)->name, catalog_row(catalog, i)->brief);
 }
 
-void complete_affixed(struct completion *c, const char *before, const char *name, const char *after, const char *brief)
+void complete_affixed(struct completion *c, const char *before, const char *name, const char *after,
+                      const char *brief)
 {
     char z[LIMIT_NAME + 8];
     snprintf(z, sizeof z, "%s%s%s", before, name, after);
@@ -43,7 +44,8 @@ void complete_settable(struct completion *c)
     const struct catalog *derivable = scene_derived(&c->session->setup.scene);
     complete_catalog(c, scene_params(&c->session->setup.scene));
     for (size_t i = 0; i < derivable->count; i++) {
-        const struct derived_row *derived = (const struct derived_row *)(const void *)catalog_row(derivable, i);
+        const struct derived_row *derived =
+            (const struct derived_row *)(const void *)catalog_row(derivable, i);
         if (derived->inverse)
             complete_offer(c, derived->row.name, derived->row.brief);
     }
@@ -97,7 +99,8 @@ void complete_columns(struct completion *c, const struct catalog *besides)
     const struct model *moving = run ? run->system.model : c->session->setup.scene.model;
     for (int i = 0; i < moving->n; i++)
         if (!catalog_find(&observable_catalog, text_of(moving->variable[i].name)))
-            complete_offer(c, moving->variable[i].name, quantity_name(moving->variable[i].quantity));
+            complete_offer(c, moving->variable[i].name,
+                           quantity_name(moving->variable[i].quantity));
     for (int i = 0; i < model_observed(moving); i++)
         complete_offer(c, model_observed_variable(moving, i).name, "observed");
     for (size_t i = 0; i < observable_catalog.count; i++) {
@@ -138,7 +141,8 @@ void complete_item(struct completion *c, const struct argument *argument, struct
         complete_columns(c, argument->choices);
         break;
     case TYPE_UNIT:
-        complete_units(c, argument->quantity == QUANTITY_NUMBER ? QUANTITY_OTHER : argument->quantity);
+        complete_units(c,
+                       argument->quantity == QUANTITY_NUMBER ? QUANTITY_OTHER : argument->quantity);
         break;
     case TYPE_RUN:
         offer_runs(c, (argument->flags & ARG_ALL) != 0);
@@ -195,15 +199,17 @@ void complete_set(struct completion *c, struct text name, struct text before)
 
 void complete_topics(struct completion *c)
 {
-    static const struct catalog *const topics[] = {&command_catalog,    &setting_catalog, &method_catalog,
-                                                   &observable_catalog, &preset_catalog,  &unit_catalog};
+    static const struct catalog *const topics[] = {&command_catalog, &setting_catalog,
+                                                   &method_catalog,  &observable_catalog,
+                                                   &preset_catalog,  &unit_catalog};
     for (size_t i = 0; i < COUNT_OF(topics); i++)
         complete_catalog(c, topics[i]);
     for (const struct model *const *model = scene_models; *model; model++) {
         const struct catalog *const own[] = {(*model)->params, (*model)->derived};
         for (size_t i = 0; i < COUNT_OF(own); i++)
             for (size_t j = 0; j < own[i]->count; j++)
-                if (model_with(text_of(catalog_row(own[i], j)->name)) == *model) /* each name once */
+                if (model_with(text_of(catalog_row(own[i], j)->name)) ==
+                    *model) /* each name once */
                     complete_offer(c, catalog_row(own[i], j)->name, catalog_row(own[i], j)->brief);
     }
 }

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* adopt: all that the last fit found becomes the scene, and is proved by a run over the recording. */
+/* adopt: all that the last fit found becomes the scene, and is proved by a run over the recording.
+ */
 #include "command/data/adopted.h"
 #include "command/data/fit_text.h"
 #include "command/internal.h"
@@ -10,7 +11,7 @@
 
 /* ---- what was taken ---- */
 
-enum { ADOPTED_MOST = LIMIT_VARIABLES + 16, LEFT_OUT_MOST = 4 };
+enum { ADOPTED_MAX = LIMIT_VARIABLES + 16, LEFT_OUT_MAX = 4 };
 
 struct adoption {
     struct session *session;
@@ -19,28 +20,28 @@ struct adoption {
         char name[LIMIT_NAME + 1];
         struct measured value;
         enum quantity quantity;
-    } taken[ADOPTED_MOST];
+    } taken[ADOPTED_MAX];
     int count;
-    const char *left_out[LEFT_OUT_MOST];
+    const char *left_out[LEFT_OUT_MAX];
     int left;
-    int data;        /* place of the recording that was fitted, -1: none */
-    bool as_on_data; /* it starts where the fit does: it can be compared */
+    int data;             /* place of the recording that was fitted, -1: none */
+    bool as_on_data;      /* it starts where the fit does: it can be compared */
     struct inputs inputs; /* what entered besides the fit */
-    bool pendulum;   /* the scene swings on a rod, not on a spring */
-    bool unscaled;   /* the fit is one of volts or newtons, and nothing says how far they are */
+    bool pendulum;        /* the scene swings on a rod, not on a spring */
+    bool unscaled; /* the fit is one of volts or newtons, and nothing says how far they are */
 };
 
 static bool take(struct adoption *a, const char *name, struct measured value, struct error *error)
 {
-    const int place = scene_param(&a->scene, name);
+    const int index = scene_param(&a->scene, name);
     value.uncertainty = isfinite(value.uncertainty) ? value.uncertainty : 0;
-    if (!scene_set(&a->scene, place, value, error))
+    if (!scene_set(&a->scene, index, value, error))
         return false;
-    if (a->count < ADOPTED_MOST) {
+    if (a->count < ADOPTED_MAX) {
         struct adopted *taken = &a->taken[a->count++];
         snprintf(taken->name, sizeof taken->name, "%s", name);
         taken->value = value;
-        taken->quantity = param_at(&a->scene, place)->quantity;
+        taken->quantity = param_at(&a->scene, index)->quantity;
     }
     return true;
 }
@@ -56,19 +57,20 @@ static void become(const struct adoption *a)
 
 static void leave_out(struct adoption *a, const char *what)
 {
-    if (a->left < LEFT_OUT_MOST)
+    if (a->left < LEFT_OUT_MAX)
         a->left_out[a->left++] = what;
 }
 
 /* ---- the proof ---- */
 
-#define AGREES 1.2   /* rms of the run over that of the fit, at most */
+#define AGREES 1.2    /* rms of the run over that of the fit, at most */
 #define ROUNDING 1e-8 /* of the amplitude: what the run's own errors may add */
 #define ACCURATE 1e-10
 #define SMALL_SWING 0.1 /* [rad] wider swings are slower by more than amplitude^2/16 = 0.06 % */
-#define ROWS 200 /* recorded in a radian of the natural frequency */
+#define ROWS 200        /* recorded in a radian of the natural frequency */
 
-/* Rms of the scene, run from its start over the window of the fit; NAN: it cannot be compared, or was stopped. */
+/* Rms of the scene, run from its start over the window of the fit; NAN: it cannot be compared, or
+ * was stopped. */
 static double rms_of_run(const struct adoption *a)
 {
     const struct session *session = a->session;
@@ -78,7 +80,8 @@ static double rms_of_run(const struct adoption *a)
     struct system system;
     if (a->data < 0 || !a->as_on_data || !(span > 0) || !scene_bind(&a->scene, &system, &ignored))
         return NAN;
-    settings.record = (struct recording_rule){RECORD_TIMES, 1, system.scale[0] / (ROWS * system.scale[1])};
+    settings.record =
+        (struct recording_rule){RECORD_TIMES, 1, system.scale[0] / (ROWS * system.scale[1])};
     settings.record.interval = fmax(settings.record.interval, span / 1e6);
     const struct method *method =
         (const struct method *)(const void *)catalog_find(&method_catalog, TEXT("dop853"));
@@ -88,7 +91,9 @@ static double rms_of_run(const struct adoption *a)
     const struct run_target target = {.t = session->fit.window[1], .steps = -1};
     while (run_advance(run, &target, 0, session->front.cancel))
         continue;
-    const double rms = run->stop == STOP_END ? run_data_distance(run, session->recording[a->data]->recording).rms : NAN;
+    const double rms = run->stop == STOP_END
+                           ? run_data_distance(run, session->recording[a->data]->recording).rms
+                           : NAN;
     run_destroy(run);
     return rms;
 }
@@ -103,7 +108,8 @@ static void warn_apart(const struct adoption *a, double rms, struct reply *reply
         for (int i = 0; i < a->left; i++)
             buffer_format(&text, "%s%s", i ? ", " : "the scene does not take ", a->left_out[i]);
     else if (param_value(&a->scene, "C") > 0 && fit->drag.candidates == 0)
-        buffer_put(&text, TEXT("the scene has quadratic drag, which this fit does not know (fit drag)"));
+        buffer_put(&text,
+                   TEXT("the scene has quadratic drag, which this fit does not know (fit drag)"));
     else if (param_value(&a->scene, "F0") > 0 || fabs(param_value(&a->scene, "k3")) > 0)
         buffer_put(&text, TEXT("the scene has forces that the fit does not know"));
     else
@@ -145,7 +151,8 @@ static void reply_adoption(const struct adoption *a, struct buffer *text, struct
     reply_end(reply);
     if (of && recorded_bare(of))
         reply_warning(reply,
-                      "%s has no unit: its numbers were taken as metres or radians ('load FILE unit=cm' says otherwise)",
+                      "%s has no unit: its numbers were taken as metres or radians ('load FILE "
+                      "unit=cm' says otherwise)",
                       of->name);
     if (rms > allowed)
         warn_apart(a, rms, reply);
@@ -175,7 +182,9 @@ static bool is_turning(enum quantity quantity)
 static int fitted_recording(const struct session *session)
 {
     const struct text of = text_of(session->fit_of);
-    return text_starts(of, TEXT("data ")) ? session_find_recording(session, (struct text){of.at + 5, of.len - 5}) : -1;
+    return text_starts(of, TEXT("data "))
+               ? session_find_recording(session, (struct text){of.at + 5, of.len - 5})
+               : -1;
 }
 
 /* Of a fit of the scene: what was free, as it was fitted. */
@@ -185,7 +194,8 @@ static bool adopt_curve(struct session *session, const struct arguments *given, 
     struct scene scene = session->setup.scene;
     const struct scene *fitted = &session->fit_scene;
     if (session->fit_modes > 0) {
-        error_set(error, ERROR_COMMAND, "several modes at once are no motion of one spring and mass");
+        error_set(error, ERROR_COMMAND,
+                  "several modes at once are no motion of one spring and mass");
         return error_hint(error, "type the equations of what is coupled, then: fit scene free=..");
     }
     if (!fitted->model) {
@@ -193,17 +203,20 @@ static bool adopt_curve(struct session *session, const struct arguments *given, 
         return error_hint(error, "type: fit, or: fit scene");
     }
     if (fitted->model != scene.model)
-        return error_set(error, ERROR_COMMAND, "the fit was one of %s, the scene is %s", fitted->preset->row.name,
-                         scene.preset->row.name);
+        return error_set(error, ERROR_COMMAND, "the fit was one of %s, the scene is %s",
+                         fitted->preset->row.name, scene.preset->row.name);
     if (is_given(given, "amplitude"))
-        return error_set(error, ERROR_COMMAND, "'adopt amplitude' belongs to the fit of a damped oscillation");
+        return error_set(error, ERROR_COMMAND,
+                         "'adopt amplitude' belongs to the fit of a damped oscillation");
     struct buffer text = {0};
-    struct adoption a = {.session = session, .scene = scene, .data = fitted_recording(session), .as_on_data = true};
+    struct adoption a = {
+        .session = session, .scene = scene, .data = fitted_recording(session), .as_on_data = true};
     const int t0 = scene_param(fitted, "t0");
     for (int i = 0; i < (int)scene_params(&scene)->count; i++) {
         if (!session->fit_free[i] && (i != t0 || scene.value[i] == fitted->value[i]))
             continue;
-        const struct measured value = {fitted->value[i], session->fit_free[i] ? fitted->uncertainty[i] : 0};
+        const struct measured value = {fitted->value[i],
+                                       session->fit_free[i] ? fitted->uncertainty[i] : 0};
         if (!take(&a, param_at(&scene, i)->row.name, value, error))
             return false;
     }
@@ -215,7 +228,7 @@ static bool adopt_curve(struct session *session, const struct arguments *given, 
         struct recording *recording = session->recording[a.data]->recording;
         recording->zero = session->fit_zero + session->fit.offset.value;
         put_value(&text, "\nzero of the recording", (struct measured){recording->zero, 0},
-            recording->column[recording->value].quantity, true);
+                  recording->column[recording->value].quantity, true);
         buffer_put(&text, TEXT(" (the offset of the fit)"));
     }
     session_changed(session);
@@ -247,7 +260,8 @@ static bool take_law(struct adoption *a, const struct fit *fit, struct error *er
     const struct drag_candidate *law = &fit->drag.candidate[fit->drag.best - 1];
     const double m = param_value(&a->scene, "m");
     const double drag = param_value(&a->scene, "rho") * param_value(&a->scene, "area") / m;
-    const double along = a->pendulum ? m * param_value(&a->scene, "length") : m; /* of a force, by its f */
+    const double along =
+        a->pendulum ? m * param_value(&a->scene, "length") : m; /* of a force, by its f */
     if (a->unscaled) {
         if (law->law & (LAW_QUADRATIC | LAW_DRY))
             leave_out(a, "quadratic drag and dry friction without a scale");
@@ -255,7 +269,8 @@ static bool take_law(struct adoption *a, const struct fit *fit, struct error *er
             leave_out(a, "a cubic spring without a scale");
         return take(a, "gamma", law->rate[0], error);
     }
-    if ((fit->drag.force == RESTORING_CUBIC || param_value(&a->scene, "k3") != 0) && scene_param(&a->scene, "k3") >= 0 &&
+    if ((fit->drag.force == RESTORING_CUBIC || param_value(&a->scene, "k3") != 0) &&
+        scene_param(&a->scene, "k3") >= 0 &&
         !take(a, "k3", converted(a, fit->drag.cubic, m, "m"), error))
         return false;
     const bool quadratic = law->law & LAW_QUADRATIC, dry = law->law & LAW_DRY;
@@ -275,9 +290,10 @@ static bool take_law(struct adoption *a, const struct fit *fit, struct error *er
            take(a, "friction", converted(a, law->rate[2], along, a->pendulum ? "m g" : "m"), error);
 }
 
-/* The spring of the fit, or the rod that swings as fast; middle: where the motion is about. With gravity that is the
- * equilibrium of the spring, not y = 0. */
-static bool take_force(struct adoption *a, const struct fit *fit, double *middle, struct error *error)
+/* The spring of the fit, or the rod that swings as fast; middle: where the motion is about. With
+ * gravity that is the equilibrium of the spring, not y = 0. */
+static bool take_force(struct adoption *a, const struct fit *fit, double *middle,
+                       struct error *error)
 {
     const int m = scene_param(&a->scene, "m"), g = scene_param(&a->scene, "g");
     const struct measured mass = {a->scene.value[m], a->scene.uncertainty[m]};
@@ -286,7 +302,8 @@ static bool take_force(struct adoption *a, const struct fit *fit, double *middle
         const struct measured square = fit_stiffness(fit, (struct measured){1, 0});
         const double length = gravity.value / square.value;
         if (!(gravity.value > 0))
-            return error_set(error, ERROR_COMMAND, "the length of a pendulum needs its gravity: g = 9.81 m/s^2");
+            return error_set(error, ERROR_COMMAND,
+                             "the length of a pendulum needs its gravity: g = 9.81 m/s^2");
         inputs_use_params(&a->inputs, &a->scene, "g");
         return take(a, "length",
                     (struct measured){length, length * hypot(square.uncertainty / square.value,
@@ -299,8 +316,8 @@ static bool take_force(struct adoption *a, const struct fit *fit, double *middle
     return take(a, "k", stiffness, error);
 }
 
-static bool take_start(struct adoption *a, const struct fit *fit, int n, bool at_rest, double middle,
-                       struct error *error)
+static bool take_start(struct adoption *a, const struct fit *fit, int n, bool at_rest,
+                       double middle, struct error *error)
 {
     struct measured start[2];
     adopted_start(fit, n, at_rest, start);
@@ -314,33 +331,37 @@ static bool can_have_spring(const struct scene *scene, const struct fit *fit, st
 {
     if (fit->drag.force != RESTORING_SINE)
         return needs_spring(scene, "adopt", error);
-    error_set(error, ERROR_COMMAND, "the fit is one of a pendulum, the scene %s is none", scene->preset->row.name);
+    error_set(error, ERROR_COMMAND, "the fit is one of a pendulum, the scene %s is none",
+              scene->preset->row.name);
     return error_hint(error, "type: scene pendulum; adopt");
 }
 
-/* Of a voltage or a force: what one unit of it is of the scene's position. Unless told, its motion is as wide as that
- * of the scene; 0: which stands still. */
-static bool find_scale(const struct adoption *a, const struct fit *fit, const struct given *given, double *scale,
-                       struct error *error)
+/* Of a voltage or a force: what one unit of it is of the scene's position. Unless told, its motion
+ * is as wide as that of the scene; 0: which stands still. */
+static bool find_scale(const struct adoption *a, const struct fit *fit,
+                       const struct given_argument *given, double *scale, struct error *error)
 {
     const enum quantity needs = a->pendulum ? QUANTITY_ANGLE : QUANTITY_LENGTH;
     if (given->count > 0) {
         *scale = given->item->value.value;
         if (given->item->quantity == needs && *scale != 0)
             return true;
-        return error_at(error, given->item->text, "scale needs %s %s other than 0", quantity_article(needs),
-                        quantity_name(needs));
+        return error_at(error, given->item->text, "scale needs %s %s other than 0",
+                        quantity_article(needs), quantity_name(needs));
     }
-    const double half = isfinite(fit->gamma.value) ? 0.5 * fit->gamma.value : 0, omega = fit->omega.value;
+    const double half = isfinite(fit->gamma.value) ? 0.5 * fit->gamma.value : 0,
+                 omega = fit->omega.value;
     const double m = param_value(&a->scene, "m"), g = param_value(&a->scene, "g");
-    const double middle = a->pendulum ? 0 : -m * g / fit_stiffness(fit, (struct measured){m, 0}).value;
+    const double middle =
+        a->pendulum ? 0 : -m * g / fit_stiffness(fit, (struct measured){m, 0}).value;
     const double y = param_value(&a->scene, a->pendulum ? "theta0" : "y0") - middle;
-    *scale = hypot(y, (param_value(&a->scene, a->pendulum ? "rate0" : "v0") + half * y) / omega) / fit->amplitude.value;
+    *scale = hypot(y, (param_value(&a->scene, a->pendulum ? "rate0" : "v0") + half * y) / omega) /
+             fit->amplitude.value;
     return true;
 }
 
-static void put_scaled(const struct adoption *a, const struct fit *fit, double scale, enum quantity quantity, bool told,
-                       struct buffer *text)
+static void put_scaled(const struct adoption *a, const struct fit *fit, double scale,
+                       enum quantity quantity, bool told, struct buffer *text)
 {
     const enum quantity position = a->pendulum ? QUANTITY_ANGLE : QUANTITY_LENGTH;
     const char *unit = quantity_unit(quantity);
@@ -348,15 +369,16 @@ static void put_scaled(const struct adoption *a, const struct fit *fit, double s
     buffer_quantity(text, scale, position, 4);
     if (told)
         return;
-    buffer_format(text, ": the amplitude of the fit is %s %s, no %s; that of the scene, ", quantity_article(quantity),
-                  quantity_name(quantity), quantity_name(position));
+    buffer_format(text, ": the amplitude of the fit is %s %s, no %s; that of the scene, ",
+                  quantity_article(quantity), quantity_name(quantity), quantity_name(position));
     buffer_quantity(text, fit->amplitude.value * scale, position, 4);
     buffer_format(text, ", is kept ('adopt scale=..' says what 1 %s is)", unit);
     if (fit->drag.candidates > 0 && (fit->drag.best & (LAW_QUADRATIC | LAW_DRY)))
         buffer_put(text, TEXT("\nquadratic drag and dry friction follow from that scale"));
 }
 
-bool adopt_fit(struct session *session, const struct arguments *given, struct reply *reply, struct error *error)
+bool adopt_fit(struct session *session, const struct arguments *given, struct reply *reply,
+               struct error *error)
 {
     const struct fit *fit = &session->fit;
     if (!session->has_fit) {
@@ -366,10 +388,11 @@ bool adopt_fit(struct session *session, const struct arguments *given, struct re
     if (session->fit_samples > 0)
         return adopt_curve(session, given, reply, error);
     const bool at_rest = is_given(given, "amplitude");
-    const struct given *told = given_for(given, "scale");
+    const struct given_argument *told = argument_given(given, "scale");
     double scale = 0;
     struct fit in_positions;
-    struct adoption a = {.session = session, .scene = session->setup.scene, .data = fitted_recording(session)};
+    struct adoption a = {
+        .session = session, .scene = session->setup.scene, .data = fitted_recording(session)};
     struct named_value fitted = {.quantity = QUANTITY_LENGTH};
     names_value(session, TEXT("fit_amplitude"), &fitted);
     const bool scaled = quantity_is_scaled(fitted.quantity);
@@ -398,7 +421,8 @@ bool adopt_fit(struct session *session, const struct arguments *given, struct re
         leave_out(&a, "the drift of the offset");
     become(&a);
     adopted_motion(&session->adopted, fit, n > 0 ? n : 0, at_rest, n >= 0);
-    const double zero = session->fit_zero + session->fit.offset.value - (n == 0 && !scaled ? middle : 0);
+    const double zero =
+        session->fit_zero + session->fit.offset.value - (n == 0 && !scaled ? middle : 0);
     if (a.data >= 0)
         session->recording[a.data]->recording->zero = zero;
     session_changed(session);
@@ -406,7 +430,8 @@ bool adopt_fit(struct session *session, const struct arguments *given, struct re
     struct buffer text = {0};
     put_taken(&a, &text);
     if (a.data >= 0) {
-        put_value(&text, "\nzero of the recording", (struct measured){zero, 0}, fitted.quantity, true);
+        put_value(&text, "\nzero of the recording", (struct measured){zero, 0}, fitted.quantity,
+                  true);
         buffer_put(&text, TEXT(" (the offset of the fit)"));
     }
     if (scale != 0)
@@ -417,18 +442,25 @@ bool adopt_fit(struct session *session, const struct arguments *given, struct re
     reply_adoption(&a, &text, reply);
     buffer_free(&text);
     if (a.unscaled && a.left > 0)
-        reply_warning(reply, "the scene does not take %s%s%s", a.left_out[0], a.left > 1 ? ", " : "",
-                      a.left > 1 ? a.left_out[1] : "");
+        reply_warning(reply, "the scene does not take %s%s%s", a.left_out[0],
+                      a.left > 1 ? ", " : "", a.left > 1 ? a.left_out[1] : "");
     if (n < 0)
-        reply_warning(reply, scaled ? "y0, v0 and t0 stay: the scene is at rest, and nobody says what 1 %s is ('adopt scale=..')"
-                                   : "y0, v0 and t0 stay: what was fitted (%s) is no position, velocity or acceleration",
+        reply_warning(reply,
+                      scaled ? "y0, v0 and t0 stay: the scene is at rest, and nobody says what 1 "
+                               "%s is ('adopt scale=..')"
+                             : "y0, v0 and t0 stay: what was fitted (%s) is no position, velocity "
+                               "or acceleration",
                       scaled ? quantity_unit(fitted.quantity) : quantity_name(fitted.quantity));
     if (a.pendulum && fit->drag.force != RESTORING_SINE && fit->amplitude.value > SMALL_SWING)
-        reply_warning(reply, "the fit knows nothing of the slower wide swings of a pendulum: fit law, then adopt again");
+        reply_warning(reply, "the fit knows nothing of the slower wide swings of a pendulum: fit "
+                             "law, then adopt again");
     if (!a.pendulum && !a.scene.given[m])
-        reply_warning(reply,
-                      "k was computed with the mass of the scene, which nobody has set: m = 200 g, then adopt again");
-    if ((fit->drag.candidates == 0 && param_value(&a.scene, "C") > 0) || param_value(&a.scene, "F0") > 0)
-        reply_warning(reply, "the scene also has quadratic drag or a driving force, which the fit knows nothing of");
+        reply_warning(reply, "k was computed with the mass of the scene, which nobody has set: m = "
+                             "200 g, then adopt again");
+    if ((fit->drag.candidates == 0 && param_value(&a.scene, "C") > 0) ||
+        param_value(&a.scene, "F0") > 0)
+        reply_warning(
+            reply,
+            "the scene also has quadratic drag or a driving force, which the fit knows nothing of");
     return true;
 }

@@ -7,9 +7,22 @@
 #include <string.h>
 
 /* What a fit of an oscillation can set. */
-enum target { STIFFNESS, CUBIC, LINEAR, QUADRATIC, DRY, POSITION, VELOCITY, LENGTH, ANGLE, TURNING, TARGETS };
+enum target {
+    STIFFNESS,
+    CUBIC,
+    LINEAR,
+    QUADRATIC,
+    DRY,
+    POSITION,
+    VELOCITY,
+    LENGTH,
+    ANGLE,
+    TURNING,
+    TARGETS
+};
 
-static const char *const names[TARGETS] = {"k", "k3", "gamma", "C", "friction", "y0", "v0", "length", "theta0", "rate0"};
+static const char *const names[TARGETS] = {"k",  "k3", "gamma",  "C",      "friction",
+                                           "y0", "v0", "length", "theta0", "rate0"};
 
 static void start_in_motion(const struct fit *fit, int n, struct measured start[2])
 {
@@ -143,21 +156,21 @@ static void slope_of(const struct scene *scene, const struct fit *fit, int i, in
 void adopted_motion(struct adopted_fit *adopted, const struct fit *fit, int n, bool at_rest,
                     bool starts)
 {
-    const int most = starts ? TARGETS : POSITION;
+    const int max = starts ? TARGETS : POSITION;
     const struct fit_covariance *covariance = &fit->covariance;
     double slope[CURVE_PARAMETERS][TARGETS];
     int target[TARGETS];
     for (int i = 0; i < covariance->n; i++)
         slope_of(&adopted->scene, fit, i, n, at_rest, slope[i]);
-    for (int k = 0; k < most && covariance->n > 0; k++) {
-        const int place = scene_param(&adopted->scene, names[k]);
+    for (int k = 0; k < max && covariance->n > 0; k++) {
+        const int index = scene_param(&adopted->scene, names[k]);
         double size = 0;
         for (int i = 0; i < covariance->n; i++)
             size += fabs(slope[i][k]) * covariance->at[i][i];
-        if (place < 0 || !(size > 0))
+        if (index < 0 || !(size > 0))
             continue;
         target[adopted->count] = k;
-        adopted->place[adopted->count++] = place;
+        adopted->index[adopted->count++] = index;
     }
     for (int k = 0; k < adopted->count; k++)
         for (int l = 0; l < adopted->count; l++)
@@ -172,7 +185,7 @@ void adopted_free(struct adopted_fit *adopted, const bool *is_free,
 {
     for (int i = 0; i < PARAM_MAX && adopted->count < covariance->n; i++)
         if (is_free[i])
-            adopted->place[adopted->count++] = i;
+            adopted->index[adopted->count++] = i;
     for (int k = 0; k < adopted->count; k++)
         for (int l = 0; l < adopted->count; l++)
             adopted->covariance[k * adopted->count + l] = covariance->at[k][l];

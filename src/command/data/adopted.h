@@ -9,7 +9,8 @@
  * how often that was differentiated to give what was fitted. */
 void adopted_start(const struct fit *fit, int n, bool at_rest, struct measured start[2]);
 
-/* The fit of what is `scale` times as large: of a position [m, rad] from a voltage [V] or a force [N]. */
+/* The fit of what is `scale` times as large: of a position [m, rad] from a voltage [V] or a force
+ * [N]. */
 void adopted_scale(struct fit *fit, double scale);
 
 /* Covariances of a scene's parameters from those of the fit of an oscillation; the mass counts as

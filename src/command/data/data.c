@@ -30,8 +30,8 @@ static void reply_part(const struct recording *recording, struct reply *reply)
     const enum quantity quantity = recording->column[recording->value].quantity;
     struct buffer zero = {0};
     buffer_measured(&zero, (struct measured){recording->zero, 0}, quantity, 6);
-    reply_line(reply, "%s: window %.6g..%.6g s, zero %s", recording->name, recording->window[0], recording->window[1],
-               buffer_view(&zero));
+    reply_line(reply, "%s: window %.6g..%.6g s, zero %s", recording->name, recording->window[0],
+               recording->window[1], buffer_view(&zero));
     buffer_free(&zero);
 }
 
@@ -60,10 +60,12 @@ static void reply_recording(const struct recording *recording, struct reply *rep
         reply_close(reply);
     }
     reply_close(reply);
-    reply_string(reply, "time", recording->time >= 0 ? recording->column[recording->time].name : NULL);
+    reply_string(reply, "time",
+                 recording->time >= 0 ? recording->column[recording->time].name : NULL);
     reply_string(reply, "value", recording->column[recording->value].name);
     reply_int(reply, "header_lines", recording->header_lines);
-    reply_string(reply, "separator", word_of(&separator_catalog, separator_letters, recording->separator));
+    reply_string(reply, "separator",
+                 word_of(&separator_catalog, separator_letters, recording->separator));
     reply_string(reply, "decimal", word_of(&decimal_catalog, decimal_letters, recording->decimal));
     reply_array(reply, "window");
     reply_real(reply, NULL, recording->window[0]);
@@ -72,7 +74,8 @@ static void reply_recording(const struct recording *recording, struct reply *rep
     reply_real(reply, "zero", recording->zero);
     reply_bool(reply, "cleaned", recording->cleaned);
     reply_int(reply, "masked", recording->cleaned ? (int64_t)recording->findings->masked : 0);
-    reply_measured(reply, "mass", recording->mass.value > 0 ? recording->mass : (struct measured){NAN, NAN},
+    reply_measured(reply, "mass",
+                   recording->mass.value > 0 ? recording->mass : (struct measured){NAN, NAN},
                    QUANTITY_MASS);
     reply_string(reply, "velocity", recording->velocity[0] ? recording->velocity : NULL);
     reply_array(reply, "warnings");
@@ -85,9 +88,10 @@ static void reply_recording(const struct recording *recording, struct reply *rep
 /* The options as they have to stand to load the file again in the same way. */
 static void put_options(const struct arguments *given, struct buffer *out)
 {
-    static const char *const keys[] = {"t", "y", "run", "unit", "tunit", "rate", "decimal", "sep", "as"};
+    static const char *const keys[] = {"t",    "y",       "run", "unit", "tunit",
+                                       "rate", "decimal", "sep", "as"};
     for (size_t i = 0; i < COUNT_OF(keys); i++) {
-        const struct given *key = given_for(given, keys[i]);
+        const struct given_argument *key = argument_given(given, keys[i]);
         if (key->count == 0)
             continue;
         buffer_format(out, " %s=", keys[i]);
@@ -100,35 +104,38 @@ static void put_options(const struct arguments *given, struct buffer *out)
 
 static struct text text_given(const struct arguments *given, const char *name)
 {
-    const struct given *one = given_for(given, name);
+    const struct given_argument *one = argument_given(given, name);
     return one->count ? one->item->text : (struct text){NULL, 0};
 }
 
 static const struct unit *unit_given(const struct arguments *given, const char *name)
 {
-    return is_given(given, name) ? given_for(given, name)->item->unit : NULL;
+    return is_given(given, name) ? argument_given(given, name)->item->unit : NULL;
 }
 
 static char letter_given(const struct arguments *given, const char *name, const char *letters)
 {
-    return is_given(given, name) ? letters[given_for(given, name)->item->index] : 0;
+    return is_given(given, name) ? letters[argument_given(given, name)->item->index] : 0;
 }
 
 #define PREVIEW_ROWS 5
 
 /* The first rows as they were understood. Nothing is kept. */
-static void reply_preview(const struct recording *recording, struct arena *arena, struct reply *reply)
+static void reply_preview(const struct recording *recording, struct arena *arena,
+                          struct reply *reply)
 {
     const struct column *value = &recording->column[recording->value];
     struct text_table table = {.arena = arena, .columns = 3, .gap = 2, .indent = 2};
     struct buffer head = {0}, text = {0};
-    reply_line(reply, "format %s%s%s: %s", recording->format, recording->container ? ", out of " : "",
+    reply_line(reply, "format %s%s%s: %s", recording->format,
+               recording->container ? ", out of " : "",
                recording->container ? recording->container : "",
                catalog_find(&format_catalog, text_of(recording->format))->brief);
     cell_text(&table, "line");
     cell_text(&table, "t [s]");
-    buffer_format(&head, "%s [%s]", value->name, value->quantity == QUANTITY_OTHER ? "as in the file"
-                                                                                     : quantity_unit(value->quantity));
+    buffer_format(&head, "%s [%s]", value->name,
+                  value->quantity == QUANTITY_OTHER ? "as in the file"
+                                                    : quantity_unit(value->quantity));
     cell_take(&table, &head);
     for (size_t i = 0; i < recording->rows && i < PREVIEW_ROWS; i++) {
         struct buffer t = {0}, y = {0};
@@ -146,19 +153,21 @@ static void reply_preview(const struct recording *recording, struct arena *arena
 
 HANDLER(load)
 {
-    const struct given *file = given_for(given, "FILE");
-    const struct load_options options = {.time = text_given(given, "t"),
-                                         .value = text_given(given, "y"),
-                                         .run = text_given(given, "run"),
-                                         .unit = unit_given(given, "unit"),
-                                         .time_unit = unit_given(given, "tunit"),
-                                         .rate =
-                                             is_given(given, "rate") ? given_for(given, "rate")->item->value.value : 0,
-                                         .decimal = letter_given(given, "decimal", decimal_letters),
-                                         .separator = letter_given(given, "sep", separator_letters),
-                                         .name = text_given(given, "as")};
-    if (options.name.len > 0 && (options.name.len > LIMIT_NAME || peek_name(options.name).len != options.name.len))
-        return error_at(error, options.name, "a name is a letter, then letters, digits, _ and -, at most %d of them",
+    const struct given_argument *file = argument_given(given, "FILE");
+    const struct load_options options = {
+        .time = text_given(given, "t"),
+        .value = text_given(given, "y"),
+        .run = text_given(given, "run"),
+        .unit = unit_given(given, "unit"),
+        .time_unit = unit_given(given, "tunit"),
+        .rate = is_given(given, "rate") ? argument_given(given, "rate")->item->value.value : 0,
+        .decimal = letter_given(given, "decimal", decimal_letters),
+        .separator = letter_given(given, "sep", separator_letters),
+        .name = text_given(given, "as")};
+    if (options.name.len > 0 &&
+        (options.name.len > LIMIT_NAME || peek_name(options.name).len != options.name.len))
+        return error_at(error, options.name,
+                        "a name is a letter, then letters, digits, _ and -, at most %d of them",
                         LIMIT_NAME);
     char *path = script_path(given->where, file->item->text, given->arena);
     struct recording *recording = path ? recording_load(path, &options, error) : NULL;
@@ -198,27 +207,30 @@ static void list_recordings(const struct session *session, struct reply *reply)
         const struct recording *recording = session->recording[i]->recording;
         const struct column *value = &recording->column[recording->value];
         reply_line(reply, "%c %-16s %s [%s], %zu rows, %.6g..%.6g s, window %.6g..%.6g s",
-                   i == session->current_recording ? '*' : ' ', recording->name, value->name, value->unit,
-                   recording->rows, recording->t[0], recording->t[recording->rows - 1], recording->window[0],
-                   recording->window[1]);
+                   i == session->current_recording ? '*' : ' ', recording->name, value->name,
+                   value->unit, recording->rows, recording->t[0], recording->t[recording->rows - 1],
+                   recording->window[0], recording->window[1]);
         reply_recording(recording, reply);
     }
 }
 
-static bool set_zero(struct session *session, struct recording *recording, const struct arguments *given,
-                     struct error *error)
+static bool set_zero(struct session *session, struct recording *recording,
+                     const struct arguments *given, struct error *error)
 {
-    const struct item *item = given_for(given, "zero")->item;
+    const struct item *item = argument_given(given, "zero")->item;
     const enum quantity quantity = recording->column[recording->value].quantity;
     if (item->unit && quantity != QUANTITY_OTHER && item->quantity != quantity)
-        return error_at(error, item->text, "zero needs %s %s, as the recording holds, got '%.*s' (%s)",
-                        quantity_article(quantity), quantity_name(quantity), (int)item->text.len, item->text.at, quantity_name(item->quantity));
+        return error_at(error, item->text,
+                        "zero needs %s %s, as the recording holds, got '%.*s' (%s)",
+                        quantity_article(quantity), quantity_name(quantity), (int)item->text.len,
+                        item->text.at, quantity_name(item->quantity));
     recording->zero = item->value.value;
     session_changed(session);
     return true;
 }
 
-static bool set_window(struct recording *recording, const struct given *window, struct error *error)
+static bool set_window(struct recording *recording, const struct given_argument *window,
+                       struct error *error)
 {
     const double *range = window->item->range;
     if (recording_window(recording, isnan(range[0]) ? recording->t[0] : range[0],
@@ -229,15 +241,17 @@ static bool set_window(struct recording *recording, const struct given *window, 
 }
 
 /* The sensor's own velocities instead of differences of the positions. */
-static bool join(const struct session *session, struct recording *recording, const struct given *given,
-                 struct error *error)
+static bool join(const struct session *session, struct recording *recording,
+                 const struct given_argument *given, struct error *error)
 {
     const struct recording *velocity = session->recording[given->item->index]->recording;
     const enum quantity own = recording->column[recording->value].quantity,
                         its = velocity->column[velocity->value].quantity;
     if (velocity == recording || its != QUANTITY_VELOCITY || own != QUANTITY_LENGTH) {
-        error_at(error, given->item->text, "join takes a recording of velocities to the current one of positions");
-        return error_hint(error, "load position.txt as=y; load velocity.txt as=v; data use y; data join v");
+        error_at(error, given->item->text,
+                 "join takes a recording of velocities to the current one of positions");
+        return error_hint(
+            error, "load position.txt as=y; load velocity.txt as=v; data use y; data join v");
     }
     snprintf(recording->velocity, sizeof recording->velocity, "%s", velocity->name);
     return true;
@@ -255,17 +269,17 @@ static void reply_joined(const struct recording *recording, struct reply *reply)
         reply_line(reply, "%s: velocities from %s", recording->name, recording->velocity);
 }
 
-static bool change(struct session *session, struct recording *recording, const struct arguments *given,
-                   struct error *error)
+static bool change(struct session *session, struct recording *recording,
+                   const struct arguments *given, struct error *error)
 {
-    if (is_given(given, "window") && !set_window(recording, given_for(given, "window"), error))
+    if (is_given(given, "window") && !set_window(recording, argument_given(given, "window"), error))
         return false;
     if (is_given(given, "zero") && !set_zero(session, recording, given, error))
         return false;
-    if (is_given(given, "join") && !join(session, recording, given_for(given, "join"), error))
+    if (is_given(given, "join") && !join(session, recording, argument_given(given, "join"), error))
         return false;
     if (is_given(given, "mass"))
-        recording->mass = given_for(given, "mass")->item->value;
+        recording->mass = argument_given(given, "mass")->item->value;
     if (is_given(given, "restore"))
         recording_restore(recording);
     session_changed(session);
@@ -283,9 +297,11 @@ static bool nothing_given(const struct arguments *given)
 HANDLER(data)
 {
     struct recording *recording = session_recording(session);
-    const struct given *use = given_for(given, "use"), *drop = given_for(given, "drop");
+    const struct given_argument *use = argument_given(given, "use"),
+                                *drop = argument_given(given, "drop");
     if (is_given(given, "apply") && !is_given(given, "clean"))
-        return error_at(error, given_for(given, "apply")->where, "'apply' stands after 'clean': data clean apply");
+        return error_at(error, argument_given(given, "apply")->where,
+                        "'apply' stands after 'clean': data clean apply");
     if (drop->count) {
         session_drop_recording(session, drop->item->index);
         list_recordings(session, reply);
@@ -324,36 +340,48 @@ HANDLER(data)
 #endif
 
 COMMAND(load, .row = {"load", "", "read a recording from a file", "", NULL}, .group = "DATA",
-        .text = "Finds the table, its separator, decimal mark, columns and units by itself and says what it found; "
+        .text = "Finds the table, its separator, decimal mark, columns and units by itself and "
+                "says what it found; "
                 "every finding can be\n"
-                "overruled. A file without times needs rate=. A recording of the same name is replaced. Of several "
+                "overruled. A file without times needs rate=. A recording of the same name is "
+                "replaced. Of several "
                 "tables in a file or archive\n"
-                "run= takes one. --preview shows the first rows as they were understood and loads nothing. In a command "
+                "run= takes one. --preview shows the first rows as they were understood and loads "
+                "nothing. In a command "
                 "file, what is not\nfound is looked for beside that file.",
-        .examples = "load disk.txt --preview\nload disk.txt y=2 unit=cm as=disk", .see = "data fit measure plot",
-        .flags = COMMAND_CHANGES,
-        ARGUMENTS(PLACE("FILE", TYPE_FILE, .flags = ARG_REQUIRED), KEY("t", TYPE_TEXT), KEY("y", TYPE_TEXT),
-                  KEY("run", TYPE_TEXT), KEY("unit", TYPE_UNIT),
+        .examples = "load disk.txt --preview\nload disk.txt y=2 unit=cm as=disk",
+        .see = "data fit measure plot", .flags = COMMAND_CHANGES,
+        ARGUMENTS(PLACE("FILE", TYPE_FILE, .flags = ARG_REQUIRED), KEY("t", TYPE_TEXT),
+                  KEY("y", TYPE_TEXT), KEY("run", TYPE_TEXT), KEY("unit", TYPE_UNIT),
                   KEY("tunit", TYPE_UNIT, .quantity = QUANTITY_TIME),
                   KEY("rate", TYPE_VALUE, .quantity = QUANTITY_FREQUENCY),
                   KEY("decimal", TYPE_CHOICE, .choices = &decimal_catalog),
-                  KEY("sep", TYPE_CHOICE, .choices = &separator_catalog), KEY("as", TYPE_TEXT), OPTION("preview", TYPE_NONE)))
+                  KEY("sep", TYPE_CHOICE, .choices = &separator_catalog), KEY("as", TYPE_TEXT),
+                  OPTION("preview", TYPE_NONE)))
 
-COMMAND(data, .row = {"data", "", "list recordings, choose one, clean it, choose the part in use", "", NULL},
+COMMAND(data,
+        .row = {"data", "", "list recordings, choose one, clean it, choose the part in use", "",
+                NULL},
         .group = "DATA",
-        .text = "window: the part that fit, measure and plot use; zero: subtracted from the values. clean shows "
+        .text = "window: the part that fit, measure and plot use; zero: subtracted from the "
+                "values. clean shows "
                 "what is wrong (missed and\n"
-                "double echoes, flat tops, a stuck sensor, gaps, rest and release, sway) and what would be done; "
+                "double echoes, flat tops, a stuck sensor, gaps, rest and release, sway) and what "
+                "would be done; "
                 "'clean apply' leaves the bad\n"
-                "samples out and sets the window; restore: the whole file, every sample, zero 0. mass: what hung on "
+                "samples out and sets the window; restore: the whole file, every sample, zero 0. "
+                "mass: what hung on "
                 "the spring. join: the\n"
-                "sensor's own velocities from another recording, by time, for the plots of velocity, phase and energy.",
-        .examples = "load disk.txt; data clean; data clean apply\ndata mass 199.9 +- 0.1 g", .see = "load fit measure",
-        .flags = COMMAND_CHANGES,
+                "sensor's own velocities from another recording, by time, for the plots of "
+                "velocity, phase and energy.",
+        .examples = "load disk.txt; data clean; data clean apply\ndata mass 199.9 +- 0.1 g",
+        .see = "load fit measure", .flags = COMMAND_CHANGES,
         ARGUMENTS(WORD("list", TYPE_NONE, .group = 1), WORD("use", TYPE_RECORDING, .group = 1),
                   WORD("window", TYPE_RANGE, .quantity = QUANTITY_TIME, .group = 1),
-                  WORD("zero", TYPE_VALUE, .flags = ARG_NEGATIVE, .quantity = QUANTITY_OTHER, .group = 1),
+                  WORD("zero", TYPE_VALUE, .flags = ARG_NEGATIVE, .quantity = QUANTITY_OTHER,
+                       .group = 1),
                   WORD("clean", TYPE_NONE, .group = 1), WORD("apply", TYPE_NONE),
                   WORD("restore", TYPE_NONE, .group = 1),
                   WORD("mass", TYPE_VALUE, .quantity = QUANTITY_MASS, .group = 1),
-                  WORD("join", TYPE_RECORDING, .group = 1), WORD("drop", TYPE_RECORDING, .group = 1)))
+                  WORD("join", TYPE_RECORDING, .group = 1),
+                  WORD("drop", TYPE_RECORDING, .group = 1)))

@@ -19,8 +19,7 @@ static bool known_mass(const struct scene *scene, struct measured *mass)
 }
 
 static void keep_fit(struct session *session, const struct subject *subject, const struct fit *fit,
-                     const struct measured *k,
-                     const struct inputs *inputs)
+                     const struct measured *k, const struct inputs *inputs)
 {
     const enum quantity quantity = subject->series.quantity;
     const struct measured unknown = {NAN, NAN};
@@ -29,19 +28,23 @@ static void keep_fit(struct session *session, const struct subject *subject, con
         struct measured value;
         enum quantity quantity;
     } results[] = {
-        {"fit_period", fit->period, QUANTITY_TIME}, {"fit_omega", fit->omega, QUANTITY_ANGULAR_FREQUENCY},
-        {"fit_gamma", fit->gamma, QUANTITY_RATE},   {"fit_amplitude", fit->amplitude, quantity},
-        {"fit_phase", fit->phase, QUANTITY_ANGLE},  {"fit_offset", fit->offset, quantity},
-        {"fit_rms", {fit->rms, 0}, quantity},       {"fit_k", k ? *k : unknown, QUANTITY_STIFFNESS},
+        {"fit_period", fit->period, QUANTITY_TIME},
+        {"fit_omega", fit->omega, QUANTITY_ANGULAR_FREQUENCY},
+        {"fit_gamma", fit->gamma, QUANTITY_RATE},
+        {"fit_amplitude", fit->amplitude, quantity},
+        {"fit_phase", fit->phase, QUANTITY_ANGLE},
+        {"fit_offset", fit->offset, quantity},
+        {"fit_rms", {fit->rms, 0}, quantity},
+        {"fit_k", k ? *k : unknown, QUANTITY_STIFFNESS},
     };
     session_drop_curve(session);
     session->fit = *fit;
     session->has_fit = true;
     session->fit_zero = subject->recording ? subject->recording->zero : 0;
-    struct kept_fit kept = {.fit = *fit, .quantity = quantity, .k = k ? *k : unknown};
+    struct stored_fit kept = {.fit = *fit, .quantity = quantity, .k = k ? *k : unknown};
     inputs_keep(inputs, &kept.exact);
     memcpy(kept.of, subject->name, sizeof kept.of);
-    session_keep_fit(session, &kept);
+    session_store_fit(session, &kept);
     memcpy(session->fit_of, subject->name, sizeof session->fit_of);
     for (size_t i = 0; i < COUNT_OF(results); i++)
         if (isfinite(results[i].value.value))
@@ -51,12 +54,19 @@ static void keep_fit(struct session *session, const struct subject *subject, con
 enum fit_kind { KIND_DAMPED, KIND_SINE, KIND_DRAG, KIND_LAW, KIND_SCENE, KIND_MODES };
 
 static const struct row kinds[] = {
-    [KIND_DAMPED] = {"damped", "", "y = c + A exp(-gamma t/2) cos(omega t + phase): the default", "", NULL},
+    [KIND_DAMPED] = {"damped", "", "y = c + A exp(-gamma t/2) cos(omega t + phase): the default",
+                     "", NULL},
     [KIND_SINE] = {"sine", "", "the same without damping", "", NULL},
-    [KIND_DRAG] = {"drag", "", "linear, quadratic, dry friction and their sums, integrated, and which of them it is", "", NULL},
-    [KIND_LAW] = {"law", "", "the same, and which force pulls back: a spring, a Duffing spring, a pendulum", "", NULL},
+    [KIND_DRAG] =
+        {"drag", "",
+         "linear, quadratic, dry friction and their sums, integrated, and which of them it is", "",
+         NULL},
+    [KIND_LAW] = {"law", "",
+                  "the same, and which force pulls back: a spring, a Duffing spring, a pendulum",
+                  "", NULL},
     [KIND_SCENE] = {"scene", "", "the scene's own equation of motion, integrated", "", NULL},
-    [KIND_MODES] = {"modes", "", "several damped sines at once: normal modes, beats, coupling", "", NULL},
+    [KIND_MODES] = {"modes", "", "several damped sines at once: normal modes, beats, coupling", "",
+                    NULL},
 };
 
 const struct catalog fit_kind_catalog = CATALOG("fit", kinds);
@@ -68,30 +78,33 @@ static bool not_converged(const char *why, struct error *error)
 }
 
 /* Arguments that belong to other kinds of fit. */
-static bool refuse_others(const struct asked_fit *asked, enum fit_kind kind, struct error *error)
+static bool refuse_others(const struct fit_request *asked, enum fit_kind kind, struct error *error)
 {
     static const char *const others[] = {"free", "NAME", "bootstrap", "robust"};
     const char *name = kinds[kind].name;
     for (size_t i = 0; i < COUNT_OF(others) && kind != KIND_SCENE; i++)
         if (is_given(asked->given, others[i])) {
-            error->where = given_for(asked->given, others[i])->where;
-            error_set(error, ERROR_COMMAND, "'fit %s' needs no starts and frees what it needs", name);
+            error->where = argument_given(asked->given, others[i])->where;
+            error_set(error, ERROR_COMMAND, "'fit %s' needs no starts and frees what it needs",
+                      name);
             return error_hint(error, "that belongs to 'fit scene' and 'fit EXPR'");
         }
     if (kind != KIND_MODES && is_given(asked->given, "COUNT")) {
-        error_at(error, given_for(asked->given, "COUNT")->where, "'fit %s' takes no number", name);
+        error_at(error, argument_given(asked->given, "COUNT")->where, "'fit %s' takes no number",
+                 name);
         return error_hint(error, "for several frequencies: fit modes 2");
     }
     return true;
 }
 
-static bool fit_motion(const struct asked_fit *asked, const char *name, struct error *error)
+static bool fit_motion(const struct fit_request *asked, const char *name, struct error *error)
 {
     struct session *session = asked->session;
     const struct subject *subject = asked->subject;
     struct arena *arena = asked->given->arena;
     struct fit fit = {0};
-    const struct fit_model *model = (const struct fit_model *)(const void *)catalog_find(&fit_catalog, text_of(name));
+    const struct fit_model *model =
+        (const struct fit_model *)(const void *)catalog_find(&fit_catalog, text_of(name));
     if (!model->fit(&subject->series, arena, session->front.cancel, &fit, error))
         return false;
     struct measured mass, stiffness = {NAN, NAN};
@@ -102,7 +115,8 @@ static bool fit_motion(const struct asked_fit *asked, const char *name, struct e
     const bool with_k = spring && known_mass(scene, &mass);
     if (with_k)
         stiffness = fit_stiffness(&fit, mass);
-    struct told_fit told = {.subject = subject, .model = fit.model, .motion = &fit, .k = stiffness, .spring = spring};
+    struct fit_summary told = {
+        .subject = subject, .model = fit.model, .motion = &fit, .k = stiffness, .spring = spring};
     if (with_k)
         inputs_use(&told.inputs, "m", mass);
     if (fit.converged)
@@ -118,26 +132,33 @@ static bool fit_motion(const struct asked_fit *asked, const char *name, struct e
 
 HANDLER(fit)
 {
-    const struct given *model = given_for(given, "MODEL"), *run = given_for(given, "run"), *to = given_for(given, "to");
+    const struct given_argument *model = argument_given(given, "MODEL"),
+                                *run = argument_given(given, "run"),
+                                *to = argument_given(given, "to");
     struct subject subject;
     /* Recordings are what is fitted, unless there is none or a run is named. */
     struct item current = {.index = session->current_recording};
-    const struct given data = to->count || current.index < 0 ? *to : (struct given){.count = 1, .item = &current};
+    const struct given_argument data = to->count || current.index < 0
+                                           ? *to
+                                           : (struct given_argument){.count = 1, .item = &current};
     const bool formula = model->count && !model->item->row;
-    if (!subject_open(session, run, &data, given_for(given, "window"), false, formula ? 2 : 8, given->arena, &subject,
-                      error))
+    if (!subject_open(session, run, &data, argument_given(given, "window"), false, formula ? 2 : 8,
+                      given->arena, &subject, error))
         return false;
-    const struct asked_fit asked = {session, given, &subject, reply};
+    const struct fit_request asked = {session, given, &subject, reply};
     if (formula)
         return fit_a_formula(&asked, model->item->text, error);
     const enum fit_kind kind =
-        model->count ? (enum fit_kind)catalog_place(&fit_kind_catalog, model->item->row) : KIND_DAMPED;
+        model->count ? (enum fit_kind)catalog_index(&fit_kind_catalog, model->item->row)
+                     : KIND_DAMPED;
     if (!refuse_others(&asked, kind, error))
         return false;
     struct measured mass;
     if (kind == KIND_MODES)
-        return fit_the_modes(&asked, known_mass(&session->setup.scene, &mass) ? &mass : NULL, error);
-    return kind == KIND_SCENE ? fit_the_scene(&asked, error) : fit_motion(&asked, kinds[kind].name, error);
+        return fit_the_modes(&asked, known_mass(&session->setup.scene, &mass) ? &mass : NULL,
+                             error);
+    return kind == KIND_SCENE ? fit_the_scene(&asked, error)
+                              : fit_motion(&asked, kinds[kind].name, error);
 }
 
 HANDLER(adopt)
@@ -146,44 +167,65 @@ HANDLER(adopt)
 }
 #endif
 
-COMMAND(fit, .row = {"fit", "", "fit an oscillation, the scene or a formula to a recording or a run", "", NULL},
-        .group = "DATA",
-        .text =
-            "damped: y = c + A exp(-gamma t/2) cos(omega t + phase), t from the first sample of the window: gamma is "
+COMMAND(
+    fit,
+    .row = {"fit", "", "fit an oscillation, the scene or a formula to a recording or a run", "",
+            NULL},
+    .group = "DATA",
+    .text = "damped: y = c + A exp(-gamma t/2) cos(omega t + phase), t from the first sample of "
+            "the window: gamma is "
             "that of\n"
-            "y'' + gamma y' + omega0^2 y = 0. No guesses are needed. Both halves are compared; which law it is, drag "
+            "y'' + gamma y' + omega0^2 y = 0. No guesses are needed. Both halves are compared; "
+            "which law it is, drag "
             "says.\n"
-            "drag: the equation of motion with linear drag, quadratic drag, dry friction and their sums: which it is.\n"
-            "modes N: N damped sines at once (2 unless told): frequencies, splitting, and the coupling of two equal "
+            "drag: the equation of motion with linear drag, quadratic drag, dry friction and their "
+            "sums: which it is.\n"
+            "modes N: N damped sines at once (2 unless told): frequencies, splitting, and the "
+            "coupling of two equal "
             "oscillators.\n"
-            "law: the same under the force that pulls back: omega0^2 y, omega0^2 y + beta y^3, omega0^2 sin(y) of an "
+            "law: the same under the force that pulls back: omega0^2 y, omega0^2 y + beta y^3, "
+            "omega0^2 sin(y) of an "
             "angle.\n"
-            "scene: the scene's equation, integrated. Free are the start, and k, gamma and the drag that is there "
+            "scene: the scene's equation, integrated. Free are the start, and k, gamma and the "
+            "drag that is there "
             "unless you have\n"
-            "given them without an uncertainty, or what free= says; NAME=VALUE changes a value for this fit, offset=0 "
+            "given them without an uncertainty, or what free= says; NAME=VALUE changes a value for "
+            "this fit, offset=0 "
             "holds the offset.\n"
-            "EXPR: a formula in t; names that mean nothing yet, and those with free= or NAME=START, are its "
+            "EXPR: a formula in t; names that mean nothing yet, and those with free= or "
+            "NAME=START, are its "
             "parameters. Their values\n"
-            "are fit_NAME afterwards. --robust gives samples far off no weight; --bootstrap N makes the intervals "
+            "are fit_NAME afterwards. --robust gives samples far off no weight; --bootstrap N "
+            "makes the intervals "
             "from N synthetic fits.",
-        .examples = "load bare.txt; m = 200 g; fit damped; adopt; fit scene free=k,gamma,y0,v0; adopt; run\n"
-                    "load disk.txt; fit modes 2; fit a*exp(-b*t)*cos(w*t+p)+c b=0.01 w=8.3",
-        .see = "adopt measure load",
-        ARGUMENTS(PLACE("MODEL", TYPE_MODEL, .choices = &fit_kind_catalog), PLACE("COUNT", TYPE_INTEGER),
-                  WORD("to", TYPE_RECORDING, .group = 1), WORD("run", TYPE_RUN, .group = 1),
-                  KEY("window", TYPE_RANGE, .quantity = QUANTITY_TIME), KEY("free", TYPE_PARAM, .flags = ARG_MANY),
-                  KEY("NAME", TYPE_START, .flags = ARG_MANY | ARG_NEGATIVE), OPTION("robust", TYPE_NONE),
-                  OPTION("bootstrap", TYPE_INTEGER)))
+    .examples =
+        "load bare.txt; m = 200 g; fit damped; adopt; fit scene free=k,gamma,y0,v0; adopt; run\n"
+        "load disk.txt; fit modes 2; fit a*exp(-b*t)*cos(w*t+p)+c b=0.01 w=8.3",
+    .see = "adopt measure load",
+    ARGUMENTS(PLACE("MODEL", TYPE_MODEL, .choices = &fit_kind_catalog),
+              PLACE("COUNT", TYPE_INTEGER), WORD("to", TYPE_RECORDING, .group = 1),
+              WORD("run", TYPE_RUN, .group = 1),
+              KEY("window", TYPE_RANGE, .quantity = QUANTITY_TIME),
+              KEY("free", TYPE_PARAM, .flags = ARG_MANY),
+              KEY("NAME", TYPE_START, .flags = ARG_MANY | ARG_NEGATIVE),
+              OPTION("robust", TYPE_NONE), OPTION("bootstrap", TYPE_INTEGER)))
 
-COMMAND(adopt, .row = {"adopt", "", "take what the last fit found into the scene: k, the drag, the start", "", NULL},
+COMMAND(adopt,
+        .row = {"adopt", "", "take what the last fit found into the scene: k, the drag, the start",
+                "", NULL},
         .group = "DATA",
-        .text = "y0, v0 and t0 are those of the fit at the first sample of its window, and the offset is taken off the "
+        .text = "y0, v0 and t0 are those of the fit at the first sample of its window, and the "
+                "offset is taken off the "
                 "recording, so that the\n"
-                "run lies over the data. Of 'fit drag' every term of the law is taken: gamma, C (with rho and area of "
+                "run lies over the data. Of 'fit drag' every term of the law is taken: gamma, C "
+                "(with rho and area of "
                 "the scene), friction.\n"
-                "The scene is then run over the recording, and its rms told beside the fit's. 'adopt amplitude' starts at y0 = A, v0 = 0, t0 = 0 instead, as on the sheet.\n"
-                "Of 'fit scene' everything that was free is taken. A pendulum takes its length for k, and theta0\n"
-                "and rate0. A voltage or a force has no length: k, gamma and the phase are taken, and the amplitude of\n"
+                "The scene is then run over the recording, and its rms told beside the fit's. "
+                "'adopt amplitude' starts at y0 = A, v0 = 0, t0 = 0 instead, as on the sheet.\n"
+                "Of 'fit scene' everything that was free is taken. A pendulum takes its length for "
+                "k, and theta0\n"
+                "and rate0. A voltage or a force has no length: k, gamma and the phase are taken, "
+                "and the amplitude of\n"
                 "the scene stays; scale=2.3cm says what 1 V or 1 N is.",
         .examples = "load bare.txt; m = 200 g; fit; adopt; run\nadopt amplitude", .see = "fit run",
         .flags = COMMAND_CHANGES,

@@ -20,8 +20,8 @@ void session_drop_curve(struct session *session)
     session->fit_modes = 0;
 }
 
-bool session_keep_curve(const struct asked_fit *asked, const double *residual, const struct fit *fit,
-                        struct error *error)
+bool session_keep_curve(const struct fit_request *asked, const double *residual,
+                        const struct fit *fit, struct error *error)
 {
     struct session *session = asked->session;
     const struct subject *subject = asked->subject;
@@ -62,8 +62,8 @@ static double plain_rms(const struct curve_fit *fit, size_t n)
 }
 
 /* The curve at the samples, and fit_NAME. */
-static bool keep_curve(const struct asked_fit *asked, const struct told_fit *told, const char *model,
-                       struct measured offset, struct error *error)
+static bool keep_curve(const struct fit_request *asked, const struct fit_summary *told,
+                       const char *model, struct measured offset, struct error *error)
 {
     static const struct measured none = {NAN, NAN};
     struct session *session = asked->session;
@@ -86,13 +86,14 @@ static bool keep_curve(const struct asked_fit *asked, const struct told_fit *tol
         snprintf(name, sizeof name, "fit_%.*s", LIMIT_NAME - 4, told->name[j]);
         session_set_result(session, name, told->curve->value[j], told->quantity[j]);
     }
-    session_set_result(session, "fit_rms", (struct measured){told->curve->sigma, 0}, series->quantity);
+    session_set_result(session, "fit_rms", (struct measured){told->curve->sigma, 0},
+                       series->quantity);
     return true;
 }
 
 /* Says it, keeps it, or says why not. */
-static bool conclude(const struct asked_fit *asked, struct told_fit *told, const char *model, struct measured offset,
-                     struct error *error)
+static bool conclude(const struct fit_request *asked, struct fit_summary *told, const char *model,
+                     struct measured offset, struct error *error)
 {
     fit_tell_residuals(told);
     if (told->curve->converged && !keep_curve(asked, told, model, offset, error))
@@ -106,7 +107,9 @@ static bool conclude(const struct asked_fit *asked, struct told_fit *told, const
 
 static int bootstrap_of(const struct arguments *given)
 {
-    return is_given(given, "bootstrap") ? (int)fmin(given_for(given, "bootstrap")->item->value.value, 1e6) : 0;
+    return is_given(given, "bootstrap")
+               ? (int)fmin(argument_given(given, "bootstrap")->item->value.value, 1e6)
+               : 0;
 }
 
 /* ---- the scene ---- */
@@ -117,19 +120,20 @@ static bool is_offset(struct text name)
 }
 
 /* NAME=VALUE into the scene of this fit; *offset NAN: it is fitted. */
-static bool take_values(const struct asked_fit *asked, struct scene *scene, double *offset, struct error *error)
+static bool take_values(const struct fit_request *asked, struct scene *scene, double *offset,
+                        struct error *error)
 {
-    const struct given *starts = given_for(asked->given, "NAME");
+    const struct given_argument *starts = argument_given(asked->given, "NAME");
     for (int i = 0; i < starts->count; i++) {
         const struct item *item = &starts->item[i];
-        const int place = scene_param_at(scene, item->text);
+        const int index = scene_param_at(scene, item->text);
         if (is_offset(item->text)) {
             *offset = item->value.value;
             continue;
         }
-        if (place < 0)
+        if (index < 0)
             return unknown_parameter(asked->session, item->text, error);
-        if (!scene_set(scene, place, item->value, error)) {
+        if (!scene_set(scene, index, item->value, error)) {
             error->where = item->text;
             return false;
         }
@@ -137,9 +141,9 @@ static bool take_values(const struct asked_fit *asked, struct scene *scene, doub
     return true;
 }
 
-static bool take_free(const struct asked_fit *asked, int *place, int *count, struct error *error)
+static bool take_free(const struct fit_request *asked, int *index, int *count, struct error *error)
 {
-    const struct given *names = given_for(asked->given, "free");
+    const struct given_argument *names = argument_given(asked->given, "free");
     for (int i = 0; i < names->count; i++) {
         const struct item *item = &names->item[i];
         bool twice = false;
@@ -148,33 +152,37 @@ static bool take_free(const struct asked_fit *asked, int *place, int *count, str
         if (item->index < 0)
             return unknown_parameter(asked->session, item->text, error);
         for (int j = 0; j < *count; j++)
-            twice = twice || place[j] == item->index;
+            twice = twice || index[j] == item->index;
         if (twice)
-            return error_at(error, item->text, "'%.*s' is given twice", (int)item->text.len, item->text.at);
+            return error_at(error, item->text, "'%.*s' is given twice", (int)item->text.len,
+                            item->text.at);
         if (*count < PARAM_MAX)
-            place[(*count)++] = item->index;
+            index[(*count)++] = item->index;
     }
     return true;
 }
 
-static struct inputs exact_in(const struct scene *scene, const int *place, int count)
+static struct inputs exact_in(const struct scene *scene, const int *index, int count)
 {
     struct inputs inputs = {.exacts = 0};
     bool is_free[PARAM_MAX] = {false};
     for (int i = 0; i < count; i++)
-        is_free[place[i]] = true;
+        is_free[index[i]] = true;
     inputs_use_motion(&inputs, scene, is_free);
     return inputs;
 }
 
 /* "k = 15 N/m, m = 0.2 kg (free= frees them)"; NULL: nothing. */
-static const char *describe_held(const struct scene *scene, const int *held, int count, struct arena *arena)
+static const char *describe_held(const struct scene *scene, const int *slot, int count,
+                                 struct arena *arena)
 {
     struct buffer text = {0};
     for (int i = 0; i < count; i++) {
-        const struct param_row *row = param_at(scene, held[i]);
+        const struct param_row *row = param_at(scene, slot[i]);
         buffer_format(&text, "%s%s = ", i ? ", " : "", row->row.name);
-        buffer_measured(&text, (struct measured){scene->value[held[i]], scene->uncertainty[held[i]]}, row->quantity, 6);
+        buffer_measured(&text,
+                        (struct measured){scene->value[slot[i]], scene->uncertainty[slot[i]]},
+                        row->quantity, 6);
     }
     buffer_put(&text, count ? TEXT(", as you have set (free=NAME,.. fits them)") : TEXT(""));
     const char *copy = text.len ? arena_text(arena, buffer_text(&text)) : NULL;
@@ -201,7 +209,7 @@ static void cover(const struct scene_fit *fit, int frees, struct fit_covariance 
     for (int j = 0; j < frees; j++) {
         order[j] = 0;
         for (int l = 0; l < frees; l++)
-            order[j] += fit->place[l] < fit->place[j];
+            order[j] += fit->index[l] < fit->index[j];
     }
     for (int j = 0; j < frees; j++)
         for (int l = 0; l < frees; l++) {
@@ -212,24 +220,24 @@ static void cover(const struct scene_fit *fit, int frees, struct fit_covariance 
         }
 }
 
-bool fit_the_scene(const struct asked_fit *asked, struct error *error)
+bool fit_the_scene(const struct fit_request *asked, struct error *error)
 {
     struct session *session = asked->session;
     struct arena *arena = asked->given->arena;
     struct scene scene = session->setup.scene;
     struct series series = asked->subject->series;
     struct scene_fit fit;
-    int place[PARAM_MAX], held[PARAM_MAX], count = 0, helds = 0;
+    int index[PARAM_MAX], slot[PARAM_MAX], count = 0, slots = 0;
     double offset = NAN;
-    if (!take_values(asked, &scene, &offset, error) || !take_free(asked, place, &count, error))
+    if (!take_values(asked, &scene, &offset, error) || !take_free(asked, index, &count, error))
         return false;
     if (count == 0)
-        count = scene_fit_usual(&session->setup.scene, place, held, &helds);
+        count = scene_fit_usual(&session->setup.scene, index, slot, &slots);
     if (isfinite(offset) && !shift(&series, offset, arena, error))
         return false;
     const struct scene_fit_request request = {.scene = &scene,
                                               .series = &series,
-                                              .free = place,
+                                              .free = index,
                                               .frees = count,
                                               .offset = isnan(offset),
                                               .robust = true,
@@ -240,43 +248,46 @@ bool fit_the_scene(const struct asked_fit *asked, struct error *error)
         return false;
     enum quantity quantity[CURVE_PARAMETERS];
     for (int j = 0; j < fit.curve.parameters; j++)
-        quantity[j] = fit.place[j] >= 0 ? param_at(&scene, fit.place[j])->quantity : series.quantity;
-    struct told_fit told = {.subject = asked->subject,
-                            .model = "scene",
-                            .curve = &fit.curve,
-                            .name = fit.name,
-                            .quantity = quantity,
-                            .held = describe_held(&scene, held, helds, arena),
-                            .inputs = exact_in(&scene, place, count),
-                            .k = {NAN, NAN}};
+        quantity[j] =
+            fit.index[j] >= 0 ? param_at(&scene, fit.index[j])->quantity : series.quantity;
+    struct fit_summary told = {.subject = asked->subject,
+                               .model = "scene",
+                               .curve = &fit.curve,
+                               .name = fit.name,
+                               .quantity = quantity,
+                               .slot = describe_held(&scene, slot, slots, arena),
+                               .inputs = exact_in(&scene, index, count),
+                               .k = {NAN, NAN}};
     const int last = fit.curve.parameters - 1, friction = scene_param(&fit.scene, "friction");
     const bool sticks = friction >= 0 && fit.scene.value[friction] > 0;
     fit_tell_window(&told, sticks ? WINDOW_LAW_STICKS : WINDOW_LAW_SINE, arena);
-    if (!conclude(asked, &told, "scene", request.offset ? fit.curve.value[last] : (struct measured){offset, 0}, error))
+    if (!conclude(asked, &told, "scene",
+                  request.offset ? fit.curve.value[last] : (struct measured){offset, 0}, error))
         return false;
     session->fit_scene = fit.scene;
     cover(&fit, count, &session->fit.covariance);
     memset(session->fit_free, 0, sizeof session->fit_free);
     for (int j = 0; j < count; j++)
-        session->fit_free[place[j]] = true;
+        session->fit_free[index[j]] = true;
     return true;
 }
 
 /* ---- a formula ---- */
 
-/* Names that mean something already, but those that were made free and the state of a run, which is no constant. */
+/* Names that mean something already, but those that were made free and the state of a run, which is
+ * no constant. */
 struct known_names {
     const struct expr_scope *all;
     const struct arguments *given;
-    struct buffer *held; /* which of them were used */
+    struct buffer *slot; /* which of them were used */
 };
 
 static bool was_named(const struct arguments *given, struct text name)
 {
     static const char *const lists[] = {"free", "NAME"};
     for (size_t l = 0; l < COUNT_OF(lists); l++)
-        for (int i = 0; i < given_for(given, lists[l])->count; i++)
-            if (text_equal(given_for(given, lists[l])->item[i].text, name))
+        for (int i = 0; i < argument_given(given, lists[l])->count; i++)
+            if (text_equal(argument_given(given, lists[l])->item[i].text, name))
                 return true;
     return false;
 }
@@ -284,15 +295,16 @@ static bool was_named(const struct arguments *given, struct text name)
 static bool find_known(const void *context, struct text name, int *slot)
 {
     const struct known_names *known = context;
-    if (was_named(known->given, name) || catalog_find(&observable_catalog, name) || text_is(name, "v"))
+    if (was_named(known->given, name) || catalog_find(&observable_catalog, name) ||
+        text_is(name, "v"))
         return false;
     for (const struct model *const *model = scene_models; *model; model++)
         if (model_variable(*model, name) >= 0)
             return false;
     if (!known->all->find(known->all->context, name, slot))
         return false;
-    buffer_format(known->held, "%s%.*s = ", known->held->len ? ", " : "", (int)name.len, name.at);
-    buffer_measured(known->held, (struct measured){known->all->load(known->all->context, *slot), 0},
+    buffer_format(known->slot, "%s%.*s = ", known->slot->len ? ", " : "", (int)name.len, name.at);
+    buffer_measured(known->slot, (struct measured){known->all->load(known->all->context, *slot), 0},
                     name_quantity(known->all, name), 6);
     return true;
 }
@@ -311,37 +323,39 @@ static bool has_parameter(const struct formula *formula, struct text name)
     return false;
 }
 
-static bool read_formula(const struct asked_fit *asked, struct text text, struct buffer *held, struct formula *formula,
-                         struct error *error)
+static bool read_formula(const struct fit_request *asked, struct text text, struct buffer *slot,
+                         struct formula *formula, struct error *error)
 {
-    const struct known_names known = {asked->given->scope, asked->given, held};
+    const struct known_names known = {asked->given->scope, asked->given, slot};
     const struct expr_scope scope = {.context = &known, .find = find_known, .load = load_known};
-    const struct given *starts = given_for(asked->given, "NAME"), *names = given_for(asked->given, "free");
+    const struct given_argument *starts = argument_given(asked->given, "NAME"),
+                                *names = argument_given(asked->given, "free");
     size_t used = 0;
     if (!formula_compile(text, &scope, NULL, 0, asked->given->arena, formula, &used, error))
         return false;
     const struct text rest = text_trim((struct text){text.at + used, text.len - used});
     if (rest.len > 0)
-        return error_at(error, rest, "the formula ends before '%.*s'", (int)(rest.len < 40 ? rest.len : 40), rest.at);
+        return error_at(error, rest, "the formula ends before '%.*s'",
+                        (int)(rest.len < 40 ? rest.len : 40), rest.at);
     for (int i = 0; i < starts->count; i++)
         if (!formula_start(formula, starts->item[i].text, starts->item[i].value.value, error))
             return false;
     for (int i = 0; i < names->count; i++)
         if (!has_parameter(formula, names->item[i].text))
-            return error_at(error, names->item[i].text, "the formula has no '%.*s'", (int)names->item[i].text.len,
-                            names->item[i].text.at);
+            return error_at(error, names->item[i].text, "the formula has no '%.*s'",
+                            (int)names->item[i].text.len, names->item[i].text.at);
     return true;
 }
 
-bool fit_a_formula(const struct asked_fit *asked, struct text text, struct error *error)
+bool fit_a_formula(const struct fit_request *asked, struct text text, struct error *error)
 {
     struct arena *arena = asked->given->arena;
     struct formula formula;
     struct curve_fit fit;
-    struct buffer held = {0};
-    bool ok = read_formula(asked, text, &held, &formula, error);
-    const char *held_text = held.len ? arena_text(arena, buffer_text(&held)) : NULL;
-    buffer_free(&held);
+    struct buffer slot = {0};
+    bool ok = read_formula(asked, text, &slot, &formula, error);
+    const char *held_text = slot.len ? arena_text(arena, buffer_text(&slot)) : NULL;
+    buffer_free(&slot);
     const struct curve_options options = {.robust = is_given(asked->given, "robust"),
                                           .bootstrap = bootstrap_of(asked->given),
                                           .seed = 1,
@@ -353,12 +367,12 @@ bool fit_a_formula(const struct asked_fit *asked, struct text text, struct error
     for (int j = 0; j < formula.parameters; j++)
         quantity[j] = QUANTITY_OTHER;
     const char *model = arena_text(arena, text);
-    struct told_fit told = {.subject = asked->subject,
-                            .model = model ? model : "formula",
-                            .curve = &fit,
-                            .name = formula.name,
-                            .quantity = quantity,
-                            .held = held_text,
-                            .k = {NAN, NAN}};
+    struct fit_summary told = {.subject = asked->subject,
+                               .model = model ? model : "formula",
+                               .curve = &fit,
+                               .name = formula.name,
+                               .quantity = quantity,
+                               .slot = held_text,
+                               .k = {NAN, NAN}};
     return conclude(asked, &told, "formula", (struct measured){0, 0}, error);
 }

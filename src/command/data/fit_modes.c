@@ -20,7 +20,7 @@ static struct measured inverse(struct measured f)
     return (struct measured){1 / f.value, f.uncertainty / (f.value * f.value)};
 }
 
-static void put_coupling(const struct told_fit *told, struct buffer *text)
+static void put_coupling(const struct fit_summary *told, struct buffer *text)
 {
     const struct modes_fit *modes = told->modes;
     put(text, "\n  splitting ", modes->splitting, QUANTITY_FREQUENCY);
@@ -33,7 +33,7 @@ static void put_coupling(const struct told_fit *told, struct buffer *text)
         TEXT("\n  (k/m is the square of the slower omega0, (k + 2 kc)/m that of the faster)"));
 }
 
-void put_modes(const struct told_fit *told, struct buffer *text)
+void put_modes(const struct fit_summary *told, struct buffer *text)
 {
     const struct modes_fit *modes = told->modes;
     const enum quantity quantity = told->subject->series.quantity;
@@ -54,7 +54,7 @@ void put_modes(const struct told_fit *told, struct buffer *text)
     buffer_format(text, "   (phases and offset at t = %.6g s)", modes->fit.t0);
 }
 
-void reply_modes(const struct told_fit *told, struct reply *reply)
+void reply_modes(const struct fit_summary *told, struct reply *reply)
 {
     const struct modes_fit *modes = told->modes;
     const enum quantity quantity = told->subject->series.quantity;
@@ -112,11 +112,11 @@ static void keep_results(struct session *session, const struct modes_fit *modes,
 
 static int modes_of(const struct arguments *given, struct error *error)
 {
-    const struct given *count = given_for(given, "COUNT");
+    const struct given_argument *count = argument_given(given, "COUNT");
     const double modes = count->count ? count->item->value.value : MODES_USUAL;
-    if (modes >= 1 && modes <= MODES_MOST)
+    if (modes >= 1 && modes <= MODES_MAX)
         return (int)modes;
-    error_at(error, count->where, "fit modes takes 1 to %d of them", MODES_MOST);
+    error_at(error, count->where, "fit modes takes 1 to %d of them", MODES_MAX);
     return 0;
 }
 
@@ -130,7 +130,8 @@ static struct measured coupling_spring(const struct modes_fit *modes, const stru
                                        mass->uncertainty * modes->stiffness.value)};
 }
 
-bool fit_the_modes(const struct asked_fit *asked, const struct measured *mass, struct error *error)
+bool fit_the_modes(const struct fit_request *asked, const struct measured *mass,
+                   struct error *error)
 {
     struct modes_fit modes;
     struct session *session = asked->session;
@@ -139,11 +140,11 @@ bool fit_the_modes(const struct asked_fit *asked, const struct measured *mass, s
     const int count = modes_of(asked->given, error);
     if (count == 0 || !series_modes(series, count, arena, session->front.cancel, &modes, error))
         return false;
-    struct told_fit told = {.subject = asked->subject,
-                            .model = "modes",
-                            .motion = &modes.fit,
-                            .modes = &modes,
-                            .k = coupling_spring(&modes, mass)};
+    struct fit_summary told = {.subject = asked->subject,
+                               .model = "modes",
+                               .motion = &modes.fit,
+                               .modes = &modes,
+                               .k = coupling_spring(&modes, mass)};
     if (modes.fit.converged) {
         if (!session_keep_curve(asked, modes.residual, &modes.fit, error))
             return false;

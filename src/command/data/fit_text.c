@@ -11,9 +11,10 @@
 #define STRONG 0.95    /* correlation of two parameters from which it is named */
 #define SAME 0.999999  /* from which the data cannot tell them apart */
 #define CORRELATED 0.3 /* of neighbouring residuals */
-#define EXACT_DIGITS 12 /* what a measurement is uncertain by is shown down to here; a simulation's is rounding */
+#define EXACT_DIGITS                                                                               \
+    12 /* what a measurement is uncertain by is shown down to here; a simulation's is rounding */
 
-void fit_tell_warning(struct told_fit *told, const char *format, ...)
+void fit_tell_warning(struct fit_summary *told, const char *format, ...)
 {
     if (told->warnings == FIT_WARNINGS)
         return;
@@ -23,7 +24,7 @@ void fit_tell_warning(struct told_fit *told, const char *format, ...)
     va_end(arguments);
 }
 
-void fit_tell_window(struct told_fit *told, enum window_law law, struct arena *arena)
+void fit_tell_window(struct fit_summary *told, enum window_law law, struct arena *arena)
 {
     struct window_advice advice;
     advise_window(told->subject, law, arena, &advice);
@@ -31,36 +32,43 @@ void fit_tell_window(struct told_fit *told, enum window_law law, struct arena *a
         fit_tell_warning(told, "%s", advice.text);
 }
 
-void fit_tell_residuals(struct told_fit *told)
+void fit_tell_residuals(struct fit_summary *told)
 {
     const struct curve_fit *curve = told->curve;
     if (curve->autocorrelation > CORRELATED)
         fit_tell_warning(told,
-                         "neighbouring residuals are alike (correlation %.2f): the curve leaves something out, or the "
+                         "neighbouring residuals are alike (correlation %.2f): the curve leaves "
+                         "something out, or the "
                          "recording sways; the uncertainties are widened for it",
                          curve->autocorrelation);
     for (int i = 0; i < curve->parameters; i++)
         for (int j = 0; j < i; j++)
             if (fabs(curve->correlation[i][j]) > SAME)
-                fit_tell_warning(told, "%s and %s change the curve alike: the data cannot tell them apart, hold one",
-                                 told->name[j], told->name[i]);
+                fit_tell_warning(
+                    told,
+                    "%s and %s change the curve alike: the data cannot tell them apart, hold one",
+                    told->name[j], told->name[i]);
     for (int j = 0; j < curve->parameters; j++)
         if (curve->bound[j])
-            fit_tell_warning(told, "%s lies on the edge of what is allowed: it has no uncertainty", told->name[j]);
+            fit_tell_warning(told, "%s lies on the edge of what is allowed: it has no uncertainty",
+                             told->name[j]);
 }
 
-void put_value(struct buffer *text, const char *name, struct measured value, enum quantity quantity, bool measured)
+void put_value(struct buffer *text, const char *name, struct measured value, enum quantity quantity,
+               bool measured)
 {
     buffer_format(text, "%s = ", name);
     if (isfinite(value.value))
-        buffer_measured(text, value, quantity, measured && value.uncertainty > 0 ? EXACT_DIGITS : 6);
+        buffer_measured(text, value, quantity,
+                        measured && value.uncertainty > 0 ? EXACT_DIGITS : 6);
     else
         buffer_put(text, TEXT("unknown"));
 }
 
 static struct measured quotient(double numerator, struct measured x)
 {
-    return (struct measured){numerator / x.value, fabs(numerator / x.value) * fabs(x.uncertainty / x.value)};
+    return (struct measured){numerator / x.value,
+                             fabs(numerator / x.value) * fabs(x.uncertainty / x.value)};
 }
 
 static struct measured quality(const struct fit *fit)
@@ -69,7 +77,7 @@ static struct measured quality(const struct fit *fit)
     return (struct measured){q, q * fabs(fit->gamma.uncertainty / fit->gamma.value)};
 }
 
-static void put_head(const struct told_fit *told, struct buffer *text)
+static void put_head(const struct fit_summary *told, struct buffer *text)
 {
     const struct series *series = &told->subject->series;
     const size_t used = told->motion ? told->motion->used : told->curve->used;
@@ -80,29 +88,32 @@ static void put_head(const struct told_fit *told, struct buffer *text)
 
 /* ---- an oscillation ---- */
 
-static void cell_rate(struct text_table *table, struct measured value, const char *unit, bool measured)
+static void cell_rate(struct text_table *table, struct measured value, const char *unit,
+                      bool measured)
 {
     struct buffer cell = {0};
     if (!isfinite(value.value) || (value.value == 0 && !(value.uncertainty > 0)))
         buffer_char(&cell, '-');
     else
-        buffer_measured(&cell, value, QUANTITY_OTHER, measured && value.uncertainty > 0 ? EXACT_DIGITS : 4);
+        buffer_measured(&cell, value, QUANTITY_OTHER,
+                        measured && value.uncertainty > 0 ? EXACT_DIGITS : 4);
     if (cell.len > 1)
         buffer_format(&cell, " %s", unit);
     cell_take(table, &cell);
 }
 
-/* Of a position in metres b is in 1/m and f in m/s^2; of angles and plain numbers without the metre. */
-static const char *rate_unit(const struct told_fit *told, int k)
+/* Of a position in metres b is in 1/m and f in m/s^2; of angles and plain numbers without the
+ * metre. */
+static const char *rate_unit(const struct fit_summary *told, int k)
 {
     const enum quantity quantity = told->subject->series.quantity;
-    const bool metres =
-        quantity == QUANTITY_LENGTH || quantity == QUANTITY_VELOCITY || quantity == QUANTITY_ACCELERATION;
+    const bool metres = quantity == QUANTITY_LENGTH || quantity == QUANTITY_VELOCITY ||
+                        quantity == QUANTITY_ACCELERATION;
     return metres ? drag_rates[k].unit : drag_rates[k].bare;
 }
 
 /* Which force pulls back, where that was asked. */
-static void put_forces(const struct told_fit *told, struct buffer *text)
+static void put_forces(const struct fit_summary *told, struct buffer *text)
 {
     const struct drag_fit *drag = &told->motion->drag;
     if (drag->forces == 0)
@@ -116,7 +127,8 @@ static void put_forces(const struct told_fit *told, struct buffer *text)
     buffer_put(text, TEXT(" (BIC"));
     for (int i = 0; i < drag->forces; i++)
         if (drag->restoring[i].converged)
-            buffer_format(text, " %s %.1f", restoring_name((enum restoring_force)i), drag->restoring[i].bic);
+            buffer_format(text, " %s %.1f", restoring_name((enum restoring_force)i),
+                          drag->restoring[i].bic);
     buffer_put(text, TEXT(")"));
     if (drag->force == RESTORING_CUBIC) {
         put_value(text, ", beta", drag->cubic, QUANTITY_OTHER, told->subject->recording);
@@ -126,7 +138,7 @@ static void put_forces(const struct told_fit *told, struct buffer *text)
         buffer_put(text, TEXT("\n  T and omega are those of small amplitudes"));
 }
 
-static void put_laws(const struct told_fit *told, struct arena *arena, struct buffer *text)
+static void put_laws(const struct fit_summary *told, struct arena *arena, struct buffer *text)
 {
     static const char *const heads[] = {"law", "gamma", "b of b|v|v", "friction f", "BIC", ""};
     const struct drag_fit *drag = &told->motion->drag;
@@ -141,10 +153,10 @@ static void put_laws(const struct told_fit *told, struct arena *arena, struct bu
             cell_rate(&table, c->rate[k], rate_unit(told, k), told->subject->recording);
         buffer_format(&bic, isfinite(c->bic) ? "%.1f" : "-", c->bic);
         cell_take(&table, &bic);
-        cell_text(&table, !c->converged                         ? "did not converge"
-                          : c->law == told->motion->preferred   ? "preferred"
-                          : c->law == told->motion->drag.best   ? "best"
-                                                                : "");
+        cell_text(&table, !c->converged                       ? "did not converge"
+                          : c->law == told->motion->preferred ? "preferred"
+                          : c->law == told->motion->drag.best ? "best"
+                                                              : "");
     }
     buffer_char(text, '\n');
     text_table_put(&table, text);
@@ -154,7 +166,7 @@ static void put_laws(const struct told_fit *told, struct arena *arena, struct bu
     put_forces(told, text);
 }
 
-static void put_motion(const struct told_fit *told, struct arena *arena, struct buffer *text)
+static void put_motion(const struct fit_summary *told, struct arena *arena, struct buffer *text)
 {
     const struct fit *fit = told->motion;
     const enum quantity quantity = told->subject->series.quantity;
@@ -162,13 +174,16 @@ static void put_motion(const struct told_fit *told, struct arena *arena, struct 
     put_value(text, "   omega", fit->omega, QUANTITY_ANGULAR_FREQUENCY, told->subject->recording);
     if (isfinite(fit->gamma.value)) {
         put_value(text, "\n  gamma", fit->gamma, QUANTITY_RATE, told->subject->recording);
-        buffer_put(text, TEXT("   (amplitude falls as exp(-gamma t/2), energy as exp(-gamma t))\n  "));
+        buffer_put(text,
+                   TEXT("   (amplitude falls as exp(-gamma t/2), energy as exp(-gamma t))\n  "));
         if (fit->gamma.value > 0) {
-            put_value(text, "tau", quotient(2, fit->gamma), QUANTITY_TIME, told->subject->recording);
+            put_value(text, "tau", quotient(2, fit->gamma), QUANTITY_TIME,
+                      told->subject->recording);
             put_value(text, "   Q", quality(fit), QUANTITY_NUMBER, told->subject->recording);
         } else {
             const bool decays = fit->drag.best & (LAW_QUADRATIC | LAW_DRY);
-            buffer_put(text, decays ? TEXT("no linear damping: the law below has another term") : TEXT("no decay"));
+            buffer_put(text, decays ? TEXT("no linear damping: the law below has another term")
+                                    : TEXT("no decay"));
         }
     }
     put_value(text, "\n  A", fit->amplitude, quantity, told->subject->recording);
@@ -180,7 +195,8 @@ static void put_motion(const struct told_fit *told, struct arena *arena, struct 
     buffer_put(text, isfinite(told->k.value) ? TEXT("   rms ") : TEXT("\n  rms "));
     buffer_quantity(text, fit->rms, quantity, 3);
     if (isfinite(fit->halves[0].value) && isfinite(fit->halves[1].value)) {
-        put_value(text, "\n  halves: gamma", fit->halves[0], QUANTITY_RATE, told->subject->recording);
+        put_value(text, "\n  halves: gamma", fit->halves[0], QUANTITY_RATE,
+                  told->subject->recording);
         buffer_put(text, TEXT(" and "));
         buffer_measured(text, fit->halves[1], QUANTITY_RATE, 4);
     }
@@ -193,7 +209,7 @@ static void put_motion(const struct told_fit *told, struct arena *arena, struct 
 
 /* ---- a curve ---- */
 
-static void put_parameters(const struct told_fit *told, struct arena *arena, struct buffer *text)
+static void put_parameters(const struct fit_summary *told, struct arena *arena, struct buffer *text)
 {
     const struct curve_fit *curve = told->curve;
     struct text_table table = {.arena = arena, .columns = 3, .gap = 3, .indent = 2};
@@ -205,9 +221,11 @@ static void put_parameters(const struct told_fit *told, struct arena *arena, str
         /* Two digits of the half width, as of the uncertainty; that of a run is rounding. */
         const double size = fmax(fabs(range[0]), fabs(range[1]));
         const int digits = told->subject->recording && half > 0 && size > half
-                               ? (int)fmin(fmax(3 + floor(log10(size / half)), 6), 15) : 6;
+                               ? (int)fmin(fmax(3 + floor(log10(size / half)), 6), 15)
+                               : 6;
         struct buffer value = {0}, interval = {0};
-        buffer_measured(&value, curve->value[j], told->quantity[j], told->subject->recording ? EXACT_DIGITS : 8);
+        buffer_measured(&value, curve->value[j], told->quantity[j],
+                        told->subject->recording ? EXACT_DIGITS : 8);
         if (curve->bound[j]) {
             buffer_put(&interval, TEXT("on its bound"));
         } else if (!curve->determined[j]) {
@@ -232,30 +250,32 @@ static bool strong(const struct curve_fit *curve, int i, int j)
     return curve->determined[i] && curve->determined[j] && fabs(curve->correlation[i][j]) > STRONG;
 }
 
-static void put_curve(const struct told_fit *told, struct arena *arena, struct buffer *text)
+static void put_curve(const struct fit_summary *told, struct arena *arena, struct buffer *text)
 {
     const struct curve_fit *curve = told->curve;
     put_parameters(told, arena, text);
     buffer_put(text, TEXT("\n  residuals: standard deviation "));
     buffer_quantity(text, curve->sigma, told->subject->series.quantity, 3);
-    buffer_format(text, ", correlation of neighbours %.2f; %s", curve->autocorrelation, curve->said);
+    buffer_format(text, ", correlation of neighbours %.2f; %s", curve->autocorrelation,
+                  curve->said);
     if (curve->bootstrapped > 0)
         buffer_format(text, "\n  intervals from %d synthetic recordings", curve->bootstrapped);
     const char *before = "\n  correlated: ";
     for (int i = 0; i < curve->parameters; i++)
         for (int j = 0; j < i; j++)
             if (strong(curve, i, j)) {
-                buffer_format(text, "%s%s and %s %.3f", before, told->name[j], told->name[i], curve->correlation[i][j]);
+                buffer_format(text, "%s%s and %s %.3f", before, told->name[j], told->name[i],
+                              curve->correlation[i][j]);
                 before = ", ";
             }
-    if (told->held)
-        buffer_format(text, "\n  held: %s", told->held);
+    if (told->slot)
+        buffer_format(text, "\n  held: %s", told->slot);
     inputs_put(&told->inputs, text);
 }
 
 /* ---- the record ---- */
 
-static struct measured parameter(const struct told_fit *told, const char *name)
+static struct measured parameter(const struct fit_summary *told, const char *name)
 {
     for (int j = 0; told->curve && j < told->curve->parameters; j++)
         if (told->quantity[j] != QUANTITY_OTHER && strcmp(told->name[j], name) == 0)
@@ -263,7 +283,8 @@ static struct measured parameter(const struct told_fit *told, const char *name)
     return (struct measured){NAN, NAN};
 }
 
-static void reply_known(struct reply *reply, const char *key, struct measured value, enum quantity quantity)
+static void reply_known(struct reply *reply, const char *key, struct measured value,
+                        enum quantity quantity)
 {
     if (isfinite(value.value))
         reply_measured(reply, key, value, quantity);
@@ -271,7 +292,7 @@ static void reply_known(struct reply *reply, const char *key, struct measured va
         reply_null(reply, key);
 }
 
-static void reply_parameters(const struct told_fit *told, struct reply *reply)
+static void reply_parameters(const struct fit_summary *told, struct reply *reply)
 {
     const struct curve_fit *curve = told->curve;
     reply_array(reply, "parameters");
@@ -280,7 +301,8 @@ static void reply_parameters(const struct told_fit *told, struct reply *reply)
         reply_string(reply, "name", told->name[j]);
         reply_real(reply, "value", curve->value[j].value);
         reply_real(reply, "uncertainty", curve->value[j].uncertainty);
-        reply_string(reply, "unit", told->quantity[j] == QUANTITY_OTHER ? NULL : quantity_unit(told->quantity[j]));
+        reply_string(reply, "unit",
+                     told->quantity[j] == QUANTITY_OTHER ? NULL : quantity_unit(told->quantity[j]));
         reply_real(reply, "low", curve->determined[j] ? curve->interval[j][0] : NAN);
         reply_real(reply, "high", curve->determined[j] ? curve->interval[j][1] : NAN);
         reply_close(reply);
@@ -299,14 +321,15 @@ static void reply_parameters(const struct told_fit *told, struct reply *reply)
     reply_close(reply);
 }
 
-static void reply_rates(const struct told_fit *told, const struct drag_candidate *c, struct reply *reply)
+static void reply_rates(const struct fit_summary *told, const struct drag_candidate *c,
+                        struct reply *reply)
 {
     for (int k = 0; k < DRAG_RATES; k++)
         if (c->law >> k & 1)
             reply_in_unit(reply, drag_rates[k].name, c->rate[k], rate_unit(told, k));
 }
 
-static void reply_laws(const struct told_fit *told, struct reply *reply)
+static void reply_laws(const struct fit_summary *told, struct reply *reply)
 {
     const struct drag_fit *drag = told->motion ? &told->motion->drag : NULL;
     reply_array(reply, "laws");
@@ -329,7 +352,8 @@ static void reply_laws(const struct told_fit *told, struct reply *reply)
         if (drag->remaining >> i & 1)
             reply_string(reply, NULL, drag_law_name(drag->candidate[i].law));
     reply_close(reply);
-    const bool known = compared && (drag->forces == 0 || drag->forces_remaining == 1u << drag->force);
+    const bool known =
+        compared && (drag->forces == 0 || drag->forces_remaining == 1u << drag->force);
     reply_string(reply, "restoring", known ? restoring_name(drag->force) : NULL);
     if (compared && drag->force == RESTORING_CUBIC)
         reply_measured(reply, "beta", drag->cubic, QUANTITY_OTHER);
@@ -339,7 +363,7 @@ static void reply_laws(const struct told_fit *told, struct reply *reply)
     reply_real(reply, "p_value", compared ? drag->p_value : NAN);
 }
 
-static void reply_record(const struct told_fit *told, struct reply *reply)
+static void reply_record(const struct fit_summary *told, struct reply *reply)
 {
     static const struct measured none = {NAN, NAN};
     const struct fit unknown = {.model = told->model,
@@ -361,7 +385,11 @@ static void reply_record(const struct told_fit *told, struct reply *reply)
     reply_known(reply, "amplitude", fit->amplitude, series->quantity);
     reply_known(reply, "phase", fit->phase, QUANTITY_ANGLE);
     reply_known(reply, "offset", fit->offset, series->quantity);
-    reply_known(reply, "k", told->curve ? parameter(told, "k") : told->modes ? none : told->k, QUANTITY_STIFFNESS);
+    reply_known(reply, "k",
+                told->curve   ? parameter(told, "k")
+                : told->modes ? none
+                              : told->k,
+                QUANTITY_STIFFNESS);
     reply_real(reply, "rms", told->motion ? fit->rms : told->curve->sigma);
     reply_int(reply, "used", (int64_t)(told->motion ? fit->used : told->curve->used));
     reply_int(reply, "rejected", (int64_t)(told->motion ? fit->rejected : told->curve->rejected));
@@ -398,7 +426,7 @@ static void reply_record(const struct told_fit *told, struct reply *reply)
     reply_end(reply);
 }
 
-void reply_fit(const struct told_fit *told, struct arena *arena, struct reply *reply)
+void reply_fit(const struct fit_summary *told, struct arena *arena, struct reply *reply)
 {
     struct buffer text = {0};
     put_head(told, &text);

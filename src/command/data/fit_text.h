@@ -7,61 +7,67 @@
 
 #define FIT_WARNINGS 8
 
-struct told_fit {
+struct fit_summary {
     const struct subject *subject;
     const char *model; /* damped, scene, the formula */
-    /* One of these: a row of fit_catalog, or a curve with named parameters (of the scene, of a formula). */
+    /* One of these: a row of fit_catalog, or a curve with named parameters (of the scene, of a
+     * formula). */
     const struct fit *motion;
     const struct curve_fit *curve;
-    const struct modes_fit *modes; /* besides `motion`, which then is its summary; NULL: not several modes */
+    const struct modes_fit
+        *modes; /* besides `motion`, which then is its summary; NULL: not several modes */
     const char *const *name;
-    const enum quantity *quantity; /* [curve->parameters] QUANTITY_OTHER: the unit follows from the formula */
-    const char *held;              /* what was not fitted: "m = 0.2 kg, k = 15 N/m"; NULL: nothing to say */
-    struct measured k;             /* NAN: not known */
-    bool spring;                   /* k could be known */
-    struct inputs inputs;          /* what entered besides the recording */
+    const enum quantity
+        *quantity;     /* [curve->parameters] QUANTITY_OTHER: the unit follows from the formula */
+    const char *slot;  /* what was not fitted: "m = 0.2 kg, k = 15 N/m"; NULL: nothing to say */
+    struct measured k; /* NAN: not known */
+    bool spring;       /* k could be known */
+    struct inputs inputs; /* what entered besides the recording */
     char warning[FIT_WARNINGS][200];
     int warnings;
 };
 
 /* "name = value"; measured: an uncertainty is shown however small it is. */
-void put_value(struct buffer *text, const char *name, struct measured value, enum quantity quantity, bool measured);
-void fit_tell_warning(struct told_fit *told, const char *format, ...) PRINTF_LIKE(2, 3);
-void fit_tell_window(struct told_fit *told, enum window_law law, struct arena *arena);
+void put_value(struct buffer *text, const char *name, struct measured value, enum quantity quantity,
+               bool measured);
+void fit_tell_warning(struct fit_summary *told, const char *format, ...) PRINTF_LIKE(2, 3);
+void fit_tell_window(struct fit_summary *told, enum window_law law, struct arena *arena);
 /* What the residuals of a curve say against it. */
-void fit_tell_residuals(struct told_fit *told);
+void fit_tell_residuals(struct fit_summary *told);
 /* Lines, record and warnings. */
-void reply_fit(const struct told_fit *told, struct arena *arena, struct reply *reply);
+void reply_fit(const struct fit_summary *told, struct arena *arena, struct reply *reply);
 
 /* ---- fit_modes.c ---- */
 
-void put_modes(const struct told_fit *told, struct buffer *text);
-void reply_modes(const struct told_fit *told, struct reply *reply); /* into the open record */
+void put_modes(const struct fit_summary *told, struct buffer *text);
+void reply_modes(const struct fit_summary *told, struct reply *reply); /* into the open record */
 
 /* ---- fit_curve.c: fits of the scene and of formulas ----
  *
- * What was asked for comes in `asked`; they tell, keep the result in the session where they converged, and set the
- * error where not.
+ * What was asked for comes in `asked`; they tell, keep the result in the session where they
+ * converged, and set the error where not.
  */
-struct asked_fit {
+struct fit_request {
     struct session *session;
     const struct arguments *given;
     const struct subject *subject;
     struct reply *reply;
 };
 
-bool fit_the_scene(const struct asked_fit *asked, struct error *error);
-bool fit_a_formula(const struct asked_fit *asked, struct text formula, struct error *error);
+bool fit_the_scene(const struct fit_request *asked, struct error *error);
+bool fit_a_formula(const struct fit_request *asked, struct text formula, struct error *error);
 /* mass: of one oscillator, NULL: not known. */
-bool fit_the_modes(const struct asked_fit *asked, const struct measured *mass, struct error *error);
+bool fit_the_modes(const struct fit_request *asked, const struct measured *mass,
+                   struct error *error);
 /* Keeps y - residual at the samples as the curve of the last fit, with what `fit` says of it. */
-bool session_keep_curve(const struct asked_fit *asked, const double *residual, const struct fit *fit,
-                        struct error *error);
+bool session_keep_curve(const struct fit_request *asked, const double *residual,
+                        const struct fit *fit, struct error *error);
 /* A fit of something else replaces its curve. */
 void session_drop_curve(struct session *session);
 
 /* ---- adopt.c ---- */
 
-bool adopt_fit(struct session *session, const struct arguments *given, struct reply *reply, struct error *error);
+bool adopt_fit(struct session *session, const struct arguments *given, struct reply *reply,
+               struct error *error);
 
 #endif

@@ -19,9 +19,11 @@ static struct measurement *latest(const struct measuring *m)
     return &m->session->measurement[m->session->measurements - 1];
 }
 
-static bool keep(struct measuring *m, const char *name, struct measured value, enum quantity unit, double periods)
+static bool keep(struct measuring *m, const char *name, struct measured value, enum quantity unit,
+                 double periods)
 {
-    if (!session_keep_measurement(m->session, name, m->subject.name, value, unit, periods, m->error))
+    if (!session_keep_measurement(m->session, name, m->subject.name, value, unit, periods,
+                                  m->error))
         return false;
     latest(m)->energy = m->subject.energy;
     return true;
@@ -62,7 +64,8 @@ static double theory_period(const struct measuring *m)
     const struct scene *scene = subject_scene(m->session, m->subject.run);
     const bool known = scene && (m->subject.run || param_given(scene, "k"));
     const bool driven = scene && fabs(param_value(scene, "F0")) > 0; /* then it follows the drive */
-    const bool narrows = scene && scene->model != &oscillator_model && fabs(param_value(scene, "gamma")) > 0;
+    const bool narrows =
+        scene && scene->model != &oscillator_model && fabs(param_value(scene, "gamma")) > 0;
     return known && !driven && !narrows ? scene_period(scene) : NAN;
 }
 
@@ -82,7 +85,7 @@ static struct measured inverse(struct measured x)
 
 static bool measure_period(struct measuring *m)
 {
-    const struct given *windows = given_for(m->given, "windows");
+    const struct given_argument *windows = argument_given(m->given, "windows");
     struct period p;
     struct measured alike = {NAN, NAN};
     struct buffer text = {0};
@@ -99,7 +102,8 @@ static bool measure_period(struct measuring *m)
     buffer_format(&text, " (%g period%s, %s)", p.periods, p.periods == 1 ? "" : "s", p.how);
     if (!m->subject.energy && !m->subject.column)
         put_theory(&text, p.period.value, theory_period(m), QUANTITY_TIME);
-    if (m->subject.recording && series_correlation_period(&m->subject.series, &p, m->given->arena, &alike))
+    if (m->subject.recording &&
+        series_correlation_period(&m->subject.series, &p, m->given->arena, &alike))
         put_value(&text, "\nautocorrelation: T", alike, QUANTITY_TIME, true);
     begin(m, p.period, QUANTITY_TIME, p.periods);
     reply_string(m->reply, "how", p.how);
@@ -121,7 +125,8 @@ static bool measure_frequency(struct measuring *m)
         return false;
     struct buffer text = {0};
     put(&text, "f", f, QUANTITY_FREQUENCY);
-    put(&text, "   omega", (struct measured){2 * PI * f.value, 2 * PI * f.uncertainty}, QUANTITY_ANGULAR_FREQUENCY);
+    put(&text, "   omega", (struct measured){2 * PI * f.value, 2 * PI * f.uncertainty},
+        QUANTITY_ANGULAR_FREQUENCY);
     buffer_format(&text, " (%g periods)", p.periods);
     if (!m->subject.energy && !m->subject.column)
         put_theory(&text, f.value, 1 / theory_period(m), QUANTITY_FREQUENCY);
@@ -133,7 +138,8 @@ static bool measure_frequency(struct measuring *m)
 /* Times to read at: those given, or the middles of so many equal parts, or the start. */
 static bool reading_times(struct measuring *m, double **at, int *count)
 {
-    const struct given *times = given_for(m->given, "at"), *windows = given_for(m->given, "windows");
+    const struct given_argument *times = argument_given(m->given, "at"),
+                                *windows = argument_given(m->given, "windows");
     const struct series *s = &m->subject.series;
     *count = times->count ? times->count : windows->count ? (int)windows->item->value.value : 1;
     if (*count > LIMIT_TOKENS)
@@ -143,7 +149,8 @@ static bool reading_times(struct measuring *m, double **at, int *count)
         return error_memory(m->error);
     const double from = s->t[0], width = s->t[s->n - 1] - from;
     for (int i = 0; i < *count; i++)
-        (*at)[i] = times->count ? times->item[i].value.value : from + (windows->count ? (i + 0.5) / *count : 0) * width;
+        (*at)[i] = times->count ? times->item[i].value.value
+                                : from + (windows->count ? (i + 0.5) / *count : 0) * width;
     return true;
 }
 
@@ -178,14 +185,15 @@ static bool measure_amplitude(struct measuring *m)
 
 static bool measure_decay(struct measuring *m)
 {
-    const struct given *windows = given_for(m->given, "windows");
+    const struct given_argument *windows = argument_given(m->given, "windows");
     const int readings = windows->count ? (int)windows->item->value.value : 0;
     const enum quantity unit = m->subject.series.quantity;
     struct decay d;
     if (readings > (int)COUNT_OF(d.reading) || (windows->count && readings < 3))
-        return error_at(m->error, windows->where, "the decay needs 3 to %zu readings", COUNT_OF(d.reading));
-    if (!series_decay(&m->subject.series, m->given->arena, m->subject.energy ? &m->subject.noise : NULL, readings, &d,
-                      m->error) ||
+        return error_at(m->error, windows->where, "the decay needs 3 to %zu readings",
+                        COUNT_OF(d.reading));
+    if (!series_decay(&m->subject.series, m->given->arena,
+                      m->subject.energy ? &m->subject.noise : NULL, readings, &d, m->error) ||
         !keep(m, "decay", d.gamma, QUANTITY_RATE, NAN))
         return false;
     session_set_result(m->session, "measured_gamma", d.gamma, QUANTITY_RATE);
@@ -194,7 +202,8 @@ static bool measure_decay(struct measuring *m)
     struct buffer text = {0};
     put(&text, "gamma", d.gamma, QUANTITY_RATE);
     buffer_format(&text, " (%s; %d readings)",
-                  m->subject.energy ? "energy falls as exp(-gamma t)" : "amplitude falls as exp(-gamma t/2)",
+                  m->subject.energy ? "energy falls as exp(-gamma t)"
+                                    : "amplitude falls as exp(-gamma t/2)",
                   d.readings);
     const struct scene *scene = subject_scene(m->session, m->subject.run);
     const double gamma = scene ? param_value(scene, "gamma") : 0;
@@ -300,21 +309,24 @@ static bool measure_drift(struct measuring *m)
     buffer_short(&text, ledger.error, 4);
     buffer_put(&text, TEXT(" at the end, max "));
     buffer_short(&text, ledger.error_max, 4);
-    buffer_format(&text, "   (%s)", m->subject.run->plan.ledger ? "of the balance E - E0 - work" : "of E - E0");
+    buffer_format(&text, "   (%s)",
+                  m->subject.run->plan.ledger ? "of the balance E - E0 - work" : "of E - E0");
     begin(m, drift, QUANTITY_NUMBER, NAN);
     reply_real(m->reply, "max", ledger.error_max);
     reply_end(m->reply);
     return say(m, &text);
 }
 
-/* The largest speed: of a run as recorded, of a recording from amplitude and period, else what the scene will start
- * with. */
+/* The largest speed: of a run as recorded, of a recording from amplitude and period, else what the
+ * scene will start with. */
 static bool largest_speed(struct measuring *m, struct measured *speed)
 {
     const struct series *s = &m->subject.series;
     if (!m->subject.run && !m->subject.recording) {
-        struct named_value amplitude, omega0; /* without a run these are the derived quantities of the scene */
-        if (names_value(m->session, TEXT("amplitude"), &amplitude) && names_value(m->session, TEXT("omega0"), &omega0))
+        struct named_value amplitude,
+            omega0; /* without a run these are the derived quantities of the scene */
+        if (names_value(m->session, TEXT("amplitude"), &amplitude) &&
+            names_value(m->session, TEXT("omega0"), &omega0))
             *speed = (struct measured){amplitude.value * omega0.value, 0};
         return isfinite(speed->value) ||
                error_set(m->error, ERROR_COMMAND, "the scene does not oscillate (k > 0 is needed)");
@@ -324,20 +336,23 @@ static bool largest_speed(struct measuring *m, struct measured *speed)
         *speed = (struct measured){0, 0};
         for (size_t i = 0; i < trace_count(run->trace); i++)
             if (trace_time(run->trace, i) >= s->t[0] && trace_time(run->trace, i) <= s->t[s->n - 1])
-                speed->value = fmax(speed->value, fabs(trace_state(run->trace, i)[run->system.n / 2]));
-        return run->system.order == 2 || error_set(m->error, ERROR_COMMAND, "%s has no velocity", m->subject.name);
+                speed->value =
+                    fmax(speed->value, fabs(trace_state(run->trace, i)[run->system.n / 2]));
+        return run->system.order == 2 ||
+               error_set(m->error, ERROR_COMMAND, "%s has no velocity", m->subject.name);
     }
     struct period p;
     struct reading a;
     if (s->quantity != QUANTITY_LENGTH)
-        return error_set(m->error, ERROR_COMMAND, "the Reynolds number needs positions, %s holds another quantity",
+        return error_set(m->error, ERROR_COMMAND,
+                         "the Reynolds number needs positions, %s holds another quantity",
                          m->subject.name);
     if (!series_period(s, m->given->arena, &p, m->error) ||
         !series_amplitudes(s, m->given->arena, &s->t[0], 1, 0, &a, m->error))
         return false;
     speed->value = a.amplitude.value * 2 * PI / p.period.value;
-    speed->uncertainty =
-        speed->value * hypot(a.amplitude.uncertainty / a.amplitude.value, p.period.uncertainty / p.period.value);
+    speed->uncertainty = speed->value * hypot(a.amplitude.uncertainty / a.amplitude.value,
+                                              p.period.uncertainty / p.period.value);
     return true;
 }
 
@@ -349,8 +364,9 @@ static bool measure_reynolds(struct measuring *m)
         return false;
     struct inputs inputs = {.exacts = 0};
     inputs_use_params(&inputs, scene, "rho length eta");
-    const struct measured re = inputs_widen(
-        &inputs, (struct measured){scene_reynolds(scene, speed.value), scene_reynolds(scene, speed.uncertainty)});
+    const struct measured re =
+        inputs_widen(&inputs, (struct measured){scene_reynolds(scene, speed.value),
+                                                scene_reynolds(scene, speed.uncertainty)});
     if (!keep(m, m->quantity, re, QUANTITY_NUMBER, NAN))
         return false;
     struct buffer text = {0};
@@ -383,7 +399,9 @@ static bool measure_k(struct measuring *m)
     if (!series_period(&m->subject.series, m->given->arena, &p, m->error))
         return false;
     const double omega = 2 * PI / p.period.value;
-    const double gamma = series_decay(&m->subject.series, m->given->arena, NULL, 0, &d, &ignored) ? d.gamma.value : 0;
+    const double gamma = series_decay(&m->subject.series, m->given->arena, NULL, 0, &d, &ignored)
+                             ? d.gamma.value
+                             : 0;
     struct measured k = {.value = mass * (omega * omega + gamma * gamma / 4)};
     struct inputs inputs = {.exacts = 0};
     inputs_use(&inputs, "m", (struct measured){mass, u});
@@ -399,7 +417,8 @@ static bool measure_k(struct measuring *m)
     if (m->subject.run)
         put_theory(&text, k.value, param_value(scene, "k"), QUANTITY_STIFFNESS);
     else if (!own && !scene->given[index])
-        reply_warning(m->reply, "the mass is the default of the scene: set it, for example m = 200 g");
+        reply_warning(m->reply,
+                      "the mass is the default of the scene: set it, for example m = 200 g");
     begin(m, k, QUANTITY_STIFFNESS, p.periods);
     tell_inputs(m, &inputs, &text);
     reply_end(m->reply);
@@ -412,7 +431,8 @@ static bool measure_spectrum(struct measuring *m)
     struct figure_peaks peaks = {0};
     const int count = series_peaks(&m->subject.series, m->given->arena, found, PEAKS_EACH);
     if (count == 0)
-        return error_set(m->error, ERROR_COMMAND, "no line stands out in the spectrum of %s", m->subject.name);
+        return error_set(m->error, ERROR_COMMAND, "no line stands out in the spectrum of %s",
+                         m->subject.name);
     if (!keep(m, "frequency", found[0].frequency, QUANTITY_FREQUENCY, NAN))
         return false;
     for (; peaks.count < count; peaks.count++)
@@ -429,14 +449,16 @@ HANDLER(measure)
         [MEASURE_AMPLITUDE] = measure_amplitude, [MEASURE_DECAY] = measure_decay,
         [MEASURE_ENERGY] = measure_energy,       [MEASURE_DRIFT] = measure_drift,
         [MEASURE_REYNOLDS] = measure_reynolds,   [MEASURE_K] = measure_k,
-        [MEASURE_SPRING] = measure_spring,     [MEASURE_SPECTRUM] = measure_spectrum,
+        [MEASURE_SPRING] = measure_spring,       [MEASURE_SPECTRUM] = measure_spectrum,
         [MEASURE_REPEAT] = measure_repeat};
-    const struct item *quantity = given_for(given, "QUANTITY")->item;
+    const struct item *quantity = argument_given(given, "QUANTITY")->item;
     const enum measurable which = (enum measurable)quantity->index;
     const bool energy = is_given(given, "energy") || which == MEASURE_ENERGY;
-    const struct given *column = given_for(given, "COLUMN");
+    const struct given_argument *column = argument_given(given, "COLUMN");
     if (column->count && (energy || which > MEASURE_DECAY) && which != MEASURE_SPECTRUM)
-        return error_at(error, column->where, "period, frequency, amplitude, decay and spectrum are measured of a column");
+        return error_at(
+            error, column->where,
+            "period, frequency, amplitude, decay and spectrum are measured of a column");
     struct measuring m = {session, given, reply, {.run = NULL}, quantity->row->name, error};
     /* The Reynolds number can be asked for before anything has moved. */
     if (which == MEASURE_REYNOLDS && session->runs == 0 && session->recordings == 0) {
@@ -445,14 +467,18 @@ HANDLER(measure)
     }
     if (which == MEASURE_SPRING || which == MEASURE_REPEAT)
         return measures[which](&m);
-    const struct given *named = given_for(given, "RECORDING");
+    const struct given_argument *named = argument_given(given, "RECORDING");
     if (named->count > 1)
         return error_at(error, named->where, "only 'measure repeat' takes several recordings");
     if (is_given(given, "what"))
-        return error_at(error, given_for(given, "what")->where, "what= belongs to 'measure repeat'");
-    if (!subject_open(session, given_for(given, "run"), named->count ? named : given_for(given, "data"),
-                      given_for(given, "window"), energy, 2, given->arena, &m.subject, error) ||
-        (column->count && !subject_column(&m.subject, column, given_for(given, "window"), given->arena, error)) ||
+        return error_at(error, argument_given(given, "what")->where,
+                        "what= belongs to 'measure repeat'");
+    if (!subject_open(session, argument_given(given, "run"),
+                      named->count ? named : argument_given(given, "data"),
+                      argument_given(given, "window"), energy, 2, given->arena, &m.subject,
+                      error) ||
+        (column->count && !subject_column(&m.subject, column, argument_given(given, "window"),
+                                          given->arena, error)) ||
         !measures[which](&m))
         return false;
     if (m.subject.recording && which != MEASURE_SPECTRUM)
@@ -461,27 +487,38 @@ HANDLER(measure)
 }
 #endif
 
-COMMAND(measure, .row = {"measure", "", "measure a quantity of a run or a recording", "", NULL}, .group = "MEASURE",
-        .text = "Acts on the position (or first value) of the most recent run or recording unless told; 'period of "
-                "NAME' on another column of a\n"
-                "run. The period comes from line fits at the up-crossings and is given with its standard uncertainty. "
-                "at= or windows= choose where the amplitude is read; from three readings gamma follows.\n"
-                "'period windows=N' tells whether T depends on the amplitude. 'spring' takes every recording whose "
-                "mass is known ('data\n"
-                "mass'): T^2 against m gives k and the effective mass of the spring, and each k is held against the "
-                "first. 'spectrum' gives the lines that stand out.\n"
-                "'repeat NAME NAME ..', or 'repeat NAME windows=N', compares the scatter of T (what= frequency, "
-                "amplitude, decay, k) with what each states, and says what to quote.\n"
-                "Records (--format json, csv) of a period also have how, the way it was found: 'up-crossings', "
-                "'phases' or 'one damped sine'; and of a recording autocorrelation, the period by that alone.",
-        .examples = "load disk.txt; measure amplitude windows=6\nload bare.txt; load disk.txt; measure repeat bare disk",
-        .see = "fit list plot",
-        .flags = COMMAND_ANYTIME,
-        ARGUMENTS(PLACE("QUANTITY", TYPE_CHOICE, .flags = ARG_REQUIRED, .choices = &quantity_catalog),
-                  WORD("run", TYPE_RUN, .lead = "of", .group = 1),
-                  WORD("data", TYPE_RECORDING, .lead = "of", .group = 1), WORD("energy", TYPE_NONE, .lead = "of"),
-                  KEY("window", TYPE_RANGE, .quantity = QUANTITY_TIME),
-                  KEY("at", TYPE_VALUE, .flags = ARG_MANY | ARG_NEGATIVE, .quantity = QUANTITY_TIME),
-                  KEY("windows", TYPE_INTEGER), KEY("what", TYPE_CHOICE, .choices = &quantity_catalog),
-                  PLACE("RECORDING", TYPE_RECORDING, .flags = ARG_MANY, .lead = "of"),
-                  PLACE("COLUMN", TYPE_COLUMN, .lead = "of")))
+COMMAND(
+    measure, .row = {"measure", "", "measure a quantity of a run or a recording", "", NULL},
+    .group = "MEASURE",
+    .text =
+        "Acts on the position (or first value) of the most recent run or recording unless told; "
+        "'period of "
+        "NAME' on another column of a\n"
+        "run. The period comes from line fits at the up-crossings and is given with its standard "
+        "uncertainty. "
+        "at= or windows= choose where the amplitude is read; from three readings gamma follows.\n"
+        "'period windows=N' tells whether T depends on the amplitude. 'spring' takes every "
+        "recording whose "
+        "mass is known ('data\n"
+        "mass'): T^2 against m gives k and the effective mass of the spring, and each k is held "
+        "against the "
+        "first. 'spectrum' gives the lines that stand out.\n"
+        "'repeat NAME NAME ..', or 'repeat NAME windows=N', compares the scatter of T (what= "
+        "frequency, "
+        "amplitude, decay, k) with what each states, and says what to quote.\n"
+        "Records (--format json, csv) of a period also have how, the way it was found: "
+        "'up-crossings', "
+        "'phases' or 'one damped sine'; and of a recording autocorrelation, the period by that "
+        "alone.",
+    .examples = "load disk.txt; measure amplitude windows=6\nload bare.txt; load disk.txt; measure "
+                "repeat bare disk",
+    .see = "fit list plot", .flags = COMMAND_ANYTIME,
+    ARGUMENTS(PLACE("QUANTITY", TYPE_CHOICE, .flags = ARG_REQUIRED, .choices = &quantity_catalog),
+              WORD("run", TYPE_RUN, .lead = "of", .group = 1),
+              WORD("data", TYPE_RECORDING, .lead = "of", .group = 1),
+              WORD("energy", TYPE_NONE, .lead = "of"),
+              KEY("window", TYPE_RANGE, .quantity = QUANTITY_TIME),
+              KEY("at", TYPE_VALUE, .flags = ARG_MANY | ARG_NEGATIVE, .quantity = QUANTITY_TIME),
+              KEY("windows", TYPE_INTEGER), KEY("what", TYPE_CHOICE, .choices = &quantity_catalog),
+              PLACE("RECORDING", TYPE_RECORDING, .flags = ARG_MANY, .lead = "of"),
+              PLACE("COLUMN", TYPE_COLUMN, .lead = "of")))

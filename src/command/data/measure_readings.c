@@ -6,8 +6,8 @@
 #include <math.h>
 #include <stdio.h>
 
-#define READINGS_LEAST 3
-#define SEEN 3.0 /* standard deviations */
+#define READINGS_MIN 3
+#define SEEN 3.0            /* standard deviations */
 #define SAME_AMPLITUDE 1e-6 /* of it: less is no change that T could depend on */
 
 void put_measured(struct buffer *text, const char *name, struct measured value, enum quantity unit)
@@ -18,8 +18,8 @@ void put_measured(struct buffer *text, const char *name, struct measured value, 
     buffer_measured(text, value, unit, 6);
 }
 
-void measure_begin(struct measuring *m, const char *quantity, struct measured value, enum quantity unit,
-                   double periods)
+void measure_begin(struct measuring *m, const char *quantity, struct measured value,
+                   enum quantity unit, double periods)
 {
     struct measurement row = {.value = value, .unit = unit, .periods = periods};
     snprintf(row.quantity, sizeof row.quantity, "%s", quantity);
@@ -33,8 +33,8 @@ static struct measured twice_over(struct measured x)
     return (struct measured){2 / x.value, 2 * x.uncertainty / (x.value * x.value)};
 }
 
-/* [s] in which the first reading falls to 1/e, on the straight line between the logarithms of the two about it; NAN: it
- * does not. */
+/* [s] in which the first reading falls to 1/e, on the straight line between the logarithms of the
+ * two about it; NAN: it does not. */
 static struct measured fall_to_e(const double *t, const struct measured *log_a, int count)
 {
     const double wanted = log_a[0].value - 1;
@@ -43,19 +43,21 @@ static struct measured fall_to_e(const double *t, const struct measured *log_a, 
             continue;
         const double rate = (log_a[i - 1].value - log_a[i].value) / (t[i] - t[i - 1]);
         const double part = (wanted - log_a[i].value) / (log_a[i - 1].value - log_a[i].value);
-        const double near = hypot(part * log_a[i - 1].uncertainty, (1 - part) * log_a[i].uncertainty);
+        const double near =
+            hypot(part * log_a[i - 1].uncertainty, (1 - part) * log_a[i].uncertainty);
         return (struct measured){t[i] - (wanted - log_a[i].value) / rate - t[0],
                                  hypot(near, log_a[0].uncertainty) / rate};
     }
     return (struct measured){NAN, NAN};
 }
 
-void measure_fall(struct measuring *m, const struct reading *reading, int count, struct buffer *text)
+void measure_fall(struct measuring *m, const struct reading *reading, int count,
+                  struct buffer *text)
 {
     double *t = arena_array(m->given->arena, (size_t)count, sizeof *t);
     struct measured *log_a = arena_array(m->given->arena, (size_t)count, sizeof *log_a);
     struct line_fit line;
-    if (!t || !log_a || count < READINGS_LEAST)
+    if (!t || !log_a || count < READINGS_MIN)
         return;
     for (int i = 0; i < count; i++) {
         const struct measured a = reading[i].amplitude;
@@ -88,8 +90,8 @@ void measure_fall(struct measuring *m, const struct reading *reading, int count,
 
 /* ---- the period against the amplitude ---- */
 
-static void say_dependence(struct measuring *m, const double *a, const struct measured *period, int count,
-                           struct buffer *text)
+static void say_dependence(struct measuring *m, const double *a, const struct measured *period,
+                           int count, struct buffer *text)
 {
     struct line_fit line;
     double low = HUGE_VAL, high = -HUGE_VAL;
@@ -97,16 +99,19 @@ static void say_dependence(struct measuring *m, const double *a, const struct me
         low = fmin(low, a[i]);
         high = fmax(high, a[i]);
     }
-    if (count < READINGS_LEAST || !(high - low > SAME_AMPLITUDE * high) || !line_fit(a, period, count, &line))
+    if (count < READINGS_MIN || !(high - low > SAME_AMPLITUDE * high) ||
+        !line_fit(a, period, count, &line))
         return;
-    const double at_low = line.intercept.value + line.slope.value * low, percent = 100 * (high - low) / at_low;
+    const double at_low = line.intercept.value + line.slope.value * low,
+                 percent = 100 * (high - low) / at_low;
     const struct measured change = {percent * line.slope.value, percent * line.slope.uncertainty};
     const double sigmas = fabs(change.value) / change.uncertainty;
     buffer_put(text, TEXT("\nfrom the least to the largest amplitude T changes by "));
     buffer_uncertain(text, change.value, change.uncertainty);
     buffer_format(text, " %%: %s (%.2g standard deviations)",
                   sigmas < SEEN ? "no dependence is seen" : "it depends on the amplitude", sigmas);
-    measure_begin(m, "period_change", (struct measured){change.value / 100, change.uncertainty / 100}, QUANTITY_NUMBER,
+    measure_begin(m, "period_change",
+                  (struct measured){change.value / 100, change.uncertainty / 100}, QUANTITY_NUMBER,
                   NAN);
     reply_real(m->reply, "sigmas", sigmas);
     reply_array(m->reply, "amplitudes");
@@ -116,17 +121,19 @@ static void say_dependence(struct measuring *m, const double *a, const struct me
     reply_end(m->reply);
 }
 
-static void say_reading(struct measuring *m, const struct period_reading *r, bool first, struct buffer *text)
+static void say_reading(struct measuring *m, const struct period_reading *r, bool first,
+                        struct buffer *text)
 {
     const enum quantity unit = m->subject.series.quantity;
-    const struct scene *scene = m->subject.energy || m->subject.column ? NULL
-                                                                       : subject_scene(m->session, m->subject.run);
+    const struct scene *scene =
+        m->subject.energy || m->subject.column ? NULL : subject_scene(m->session, m->subject.run);
     const double theory = scene_period_at(scene, r->amplitude.value);
     put_measured(text, first ? "T" : "\nT", r->period, QUANTITY_TIME);
     put_measured(text, " at A", r->amplitude, unit);
     buffer_format(text, "   (%.6g..%.6g s)", r->from, r->to);
     if (isfinite(theory))
-        buffer_format(text, "   theory %.6g s (%+.3f %%)", theory, 100 * (r->period.value / theory - 1));
+        buffer_format(text, "   theory %.6g s (%+.3f %%)", theory,
+                      100 * (r->period.value / theory - 1));
     measure_begin(m, m->quantity, r->period, QUANTITY_TIME, r->periods);
     reply_measured(m->reply, "amplitude", r->amplitude, unit);
     reply_real(m->reply, "t", r->t);
@@ -145,8 +152,8 @@ bool measure_periods(struct measuring *m, int windows, struct buffer *text)
     if (!series_period_readings(&m->subject.series, windows, arena, reading, m->error))
         return false;
     for (int i = 0; i < windows; i++) {
-        if (!session_keep_measurement(m->session, m->quantity, m->subject.name, reading[i].period, QUANTITY_TIME,
-                                      reading[i].periods, m->error))
+        if (!session_keep_measurement(m->session, m->quantity, m->subject.name, reading[i].period,
+                                      QUANTITY_TIME, reading[i].periods, m->error))
             return false;
         a[i] = reading[i].amplitude.value;
         period[i] = reading[i].period;

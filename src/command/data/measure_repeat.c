@@ -9,12 +9,12 @@
 
 #define SURPRISING                                                                                 \
     0.01 /* chance of such a scatter from which on stated uncertainties are called too small */
-#define LEAST_SAMPLES 8
+#define MIN_SAMPLES 8
 
 struct repeated {
     enum measurable what;
     enum quantity unit;
-    int count, room;
+    int count, capacity;
     struct measured *value;
     char (*name)[LIMIT_NAME + 40];
 };
@@ -79,11 +79,11 @@ static enum quantity unit_of(enum measurable what, enum quantity of_series)
 /* ---- all of them ---- */
 
 /* One recording, as a whole or in so many windows. */
-static bool add_recording(struct measuring *m, struct repeated *r,
-                          struct recording *recording, int windows)
+static bool add_recording(struct measuring *m, struct repeated *r, struct recording *recording,
+                          int windows)
 {
     struct series series;
-    if (!recording_series(recording, m->given->arena, LEAST_SAMPLES, &series, m->error))
+    if (!recording_series(recording, m->given->arena, MIN_SAMPLES, &series, m->error))
         return false;
     const enum quantity unit = unit_of(r->what, series.quantity);
     if (r->count > 0 && unit != r->unit)
@@ -103,9 +103,9 @@ static bool add_recording(struct measuring *m, struct repeated *r,
         const struct series part = series_window(series, from + i * width, from + (i + 1) * width);
         snprintf(name, sizeof name, "%s %.4g..%.4g s", recording->name, from + i * width,
                  from + (i + 1) * width);
-        if (part.n < LEAST_SAMPLES)
+        if (part.n < MIN_SAMPLES)
             return error_set(m->error, ERROR_COMMAND, "%s: fewer than %d samples", name,
-                             LEAST_SAMPLES);
+                             MIN_SAMPLES);
         if (!add(m, r, recording, &part, name))
             return false;
     }
@@ -113,49 +113,49 @@ static bool add_recording(struct measuring *m, struct repeated *r,
 }
 
 /* Those named; without a name every one, or the current one where windows were asked for. */
-static int chosen(const struct measuring *m, bool windows, int *place)
+static int chosen(const struct measuring *m, bool windows, int *index)
 {
     const struct session *session = m->session;
-    const struct given *named = given_for(m->given, "RECORDING"),
-                       *data = given_for(m->given, "data");
-    const struct given *from = named->count ? named : data;
+    const struct given_argument *named = argument_given(m->given, "RECORDING"),
+                                *data = argument_given(m->given, "data");
+    const struct given_argument *from = named->count ? named : data;
     int count = 0;
     for (int i = 0; i < from->count; i++)
-        place[count++] = from->item[i].index;
+        index[count++] = from->item[i].index;
     if (count > 0 || session->recordings == 0)
         return count;
     if (windows) {
-        place[0] = session->current_recording;
+        index[0] = session->current_recording;
         return 1;
     }
     for (; count < session->recordings; count++)
-        place[count] = count;
+        index[count] = count;
     return count;
 }
 
 static bool collect(struct measuring *m, struct repeated *r)
 {
-    const struct given *windows = given_for(m->given, "windows"),
-                       *what = given_for(m->given, "what");
+    const struct given_argument *windows = argument_given(m->given, "windows"),
+                                *what = argument_given(m->given, "what");
     const int parts = windows->count ? (int)windows->item->value.value : 1;
-    int *place = arena_array(m->given->arena, LIMIT_TOKENS + LIMIT_RECORDINGS, sizeof *place);
+    int *index = arena_array(m->given->arena, LIMIT_TOKENS + LIMIT_RECORDINGS, sizeof *index);
     r->what = what->count ? (enum measurable)what->item->index : MEASURE_PERIOD;
     if (r->what > MEASURE_DECAY && r->what != MEASURE_K)
         return error_at(m->error, what->where, "what= is period, frequency, amplitude, decay or k");
-    const int recordings = place ? chosen(m, windows->count > 0, place) : 0;
-    r->room = recordings * parts;
-    if (place && (r->room < 2 || parts > LIMIT_TOKENS)) {
+    const int recordings = index ? chosen(m, windows->count > 0, index) : 0;
+    r->capacity = recordings * parts;
+    if (index && (r->capacity < 2 || parts > LIMIT_TOKENS)) {
         error_set(m->error, ERROR_COMMAND,
                   "repeat compares at least two recordings, or windows of one");
         return error_hint(m->error,
                           "type: measure repeat NAME NAME .., or: measure repeat NAME windows=5");
     }
-    r->value = arena_array(m->given->arena, (size_t)r->room + 1, sizeof *r->value);
-    r->name = arena_array(m->given->arena, (size_t)r->room + 1, sizeof *r->name);
-    if (!place || !r->value || !r->name)
+    r->value = arena_array(m->given->arena, (size_t)r->capacity + 1, sizeof *r->value);
+    r->name = arena_array(m->given->arena, (size_t)r->capacity + 1, sizeof *r->name);
+    if (!index || !r->value || !r->name)
         return error_memory(m->error);
     for (int i = 0; i < recordings; i++)
-        if (!add_recording(m, r, m->session->recording[place[i]]->recording, parts))
+        if (!add_recording(m, r, m->session->recording[index[i]]->recording, parts))
             return false;
     return true;
 }

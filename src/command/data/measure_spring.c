@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * One spring, several masses: omega^2 + gamma^2/4 = k/(m + m_spring), so that T0^2 = (4 pi^2/k)(m + m_spring) is a
- * straight line against m (T0: without damping). m_spring is about a third of the spring's own mass (Rayleigh 1894).
+ * One spring, several masses: omega^2 + gamma^2/4 = k/(m + m_spring), so that T0^2 = (4 pi^2/k)(m +
+ * m_spring) is a straight line against m (T0: without damping). m_spring is about a third of the
+ * spring's own mass (Rayleigh 1894).
  */
 #include "command/internal.h"
 #include "command/data/measuring.h"
@@ -18,7 +19,8 @@ struct hung {
 
 static bool fit_one(struct measuring *m, struct hung *hung)
 {
-    const struct fit_model *damped = (const struct fit_model *)(const void *)catalog_find(&fit_catalog, TEXT("damped"));
+    const struct fit_model *damped =
+        (const struct fit_model *)(const void *)catalog_find(&fit_catalog, TEXT("damped"));
     const struct recording *recording = hung->recording;
     struct series series;
     struct fit fit = {0};
@@ -26,13 +28,15 @@ static bool fit_one(struct measuring *m, struct hung *hung)
         !damped->fit(&series, m->given->arena, m->session->front.cancel, &fit, m->error))
         return false;
     if (!fit.converged)
-        return error_set(m->error, ERROR_NUMERICAL, "the fit to %s did not converge", recording->name);
+        return error_set(m->error, ERROR_NUMERICAL, "the fit to %s did not converge",
+                         recording->name);
     const struct measured mass = recording->mass;
     hung->period = fit.period;
     hung->k = fit_stiffness(&fit, mass);
     hung->square.value = FOUR_PI_SQUARED * mass.value / hung->k.value;
-    hung->square.uncertainty = hypot(2 * hung->square.value * fit.period.uncertainty / fit.period.value,
-                                     hung->square.value * mass.uncertainty / mass.value);
+    hung->square.uncertainty =
+        hypot(2 * hung->square.value * fit.period.uncertainty / fit.period.value,
+              hung->square.value * mass.uncertainty / mass.value);
     return true;
 }
 
@@ -48,12 +52,13 @@ static void put_each(struct buffer *text, const struct hung *hung, int count)
             continue;
         const double difference = h->k.value - hung[0].k.value,
                      u = hypot(h->k.uncertainty, hung[0].k.uncertainty);
-        buffer_format(text, "   %+.2f %%, %.2g sigma", 100 * difference / hung[0].k.value, fabs(difference) / u);
+        buffer_format(text, "   %+.2f %%, %.2g sigma", 100 * difference / hung[0].k.value,
+                      fabs(difference) / u);
     }
 }
 
-static void reply_spring(struct measuring *m, const struct hung *hung, int count, const struct line_fit *line,
-                         struct measured k, struct measured spring)
+static void reply_spring(struct measuring *m, const struct hung *hung, int count,
+                         const struct line_fit *line, struct measured k, struct measured spring)
 {
     measure_begin(m, m->quantity, k, QUANTITY_STIFFNESS, NAN);
     reply_measured(m->reply, "effective_mass", spring, QUANTITY_MASS);
@@ -77,8 +82,8 @@ static struct measured ratio(const struct line_fit *line)
 {
     const double s = line->slope.value, value = line->intercept.value / s;
     const double us = line->slope.uncertainty, ui = line->intercept.uncertainty;
-    return (struct measured){value,
-                             sqrt(fmax(ui * ui + value * value * us * us - 2 * value * line->covariance, 0)) / s};
+    return (struct measured){
+        value, sqrt(fmax(ui * ui + value * value * us * us - 2 * value * line->covariance, 0)) / s};
 }
 
 bool measure_spring(struct measuring *m)
@@ -101,7 +106,8 @@ bool measure_spring(struct measuring *m)
         count++;
     }
     if (count < 2) {
-        error_set(m->error, ERROR_COMMAND, "the spring needs two recordings at least whose mass is known, there %s",
+        error_set(m->error, ERROR_COMMAND,
+                  "the spring needs two recordings at least whose mass is known, there %s",
                   count ? "is one" : "is none");
         return error_hint(m->error, "type: data use NAME; data mass 200 g");
     }
@@ -109,16 +115,18 @@ bool measure_spring(struct measuring *m)
     struct buffer text = {0};
     put_each(&text, hung, count);
     if (!line_fit(mass, square, count, &line) || !(line.slope.value > 0)) {
-        buffer_put(&text,
-                   TEXT("\nT^2 does not grow with the mass: these were not on one spring, or the masses are wrong"));
+        buffer_put(&text, TEXT("\nT^2 does not grow with the mass: these were not on one spring, "
+                               "or the masses are wrong"));
         reply_text(m->reply, buffer_text(&text));
         buffer_free(&text);
         return error_set(m->error, ERROR_COMMAND, "no spring constant follows from these masses");
     }
     const struct measured k = {FOUR_PI_SQUARED / line.slope.value,
-                               FOUR_PI_SQUARED * line.slope.uncertainty / (line.slope.value * line.slope.value)};
+                               FOUR_PI_SQUARED * line.slope.uncertainty /
+                                   (line.slope.value * line.slope.value)};
     const struct measured spring = ratio(&line);
-    if (!session_keep_measurement(m->session, m->quantity, m->subject.name, k, QUANTITY_STIFFNESS, NAN, m->error)) {
+    if (!session_keep_measurement(m->session, m->quantity, m->subject.name, k, QUANTITY_STIFFNESS,
+                                  NAN, m->error)) {
         buffer_free(&text);
         return false;
     }
@@ -134,7 +142,9 @@ bool measure_spring(struct measuring *m)
     reply_spring(m, hung, count, &line, k, spring);
     for (int i = 0; i < count; i++)
         if (!(hung[i].recording->mass.uncertainty > 0)) {
-            reply_warning(m->reply, "the masses have no uncertainty: say it, for example data mass 199.9 +- 0.1 g");
+            reply_warning(
+                m->reply,
+                "the masses have no uncertainty: say it, for example data mass 199.9 +- 0.1 g");
             break;
         }
     return true;

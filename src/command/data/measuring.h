@@ -17,21 +17,25 @@ struct measuring {
 /* "name = 1.23 +- 0.01 s"; nothing where the value is not known. */
 void put_measured(struct buffer *text, const char *name, struct measured value, enum quantity unit);
 /* Opens a record of kind `measure`; the caller adds fields of its own and ends it. */
-void measure_begin(struct measuring *m, const char *quantity, struct measured value, enum quantity unit,
-                   double periods);
+void measure_begin(struct measuring *m, const char *quantity, struct measured value,
+                   enum quantity unit, double periods);
 
-/* gamma and 1/e time from readings of the amplitude, as on the sheet: the line through their logarithms, and the time
- * in which the first falls to 1/e. Nothing is said where they do not fall. */
-void measure_fall(struct measuring *m, const struct reading *reading, int count, struct buffer *text);
+/* gamma and 1/e time from readings of the amplitude, as on the sheet: the line through their
+ * logarithms, and the time in which the first falls to 1/e. Nothing is said where they do not fall.
+ */
+void measure_fall(struct measuring *m, const struct reading *reading, int count,
+                  struct buffer *text);
 /* The period of so many windows, against the amplitude there. */
 bool measure_periods(struct measuring *m, int windows, struct buffer *text);
-/* T^2 against m over all recordings whose mass is known: k and the spring's effective mass; each k and the first. */
+/* T^2 against m over all recordings whose mass is known: k and the spring's effective mass; each k
+ * and the first. */
 bool measure_spring(struct measuring *m);
 
 /* A quantity of several recordings, or of windows of one: mean, scatter, what to quote. */
 bool measure_repeat(struct measuring *m);
 
-/* The lines of spectra in words and as records (cmd_plot.c); with names where there are several curves. */
+/* The lines of spectra in words and as records (cmd_plot.c); with names where there are several
+ * curves. */
 void spectrum_report(const struct figure_peaks *peaks, int curves, struct reply *reply);
 
 #endif

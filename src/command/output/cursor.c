@@ -37,7 +37,8 @@ static const struct row actions[] = {
 };
 const struct catalog cursor_action_catalog = CATALOG("action", actions);
 
-/* The active cursor by so much, and the other with it where they are locked. It snaps where it comes near. */
+/* The active cursor by so much, and the other with it where they are locked. It snaps where it
+ * comes near. */
 static void move_by(struct cursors *c, const struct ground *ground, double by)
 {
     const double reach = 0.5 * fabs(by);
@@ -62,27 +63,30 @@ static bool keep(struct session *session, struct reply *reply, struct error *err
     struct cursor_reading r;
     const struct cursors *c = &session->view.cursors;
     if (!session_cursor_reading(session, &r) || !isfinite(r.period.value)) {
-        error_set(error, ERROR_COMMAND,
-                  "the cursors show no period: less than one lies between them, or %s does not oscillate", c->of);
+        error_set(
+            error, ERROR_COMMAND,
+            "the cursors show no period: less than one lies between them, or %s does not oscillate",
+            c->of);
         return error_hint(error, "for example cursor periods 4");
     }
-    if (!session_keep_measurement(session, "period", c->of, r.period, QUANTITY_TIME, r.periods, error))
+    if (!session_keep_measurement(session, "period", c->of, r.period, QUANTITY_TIME, r.periods,
+                                  error))
         return false;
     reply_line(reply, "kept ('list measurements')");
     return true;
 }
 
-static bool act(struct session *session, const struct arguments *given, struct ground *ground, struct reply *reply,
-                struct error *error)
+static bool act(struct session *session, const struct arguments *given, struct ground *ground,
+                struct reply *reply, struct error *error)
 {
     struct cursors *c = &session->view.cursors;
-    const struct given *by = given_for(given, "TIME");
+    const struct given_argument *by = argument_given(given, "TIME");
     const double time = by->count ? by->item->value.value : ground_spacing(ground);
     const double n = isfinite(c->periods) ? c->periods : 0;
-    switch ((enum cursor_action)given_for(given, "WHAT")->item->index) {
+    switch ((enum cursor_action)argument_given(given, "WHAT")->item->index) {
     case GO_LEFT:
     case GO_RIGHT:
-        move_by(c, ground, given_for(given, "WHAT")->item->index == GO_LEFT ? -time : time);
+        move_by(c, ground, argument_given(given, "WHAT")->item->index == GO_LEFT ? -time : time);
         return true;
     case GO_NEXT:
         return jump(c, ground, true, error);
@@ -92,7 +96,8 @@ static bool act(struct session *session, const struct arguments *given, struct g
         return cursor_span(c, ground, n + 1, error);
     case GO_LESS:
         return n >= 2 ? cursor_span(c, ground, n - 1, error)
-                      : error_set(error, ERROR_COMMAND, "at least one period has to lie between A and B");
+                      : error_set(error, ERROR_COMMAND,
+                                  "at least one period has to lie between A and B");
     case GO_OTHER:
         c->active = !c->active;
         return true;
@@ -117,31 +122,34 @@ static bool act(struct session *session, const struct arguments *given, struct g
     return false;
 }
 
-static bool put_given(struct cursors *c, const struct ground *ground, int which, const struct given *at,
-                      struct error *error)
+static bool put_given(struct cursors *c, const struct ground *ground, int which,
+                      const struct given_argument *at, struct error *error)
 {
     const struct series *s = &ground->series;
     const double t = at->item->value.value;
     if (t < s->t[0] || t > s->t[s->n - 1])
-        return error_at(error, at->item->text, "t = %.6g s is outside of %s (%.6g..%.6g s)", t, ground->name, s->t[0],
-                        s->t[s->n - 1]);
+        return error_at(error, at->item->text, "t = %.6g s is outside of %s (%.6g..%.6g s)", t,
+                        ground->name, s->t[0], s->t[s->n - 1]);
     cursor_put(c, ground, which, t, HUGE_VAL);
     return true;
 }
 
 /* One change of the cursors; what fails leaves them as they were. */
-static bool apply(struct session *session, const struct arguments *given, struct ground *ground, struct reply *reply,
-                  struct error *error)
+static bool apply(struct session *session, const struct arguments *given, struct ground *ground,
+                  struct reply *reply, struct error *error)
 {
     struct cursors *c = &session->view.cursors;
-    const struct given *a = given_for(given, "A"), *b = given_for(given, "B"), *go = given_for(given, "go"),
-                       *snap = given_for(given, "snap"), *periods = given_for(given, "periods");
+    const struct given_argument *a = argument_given(given, "A"), *b = argument_given(given, "B"),
+                                *go = argument_given(given, "go"),
+                                *snap = argument_given(given, "snap"),
+                                *periods = argument_given(given, "periods");
     if (snap->count) {
         c->snap = (enum snap)snap->item->index;
         for (int i = 0; i < 2; i++)
             cursor_put(c, ground, i, c->at[i].t, HUGE_VAL);
     }
-    if ((a->count && !put_given(c, ground, 0, a, error)) || (b->count && !put_given(c, ground, 1, b, error)) ||
+    if ((a->count && !put_given(c, ground, 0, a, error)) ||
+        (b->count && !put_given(c, ground, 1, b, error)) ||
         (go->count && !put_given(c, ground, c->active, go, error)))
         return false;
     if (periods->count && !cursor_span(c, ground, periods->item->value.value, error)) {
@@ -195,7 +203,9 @@ HANDLER(cursor)
     for (int i = 0; i < given->command->arguments; i++)
         any |= has(given, i);
     session->live.pausing = session->live.state == LIVE_RUNNING;
-    const bool hide = any ? is_given(given, "WHAT") && given_for(given, "WHAT")->item->index == GO_OFF : c->shown;
+    const bool hide =
+        any ? is_given(given, "WHAT") && argument_given(given, "WHAT")->item->index == GO_OFF
+            : c->shown;
     if (hide || (!any && c->shown)) {
         c->shown = false;
         reply_line(reply, "cursors off");
@@ -220,20 +230,26 @@ HANDLER(cursor)
 }
 #endif
 
-COMMAND(
-    cursor, .row = {"cursor", "", "two cursors on the plot: times, periods, decrement", "", NULL}, .group = "MEASURE",
-    .text = "Without anything it shows or hides them. A, B and go put them to a time; they snap to the nearest "
-            "up-crossing of the\n"
-            "equilibrium, placed by the line fit that measures periods, or as 'cursor snap' says. periods: B = A + N "
-            "periods. Also:\n"
-            "left, right [TIME], next, previous (crossing), more, less (periods), other (A or B moves), series (run or "
-            "recording), lock,\n"
-            "keep (as a measurement), off. They stand on the current run unless told; a run that goes on is paused.",
-    .examples = "run; cursor\nrun; cursor A 1 s; cursor periods 4; cursor keep", .see = "measure list plot",
-    .flags = COMMAND_ANYTIME,
-    ARGUMENTS(WORD("A", TYPE_VALUE, .flags = ARG_NEGATIVE, .quantity = QUANTITY_TIME),
-              WORD("B", TYPE_VALUE, .flags = ARG_NEGATIVE, .quantity = QUANTITY_TIME),
-              WORD("go", TYPE_VALUE, .flags = ARG_NEGATIVE, .quantity = QUANTITY_TIME),
-              WORD("snap", TYPE_CHOICE, .choices = &snap_catalog), WORD("periods", TYPE_INTEGER),
-              PLACE("WHAT", TYPE_CHOICE, .choices = &cursor_action_catalog),
-              PLACE("TIME", TYPE_VALUE, .quantity = QUANTITY_TIME)))
+COMMAND(cursor,
+        .row = {"cursor", "", "two cursors on the plot: times, periods, decrement", "", NULL},
+        .group = "MEASURE",
+        .text = "Without anything it shows or hides them. A, B and go put them to a time; they "
+                "snap to the nearest "
+                "up-crossing of the\n"
+                "equilibrium, placed by the line fit that measures periods, or as 'cursor snap' "
+                "says. periods: B = A + N "
+                "periods. Also:\n"
+                "left, right [TIME], next, previous (crossing), more, less (periods), other (A or "
+                "B moves), series (run or "
+                "recording), lock,\n"
+                "keep (as a measurement), off. They stand on the current run unless told; a run "
+                "that goes on is paused.",
+        .examples = "run; cursor\nrun; cursor A 1 s; cursor periods 4; cursor keep",
+        .see = "measure list plot", .flags = COMMAND_ANYTIME,
+        ARGUMENTS(WORD("A", TYPE_VALUE, .flags = ARG_NEGATIVE, .quantity = QUANTITY_TIME),
+                  WORD("B", TYPE_VALUE, .flags = ARG_NEGATIVE, .quantity = QUANTITY_TIME),
+                  WORD("go", TYPE_VALUE, .flags = ARG_NEGATIVE, .quantity = QUANTITY_TIME),
+                  WORD("snap", TYPE_CHOICE, .choices = &snap_catalog),
+                  WORD("periods", TYPE_INTEGER),
+                  PLACE("WHAT", TYPE_CHOICE, .choices = &cursor_action_catalog),
+                  PLACE("TIME", TYPE_VALUE, .quantity = QUANTITY_TIME)))

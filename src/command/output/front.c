@@ -3,7 +3,8 @@
 #ifndef COMMAND_ROWS
 #include "command/internal.h"
 
-static bool change_front(const struct session *session, enum front_change change, struct error *error)
+static bool change_front(const struct session *session, enum front_change change,
+                         struct error *error)
 {
     if (session->front.change)
         return session->front.change(session->front.context, change, error);
@@ -33,13 +34,14 @@ HANDLER(redraw)
 }
 #endif
 
-COMMAND(panes, .row = {"panes", "", "show the panes", "", NULL}, .group = "SESSION", .text = "Where the terminal can.",
-        .examples = "panes\nplain; panes", .see = "plain layout", .flags = COMMAND_ANYTIME | COMMAND_UNRECORDED)
+COMMAND(panes, .row = {"panes", "", "show the panes", "", NULL}, .group = "SESSION",
+        .text = "Where the terminal can.", .examples = "panes\nplain; panes", .see = "plain layout",
+        .flags = COMMAND_ANYTIME | COMMAND_UNRECORDED)
 
 COMMAND(plain, .row = {"plain", "", "a prompt without panes", "", NULL}, .group = "SESSION",
-        .text = "Results as text; plots are drawn as figures.", .examples = "plain\nplain; plot position",
-        .see = "panes", .flags = COMMAND_UNRECORDED)
+        .text = "Results as text; plots are drawn as figures.",
+        .examples = "plain\nplain; plot position", .see = "panes", .flags = COMMAND_UNRECORDED)
 
 COMMAND(redraw, .row = {"redraw", "", "paint the screen again", "", NULL}, .group = "SESSION",
-        .text = "After another program wrote over it.", .examples = "redraw\nclear; redraw", .see = "clear",
-        .flags = COMMAND_ANYTIME | COMMAND_UNRECORDED)
+        .text = "After another program wrote over it.", .examples = "redraw\nclear; redraw",
+        .see = "clear", .flags = COMMAND_ANYTIME | COMMAND_UNRECORDED)

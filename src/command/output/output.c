@@ -8,7 +8,7 @@
 
 static enum table_format choose_format(const struct arguments *given, struct text path)
 {
-    const struct given *format = given_for(given, "format");
+    const struct given_argument *format = argument_given(given, "format");
     if (format->count)
         return (enum table_format)format->item->index;
     size_t dot = path.len;
@@ -16,13 +16,14 @@ static enum table_format choose_format(const struct arguments *given, struct tex
         dot--;
     const struct text end = {path.at + dot, path.len - dot};
     const struct row *row = catalog_find(&table_format_catalog, end);
-    return row ? (enum table_format)catalog_place(&table_format_catalog, row) : TABLE_CSV;
+    return row ? (enum table_format)catalog_index(&table_format_catalog, row) : TABLE_CSV;
 }
 
-static bool fill_table(struct session *session, const struct arguments *given, struct export *export,
-                       struct error *error)
+static bool fill_table(struct session *session, const struct arguments *given,
+                       struct export *export, struct error *error)
 {
-    const struct given *runs = given_for(given, "run"), *band = given_for(given, "band");
+    const struct given_argument *runs = argument_given(given, "run"),
+                                *band = argument_given(given, "band");
     static const char *const others[] = {"measurements", "events", "table", "data"};
     for (size_t i = 0; i < COUNT_OF(others) && is_given(given, "band"); i++)
         if (is_given(given, others[i]))
@@ -30,18 +31,20 @@ static bool fill_table(struct session *session, const struct arguments *given, s
     if (is_given(given, "measurements"))
         return export_measurements(session, export, error);
     if (is_given(given, "events"))
-        return export_happenings(session, export, error);
+        return export_event_records(session, export, error);
     if (is_given(given, "table"))
         return export_study(session, export, error);
     if (is_given(given, "data"))
-        return export_recorded(session, given_for(given, "COLUMN"), given_for(given, "every"), export, error);
-    return export_runs(session, runs, given_for(given, "COLUMN"), given_for(given, "every"), export, error) &&
+        return export_recorded(session, argument_given(given, "COLUMN"),
+                               argument_given(given, "every"), export, error);
+    return export_runs(session, runs, argument_given(given, "COLUMN"),
+                       argument_given(given, "every"), export, error) &&
            (!is_given(given, "band") || export_band(session, runs, band->where, export, error));
 }
 
 HANDLER(export)
 {
-    const struct item *file = given_for(given, "FILE")->item;
+    const struct item *file = argument_given(given, "FILE")->item;
     char *path = arena_text(given->arena, file->text);
     struct export export = {.arena = given->arena};
     if (!path)
@@ -69,8 +72,8 @@ HANDLER(export)
     for (int i = 0; i < export.table.columns; i++)
         buffer_format(&names, "%s%s", i ? "," : "", export.table.column[i].name);
     safe_text(&shown, file->text, false);
-    reply_line(reply, "%s: %zu row%s of %s", buffer_view(&shown), export.table.rows, export.table.rows == 1 ? "" : "s",
-               buffer_view(&names));
+    reply_line(reply, "%s: %zu row%s of %s", buffer_view(&shown), export.table.rows,
+               export.table.rows == 1 ? "" : "s", buffer_view(&names));
     reply_begin(reply, "export");
     reply_string(reply, "file", path);
     reply_int(reply, "rows", (int64_t) export.table.rows);
@@ -86,11 +89,12 @@ HANDLER(export)
 HANDLER(print)
 {
     UNUSED(error);
-    struct item *item = given_for(given, "EXPR")->item;
+    struct item *item = argument_given(given, "EXPR")->item;
     struct named_value named = {.below = 0};
     struct buffer text = {0};
     /* Of a single name the uncertainty is known, too. */
-    if (!item->is_string && peek_name(item->text).len == item->text.len && names_value(session, item->text, &named))
+    if (!item->is_string && peek_name(item->text).len == item->text.len &&
+        names_value(session, item->text, &named))
         item->value.uncertainty = named.uncertainty;
     if (item->is_string) {
         safe_text(&text, item->text, true);
@@ -104,8 +108,9 @@ HANDLER(print)
     reply_begin(reply, "print");
     reply_string(reply, "text", buffer_view(&text));
     reply_real(reply, "value", item->is_string || named.below > 0 ? NAN : item->value.value);
-    reply_string(reply, "unit",
-                 item->is_string || item->quantity == QUANTITY_OTHER ? NULL : quantity_unit(item->quantity));
+    reply_string(
+        reply, "unit",
+        item->is_string || item->quantity == QUANTITY_OTHER ? NULL : quantity_unit(item->quantity));
     reply_end(reply);
     buffer_free(&text);
     return true;
@@ -113,49 +118,65 @@ HANDLER(print)
 
 HANDLER(echo)
 {
-    const struct given *rest = given_for(given, "TEXT");
-    struct parser parser = {session, given->scope, given->arena, rest->count ? rest->item->text : TEXT("")};
+    const struct given_argument *rest = argument_given(given, "TEXT");
+    struct parser parser = {session, given->scope, given->arena,
+                            rest->count ? rest->item->text : TEXT("")};
     struct item whole = {0};
     /* A text that is one string is shown without its quotes. */
     const bool quoted = parser.rest.len > 0 && strchr("'\"", parser.rest.at[0]);
     if (quoted && !parse_word(&parser, "", &whole, error))
         return false;
     struct buffer text = {0};
-    safe_text(&text, quoted && parser.rest.len == 0 ? whole.text : rest->count ? rest->item->text : TEXT(""), true);
+    safe_text(&text,
+              quoted && parser.rest.len == 0 ? whole.text
+              : rest->count                  ? rest->item->text
+                                             : TEXT(""),
+              true);
     reply_text(reply, buffer_text(&text));
     buffer_free(&text);
     return true;
 }
 #endif
 
-COMMAND(export, .row = {"export", "", "write columns of runs, a recording or measurements to a file", "", NULL},
+COMMAND(export,
+        .row = {"export", "", "write columns of runs, a recording or measurements to a file", "",
+                NULL},
         .group = "OUTPUT",
-        .text = "Of the current run t, the state (y and v of a spring) and energy in SI units, unless told; any "
+        .text = "Of the current run t, the state (y and v of a spring) and energy in SI units, "
+                "unless told; any "
                 "observable can be a\n"
-                "column. Several runs stand below each other with a column run. every= takes every N-th row or one "
+                "column. Several runs stand below each other with a column run. every= takes every "
+                "N-th row or one "
                 "row each so much\n"
-                "time, as the steps fall; at even times, from inside the steps, are those of: set record every 0.1 s; "
+                "time, as the steps fall; at even times, from inside the steps, are those of: set "
+                "record every 0.1 s; "
                 "run; export\n"
                 "FILE. The form follows the end of the name: .csv .tsv .json .md. 'table' has "
                 "one row for each\n"
-                "run, or right after compare, order, precision, stability and sweep what they have found. --band adds NAME_low and "
+                "run, or right after compare, order, precision, stability and sweep what they have "
+                "found. --band adds NAME_low and "
                 "NAME_high to each variable of a run of what 'adopt' took: the 95 % "
                 "band of the fit's uncertainty. The file - is the output.",
-        .examples = "run; export run1.csv t,y,v\nexport - run all every=100ms", .see = "print save plot list",
-        .flags = COMMAND_ANYTIME,
+        .examples = "run; export run1.csv t,y,v\nexport - run all every=100ms",
+        .see = "print save plot list", .flags = COMMAND_ANYTIME,
         ARGUMENTS(PLACE("FILE", TYPE_FILE, .flags = ARG_REQUIRED),
-                  WORD("run", TYPE_RUN, .flags = ARG_MANY | ARG_ALL, .group = 1), WORD("data", TYPE_NONE, .group = 1),
-                  WORD("measurements", TYPE_NONE, .group = 1), WORD("table", TYPE_NONE, .group = 1),
-                  WORD("events", TYPE_NONE, .group = 1), PLACE("COLUMN", TYPE_COLUMN, .flags = ARG_MANY),
+                  WORD("run", TYPE_RUN, .flags = ARG_MANY | ARG_ALL, .group = 1),
+                  WORD("data", TYPE_NONE, .group = 1), WORD("measurements", TYPE_NONE, .group = 1),
+                  WORD("table", TYPE_NONE, .group = 1), WORD("events", TYPE_NONE, .group = 1),
+                  PLACE("COLUMN", TYPE_COLUMN, .flags = ARG_MANY),
                   KEY("every", TYPE_VALUE, .quantity = QUANTITY_OTHER), OPTION("force", TYPE_NONE),
-                  OPTION("band", TYPE_NONE), OPTION("format", TYPE_CHOICE, .choices = &table_format_catalog)))
+                  OPTION("band", TYPE_NONE),
+                  OPTION("format", TYPE_CHOICE, .choices = &table_format_catalog)))
 
-COMMAND(print, .row = {"print", "", "show the value of an expression, or a text", "", NULL}, .group = "OUTPUT",
-        .text = "Names are SI numbers: parameters, the state and the observables of the current run, results of "
+COMMAND(print, .row = {"print", "", "show the value of an expression, or a text", "", NULL},
+        .group = "OUTPUT",
+        .text = "Names are SI numbers: parameters, the state and the observables of the current "
+                "run, results of "
                 "measurements and fits.",
-        .examples = "print T0\nprint 2*pi*sqrt(m/k)", .see = "show echo let", .flags = COMMAND_ANYTIME,
-        ARGUMENTS(PLACE("EXPR", TYPE_EXPR, .flags = ARG_REQUIRED)))
+        .examples = "print T0\nprint 2*pi*sqrt(m/k)", .see = "show echo let",
+        .flags = COMMAND_ANYTIME, ARGUMENTS(PLACE("EXPR", TYPE_EXPR, .flags = ARG_REQUIRED)))
 
 COMMAND(echo, .row = {"echo", "", "show a text", "", NULL}, .group = "OUTPUT",
-        .text = "Quotes are only needed around ; and #.", .examples = "echo first session\necho 'one; two'",
-        .see = "print note", .flags = COMMAND_ANYTIME, ARGUMENTS(PLACE("TEXT", TYPE_REST)))
+        .text = "Quotes are only needed around ; and #.",
+        .examples = "echo first session\necho 'one; two'", .see = "print note",
+        .flags = COMMAND_ANYTIME, ARGUMENTS(PLACE("TEXT", TYPE_REST)))

@@ -7,8 +7,10 @@
 #include <math.h>
 #include <string.h>
 
-#define OTHER_ROWS 6 /* of a screen: state line, numbers, prompt; the hint and two more once 'layout log' is typed */
-#define LEAST_ROWS 8
+#define OTHER_ROWS                                                                                 \
+    6 /* of a screen: state line, numbers, prompt; the hint and two more once 'layout log' is      \
+         typed */
+#define MIN_ROWS 8
 
 static bool ends_with(struct text text, const char *end)
 {
@@ -17,37 +19,40 @@ static bool ends_with(struct text text, const char *end)
 }
 
 /* Which runs: those named, every one, or the current one unless only a recording was named. */
-static bool choose_runs(struct session *session, const struct arguments *given, struct figure_request *request,
-                        struct error *error)
+static bool choose_runs(struct session *session, const struct arguments *given,
+                        struct figure_request *request, struct error *error)
 {
-    const struct given *runs = given_for(given, "run"), *data = given_for(given, "data");
-    int *place = arena_array(given->arena, LIMIT_RUNS + (size_t)runs->count + 1, sizeof *place);
-    if (!place)
+    const struct given_argument *runs = argument_given(given, "run"),
+                                *data = argument_given(given, "data");
+    int *index = arena_array(given->arena, LIMIT_RUNS + (size_t)runs->count + 1, sizeof *index);
+    if (!index)
         return error_memory(error);
-    request->run = place;
+    request->run = index;
     for (int i = 0; i < runs->count; i++) {
         const bool all = runs->item[i].index < 0;
         for (int r = 0; r < session->runs; r++) {
             bool listed = false;
             for (int j = 0; j < request->runs; j++)
-                listed |= place[j] == r;
+                listed |= index[j] == r;
             if ((all || runs->item[i].index == r) && !listed)
-                place[request->runs++] = r;
+                index[request->runs++] = r;
         }
     }
     if (runs->count == 0 && data->count == 0 && session->current_run >= 0)
-        place[request->runs++] = session->current_run;
+        index[request->runs++] = session->current_run;
     request->recording = data->count ? data->item->index
                          : (runs->count && request->kind != PLOT_RESIDUAL) || request->columns
                              ? -1
                              : figure_recording(session, request->kind);
-    if (request->runs == 0 && request->recording >= 0 && (request->kind == PLOT_ORBIT || request->kind == PLOT_ERROR))
+    if (request->runs == 0 && request->recording >= 0 &&
+        (request->kind == PLOT_ORBIT || request->kind == PLOT_ERROR))
         return error_at(error, data->where, "of a recording there is no plot of %s",
                         catalog_row(&plot_catalog, (size_t)request->kind)->name);
     if (request->runs > 0 || request->recording >= 0)
         return true;
     if (session_recording(session)) {
-        error_at(error, given_for(given, "WHAT")->where, "this needs a run, or a recording of positions");
+        error_at(error, argument_given(given, "WHAT")->where,
+                 "this needs a run, or a recording of positions");
         return error_hint(error, "type: run");
     }
     error_set(error, ERROR_COMMAND, "there is nothing to plot: no run and no recording");
@@ -55,10 +60,13 @@ static bool choose_runs(struct session *session, const struct arguments *given, 
 }
 
 /* A kind of plot, or columns of runs: over time, or against another. */
-static bool choose_kind(const struct arguments *given, struct figure_request *request, struct error *error)
+static bool choose_kind(const struct arguments *given, struct figure_request *request,
+                        struct error *error)
 {
-    const struct given *what = given_for(given, "WHAT"), *against = given_for(given, "against"),
-                       *at = given_for(given, "at"), *data = given_for(given, "data");
+    const struct given_argument *what = argument_given(given, "WHAT"),
+                                *against = argument_given(given, "against"),
+                                *at = argument_given(given, "at"),
+                                *data = argument_given(given, "data");
     if (what->count == 1 && what->item->index >= 0 && !against->count && !at->count) {
         request->kind = (enum plot_kind)what->item->index;
         return true;
@@ -75,20 +83,23 @@ static bool choose_kind(const struct arguments *given, struct figure_request *re
         request->at = at->item->text;
     request->next = is_given(given, "next");
     if (request->next && !(against->count && at->count)) {
-        error_at(error, given_for(given, "next")->where, "--next is for a column against another at an event");
+        error_at(error, argument_given(given, "next")->where,
+                 "--next is for a column against another at an event");
         return error_hint(error, "for example: plot y against y at top --next");
     }
     if (against->count) {
         request->against = against->item->text;
         request->trail = HUGE_VAL;
     }
-    return !data->count || error_at(error, data->where, "a recording has no columns of that name beside it");
+    return !data->count ||
+           error_at(error, data->where, "a recording has no columns of that name beside it");
 }
 
 /* Of a plot against time the range of x is a window, too. */
-static bool choose_ranges(const struct arguments *given, struct figure_request *request, struct error *error)
+static bool choose_ranges(const struct arguments *given, struct figure_request *request,
+                          struct error *error)
 {
-    const struct given *axis[2] = {given_for(given, "x"), given_for(given, "y")};
+    const struct given_argument *axis[2] = {argument_given(given, "x"), argument_given(given, "y")};
     struct figure_range *range = arena_array(given->arena, 2, sizeof *range);
     if (!range)
         return error_memory(error);
@@ -96,10 +107,12 @@ static bool choose_ranges(const struct arguments *given, struct figure_request *
         if (axis[i]->count == 0)
             continue;
         if (request->kind == PLOT_PRECISION)
-            return error_at(error, axis[i]->where, "the axes of 'precision' hold all of its points");
+            return error_at(error, axis[i]->where,
+                            "the axes of 'precision' hold all of its points");
         const struct item *item = axis[i]->item;
         range[i] = (struct figure_range){{item->range[0], item->range[1]},
-                                         item->unit ? item->unit->quantity : QUANTITY_OTHER, axis[i]->where};
+                                         item->unit ? item->unit->quantity : QUANTITY_OTHER,
+                                         axis[i]->where};
         *(i ? &request->y : &request->x) = &range[i];
     }
     if (request->x && plot_is_timed(request->kind) && !is_given(given, "window"))
@@ -128,16 +141,19 @@ static bool choose_picture(struct text path, enum plot_kind kind, bool *text, en
     if (*text)
         return true;
     if (!row || dot < 2 || path.at[dot - 1] != '.') {
-        error_at(error, path, "a figure is a picture in a file that ends in .svg, .pdf or .png, or text in .txt");
-        return error_hint(error, "plot %s > figure.svg", catalog_row(&plot_catalog, (size_t)kind)->name);
+        error_at(
+            error, path,
+            "a figure is a picture in a file that ends in .svg, .pdf or .png, or text in .txt");
+        return error_hint(error, "plot %s > figure.svg",
+                          catalog_row(&plot_catalog, (size_t)kind)->name);
     }
-    *picture = (enum picture)catalog_place(&picture_catalog, row);
+    *picture = (enum picture)catalog_index(&picture_catalog, row);
     return true;
 }
 
 /* A picture has room for the legend that stands below a text figure. */
-static bool label_methods(const struct precision *precision, struct arena *arena, struct figure *figure,
-                          struct error *error)
+static bool label_methods(const struct precision *precision, struct arena *arena,
+                          struct figure *figure, struct error *error)
 {
     struct curve *curve = arena_array(arena, (size_t)figure->curves, sizeof *curve);
     if (!curve)
@@ -151,15 +167,16 @@ static bool label_methods(const struct precision *precision, struct arena *arena
     return true;
 }
 
-static bool write_file(const struct session *session, const struct arguments *given, const struct buffer *content,
-                       struct reply *reply, struct error *error)
+static bool write_file(const struct session *session, const struct arguments *given,
+                       const struct buffer *content, struct reply *reply, struct error *error)
 {
-    const struct item *file = given_for(given, ">")->item;
+    const struct item *file = argument_given(given, ">")->item;
     const char *path = arena_text(given->arena, file->text);
     struct buffer shown = {0};
     struct writer writer;
-    bool ok = path ? writer_open(&writer, path, session_policy(session, is_given(given, "force")), error)
-                   : error_memory(error);
+    bool ok =
+        path ? writer_open(&writer, path, session_policy(session, is_given(given, "force")), error)
+             : error_memory(error);
     if (ok) {
         writer_put(&writer, buffer_text(content));
         ok = writer_commit(&writer, error);
@@ -174,11 +191,13 @@ static bool write_file(const struct session *session, const struct arguments *gi
 }
 
 /* The log of a screen has few rows: where the whole figure can be seen, and kept. */
-static void reply_where(const struct session *session, const struct figure_request *request, struct reply *reply)
+static void reply_where(const struct session *session, const struct figure_request *request,
+                        struct reply *reply)
 {
-    const char *name = request->columns ? "" : catalog_row(&plot_catalog, (size_t)request->kind)->name;
+    const char *name =
+        request->columns ? "" : catalog_row(&plot_catalog, (size_t)request->kind)->name;
     const struct row *row = catalog_find(&pane_catalog, text_of(name));
-    if (row && pane_offered(session, (enum pane)catalog_place(&pane_catalog, row)))
+    if (row && pane_offered(session, (enum pane)catalog_index(&pane_catalog, row)))
         reply_line(reply, "'layout log' shows it whole, 'focus %s full' keeps it in a pane", name);
     else
         reply_line(reply, "'layout log' shows it whole");
@@ -188,10 +207,10 @@ static void reply_where(const struct session *session, const struct figure_reque
 static void report_band(const struct figure *figure, struct reply *reply)
 {
     const struct curve *curve = figure_band(figure);
-    double most = 0, at = 0;
+    double max = 0, at = 0;
     for (size_t i = 0; curve && i < curve->n; i++)
-        if (curve->spread[i] > most) {
-            most = curve->spread[i];
+        if (curve->spread[i] > max) {
+            max = curve->spread[i];
             at = curve->x[i];
         }
     if (!curve)
@@ -200,14 +219,14 @@ static void report_band(const struct figure *figure, struct reply *reply)
     const enum quantity quantity = unit ? unit->quantity : QUANTITY_NUMBER;
     struct buffer text = {0};
     buffer_put(&text, TEXT("95 % of the fit: at most +- "));
-    buffer_quantity(&text, most, quantity, 3);
+    buffer_quantity(&text, max, quantity, 3);
     buffer_put(&text, TEXT(", at t = "));
     buffer_quantity(&text, at, QUANTITY_TIME, 4);
     reply_text(reply, buffer_text(&text));
     buffer_free(&text);
     reply_begin(reply, "band");
     reply_real(reply, "level", 0.95);
-    reply_measured(reply, "largest", (struct measured){most, NAN}, quantity);
+    reply_measured(reply, "largest", (struct measured){max, NAN}, quantity);
     reply_measured(reply, "at", (struct measured){at, NAN}, QUANTITY_TIME);
     reply_end(reply);
 }
@@ -234,7 +253,8 @@ void spectrum_report(const struct figure_peaks *peaks, int curves, struct reply 
 
 HANDLER(plot)
 {
-    const struct given *window = given_for(given, "window"), *file = given_for(given, ">");
+    const struct given_argument *window = argument_given(given, "window"),
+                                *file = argument_given(given, ">");
     struct figure_request request = {.window = {NAN, NAN},
                                      .charset = session_charset(session),
                                      .trail = session->view.trail,
@@ -252,17 +272,18 @@ HANDLER(plot)
     session_size(session, &width, &height);
     const bool in_log = session->front.watched && !file->count;
     if (in_log && !session->setup.settings.height)
-        height = height > LEAST_ROWS + OTHER_ROWS ? height - OTHER_ROWS : LEAST_ROWS;
+        height = height > MIN_ROWS + OTHER_ROWS ? height - OTHER_ROWS : MIN_ROWS;
     request.width = as_text ? width : PICTURE_COLUMNS;
     request.charset = as_text ? request.charset : CHARSET_BRAILLE;
     request.peaks = &peaks;
     if (is_given(given, "band"))
-        request.band = given_for(given, "band")->where;
+        request.band = argument_given(given, "band")->where;
     if (window->count)
         memcpy(request.window, window->item->range, sizeof request.window);
     if (!choose_ranges(given, &request, error))
         return false;
-    if (request.kind == PLOT_PRECISION ? !has_study(session, error) : !choose_runs(session, given, &request, error))
+    if (request.kind == PLOT_PRECISION ? !has_study(session, error)
+                                       : !choose_runs(session, given, &request, error))
         return false;
     if (!session_figure(session, &request, given->arena, &figure, error)) {
         if (!error->where.at)
@@ -274,7 +295,8 @@ HANDLER(plot)
         bool ok = as_text || request.kind != PLOT_PRECISION ||
                   label_methods(session->precision, given->arena, &figure, error);
         if (ok && as_text)
-            ok = figure_print(&figure, width, height, request.charset, false, &content) || error_memory(error);
+            ok = figure_print(&figure, width, height, request.charset, false, &content) ||
+                 error_memory(error);
         else if (ok)
             ok = figure_picture(&figure, picture, 0, 0, &content, error);
         ok = ok && write_file(session, given, &content, reply, error);
@@ -286,9 +308,11 @@ HANDLER(plot)
         return ok;
     }
     const bool color = session->setup.settings.color == COLOR_ALWAYS ||
-                       (session->setup.settings.color == COLOR_AUTO && session->front.color && !session->front.watched);
+                       (session->setup.settings.color == COLOR_AUTO && session->front.color &&
+                        !session->front.watched);
     struct buffer text = {0};
-    const bool ok = figure_print(&figure, width, height, request.charset, color && reply->format == FORMAT_TEXT, &text);
+    const bool ok = figure_print(&figure, width, height, request.charset,
+                                 color && reply->format == FORMAT_TEXT, &text);
     if (ok && request.kind == PLOT_PRECISION)
         precision_legend(session->precision, width, &text);
     if (ok)
@@ -307,30 +331,45 @@ HANDLER(plot)
 COMMAND(
     plot,
     .row = {"plot", "",
-            "draw position, velocity, phase, orbit, energy, error, residual, spectrum, period, precision; or any columns", "",
-            "p"},
+            "draw position, velocity, phase, orbit, energy, error, residual, spectrum, period, "
+            "precision; or any columns",
+            "", "p"},
     .group = "PLOT",
     .text =
-        "A kind of plot, or names of what moves and is observed: 'plot x', 'plot x,y', 'plot y against x';\n"
-        "with 'at EVENT' as points where that event happened, a Poincare section; with --next what is drawn upwards is "
-        "taken where it\nhappened the next time: 'plot z against z at top --next' is a return map.\n"
-        "Of the current run and of the recording where they overlap in time, unless told; all of the time, unless\n"
-        "a window is given: more periods than the width can show are an envelope, and the frame says how many.\n"
-        "The phase plot shows the last 2 periods ('trail' says how many). Curves whose sizes differ by more than\n"
-        "a factor of 10 get a logarithmic axis where nothing is negative, else a panel for each size; --full puts\n"
-        "all on one axis, whole. x= and y= fix the axes, values with units: y=0:35J, y=2cm: with an open end,\n"
-        "y=: as narrow as what is drawn; the frame says which curve leaves where and how far. An energy that\n"
-        "hardly varies is drawn from zero otherwise. A file that ends in .svg, .pdf or .png becomes a picture,\n"
-        "one in .txt holds the text. --band draws a run of what 'adopt' took with the 95 % band of\n"
+        "A kind of plot, or names of what moves and is observed: 'plot x', 'plot x,y', 'plot y "
+        "against x';\n"
+        "with 'at EVENT' as points where that event happened, a Poincare section; with --next what "
+        "is drawn upwards is "
+        "taken where it\nhappened the next time: 'plot z against z at top --next' is a return "
+        "map.\n"
+        "Of the current run and of the recording where they overlap in time, unless told; all of "
+        "the time, unless\n"
+        "a window is given: more periods than the width can show are an envelope, and the frame "
+        "says how many.\n"
+        "The phase plot shows the last 2 periods ('trail' says how many). Curves whose sizes "
+        "differ by more than\n"
+        "a factor of 10 get a logarithmic axis where nothing is negative, else a panel for each "
+        "size; --full puts\n"
+        "all on one axis, whole. x= and y= fix the axes, values with units: y=0:35J, y=2cm: with "
+        "an open end,\n"
+        "y=: as narrow as what is drawn; the frame says which curve leaves where and how far. An "
+        "energy that\n"
+        "hardly varies is drawn from zero otherwise. A file that ends in .svg, .pdf or .png "
+        "becomes a picture,\n"
+        "one in .txt holds the text. --band draws a run of what 'adopt' took with the 95 % band "
+        "of\n"
         "that fit's uncertainty, to first order in its parameters, of position or velocity; it is\n"
         "computed only then. 'set band on' shows it in panes, 'export FILE --band' writes it.",
-    .examples = "compare euler symplectic-euler; plot energy run all y=0:40mJ; plot momentum against y\n"
-                "load bare.txt; m = 200 g; fit drag; adopt; run; plot position --band",
+    .examples =
+        "compare euler symplectic-euler; plot energy run all y=0:40mJ; plot momentum against y\n"
+        "load bare.txt; m = 200 g; fit drag; adopt; run; plot position --band",
     .see = "set export measure", .flags = COMMAND_ANYTIME,
-    ARGUMENTS(PLACE("WHAT", TYPE_COLUMN, .flags = ARG_REQUIRED | ARG_MANY, .choices = &plot_catalog),
-              WORD("against", TYPE_COLUMN), WORD("at", TYPE_EVENT), WORD("run", TYPE_RUN, .flags = ARG_MANY | ARG_ALL),
-              WORD("data", TYPE_RECORDING), KEY("window", TYPE_RANGE, .quantity = QUANTITY_TIME),
-              KEY("x", TYPE_RANGE, .quantity = QUANTITY_OTHER), KEY("y", TYPE_RANGE, .quantity = QUANTITY_OTHER),
-              OPTION("full", TYPE_NONE), OPTION("log", TYPE_NONE),
-              OPTION("band", TYPE_NONE), OPTION("next", TYPE_NONE), WORD(">", TYPE_FILE),
-              OPTION("force", TYPE_NONE)))
+    ARGUMENTS(PLACE("WHAT", TYPE_COLUMN, .flags = ARG_REQUIRED | ARG_MANY,
+                    .choices = &plot_catalog),
+              WORD("against", TYPE_COLUMN), WORD("at", TYPE_EVENT),
+              WORD("run", TYPE_RUN, .flags = ARG_MANY | ARG_ALL), WORD("data", TYPE_RECORDING),
+              KEY("window", TYPE_RANGE, .quantity = QUANTITY_TIME),
+              KEY("x", TYPE_RANGE, .quantity = QUANTITY_OTHER),
+              KEY("y", TYPE_RANGE, .quantity = QUANTITY_OTHER), OPTION("full", TYPE_NONE),
+              OPTION("log", TYPE_NONE), OPTION("band", TYPE_NONE), OPTION("next", TYPE_NONE),
+              WORD(">", TYPE_FILE), OPTION("force", TYPE_NONE)))

@@ -9,12 +9,15 @@
 
 static void put_script(const struct session *session, struct buffer *out)
 {
-    buffer_put(out, TEXT("# The session of this report, by hooke " HOOKE_VERSION ". Run where the names of its "
+    buffer_put(out, TEXT("# The session of this report, by hooke " HOOKE_VERSION
+                         ". Run where the names of its "
                          "recordings hold,\n# it gives the same numbers again:\n"));
     buffer_format(out, "#   hooke %s-f session.hk -c 'report NEW'\n",
-                  session->story_fails ? "--keep-going " : "");
-    buffer_put(out, session->story_fails ? TEXT("# One of its commands ends in an error, as it did.\n") : TEXT(""));
-    buffer_put(out, buffer_text(&session->story));
+                  session->transcript_fails ? "--keep-going " : "");
+    buffer_put(out, session->transcript_fails
+                        ? TEXT("# One of its commands ends in an error, as it did.\n")
+                        : TEXT(""));
+    buffer_put(out, buffer_text(&session->transcript));
 }
 
 static void put_end(struct report *report, const struct buffer *script)
@@ -65,13 +68,15 @@ bool report_write(struct report *report, struct error *error)
     struct document *document = &report->document;
     struct buffer script = {0};
     put_script(report->session, &script);
-    script.failed |= report->session->story.failed;
-    document_begin(document, report->session->recordings || report->session->setup.scene.model == &oscillator_model
+    script.failed |= report->session->transcript.failed;
+    document_begin(document, report->session->recordings ||
+                                     report->session->setup.scene.model == &oscillator_model
                                  ? "Numerical integration of a spring and mass"
                                  : "Numerical integration");
     document_put(document, BLOCK_PARAGRAPH, "Name:");
     document_put(document, BLOCK_PARAGRAPH, "Date:");
-    bool ok = collect_values(report, error) && write_sections(report, error) && write_tables(report, error);
+    bool ok = collect_values(report, error) && write_sections(report, error) &&
+              write_tables(report, error);
     if (ok)
         put_end(report, &script);
     ok = ok && report_put(report, "session.hk", &script, error) &&
@@ -90,14 +95,18 @@ static void say_missing(void *context, const char *what)
         reply_line(reply, "  not in it: %s", what);
 }
 
-static void tell(const struct report *report, const struct item *folder, const char *path, struct reply *reply)
+static void tell(const struct report *report, const struct item *folder, const char *path,
+                 struct reply *reply)
 {
     const struct session *session = report->session;
     const bool lab = session->recordings || session->setup.scene.model == &oscillator_model;
     struct buffer shown = {0};
     safe_text(&shown, folder->text, false);
-    reply_line(reply, "report written to %s: %d figure%s, %d values, %d files; open report.html or report.md",
-               buffer_view(&shown), report->figures, report->figures == 1 ? "" : "s", report->values, report->files);
+    reply_line(
+        reply,
+        "report written to %s: %d figure%s, %d values, %d files; open report.html or report.md",
+        buffer_view(&shown), report->figures, report->figures == 1 ? "" : "s", report->values,
+        report->files);
     if (lab)
         report_missing(report, say_missing, reply);
     reply_begin(reply, "report");
@@ -118,7 +127,7 @@ static void tell(const struct report *report, const struct item *folder, const c
 
 HANDLER(report)
 {
-    const struct item *item = given_for(given, "DIR")->item;
+    const struct item *item = argument_given(given, "DIR")->item;
     const char *path = arena_text(given->arena, item->text);
     struct report *report = arena_alloc(given->arena, sizeof *report);
     struct session *view = arena_alloc(given->arena, sizeof *view);
@@ -130,8 +139,10 @@ HANDLER(report)
         return error_hint(error, "type: run, or: load FILE");
     }
     *view = *session;
-    *report = (struct report){.session = session, .view = view, .arena = given->arena, .folder = &folder};
-    bool ok = folder_open(&folder, path, session_policy(session, is_given(given, "force")), report_owns, error);
+    *report =
+        (struct report){.session = session, .view = view, .arena = given->arena, .folder = &folder};
+    bool ok = folder_open(&folder, path, session_policy(session, is_given(given, "force")),
+                          report_owns, error);
     if (ok && !report_write(report, error)) {
         folder_abandon(&folder);
         ok = false;
@@ -146,13 +157,17 @@ HANDLER(report)
 }
 #endif
 
-COMMAND(report, .row = {"report", "", "write what the lab asks to hand in into a new folder", "", NULL},
+COMMAND(report,
+        .row = {"report", "", "write what the lab asks to hand in into a new folder", "", NULL},
         .group = "OUTPUT",
-        .text = "Figures, values with their uncertainties, methods compared, the data as CSV and the session as a "
+        .text = "Figures, values with their uncertainties, methods compared, the data as CSV and "
+                "the session as a "
                 "script that gives the same\n"
-                "numbers again, as report.html and report.md with a place for the answer to each question. It holds "
+                "numbers again, as report.html and report.md with a place for the answer to each "
+                "question. It holds "
                 "what the session has, and\n"
-                "says what is missing. --force replaces an older report; what was written into that one is lost, so "
+                "says what is missing. --force replaces an older report; what was written into "
+                "that one is lost, so "
                 "answer under another name.",
         .examples = "load bare.txt; m = 200 g; fit damped; report first\nreport second --force",
         .see = "plot measure fit export save",

@@ -6,7 +6,7 @@
 #include <math.h>
 #include <string.h>
 
-#define ZOOM_MOST 1e6 /* a window is never shorter than the whole span divided by this */
+#define ZOOM_MAX 1e6 /* a window is never shorter than the whole span divided by this */
 
 static bool changed(struct session *session)
 {
@@ -30,7 +30,8 @@ static void describe_layout(const struct session *session, struct buffer *text)
     const enum layout drawn = layout_drawn(view->layout, width, height);
     const struct layout_row *row = layout_row(view->layout);
     /* A pane that no layout has takes the first place of each. */
-    const bool guest = view->focus > PANE_VELOCITY && view->focus != PANE_ORBIT && view->layout != LAYOUT_LOG;
+    const bool guest =
+        view->focus > PANE_VELOCITY && view->focus != PANE_ORBIT && view->layout != LAYOUT_LOG;
     buffer_format(text, "layout %s: %s%s%s", row->row.name, row->row.brief,
                   guest ? "; first, until 'focus position': " : "",
                   guest ? catalog_row(&pane_catalog, (size_t)view->focus)->name : "");
@@ -46,7 +47,7 @@ static void describe_layout(const struct session *session, struct buffer *text)
 HANDLER(layout)
 {
     UNUSED(error);
-    const struct given *name = given_for(given, "NAME");
+    const struct given_argument *name = argument_given(given, "NAME");
     struct view *view = &session->view;
     if (name->count)
         view->layout = (enum layout)name->item->index;
@@ -63,19 +64,23 @@ HANDLER(layout)
 
 HANDLER(focus)
 {
-    const struct given *pane = given_for(given, "PANE");
+    const struct given_argument *pane = argument_given(given, "PANE");
     struct view *view = &session->view;
     const enum pane wanted = pane->count ? (enum pane)pane->item->index : view->focus;
-    const struct pane_row *row = (const struct pane_row *)(const void *)catalog_row(&pane_catalog, (size_t)wanted);
+    const struct pane_row *row =
+        (const struct pane_row *)(const void *)catalog_row(&pane_catalog, (size_t)wanted);
     if (pane->count && !pane_offered(session, wanted)) {
         struct buffer offered = {0};
-        error_at(error, pane->item->text, "there is nothing to show in the pane %s: %s", row->row.name, row->row.brief);
+        error_at(error, pane->item->text, "there is nothing to show in the pane %s: %s",
+                 row->row.name, row->row.brief);
         for (size_t i = 0; i < pane_catalog.count; i++) {
-            const struct pane_row *other = (const struct pane_row *)(const void *)catalog_row(&pane_catalog, i);
+            const struct pane_row *other =
+                (const struct pane_row *)(const void *)catalog_row(&pane_catalog, i);
             if (pane_offered(session, (enum pane)i))
                 buffer_format(&offered, "%s%s", offered.len ? ", " : "", other->row.name);
         }
-        error_hint(error, offered.len ? "now there are: %s" : "type: run, or: load FILE%s", buffer_view(&offered));
+        error_hint(error, offered.len ? "now there are: %s" : "type: run, or: load FILE%s",
+                   buffer_view(&offered));
         buffer_free(&offered);
         return false;
     }
@@ -90,7 +95,8 @@ HANDLER(focus)
 
 /* ---- ranges ---- */
 
-static const struct row axes[] = {{"x", "", "horizontal axis", "", NULL}, {"y", "", "vertical axis", "", NULL}};
+static const struct row axes[] = {{"x", "", "horizontal axis", "", NULL},
+                                  {"y", "", "vertical axis", "", NULL}};
 const struct catalog axis_catalog = CATALOG("axis", axes);
 
 static enum quantity axis_quantity(const struct session *session, bool x)
@@ -129,8 +135,8 @@ static void reply_range(const struct session *session, bool x, struct reply *rep
 
 HANDLER(range)
 {
-    const bool x = given_for(given, "AXIS")->item->index == 0;
-    const struct given *value = given_for(given, "FROM:TO");
+    const bool x = argument_given(given, "AXIS")->item->index == 0;
+    const struct given_argument *value = argument_given(given, "FROM:TO");
     double *range = x ? session->view.x : session->view.y;
     if (value->count && text_is(text_trim(value->item->text), "auto")) {
         range[0] = range[1] = NAN;
@@ -174,10 +180,11 @@ static bool on_screen(const struct session *session, double span[2])
 }
 
 /*
- * The time axis as it is shown: what a screen says, else fixed, or the last window, or everything. Beside a phase plot
- * in focus stand others that have one.
+ * The time axis as it is shown: what a screen says, else fixed, or the last window, or everything.
+ * Beside a phase plot in focus stand others that have one.
  */
-static bool shown_span(struct session *session, double shown[2], double whole[2], struct error *error)
+static bool shown_span(struct session *session, double shown[2], double whole[2],
+                       struct error *error)
 {
     struct view *view = &session->view;
     if (axis_quantity(session, true) != QUANTITY_TIME && view->full) {
@@ -205,15 +212,15 @@ static bool shown_span(struct session *session, double shown[2], double whole[2]
 static void set_span(struct session *session, double from, double width, const double whole[2])
 {
     struct view *view = &session->view;
-    const double most = whole[1] - whole[0];
-    if (!(width < most)) {
+    const double max = whole[1] - whole[0];
+    if (!(width < max)) {
         double shown[2];
         view->x[0] = view->x[1] = NAN;
-        if (on_screen(session, shown) && shown[1] - shown[0] < most * (1 - 1e-9))
+        if (on_screen(session, shown) && shown[1] - shown[0] < max * (1 - 1e-9))
             memcpy(view->x, whole, sizeof view->x);
         return;
     }
-    width = fmax(width, most / ZOOM_MOST);
+    width = fmax(width, max / ZOOM_MAX);
     from = fmin(fmax(from, whole[0]), whole[1] - width);
     view->x[0] = from;
     view->x[1] = from + width;
@@ -221,15 +228,15 @@ static void set_span(struct session *session, double from, double width, const d
 
 HANDLER(zoom)
 {
-    const double factor = given_for(given, "FACTOR")->item->value.value;
+    const double factor = argument_given(given, "FACTOR")->item->value.value;
     struct view *view = &session->view;
     double shown[2], whole[2];
     if (!shown_span(session, shown, whole, error))
         return false;
     /* About the cursor that moves, where it is in sight. */
     const double t = view->cursors.at[view->cursors.active].t;
-    const bool about =
-        view->cursors.shown && view->cursors.at[view->cursors.active].set && t > shown[0] && t < shown[1];
+    const bool about = view->cursors.shown && view->cursors.at[view->cursors.active].set &&
+                       t > shown[0] && t < shown[1];
     const double centre = about ? t : 0.5 * (shown[0] + shown[1]);
     set_span(session, centre - (centre - shown[0]) / factor, (shown[1] - shown[0]) / factor, whole);
     reply_range(session, true, reply);
@@ -238,7 +245,7 @@ HANDLER(zoom)
 
 HANDLER(pan)
 {
-    const double by = given_for(given, "TIME")->item->value.value;
+    const double by = argument_given(given, "TIME")->item->value.value;
     double shown[2], whole[2];
     if (!shown_span(session, shown, whole, error))
         return false;
@@ -250,7 +257,7 @@ HANDLER(pan)
 HANDLER(window)
 {
     UNUSED(error);
-    const struct given *value = given_for(given, "TIME");
+    const struct given_argument *value = argument_given(given, "TIME");
     if (value->count || is_given(given, "auto"))
         session->view.window = value->count ? value->item->value.value : 0;
     struct buffer text = {0};
@@ -266,7 +273,7 @@ HANDLER(window)
 
 HANDLER(overlay)
 {
-    const struct given *runs = given_for(given, "run");
+    const struct given_argument *runs = argument_given(given, "run");
     struct view *view = &session->view;
     int number[LIMIT_OVERLAY] = {0}, count = 0;
     for (int r = 0; r < session->runs; r++) {
@@ -276,7 +283,8 @@ HANDLER(overlay)
         if (!wanted || r == session->current_run)
             continue;
         if (count == LIMIT_OVERLAY)
-            return error_at(error, runs->where, "at most %d runs can be laid over the present one", LIMIT_OVERLAY);
+            return error_at(error, runs->where, "at most %d runs can be laid over the present one",
+                            LIMIT_OVERLAY);
         number[count++] = session->run[r]->run->number;
     }
     if (runs->count || is_given(given, "off")) {
@@ -297,7 +305,7 @@ HANDLER(overlay)
 HANDLER(trail)
 {
     UNUSED(error);
-    const struct given *value = given_for(given, "PERIODS");
+    const struct given_argument *value = argument_given(given, "PERIODS");
     if (value->count || is_given(given, "all"))
         session->view.trail = value->count ? value->item->value.value : HUGE_VAL;
     struct buffer text = {0};
@@ -317,16 +325,18 @@ HANDLER(scroll)
 {
     UNUSED(reply);
     UNUSED(error);
-    const struct given *rows = given_for(given, "ROWS");
+    const struct given_argument *rows = argument_given(given, "ROWS");
     const int width = session->front.width ? session->front.width : 80;
-    int most = 0;
+    int max = 0;
     for (int i = 0; i < session->log.count; i++)
-        most += log_rows(text_of(log_line(&session->log, i)), width);
-    most -= most > 0;
-    double scroll = is_given(given, "home") ? most : is_given(given, "end") ? 0 : session->view.scroll;
+        max += log_rows(text_of(log_line(&session->log, i)), width);
+    max -= max > 0;
+    double scroll = is_given(given, "home")  ? max
+                    : is_given(given, "end") ? 0
+                                             : session->view.scroll;
     if (rows->count)
         scroll += rows->item->value.value;
-    session->view.scroll = scroll < 0 ? 0 : scroll > most ? most : (int)scroll;
+    session->view.scroll = scroll < 0 ? 0 : scroll > max ? max : (int)scroll;
     return true;
 }
 
@@ -334,20 +344,21 @@ HANDLER(scroll)
 
 HANDLER(screenshot)
 {
-    const struct given *file = given_for(given, "FILE");
+    const struct given_argument *file = argument_given(given, "FILE");
     const struct front *front = &session->front;
     const bool possible = file->count ? front->screenshot != NULL : front->screen != NULL;
     if (!possible) {
         error_set(error, ERROR_COMMAND, "this front end draws no screen");
-        return error_hint(error, "'plot position' draws a figure, 'plot position > figure.txt' writes one");
+        return error_hint(
+            error, "'plot position' draws a figure, 'plot position > figure.txt' writes one");
     }
     if (file->count) {
         const struct text name = file->item->text;
         const char *path = arena_text(given->arena, name);
         if (!path)
             return error_memory(error);
-        if (!front->screenshot(front->context, session, path, session_policy(session, is_given(given, "force")),
-                               error)) {
+        if (!front->screenshot(front->context, session, path,
+                               session_policy(session, is_given(given, "force")), error)) {
             error->where = error->where.at ? error->where : name;
             return false;
         }
@@ -367,22 +378,28 @@ HANDLER(screenshot)
 #endif
 
 COMMAND(layout, .row = {"layout", "", "choose which panes are shown", "", NULL}, .group = "PLOT",
-        .text = "Without a name it says which it is; next: the one after it. Panes that make no sense for the scene "
+        .text = "Without a name it says which it is; next: the one after it. Panes that make no "
+                "sense for the scene "
                 "are left out. How the\n"
                 "screen looks is not undone; it is saved only where it differs from a new session.",
-        .examples = "layout duo\nlayout next", .see = "focus range window screenshot", .flags = COMMAND_ANYTIME,
+        .examples = "layout duo\nlayout next", .see = "focus range window screenshot",
+        .flags = COMMAND_ANYTIME,
         ARGUMENTS(WORD("next", TYPE_NONE, .group = 1),
                   PLACE("NAME", TYPE_CHOICE, .choices = &layout_catalog, .group = 1)))
 
-COMMAND(focus, .row = {"focus", "", "choose the pane that range, zoom and pan act on", "", NULL}, .group = "PLOT",
-        .text = "full shows it alone, shared together with the others again. Panes: position, energy, phase, velocity, "
+COMMAND(focus, .row = {"focus", "", "choose the pane that range, zoom and pan act on", "", NULL},
+        .group = "PLOT",
+        .text = "full shows it alone, shared together with the others again. Panes: position, "
+                "energy, phase, velocity, "
                 "orbit (of two\n"
-                "coordinates), error (where an exact solution is known), residual (where a recording has a fit or "
+                "coordinates), error (where an exact solution is known), residual (where a "
+                "recording has a fit or "
                 "overlaps the run),\n"
                 "spectrum.",
-        .examples = "run; focus phase\nrun; focus energy full", .see = "layout range zoom", .flags = COMMAND_ANYTIME,
-        ARGUMENTS(PLACE("PANE", TYPE_CHOICE, .choices = &pane_catalog), WORD("full", TYPE_NONE, .group = 1),
-                  WORD("shared", TYPE_NONE, .group = 1)))
+        .examples = "run; focus phase\nrun; focus energy full", .see = "layout range zoom",
+        .flags = COMMAND_ANYTIME,
+        ARGUMENTS(PLACE("PANE", TYPE_CHOICE, .choices = &pane_catalog),
+                  WORD("full", TYPE_NONE, .group = 1), WORD("shared", TYPE_NONE, .group = 1)))
 
 COMMAND(range, .row = {"range", "", "fix an axis of the focused pane", "", NULL}, .group = "PLOT",
         .text = "FROM:TO with units, or auto.", .examples = "range y -5cm:5cm\nrange x auto",
@@ -390,42 +407,53 @@ COMMAND(range, .row = {"range", "", "fix an axis of the focused pane", "", NULL}
         ARGUMENTS(PLACE("AXIS", TYPE_CHOICE, .flags = ARG_REQUIRED, .choices = &axis_catalog),
                   PLACE("FROM:TO", TYPE_REST)))
 
-COMMAND(zoom, .row = {"zoom", "", "enlarge the time axis of the focused pane", "", NULL}, .group = "PLOT",
+COMMAND(zoom, .row = {"zoom", "", "enlarge the time axis of the focused pane", "", NULL},
+        .group = "PLOT",
         .text = "By the factor, about the cursor or the middle; below 1 it shows more.",
-        .examples = "run; zoom 2\nrun; zoom 0.5", .see = "pan range window", .flags = COMMAND_ANYTIME,
+        .examples = "run; zoom 2\nrun; zoom 0.5", .see = "pan range window",
+        .flags = COMMAND_ANYTIME,
         ARGUMENTS(PLACE("FACTOR", TYPE_VALUE, .flags = ARG_REQUIRED, .quantity = QUANTITY_NUMBER)))
 
-COMMAND(pan, .row = {"pan", "", "move the time axis of the focused pane", "", NULL}, .group = "PLOT",
-        .text = "Later by so much time; negative: earlier. It stops at the ends.",
-        .examples = "run; zoom 4; pan 1 s\nrun; zoom 4; pan -500 ms", .see = "zoom range", .flags = COMMAND_ANYTIME,
-        ARGUMENTS(PLACE("TIME", TYPE_VALUE, .flags = ARG_REQUIRED | ARG_NEGATIVE, .quantity = QUANTITY_TIME)))
+COMMAND(pan, .row = {"pan", "", "move the time axis of the focused pane", "", NULL},
+        .group = "PLOT", .text = "Later by so much time; negative: earlier. It stops at the ends.",
+        .examples = "run; zoom 4; pan 1 s\nrun; zoom 4; pan -500 ms", .see = "zoom range",
+        .flags = COMMAND_ANYTIME,
+        ARGUMENTS(PLACE("TIME", TYPE_VALUE, .flags = ARG_REQUIRED | ARG_NEGATIVE,
+                        .quantity = QUANTITY_TIME)))
 
 COMMAND(window, .row = {"window", "", "how much time the panes show", "", NULL}, .group = "PLOT",
-        .text = "auto keeps at least 8 columns a period (5 with dots).", .examples = "window 5 s\nwindow auto",
-        .see = "range trail zoom", .flags = COMMAND_ANYTIME,
+        .text = "auto keeps at least 8 columns a period (5 with dots).",
+        .examples = "window 5 s\nwindow auto", .see = "range trail zoom", .flags = COMMAND_ANYTIME,
         ARGUMENTS(WORD("auto", TYPE_NONE, .group = 1),
                   PLACE("TIME", TYPE_VALUE, .quantity = QUANTITY_TIME, .group = 1)))
 
-COMMAND(overlay, .row = {"overlay", "", "draw other runs over the present one in the panes", "", NULL}, .group = "PLOT",
-        .text = "Up to 4 of them, each with its mark; off takes them away. compare lays its runs over one another by "
+COMMAND(overlay,
+        .row = {"overlay", "", "draw other runs over the present one in the panes", "", NULL},
+        .group = "PLOT",
+        .text = "Up to 4 of them, each with its mark; off takes them away. compare lays its runs "
+                "over one another by "
                 "itself, a new run\n"
                 "stands alone. 'plot KIND run N..' draws any runs once.",
-        .examples = "run; run; overlay run 1\noverlay off", .see = "compare plot runs use", .flags = COMMAND_ANYTIME,
-        ARGUMENTS(WORD("off", TYPE_NONE, .group = 1), WORD("run", TYPE_RUN, .flags = ARG_MANY | ARG_ALL, .group = 1)))
-
-COMMAND(trail, .row = {"trail", "", "how many periods the phase pane shows", "", NULL}, .group = "PLOT",
-        .text = "2 in a new session.", .examples = "trail 5\ntrail all", .see = "window layout",
+        .examples = "run; run; overlay run 1\noverlay off", .see = "compare plot runs use",
         .flags = COMMAND_ANYTIME,
+        ARGUMENTS(WORD("off", TYPE_NONE, .group = 1),
+                  WORD("run", TYPE_RUN, .flags = ARG_MANY | ARG_ALL, .group = 1)))
+
+COMMAND(trail, .row = {"trail", "", "how many periods the phase pane shows", "", NULL},
+        .group = "PLOT", .text = "2 in a new session.", .examples = "trail 5\ntrail all",
+        .see = "window layout", .flags = COMMAND_ANYTIME,
         ARGUMENTS(WORD("all", TYPE_NONE, .group = 1),
                   PLACE("PERIODS", TYPE_VALUE, .quantity = QUANTITY_NUMBER, .group = 1)))
 
 COMMAND(scroll, .row = {"scroll", "", "scroll the log", "", NULL}, .group = "PLOT",
         .text = "Up by so many rows; negative: down. home is the oldest line, end the newest.",
-        .examples = "scroll 10\nscroll end", .see = "layout clear", .flags = COMMAND_ANYTIME | COMMAND_UNRECORDED,
+        .examples = "scroll 10\nscroll end", .see = "layout clear",
+        .flags = COMMAND_ANYTIME | COMMAND_UNRECORDED,
         ARGUMENTS(WORD("home", TYPE_NONE, .group = 1), WORD("end", TYPE_NONE, .group = 1),
                   PLACE("ROWS", TYPE_INTEGER, .flags = ARG_NEGATIVE, .group = 1)))
 
-COMMAND(screenshot, .row = {"screenshot", "", "write the screen as text", "", NULL}, .group = "PLOT",
+COMMAND(screenshot, .row = {"screenshot", "", "write the screen as text", "", NULL},
+        .group = "PLOT",
         .text = "As the panes show it, or would show it at --size. Without a file it is printed.",
-        .examples = "run; screenshot\nscreenshot screen.txt --force", .see = "plot layout", .flags = COMMAND_ANYTIME,
-        ARGUMENTS(PLACE("FILE", TYPE_FILE), OPTION("force", TYPE_NONE)))
+        .examples = "run; screenshot\nscreenshot screen.txt --force", .see = "plot layout",
+        .flags = COMMAND_ANYTIME, ARGUMENTS(PLACE("FILE", TYPE_FILE), OPTION("force", TYPE_NONE)))

@@ -19,7 +19,7 @@ HANDLER(pause)
 HANDLER(speed)
 {
     UNUSED(error);
-    const struct given *factor = given_for(given, "FACTOR");
+    const struct given_argument *factor = argument_given(given, "FACTOR");
     struct live *live = &session->live;
     if (factor->count || is_given(given, "max"))
         live->speed = factor->count ? factor->item->value.value : HUGE_VAL;
@@ -38,7 +38,7 @@ HANDLER(speed)
 
 HANDLER(change)
 {
-    const struct text name = given_for(given, "NAME")->item->text;
+    const struct text name = argument_given(given, "NAME")->item->text;
     const struct scene *scene = &session->setup.scene;
     const struct run *run = session_run(session);
     if (!catalog_find(scene_params(scene), name) && !catalog_find(scene_derived(scene), name) &&
@@ -52,28 +52,37 @@ HANDLER(change)
 #endif
 
 COMMAND(pause, .row = {"pause", "", "pause the run that goes on", "", NULL}, .group = "RUN",
-        .text = "'continue' goes on to where the run was to end, with the same samples as without the pause. What "
+        .text = "'continue' goes on to where the run was to end, with the same samples as without "
+                "the pause. What "
                 "stood after the run on\n"
                 "its line or in its file is not executed.",
         .examples = "pause\nspeed 0.1", .see = "continue run step back speed",
         .flags = COMMAND_ANYTIME | COMMAND_UNRECORDED)
 
-COMMAND(
-    speed, .row = {"speed", "", "how fast a watched run goes", "", NULL}, .group = "RUN",
-    .text = "Simulated seconds a second, 1 in a new session; max: as fast as possible. Only of runs that are typed "
-            "while the panes are\n"
-            "shown; files, and programs without panes, always go as fast as possible. The samples do not depend on it.",
-    .examples = "speed 0.25\nspeed max", .see = "run pause", .flags = COMMAND_ANYTIME | COMMAND_UNRECORDED,
-    ARGUMENTS(WORD("max", TYPE_NONE, .group = 1), PLACE("FACTOR", TYPE_VALUE, .quantity = QUANTITY_NUMBER, .group = 1)))
+COMMAND(speed, .row = {"speed", "", "how fast a watched run goes", "", NULL}, .group = "RUN",
+        .text = "Simulated seconds a second, 1 in a new session; max: as fast as possible. Only of "
+                "runs that are typed "
+                "while the panes are\n"
+                "shown; files, and programs without panes, always go as fast as possible. The "
+                "samples do not depend on it.",
+        .examples = "speed 0.25\nspeed max", .see = "run pause",
+        .flags = COMMAND_ANYTIME | COMMAND_UNRECORDED,
+        ARGUMENTS(WORD("max", TYPE_NONE, .group = 1),
+                  PLACE("FACTOR", TYPE_VALUE, .quantity = QUANTITY_NUMBER, .group = 1)))
 
-COMMAND(change, .row = {"change", "", "change a parameter of the current run from here on", "", NULL}, .group = "RUN",
-        .text = "The scene and the current run get the value; the run goes on with it from the step where it stands. "
+COMMAND(change,
+        .row = {"change", "", "change a parameter of the current run from here on", "", NULL},
+        .group = "RUN",
+        .text = "The scene and the current run get the value; the run goes on with it from the "
+                "step where it stands. "
                 "'set' does the same\n"
-                "while a run goes on or is paused at the prompt. Of what moves, y or v, only the run gets it: a jump, "
+                "while a run goes on or is paused at the prompt. Of what moves, y or v, only the "
+                "run gets it: a jump, "
                 "whose energy counts as\n"
                 "work. Exports say what was changed, and when.",
-        .examples = "run to 3.2 s; change gamma 0.1 1/s; continue to 10 s\nrun 1 s; change v -0.5*v; continue 1 s",
-        .see = "set continue run event",
-        .flags = COMMAND_JUMPS | COMMAND_CHANGES | COMMAND_ANYTIME,
+        .examples = "run to 3.2 s; change gamma 0.1 1/s; continue to 10 s\nrun 1 s; change v "
+                    "-0.5*v; continue 1 s",
+        .see = "set continue run event", .flags = COMMAND_JUMPS | COMMAND_CHANGES | COMMAND_ANYTIME,
         .completes = COMPLETES_VALUES,
-        ARGUMENTS(PLACE("NAME", TYPE_NAME, .flags = ARG_REQUIRED), PLACE("VALUE", TYPE_REST, .flags = ARG_REQUIRED)))
+        ARGUMENTS(PLACE("NAME", TYPE_NAME, .flags = ARG_REQUIRED),
+                  PLACE("VALUE", TYPE_REST, .flags = ARG_REQUIRED)))

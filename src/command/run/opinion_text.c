@@ -15,8 +15,8 @@ void seek_opinion(const struct session *session, struct run *run)
         run_second_opinion(run, kind == OPINIONS_FULL, session->front.cancel);
 }
 
-void plan_opinion(const struct session *session, const struct system *system, const struct plan *plan,
-                  struct buffer *text)
+void plan_opinion(const struct session *session, const struct system *system,
+                  const struct plan *plan, struct buffer *text)
 {
     const int kind = session->setup.settings.opinion;
     if (!plan->adaptive)
@@ -30,7 +30,8 @@ void plan_opinion(const struct session *session, const struct system *system, co
         buffer_put(text, TEXT("from a second solution to the end: about as much work again\n"));
     else
         buffer_format(text,
-                      "from a second solution, %.0f evaluations or a tenth of the run's, in doubt %.0f or half of it "
+                      "from a second solution, %.0f evaluations or a tenth of the run's, in doubt "
+                      "%.0f or half of it "
                       "('set opinion off': none)\n",
                       OPINION_BUDGET / system->n, OPINION_BUDGET_DOUBT / system->n);
 }
@@ -44,8 +45,10 @@ static bool has_opinion(const struct run *run)
 static bool is_blind(const struct run *run)
 {
     const struct burst *missed = &run->missed;
-    const bool passed = missed->from != missed->to && (missed->from < run->t) == (run->system.t0 < run->t);
-    return has_opinion(run) && run->opinion.by && passed && !(run->opinion.error > OPINION_WRONG * run->controller.tol);
+    const bool passed =
+        missed->from != missed->to && (missed->from < run->t) == (run->system.t0 < run->t);
+    return has_opinion(run) && run->opinion.by && passed &&
+           !(run->opinion.error > OPINION_WRONG * run->controller.tol);
 }
 
 static void put_solution(const struct opinion *opinion, struct buffer *text)
@@ -94,7 +97,8 @@ static void say_lost(const struct session *session, const struct run *run, struc
     } else {
         *ok = error_set(error, ERROR_NUMERICAL, "%s", buffer_view(&text));
         error_hint(error,
-                   "a smaller tol moves that time; where the motion is chaos 'set opinion warn' takes it as it "
+                   "a smaller tol moves that time; where the motion is chaos 'set opinion warn' "
+                   "takes it as it "
                    "is; run %d is kept",
                    run->number);
     }
@@ -106,12 +110,16 @@ static void say_large(double times, struct reply *reply)
     struct buffer text = {0};
     buffer_put(&text, TEXT("the error is about "));
     buffer_short(&text, times, 1);
-    buffer_put(&text, TEXT(" times the tolerance: errors of steps have grown on the way; it shrinks as tol does"));
+    buffer_put(
+        &text,
+        TEXT(
+            " times the tolerance: errors of steps have grown on the way; it shrinks as tol does"));
     reply_warning(reply, "%s", buffer_view(&text));
     buffer_free(&text);
 }
 
-bool reply_opinion(const struct session *session, struct run *run, struct reply *reply, struct error *error)
+bool reply_opinion(const struct session *session, struct run *run, struct reply *reply,
+                   struct error *error)
 {
     const struct opinion *opinion = &run->opinion;
     struct buffer by = {0};
@@ -126,9 +134,9 @@ bool reply_opinion(const struct session *session, struct run *run, struct reply 
     buffer_put(&text, TEXT(", "));
     buffer_short(&text, times, opinion->by ? 1 : 2);
     buffer_put(&text, TEXT(" tol"));
-    if (opinion->most > SPIKES * opinion->error) {
+    if (opinion->max > SPIKES * opinion->error) {
         buffer_put(&text, TEXT(" (up to "));
-        buffer_short(&text, opinion->most, 1);
+        buffer_short(&text, opinion->max, 1);
         buffer_put(&text, TEXT(" on the way)"));
     }
     buffer_format(&text, ", by %s", buffer_view(&by));
@@ -147,7 +155,7 @@ void reply_opinion_values(const struct run *run, struct reply *reply)
 {
     const bool known = has_opinion(run) && !is_blind(run);
     reply_real(reply, "error_estimate", known ? run->opinion.error : NAN);
-    reply_real(reply, "error_on_the_way", known ? run->opinion.most : NAN);
+    reply_real(reply, "error_on_the_way", known ? run->opinion.max : NAN);
     reply_real(reply, "estimated_to", known ? run->opinion.t : NAN);
     reply_real(reply, "digits_lost_from", known ? run->opinion.lost : NAN);
 }
@@ -164,13 +172,15 @@ void reply_below_tolerance(const struct run *run, struct reply *reply)
         if (!(below[i] > 0))
             continue;
         first = first < 0 && !(run->system.atol[i] > 0) ? i : first;
-        buffer_format(&names, "%s%s", named++ > 0 ? ", " : "", system_variable(&run->system, i).name);
+        buffer_format(&names, "%s%s", named++ > 0 ? ", " : "",
+                      system_variable(&run->system, i).name);
     }
     if (count > NAMED)
         buffer_format(&names, " and %d more", count - NAMED);
     if (count > 0) {
         reply_line(reply, "no digit is certain of %s: below %s tolerance%s", buffer_view(&names),
-                   count > 1 ? "their" : "its", first < 0 ? ", or the error; a smaller tol may help" : "");
+                   count > 1 ? "their" : "its",
+                   first < 0 ? ", or the error; a smaller tol may help" : "");
         if (first >= 0)
             reply_line(reply, "'atol %s = VALUE' asks for errors as small as that",
                        system_variable(&run->system, first).name);

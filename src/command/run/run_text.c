@@ -17,7 +17,8 @@ static double state_value(const struct run *run, const double *below, const char
 #define STANDARD_GRAVITY 9.80665 /* [m/s^2] */
 #define NEAR_GRAVITY 0.05        /* share of it by which a sensor may be off */
 
-/* An acceleration whose mean is that of gravity, to either side, was measured with it: NAN, or the mean [m/s^2]. */
+/* An acceleration whose mean is that of gravity, to either side, was measured with it: NAN, or the
+ * mean [m/s^2]. */
 static double gravity_in(const struct recording *recording)
 {
     double sum = 0;
@@ -29,53 +30,63 @@ static double gravity_in(const struct recording *recording)
         }
     const double mean = sum / (double)count;
     const bool near = fabs(fabs(mean) - STANDARD_GRAVITY) < NEAR_GRAVITY * STANDARD_GRAVITY;
-    return near && recording->column[recording->value].quantity == QUANTITY_ACCELERATION ? mean : NAN;
+    return near && recording->column[recording->value].quantity == QUANTITY_ACCELERATION ? mean
+                                                                                         : NAN;
 }
 
-/* Why a recording of the same time is neither drawn over the run nor compared with it; or how, where it has no unit. */
+/* Why a recording of the same time is neither drawn over the run nor compared with it; or how,
+ * where it has no unit. */
 static void say_apart(const struct session *session, const struct run *run, struct reply *reply)
 {
     const struct recording *recording = session_recording(session);
     const struct variable first = system_variable(&run->system, 0);
     const bool bare = recording && recorded_bare(recording);
-    const double gravity = recording && recorded_derivative(recording, run) == 2 ? gravity_in(recording) : NAN;
+    const double gravity =
+        recording && recorded_derivative(recording, run) == 2 ? gravity_in(recording) : NAN;
     if (isfinite(gravity))
-        reply_line(reply, "%s holds gravity: its mean is %.4g m/s^2, and the rms counts it ('data zero %.6g m/s^2')",
+        reply_line(reply,
+                   "%s holds gravity: its mean is %.4g m/s^2, and the rms counts it ('data zero "
+                   "%.6g m/s^2')",
                    recording->name, gravity, recording->zero + gravity);
     if (!recording || run->system.order != 2 || run->system.n != 2 ||
         (recorded_derivative(recording, run) >= 0 && !bare) ||
-        !(fmin(run->system.t0, run->t) < recording->window[1] && fmax(run->system.t0, run->t) > recording->window[0]))
+        !(fmin(run->system.t0, run->t) < recording->window[1] &&
+          fmax(run->system.t0, run->t) > recording->window[0]))
         return;
     const struct column *value = &recording->column[recording->value];
     const char *needs = first.quantity == QUANTITY_ANGLE ? "deg" : "cm";
     if (bare)
         reply_line(reply,
-                   "%s: %s has no unit: its numbers are laid over the run as %s ('load FILE unit=%s' says otherwise)",
+                   "%s: %s has no unit: its numbers are laid over the run as %s ('load FILE "
+                   "unit=%s' says otherwise)",
                    recording->name, value->name, quantity_unit(first.quantity), needs);
     else if (value->quantity == QUANTITY_OTHER)
         reply_line(reply,
-                   "%s is not laid over the run, nor compared with it: %s has no unit that is known ('load FILE unit=%s')",
+                   "%s is not laid over the run, nor compared with it: %s has no unit that is "
+                   "known ('load FILE unit=%s')",
                    recording->name, value->name, needs);
     else
-        reply_line(reply, "%s is not laid over the run, nor compared with it: it holds %s %s, %s is %s %s",
-                   recording->name, quantity_article(value->quantity), quantity_name(value->quantity), first.name,
-                   quantity_article(first.quantity), quantity_name(first.quantity));
+        reply_line(
+            reply, "%s is not laid over the run, nor compared with it: it holds %s %s, %s is %s %s",
+            recording->name, quantity_article(value->quantity), quantity_name(value->quantity),
+            first.name, quantity_article(first.quantity), quantity_name(first.quantity));
 }
 
 /* How a recording of a quantity that is no motion is laid over the run. */
-static void say_scale(const struct session *session, const struct run *run, const struct data_distance *data,
-                      struct reply *reply)
+static void say_scale(const struct session *session, const struct run *run,
+                      const struct data_distance *data, struct reply *reply)
 {
     if (!data->scaled || !isfinite(data->rms))
         return;
-    const char *name = session_recording(session)->name, *first = system_variable(&run->system, 0).name;
+    const char *name = session_recording(session)->name,
+               *first = system_variable(&run->system, 0).name;
     struct buffer text = {0};
     buffer_put(&text, isfinite(data->gain) ? TEXT("scaled: ") : TEXT(""));
     if (isfinite(data->gain))
         put_scale(data, run, &text);
     else
-        buffer_format(&text, "not laid over the run: %s and %s do not move together", quantity_name(data->quantity),
-                      first);
+        buffer_format(&text, "not laid over the run: %s and %s do not move together",
+                      quantity_name(data->quantity), first);
     reply_line(reply, "%s: %s", name, buffer_view(&text));
     buffer_free(&text);
 }
@@ -101,7 +112,8 @@ void reply_run(const struct session *session, const struct run *run, struct repl
     struct buffer text = {0};
     buffer_put(&text, TEXT("t = "));
     buffer_measured(&text, (struct measured){run->t, 0}, QUANTITY_TIME, digits > 6 ? digits : 6);
-    buffer_format(&text, ", %lld step%s, %s", (long long)run->steps, run->steps == 1 ? "" : "s", run->method->row.name);
+    buffer_format(&text, ", %lld step%s, %s", (long long)run->steps, run->steps == 1 ? "" : "s",
+                  run->method->row.name);
     if (run->stop == STOP_SINGULAR)
         ledger.error_max = NAN; /* what is left there is the difference of numbers without bound */
     if (isfinite(ledger.error_max)) {
@@ -124,7 +136,8 @@ void reply_run(const struct session *session, const struct run *run, struct repl
         buffer_format(&text, ", rms(%s-data) = ", compared.name);
         buffer_quantity(&text, data.rms, data.quantity, 2);
         if (data.bad > 0)
-            buffer_format(&text, " (%zu bad sample%s left out)", data.bad, data.bad == 1 ? "" : "s");
+            buffer_format(&text, " (%zu bad sample%s left out)", data.bad,
+                          data.bad == 1 ? "" : "s");
     }
     reply_text(reply, buffer_text(&text));
     buffer_free(&text);
@@ -208,10 +221,12 @@ void reply_unsound(struct run *run, struct reply *reply)
     const struct unsound_step *unsound = &run->unsound;
     if (run->warned_unsound || !(unsound->times > 0) || stop_is_failure(run->stop))
         return;
-    reply_warning(reply, "dt is too long for %s: at t = %.4g s a step gives %s = %.3g, the solution is %.3g%s",
-                  run->method->row.name, unsound->t, system_variable(&run->system, unsound->variable).name,
-                  unsound->value, unsound->solution,
-                  run->method->flags & METHOD_ADAPTIVE ? "; with tol = 1e-6 it chooses its own steps" : "");
+    reply_warning(
+        reply,
+        "dt is too long for %s: at t = %.4g s a step gives %s = %.3g, the solution is %.3g%s",
+        run->method->row.name, unsound->t, system_variable(&run->system, unsound->variable).name,
+        unsound->value, unsound->solution,
+        run->method->flags & METHOD_ADAPTIVE ? "; with tol = 1e-6 it chooses its own steps" : "");
     run->warned_unsound = true;
 }
 
@@ -221,11 +236,11 @@ void reply_missed_burst(struct run *run, struct reply *reply)
     const double length = fabs(burst->to - burst->from);
     if (run->warned_burst || length == 0)
         return;
-    reply_warning(
-        reply,
-        "no step has seen what happens near t = %.4g s in less than %.1g s: this run is one without it; fixed "
-        "steps ('tol = off') of dt = %.1g s see it",
-        burst->from + (burst->to - burst->from) / 2, length, length / 100);
+    reply_warning(reply,
+                  "no step has seen what happens near t = %.4g s in less than %.1g s: this run is "
+                  "one without it; fixed "
+                  "steps ('tol = off') of dt = %.1g s see it",
+                  burst->from + (burst->to - burst->from) / 2, length, length / 100);
     run->warned_burst = true;
 }
 
@@ -235,8 +250,10 @@ void reply_tiny(const struct run *run, struct reply *reply)
     for (int i = 0; i < run->system.n; i++)
         size = fmax(size, fabs(run->y[i]));
     if (size > 0 && size < TINY)
-        reply_warning(reply, "the squares of numbers below %g are 0: energies read 0 and nothing can be measured",
-                      TINY);
+        reply_warning(
+            reply,
+            "the squares of numbers below %g are 0: energies read 0 and nothing can be measured",
+            TINY);
 }
 
 #define PHASE_UNKNOWN 1e-3 /* [rad] */
@@ -244,15 +261,22 @@ void reply_tiny(const struct run *run, struct reply *reply)
 void reply_phase_unknown(const struct run *run, struct reply *reply)
 {
     const struct oscillator *o = &run->system.oscillator;
-    const double phase = sqrt(fmax(o->stiffness, 0)) * fabs(run->t - run->system.t0), unknown = phase * DBL_EPSILON;
+    const double phase = sqrt(fmax(o->stiffness, 0)) * fabs(run->t - run->system.t0),
+                 unknown = phase * DBL_EPSILON;
     if (!(run->method->flags & METHOD_EXACT) || !o->whole || !(unknown > PHASE_UNKNOWN))
         return;
     if (unknown >= 2 * M_PI)
-        reply_warning(reply, "after %.3g rad the phase has no right digit: one rounding of k or m moves it by more "
-                      "than a turn; only the amplitude means something", phase);
+        reply_warning(
+            reply,
+            "after %.3g rad the phase has no right digit: one rounding of k or m moves it by more "
+            "than a turn; only the amplitude means something",
+            phase);
     else
-        reply_warning(reply, "after %.3g rad the phase is uncertain by %.2g rad: that is what one rounding of k or m "
-                      "does", phase, unknown);
+        reply_warning(reply,
+                      "after %.3g rad the phase is uncertain by %.2g rad: that is what one "
+                      "rounding of k or m "
+                      "does",
+                      phase, unknown);
 }
 
 void reply_vanished(const struct run *run, struct reply *reply)
@@ -264,7 +288,9 @@ void reply_vanished(const struct run *run, struct reply *reply)
     }
     const bool rests = run->controller.switches.slides > 0; /* where forces hold it: it is at 0 */
     if (start >= DBL_MIN && size < DBL_MIN && run->steps > 0 && !rests)
-        reply_warning(reply, "the motion has vanished: every value is below the smallest number, %.3g", DBL_MIN);
+        reply_warning(reply,
+                      "the motion has vanished: every value is below the smallest number, %.3g",
+                      DBL_MIN);
 }
 
 void reply_sliding(struct run *run, struct reply *reply)
@@ -272,8 +298,9 @@ void reply_sliding(struct run *run, struct reply *reply)
     const struct switches_state *state = &run->controller.switches;
     const struct system *system = &run->system;
     const bool slides = state->slides + state->across > 0, piles = state->piles > 0;
-    const bool held = system->dry && state->slides > 0 && state->first == system->switches - 1 && state->across == 0;
-    if (held && !piles) /* as dry friction should: the run says so */
+    const bool slot = system->dry && state->slides > 0 && state->first == system->switches - 1 &&
+                      state->across == 0;
+    if (slot && !piles) /* as dry friction should: the run says so */
         return;
     if ((run->warned_sliding || !slides) && (run->warned_piling || !piles))
         return;
@@ -284,14 +311,23 @@ void reply_sliding(struct run *run, struct reply *reply)
             buffer_format(&text, "%s%s", count++ > 0 ? ", " : "", system_variable(system, i).name);
     const char *names = count > 0 ? buffer_view(&text) : "t";
     if (piles && !run->warned_piling)
-        reply_warning(reply, "switches (if, abs, sign, ...) pile up at t = %.6g s, the first in %s: from there on the "
-                      "motion is held where they meet", state->slid, names);
+        reply_warning(reply,
+                      "switches (if, abs, sign, ...) pile up at t = %.6g s, the first in %s: from "
+                      "there on the "
+                      "motion is held where they meet",
+                      state->slid, names);
     else if (state->slides == 0)
-        reply_warning(reply, "from t = %.6g s on no side of a switch (if, abs, sign, ...) leads on: steps go across, "
-                      "and their errors are not known", state->slid);
+        reply_warning(reply,
+                      "from t = %.6g s on no side of a switch (if, abs, sign, ...) leads on: steps "
+                      "go across, "
+                      "and their errors are not known",
+                      state->slid);
     else
-        reply_warning(reply, "at a switch (if, abs, sign, ...) in %s both sides lead back to it, first at t = %.6g s: "
-                      "the motion sticks to it or slides along, until one side turns away", names, state->slid);
+        reply_warning(reply,
+                      "at a switch (if, abs, sign, ...) in %s both sides lead back to it, first at "
+                      "t = %.6g s: "
+                      "the motion sticks to it or slides along, until one side turns away",
+                      names, state->slid);
     run->warned_sliding = true;
     run->warned_piling = piles;
     buffer_free(&text);
@@ -306,7 +342,8 @@ void reply_unchosen(struct session *session, struct reply *reply)
     struct buffer text = {0};
     buffer_format(&text, "no method was chosen: %s, dt = ", setup->method->row.name);
     buffer_measured(&text, (struct measured){setup->settings.dt, 0}, QUANTITY_TIME, 4);
-    reply_warning(reply, "%s; 'method dop853' is accurate, 'method radau5' where the equations are stiff",
+    reply_warning(reply,
+                  "%s; 'method dop853' is accurate, 'method radau5' where the equations are stiff",
                   buffer_view(&text));
     buffer_free(&text);
 }
@@ -314,9 +351,10 @@ void reply_unchosen(struct session *session, struct reply *reply)
 void reply_assumed(struct session *session, bool adapts, bool by_setting, struct reply *reply)
 {
     const struct settings *settings = &session->setup.settings;
-    const bool duration = by_setting && !settings->duration_given, tol = adapts && !settings->tol_given,
-               first = adapts && !settings->dt_given;
-    if (session->told_assumed || !typed_preset(session->setup.scene.model) || !(duration || tol || first))
+    const bool duration = by_setting && !settings->duration_given,
+               tol = adapts && !settings->tol_given, first = adapts && !settings->dt_given;
+    if (session->told_assumed || !typed_preset(session->setup.scene.model) ||
+        !(duration || tol || first))
         return;
     session->told_assumed = true;
     struct buffer text = {0};
@@ -336,17 +374,22 @@ void reply_assumed(struct session *session, bool adapts, bool by_setting, struct
         buffer_measured(&text, (struct measured){session_first_step(session), 0}, QUANTITY_TIME, 4);
     }
     reply_line(reply, "assumed: %s ('%s = ...' sets it)", buffer_view(&text),
-               duration ? "duration" : tol ? "tol" : "dt");
+               duration ? "duration"
+               : tol    ? "tol"
+                        : "dt");
     buffer_free(&text);
 }
 
 void reply_shorter(const struct session *session, struct reply *reply)
 {
     const struct run *run = session_run(session);
-    const double span = run ? fabs(run->t - run->system.t0) : 0, duration = session->setup.settings.duration;
+    const double span = run ? fabs(run->t - run->system.t0) : 0,
+                 duration = session->setup.settings.duration;
     if (!run || run->system.model != session->setup.scene.model || !(span > (1 + 1e-9) * duration))
         return;
-    reply_line(reply, "over %.6g s, the setting 'duration'; run %d took %.6g s ('duration = %.6g s' studies that)",
+    reply_line(reply,
+               "over %.6g s, the setting 'duration'; run %d took %.6g s ('duration = %.6g s' "
+               "studies that)",
                duration, run->number, span, span);
 }
 
@@ -357,7 +400,8 @@ void reply_inapplicable(const struct session *session, struct reply *reply)
     struct error why;
     enum drag drag = session->setup.drag;
     scene.across = session->setup.settings.turning == TURNING_OFF;
-    if (scene_bind(&scene, &system, &why) && !method_applies(session->setup.method, &system, &drag, &why))
+    if (scene_bind(&scene, &system, &why) &&
+        !method_applies(session->setup.method, &system, &drag, &why))
         reply_warning(reply, "%s%s%s", why.text, why.hint[0] ? ": " : "", why.hint);
 }
 

@@ -7,12 +7,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-static void reply_row(const struct session *session, int place, struct reply *reply)
+static void reply_row(const struct session *session, int index, struct reply *reply)
 {
-    const struct held_run *held = session->run[place];
-    const struct run *run = held->run;
+    const struct run_slot *slot = session->run[index];
+    const struct run *run = slot->run;
     struct buffer text = {0};
-    buffer_format(&text, "%c %3d  %-18s ", place == session->current_run ? '*' : ' ', run->number,
+    buffer_format(&text, "%c %3d  %-18s ", index == session->current_run ? '*' : ' ', run->number,
                   run->method->row.name);
     if (run->plan.adaptive)
         buffer_format(&text, "tol=%.3g", run->settings.tol);
@@ -20,18 +20,19 @@ static void reply_row(const struct session *session, int place, struct reply *re
         buffer_put(&text, TEXT("dt="));
         buffer_quantity(&text, run->settings.dt, QUANTITY_TIME, 4);
     }
-    buffer_format(&text, "  t=%.6g s  %lld steps  %s", run->t, (long long)run->steps, stop_name(run->stop));
+    buffer_format(&text, "  t=%.6g s  %lld steps  %s", run->t, (long long)run->steps,
+                  stop_name(run->stop));
     if (run->name[0]) {
         buffer_put(&text, TEXT("  "));
         safe_text(&text, text_of(run->name), false);
     }
-    if (held->note) {
+    if (slot->note) {
         buffer_put(&text, TEXT("  # "));
-        safe_text(&text, text_of(held->note), false);
+        safe_text(&text, text_of(slot->note), false);
     }
     reply_text(reply, buffer_text(&text));
     buffer_free(&text);
-    const struct run_row row = {held, place == session->current_run};
+    const struct run_row row = {slot, index == session->current_run};
     reply_records(reply, "runs", &run_columns, &row, 1);
 }
 
@@ -49,7 +50,7 @@ HANDLER(runs)
 HANDLER(use)
 {
     UNUSED(error);
-    session->current_run = given_for(given, "N")->item->index;
+    session->current_run = argument_given(given, "N")->item->index;
     session->data_is_latest = false;
     session_changed(session);
     reply_row(session, session->current_run, reply);
@@ -58,10 +59,11 @@ HANDLER(use)
 
 HANDLER(rename)
 {
-    const struct text name = given_for(given, "NAME")->item->text;
-    struct run *run = session->run[given_for(given, "N")->item->index]->run;
+    const struct text name = argument_given(given, "NAME")->item->text;
+    struct run *run = session->run[argument_given(given, "N")->item->index]->run;
     if (name.len == 0 || name.len > LIMIT_NAME || peek_name(name).len != name.len)
-        return error_at(error, name, "a name is a letter, then letters, digits, _ and -, at most %d of them",
+        return error_at(error, name,
+                        "a name is a letter, then letters, digits, _ and -, at most %d of them",
                         LIMIT_NAME);
     const int other = session_find_run(session, name);
     if (other >= 0 && session->run[other]->run != run)
@@ -77,7 +79,7 @@ HANDLER(rename)
 
 HANDLER(drop)
 {
-    const struct given *which = given_for(given, "N");
+    const struct given_argument *which = argument_given(given, "N");
     bool gone[LIMIT_RUNS] = {false};
     int count = 0;
     for (int i = 0; i < which->count; i++)
@@ -99,41 +101,45 @@ HANDLER(drop)
 
 HANDLER(note)
 {
-    const struct text text = given_for(given, "TEXT")->item->text;
+    const struct text text = argument_given(given, "TEXT")->item->text;
     if (session->current_run < 0) {
         error_set(error, ERROR_COMMAND, "there is no run to write a note for");
         return error_hint(error, "type: run");
     }
-    struct held_run *held = session->run[session->current_run];
+    struct run_slot *slot = session->run[session->current_run];
     char *note = strndup(text.at, text.len);
     if (!note)
         return error_memory(error);
-    free(held->note);
-    held->note = note;
+    free(slot->note);
+    slot->note = note;
     session->changes++;
-    reply_line(reply, "noted for run %d", held->run->number);
+    reply_line(reply, "noted for run %d", slot->run->number);
     return true;
 }
 #endif
 
-COMMAND(runs, .row = {"runs", "", "list the runs", "", NULL}, .group = "RUNS", .text = "The current one has a star.",
-        .examples = "runs\ncompare euler verlet; runs", .see = "use drop rename note", .flags = COMMAND_ANYTIME)
+COMMAND(runs, .row = {"runs", "", "list the runs", "", NULL}, .group = "RUNS",
+        .text = "The current one has a star.", .examples = "runs\ncompare euler verlet; runs",
+        .see = "use drop rename note", .flags = COMMAND_ANYTIME)
 
 COMMAND(use, .row = {"use", "", "make a run the current one", "", NULL}, .group = "RUNS",
         .text = "measure, plot, continue and names in expressions act on the current run.",
-        .examples = "compare euler verlet; use 1\nuse 1; measure period", .see = "runs", .flags = COMMAND_CHANGES,
-        ARGUMENTS(PLACE("N", TYPE_RUN, .flags = ARG_REQUIRED)))
+        .examples = "compare euler verlet; use 1\nuse 1; measure period", .see = "runs",
+        .flags = COMMAND_CHANGES, ARGUMENTS(PLACE("N", TYPE_RUN, .flags = ARG_REQUIRED)))
 
 COMMAND(rename, .row = {"rename", "", "give a run a name", "", NULL}, .group = "RUNS",
         .text = "The name can stand wherever the number can, and stands in the legend of plots.",
         .examples = "run; rename 1 reference\nuse reference", .see = "runs note",
         .flags = COMMAND_CHANGES | COMMAND_ANYTIME,
-        ARGUMENTS(PLACE("N", TYPE_RUN, .flags = ARG_REQUIRED), PLACE("NAME", TYPE_TEXT, .flags = ARG_REQUIRED)))
+        ARGUMENTS(PLACE("N", TYPE_RUN, .flags = ARG_REQUIRED),
+                  PLACE("NAME", TYPE_TEXT, .flags = ARG_REQUIRED)))
 
-COMMAND(drop, .row = {"drop", "", "forget runs", "", NULL}, .group = "RUNS", .text = "undo brings them back.",
-        .examples = "run; drop 1\ndrop all", .see = "runs undo", .flags = COMMAND_CHANGES | COMMAND_ANYTIME,
+COMMAND(drop, .row = {"drop", "", "forget runs", "", NULL}, .group = "RUNS",
+        .text = "undo brings them back.", .examples = "run; drop 1\ndrop all", .see = "runs undo",
+        .flags = COMMAND_CHANGES | COMMAND_ANYTIME,
         ARGUMENTS(PLACE("N", TYPE_RUN, .flags = ARG_REQUIRED | ARG_MANY | ARG_ALL)))
 
 COMMAND(note, .row = {"note", "", "write a note for the current run", "", NULL}, .group = "RUNS",
-        .text = "It stands in the list of runs and in exports.", .examples = "run; note with the large disk\nruns",
-        .see = "runs export", .flags = COMMAND_ANYTIME, ARGUMENTS(PLACE("TEXT", TYPE_REST, .flags = ARG_REQUIRED)))
+        .text = "It stands in the list of runs and in exports.",
+        .examples = "run; note with the large disk\nruns", .see = "runs export",
+        .flags = COMMAND_ANYTIME, ARGUMENTS(PLACE("TEXT", TYPE_REST, .flags = ARG_REQUIRED)))

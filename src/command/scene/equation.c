@@ -37,8 +37,8 @@ static bool free_name(struct text name, struct error *error)
 }
 
 /* Events belong to what moves: another scene has its own. */
-static bool use_model(struct session *session, const struct model *model, bool begins, struct reply *reply,
-                      struct error *error)
+static bool use_model(struct session *session, const struct model *model, bool begins,
+                      struct reply *reply, struct error *error)
 {
     struct setup *setup = &session->setup;
     const struct scene before = setup->scene;
@@ -55,22 +55,25 @@ static bool use_model(struct session *session, const struct model *model, bool b
     return true;
 }
 
-/* A potential has to be that of the forces; where the scene is not complete yet, that is seen later. */
-static bool suits(const struct scene *scene, const struct model *model, const struct typed_line *line,
-                  struct error *error)
+/* A potential has to be that of the forces; where the scene is not complete yet, that is seen
+ * later. */
+static bool suits(const struct scene *scene, const struct model *model,
+                  const struct typed_line *line, struct error *error)
 {
     struct scene with = *scene;
     struct system system;
     struct error why = {0}, ignored;
     scene_remodel(&with, model);
-    if (line->kind != TYPED_POTENTIAL || scene_bind(&with, &system, &why) || !scene_bind(scene, &system, &ignored))
+    if (line->kind != TYPED_POTENTIAL || scene_bind(&with, &system, &why) ||
+        !scene_bind(scene, &system, &ignored))
         return true;
     *error = why;
     error->where = line->expr;
     return false;
 }
 
-static bool add_line(struct session *session, const struct typed_line *line, struct reply *reply, struct error *error)
+static bool add_line(struct session *session, const struct typed_line *line, struct reply *reply,
+                     struct error *error)
 {
     const struct model *before = session->setup.scene.model, *model;
     struct buffer text = {0};
@@ -95,8 +98,9 @@ static bool events_know(struct session *session, struct arena *arena, struct err
 }
 
 /* what: how it is called where it has no name. */
-static bool remove_line(struct session *session, const struct arguments *given, enum typed_kind kind, struct text name,
-                        const char *what, struct reply *reply, struct error *error)
+static bool remove_line(struct session *session, const struct arguments *given,
+                        enum typed_kind kind, struct text name, const char *what,
+                        struct reply *reply, struct error *error)
 {
     const struct scene before = session->setup.scene;
     const struct model *model = typed_remove(session->models, before.model, kind, name, error);
@@ -110,7 +114,8 @@ static bool remove_line(struct session *session, const struct arguments *given, 
         error_at(error, name, "%.*s is used by an event", (int)name.len, name.at);
         return error_hint(error, "%s", why.hint);
     }
-    reply_line(reply, "%.*s is gone", what ? (int)strlen(what) : (int)name.len, what ? what : name.at);
+    reply_line(reply, "%.*s is gone", what ? (int)strlen(what) : (int)name.len,
+               what ? what : name.at);
     return true;
 }
 
@@ -128,11 +133,11 @@ static int param_of(const struct scene *scene, const struct typed_line *line)
 }
 
 /* NAME = VALUE; of a variable also NAME' = VALUE. */
-static bool add_value(struct session *session, const struct arguments *given, enum typed_kind kind, const char *usage,
-                      struct reply *reply, struct error *error)
+static bool add_value(struct session *session, const struct arguments *given, enum typed_kind kind,
+                      const char *usage, struct reply *reply, struct error *error)
 {
-    struct typed_line line = {.kind = kind, .name = given_for(given, "NAME")->item->text};
-    struct text rest = given_for(given, "= VALUE")->item->text;
+    struct typed_line line = {.kind = kind, .name = argument_given(given, "NAME")->item->text};
+    struct text rest = argument_given(given, "= VALUE")->item->text;
     struct item item = {.quantity = QUANTITY_OTHER};
     if (kind == TYPED_VAR && rest.at[0] == '\'') {
         line.name.len++;
@@ -143,8 +148,8 @@ static bool add_value(struct session *session, const struct arguments *given, en
     if (!free_name(line.name, error) || !skip_equals(&rest, usage, error))
         return false;
     struct parser parser = {session, given->scope, given->arena, rest};
-    if (!parse_value(&parser, kind == TYPED_PARAM ? "the parameter" : "the initial value", QUANTITY_OTHER, &item,
-                     error) ||
+    if (!parse_value(&parser, kind == TYPED_PARAM ? "the parameter" : "the initial value",
+                     QUANTITY_OTHER, &item, error) ||
         !refuse_rest(&parser, &item, error))
         return false;
     line.value = item.value.value;
@@ -152,10 +157,11 @@ static bool add_value(struct session *session, const struct arguments *given, en
     if (!add_line(session, &line, reply, error))
         return false;
     /* What was set before the line was typed again is no longer meant. */
-    const int place = param_of(&session->setup.scene, &line);
-    if (place >= 0)
-        scene_unset(&session->setup.scene, place);
-    return place < 0 || item.value.uncertainty == 0 || scene_set(&session->setup.scene, place, item.value, error);
+    const int index = param_of(&session->setup.scene, &line);
+    if (index >= 0)
+        scene_unset(&session->setup.scene, index);
+    return index < 0 || item.value.uncertainty == 0 ||
+           scene_set(&session->setup.scene, index, item.value, error);
 }
 
 HANDLER(var)
@@ -165,30 +171,32 @@ HANDLER(var)
 
 HANDLER(param)
 {
-    return add_value(session, given, TYPED_PARAM, "param NAME = VALUE or param NAME off", reply, error);
+    return add_value(session, given, TYPED_PARAM, "param NAME = VALUE or param NAME off", reply,
+                     error);
 }
 
 /* y' = EXPR in an event: the velocity jumps. */
-static bool set_velocity(struct session *session, const struct arguments *given, const struct typed_line *line,
-                         struct reply *reply, struct error *error)
+static bool set_velocity(struct session *session, const struct arguments *given,
+                         const struct typed_line *line, struct reply *reply, struct error *error)
 {
     const struct command *change = command_with(COMMAND_JUMPS);
     const char *end = line->expr.at + line->expr.len;
-    struct item name = {.text = line->name}, rest = {.text = {.at = line->name.at + line->name.len}};
+    struct item name = {.text = line->name},
+                rest = {.text = {.at = line->name.at + line->name.len}};
     rest.text.len = (size_t)(end - rest.text.at);
     if (line->order != 1)
-        return error_at(error, line->name, "an event cannot change the law of %.*s", (int)line->name.len,
-                        line->name.at);
+        return error_at(error, line->name, "an event cannot change the law of %.*s",
+                        (int)line->name.len, line->name.at);
     struct arguments with = *given;
     with.command = change;
-    with.given[0] = (struct given){1, &name, name.text};
-    with.given[1] = (struct given){1, &rest, rest.text};
+    with.given[0] = (struct given_argument){1, &name, name.text};
+    with.given[1] = (struct given_argument){1, &rest, rest.text};
     return change->handler(session, &with, reply, error);
 }
 
 HANDLER(equation)
 {
-    struct text rest = given_for(given, "NAME' = EXPR")->item->text;
+    struct text rest = argument_given(given, "NAME' = EXPR")->item->text;
     struct typed_line line = {.kind = TYPED_EQUATION, .name = peek_name(rest)};
     rest = (struct text){rest.at + line.name.len, rest.len - line.name.len};
     while (rest.len > 0 && rest.at[0] == '\'') {
@@ -196,7 +204,7 @@ HANDLER(equation)
         rest = (struct text){rest.at + 1, rest.len - 1};
     }
     if (line.name.len == 0 || line.order < 1 || line.order > 2) {
-        error_at(error, peek_word(given_for(given, "NAME' = EXPR")->item->text, "="),
+        error_at(error, peek_word(argument_given(given, "NAME' = EXPR")->item->text, "="),
                  "an equation begins with NAME' or NAME''");
         return error_hint(error, "x' = y is of first order, y'' = -k*y of second");
     }
@@ -220,7 +228,7 @@ static struct text read_left(struct text *rest)
 
 HANDLER(force)
 {
-    struct text rest = given_for(given, "EXPR|off")->item->text;
+    struct text rest = argument_given(given, "EXPR|off")->item->text;
     struct text behind = after(rest, peek_name(rest).len);
     size_t primes = 0;
     while (primes < behind.len && behind.at[primes] == '\'')
@@ -228,28 +236,33 @@ HANDLER(force)
     if (primes > 0 && text_starts(after(behind, primes), TEXT("="))) {
         error_at(error, (struct text){rest.at, (size_t)(behind.at - rest.at) + primes},
                  "a force is an expression, not an equation");
-        return error_hint(error, "'force x = EXPR' adds to x''; x'' = EXPR alone is an equation of its own");
+        return error_hint(
+            error, "'force x = EXPR' adds to x''; x'' = EXPR alone is an equation of its own");
     }
     const struct text name = read_left(&rest);
     const struct typed_line line = {.kind = TYPED_FORCE, .name = name, .expr = rest};
-    if (peek_name(rest).len > 0 && text_is(after(rest, peek_name(rest).len), "off")) /* force x off */
+    if (peek_name(rest).len > 0 &&
+        text_is(after(rest, peek_name(rest).len), "off")) /* force x off */
         return remove_line(session, given, TYPED_FORCE, peek_name(rest), "the force", reply, error);
-    return text_is(rest, "off") ? remove_line(session, given, TYPED_FORCE, line.name, "the force", reply, error)
-                                : add_line(session, &line, reply, error);
+    return text_is(rest, "off")
+               ? remove_line(session, given, TYPED_FORCE, line.name, "the force", reply, error)
+               : add_line(session, &line, reply, error);
 }
 
 HANDLER(potential)
 {
-    const struct text rest = given_for(given, "EXPR|off")->item->text;
+    const struct text rest = argument_given(given, "EXPR|off")->item->text;
     const struct typed_line line = {.kind = TYPED_POTENTIAL, .expr = rest};
-    return text_is(rest, "off") ? remove_line(session, given, TYPED_POTENTIAL, TEXT(""), "the potential", reply, error)
+    return text_is(rest, "off") ? remove_line(session, given, TYPED_POTENTIAL, TEXT(""),
+                                              "the potential", reply, error)
                                 : add_line(session, &line, reply, error);
 }
 
 HANDLER(observe)
 {
-    struct typed_line line = {.kind = TYPED_OBSERVE, .name = given_for(given, "NAME")->item->text};
-    struct text rest = given_for(given, "= EXPR")->item->text;
+    struct typed_line line = {.kind = TYPED_OBSERVE,
+                              .name = argument_given(given, "NAME")->item->text};
+    struct text rest = argument_given(given, "= EXPR")->item->text;
     if (text_is(rest, "off"))
         return remove_line(session, given, TYPED_OBSERVE, line.name, NULL, reply, error);
     if (!free_name(line.name, error) || !skip_equals(&rest, "observe NAME = EXPR", error))
@@ -259,11 +272,14 @@ HANDLER(observe)
 }
 #endif
 
-COMMAND(var, .row = {"var", "", "a variable of a scene of your own, and its initial value", "", NULL},
+COMMAND(var,
+        .row = {"var", "", "a variable of a scene of your own, and its initial value", "", NULL},
         .group = "EQUATIONS",
-        .text = "The first one while a built-in scene is there begins an empty scene. The initial value of x is the "
+        .text = "The first one while a built-in scene is there begins an empty scene. The initial "
+                "value of x is the "
                 "parameter x0; that of\n"
-                "the velocity of y is typed as var y' = 0.5 and is the parameter vy0. 'scene' shows what has been "
+                "the velocity of y is typed as var y' = 0.5 and is the parameter vy0. 'scene' "
+                "shows what has been "
                 "typed. 'var NAME off' takes\nthe variable and its equation away.",
         .examples = "var y = 1; var y' = 0.5; y'' = -y; run 1 s\nvar x = 5 cm; x' = -x; run 1 s",
         .see = "equation param observe event scene", .flags = COMMAND_CHANGES,
@@ -271,53 +287,63 @@ COMMAND(var, .row = {"var", "", "a variable of a scene of your own, and its init
         ARGUMENTS(PLACE("NAME", TYPE_NAME, .flags = ARG_REQUIRED),
                   PLACE("= VALUE", TYPE_FORMULA, .flags = ARG_REQUIRED)))
 
-COMMAND(param, .row = {"param", "", "a parameter of a scene of your own", "", NULL}, .group = "EQUATIONS",
-        .text = "Equations use it by name: NAME = VALUE changes it at once. On a built-in scene it adds to its "
+COMMAND(param, .row = {"param", "", "a parameter of a scene of your own", "", NULL},
+        .group = "EQUATIONS",
+        .text = "Equations use it by name: NAME = VALUE changes it at once. On a built-in scene it "
+                "adds to its "
                 "parameters. 'param NAME off'\n"
                 "takes it away where nothing uses it.",
-        .examples =
-            "var x = 1; param rate = 0.5 1/s; x' = -rate*x; run 1 s\nscene spring; param stiff = 40; force -stiff*y^3",
-        .see = "var equation set", .flags = COMMAND_CHANGES,
-        .completes = COMPLETES_PARAMETER,
+        .examples = "var x = 1; param rate = 0.5 1/s; x' = -rate*x; run 1 s\nscene spring; param "
+                    "stiff = 40; force -stiff*y^3",
+        .see = "var equation set", .flags = COMMAND_CHANGES, .completes = COMPLETES_PARAMETER,
         ARGUMENTS(PLACE("NAME", TYPE_NAME, .flags = ARG_REQUIRED),
                   PLACE("= VALUE", TYPE_FORMULA, .flags = ARG_REQUIRED)))
 
-COMMAND(
-    equation, .row = {"equation", "", "the law of a variable: x' = EXPR or y'' = EXPR", "", NULL}, .group = "EQUATIONS",
-    .text = "The word 'equation' may be left out. Names are t, variables, velocities (y' or vy), parameters and "
-            "what is observed;\n"
-            "each has to be there already. Inside of parentheses < and > compare, to 1 or 0. Another equation of "
-            "the same variable takes\n"
-            "its place. 'list functions' shows the functions.",
-    .examples = "var y = 1; y'' = -y - 0.1*y'; run 1 s\nvar x = 2; var z = 0; x' = z; z' = (1 - x^2)*z - x; run 1 s",
-    .see = "var param force scene", .flags = COMMAND_EQUATES | COMMAND_IN_EVENTS | COMMAND_CHANGES,
-    .completes = COMPLETES_EQUATION,
+COMMAND(equation,
+        .row = {"equation", "", "the law of a variable: x' = EXPR or y'' = EXPR", "", NULL},
+        .group = "EQUATIONS",
+        .text = "The word 'equation' may be left out. Names are t, variables, velocities (y' or "
+                "vy), parameters and "
+                "what is observed;\n"
+                "each has to be there already. Inside of parentheses < and > compare, to 1 or 0. "
+                "Another equation of "
+                "the same variable takes\n"
+                "its place. 'list functions' shows the functions.",
+        .examples = "var y = 1; y'' = -y - 0.1*y'; run 1 s\nvar x = 2; var z = 0; x' = z; z' = (1 "
+                    "- x^2)*z - x; run 1 s",
+        .see = "var param force scene",
+        .flags = COMMAND_EQUATES | COMMAND_IN_EVENTS | COMMAND_CHANGES,
+        .completes = COMPLETES_EQUATION,
         ARGUMENTS(PLACE("NAME' = EXPR", TYPE_FORMULA, .flags = ARG_REQUIRED)))
 
-COMMAND(
-    force, .row = {"force", "", "add a force of your own to the scene, or take it away", "", NULL},
-    .group = "EQUATIONS",
-    .text =
-        "In newtons: it is divided by the mass. Names are references: changing a parameter acts at once. "
-        "Another force takes its\n"
-        "place. 'force x = EXPR' acts on the coordinate x of several, 'force x off' takes that away; 'potential' gives "
-        "its energy.",
-    .examples = "force -40*y^3 + 0.1*cos(2*t); run 1 s\nforce -40*y^3; force off",
-    .see = "potential param equation plan", .flags = COMMAND_CHANGES,
-    .completes = COMPLETES_FORCE,
+COMMAND(force,
+        .row = {"force", "", "add a force of your own to the scene, or take it away", "", NULL},
+        .group = "EQUATIONS",
+        .text = "In newtons: it is divided by the mass. Names are references: changing a parameter "
+                "acts at once. "
+                "Another force takes its\n"
+                "place. 'force x = EXPR' acts on the coordinate x of several, 'force x off' takes "
+                "that away; 'potential' gives "
+                "its energy.",
+        .examples = "force -40*y^3 + 0.1*cos(2*t); run 1 s\nforce -40*y^3; force off",
+        .see = "potential param equation plan", .flags = COMMAND_CHANGES,
+        .completes = COMPLETES_FORCE,
         ARGUMENTS(PLACE("EXPR|off", TYPE_FORMULA, .flags = ARG_REQUIRED)))
 
-COMMAND(potential, .row = {"potential", "", "the energy of the forces of your own", "", NULL}, .group = "EQUATIONS",
-        .text = "In joules, of the forces that depend on positions only. It is checked against them. Without it they "
+COMMAND(potential, .row = {"potential", "", "the energy of the forces of your own", "", NULL},
+        .group = "EQUATIONS",
+        .text = "In joules, of the forces that depend on positions only. It is checked against "
+                "them. Without it they "
                 "count as work in the\n"
                 "energy balance.",
-        .examples = "force -40*y^3; potential 10*y^4; run 1 s\nforce -y; potential y^2/2; potential off",
-        .see = "force plan", .flags = COMMAND_CHANGES,
-        .completes = COMPLETES_POTENTIAL,
+        .examples =
+            "force -40*y^3; potential 10*y^4; run 1 s\nforce -y; potential y^2/2; potential off",
+        .see = "force plan", .flags = COMMAND_CHANGES, .completes = COMPLETES_POTENTIAL,
         ARGUMENTS(PLACE("EXPR|off", TYPE_FORMULA, .flags = ARG_REQUIRED)))
 
 COMMAND(observe, .row = {"observe", "", "a quantity to look at", "", NULL}, .group = "EQUATIONS",
-        .text = "It has a name in expressions, exports and later lines, and is computed only when something asks. "
+        .text = "It has a name in expressions, exports and later lines, and is computed only when "
+                "something asks. "
                 "'observe NAME off' takes\n"
                 "it away.",
         .examples = "observe p = m*v; run 1 s; print p\nobserve double = 2*y; observe double off",

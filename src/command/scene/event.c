@@ -2,7 +2,7 @@
 /* event */
 #ifndef COMMAND_ROWS
 #include "command/internal.h"
-#include "command/run/passage.h"
+#include "command/run/event_pass.h"
 
 #include <string.h>
 
@@ -65,7 +65,8 @@ static bool check_commands(struct text commands, struct error *error)
 }
 
 /* do stop|record|COMMANDS */
-static bool read_action(struct parser *parser, struct event_line *line, struct item *commands, struct error *error)
+static bool read_action(struct parser *parser, struct event_line *line, struct item *commands,
+                        struct error *error)
 {
     if (!text_is(peek_word(parser->rest, ""), "do"))
         return event_usage(peek_word(parser->rest, ""), "after the expression comes 'do'", error);
@@ -77,15 +78,16 @@ static bool read_action(struct parser *parser, struct event_line *line, struct i
     else if (text_is(commands->text, "stop") || text_is(commands->text, "record"))
         line->action = text_is(commands->text, "stop") ? EVENT_STOP : EVENT_RECORD;
     else
-        return event_usage(commands->text, "'do' takes stop, record or a string of commands", error);
+        return event_usage(commands->text, "'do' takes stop, record or a string of commands",
+                           error);
     if (commands->text.len > LIMIT_EVENT_TEXT)
         return error_at(error, commands->text, "more than %d bytes of commands", LIMIT_EVENT_TEXT);
     return refuse_rest(parser, NULL, error) &&
            (line->action != EVENT_COMMANDS || check_commands(commands->text, error));
 }
 
-static bool read_event(struct session *session, const struct arguments *given, struct text name, struct text rule,
-                       struct error *error)
+static bool read_event(struct session *session, const struct arguments *given, struct text name,
+                       struct text rule, struct error *error)
 {
     /* It has to mean the same whenever it is looked at: no variables, no results. */
     const struct names names = {.session = session, .expects_run = true, .saved_only = true};
@@ -106,7 +108,8 @@ static bool read_event(struct session *session, const struct arguments *given, s
     if (!check_condition(&compared, text_trim((struct text){when.at, used}), error))
         return false;
     if (used > LIMIT_EVENT_TEXT)
-        return error_at(error, (struct text){when.at, used}, "more than %d bytes", LIMIT_EVENT_TEXT);
+        return error_at(error, (struct text){when.at, used}, "more than %d bytes",
+                        LIMIT_EVENT_TEXT);
     struct parser parser = {session, &scope, given->arena, after(when, used)};
     if (!read_action(&parser, &line, &commands, error))
         return false;
@@ -119,7 +122,8 @@ static bool read_event(struct session *session, const struct arguments *given, s
 
 HANDLER(event)
 {
-    const struct given *name = given_for(given, "NAME"), *rule = given_for(given, "when EXPR do stop|record|COMMANDS");
+    const struct given_argument *name = argument_given(given, "NAME"),
+                                *rule = argument_given(given, "when EXPR do stop|record|COMMANDS");
     const struct text end = name->count ? after(name->item->text, name->item->text.len) : TEXT("");
     const struct text rest = rule->count ? rule->item->text : end;
     if (name->count == 0) {
@@ -143,25 +147,32 @@ HANDLER(event)
 }
 #endif
 
-COMMAND(event, .row = {"event", "", "watch for a moment on the way of runs", "", NULL}, .group = "EQUATIONS",
-        .text = "The moment at which EXPR passes through 0 (rising: from below, falling: from above; touching: also "
+COMMAND(event, .row = {"event", "", "watch for a moment on the way of runs", "", NULL},
+        .group = "EQUATIONS",
+        .text = "The moment at which EXPR passes through 0 (rising: from below, falling: from "
+                "above; touching: also "
                 "where it becomes 0 and\n"
-                "goes back), or at which a comparison becomes true, is located inside of the step. Bounds of EXPR "
+                "goes back), or at which a comparison becomes true, is located inside of the step. "
+                "Bounds of EXPR "
                 "prove that none is missed\n"
-                "between the ends of steps, or the run says from when to when it may be incomplete; one that the "
+                "between the ends of steps, or the run says from when to when it may be "
+                "incomplete; one that the "
                 "run starts at is none, one at\n"
                 "its end is. 'do record' makes a row for 'list events' and 'export FILE events'; "
                 "'do stop' stops the run\n"
-                "there, and 'continue' goes on to where it was to end; a string of commands is executed after it has "
+                "there, and 'continue' goes on to where it was to end; a string of commands is "
+                "executed after it has "
                 "stopped, and where\n"
-                "'continue' is its last word the run goes on by itself: do 'print t; continue'. There NAME = VALUE "
+                "'continue' is its last word the run goes on by itself: do 'print t; continue'. "
+                "There NAME = VALUE "
                 "changes the run alone, a\n"
-                "parameter of it or what moves: v = -0.9*v. It holds for runs that start later; compare, sweep and "
+                "parameter of it or what moves: v = -0.9*v. It holds for runs that start later; "
+                "compare, sweep and "
                 "other studies know no\n"
                 "events. 'event NAME off' drops one, 'event off' all, 'event' shows them.",
-        .examples =
-            "event top when v falling do record; run 5 s; list events\nevent wall when y < -1 cm do 'v = -0.9*v; "
-            "continue'; run 5 s",
-        .see = "run list export equation", .flags = COMMAND_CHANGES,
-        .completes = COMPLETES_EVENT,
-        ARGUMENTS(PLACE("NAME", TYPE_NAME), PLACE("when EXPR do stop|record|COMMANDS", TYPE_FORMULA)))
+        .examples = "event top when v falling do record; run 5 s; list events\nevent wall when y < "
+                    "-1 cm do 'v = -0.9*v; "
+                    "continue'; run 5 s",
+        .see = "run list export equation", .flags = COMMAND_CHANGES, .completes = COMPLETES_EVENT,
+        ARGUMENTS(PLACE("NAME", TYPE_NAME),
+                  PLACE("when EXPR do stop|record|COMMANDS", TYPE_FORMULA)))

@@ -18,10 +18,12 @@ static void reply_method(const struct session *session, struct reply *reply)
         put_tol_floor(&text, settings.tol);
     } else {
         buffer_put(&text, TEXT("; dt = "));
-        buffer_measured(&text, (struct measured){settings.dt, 0}, QUANTITY_TIME, setup->settings.digits);
+        buffer_measured(&text, (struct measured){settings.dt, 0}, QUANTITY_TIME,
+                        setup->settings.digits);
     }
     if (setup->drag != DRAG_DEFAULT)
-        buffer_format(&text, "; drag %s", catalog_row(&drag_catalog, (size_t)setup->drag - 1)->name);
+        buffer_format(&text, "; drag %s",
+                      catalog_row(&drag_catalog, (size_t)setup->drag - 1)->name);
     reply_text(reply, buffer_text(&text));
     buffer_free(&text);
 }
@@ -31,7 +33,8 @@ static bool check_drag(const struct method *method, const struct item *item, str
     const enum drag drag = (enum drag)(item->index + 1);
     if (method->drags & (1u << drag))
         return true;
-    error_at(error, item->text, "%s has no variant with %s drag", method->row.name, item->row->name);
+    error_at(error, item->text, "%s has no variant with %s drag", method->row.name,
+             item->row->name);
     for (enum drag i = DRAG_EXACT; i < DRAG_COUNT; i++)
         if (method->drags & (1u << i))
             error_hint(error, "drag=%s", catalog_row(&drag_catalog, (size_t)i - 1)->name);
@@ -40,22 +43,30 @@ static bool check_drag(const struct method *method, const struct item *item, str
 
 HANDLER(method)
 {
-    const struct given *name = given_for(given, "NAME"), *dt = given_for(given, "dt"), *tol = given_for(given, "tol"),
-                       *drag = given_for(given, "drag");
+    const struct given_argument *name = argument_given(given, "NAME"),
+                                *dt = argument_given(given, "dt"),
+                                *tol = argument_given(given, "tol"),
+                                *drag = argument_given(given, "drag");
     struct setup *setup = &session->setup;
-    const struct method *method = name->count ? (const struct method *)(const void *)name->item->row : setup->method;
+    const struct method *method =
+        name->count ? (const struct method *)(const void *)name->item->row : setup->method;
     if (drag->count && !check_drag(method, drag->item, error))
         return false;
     if (tol->count && !(method->flags & METHOD_ADAPTIVE)) {
-        error_at(error, tol->where, "%s has no error estimate: it cannot adapt its step to a tolerance",
+        error_at(error, tol->where,
+                 "%s has no error estimate: it cannot adapt its step to a tolerance",
                  method->row.name);
         return error_hint(error, "give dt=, or choose a method that 'list methods' calls adaptive");
     }
     if (tol->count && tol->item->value.value >= 1)
         return error_at(error, tol->item->text, "tol is a number between 0 and 1");
     if (name->count || dt->count || tol->count || drag->count) {
-        setup->fixed = dt->count && !tol->count ? true : tol->count || name->count ? false : setup->fixed;
-        setup->drag = drag->count ? (enum drag)(drag->item->index + 1) : name->count ? DRAG_DEFAULT : setup->drag;
+        setup->fixed = dt->count && !tol->count    ? true
+                       : tol->count || name->count ? false
+                                                   : setup->fixed;
+        setup->drag = drag->count   ? (enum drag)(drag->item->index + 1)
+                      : name->count ? DRAG_DEFAULT
+                                    : setup->drag;
         setup->method = method;
         setup->method_chosen |= name->count > 0;
         if (dt->count)
@@ -70,14 +81,20 @@ HANDLER(method)
 }
 #endif
 
-COMMAND(
-    method, .row = {"method", "", "choose the method of integration, or show the present one", "", NULL},
-    .group = "METHOD",
-    .text = "A method with an error estimate adapts its step to tol unless dt= is given here or tol is off. 'list "
-            "methods' shows\n"
-            "them, 'help NAME' the formula, order, stability and source of one. Without a choice it is euler, as in "
-            "the lab: for equations\n"
-            "of your own dop853 is accurate, radau5 where they are stiff.",
-    .examples = "method symplectic-euler\nmethod verlet dt=5ms", .see = "list compare plan", .flags = COMMAND_CHANGES,
-    ARGUMENTS(PLACE("NAME", TYPE_CHOICE, .choices = &method_catalog), KEY("dt", TYPE_VALUE, .quantity = QUANTITY_TIME),
-              KEY("tol", TYPE_VALUE, .quantity = QUANTITY_NUMBER), KEY("drag", TYPE_CHOICE, .choices = &drag_catalog)))
+COMMAND(method,
+        .row = {"method", "", "choose the method of integration, or show the present one", "",
+                NULL},
+        .group = "METHOD",
+        .text = "A method with an error estimate adapts its step to tol unless dt= is given here "
+                "or tol is off. 'list "
+                "methods' shows\n"
+                "them, 'help NAME' the formula, order, stability and source of one. Without a "
+                "choice it is euler, as in "
+                "the lab: for equations\n"
+                "of your own dop853 is accurate, radau5 where they are stiff.",
+        .examples = "method symplectic-euler\nmethod verlet dt=5ms", .see = "list compare plan",
+        .flags = COMMAND_CHANGES,
+        ARGUMENTS(PLACE("NAME", TYPE_CHOICE, .choices = &method_catalog),
+                  KEY("dt", TYPE_VALUE, .quantity = QUANTITY_TIME),
+                  KEY("tol", TYPE_VALUE, .quantity = QUANTITY_NUMBER),
+                  KEY("drag", TYPE_CHOICE, .choices = &drag_catalog)))

@@ -12,8 +12,8 @@ static void put_param(const struct session *session, int param, struct buffer *t
     const struct scene *scene = &session->setup.scene;
     const struct param_row *row = param_at(scene, param);
     buffer_format(text, "%s = ", row->row.name);
-    buffer_measured(text, (struct measured){scene->value[param], scene->uncertainty[param]}, row->quantity,
-                    session->setup.settings.digits);
+    buffer_measured(text, (struct measured){scene->value[param], scene->uncertainty[param]},
+                    row->quantity, session->setup.settings.digits);
 }
 
 /* ---- scene ---- */
@@ -26,8 +26,8 @@ static bool preset_sets(const struct preset *preset, const char *name)
     return false;
 }
 
-/* Parameters that matter here: those of the preset, those the user has set, and of the many of the oscillator those of
- * every spring. */
+/* Parameters that matter here: those of the preset, those the user has set, and of the many of the
+ * oscillator those of every spring. */
 static void reply_scene(const struct session *session, struct reply *reply)
 {
     static const char always[] = " m k gamma y0 v0 ";
@@ -74,8 +74,8 @@ static void warn_hidden(const struct session *session, struct reply *reply)
     for (int i = 0; i < session->setup.lets; i++) {
         const char *name = session->setup.let[i].name, *kind;
         if (name_is_taken(session, text_of(name), &kind))
-            reply_warning(reply, "'%s' is a %s of %s: the variable of that name is hidden", name, kind,
-                          session->setup.scene.preset->row.name);
+            reply_warning(reply, "'%s' is a %s of %s: the variable of that name is hidden", name,
+                          kind, session->setup.scene.preset->row.name);
     }
 }
 
@@ -95,7 +95,8 @@ bool keep_own_scene(struct session *session, struct error *error)
 }
 
 /* An empty one; the handler's caller takes the set-up back if it fails. */
-static bool new_scene(struct session *session, const struct given *name, struct error *error)
+static bool new_scene(struct session *session, const struct given_argument *name,
+                      struct error *error)
 {
     const struct text as = name->count ? name->item->text : TEXT("");
     if (peek_name(as).len < as.len)
@@ -117,12 +118,14 @@ static bool new_scene(struct session *session, const struct given *name, struct 
 
 HANDLER(scene)
 {
-    const struct given *name = given_for(given, "NAME|new"), *as = given_for(given, "NAME");
+    const struct given_argument *name = argument_given(given, "NAME|new"),
+                                *as = argument_given(given, "NAME");
     if (name->count) {
         const struct model *before = session->setup.scene.model;
         const struct preset *preset = (const struct preset *)(const void *)name->item->row;
         if (preset && as->count)
-            return error_at(error, as->where, "a scene has one name; 'scene new NAME' begins one of your own");
+            return error_at(error, as->where,
+                            "a scene has one name; 'scene new NAME' begins one of your own");
         session->told_assumed = false;
         if (preset)
             scene_init(&session->setup.scene, preset);
@@ -143,7 +146,7 @@ HANDLER(scene)
 /* What stands after NAME, without the "=" of an assignment. */
 struct parser value_parser(struct session *session, const struct arguments *given)
 {
-    struct text value = given_for(given, "VALUE")->item->text;
+    struct text value = argument_given(given, "VALUE")->item->text;
     if (value.len > 0 && value.at[0] == '\'') /* of a velocity's name */
         value = (struct text){value.at + 1, value.len - 1};
     text_skip_blanks(&value);
@@ -152,7 +155,8 @@ struct parser value_parser(struct session *session, const struct arguments *give
     return (struct parser){session, given->scope, given->arena, value};
 }
 
-bool read_value(struct parser *parser, const char *what, enum quantity quantity, struct item *item, struct error *error)
+bool read_value(struct parser *parser, const char *what, enum quantity quantity, struct item *item,
+                struct error *error)
 {
     return parse_value(parser, what, quantity, item, error) && refuse_rest(parser, item, error);
 }
@@ -176,8 +180,8 @@ static int state_named(const struct session *session, struct text name, struct t
 }
 
 /* The scene as it was, where the run that goes on cannot follow. */
-static bool bind_param(struct session *session, int param, const struct scene *before, double *since,
-                       struct error *error)
+static bool bind_param(struct session *session, int param, const struct scene *before,
+                       double *since, struct error *error)
 {
     if (live_bind(session, param, since, error))
         return true;
@@ -185,8 +189,8 @@ static bool bind_param(struct session *session, int param, const struct scene *b
     return false;
 }
 
-static bool set_param(struct session *session, int param, const struct item *item, struct reply *reply,
-                      struct error *error)
+static bool set_param(struct session *session, int param, const struct item *item,
+                      struct reply *reply, struct error *error)
 {
     const struct scene before = session->setup.scene;
     double since;
@@ -203,8 +207,8 @@ static bool set_param(struct session *session, int param, const struct item *ite
 }
 
 /* What moves: a jump of the current run. */
-static bool set_state(struct session *session, int variable, struct parser *parser, struct reply *reply,
-                      struct error *error)
+static bool set_state(struct session *session, int variable, struct parser *parser,
+                      struct reply *reply, struct error *error)
 {
     const struct run *run = session_run(session);
     const struct variable moving = system_variable(&run->system, variable);
@@ -224,17 +228,19 @@ static bool set_state(struct session *session, int variable, struct parser *pars
 }
 
 /* Setting T0 sets k: the relative uncertainty goes along through the derivative of the inverse. */
-static bool set_derived(struct session *session, const struct derived_row *derived, const struct item *item,
-                        struct reply *reply, struct error *error)
+static bool set_derived(struct session *session, const struct derived_row *derived,
+                        const struct item *item, struct reply *reply, struct error *error)
 {
     struct scene *scene = &session->setup.scene;
     if (!derived->inverse) {
-        error_at(error, item->text, "%s follows from the parameters and cannot be set", derived->row.name);
+        error_at(error, item->text, "%s follows from the parameters and cannot be set",
+                 derived->row.name);
         return error_hint(error, "help %s says from which", derived->row.name);
     }
     const double x = item->value.value, u = item->value.uncertainty;
     const double value = derived->inverse(scene, x), h = 1e-6 * fabs(x);
-    const double slope = h > 0 ? (derived->inverse(scene, x + h) - derived->inverse(scene, x - h)) / (2 * h) : 0;
+    const double slope =
+        h > 0 ? (derived->inverse(scene, x + h) - derived->inverse(scene, x - h)) / (2 * h) : 0;
     if (!isfinite(value))
         return error_at(error, item->text, "%s cannot have this value here", derived->row.name);
     const int target = scene_param(scene, derived->target);
@@ -256,7 +262,8 @@ static bool set_derived(struct session *session, const struct derived_row *deriv
     return true;
 }
 
-static void reply_setting(const struct session *session, const struct setting *setting, struct reply *reply)
+static void reply_setting(const struct session *session, const struct setting *setting,
+                          struct reply *reply)
 {
     struct buffer text = {0};
     buffer_format(&text, "%s = ", setting->row.name);
@@ -264,7 +271,8 @@ static void reply_setting(const struct session *session, const struct setting *s
     const struct method *method = session->setup.method;
     const struct run_settings now = session_run_settings(session);
     if (setting->use == USE_STEP && now.tol > 0)
-        buffer_format(&text, " (the first step: %s chooses its own; 'tol = off' for fixed steps)", method->row.name);
+        buffer_format(&text, " (the first step: %s chooses its own; 'tol = off' for fixed steps)",
+                      method->row.name);
     if (setting->use == USE_TOLERANCE) {
         put_tol_floor(&text, now.tol);
         if (!(method->flags & METHOD_ADAPTIVE))
@@ -274,8 +282,8 @@ static void reply_setting(const struct session *session, const struct setting *s
     buffer_free(&text);
 }
 
-static bool set_let(struct session *session, struct text name, const struct item *item, struct reply *reply,
-                    struct error *error)
+static bool set_let(struct session *session, struct text name, const struct item *item,
+                    struct reply *reply, struct error *error)
 {
     struct setup *setup = &session->setup;
     struct named_value *let = NULL;
@@ -288,8 +296,9 @@ static bool set_let(struct session *session, struct text name, const struct item
         return error_at(error, name, "%d variables exist already", LIMIT_LET);
     if (!let)
         let = &setup->let[setup->lets++];
-    *let = (struct named_value){
-        .value = item->value.value, .uncertainty = item->value.uncertainty, .quantity = item->quantity};
+    *let = (struct named_value){.value = item->value.value,
+                                .uncertainty = item->value.uncertainty,
+                                .quantity = item->quantity};
     memcpy(let->name, name.at, name.len);
     session_changed(session);
     struct buffer text = {0};
@@ -302,19 +311,19 @@ static bool set_let(struct session *session, struct text name, const struct item
 
 HANDLER(set)
 {
-    const struct text name = given_for(given, "NAME")->item->text;
+    const struct text name = argument_given(given, "NAME")->item->text;
     const struct catalog *params = scene_params(&session->setup.scene);
     struct parser parser = value_parser(session, given);
     struct item item = {0};
     const struct row *row;
-    const int variable = state_named(session, name, given_for(given, "VALUE")->item->text);
+    const int variable = state_named(session, name, argument_given(given, "VALUE")->item->text);
     bool ok;
     if (variable >= 0) {
         ok = set_state(session, variable, &parser, reply, error);
     } else if ((row = catalog_find(params, name))) {
         const struct param_row *param = (const struct param_row *)(const void *)row;
         ok = read_value(&parser, row->name, param->quantity, &item, error) &&
-             set_param(session, catalog_place(params, row), &item, reply, error);
+             set_param(session, catalog_index(params, row), &item, reply, error);
     } else if ((row = catalog_find(scene_derived(&session->setup.scene), name))) {
         const struct derived_row *derived = (const struct derived_row *)(const void *)row;
         ok = read_value(&parser, row->name, derived->quantity, &item, error) &&
@@ -331,13 +340,13 @@ HANDLER(set)
                 reply_inapplicable(session, reply);
         }
     } else {
-        int place = 0;
-        while (place < session->setup.lets && !text_is(name, session->setup.let[place].name))
-            place++;
-        ok = place < session->setup.lets
-                 ? read_value(&parser, session->setup.let[place].name, QUANTITY_OTHER, &item, error) &&
-                       set_let(session, name, &item, reply, error)
-                 : unknown_parameter(session, name, error);
+        int index = 0;
+        while (index < session->setup.lets && !text_is(name, session->setup.let[index].name))
+            index++;
+        ok = index < session->setup.lets ? read_value(&parser, session->setup.let[index].name,
+                                                      QUANTITY_OTHER, &item, error) &&
+                                               set_let(session, name, &item, reply, error)
+                                         : unknown_parameter(session, name, error);
     }
     if (ok)
         session_changed(session);
@@ -346,12 +355,12 @@ HANDLER(set)
 
 HANDLER(unset)
 {
-    const struct text name = given_for(given, "NAME")->item->text;
+    const struct text name = argument_given(given, "NAME")->item->text;
     const struct catalog *params = scene_params(&session->setup.scene);
     const struct row *row = catalog_find(params, name);
     struct buffer text = {0};
     if (row) {
-        const int param = catalog_place(params, row);
+        const int param = catalog_index(params, row);
         const struct scene before = session->setup.scene;
         double since;
         scene_unset(&session->setup.scene, param);
@@ -377,13 +386,13 @@ HANDLER(unset)
         buffer_format(&text, "%s = ", row->name);
         setting_show(setting, &session->setup.settings, &text);
     } else {
-        int place = 0;
-        while (place < session->setup.lets && !text_is(name, session->setup.let[place].name))
-            place++;
-        if (place == session->setup.lets)
+        int index = 0;
+        while (index < session->setup.lets && !text_is(name, session->setup.let[index].name))
+            index++;
+        if (index == session->setup.lets)
             return unknown_parameter(session, name, error);
-        buffer_format(&text, "%s is gone", session->setup.let[place].name);
-        session->setup.let[place] = session->setup.let[--session->setup.lets];
+        buffer_format(&text, "%s is gone", session->setup.let[index].name);
+        session->setup.let[index] = session->setup.let[--session->setup.lets];
     }
     session_changed(session);
     reply_text(reply, buffer_text(&text));
@@ -393,7 +402,7 @@ HANDLER(unset)
 
 HANDLER(let)
 {
-    const struct text name = given_for(given, "NAME")->item->text;
+    const struct text name = argument_given(given, "NAME")->item->text;
     const char *kind;
     if (name_is_taken(session, name, &kind)) {
         error_at(error, name, "'%.*s' is taken: it is the name of %s %s", (int)name.len, name.at,
@@ -421,7 +430,8 @@ HANDLER(plan)
     struct buffer text = {0};
     plan_describe(&setup->scene, &system, setup->method, &settings, &plan, &text);
     plan_opinion(session, &system, &plan, &text);
-    const struct reference *known = references_find(&session->references, &setup->scene, setup->settings.duration);
+    const struct reference *known =
+        references_find(&session->references, &setup->scene, setup->settings.duration);
     if (known && !known->exact) {
         buffer_put(&text, TEXT("reference "));
         reference_describe(known, &text);
@@ -435,39 +445,50 @@ HANDLER(plan)
 }
 #endif
 
-COMMAND(
-    scene, .row = {"scene", "", "choose a scene, or show the present one", "", NULL}, .group = "SCENE",
-    .text =
-        "Sets all parameters to those of the scene, and duration and tol to its own unless they were set; method, dt "
-        "and\nrecordings stay. 'list scenes' shows what there is. "
-        "Without NAME it\nshows the present one, with the equations, forces and events that were typed. 'scene new' "
-        "begins an empty one for equations\nof your own; under a NAME it can be chosen again later.",
-    .examples = "scene damped\nscene new decay; var x = 1; x' = -x; run 1 s", .see = "set show plan var force",
-    .flags = COMMAND_CHANGES, ARGUMENTS(PLACE("NAME|new", TYPE_SCENE), PLACE("NAME", TYPE_TEXT)))
+COMMAND(scene, .row = {"scene", "", "choose a scene, or show the present one", "", NULL},
+        .group = "SCENE",
+        .text = "Sets all parameters to those of the scene, and duration and tol to its own unless "
+                "they were set; method, dt "
+                "and\nrecordings stay. 'list scenes' shows what there is. "
+                "Without NAME it\nshows the present one, with the equations, forces and events "
+                "that were typed. 'scene new' "
+                "begins an empty one for equations\nof your own; under a NAME it can be chosen "
+                "again later.",
+        .examples = "scene damped\nscene new decay; var x = 1; x' = -x; run 1 s",
+        .see = "set show plan var force", .flags = COMMAND_CHANGES,
+        ARGUMENTS(PLACE("NAME|new", TYPE_SCENE), PLACE("NAME", TYPE_TEXT)))
 
 COMMAND(set, .row = {"set", "", "set a parameter or a setting", "", NULL}, .group = "SCENE",
-        .text = "The same as NAME = value. A value may carry a unit and an uncertainty; a bare number is in the SI "
+        .text = "The same as NAME = value. A value may carry a unit and an uncertainty; a bare "
+                "number is in the SI "
                 "unit. Setting omega0,\n"
-                "T0 or f0 of a spring sets k. 'show all' lists the names; which there are depends on the scene.",
+                "T0 or f0 of a spring sets k. 'show all' lists the names; which there are depends "
+                "on the scene.",
         .examples = "set m 199.9 +- 0.1 g\nT0 = 0.73 s", .see = "unset show let",
-        .flags = COMMAND_ASSIGNS | COMMAND_CHANGES | COMMAND_ANYTIME,
-        .completes = COMPLETES_VALUES,
-        ARGUMENTS(PLACE("NAME", TYPE_NAME, .flags = ARG_REQUIRED), PLACE("VALUE", TYPE_REST, .flags = ARG_REQUIRED)))
+        .flags = COMMAND_ASSIGNS | COMMAND_CHANGES | COMMAND_ANYTIME, .completes = COMPLETES_VALUES,
+        ARGUMENTS(PLACE("NAME", TYPE_NAME, .flags = ARG_REQUIRED),
+                  PLACE("VALUE", TYPE_REST, .flags = ARG_REQUIRED)))
 
-COMMAND(
-    unset, .row = {"unset", "", "give a parameter or a setting its default again", "", NULL}, .group = "SCENE",
-    .text = "Parameters get the value of the scene, settings that of a new session; a variable made by let is removed.",
-    .examples = "unset gamma\nunset dt", .see = "set scene", .flags = COMMAND_CHANGES | COMMAND_ANYTIME,
-    ARGUMENTS(PLACE("NAME", TYPE_NAME, .flags = ARG_REQUIRED)))
+COMMAND(unset, .row = {"unset", "", "give a parameter or a setting its default again", "", NULL},
+        .group = "SCENE",
+        .text = "Parameters get the value of the scene, settings that of a new session; a variable "
+                "made by let is removed.",
+        .examples = "unset gamma\nunset dt", .see = "set scene",
+        .flags = COMMAND_CHANGES | COMMAND_ANYTIME,
+        ARGUMENTS(PLACE("NAME", TYPE_NAME, .flags = ARG_REQUIRED)))
 
 COMMAND(let, .row = {"let", "", "make a variable", "", NULL}, .group = "SCENE",
         .text = "The value is computed at once. Variables can be used wherever a number can.",
         .examples = "let A = 4.2 cm\nlet n = 10; run n*T0", .see = "set print",
-        .flags = COMMAND_CHANGES | COMMAND_ANYTIME,
-        .completes = COMPLETES_VALUES,
-        ARGUMENTS(PLACE("NAME", TYPE_NAME, .flags = ARG_REQUIRED), PLACE("VALUE", TYPE_REST, .flags = ARG_REQUIRED)))
+        .flags = COMMAND_CHANGES | COMMAND_ANYTIME, .completes = COMPLETES_VALUES,
+        ARGUMENTS(PLACE("NAME", TYPE_NAME, .flags = ARG_REQUIRED),
+                  PLACE("VALUE", TYPE_REST, .flags = ARG_REQUIRED)))
 
-COMMAND(plan, .row = {"plan", "", "what will be computed for this scene and method, and what is left out", "", NULL},
+COMMAND(plan,
+        .row = {"plan", "", "what will be computed for this scene and method, and what is left out",
+                "", NULL},
         .group = "SCENE",
-        .text = "Nothing is run. Shows the forces that act, steps, memory, and the predicted growth a step.",
-        .examples = "plan\nmethod verlet; plan", .see = "scene method run", .flags = COMMAND_ANYTIME)
+        .text = "Nothing is run. Shows the forces that act, steps, memory, and the predicted "
+                "growth a step.",
+        .examples = "plan\nmethod verlet; plan", .see = "scene method run",
+        .flags = COMMAND_ANYTIME)

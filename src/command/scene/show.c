@@ -7,8 +7,8 @@
 #include <string.h>
 
 /* One named value, as a line and as a record. */
-static void show_value(const struct session *session, const struct named_value *value, const char *brief,
-                       struct reply *reply)
+static void show_value(const struct session *session, const struct named_value *value,
+                       const char *brief, struct reply *reply)
 {
     const struct measured measured = {value->value, value->uncertainty};
     struct buffer text = {0};
@@ -26,7 +26,8 @@ static void show_value(const struct session *session, const struct named_value *
     reply_string(reply, "name", value->name);
     reply_real(reply, "value", value->value);
     reply_real(reply, "uncertainty", value->uncertainty);
-    reply_string(reply, "unit", value->quantity == QUANTITY_OTHER ? NULL : quantity_unit(value->quantity));
+    reply_string(reply, "unit",
+                 value->quantity == QUANTITY_OTHER ? NULL : quantity_unit(value->quantity));
     reply_end(reply);
 }
 
@@ -40,7 +41,8 @@ static void show_name(const struct session *session, const struct row *row, stru
     show_value(session, &value, row->brief, reply);
 }
 
-static void show_setting(const struct session *session, const struct setting *setting, struct reply *reply)
+static void show_setting(const struct session *session, const struct setting *setting,
+                         struct reply *reply)
 {
     struct buffer value = {0}, text = {0};
     setting_show(setting, &session->setup.settings, &value);
@@ -61,7 +63,8 @@ static void show_setting(const struct session *session, const struct setting *se
     buffer_free(&text);
 }
 
-static void show_catalog_values(const struct session *session, const struct catalog *catalog, struct reply *reply)
+static void show_catalog_values(const struct session *session, const struct catalog *catalog,
+                                struct reply *reply)
 {
     for (size_t i = 0; i < catalog->count; i++)
         show_name(session, catalog_row(catalog, i), reply);
@@ -70,7 +73,8 @@ static void show_catalog_values(const struct session *session, const struct cata
 static void show_settings(const struct session *session, bool display_only, struct reply *reply)
 {
     for (size_t i = 0; i < setting_catalog.count; i++) {
-        const struct setting *setting = (const struct setting *)(const void *)catalog_row(&setting_catalog, i);
+        const struct setting *setting =
+            (const struct setting *)(const void *)catalog_row(&setting_catalog, i);
         if (!display_only || setting->display || setting->plots)
             show_setting(session, setting, reply);
     }
@@ -115,7 +119,8 @@ static void show_files(const struct session *session, struct reply *reply)
     for (int i = 0; i < session->recordings; i++) {
         struct buffer path = {0};
         safe_text(&path, text_of(session->recording[i]->recording->path), false);
-        reply_line(reply, "read     %s (%s)", buffer_view(&path), session->recording[i]->recording->name);
+        reply_line(reply, "read     %s (%s)", buffer_view(&path),
+                   session->recording[i]->recording->name);
         buffer_free(&path);
     }
     reply_line(reply, "record   %s", session->record_path ? session->record_path : "off");
@@ -125,15 +130,17 @@ static void show_summary(const struct session *session, struct reply *reply)
 {
     struct buffer text = {0};
     session_state_line(session, &text);
-    buffer_format(&text, "\n%d run%s, %d recording%s, %d measurement%s", session->runs, session->runs == 1 ? "" : "s",
-                  session->recordings, session->recordings == 1 ? "" : "s", session->measurements,
+    buffer_format(&text, "\n%d run%s, %d recording%s, %d measurement%s", session->runs,
+                  session->runs == 1 ? "" : "s", session->recordings,
+                  session->recordings == 1 ? "" : "s", session->measurements,
                   session->measurements == 1 ? "" : "s");
     reply_text(reply, buffer_text(&text));
     buffer_free(&text);
 }
 
 /* What moves, then what follows from it. */
-static void show_state(const struct session *session, const struct model *model, struct reply *reply)
+static void show_state(const struct session *session, const struct model *model,
+                       struct reply *reply)
 {
     for (int i = 0; i < model->n; i++) {
         const struct text name = text_of(model->variable[i].name);
@@ -153,7 +160,8 @@ static void show_state(const struct session *session, const struct model *model,
     }
     for (size_t i = 0; i < observable_catalog.count; i++) {
         const struct row *row = catalog_row(&observable_catalog, i);
-        const bool is_state = model != &oscillator_model && model_variable(model, text_of(row->name)) >= 0;
+        const bool is_state =
+            model != &oscillator_model && model_variable(model, text_of(row->name)) >= 0;
         if (!is_state && model_offers(model, (const struct observable *)(const void *)row))
             show_name(session, row, reply);
     }
@@ -173,7 +181,7 @@ static void show_all(const struct session *session, struct reply *reply)
 
 HANDLER(show)
 {
-    const struct given *what = given_for(given, "NAME");
+    const struct given_argument *what = argument_given(given, "NAME");
     const struct scene *scene = &session->setup.scene;
     struct named_value value = {.quantity = QUANTITY_OTHER};
     if (what->count == 0) {
@@ -183,7 +191,7 @@ HANDLER(show)
     const struct text name = what->item->text;
     const struct row *row = catalog_find(&show_catalog, name);
     if (row) {
-        switch ((enum show_topic)catalog_place(&show_catalog, row)) {
+        switch ((enum show_topic)catalog_index(&show_catalog, row)) {
         case SHOW_ALL:
             show_all(session, reply);
             break;
@@ -211,7 +219,8 @@ HANDLER(show)
     }
     if (names_value(session, name, &value)) {
         const struct run *run = session_run(session);
-        const struct catalog *const catalogs[] = {scene_params(scene), scene_derived(scene), &observable_catalog};
+        const struct catalog *const catalogs[] = {scene_params(scene), scene_derived(scene),
+                                                  &observable_catalog};
         for (size_t i = 0; i < COUNT_OF(catalogs) && !row; i++)
             row = catalog_find(catalogs[i], name);
         /* `y` of two coordinates is not the first of them, which the observable means. */
@@ -226,15 +235,16 @@ HANDLER(show)
         return true;
     }
     if (model_variable(scene->model, name) >= 0 || model_observation(scene->model, name) >= 0) {
-        error_at(error, name, "'%.*s' has no value: there is no run of this scene yet", (int)name.len, name.at);
+        error_at(error, name, "'%.*s' has no value: there is no run of this scene yet",
+                 (int)name.len, name.at);
         return error_hint(error, "type: run  ('show scene' lists where it starts)");
     }
     error_at(error, name, "unknown name '%.*s'", (int)(name.len < 80 ? name.len : 80), name.at);
     if (hint_other_model(session, name, error))
         return false;
     struct suggestion near = {.wanted = name};
-    const struct catalog *const catalogs[] = {&show_catalog, scene_params(scene), scene_derived(scene),
-                                              &setting_catalog};
+    const struct catalog *const catalogs[] = {&show_catalog, scene_params(scene),
+                                              scene_derived(scene), &setting_catalog};
     for (size_t c = 0; c < COUNT_OF(catalogs); c++)
         for (size_t i = 0; i < catalogs[c]->count; i++)
             suggestion_offer(&near, catalog_row(catalogs[c], i)->name);
@@ -243,7 +253,7 @@ HANDLER(show)
 }
 #endif
 
-COMMAND(show, .row = {"show", "", "show values: of a name, a group, or a summary", "", NULL}, .group = "SCENE",
-        .text = "Groups are all, scene, run, data, plot and files.", .examples = "show k\nshow all",
-        .see = "set print list help", .flags = COMMAND_ANYTIME, .completes = COMPLETES_SHOWN,
-        ARGUMENTS(PLACE("NAME", TYPE_NAME)))
+COMMAND(show, .row = {"show", "", "show values: of a name, a group, or a summary", "", NULL},
+        .group = "SCENE", .text = "Groups are all, scene, run, data, plot and files.",
+        .examples = "show k\nshow all", .see = "set print list help", .flags = COMMAND_ANYTIME,
+        .completes = COMPLETES_SHOWN, ARGUMENTS(PLACE("NAME", TYPE_NAME)))

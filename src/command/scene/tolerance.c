@@ -22,7 +22,8 @@ static bool no_variable(const struct model *model, struct text name, struct erro
     struct buffer names = {0};
     for (int i = 0; i < model->n; i++)
         buffer_format(&names, "%s%s", i > 0 ? ", " : "", model->variable[i].name);
-    error_at(error, name, "'%.*s' is no variable of this scene", (int)(name.len < 64 ? name.len : 64), name.at);
+    error_at(error, name, "'%.*s' is no variable of this scene",
+             (int)(name.len < 64 ? name.len : 64), name.at);
     if (model->n == 0)
         error_hint(error, "'var NAME = VALUE' makes one");
     else
@@ -32,7 +33,8 @@ static bool no_variable(const struct model *model, struct text name, struct erro
 }
 
 /* Of one variable. */
-static bool set_atol(struct session *session, int i, struct parser *parser, struct reply *reply, struct error *error)
+static bool set_atol(struct session *session, int i, struct parser *parser, struct reply *reply,
+                     struct error *error)
 {
     struct scene *scene = &session->setup.scene;
     const struct variable *variable = &scene->model->variable[i];
@@ -48,7 +50,8 @@ static bool set_atol(struct session *session, int i, struct parser *parser, stru
     struct buffer text = {0};
     atol_describe(scene, i, &text);
     if (!(session->setup.method->flags & METHOD_ADAPTIVE))
-        buffer_format(&text, " (for methods that adapt; %s has fixed steps)", session->setup.method->row.name);
+        buffer_format(&text, " (for methods that adapt; %s has fixed steps)",
+                      session->setup.method->row.name);
     reply_text(reply, buffer_text(&text));
     buffer_free(&text);
     return true;
@@ -56,7 +59,8 @@ static bool set_atol(struct session *session, int i, struct parser *parser, stru
 
 HANDLER(atol)
 {
-    const struct given *name = given_for(given, "NAME"), *value = given_for(given, "VALUE");
+    const struct given_argument *name = argument_given(given, "NAME"),
+                                *value = argument_given(given, "VALUE");
     struct scene *scene = &session->setup.scene;
     if (!name->count) {
         list_atol(session, reply);
@@ -71,22 +75,28 @@ HANDLER(atol)
         return true;
     }
     if (!value->count)
-        return error_at(error, wanted, "atol %.*s needs a value, or off", (int)(wanted.len < 64 ? wanted.len : 64),
-                        wanted.at);
+        return error_at(error, wanted, "atol %.*s needs a value, or off",
+                        (int)(wanted.len < 64 ? wanted.len : 64), wanted.at);
     const struct text rest = value->item->text;
     wanted.len += rest.len > 0 && rest.at == wanted.at + wanted.len && rest.at[0] == '\'';
     const int i = model_variable(scene->model, wanted);
     struct parser parser = value_parser(session, given);
-    return i < 0 ? no_variable(scene->model, wanted, error) : set_atol(session, i, &parser, reply, error);
+    return i < 0 ? no_variable(scene->model, wanted, error)
+                 : set_atol(session, i, &parser, reply, error);
 }
 #endif
 
 COMMAND(atol,
-        .row = {"atol", "", "absolute tolerance of a variable, for methods that adapt", "", NULL}, .group = "METHOD",
-        .text = "Errors of a step may be as large as tol times the size of the variable along the run, or times its "
-                "present\nvalue where that is larger. 'atol NAME = VALUE' puts VALUE in the place of the former: a small "
-                "one for what\ndecays or starts from nothing and matters all the same, a large one for what does not "
-                "matter. It belongs to the\nscene, and holds for runs from then on. 'atol' lists them, 'atol NAME off' "
+        .row = {"atol", "", "absolute tolerance of a variable, for methods that adapt", "", NULL},
+        .group = "METHOD",
+        .text = "Errors of a step may be as large as tol times the size of the variable along the "
+                "run, or times its "
+                "present\nvalue where that is larger. 'atol NAME = VALUE' puts VALUE in the place "
+                "of the former: a small "
+                "one for what\ndecays or starts from nothing and matters all the same, a large one "
+                "for what does not "
+                "matter. It belongs to the\nscene, and holds for runs from then on. 'atol' lists "
+                "them, 'atol NAME off' "
                 "and 'atol off' take them back.",
         .examples = "atol y = 0.001 mm; method dopri5; run 1 s\natol off", .see = "method set run",
         .flags = COMMAND_CHANGES, .completes = COMPLETES_ATOL,

@@ -11,7 +11,8 @@ static void put_params(const struct scene *scene, struct buffer *text)
 bool unknown_parameter(const struct session *session, struct text name, struct error *error)
 {
     const struct scene *scene = &session->setup.scene;
-    const struct catalog *const catalogs[] = {scene_params(scene), scene_derived(scene), &setting_catalog};
+    const struct catalog *const catalogs[] = {scene_params(scene), scene_derived(scene),
+                                              &setting_catalog};
     const int shown = (int)(name.len < 80 ? name.len : 80);
     struct suggestion near = {.wanted = name};
     if (catalog_find(&command_catalog, name)) {
@@ -20,10 +21,11 @@ bool unknown_parameter(const struct session *session, struct text name, struct e
     }
     if (model_variable(scene->model, name) >= 0) {
         error_at(error, name, "'%.*s' is what moves, not a parameter", shown, name.at);
-        return error_hint(error,
-                          "'show scene' lists the parameters, also those of the start; 'change %.*s VALUE' makes "
-                          "the current run jump",
-                          shown, name.at);
+        return error_hint(
+            error,
+            "'show scene' lists the parameters, also those of the start; 'change %.*s VALUE' makes "
+            "the current run jump",
+            shown, name.at);
     }
     for (size_t c = 0; c < COUNT_OF(catalogs); c++)
         for (size_t i = 0; i < catalogs[c]->count; i++)
@@ -34,17 +36,19 @@ bool unknown_parameter(const struct session *session, struct text name, struct e
     if (scene->model != &oscillator_model) { /* it has few */
         struct buffer text = {0};
         put_params(scene, &text);
-        error_at(error, name, "%s has no parameter '%.*s'; it has%s", scene->preset->row.name, shown, name.at,
-                 buffer_view(&text));
+        error_at(error, name, "%s has no parameter '%.*s'; it has%s", scene->preset->row.name,
+                 shown, name.at, buffer_view(&text));
         buffer_free(&text);
     } else if (elsewhere) {
-        error_at(error, name, "%s has no parameter '%.*s'", scene->preset->row.name, shown, name.at);
+        error_at(error, name, "%s has no parameter '%.*s'", scene->preset->row.name, shown,
+                 name.at);
     } else {
         error_at(error, name, "unknown parameter '%.*s'", shown, name.at);
     }
     if (hint_other_model(session, name, error))
         return false;
     suggestion_hint(&near, error);
-    return error_hint(error, near.count ? "('show all' lists the parameters)"
-                                        : "'show all' lists the parameters; 'let NAME = value' makes a variable");
+    return error_hint(
+        error, near.count ? "('show all' lists the parameters)"
+                          : "'show all' lists the parameters; 'let NAME = value' makes a variable");
 }

@@ -45,11 +45,12 @@ static void help_command(const struct row *row, struct buffer *text)
 }
 
 /* ", a parameter of pendulum"; of the oscillator that goes without saying. */
-static void put_kind(struct buffer *text, const struct row *row, const char *kind, const struct model *model)
+static void put_kind(struct buffer *text, const struct row *row, const char *kind,
+                     const struct model *model)
 {
     const bool other = model != &oscillator_model;
-    buffer_format(text, "%s [%s], %s%s%s: %s\n", row->name, *row->unit ? row->unit : "1", kind, other ? " of " : "",
-                  other ? model->row.name : "", row->brief);
+    buffer_format(text, "%s [%s], %s%s%s: %s\n", row->name, *row->unit ? row->unit : "1", kind,
+                  other ? " of " : "", other ? model->row.name : "", row->brief);
 }
 
 static void help_param(const struct model *model, const struct row *row, struct buffer *text)
@@ -58,16 +59,17 @@ static void help_param(const struct model *model, const struct row *row, struct 
     put_kind(text, row, "a parameter", model);
     buffer_put(text, TEXT("default "));
     buffer_quantity(text, param->initial, param->quantity, 0);
-    if (isfinite(param->least))
-        buffer_format(text, ", %s %g", param->least_excluded ? "more than" : "at least", param->least);
+    if (isfinite(param->min))
+        buffer_format(text, ", %s %g", param->least_excluded ? "more than" : "at least",
+                      param->min);
     struct buffer units = {0};
     quantity_units(param->quantity, &units);
     if (units.len > 0)
         buffer_format(text, "; units: %s", buffer_view(&units));
     struct buffer value = {0};
     buffer_quantity(&value, param->initial, param->quantity, 0);
-    buffer_format(text, "\nexamples:\n  %s = %s\n  show %s\nsee also: set show", row->name, buffer_view(&value),
-                  row->name);
+    buffer_format(text, "\nexamples:\n  %s = %s\n  show %s\nsee also: set show", row->name,
+                  buffer_view(&value), row->name);
     buffer_free(&value);
     buffer_free(&units);
 }
@@ -78,7 +80,8 @@ static void help_derived(const struct model *model, const struct row *row, struc
     put_kind(text, row, "a derived quantity", model);
     if (derived->inverse)
         buffer_format(text, "setting it sets %s\n", derived->target);
-    buffer_format(text, "examples:\n  print %s\n  show %s\nsee also: show set", row->name, row->name);
+    buffer_format(text, "examples:\n  print %s\n  show %s\nsee also: show set", row->name,
+                  row->name);
 }
 
 static void help_setting(const struct row *row, struct buffer *text)
@@ -132,15 +135,17 @@ static void help_method(const struct row *row, struct buffer *text)
                  {METHOD_L_STABLE, "L-stable"},
                  {METHOD_ADAPTIVE, "adaptive"},
                  {METHOD_EXACT, "exact"},
-                 {METHOD_YARDSTICK, "a yardstick: not hooke's own"}};
+                 {METHOD_EXTERNAL, "a yardstick: not hooke's own"}};
     const struct method *method = (const struct method *)(const void *)row;
     buffer_format(text, "%s, a method: %s\n", row->name, row->brief);
     put_indented(text, method->formula);
     if (method->order > 0)
-        buffer_format(text, "%s %d", method->flags & METHOD_YARDSTICK ? "orders up to" : "order", method->order);
+        buffer_format(text, "%s %d", method->flags & METHOD_EXTERNAL ? "orders up to" : "order",
+                      method->order);
     else
         buffer_put(text, TEXT("exact"));
-    buffer_format(text, ", %d force evaluation%s a step", method->evals, method->evals == 1 ? "" : "s");
+    buffer_format(text, ", %d force evaluation%s a step", method->evals,
+                  method->evals == 1 ? "" : "s");
     for (size_t i = 0; i < COUNT_OF(words); i++)
         if (method->flags & words[i].flag)
             buffer_format(text, ", %s", words[i].word);
@@ -148,11 +153,13 @@ static void help_method(const struct row *row, struct buffer *text)
     for (enum drag d = DRAG_EXACT; d < DRAG_COUNT; d++)
         if (method->drags & (1u << d))
             buffer_format(text, "%s%s%s", method->drags & ((1u << d) - 1) ? ", " : "\ndrag: ",
-                          catalog_row(&drag_catalog, (size_t)d - 1)->name, d == method->drag ? " (default)" : "");
+                          catalog_row(&drag_catalog, (size_t)d - 1)->name,
+                          d == method->drag ? " (default)" : "");
     if (*row->citation)
         buffer_format(text, "\nsource: %s", row->citation);
-    buffer_format(text, "\nexamples:\n  method %s\n  compare euler %s\nsee also: method list compare", row->name,
-                  row->name);
+    buffer_format(text,
+                  "\nexamples:\n  method %s\n  compare euler %s\nsee also: method list compare",
+                  row->name, row->name);
 }
 
 static void help_unit(const struct row *row, struct buffer *text)
@@ -160,19 +167,21 @@ static void help_unit(const struct row *row, struct buffer *text)
     const struct unit *unit = (const struct unit *)(const void *)row;
     struct buffer units = {0};
     quantity_units(unit->quantity, &units);
-    buffer_format(text, "%s, a unit of %s: %s = ", row->name, quantity_name(unit->quantity), row->brief);
+    buffer_format(text, "%s, a unit of %s: %s = ", row->name, quantity_name(unit->quantity),
+                  row->brief);
     buffer_real(text, unit->factor);
-    buffer_format(text, " %s\nunits of %s: %s\nexamples:\n  print 1 %s\n  list units\nsee also: set", row->unit,
-                  quantity_name(unit->quantity), buffer_view(&units), row->name);
+    buffer_format(text,
+                  " %s\nunits of %s: %s\nexamples:\n  print 1 %s\n  list units\nsee also: set",
+                  row->unit, quantity_name(unit->quantity), buffer_view(&units), row->name);
     buffer_free(&units);
 }
 
 static void help_observable(const struct row *row, struct buffer *text)
 {
-    buffer_format(
-        text,
-        "%s [%s], of a run: %s\nexamples:\n  run; print %s\n  run; export run.csv t,%s\nsee also: export print run",
-        row->name, *row->unit ? row->unit : "1", row->brief, row->name, row->name);
+    buffer_format(text,
+                  "%s [%s], of a run: %s\nexamples:\n  run; print %s\n  run; export run.csv "
+                  "t,%s\nsee also: export print run",
+                  row->name, *row->unit ? row->unit : "1", row->brief, row->name, row->name);
 }
 
 static void help_preset(const struct row *row, struct buffer *text)
@@ -183,14 +192,15 @@ static void help_preset(const struct row *row, struct buffer *text)
     for (int i = 0; i < model->n; i++)
         buffer_format(text, "%s %s", i ? "," : "", model->variable[i].name);
     for (size_t i = 0; i < COUNT_OF(preset->value) && preset->value[i].param; i++) {
-        const struct param_row *param =
-            (const struct param_row *)(const void *)catalog_find(model->params, text_of(preset->value[i].param));
+        const struct param_row *param = (const struct param_row *)(const void *)catalog_find(
+            model->params, text_of(preset->value[i].param));
         buffer_format(text, "%s%s = ", i ? ", " : "\n  ", preset->value[i].param);
         buffer_quantity(text, preset->value[i].value, param->quantity, 0);
     }
     if (*row->citation)
         buffer_format(text, "\nsource: %s", row->citation);
-    buffer_format(text, "\nexamples:\n  scene %s\n  scene %s; plan\nsee also: scene list", row->name, row->name);
+    buffer_format(text, "\nexamples:\n  scene %s\n  scene %s; plan\nsee also: scene list",
+                  row->name, row->name);
 }
 
 static const struct topic {
@@ -225,8 +235,8 @@ static void help_topic(const struct topic *topic, const struct row *row, struct 
 }
 
 /*
- * Long lines as rows that fit; what is set in can be pasted and stays whole. A log pane breaks lines itself, and anew
- * whenever its width changes.
+ * Long lines as rows that fit; what is set in can be pasted and stays whole. A log pane breaks
+ * lines itself, and anew whenever its width changes.
  */
 static void reply_wrapped(const struct session *session, struct text text, struct reply *reply)
 {
@@ -239,10 +249,10 @@ static void reply_wrapped(const struct session *session, struct text text, struc
         return;
     }
     while (text_split(&text, '\n', &line)) {
-        const int room = text_starts(line, TEXT("  ")) ? INT_MAX : width;
+        const int capacity = text_starts(line, TEXT("  ")) ? INT_MAX : width;
         size_t from = 0;
         do {
-            const struct text row = log_row(line, &from, room, &indent);
+            const struct text row = log_row(line, &from, capacity, &indent);
             buffer_format(&out, "%*s%.*s\n", indent, "", (int)row.len, row.at);
         } while (from < line.len);
     }
@@ -253,7 +263,8 @@ static void reply_wrapped(const struct session *session, struct text text, struc
 /* ---- what the models have ---- */
 
 /* The first that is found in full, the same name elsewhere in a line. */
-static void help_model(const struct model *model, struct text name, bool *known, struct buffer *text)
+static void help_model(const struct model *model, struct text name, bool *known,
+                       struct buffer *text)
 {
     const struct catalog *const own[] = {model->params, model->derived};
     const int variable = model_variable(model, name);
@@ -272,7 +283,8 @@ static void help_model(const struct model *model, struct text name, bool *known,
     if (variable >= 0 && model != &oscillator_model) { /* y and v are observables, too */
         const struct variable *moves = &model->variable[variable];
         buffer_format(text, "%s%s [%s], a state variable of %s", text->len ? "\n" : "", moves->name,
-                      *quantity_unit(moves->quantity) ? quantity_unit(moves->quantity) : "1", model->row.name);
+                      *quantity_unit(moves->quantity) ? quantity_unit(moves->quantity) : "1",
+                      model->row.name);
     }
     for (int i = 0; i < typed_lines(model); i++) {
         const struct typed_line *line = typed_line(model, i);
@@ -284,7 +296,8 @@ static void help_model(const struct model *model, struct text name, bool *known,
 }
 
 /* The present scene's first. */
-static void help_models(const struct model *present, struct text name, struct suggestion *near, struct buffer *text)
+static void help_models(const struct model *present, struct text name, struct suggestion *near,
+                        struct buffer *text)
 {
     bool known = false;
     help_model(present, name, &known, text);
@@ -309,15 +322,18 @@ static void help_all(const struct session *session, struct reply *reply)
         group = command->group;
         buffer_format(&text, "  %-12s %s\n", command->row.name, command->row.brief);
     }
-    buffer_put(&text, TEXT("\nNAME = value sets a parameter; 'help WORD' explains a command, parameter, method or "
-                           "unit; 'apropos WORD' searches"));
+    buffer_put(
+        &text,
+        TEXT(
+            "\nNAME = value sets a parameter; 'help WORD' explains a command, parameter, method or "
+            "unit; 'apropos WORD' searches"));
     reply_wrapped(session, buffer_text(&text), reply);
     buffer_free(&text);
 }
 
 HANDLER(help)
 {
-    const struct given *word = given_for(given, "WORD");
+    const struct given_argument *word = argument_given(given, "WORD");
     if (word->count == 0) {
         help_all(session, reply);
         return true;
@@ -342,8 +358,8 @@ HANDLER(help)
     for (size_t i = 0; i < COUNT_OF(topics); i++)
         if (catalog_absent(topics[i].catalog, near.wanted, error))
             return false;
-    error_at(error, near.wanted, "there is no help on '%.*s'", (int)(near.wanted.len < 64 ? near.wanted.len : 64),
-             near.wanted.at);
+    error_at(error, near.wanted, "there is no help on '%.*s'",
+             (int)(near.wanted.len < 64 ? near.wanted.len : 64), near.wanted.at);
     suggestion_hint(&near, error);
     if (catalog_find(&list_catalog, near.wanted))
         error_hint(error, "'list %.*s' shows them", (int)near.wanted.len, near.wanted.at);
@@ -375,7 +391,8 @@ static int search(const struct catalog *catalog, struct text word, struct reply 
     for (size_t i = 0; i < catalog->count; i++) {
         const struct row *row = catalog_row(catalog, i);
         const bool in_text = catalog == &command_catalog && mentions(command_at(row)->text, word);
-        if (mentions(row->name, word) || mentions(row->brief, word) || mentions(row->citation, word) || in_text) {
+        if (mentions(row->name, word) || mentions(row->brief, word) ||
+            mentions(row->citation, word) || in_text) {
             reply_line(reply, "%-18s %-10s %s", row->name, catalog->kind, row->brief);
             found++;
         }
@@ -386,24 +403,27 @@ static int search(const struct catalog *catalog, struct text word, struct reply 
 HANDLER(apropos)
 {
     UNUSED(session);
-    const struct text word = given_for(given, "WORD")->item->text;
+    const struct text word = argument_given(given, "WORD")->item->text;
     int found = 0;
     for (size_t i = 0; i < COUNT_OF(topics); i++)
         found += search(topics[i].catalog, word, reply);
     for (const struct model *const *model = scene_models; *model; model++)
         found += search((*model)->params, word, reply) + search((*model)->derived, word, reply);
-    return found > 0 ||
-           error_at(error, word, "nothing is known about '%.*s'", (int)(word.len < 64 ? word.len : 64), word.at);
+    return found > 0 || error_at(error, word, "nothing is known about '%.*s'",
+                                 (int)(word.len < 64 ? word.len : 64), word.at);
 }
 #endif
 
-COMMAND(help, .row = {"help", "", "explain a word, or list the commands", "", "h ?"}, .group = "SESSION",
-        .text = "WORD is a command, parameter, setting, method, scene, observable, unit or function.",
-        .examples = "help run\nhelp symplectic-euler", .see = "apropos list",
-        .flags = COMMAND_UNRECORDED | COMMAND_ANYTIME, .completes = COMPLETES_TOPICS,
-        ARGUMENTS(PLACE("WORD", TYPE_REST)))
+COMMAND(
+    help, .row = {"help", "", "explain a word, or list the commands", "", "h ?"},
+    .group = "SESSION",
+    .text = "WORD is a command, parameter, setting, method, scene, observable, unit or function.",
+    .examples = "help run\nhelp symplectic-euler", .see = "apropos list",
+    .flags = COMMAND_UNRECORDED | COMMAND_ANYTIME, .completes = COMPLETES_TOPICS,
+    ARGUMENTS(PLACE("WORD", TYPE_REST)))
 
-COMMAND(apropos, .row = {"apropos", "", "search names and explanations", "", NULL}, .group = "SESSION",
-        .text = "Finds the word in names, one-line explanations and sources.",
-        .examples = "apropos energy\napropos Hairer", .see = "help list", .flags = COMMAND_UNRECORDED | COMMAND_ANYTIME,
+COMMAND(apropos, .row = {"apropos", "", "search names and explanations", "", NULL},
+        .group = "SESSION", .text = "Finds the word in names, one-line explanations and sources.",
+        .examples = "apropos energy\napropos Hairer", .see = "help list",
+        .flags = COMMAND_UNRECORDED | COMMAND_ANYTIME,
         ARGUMENTS(PLACE("WORD", TYPE_REST, .flags = ARG_REQUIRED)))

@@ -11,8 +11,8 @@ static void list_row(const struct catalog *catalog, const struct row *row, struc
     char value[32] = "";
     if (catalog == &limit_catalog)
         snprintf(value, sizeof value, "%16.0f ", ((const struct limit *)(const void *)row)->value);
-    reply_line(reply, "%-22s %s%-7s %s%s%s%s", row->name, value, row->unit, row->brief, *row->citation ? " (" : "",
-               row->citation, *row->citation ? ")" : "");
+    reply_line(reply, "%-22s %s%-7s %s%s%s%s", row->name, value, row->unit, row->brief,
+               *row->citation ? " (" : "", row->citation, *row->citation ? ")" : "");
     reply_begin(reply, catalog->kind);
     reply_string(reply, "name", row->name);
     reply_string(reply, "unit", *row->unit ? row->unit : NULL);
@@ -36,7 +36,7 @@ static void list_row(const struct catalog *catalog, const struct row *row, struc
         reply_bool(reply, "implicit", (method->flags & METHOD_IMPLICIT) != 0);
         reply_bool(reply, "symplectic", (method->flags & METHOD_SYMPLECTIC) != 0);
         reply_bool(reply, "adaptive", (method->flags & METHOD_ADAPTIVE) != 0);
-        reply_bool(reply, "yardstick", (method->flags & METHOD_YARDSTICK) != 0);
+        reply_bool(reply, "yardstick", (method->flags & METHOD_EXTERNAL) != 0);
         reply_real(reply, "stable_limit", method_stable_limit(method, DRAG_DEFAULT, 0));
         reply_string(reply, "formula", method->formula);
     }
@@ -63,7 +63,8 @@ static void list_measurements(const struct session *session, struct reply *reply
     }
 }
 
-/* What the scene's runs have to show: what moves, what is observed, and of the observables those that make sense. */
+/* What the scene's runs have to show: what moves, what is observed, and of the observables those
+ * that make sense. */
 static void list_observables(const struct model *model, struct reply *reply)
 {
     for (int i = 0; i < model->n + model_observed(model); i++) {
@@ -78,8 +79,9 @@ static void list_observables(const struct model *model, struct reply *reply)
     }
     for (size_t i = 0; i < observable_catalog.count; i++) {
         const struct row *row = catalog_row(&observable_catalog, i);
-        const bool shadowed = model != &oscillator_model && (model_variable(model, text_of(row->name)) >= 0 ||
-                                                             model_observation(model, text_of(row->name)) >= 0);
+        const bool shadowed =
+            model != &oscillator_model && (model_variable(model, text_of(row->name)) >= 0 ||
+                                           model_observation(model, text_of(row->name)) >= 0);
         if (!shadowed && model_offers(model, (const struct observable *)(const void *)row))
             list_row(&observable_catalog, row, reply);
     }
@@ -88,17 +90,18 @@ static void list_observables(const struct model *model, struct reply *reply)
 HANDLER(list)
 {
     static const struct catalog *const catalogs[] = {
-        [LIST_COMMANDS] = &command_catalog, [LIST_SCENES] = &preset_catalog,   [LIST_METHODS] = &method_catalog,
-        [LIST_SETTINGS] = &setting_catalog, [LIST_UNITS] = &unit_catalog,      [LIST_FUNCTIONS] = &function_catalog,
+        [LIST_COMMANDS] = &command_catalog, [LIST_SCENES] = &preset_catalog,
+        [LIST_METHODS] = &method_catalog,   [LIST_SETTINGS] = &setting_catalog,
+        [LIST_UNITS] = &unit_catalog,       [LIST_FUNCTIONS] = &function_catalog,
         [LIST_FORMATS] = &format_catalog,   [LIST_LIMITS] = &limit_catalog};
     static const char *const others[] = {[LIST_RUNS] = "runs", [LIST_RECORDINGS] = "data"};
-    const enum listed kind = (enum listed)given_for(given, "KIND")->item->index;
+    const enum listed kind = (enum listed)argument_given(given, "KIND")->item->index;
     if (kind == LIST_OBSERVABLES) {
         list_observables(session->setup.scene.model, reply);
     } else if (kind == LIST_MEASUREMENTS) {
         list_measurements(session, reply);
     } else if (kind == LIST_EVENTS) {
-        reply_happenings(session, reply);
+        reply_event_records(session, reply);
     } else if (kind < LIST_MEASUREMENTS) {
         const struct scene *scene = &session->setup.scene;
         const struct catalog *catalog = kind == LIST_PARAMETERS ? scene_params(scene)
@@ -110,9 +113,12 @@ HANDLER(list)
             list_row(catalog, &session->setup.own[i]->row, reply);
     } else {
         /* These lists are commands of their own. */
-        const struct command *command = command_at(catalog_find(&command_catalog, text_of(others[kind])));
-        struct arguments none = {
-            .command = command, .arena = given->arena, .scope = given->scope, .where = given->where};
+        const struct command *command =
+            command_at(catalog_find(&command_catalog, text_of(others[kind])));
+        struct arguments none = {.command = command,
+                                 .arena = given->arena,
+                                 .scope = given->scope,
+                                 .where = given->where};
         return command->handler(session, &none, reply, error);
     }
     return true;
@@ -120,7 +126,8 @@ HANDLER(list)
 #endif
 
 COMMAND(list, .row = {"list", "", "list what there is of a kind", "", "ls"}, .group = "SESSION",
-        .text = "commands, scenes, methods, parameters, derived, observables, settings, units, functions, formats, "
+        .text = "commands, scenes, methods, parameters, derived, observables, settings, units, "
+                "functions, formats, "
                 "limits, measurements,\n"
                 "events, runs, recordings. parameters and derived are those of the present scene.",
         .examples = "list methods\nlist measurements", .see = "help show",

@@ -7,7 +7,7 @@
 
 HANDLER(source)
 {
-    char *path = script_path(given->where, given_for(given, "FILE")->item->text, given->arena);
+    char *path = script_path(given->where, argument_given(given, "FILE")->item->text, given->arena);
     static const struct source prompt = {.name = NULL};
     if (!path)
         return error_memory(error);
@@ -17,7 +17,7 @@ HANDLER(source)
 
 HANDLER(record)
 {
-    const struct text name = given_for(given, "FILE")->item->text;
+    const struct text name = argument_given(given, "FILE")->item->text;
     char *path = arena_text(given->arena, name);
     if (!path)
         return error_memory(error);
@@ -41,7 +41,8 @@ HANDLER(record)
 
 static bool contains(const char *line, struct text wanted)
 {
-    for (struct text rest = text_of(line); rest.len >= wanted.len; rest = (struct text){rest.at + 1, rest.len - 1}) {
+    for (struct text rest = text_of(line); rest.len >= wanted.len;
+         rest = (struct text){rest.at + 1, rest.len - 1}) {
         if (text_starts(rest, wanted))
             return true;
         if (rest.len == 0)
@@ -52,15 +53,15 @@ static bool contains(const char *line, struct text wanted)
 
 HANDLER(history)
 {
-    const struct given *what = given_for(given, "WHAT");
+    const struct given_argument *what = argument_given(given, "WHAT");
     const struct text word = what->count ? what->item->text : TEXT("");
     const bool search = word.len > 0 && word.at[0] == '/';
-    double most = 50;
-    if (word.len > 0 && !search && (real_parse(word, &most) != REAL_OK || most < 1)) {
+    double max = 50;
+    if (word.len > 0 && !search && (real_parse(word, &max) != REAL_OK || max < 1)) {
         error_at(error, word, "history takes a number of lines, or /TEXT");
         return error_hint(error, "for example history 20, or history /run");
     }
-    const int from = !search && most < session->histories ? session->histories - (int)most : 0;
+    const int from = !search && max < session->histories ? session->histories - (int)max : 0;
     for (int i = from; i < session->histories; i++) {
         if (search && !contains(session->history[i], (struct text){word.at + 1, word.len - 1}))
             continue;
@@ -76,7 +77,7 @@ HANDLER(history)
 HANDLER(timing)
 {
     UNUSED(error);
-    const struct given *how = given_for(given, "HOW");
+    const struct given_argument *how = argument_given(given, "HOW");
     if (how->count) {
         session->setup.settings.timing = how->item->index;
         session_changed(session);
@@ -107,29 +108,37 @@ HANDLER(quit)
 #endif
 
 COMMAND(source, .row = {"source", "", "run the commands of a file", "", NULL}, .group = "SESSION",
-        .text = "Stops at the first error and says where. Files may source files, 16 deep; what is not found is "
+        .text = "Stops at the first error and says where. Files may source files, 16 deep; what is "
+                "not found is "
                 "looked for\nbeside the file that names it.",
-        .examples = "source lab1.hk\nsource lab1.hk; run", .see = "save record", .flags = COMMAND_NESTS,
+        .examples = "source lab1.hk\nsource lab1.hk; run", .see = "save record",
+        .flags = COMMAND_NESTS, ARGUMENTS(PLACE("FILE", TYPE_FILE, .flags = ARG_REQUIRED)))
+
+COMMAND(record, .row = {"record", "", "append the commands that succeed to a file", "", NULL},
+        .group = "SESSION",
+        .text = "With off it ends. (How much of a run is kept is the setting of the same name: set "
+                "record all.)",
+        .examples = "record session.hk\nrecord off", .see = "history save source",
+        .flags = COMMAND_UNRECORDED | COMMAND_ANYTIME,
         ARGUMENTS(PLACE("FILE", TYPE_FILE, .flags = ARG_REQUIRED)))
 
-COMMAND(record, .row = {"record", "", "append the commands that succeed to a file", "", NULL}, .group = "SESSION",
-        .text = "With off it ends. (How much of a run is kept is the setting of the same name: set record all.)",
-        .examples = "record session.hk\nrecord off", .see = "history save source",
-        .flags = COMMAND_UNRECORDED | COMMAND_ANYTIME, ARGUMENTS(PLACE("FILE", TYPE_FILE, .flags = ARG_REQUIRED)))
-
 COMMAND(history, .row = {"history", "", "list the lines executed", "", NULL}, .group = "SESSION",
-        .text = "The last 50, the last N, or those that contain TEXT.", .examples = "history 20\nhistory /run",
-        .see = "record", .flags = COMMAND_UNRECORDED | COMMAND_ANYTIME, ARGUMENTS(PLACE("WHAT", TYPE_TEXT)))
+        .text = "The last 50, the last N, or those that contain TEXT.",
+        .examples = "history 20\nhistory /run", .see = "record",
+        .flags = COMMAND_UNRECORDED | COMMAND_ANYTIME, ARGUMENTS(PLACE("WHAT", TYPE_TEXT)))
 
-COMMAND(timing, .row = {"timing", "", "how carefully compare measures run times", "", NULL}, .group = "SESSION",
-        .text = "off: not at all; quick: about 2 ms for each; full: enough samples for a median that can be trusted.",
+COMMAND(timing, .row = {"timing", "", "how carefully compare measures run times", "", NULL},
+        .group = "SESSION",
+        .text = "off: not at all; quick: about 2 ms for each; full: enough samples for a median "
+                "that can be trusted.",
         .examples = "timing off\ntiming full", .see = "compare", .flags = COMMAND_CHANGES,
         ARGUMENTS(PLACE("HOW", TYPE_CHOICE, .choices = &timing_catalog)))
 
 COMMAND(clear, .row = {"clear", "", "clear the screen", "", NULL}, .group = "SESSION",
-        .text = "Without a screen it does nothing.", .examples = "clear\nclear; show", .see = "quit",
-        .flags = COMMAND_UNRECORDED | COMMAND_ANYTIME)
+        .text = "Without a screen it does nothing.", .examples = "clear\nclear; show",
+        .see = "quit", .flags = COMMAND_UNRECORDED | COMMAND_ANYTIME)
 
 COMMAND(quit, .row = {"quit", "", "leave", "", "q exit"}, .group = "SESSION",
-        .text = "In a file it ends the file and the program.", .examples = "quit\nsave lab1.hk; quit", .see = "save",
+        .text = "In a file it ends the file and the program.",
+        .examples = "quit\nsave lab1.hk; quit", .see = "save",
         .flags = COMMAND_UNRECORDED | COMMAND_ANYTIME)

@@ -6,10 +6,10 @@
 #include <math.h>
 #include <string.h>
 
-static bool move(struct session *session, const struct arguments *given, bool back, struct reply *reply,
-                 struct error *error)
+static bool move(struct session *session, const struct arguments *given, bool back,
+                 struct reply *reply, struct error *error)
 {
-    const struct given *count = given_for(given, "N");
+    const struct given_argument *count = argument_given(given, "N");
     const int steps = count->count ? (int)fmin(count->item->value.value, 1e9) : 1;
     char label[LIMIT_NAME + 1];
     int done = 0;
@@ -34,7 +34,7 @@ HANDLER(redo)
 
 HANDLER(checkpoint)
 {
-    const struct given *name = given_for(given, "NAME");
+    const struct given_argument *name = argument_given(given, "NAME");
     const struct text text = name->count ? name->item->text : TEXT("last");
     if (text.len == 0 || text.len > LIMIT_NAME)
         return error_at(error, text, "a name of 1 to %d letters", LIMIT_NAME);
@@ -49,7 +49,7 @@ HANDLER(checkpoint)
 
 HANDLER(restore)
 {
-    const struct given *name = given_for(given, "NAME");
+    const struct given_argument *name = argument_given(given, "NAME");
     const char *label;
     if (!checkpoint_restore(session, name->count ? name->item->text : TEXT(""), &label, error))
         return false;
@@ -59,7 +59,7 @@ HANDLER(restore)
 
 HANDLER(save)
 {
-    const struct item *file = given_for(given, "FILE")->item;
+    const struct item *file = argument_given(given, "FILE")->item;
     char *path = arena_text(given->arena, file->text);
     struct buffer text = {0};
     struct writer writer;
@@ -79,31 +79,39 @@ HANDLER(save)
     struct buffer shown = {0};
     safe_text(&shown, file->text, false);
     if (ok)
-        reply_line(reply, "set-up saved in %s ('source %s' brings it back)", buffer_view(&shown), buffer_view(&shown));
+        reply_line(reply, "set-up saved in %s ('source %s' brings it back)", buffer_view(&shown),
+                   buffer_view(&shown));
     buffer_free(&shown);
     return ok;
 }
 #endif
 
-COMMAND(undo, .row = {"undo", "", "take back the last N commands that changed something", "", NULL}, .group = "STATE",
+COMMAND(undo, .row = {"undo", "", "take back the last N commands that changed something", "", NULL},
+        .group = "STATE",
         .text = "Parameters, settings, runs and recordings; files that were written stay.",
-        .examples = "set m 300 g; undo\nundo 3", .see = "redo checkpoint", ARGUMENTS(PLACE("N", TYPE_INTEGER)))
-
-COMMAND(redo, .row = {"redo", "", "do again what undo took back", "", NULL}, .group = "STATE",
-        .text = "Runs come back with the same bits.", .examples = "run; undo; redo\nundo 2; redo 2", .see = "undo",
+        .examples = "set m 300 g; undo\nundo 3", .see = "redo checkpoint",
         ARGUMENTS(PLACE("N", TYPE_INTEGER)))
 
-COMMAND(checkpoint, .row = {"checkpoint", "", "remember the present state", "", NULL}, .group = "STATE",
-        .text = "Under a name, to come back to it with restore.", .examples = "checkpoint\ncheckpoint undamped",
-        .see = "restore undo save", ARGUMENTS(PLACE("NAME", TYPE_TEXT)))
+COMMAND(redo, .row = {"redo", "", "do again what undo took back", "", NULL}, .group = "STATE",
+        .text = "Runs come back with the same bits.", .examples = "run; undo; redo\nundo 2; redo 2",
+        .see = "undo", ARGUMENTS(PLACE("N", TYPE_INTEGER)))
 
-COMMAND(restore, .row = {"restore", "", "go back to a checkpoint", "", NULL}, .group = "STATE",
-        .text = "The latest one unless a name is given. undo takes the restore back.",
-        .examples = "checkpoint; set k 20; restore\ncheckpoint undamped; gamma = 0.1; restore undamped",
-        .see = "checkpoint undo", .flags = COMMAND_CHANGES, ARGUMENTS(PLACE("NAME", TYPE_TEXT)))
+COMMAND(checkpoint, .row = {"checkpoint", "", "remember the present state", "", NULL},
+        .group = "STATE", .text = "Under a name, to come back to it with restore.",
+        .examples = "checkpoint\ncheckpoint undamped", .see = "restore undo save",
+        ARGUMENTS(PLACE("NAME", TYPE_TEXT)))
 
-COMMAND(save, .row = {"save", "", "write the commands that recreate the set-up", "", NULL}, .group = "STATE",
-        .text = "Scene, method, settings, variables and recordings, with numbers that read back to the same doubles; "
+COMMAND(
+    restore, .row = {"restore", "", "go back to a checkpoint", "", NULL}, .group = "STATE",
+    .text = "The latest one unless a name is given. undo takes the restore back.",
+    .examples = "checkpoint; set k 20; restore\ncheckpoint undamped; gamma = 0.1; restore undamped",
+    .see = "checkpoint undo", .flags = COMMAND_CHANGES, ARGUMENTS(PLACE("NAME", TYPE_TEXT)))
+
+COMMAND(save, .row = {"save", "", "write the commands that recreate the set-up", "", NULL},
+        .group = "STATE",
+        .text = "Scene, method, settings, variables and recordings, with numbers that read back to "
+                "the same doubles; "
                 "not the runs.",
-        .examples = "save lab1.hk\nsave lab1.hk --force", .see = "source checkpoint export", .flags = COMMAND_ANYTIME,
+        .examples = "save lab1.hk\nsave lab1.hk --force", .see = "source checkpoint export",
+        .flags = COMMAND_ANYTIME,
         ARGUMENTS(PLACE("FILE", TYPE_FILE, .flags = ARG_REQUIRED), OPTION("force", TYPE_NONE)))

@@ -18,7 +18,7 @@ static void put_order(const struct session *session, const struct order *order, 
     buffer_put(out, TEXT(" of the scene in fixed steps with compensated sums; error of the whole "
                          "state at the end, good to "));
     buffer_short(out, order->floor, 2);
-    buffer_put(out, order->reference_kept ? TEXT(", by a solution found before\n") : TEXT("\n"));
+    buffer_put(out, order->reference_stored ? TEXT(", by a solution found before\n") : TEXT("\n"));
     columns_text(&order_point_columns, order->point, (size_t)order->points, true, &table);
     text_table_put(&table, out);
     int64_t turns = 0;
@@ -57,8 +57,9 @@ static void reply_order(const struct order *order, struct reply *reply)
 
 HANDLER(order)
 {
-    const struct given *method = given_for(given, "METHOD"), *dt = given_for(given, "dt"),
-                       *drag = given_for(given, "drag");
+    const struct given_argument *method = argument_given(given, "METHOD"),
+                                *dt = argument_given(given, "dt"),
+                                *drag = argument_given(given, "drag");
     struct order_request request = {
         .scene = &session->setup.scene,
         .by = {(const struct method *)(const void *)method->item->row, DRAG_DEFAULT},
@@ -137,7 +138,7 @@ HANDLER(selftest)
         const struct method *method =
             (const struct method *)(const void *)catalog_row(&method_catalog, i);
         struct selftest_row row;
-        if (method->flags & METHOD_YARDSTICK)
+        if (method->flags & METHOD_EXTERNAL)
             continue;
         if (!selftest_method(method, session->front.cancel, &row))
             break;

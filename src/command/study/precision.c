@@ -21,37 +21,41 @@ static void note_absent(void *context, const char *method, const char *reason)
 }
 
 /* The methods named, else those that suit the scene; one drag= holds for those that know it. */
-static bool choose_contenders(const struct session *session, const struct arguments *given, struct contender *contender,
-                              int *count, struct absentees *absentees, struct error *error)
+static bool choose_methods(const struct session *session, const struct arguments *given,
+                           struct method_choice *choice, int *count, struct absentees *absentees,
+                           struct error *error)
 {
-    const struct given *methods = given_for(given, "METHOD"), *drag = given_for(given, "drag");
+    const struct given_argument *methods = argument_given(given, "METHOD"),
+                                *drag = argument_given(given, "drag");
     struct system system;
     if (!scene_bind(&session->setup.scene, &system, error))
         return false;
     if (methods->count == 0)
-        *count = precision_defaults(&system, session->setup.settings.duration, contender, note_absent, absentees);
+        *count = precision_defaults(&system, session->setup.settings.duration, choice, note_absent,
+                                    absentees);
     for (int i = 0; i < methods->count; i++)
-        contender[(*count)++] =
-            (struct contender){(const struct method *)(const void *)methods->item[i].row, DRAG_DEFAULT};
+        choice[(*count)++] = (struct method_choice){
+            (const struct method *)(const void *)methods->item[i].row, DRAG_DEFAULT};
     for (int i = 0; i < *count && drag->count; i++) {
         const enum drag wanted = (enum drag)(drag->item->index + 1);
-        if (contender[i].method->drags & 1u << wanted)
-            contender[i].drag = wanted;
+        if (choice[i].method->drags & 1u << wanted)
+            choice[i].drag = wanted;
         else if (methods->count == 1)
             return error_at(error, drag->where, "%s does not offer this variant of drag",
-                            contender[i].method->row.name);
+                            choice[i].method->row.name);
     }
     return true;
 }
 
-static void take_range(const struct given *range, double out[2])
+static void take_range(const struct given_argument *range, double out[2])
 {
     out[0] = out[1] = NAN;
     for (int i = 0; i < 2 && range->count; i++)
         out[i] = range->item->range[i];
 }
 
-static bool check_range(const struct given *range, const char *example, struct error *error)
+static bool check_range(const struct given_argument *range, const char *example,
+                        struct error *error)
 {
     if (range->count == 0)
         return true;
@@ -63,7 +67,8 @@ static bool check_range(const struct given *range, const char *example, struct e
 
 static void put_marks(struct buffer *text, const struct precision *precision)
 {
-    bool few = false, spread = false, below = false, fit = false, lost = false, probed = false, scaled = false;
+    bool few = false, spread = false, below = false, fit = false, lost = false, probed = false,
+         scaled = false;
     for (int i = 0; i < precision->points; i++) {
         const struct precision_point *point = &precision->point[i];
         few |= point->time.few;
@@ -77,32 +82,41 @@ static void put_marks(struct buffer *text, const struct precision *precision)
     if (fit)
         buffer_put(text, TEXT("*  in the fit of the slope\n"));
     if (below)
-        buffer_put(text, TEXT("<  below the accuracy of the reference: no better than the others there\n"));
+        buffer_put(
+            text,
+            TEXT("<  below the accuracy of the reference: no better than the others there\n"));
     if (spread)
         buffer_put(text, TEXT("~  the times scatter by more than 10 % (the machine is busy)\n"));
     if (few)
         buffer_put(text, TEXT("!  fewer samples than of the others: a solve takes long\n"));
     if (lost)
         buffer_put(text, precision->reference.against[0]
-                             ? TEXT("apart: as far from the reference as the motion is large; which is right is not "
+                             ? TEXT("apart: as far from the reference as the motion is large; "
+                                    "which is right is not "
                                     "resolved\n")
                              : TEXT("lost: the error is as large as the motion\n"));
     if (probed)
-        buffer_put(text, TEXT("probe: lost in the 1/256 of the time where most happens; no more was solved\n"));
+        buffer_put(
+            text,
+            TEXT("probe: lost in the 1/256 of the time where most happens; no more was solved\n"));
     if (scaled)
-        buffer_put(text, TEXT("+  the time of 30000 steps, scaled to all; one a method was timed whole, too\n"));
+        buffer_put(
+            text,
+            TEXT("+  the time of 30000 steps, scaled to all; one a method was timed whole, too\n"));
 }
 
-static void reply_study(const struct session *session, const struct arguments *given, const struct precision *precision,
-                        const struct buffer *absent, double seconds, struct reply *reply)
+static void reply_study(const struct session *session, const struct arguments *given,
+                        const struct precision *precision, const struct buffer *absent,
+                        double seconds, struct reply *reply)
 {
     struct buffer text = {0};
     struct figure figure;
     struct error ignored;
     int width, height;
     session_size(session, &width, &height);
-    buffer_format(&text, "%d method%s, %d setting%s, ", precision->curves, precision->curves == 1 ? "" : "s",
-                  precision->points, precision->points == 1 ? "" : "s");
+    buffer_format(&text, "%d method%s, %d setting%s, ", precision->curves,
+                  precision->curves == 1 ? "" : "s", precision->points,
+                  precision->points == 1 ? "" : "s");
     buffer_quantity(&text, precision->duration, QUANTITY_TIME, 4);
     buffer_format(&text, " of the scene, computed in %.2g s; errors against ", seconds);
     reference_describe(&precision->reference, &text);
@@ -135,15 +149,16 @@ static void keep_precision(struct session *session, struct precision *precision)
 
 HANDLER(precision)
 {
-    const struct given *dt = given_for(given, "dt"), *tol = given_for(given, "tol");
-    const size_t room = (size_t)given_for(given, "METHOD")->count + PRECISION_DEFAULTS;
-    struct contender *contender = arena_array(given->arena, room, sizeof *contender);
+    const struct given_argument *dt = argument_given(given, "dt"),
+                                *tol = argument_given(given, "tol");
+    const size_t capacity = (size_t)argument_given(given, "METHOD")->count + PRECISION_DEFAULTS;
+    struct method_choice *choice = arena_array(given->arena, capacity, sizeof *choice);
     struct absentees absentees = {{0}};
     int count = 0;
-    if (!contender)
+    if (!choice)
         return error_memory(error);
     struct precision_request request = {.scene = &session->setup.scene,
-                                        .contender = contender,
+                                        .choice = choice,
                                         .duration = session->setup.settings.duration,
                                         .timing = (enum timing)session->setup.settings.timing,
                                         .compensated = session_run_settings(session).compensated,
@@ -153,19 +168,20 @@ HANDLER(precision)
     take_range(dt, request.dt);
     take_range(tol, request.tol);
     bool ok = check_range(dt, "dt=1ms:100ms", error) && check_range(tol, "tol=1e-10:1e-3", error) &&
-              choose_contenders(session, given, contender, &count, &absentees, error);
+              choose_methods(session, given, choice, &count, &absentees, error);
     if (!ok) {
         buffer_free(&absentees.text);
         return false;
     }
-    request.contenders = count;
+    request.choices = count;
     struct precision precision;
     const int64_t begin = clock_ns();
     reply_assumed(session, false, true, reply);
     reply_shorter(session, reply);
     ok = study_precision(&request, &precision, error);
     if (precision.curves > 0) {
-        reply_study(session, given, &precision, &absentees.text, (double)(clock_ns() - begin) * 1e-9, reply);
+        reply_study(session, given, &precision, &absentees.text,
+                    (double)(clock_ns() - begin) * 1e-9, reply);
         reply_precision(&precision, given->arena, reply);
         keep_precision(session, &precision);
     }
@@ -177,27 +193,34 @@ HANDLER(precision)
 
 COMMAND(
     precision,
-    .row = {"precision", "", "error against run time of several methods, as table and log-log plot", "", NULL},
+    .row = {"precision", "", "error against run time of several methods, as table and log-log plot",
+            "", NULL},
     .group = "STUDY",
-    .text =
-        "Each method is swept over the setting 'duration', from coarse steps to the floor of rounding: fixed steps of "
-        "duration/2^k, adaptive "
-        "methods by\n"
-        "decades of tol. The error is the largest distance from the solution on 257 common times, divided by the "
-        "amplitude;\n"
-        "the solution is the closed form or what two methods of different kinds agree on, and the report says how "
-        "well; precision,\n"
-        "compare and order find it once for each of the last four scenes and durations. Times\n"
-        "(unless 'timing off') are of solves that record nothing, interleaved at random: with 'timing quick' 5 samples, of "
-        "at most 30000 fixed steps\n"
-        "scaled to all, with 'timing full' 15 of whole solves; ns/step is the shortest divided by the steps. Methods "
-        "without\n"
-        "code of their own for these forces are timed by the general code and not ranked against the others. Without METHOD "
-        "a dozen\n"
-        "that suit the scene.",
+    .text = "Each method is swept over the setting 'duration', from coarse steps to the floor of "
+            "rounding: fixed steps of "
+            "duration/2^k, adaptive "
+            "methods by\n"
+            "decades of tol. The error is the largest distance from the solution on 257 common "
+            "times, divided by the "
+            "amplitude;\n"
+            "the solution is the closed form or what two methods of different kinds agree on, and "
+            "the report says how "
+            "well; precision,\n"
+            "compare and order find it once for each of the last four scenes and durations. Times\n"
+            "(unless 'timing off') are of solves that record nothing, interleaved at random: with "
+            "'timing quick' 5 samples, of "
+            "at most 30000 fixed steps\n"
+            "scaled to all, with 'timing full' 15 of whole solves; ns/step is the shortest divided "
+            "by the steps. Methods "
+            "without\n"
+            "code of their own for these forces are timed by the general code and not ranked "
+            "against the others. Without METHOD "
+            "a dozen\n"
+            "that suit the scene.",
     .examples = "duration = 5 s; precision rk4 verlet dt=5ms:100ms\n"
                 "timing off; duration = 5 s; precision dopri5 rk4 tol=1e-9:1e-3",
     .see = "compare method plot timing export",
     ARGUMENTS(PLACE("METHOD", TYPE_CHOICE, .flags = ARG_MANY, .choices = &method_catalog),
-              KEY("dt", TYPE_RANGE, .quantity = QUANTITY_TIME), KEY("tol", TYPE_RANGE, .quantity = QUANTITY_NUMBER),
+              KEY("dt", TYPE_RANGE, .quantity = QUANTITY_TIME),
+              KEY("tol", TYPE_RANGE, .quantity = QUANTITY_NUMBER),
               KEY("drag", TYPE_CHOICE, .choices = &drag_catalog), OPTION("recording", TYPE_NONE)))

@@ -26,7 +26,8 @@ static void put_checks(struct buffer *out, const struct stability *s)
 static void put_weakness(struct buffer *out, const struct stability *s)
 {
     if (!isnan(s->weak[1])) {
-        buffer_format(out, "  weak instability: growth 1 + %.3g (omega dt)^%.3g, ", s->weak[0], s->weak[1]);
+        buffer_format(out, "  weak instability: growth 1 + %.3g (omega dt)^%.3g, ", s->weak[0],
+                      s->weak[1]);
         buffer_format(out, "doubles the amplitude after %.3g steps (", s->doubling);
         buffer_quantity(out, s->doubling * s->dt, QUANTITY_TIME, 3);
         buffer_put(out, TEXT(")\n"));
@@ -34,10 +35,11 @@ static void put_weakness(struct buffer *out, const struct stability *s)
         buffer_format(out, "  doubles the amplitude after %.3g steps\n", s->doubling);
     }
     if (!isnan(s->window[0]))
-        buffer_format(
-            out,
-            "  a narrow resonance: omega dt from %.7g to %.7g, growth at most %.6g a step; stable again after it\n",
-            s->window[0] * s->tightest.omega, s->window[1] * s->tightest.omega, s->window[2]);
+        buffer_format(out,
+                      "  a narrow resonance: omega dt from %.7g to %.7g, growth at most %.6g a "
+                      "step; stable again after it\n",
+                      s->window[0] * s->tightest.omega, s->window[1] * s->tightest.omega,
+                      s->window[2]);
 }
 
 static void put_eigenvalues(struct buffer *out, const struct stability *s)
@@ -45,7 +47,9 @@ static void put_eigenvalues(struct buffer *out, const struct stability *s)
     double re[2], im;
     mode_eigenvalues(&s->worst, re, &im);
     buffer_format(out, "  %s: eigenvalues %.6g and %.6g 1/s\n",
-                  s->worst.sign == STIFFNESS_ZERO ? "no force pulls back" : "the force pushes away from rest", re[0], re[1]);
+                  s->worst.sign == STIFFNESS_ZERO ? "no force pulls back"
+                                                  : "the force pushes away from rest",
+                  re[0], re[1]);
 }
 
 static void put_scene(struct buffer *out, const struct session *session, const struct stability *s)
@@ -54,8 +58,8 @@ static void put_scene(struct buffer *out, const struct session *session, const s
     if (s->modes && s->linear && s->worst.sign != STIFFNESS_POSITIVE)
         put_eigenvalues(out, s);
     else if (s->modes && s->linear)
-        buffer_format(out, "  omega = %.6g 1/s, zeta = %.6g: omega dt = %.6g\n", s->worst.omega, s->worst.zeta,
-                      s->worst.omega * s->dt);
+        buffer_format(out, "  omega = %.6g 1/s, zeta = %.6g: omega dt = %.6g\n", s->worst.omega,
+                      s->worst.zeta, s->worst.omega * s->dt);
     else if (s->modes)
         buffer_format(out,
                       "  not linear: eigenvalues of the Jacobian at the start and along %.4g s;\n"
@@ -64,19 +68,24 @@ static void put_scene(struct buffer *out, const struct session *session, const s
     else
         buffer_put(out, TEXT("  nothing in this scene pulls back: no step is unstable\n"));
     if (s->grows && s->linear && s->modes)
-        buffer_format(out, "  the scene itself grows, by %.7g in a step of dt: judged is what comes on top\n",
-                      s->growth_exact);
+        buffer_format(
+            out, "  the scene itself grows, by %.7g in a step of dt: judged is what comes on top\n",
+            s->growth_exact);
     else if (s->grows)
-        buffer_put(out, TEXT("  the scene itself grows (eigenvalues with a positive real part): the others are "
-                             "judged\n"));
+        buffer_put(
+            out,
+            TEXT("  the scene itself grows (eigenvalues with a positive real part): the others are "
+                 "judged\n"));
     if (s->linear)
         return;
-    buffer_format(out, "  the scene itself with this dt: %s at t = %.4g s, at most %.3g times its natural size\n",
-                  s->stop == STOP_END        ? "arrives"
-                  : s->stop == STOP_FULL     ? "still bounded, stopped"
-                  : s->stop == STOP_SINGULAR ? "its solution ends"
-                                             : stop_name(s->stop),
-                  s->reached, s->largest);
+    buffer_format(
+        out,
+        "  the scene itself with this dt: %s at t = %.4g s, at most %.3g times its natural size\n",
+        s->stop == STOP_END        ? "arrives"
+        : s->stop == STOP_FULL     ? "still bounded, stopped"
+        : s->stop == STOP_SINGULAR ? "its solution ends"
+                                   : stop_name(s->stop),
+        s->reached, s->largest);
 }
 
 /* ---- the region ---- */
@@ -96,16 +105,20 @@ static void put_region(struct buffer *out, const struct stability *s)
                  high = finite_or(method_stable_limit(s->by.method, s->by.drag, 0), 0);
     const double left = -1.25 * real, right = 0.45 * real;
     const double top =
-        1.25 * fmax(fmax(high, real * 0.7), finite_or(method_stable_limit(s->by.method, s->by.drag, 0.3), 0));
+        1.25 * fmax(fmax(high, real * 0.7),
+                    finite_or(method_stable_limit(s->by.method, s->by.drag, 0.3), 0));
     const double dx = (right - left) / REGION_COLUMNS, dy = top / (REGION_ROWS - 1);
     char line[REGION_COLUMNS + 1];
     bool shown = false;
-    buffer_put(out, TEXT("  where a step does not grow, in the plane of z = lambda dt (upper half); o: this scene\n"));
+    buffer_put(out, TEXT("  where a step does not grow, in the plane of z = lambda dt (upper "
+                         "half); o: this scene\n"));
     for (int row = 0; row < REGION_ROWS; row++) {
         const double im = top - row * dy;
         for (int column = 0; column < REGION_COLUMNS; column++) {
             const double re = left + (column + 0.5) * dx;
-            line[column] = stability_growth(&s->by, re, im) <= 1 + 1e-7 ? '#' : fabs(re) <= dx / 2 ? '|' : '.';
+            line[column] = stability_growth(&s->by, re, im) <= 1 + 1e-7 ? '#'
+                           : fabs(re) <= dx / 2                         ? '|'
+                                                                        : '.';
         }
         for (int i = 0; i < s->at_start; i++) {
             double rate[2], turn;
@@ -121,14 +134,15 @@ static void put_region(struct buffer *out, const struct stability *s)
         line[REGION_COLUMNS] = '\0';
         buffer_format(out, "  %6.2f %s\n", im, line);
     }
-    buffer_format(out, "         %-*.2f%*.2f\n", REGION_COLUMNS / 2, left, REGION_COLUMNS / 2, right);
+    buffer_format(out, "         %-*.2f%*.2f\n", REGION_COLUMNS / 2, left, REGION_COLUMNS / 2,
+                  right);
     if (!shown && s->modes)
         buffer_put(out, TEXT("  this scene's z lies outside of the picture\n"));
 }
 
 /* For methods that only know forces without velocity: growth over omega dt. */
-static bool put_growth_figure(struct buffer *out, const struct session *session, const struct stability *s,
-                              struct arena *arena)
+static bool put_growth_figure(struct buffer *out, const struct session *session,
+                              const struct stability *s, struct arena *arena)
 {
     enum { POINTS = 400, BETWEEN = 16 };
     double *x = arena_array(arena, POINTS, sizeof *x), *y = arena_array(arena, POINTS, sizeof *y);
@@ -147,7 +161,8 @@ static bool put_growth_figure(struct buffer *out, const struct session *session,
     const struct figure figure = {
         .title = "growth - 1 a step",
         .x = {.label = "omega dt", .unit = ""},
-        .y = {.label = "growth - 1", .unit = "", .log = true, .fixed = true, .from = 1e-8, .to = 10},
+        .y =
+            {.label = "growth - 1", .unit = "", .log = true, .fixed = true, .from = 1e-8, .to = 10},
         .curve = &curve,
         .curves = 1,
         .note = "0 is below the axis"};
@@ -155,8 +170,8 @@ static bool put_growth_figure(struct buffer *out, const struct session *session,
     return figure_print(&figure, width, height, session_charset(session), false, out);
 }
 
-static bool put_picture(struct buffer *out, const struct session *session, const struct stability *s,
-                        struct arena *arena)
+static bool put_picture(struct buffer *out, const struct session *session,
+                        const struct stability *s, struct arena *arena)
 {
     if (isnan(stability_growth(&s->by, -0.5, 0.5)))
         return put_growth_figure(out, session, s, arena);
@@ -166,7 +181,8 @@ static bool put_picture(struct buffer *out, const struct session *session, const
 
 /* ---- the table and the records ---- */
 
-static void put_table(struct buffer *out, const struct stability *rows, int count, struct arena *arena)
+static void put_table(struct buffer *out, const struct stability *rows, int count,
+                      struct arena *arena)
 {
     struct text_table table = {.arena = arena, .gap = 2};
     columns_text(&stability_columns, rows, (size_t)count, true, &table);
@@ -189,12 +205,15 @@ static void reply_stability(const struct stability *s, struct reply *reply)
 
 /* ---- the command ---- */
 
-/* Of several methods those that do not apply are left out with the reason; one alone is an error. */
-static bool study_each(const struct session *session, const struct arguments *given, struct stability *rows, int *count,
-                       struct buffer *absent, struct error *error)
+/* Of several methods those that do not apply are left out with the reason; one alone is an error.
+ */
+static bool study_each(const struct session *session, const struct arguments *given,
+                       struct stability *rows, int *count, struct buffer *absent,
+                       struct error *error)
 {
-    const struct given *methods = given_for(given, "METHOD"), *dt = given_for(given, "dt"),
-                       *drag = given_for(given, "drag");
+    const struct given_argument *methods = argument_given(given, "METHOD"),
+                                *dt = argument_given(given, "dt"),
+                                *drag = argument_given(given, "drag");
     const int wanted = methods->count ? methods->count : 1;
     for (int i = 0; i < wanted; i++) {
         struct stability_request request = {
@@ -205,8 +224,10 @@ static bool study_each(const struct session *session, const struct arguments *gi
             .cancel = session->front.cancel,
         };
         if (methods->count)
-            request.by = (struct contender){(const struct method *)(const void *)methods->item[i].row, DRAG_DEFAULT};
-        if (drag->count && (wanted == 1 || request.by.method->drags & 1u << (drag->item->index + 1)))
+            request.by = (struct method_choice){
+                (const struct method *)(const void *)methods->item[i].row, DRAG_DEFAULT};
+        if (drag->count &&
+            (wanted == 1 || request.by.method->drags & 1u << (drag->item->index + 1)))
             request.by.drag = (enum drag)(drag->item->index + 1);
         if (study_stability(&request, &rows[*count], error))
             (*count)++;
@@ -220,7 +241,7 @@ static bool study_each(const struct session *session, const struct arguments *gi
 
 HANDLER(stability)
 {
-    const struct given *methods = given_for(given, "METHOD");
+    const struct given_argument *methods = argument_given(given, "METHOD");
     struct stability *rows = arena_array(given->arena, (size_t)methods->count + 1, sizeof *rows);
     struct buffer text = {0}, absent = {0};
     int count = 0;
@@ -237,7 +258,8 @@ HANDLER(stability)
         put_checks(&text, &rows[i]);
         put_weakness(&text, &rows[i]);
     }
-    if (count == 1 && methods->count <= 1 && ok && !put_picture(&text, session, &rows[0], given->arena))
+    if (count == 1 && methods->count <= 1 && ok &&
+        !put_picture(&text, session, &rows[0], given->arena))
         text.failed = true;
     if (count > 0)
         reply_text(reply, buffer_text(&text));
@@ -250,16 +272,23 @@ HANDLER(stability)
 }
 #endif
 
-COMMAND(stability, .row = {"stability", "", "growth a step, the largest stable dt, verified by running", "", NULL},
+COMMAND(stability,
+        .row = {"stability", "", "growth a step, the largest stable dt, verified by running", "",
+                NULL},
         .group = "STUDY",
-        .text =
-            "Growth of the amplitude in each step and the largest stable dt, from the method's own formulas on the "
-            "scene's\n"
-            "eigenvalues (of a scene that is not linear: of its Jacobian at the start and along the run), then "
-            "measured by\n"
-            "running at dt and on both sides of the limit. Without METHOD the present one; of one method the region "
-            "of\n"
-            "stability is drawn. marginal: so slow a growth that it shows only after hundreds of steps.",
-        .examples = "stability verlet\nstability euler heun rk4 dt=20ms", .see = "order stress plan compare",
+        .text = "Growth of the amplitude in each step and the largest stable dt, from the method's "
+                "own formulas on the "
+                "scene's\n"
+                "eigenvalues (of a scene that is not linear: of its Jacobian at the start and "
+                "along the run), then "
+                "measured by\n"
+                "running at dt and on both sides of the limit. Without METHOD the present one; of "
+                "one method the region "
+                "of\n"
+                "stability is drawn. marginal: so slow a growth that it shows only after hundreds "
+                "of steps.",
+        .examples = "stability verlet\nstability euler heun rk4 dt=20ms",
+        .see = "order stress plan compare",
         ARGUMENTS(PLACE("METHOD", TYPE_CHOICE, .flags = ARG_MANY, .choices = &method_catalog),
-                  KEY("dt", TYPE_VALUE, .quantity = QUANTITY_TIME), KEY("drag", TYPE_CHOICE, .choices = &drag_catalog)))
+                  KEY("dt", TYPE_VALUE, .quantity = QUANTITY_TIME),
+                  KEY("drag", TYPE_CHOICE, .choices = &drag_catalog)))

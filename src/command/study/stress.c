@@ -15,9 +15,10 @@ static const char *letter(enum stress_verdict verdict)
 }
 
 /* Rows stand case by case; NULL: not finished. */
-static const struct stress_row *row_of(const struct stress *stress, int place, int method, int methods)
+static const struct stress_row *row_of(const struct stress *stress, int index, int method,
+                                       int methods)
 {
-    const int i = place * methods + method;
+    const int i = index * methods + method;
     return i < stress->rows ? &stress->row[i] : NULL;
 }
 
@@ -27,9 +28,10 @@ static void put_gap(struct buffer *out, int column)
         buffer_char(out, ' ');
 }
 
-/* Methods down, cases across, as many as the width holds; their numbers stand above, tens and ones. */
-static void put_block(const struct stress *stress, const struct method *const *method, int methods, int from, int to,
-                      struct buffer *out)
+/* Methods down, cases across, as many as the width holds; their numbers stand above, tens and ones.
+ */
+static void put_block(const struct stress *stress, const struct method *const *method, int methods,
+                      int from, int to, struct buffer *out)
 {
     for (int digit = 10; digit >= 1; digit /= 10) {
         buffer_format(out, "%-*s", NAME_WIDTH, digit == 1 ? "method" : "case");
@@ -102,20 +104,21 @@ static bool alike(const struct stress_row *a, const struct stress_row *b)
 }
 
 /* What is not good, by reason: the first method that has it, and how many more. */
-static void put_case(const struct stress *stress, int place, int methods, int width, struct buffer *out)
+static void put_case(const struct stress *stress, int index, int methods, int width,
+                     struct buffer *out)
 {
-    const struct stress_case *what = &stress->cases[place];
+    const struct stress_case *what = &stress->cases[index];
     struct buffer line = {0};
-    buffer_format(&line, "%d %s: %s", place + 1, what->name, what->brief);
-    put_wrapped(out, buffer_text(&line), width, place + 1 < 10, 3);
+    buffer_format(&line, "%d %s: %s", index + 1, what->name, what->brief);
+    put_wrapped(out, buffer_text(&line), width, index + 1 < 10, 3);
     for (int m = 0; m < methods; m++) {
-        const struct stress_row *row = row_of(stress, place, m, methods);
+        const struct stress_row *row = row_of(stress, index, m, methods);
         bool before = false;
         int more = 0;
         if (!row || !row->reason[0])
             continue;
         for (int i = 0; i < methods; i++) {
-            const struct stress_row *other = row_of(stress, place, i, methods);
+            const struct stress_row *other = row_of(stress, index, i, methods);
             const bool same = i != m && other && alike(row, other);
             before |= same && i < m;
             more += same && i > m;
@@ -132,16 +135,17 @@ static void put_case(const struct stress *stress, int place, int methods, int wi
     buffer_free(&line);
 }
 
-static void put_stress(const struct session *session, const struct stress *stress, const struct method *const *method,
-                       int methods, struct buffer *out)
+static void put_stress(const struct session *session, const struct stress *stress,
+                       const struct method *const *method, int methods, struct buffer *out)
 {
     int width, height;
     session_size(session, &width, &height);
-    const int most = (width - NAME_WIDTH) * TOGETHER / (TOGETHER + 1);
-    const int columns = most < TOGETHER ? TOGETHER : most;
+    const int max = (width - NAME_WIDTH) * TOGETHER / (TOGETHER + 1);
+    const int columns = max < TOGETHER ? TOGETHER : max;
     const int finished = methods ? (stress->rows + methods - 1) / methods : 0;
     for (int from = 0; from < finished; from += columns) {
-        put_block(stress, method, methods, from, from + columns < finished ? from + columns : finished, out);
+        put_block(stress, method, methods, from,
+                  from + columns < finished ? from + columns : finished, out);
         buffer_char(out, '\n');
     }
     for (enum stress_verdict v = 0; v < STRESS_VERDICTS; v++)
@@ -155,10 +159,11 @@ static void put_stress(const struct session *session, const struct stress *stres
     buffer_format(out, "%d methods, %d cases, %.1f s\n", methods, finished, stress->seconds);
 }
 
-static void reply_row(const struct stress *stress, const struct stress_row *row, struct reply *reply)
+static void reply_row(const struct stress *stress, const struct stress_row *row,
+                      struct reply *reply)
 {
     reply_begin(reply, "stress");
-    reply_string(reply, "scene", stress->cases[row->place].name);
+    reply_string(reply, "scene", stress->cases[row->index].name);
     reply_string(reply, "method", row->method->row.name);
     reply_string(reply, "verdict", catalog_row(&stress_verdict_catalog, row->verdict)->name);
     reply_real(reply, "error", row->error);
@@ -169,11 +174,13 @@ static void reply_row(const struct stress *stress, const struct stress_row *row,
 }
 
 /* Initial values, and what else acts, of the present scene. */
-static bool this_scene(const struct session *session, struct arena *arena, struct stress_scene *of, struct error *error)
+static bool this_scene(const struct session *session, struct arena *arena, struct stress_scene *of,
+                       struct error *error)
 {
     const struct scene *scene = &session->setup.scene;
     const size_t params = scene_params(scene)->count;
-    bool *start = arena_array(arena, params, sizeof *start), *matter = arena_array(arena, params, sizeof *matter);
+    bool *start = arena_array(arena, params, sizeof *start),
+         *matter = arena_array(arena, params, sizeof *matter);
     struct system system;
     if (!start || !matter)
         return error_memory(error);
@@ -190,7 +197,7 @@ static bool this_scene(const struct session *session, struct arena *arena, struc
 
 HANDLER(stress)
 {
-    const struct given *asked = given_for(given, "METHOD");
+    const struct given_argument *asked = argument_given(given, "METHOD");
     const struct method **method =
         arena_array(given->arena, method_catalog.count + (size_t)asked->count, sizeof *method);
     struct stress stress;
@@ -200,15 +207,17 @@ HANDLER(stress)
     for (int i = 0; i < asked->count; i++)
         method[methods++] = (const struct method *)(const void *)asked->item[i].row;
     for (size_t i = 0; i < method_catalog.count && asked->count == 0; i++) {
-        const struct method *row = (const struct method *)(const void *)catalog_row(&method_catalog, i);
-        if (!(row->flags & METHOD_YARDSTICK)) /* somebody else's: only when named */
+        const struct method *row =
+            (const struct method *)(const void *)catalog_row(&method_catalog, i);
+        if (!(row->flags & METHOD_EXTERNAL)) /* somebody else's: only when named */
             method[methods++] = row;
     }
     struct stress_scene of;
     const bool present = is_given(given, "scene");
     if (present && !this_scene(session, given->arena, &of, error))
         return false;
-    const bool ok = study_stress(present ? &of : NULL, method, methods, session->front.cancel, &stress, error);
+    const bool ok =
+        study_stress(present ? &of : NULL, method, methods, session->front.cancel, &stress, error);
     struct buffer text = {0};
     if (stress.rows > 0)
         put_stress(session, &stress, method, methods, &text);
@@ -221,18 +230,22 @@ HANDLER(stress)
 }
 #endif
 
-COMMAND(stress, .row = {"stress", "", "the stiff and the extreme: each method, one verdict each", "", NULL},
+COMMAND(stress,
+        .row = {"stress", "", "the stiff and the extreme: each method, one verdict each", "", NULL},
         .group = "STUDY",
-        .text =
-            "Stiff scenes, extremes of scale, critical damping, steps far above the limit, inputs that make no sense: "
-            "each method\n"
-            "(or those named) on each of them, with a budget of steps; methods that adapt with tol = 1e-6, the others "
-            "in 1024 steps.\n"
-            "One letter each, then the reasons. The present scene is not changed; with 'scene' the cases are made of "
-            "it, over its\n"
-            "duration: steps around each method's limit, parameters 1e6 times smaller and larger, 0 and with the other "
-            "sign, initial\n"
-            "values of 1e-310, 1e-150 and 1e150.",
+        .text = "Stiff scenes, extremes of scale, critical damping, steps far above the limit, "
+                "inputs that make no sense: "
+                "each method\n"
+                "(or those named) on each of them, with a budget of steps; methods that adapt with "
+                "tol = 1e-6, the others "
+                "in 1024 steps.\n"
+                "One letter each, then the reasons. The present scene is not changed; with 'scene' "
+                "the cases are made of "
+                "it, over its\n"
+                "duration: steps around each method's limit, parameters 1e6 times smaller and "
+                "larger, 0 and with the other "
+                "sign, initial\n"
+                "values of 1e-310, 1e-150 and 1e150.",
         .examples = "stress euler rk4 radau5\nscene pendulum; stress scene rk4 verlet dop853",
         .see = "stability compare precision",
         ARGUMENTS(WORD("scene", TYPE_NONE),

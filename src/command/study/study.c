@@ -94,7 +94,7 @@ static void reply_table(const struct session *session, const struct comparison *
 {
     int width, height;
     session_size(session, &width, &height);
-    struct text_table table = {.arena = arena, .gap = 3, .most = width};
+    struct text_table table = {.arena = arena, .gap = 3, .max = width};
     struct buffer text = {0};
     columns_text(&compared_columns, rows, (size_t)count, true, &table);
     text_table_put(&table, &text);
@@ -109,7 +109,7 @@ static void reply_table(const struct session *session, const struct comparison *
         buffer_format(&text, "errors against %s and %s, which agree to ",
                       from[0].reference[0]->row.name, from[0].reference[1]->row.name);
         buffer_short(&text, from[0].errors.floor, 2);
-        buffer_put(&text, from[0].reference_kept ? TEXT(", as found before\n") : TEXT("\n"));
+        buffer_put(&text, from[0].reference_stored ? TEXT(", as found before\n") : TEXT("\n"));
     }
     reply_text(reply, buffer_text(&text));
     buffer_free(&text);
@@ -132,7 +132,7 @@ static void keep_comparison(struct session *session, const struct compared_row *
 
 /* ---- the command ---- */
 
-static double *values_of(const struct given *given, struct arena *arena)
+static double *values_of(const struct given_argument *given, struct arena *arena)
 {
     double *values = arena_array(arena, (size_t)given->count + 1, sizeof *values);
     for (int i = 0; values && i < given->count; i++)
@@ -140,21 +140,22 @@ static double *values_of(const struct given *given, struct arena *arena)
     return values;
 }
 
-static bool make_contenders(const struct session *session, const struct arguments *given,
-                            struct contender *contender, struct error *error)
+static bool make_choices(const struct session *session, const struct arguments *given,
+                         struct method_choice *choice, struct error *error)
 {
-    const struct given *methods = given_for(given, "METHOD"), *drag = given_for(given, "drag");
+    const struct given_argument *methods = argument_given(given, "METHOD"),
+                                *drag = argument_given(given, "drag");
     for (int i = 0; i < methods->count; i++) {
-        contender[i].method = (const struct method *)(const void *)methods->item[i].row;
-        contender[i].drag = drag->count == 1                ? (enum drag)(drag->item[0].index + 1)
-                            : drag->count == methods->count ? (enum drag)(drag->item[i].index + 1)
-                                                            : session->setup.drag;
-        if (drag->count == 0 && !(contender[i].method->drags & (1u << contender[i].drag)))
-            contender[i].drag = DRAG_DEFAULT;
+        choice[i].method = (const struct method *)(const void *)methods->item[i].row;
+        choice[i].drag = drag->count == 1                ? (enum drag)(drag->item[0].index + 1)
+                         : drag->count == methods->count ? (enum drag)(drag->item[i].index + 1)
+                                                         : session->setup.drag;
+        if (drag->count == 0 && !(choice[i].method->drags & (1u << choice[i].drag)))
+            choice[i].drag = DRAG_DEFAULT;
         /* One drag= for all of them holds for those that know it. */
         if (drag->count == 1 && methods->count > 1 &&
-            !(contender[i].method->drags & (1u << contender[i].drag)))
-            contender[i].drag = DRAG_DEFAULT;
+            !(choice[i].method->drags & (1u << choice[i].drag)))
+            choice[i].drag = DRAG_DEFAULT;
     }
     return drag->count <= 1 || drag->count == methods->count ||
            error_at(error, drag->where, "drag= takes one variant for all methods or one for each");
@@ -194,26 +195,27 @@ static void reply_saved(const struct comparison *rows, int count, struct reply *
     buffer_free(&numbers);
 }
 
-static bool contenders_adapt(const struct compare_request *request)
+static bool choices_adapt(const struct compare_request *request)
 {
-    for (int c = 0; c < request->contenders && request->tols > 0; c++)
-        if (request->contender[c].method->flags & METHOD_ADAPTIVE)
+    for (int c = 0; c < request->choices && request->tols > 0; c++)
+        if (request->choice[c].method->flags & METHOD_ADAPTIVE)
             return true;
     return false;
 }
 
 HANDLER(compare)
 {
-    const struct given *methods = given_for(given, "METHOD"), *dt = given_for(given, "dt"),
-                       *tol = given_for(given, "tol");
+    const struct given_argument *methods = argument_given(given, "METHOD"),
+                                *dt = argument_given(given, "dt"),
+                                *tol = argument_given(given, "tol");
     const struct settings *settings = &session->setup.settings;
-    const int most = methods->count * (tol->count ? tol->count : dt->count ? dt->count : 1);
-    struct contender *contender =
-        arena_array(given->arena, (size_t)methods->count, sizeof *contender);
-    struct comparison *rows = arena_array(given->arena, (size_t)most, sizeof *rows);
-    struct compared_row *compared = arena_array(given->arena, (size_t)most, sizeof *compared);
+    const int max = methods->count * (tol->count ? tol->count : dt->count ? dt->count : 1);
+    struct method_choice *choice =
+        arena_array(given->arena, (size_t)methods->count, sizeof *choice);
+    struct comparison *rows = arena_array(given->arena, (size_t)max, sizeof *rows);
+    struct compared_row *compared = arena_array(given->arena, (size_t)max, sizeof *compared);
     double *dts = values_of(dt, given->arena), *tols = values_of(tol, given->arena);
-    if (!contender || !rows || !compared || !dts || !tols)
+    if (!choice || !rows || !compared || !dts || !tols)
         return error_memory(error);
     const bool adapts = !tol->count && !dt->count && settings->tol > 0; /* those that can */
     if (dt->count == 0)
@@ -222,16 +224,16 @@ HANDLER(compare)
         return error_at(error, dt->where,
                         "with tol= at most one dt is given: the first step, and the step of "
                         "methods that do not adapt");
-    if (session->runs + most > LIMIT_RUNS) {
-        error_set(error, ERROR_COMMAND, "this makes %d runs, %d exist and %d are the most", most,
+    if (session->runs + max > LIMIT_RUNS) {
+        error_set(error, ERROR_COMMAND, "this makes %d runs, %d exist and %d are the most", max,
                   session->runs, LIMIT_RUNS);
         return error_hint(error, "drop some: drop N.. or drop all");
     }
-    if (!make_contenders(session, given, contender, error))
+    if (!make_choices(session, given, choice, error))
         return false;
     const struct compare_request request = {.scene = &session->setup.scene,
-                                            .contender = contender,
-                                            .contenders = methods->count,
+                                            .choice = choice,
+                                            .choices = methods->count,
                                             .dt = dts,
                                             .dts = dt->count ? dt->count : 1,
                                             .tol = adapts       ? &settings->tol
@@ -252,7 +254,7 @@ HANDLER(compare)
         return false;
     int count = 0;
     struct error study = {0};
-    reply_assumed(session, contenders_adapt(&request), true, reply);
+    reply_assumed(session, choices_adapt(&request), true, reply);
     reply_shorter(session, reply);
     const bool ok = study_compare(&request, rows, &count, &study);
     if (!keep_runs(session, rows, count, error))

@@ -35,7 +35,8 @@ static struct text next_argument(struct text *rest)
     return text_trim(argument);
 }
 
-static bool read_end(struct parser *parser, const struct sweep_axis *axis, double *value, struct error *error)
+static bool read_end(struct parser *parser, const struct sweep_axis *axis, double *value,
+                     struct error *error)
 {
     struct item item = {0};
     text_skip_blanks(&parser->rest);
@@ -55,10 +56,13 @@ static bool take_colon(struct parser *parser)
     return there;
 }
 
-/* Steps from one end towards the other; the last point is the end where the steps come by, to rounding. */
-static bool count_points(struct sweep_axis *axis, double step, struct text where, struct error *error)
+/* Steps from one end towards the other; the last point is the end where the steps come by, to
+ * rounding. */
+static bool count_points(struct sweep_axis *axis, double step, struct text where,
+                         struct error *error)
 {
-    const double steps = axis->log ? log(axis->to / axis->from) / log(step) : (axis->to - axis->from) / step;
+    const double steps =
+        axis->log ? log(axis->to / axis->from) / log(step) : (axis->to - axis->from) / step;
     if (axis->from == axis->to) {
         axis->count = 1;
         return true;
@@ -66,15 +70,18 @@ static bool count_points(struct sweep_axis *axis, double step, struct text where
     if (!(steps > 0) || !(steps < 1e9)) {
         error_at(error, where, "%s: such steps do not lead from one end to the other%s", axis->name,
                  steps > 0 ? " in less than 1e9" : "");
-        return error_hint(error, "%s=1:10:0.5 adds 0.5, %s=1:100:x10 multiplies by 10", axis->name, axis->name);
+        return error_hint(error, "%s=1:10:0.5 adds 0.5, %s=1:100:x10 multiplies by 10", axis->name,
+                          axis->name);
     }
     axis->count = 1 + (int)floor(steps + 1e-6);
     if (fabs(steps - (axis->count - 1)) > 1e-6)
-        axis->to = axis->log ? axis->from * pow(step, axis->count - 1) : axis->from + step * (axis->count - 1);
+        axis->to = axis->log ? axis->from * pow(step, axis->count - 1)
+                             : axis->from + step * (axis->count - 1);
     return true;
 }
 
-static bool read_axis(struct parser *parser, struct text name, struct sweep_axis *axis, struct error *error)
+static bool read_axis(struct parser *parser, struct text name, struct sweep_axis *axis,
+                      struct error *error)
 {
     struct session *session = parser->session;
     const struct text range = parser->rest;
@@ -84,7 +91,8 @@ static bool read_axis(struct parser *parser, struct text name, struct sweep_axis
         return false;
     if (!take_colon(parser)) {
         error_at(error, text_trim(range), "%s needs a range from:to", axis->name);
-        return error_hint(error, "for example %s=1:10:0.5, or %s=1:100:x10 for factors of 10", axis->name, axis->name);
+        return error_hint(error, "for example %s=1:10:0.5, or %s=1:100:x10 for factors of 10",
+                          axis->name, axis->name);
     }
     if (!read_end(parser, axis, &axis->to, error))
         return false;
@@ -93,15 +101,17 @@ static bool read_axis(struct parser *parser, struct text name, struct sweep_axis
         return refuse_rest(parser, NULL, error);
     }
     struct item step = {0};
-    axis->log =
-        text_starts(parser->rest, TEXT("x")) && parser->rest.len > 1 && strchr("0123456789.", parser->rest.at[1]);
+    axis->log = text_starts(parser->rest, TEXT("x")) && parser->rest.len > 1 &&
+                strchr("0123456789.", parser->rest.at[1]);
     if (axis->log)
         parser->rest = (struct text){parser->rest.at + 1, parser->rest.len - 1};
-    if (!parse_value(parser, axis->name, axis->log ? QUANTITY_NUMBER : axis->quantity, &step, error) ||
+    if (!parse_value(parser, axis->name, axis->log ? QUANTITY_NUMBER : axis->quantity, &step,
+                     error) ||
         !refuse_rest(parser, &step, error))
         return false;
     if (axis->log && !(axis->from * axis->to > 0))
-        return error_at(error, text_trim(range), "%s: factors lead from one end to the other only on one side of 0",
+        return error_at(error, text_trim(range),
+                        "%s: factors lead from one end to the other only on one side of 0",
                         axis->name);
     return count_points(axis, step.value.value, text_trim(range), error);
 }
@@ -113,13 +123,16 @@ static bool read_measures(struct parser *parser, struct sweep_request *request, 
     while (text_split(&rest, ',', &name)) {
         if (request->measures == SWEEP_MEASURES)
             return error_at(error, name, "a sweep takes %d measures at once", SWEEP_MEASURES);
-        if (!sweep_measure_find(request->scene->model, text_trim(name), &request->measure[request->measures++], error))
+        if (!sweep_measure_find(request->scene->model, text_trim(name),
+                                &request->measure[request->measures++], error))
             return false;
     }
-    return request->measures > 0 || error_at(error, parser->rest, "measure= needs a name, as in measure=amplitude");
+    return request->measures > 0 ||
+           error_at(error, parser->rest, "measure= needs a name, as in measure=amplitude");
 }
 
-static bool read_number(struct parser *parser, const char *what, int64_t *number, struct error *error)
+static bool read_number(struct parser *parser, const char *what, int64_t *number,
+                        struct error *error)
 {
     struct item item = {0};
     if (!parse_integer(parser, what, false, &item, error))
@@ -133,8 +146,9 @@ static bool read_shard(struct parser *parser, struct sweep_request *request, str
     const struct text all = text_trim(parser->rest);
     struct text rest = all, part;
     double number, of;
-    if (!text_split(&rest, '/', &part) || real_parse(part, &number) != REAL_OK || real_parse(rest, &of) != REAL_OK ||
-        !(number >= 1 && number <= of && of <= 1e9) || number != floor(number) || of != floor(of)) {
+    if (!text_split(&rest, '/', &part) || real_parse(part, &number) != REAL_OK ||
+        real_parse(rest, &of) != REAL_OK || !(number >= 1 && number <= of && of <= 1e9) ||
+        number != floor(number) || of != floor(of)) {
         error_at(error, all, "--shard needs a part and how many there are, as in --shard 2/8");
         return false;
     }
@@ -143,7 +157,8 @@ static bool read_shard(struct parser *parser, struct sweep_request *request, str
     return true;
 }
 
-static bool read_option(struct parser *parser, struct sweep_request *request, bool *force, struct error *error)
+static bool read_option(struct parser *parser, struct sweep_request *request, bool *force,
+                        struct error *error)
 {
     const struct text all = parser->rest;
     const struct text name = peek_name((struct text){all.at + 2, all.len - 2});
@@ -157,7 +172,8 @@ static bool read_option(struct parser *parser, struct sweep_request *request, bo
     if (text_is(name, "shard"))
         return read_shard(parser, request, error);
     if (!text_is(name, "threads")) {
-        error_at(error, all, "sweep has no option '%.*s'", (int)(name.len < 64 ? name.len : 64), name.at);
+        error_at(error, all, "sweep has no option '%.*s'", (int)(name.len < 64 ? name.len : 64),
+                 name.at);
         return error_hint(error, "it has --threads N, --shard I/N and --force");
     }
     struct item shown = {0};
@@ -169,13 +185,14 @@ static bool read_option(struct parser *parser, struct sweep_request *request, bo
     return true;
 }
 
-static bool read_sweep(struct session *session, const struct arguments *given, struct sweep_request *request,
-                       bool *force, struct error *error)
+static bool read_sweep(struct session *session, const struct arguments *given,
+                       struct sweep_request *request, bool *force, struct error *error)
 {
-    struct text rest = given_for(given, "NAME=RANGE")->item->text;
+    struct text rest = argument_given(given, "NAME=RANGE")->item->text;
     while (text_skip_blanks(&rest), rest.len > 0) {
         const struct text argument = next_argument(&rest), name = peek_name(argument);
-        struct parser parser = {session, given->scope, given->arena, {argument.at + name.len, argument.len - name.len}};
+        struct parser parser = {
+            session, given->scope, given->arena, {argument.at + name.len, argument.len - name.len}};
         text_skip_blanks(&parser.rest);
         if (text_starts(argument, TEXT("--"))) {
             parser.rest = argument;
@@ -201,7 +218,8 @@ static bool read_sweep(struct session *session, const struct arguments *given, s
         if (request->axes++ == 1 && strcmp(request->axis[0].name, axis->name) == 0)
             return error_at(error, argument, "'%s' is given twice", axis->name);
     }
-    return request->axes > 0 || error_set(error, ERROR_COMMAND, "sweep needs a parameter, as in sweep omega=6:12:0.1");
+    return request->axes > 0 ||
+           error_set(error, ERROR_COMMAND, "sweep needs a parameter, as in sweep omega=6:12:0.1");
 }
 
 /* ---- what it says ---- */
@@ -219,9 +237,11 @@ static void reply_point(const struct swept *swept, int64_t i, struct reply *repl
     reply_begin(reply, "sweep");
     reply_int(reply, "point", sweep->first + i);
     for (int a = 0; a < sweep->axes; a++)
-        reply_real(reply, sweep->axis[a].name, sweep_axis_value(&sweep->axis[a], (int)sweep_number(sweep, a, i)));
+        reply_real(reply, sweep->axis[a].name,
+                   sweep_axis_value(&sweep->axis[a], (int)sweep_number(sweep, a, i)));
     for (int m = 0; m < sweep->measures; m++)
-        reply_real(reply, sweep_measure_name(&swept->measure[m]), sweep->value[i * sweep->measures + m]);
+        reply_real(reply, sweep_measure_name(&swept->measure[m]),
+                   sweep->value[i * sweep->measures + m]);
     reply_string(reply, "status", sweep_status_name(sweep->status[i]));
     /* Only the first shard has the header, so that shards put together are the whole. */
     if (i == 0 && sweep->first > 0) {
@@ -232,7 +252,8 @@ static void reply_point(const struct swept *swept, int64_t i, struct reply *repl
     reply_end(reply);
 }
 
-static void reply_sweep(struct session *session, const struct swept *swept, struct arena *arena, struct reply *reply)
+static void reply_sweep(struct session *session, const struct swept *swept, struct arena *arena,
+                        struct reply *reply)
 {
     struct buffer text = {0};
     if (reply->format == FORMAT_TEXT) {
@@ -247,7 +268,8 @@ static void reply_sweep(struct session *session, const struct swept *swept, stru
 }
 
 /* The session takes it over; without memory the one before stays. */
-static void keep_sweep(struct session *session, const struct sweep_request *request, struct sweep *sweep)
+static void keep_sweep(struct session *session, const struct sweep_request *request,
+                       struct sweep *sweep)
 {
     struct sweep *kept = malloc(sizeof *kept);
     if (!kept)
@@ -299,25 +321,31 @@ HANDLER(sweep)
 }
 #endif
 
-COMMAND(
-    sweep, .row = {"sweep", "", "vary one or two parameters: a trajectory for each value", "", NULL}, .group = "STUDY",
-    .text =
-        "NAME=FROM:TO:STEP adds STEP each, NAME=FROM:TO:x2 multiplies; without a step 51 points. NAME is a "
-        "parameter of the scene,\n"
-        "or dt or tol. Each point is the scene with the present method and duration. measure=A,B,.. is one or more "
-        "of amplitude,\n"
-        "period and mean (in the last third of the duration), max and min, of the first variable or, max(z), of "
-        "any column; error,\n"
-        "energy_error, steps, evals, reached (the time), or what print knows of a run at its end: y, energy .. "
-        "What diverges is a\n"
-        "result. One parameter makes a table and a curve, two make a map. --shard 2/8 computes the second eighth "
-        "of the points: with\n"
-        "-q --format csv (or json) the outputs of all shards, one after another (cat), are the output of the whole. "
-        "The numbers do\n"
-        "not depend on threads or shards.",
-    .examples = "scene driven; method rk4; duration = 60 s; sweep omega=6:12:0.1\n"
-                "scene damped; sweep gamma=0.1:10:x2 k=10:20:5 measure=period,energy",
-    .see = "compare precision export plot",
-    .completes = COMPLETES_SWEEP,
-        ARGUMENTS(PLACE("NAME=RANGE", TYPE_REST, .flags = ARG_REQUIRED), KEY("measure", TYPE_TEXT, .flags = ARG_MANY),
-              OPTION("threads", TYPE_INTEGER), OPTION("shard", TYPE_TEXT), OPTION("force", TYPE_NONE)))
+COMMAND(sweep,
+        .row = {"sweep", "", "vary one or two parameters: a trajectory for each value", "", NULL},
+        .group = "STUDY",
+        .text = "NAME=FROM:TO:STEP adds STEP each, NAME=FROM:TO:x2 multiplies; without a step 51 "
+                "points. NAME is a "
+                "parameter of the scene,\n"
+                "or dt or tol. Each point is the scene with the present method and duration. "
+                "measure=A,B,.. is one or more "
+                "of amplitude,\n"
+                "period and mean (in the last third of the duration), max and min, of the first "
+                "variable or, max(z), of "
+                "any column; error,\n"
+                "energy_error, steps, evals, reached (the time), or what print knows of a run at "
+                "its end: y, energy .. "
+                "What diverges is a\n"
+                "result. One parameter makes a table and a curve, two make a map. --shard 2/8 "
+                "computes the second eighth "
+                "of the points: with\n"
+                "-q --format csv (or json) the outputs of all shards, one after another (cat), are "
+                "the output of the whole. "
+                "The numbers do\n"
+                "not depend on threads or shards.",
+        .examples = "scene driven; method rk4; duration = 60 s; sweep omega=6:12:0.1\n"
+                    "scene damped; sweep gamma=0.1:10:x2 k=10:20:5 measure=period,energy",
+        .see = "compare precision export plot", .completes = COMPLETES_SWEEP,
+        ARGUMENTS(PLACE("NAME=RANGE", TYPE_REST, .flags = ARG_REQUIRED),
+                  KEY("measure", TYPE_TEXT, .flags = ARG_MANY), OPTION("threads", TYPE_INTEGER),
+                  OPTION("shard", TYPE_TEXT), OPTION("force", TYPE_NONE)))

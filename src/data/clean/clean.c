@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * What is wrong with a recording, found without a model for the whole of it. Only single samples that cannot be the
- * motion are masked; everything else is said and left to who uses it. Flat tops are kept: the fit treats them as
- * censored, and could not if only those samples were missing that noise carried one way.
+ * What is wrong with a recording, found without a model for the whole of it. Only single samples
+ * that cannot be the motion are masked; everything else is said and left to who uses it. Flat tops
+ * are kept: the fit treats them as censored, and could not if only those samples were missing that
+ * noise carried one way.
  */
 #include "data/clean/clean.h"
 
@@ -12,10 +13,10 @@
 
 #define FAR_OFF 6.0        /* robust standard deviations */
 #define FAR_OFF_BESIDE 3.0 /* next to one that is far off, on the same side */
-#define FAR_OFF_LEAST 0.01 /* of the amplitude: what is nearer does no harm */
+#define FAR_OFF_MIN 0.01   /* of the amplitude: what is nearer does no harm */
 #define GAP 1.5            /* median steps, as the loader counts them */
-#define SHOULDER_LEAST 3   /* samples in a row; fewer are spikes */
-#define STUCK_LEAST 5      /* samples */
+#define SHOULDER_MIN 3     /* samples in a row; fewer are spikes */
+#define STUCK_MIN 5        /* samples */
 #define STUCK_MOVES 8.0    /* noise or steps that the motion goes meanwhile */
 #define SEEN 6.0           /* typical scales: an amplitude that is no noise */
 #define LEVELS_FEW 100     /* in the swing: steps of a percent of it */
@@ -57,7 +58,8 @@ static void find_missing(struct cleaning *c)
 
 /* ---- values ---- */
 
-/* The step of which nearly all differences are multiples, in the numbers as they stand in the file. */
+/* The step of which nearly all differences are multiples, in the numbers as they stand in the file.
+ */
 static void find_steps(struct cleaning *c)
 {
     const struct column *column = &c->recording->column[c->recording->value];
@@ -89,21 +91,21 @@ static void find_steps(struct cleaning *c)
 }
 
 /*
- * Equal values in a row while the motion goes on, or for half a period while elsewhere there is noise; not at the ends,
- * where it may rest. The first of them is as good as any.
+ * Equal values in a row while the motion goes on, or for half a period while elsewhere there is
+ * noise; not at the ends, where it may rest. The first of them is as good as any.
  */
 static void find_stuck(struct cleaning *c)
 {
-    const double least = STUCK_MOVES * fmax(c->typical, c->quantum);
+    const double min = STUCK_MOVES * fmax(c->typical, c->quantum);
     for (size_t from = 0, to; from < c->n; from = to) {
         double low = HUGE_VAL, high = -HUGE_VAL;
         for (to = from; to < c->n && (to == from || c->y[to] == c->y[from]); to++) {
             low = fmin(low, c->model[to]);
             high = fmax(high, c->model[to]);
         }
-        const bool end = from == 0 || to == c->n, many = to - from >= STUCK_LEAST;
+        const bool end = from == 0 || to == c->n, many = to - from >= STUCK_MIN;
         const bool lasts = c->t[to - 1] - c->t[from] > 0.5 * c->period && c->typical > c->quantum;
-        if (end || !many || c->excluded[from] || !(high - low > least || lasts))
+        if (end || !many || c->excluded[from] || !(high - low > min || lasts))
             continue;
         for (size_t i = from + 1; i < to; i++) {
             c->findings->mask[i] = 1 + FINDING_STUCK;
@@ -123,10 +125,10 @@ static const struct local *from_end(const struct cleaning *c, bool end, size_t k
 /* By how much the amplitude falls in a period, as a rule, where it is seen. */
 static double usual_fall(struct cleaning *c)
 {
-    const double least = SEEN * c->typical;
+    const double min = SEEN * c->typical;
     size_t n = 0;
     for (size_t k = 0; k + 1 < c->locals; k++)
-        if (c->local[k].fitted && c->local[k + 1].fitted && c->local[k].amplitude > least)
+        if (c->local[k].fitted && c->local[k + 1].fitted && c->local[k].amplitude > min)
             c->sorted[n++] = c->local[k + 1].amplitude / c->local[k].amplitude;
     return n > 0 ? fmin(selected_quantile(c->sorted, n, 0.5), 1) : 1;
 }
@@ -134,15 +136,16 @@ static double usual_fall(struct cleaning *c)
 static size_t far_off(const struct cleaning *c, const struct local *local)
 {
     size_t count = 0;
-    const double least = FAR_OFF * fmax(c->typical, local->scale);
+    const double min = FAR_OFF * fmax(c->typical, local->scale);
     for (size_t i = local->from; i < local->to; i++)
-        count += !c->excluded[i] && fabs(c->residual[i]) > least;
+        count += !c->excluded[i] && fabs(c->residual[i]) > min;
     return count;
 }
 
 /*
- * Stretches at one end that are no free oscillation: the amplitude there is much less than further inside (where it is
- * at least as large as the decay allows), or no sine fits; where it comes to rest also what does not move any more.
+ * Stretches at one end that are no free oscillation: the amplitude there is much less than further
+ * inside (where it is at least as large as the decay allows), or no sine fits; where it comes to
+ * rest also what does not move any more.
  */
 static size_t bad_stretches(struct cleaning *c, bool end, bool rests, double fall)
 {
@@ -163,7 +166,8 @@ static size_t bad_stretches(struct cleaning *c, bool end, bool rests, double fal
         const bool still = s->amplitude < 0.6 * inside && inside > SEEN * c->typical;
         const bool rough = s->scale > fmax(0.3 * s->amplitude, 5 * c->typical) ||
                            4 * far_off(c, s) > s->to - s->from;
-        const bool gone = rests && s->amplitude < fmax(0.5 * fmax(s->scale, c->quantum), 0.002 * largest);
+        const bool gone =
+            rests && s->amplitude < fmax(0.5 * fmax(s->scale, c->quantum), 0.002 * largest);
         if (!still && !rough && !gone)
             break;
     }
@@ -175,7 +179,8 @@ static void find_ends(struct cleaning *c)
     const double fall = usual_fall(c);
     const struct motion_rows rows = {c->t, c->y, c->excluded, 0, c->n};
     const size_t rest = motion_rest(&rows, c->period);
-    const size_t before = bad_stretches(c, false, false, fall), after = bad_stretches(c, true, rest < c->n, fall);
+    const size_t before = bad_stretches(c, false, false, fall),
+                 after = bad_stretches(c, true, rest < c->n, fall);
     if (before + after >= c->locals)
         return;
     const size_t from = before > 0 ? c->local[before].from : 0;
@@ -194,8 +199,9 @@ static void find_ends(struct cleaning *c)
 /* ---- bad echoes ---- */
 
 /*
- * Samples far off their local fit, with those beside them on the same side; inside the window. A strong decay is itself
- * off the line that the amplitude is fitted with: by half the square of what it loses in a period, relatively.
+ * Samples far off their local fit, with those beside them on the same side; inside the window. A
+ * strong decay is itself off the line that the amplitude is fitted with: by half the square of what
+ * it loses in a period, relatively.
  */
 static void mark_far_off(struct cleaning *c, unsigned char mark)
 {
@@ -204,16 +210,19 @@ static void mark_far_off(struct cleaning *c, unsigned char mark)
     for (size_t k = 0; k < c->locals; k++) {
         const struct local *s = &c->local[k];
         const double scale = fmax(s->scale, c->typical);
-        const double least = fmax(FAR_OFF * scale, fmax(fmax(FAR_OFF_LEAST, bend) * s->amplitude, 1.5 * c->quantum));
-        const double beside = FAR_OFF_BESIDE / FAR_OFF * least;
+        const double min =
+            fmax(FAR_OFF * scale, fmax(fmax(FAR_OFF_MIN, bend) * s->amplitude, 1.5 * c->quantum));
+        const double beside = FAR_OFF_BESIDE / FAR_OFF * min;
         for (size_t i = s->from; i < s->to && s->fitted; i++) {
             const double r = c->residual[i];
-            if (c->excluded[i] || !(fabs(r) > least))
+            if (c->excluded[i] || !(fabs(r) > min))
                 continue;
             mask[i] = mark;
-            for (size_t j = i; j-- > 0 && !mask[j] && !c->excluded[j] && r * c->residual[j] > beside * fabs(r);)
+            for (size_t j = i;
+                 j-- > 0 && !mask[j] && !c->excluded[j] && r * c->residual[j] > beside * fabs(r);)
                 mask[j] = mark;
-            for (size_t j = i + 1; j < c->n && !c->excluded[j] && r * c->residual[j] > beside * fabs(r); j++)
+            for (size_t j = i + 1;
+                 j < c->n && !c->excluded[j] && r * c->residual[j] > beside * fabs(r); j++)
                 mask[j] = mark;
         }
     }
@@ -232,13 +241,13 @@ static void trim_ends(struct cleaning *c)
         ;
     for (to = last; to > from && f->mask[to]; to--)
         ;
-    if (from - first >= SHOULDER_LEAST) {
-        f->of[FINDING_START].places = 0;
+    if (from - first >= SHOULDER_MIN) {
+        f->of[FINDING_START].indices = 0;
         clean_note(&f->of[FINDING_START], c->t[0], from - first);
         f->window[0] = c->t[from];
     }
-    if (last - to >= SHOULDER_LEAST) {
-        f->of[FINDING_END].places = 0;
+    if (last - to >= SHOULDER_MIN) {
+        f->of[FINDING_END].indices = 0;
         clean_note(&f->of[FINDING_END], c->t[to + 1], last - to);
         f->window[1] = c->t[to];
     }
@@ -252,14 +261,15 @@ static void count_masked(struct cleaning *c)
     for (size_t from = 0, to; from < c->n; from = to) {
         const unsigned char kind = f->mask[from];
         const double r = c->residual[from];
-        for (to = from + 1; to < c->n && f->mask[to] == kind && (kind != any || r * c->residual[to] > 0);)
+        for (to = from + 1;
+             to < c->n && f->mask[to] == kind && (kind != any || r * c->residual[to] > 0);)
             to++;
         const bool outside = c->t[from] < f->window[0] || c->t[to - 1] > f->window[1];
         if (kind == 0)
             continue;
-        const enum finding_kind found = kind != any                    ? (enum finding_kind)(kind - 1)
-                                        : to - from >= SHOULDER_LEAST ? FINDING_SHOULDERS
-                                                                      : FINDING_SPIKES;
+        const enum finding_kind found = kind != any                 ? (enum finding_kind)(kind - 1)
+                                        : to - from >= SHOULDER_MIN ? FINDING_SHOULDERS
+                                                                    : FINDING_SPIKES;
         for (size_t i = from; i < to; i++) {
             f->mask[i] = outside ? 0 : (unsigned char)(1 + found);
             if (!outside && found != FINDING_STUCK)
@@ -274,9 +284,9 @@ static void count_masked(struct cleaning *c)
 
 /* ---- sway ---- */
 
-#define SWAY_LEAST 0.015 /* rms, relative */
+#define SWAY_MIN 0.015 /* rms, relative */
 #define SWAY_STRETCHES 6
-#define SWAY_TURNS 4     /* fewer may be a law of drag that no parabola follows */
+#define SWAY_TURNS 4 /* fewer may be a law of drag that no parabola follows */
 
 /* Takes out of y what is along the basis vector. */
 static void take_out(double *y, const double *basis, size_t n)
@@ -294,8 +304,9 @@ static void take_out(double *y, const double *basis, size_t n)
 static bool find_sway(struct cleaning *c)
 {
     struct findings *f = c->findings;
-    double *y = arena_array(c->scratch, 4 * c->locals, sizeof *y), *one = y + c->locals, *line = one + c->locals,
-           *curve = line + c->locals, first = NAN, last = NAN, square = 0, expected = 0;
+    double *y = arena_array(c->scratch, 4 * c->locals, sizeof *y), *one = y + c->locals,
+           *line = one + c->locals, *curve = line + c->locals, first = NAN, last = NAN, square = 0,
+           expected = 0;
     size_t n = 0, turns = 0;
     if (!y)
         return false;
@@ -325,7 +336,7 @@ static bool find_sway(struct cleaning *c)
         turns += i > 0 && y[i] * y[i - 1] < 0;
     }
     const double sway = sqrt(square / (double)(n - 3)), noise = sqrt(expected / (double)n);
-    if (sway > SWAY_LEAST && sway > 3 * noise && turns >= SWAY_TURNS) {
+    if (sway > SWAY_MIN && sway > 3 * noise && turns >= SWAY_TURNS) {
         clean_note(&f->of[FINDING_SWAY], first, n);
         f->of[FINDING_SWAY].size = sway;
         f->sway_period = 2 * (last - first) / (double)turns;
@@ -351,7 +362,8 @@ static bool inspect_motion(struct cleaning *c)
     return find_sway(c);
 }
 
-static bool inspect(struct recording *recording, double period, struct findings *f, struct arena *scratch)
+static bool inspect(struct recording *recording, double period, struct findings *f,
+                    struct arena *scratch)
 {
     const size_t n = recording->rows;
     struct cleaning c = {.recording = recording,
@@ -380,11 +392,13 @@ static bool inspect(struct recording *recording, double period, struct findings 
     find_gaps(&c);
     find_missing(&c);
     find_steps(&c);
-    const bool moves = period > 0 && recording->t[n - 1] - recording->t[0] >= 2 * period && c.swing > 0;
+    const bool moves =
+        period > 0 && recording->t[n - 1] - recording->t[0] >= 2 * period && c.swing > 0;
     return !moves || inspect_motion(&c);
 }
 
-bool recording_inspect(struct recording *recording, double period, const char *still, struct error *error)
+bool recording_inspect(struct recording *recording, double period, const char *still,
+                       struct error *error)
 {
     struct arena scratch = {0};
     if (recording->findings)
@@ -411,7 +425,7 @@ void recording_keep_ends(struct recording *recording)
     f->window[1] = recording->t[recording->rows - 1];
     f->rests = NAN;
     f->of[FINDING_START].count = f->of[FINDING_END].count = 0;
-    f->of[FINDING_START].places = f->of[FINDING_END].places = 0;
+    f->of[FINDING_START].indices = f->of[FINDING_END].indices = 0;
     recording->findings = f;
 }
 

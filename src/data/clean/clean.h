@@ -33,26 +33,27 @@ struct cleaning {
     size_t locals;
 };
 
-double sorted_quantile(double *value, size_t n, double q);   /* sorts */
-double selected_quantile(double *value, size_t n, double q); /* the same value; only changes the order; no NAN */
+double sorted_quantile(double *value, size_t n, double q); /* sorts */
+double selected_quantile(double *value, size_t n,
+                         double q); /* the same value; only changes the order; no NAN */
 
 /*
- * Fits offset, line, cos, sin and both with an amplitude that changes linearly, over two periods about each whole
- * period, robustly; fills local, residual, model and typical. False: no memory.
+ * Fits offset, line, cos, sin and both with an amplitude that changes linearly, over two periods
+ * about each whole period, robustly; fills local, residual, model and typical. False: no memory.
  */
 bool clean_fit(struct cleaning *cleaning);
 
 /* Notes a stretch of samples that begins at t. */
 static inline void clean_note(struct finding *finding, double t, size_t samples)
 {
-    if (finding->places < FINDING_PLACES)
-        finding->first[finding->places] = t;
-    finding->places++;
+    if (finding->indices < FINDING_PLACES)
+        finding->first[finding->indices] = t;
+    finding->indices++;
     finding->count += samples;
 }
 
-/* Flat tops on one side, three samples at least in each of at least three cycles, none of which holds half of them
- * (that were a rest): noted, and excluded from the local fits. */
+/* Flat tops on one side, three samples at least in each of at least three cycles, none of which
+ * holds half of them (that were a rest): noted, and excluded from the local fits. */
 void clean_clipped(struct cleaning *cleaning, bool upper);
 
 /* The first row at or after t. */

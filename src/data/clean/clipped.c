@@ -4,8 +4,9 @@
 
 #include <math.h>
 
-#define CLIPPED_LEAST 12 /* samples */
-#define SINE_MOST 2.5    /* times as many in a layer at the top of a sine as in the one below: 1/(sqrt(2) - 1) */
+#define CLIPPED_MIN 12 /* samples */
+#define SINE_MAX                                                                                   \
+    2.5 /* times as many in a layer at the top of a sine as in the one below: 1/(sqrt(2) - 1) */
 
 struct layer {
     double low, high;
@@ -16,10 +17,11 @@ struct layer {
  * Far more samples within a thin layer near an extreme than just below it, and
  * hardly any lie beyond. width 0: the same value again and again.
  */
-static bool densest_layer(const struct cleaning *c, const double *sorted, size_t n, bool upper, double width,
-                          struct layer *layer)
+static bool densest_layer(const struct cleaning *c, const double *sorted, size_t n, bool upper,
+                          double width, struct layer *layer)
 {
-    const double middle = sorted[n / 2], reach = fmax(width, fmax(0.01 * c->swing, 1.5 * c->quantum));
+    const double middle = sorted[n / 2],
+                 reach = fmax(width, fmax(0.01 * c->swing, 1.5 * c->quantum));
     size_t first = 0, last = 0, below = 0, above = 0;
     layer->count = 0;
     for (size_t i = 0, end = 0; i < n; i++) {
@@ -32,7 +34,7 @@ static bool densest_layer(const struct cleaning *c, const double *sorted, size_t
         first = i;
         last = end;
     }
-    if (layer->count < CLIPPED_LEAST)
+    if (layer->count < CLIPPED_MIN)
         return false;
     for (size_t i = first; i-- > 0 && sorted[i] >= layer->low - reach;)
         below++;
@@ -40,7 +42,8 @@ static bool densest_layer(const struct cleaning *c, const double *sorted, size_t
         above++;
     const size_t inside = upper ? below : above, outside = upper ? n - last : first;
     const double n_in = (double)layer->count, n_beside = (double)inside;
-    const bool by_chance = n_in - SINE_MOST * n_beside < 3 * sqrt(n_in + SINE_MOST * SINE_MOST * n_beside);
+    const bool by_chance =
+        n_in - SINE_MAX * n_beside < 3 * sqrt(n_in + SINE_MAX * SINE_MAX * n_beside);
     return layer->count > 4 * inside && !by_chance && 4 * outside < layer->count;
 }
 
@@ -53,15 +56,16 @@ void clean_clipped(struct cleaning *c, bool upper)
 {
     struct finding tops = {.size = NAN}, *clipped = &c->findings->of[FINDING_CLIPPED];
     struct layer layer = {0};
-    size_t n = 0, most = 0, here = 0;
+    size_t n = 0, max = 0, here = 0;
     double until = -HUGE_VAL, sum = 0;
     for (size_t i = 0; i < c->n; i++)
         if (!isnan(c->y[i]))
             c->sorted[n++] = c->y[i];
     sorted_quantile(c->sorted, n, 0);
-    const double thin = fmax(0.01 * c->swing, 2.1 * c->quantum), widths[] = {0, thin, fmax(thin, 6 * c->typical)};
+    const double thin = fmax(0.01 * c->swing, 2.1 * c->quantum),
+                 widths[] = {0, thin, fmax(thin, 6 * c->typical)};
     bool found = false;
-    for (size_t k = 0; k < COUNT_OF(widths) && n >= CLIPPED_LEAST && !found; k++)
+    for (size_t k = 0; k < COUNT_OF(widths) && n >= CLIPPED_MIN && !found; k++)
         found = densest_layer(c, c->sorted, n, upper, widths[k], &layer);
     if (!found)
         return;
@@ -70,22 +74,23 @@ void clean_clipped(struct cleaning *c, bool upper)
             continue;
         here = c->t[i] > until ? 0 : here;
         clean_note(&tops, c->t[i], 0);
-        tops.places -= c->t[i] > until ? 0 : 1;
+        tops.indices -= c->t[i] > until ? 0 : 1;
         here++;
-        most = here > most ? here : most;
+        max = here > max ? here : max;
         tops.count++;
         sum += c->y[i];
         until = c->t[i] + 0.25 * c->period;
     }
-    if (tops.places < 3 || 2 * most > tops.count || tops.count < 3 * tops.places)
+    if (tops.indices < 3 || 2 * max > tops.count || tops.count < 3 * tops.indices)
         return;
     const bool earlier = clipped->count > 0 && clipped->first[0] < tops.first[0];
     for (int k = 0; k < FINDING_PLACES && !earlier; k++)
         clipped->first[k] = tops.first[k];
     clipped->size = sum / (double)tops.count;
     clipped->count += tops.count;
-    clipped->places += tops.places;
-    const double margin = fmax(0.5 * (layer.high - layer.low), fmin(4 * c->typical, thin)); /* noise carries some out */
+    clipped->indices += tops.indices;
+    const double margin = fmax(0.5 * (layer.high - layer.low),
+                               fmin(4 * c->typical, thin)); /* noise carries some out */
     layer.low -= margin;
     layer.high += margin;
     for (size_t i = 0; i < c->n; i++)

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Local robust fits, without a law for the whole: sway, drift and any drag are slow against two periods, what is left
- * is noise and bad echoes. Iteratively reweighted least squares: Huber, then bisquare (Holland & Welsch 1977).
+ * Local robust fits, without a law for the whole: sway, drift and any drag are slow against two
+ * periods, what is left is noise and bad echoes. Iteratively reweighted least squares: Huber, then
+ * bisquare (Holland & Welsch 1977).
  */
 #include "data/clean/clean.h"
 
@@ -10,12 +11,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { TERMS = 6, SAMPLES_LEAST = 2 * TERMS, ROUNDS_HUBER = 6, ROUNDS = 12 };
+enum { TERMS = 6, SAMPLES_MIN = 2 * TERMS, ROUNDS_HUBER = 6, ROUNDS = 12 };
 
 #define TWO_PI 6.28318530717958647692
 #define MAD_TO_SIGMA 1.4826
-#define BISQUARE 4.685 /* robust standard deviations: 95 % efficiency */
-#define COVERED 1.25 /* of the two periods: across a gap a fit is none */
+#define BISQUARE 4.685    /* robust standard deviations: 95 % efficiency */
+#define COVERED 1.25      /* of the two periods: across a gap a fit is none */
 #define NEAR_ENOUGH 0.002 /* of the swing: so far the amplitude may bend within two periods */
 
 static int ascending(const void *a, const void *b)
@@ -102,7 +103,7 @@ static double residual_scale(const struct stretch *s, const double parameter[TER
     return MAD_TO_SIGMA * selected_quantile(s->size, s->n, 0.5);
 }
 
-static bool robust_fit(const struct stretch *s, double least, double parameter[TERMS], double *scale)
+static bool robust_fit(const struct stretch *s, double min, double parameter[TERMS], double *scale)
 {
     for (size_t i = 0; i < s->n; i++)
         s->weight[i] = 1;
@@ -110,10 +111,12 @@ static bool robust_fit(const struct stretch *s, double least, double parameter[T
         if (!weighted_fit(s, parameter))
             return false;
         *scale = residual_scale(s, parameter);
-        const double width = fmax(*scale, least);
+        const double width = fmax(*scale, min);
         for (size_t i = 0; i < s->n; i++) {
             const double r = fabs(s->residual[i]) / width, x = r / BISQUARE;
-            s->weight[i] = round < ROUNDS_HUBER ? 1 / fmax(r, 1) : x < 1 ? (1 - x * x) * (1 - x * x) : 0;
+            s->weight[i] = round < ROUNDS_HUBER ? 1 / fmax(r, 1)
+                           : x < 1              ? (1 - x * x) * (1 - x * x)
+                                                : 0;
         }
     }
     return true;
@@ -144,9 +147,10 @@ static void fit_local(struct cleaning *c, struct local *local, const struct stre
             terms_at(c->t[i], local->t, c->period, s.term[s.n]);
             s.y[s.n++] = c->y[i];
         }
-    const double least = fmax(c->quantum / sqrt(12.0), NEAR_ENOUGH * c->swing);
-    const bool enough = s.n >= SAMPLES_LEAST && (double)s.n * c->step > COVERED * c->period && local->to > local->from;
-    local->fitted = enough && robust_fit(&s, least, parameter, &local->scale);
+    const double min = fmax(c->quantum / sqrt(12.0), NEAR_ENOUGH * c->swing);
+    const bool enough = s.n >= SAMPLES_MIN && (double)s.n * c->step > COVERED * c->period &&
+                        local->to > local->from;
+    local->fitted = enough && robust_fit(&s, min, parameter, &local->scale);
     /* So few samples are followed too closely. */
     local->scale *= local->fitted ? (double)s.n / (double)(s.n - TERMS) : 1;
     local->amplitude = local->fitted ? hypot(parameter[2], parameter[3]) : NAN;
@@ -170,9 +174,10 @@ bool clean_fit(struct cleaning *c)
     for (size_t k = 0; k < c->locals; k++) {
         const double begin = first + each * (double)k;
         const size_t rows = row_at(c, begin + 2.5 * c->period) - row_at(c, begin - 2.5 * c->period);
-        c->local[k] = (struct local){.t = begin + 0.5 * each,
-                                     .from = row_at(c, begin),
-                                     .to = k + 1 < c->locals ? row_at(c, first + each * (double)(k + 1)) : c->n};
+        c->local[k] = (struct local){
+            .t = begin + 0.5 * each,
+            .from = row_at(c, begin),
+            .to = k + 1 < c->locals ? row_at(c, first + each * (double)(k + 1)) : c->n};
         largest = rows > largest ? rows : largest;
     }
     struct stretch work = {.term = arena_array(c->scratch, largest, sizeof *work.term),
@@ -188,6 +193,7 @@ bool clean_fit(struct cleaning *c)
         if (c->local[k].fitted)
             c->sorted[fitted++] = c->local[k].scale;
     }
-    c->typical = fitted > 0 ? fmax(selected_quantile(c->sorted, fitted, 0.5), c->quantum / sqrt(12.0)) : NAN;
+    c->typical =
+        fitted > 0 ? fmax(selected_quantile(c->sorted, fitted, 0.5), c->quantum / sqrt(12.0)) : NAN;
     return true;
 }

@@ -4,12 +4,12 @@
 
 #include <math.h>
 
-#define PERIODS_LEAST 2.0 /* of rest, and of motion before it */
-#define QUIET 0.2  /* of the scatter at the start: so small must that at the end be */
-#define ALIKE 1.5  /* times the scatter at the end: so large may that of half a period be */
-#define FADED 0.4  /* of what an exponential decay leaves: less is there in a rest */
-#define CLEAR 3.0  /* standard deviations of an amplitude */
-#define SAMPLES_LEAST 8.0 /* of a stretch whose amplitude is asked for */
+#define PERIODS_MIN 2.0 /* of rest, and of motion before it */
+#define QUIET 0.2       /* of the scatter at the start: so small must that at the end be */
+#define ALIKE 1.5       /* times the scatter at the end: so large may that of half a period be */
+#define FADED 0.4       /* of what an exponential decay leaves: less is there in a rest */
+#define CLEAR 3.0       /* standard deviations of an amplitude */
+#define SAMPLES_MIN 8.0 /* of a stretch whose amplitude is asked for */
 #define TWO_PI 6.28318530717958647692
 
 struct spread {
@@ -42,14 +42,17 @@ size_t first_row(const struct motion_rows *x, double t)
     return low;
 }
 
-/* The amplitude of the sine of this period in rows from … to, beside their mean; NAN: they do not determine it. */
-static double amplitude_of(const struct motion_rows *x, size_t from, size_t to, double period, double *count)
+/* The amplitude of the sine of this period in rows from … to, beside their mean; NAN: they do not
+ * determine it. */
+static double amplitude_of(const struct motion_rows *x, size_t from, size_t to, double period,
+                           double *count)
 {
     double n = 0, mean[3] = {0}, square[3][3] = {{0}};
     for (size_t i = from; i < to; i++) {
         if (x->mask[i] != x->wanted)
             continue;
-        const double phase = TWO_PI * (x->t[i] - x->t[from]) / period, v[3] = {cos(phase), sin(phase), x->y[i]};
+        const double phase = TWO_PI * (x->t[i] - x->t[from]) / period,
+                     v[3] = {cos(phase), sin(phase), x->y[i]};
         double before[3];
         n++;
         for (int j = 0; j < 3; j++) {
@@ -63,20 +66,23 @@ static double amplitude_of(const struct motion_rows *x, size_t from, size_t to, 
     const double cc = square[0][0], cs = square[1][0], ss = square[1][1], det = cc * ss - cs * cs;
     if (!(n >= 4 && det > 0.01 * n * n))
         return NAN;
-    return hypot(ss * square[2][0] - cs * square[2][1], cc * square[2][1] - cs * square[2][0]) / det;
+    return hypot(ss * square[2][0] - cs * square[2][1], cc * square[2][1] - cs * square[2][0]) /
+           det;
 }
 
 /*
- * Whether less is there than the decay before leaves: ln of the amplitudes of whole stretches, from the largest on, is a
- * line for a damped sine, however strong its decay; a straight line through them, weighted with what the noise leaves
- * certain, is what the rest must fall short of.
+ * Whether less is there than the decay before leaves: ln of the amplitudes of whole stretches, from
+ * the largest on, is a line for a damped sine, however strong its decay; a straight line through
+ * them, weighted with what the noise leaves certain, is what the rest must fall short of.
  */
-static bool stops(const struct motion_rows *x, size_t rest, double period, double stretch, double noise)
+static bool stops(const struct motion_rows *x, size_t rest, double period, double stretch,
+                  double noise)
 {
     const double from = x->t[rest] + 0.5 * stretch;
     double w = 0, mean_t = 0, mean_l = 0, tt = 0, tl = 0, largest = 0, count;
     for (double t = x->t[0]; t + stretch <= x->t[rest]; t += stretch) {
-        const double a = amplitude_of(x, first_row(x, t), first_row(x, t + stretch), period, &count);
+        const double a =
+            amplitude_of(x, first_row(x, t), first_row(x, t + stretch), period, &count);
         const double weight = a * a * count, off_t = t - mean_t, off_l = log(a) - mean_l;
         if (!(a > CLEAR * noise * sqrt(2 / count)))
             continue;
@@ -94,18 +100,20 @@ static bool stops(const struct motion_rows *x, size_t rest, double period, doubl
         tt += weight * off_t * (t - mean_t);
         tl += weight * off_t * (log(a) - mean_l);
     }
-    const double a = amplitude_of(x, first_row(x, from), first_row(x, from + stretch), period, &count);
+    const double a =
+        amplitude_of(x, first_row(x, from), first_row(x, from + stretch), period, &count);
     const double left = exp(mean_l + (tt > 0 ? fmin(tl / tt, 0) : 0) * (from - mean_t));
     return w > 0 && count > 0 && left > CLEAR * noise * sqrt(2 / count) &&
            (isnan(a) ? 0 : a) + CLEAR * noise * sqrt(2 / count) < FADED * left;
 }
 
-/* Whole periods, of so many samples at least, and of the pattern in which few samples a period meet the sine. */
+/* Whole periods, of so many samples at least, and of the pattern in which few samples a period meet
+ * the sine. */
 static double stretch_of(const struct motion_rows *x, double period)
 {
     const double step = (x->t[x->n - 1] - x->t[0]) / (double)(x->n - 1);
-    const double pattern = 1 / fabs(1 / step - 2 / period), least = fmax(SAMPLES_LEAST * step, period);
-    return period * ceil(fmax(least, period < SAMPLES_LEAST * step ? pattern : 0) / period - 1e-9);
+    const double pattern = 1 / fabs(1 / step - 2 / period), min = fmax(SAMPLES_MIN * step, period);
+    return period * ceil(fmax(min, period < SAMPLES_MIN * step ? pattern : 0) / period - 1e-9);
 }
 
 size_t motion_quiet(const struct motion_rows *x, double period)
@@ -113,20 +121,22 @@ size_t motion_quiet(const struct motion_rows *x, double period)
     if (!(period > 0) || x->n < 2)
         return x->n;
     const double first = x->t[0], last = x->t[x->n - 1], stretch = stretch_of(x, period);
-    const double least = PERIODS_LEAST * stretch;
-    if (!(last - first >= 2 * least))
+    const double min = PERIODS_MIN * stretch;
+    if (!(last - first >= 2 * min))
         return x->n;
-    const struct spread start = spread_of(x, 0, first_row(x, first + least));
-    const struct spread end = spread_of(x, first_row(x, last - least), x->n);
+    const struct spread start = spread_of(x, 0, first_row(x, first + min));
+    const struct spread end = spread_of(x, first_row(x, last - min), x->n);
     if (!(end.count > 4) || !(end.deviation < QUIET * start.deviation))
         return x->n;
-    size_t rest = first_row(x, last - least), to = rest;
+    size_t rest = first_row(x, last - min), to = rest;
     int moves = 0; /* half stretches in a row: a single one may be chance */
-    for (double t = last - least - 0.5 * stretch; t > first + least; t -= 0.5 * stretch) {
+    for (double t = last - min - 0.5 * stretch; t > first + min; t -= 0.5 * stretch) {
         const size_t from = first_row(x, t);
         const struct spread s = spread_of(x, from, to);
         const double off = fabs(s.mean - end.mean);
-        moves = s.count > 1 && (s.deviation > ALIKE * end.deviation || off > end.deviation) ? moves + 1 : 0;
+        moves = s.count > 1 && (s.deviation > ALIKE * end.deviation || off > end.deviation)
+                    ? moves + 1
+                    : 0;
         if (moves == 2)
             return rest;
         to = from;

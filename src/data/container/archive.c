@@ -29,18 +29,18 @@ const struct buffer *archive_content_find(const struct archive_content *content,
 #define LIBRARY "libarchive.so.13"
 #define PIECE 65536u
 
-#define ARCHIVE_FUNCTIONS(X)                                                                                           \
-    X(archive_read_new)                                                                                                \
-    X(archive_read_free)                                                                                               \
-    X(archive_read_support_filter_gzip)                                                                                \
-    X(archive_read_support_format_zip)                                                                                 \
-    X(archive_read_support_format_raw)                                                                                 \
-    X(archive_read_open_memory)                                                                                        \
-    X(archive_read_next_header)                                                                                        \
-    X(archive_read_data)                                                                                               \
-    X(archive_entry_pathname)                                                                                          \
-    X(archive_entry_is_encrypted)                                                                                      \
-    X(archive_filter_bytes)                                                                                            \
+#define ARCHIVE_FUNCTIONS(X)                                                                       \
+    X(archive_read_new)                                                                            \
+    X(archive_read_free)                                                                           \
+    X(archive_read_support_filter_gzip)                                                            \
+    X(archive_read_support_format_zip)                                                             \
+    X(archive_read_support_format_raw)                                                             \
+    X(archive_read_open_memory)                                                                    \
+    X(archive_read_next_header)                                                                    \
+    X(archive_read_data)                                                                           \
+    X(archive_entry_pathname)                                                                      \
+    X(archive_entry_is_encrypted)                                                                  \
+    X(archive_filter_bytes)                                                                        \
     X(archive_error_string)
 
 struct archive_api {
@@ -60,7 +60,8 @@ static bool load(struct archive_api *api, const char *shown, struct error *error
     const char *missing;
     if (library_load(&api->library, LIBRARY, functions, COUNT_OF(functions), api, &missing))
         return true;
-    error_set(error, ERROR_IO, "%s is an archive, which libarchive reads, but %s cannot be loaded", shown, LIBRARY);
+    error_set(error, ERROR_IO, "%s is an archive, which libarchive reads, but %s cannot be loaded",
+              shown, LIBRARY);
     return error_hint(error, "install libarchive13, or unpack the file first");
 }
 
@@ -70,7 +71,7 @@ struct unpacking {
     const char *shown;
     struct intake *intake; /* NULL: nobody looks */
     size_t out;            /* [byte] that came out so far */
-    size_t most;           /* [byte] that may come out */
+    size_t max;            /* [byte] that may come out */
 };
 
 static bool damaged(const struct unpacking *u, struct error *error)
@@ -78,27 +79,30 @@ static bool damaged(const struct unpacking *u, struct error *error)
     struct buffer why = {0};
     const char *message = u->api->archive_error_string(u->archive);
     safe_text(&why, text_of(message ? message : "unknown reason"), false);
-    error_set(error, ERROR_IO, "%s is damaged or cut short: %.100s", u->shown, why.data ? why.data : "");
+    error_set(error, ERROR_IO, "%s is damaged or cut short: %.100s", u->shown,
+              why.data ? why.data : "");
     buffer_free(&why);
     return error_hint(error, "transfer the file again, or export the data as CSV");
 }
 
-/* So many bytes more: do they come out of too few? Those count that were taken in so far: what expands without bound is
- * told at once. */
+/* So many bytes more: do they come out of too few? Those count that were taken in so far: what
+ * expands without bound is told at once. */
 static bool is_bomb(const struct unpacking *u, size_t more)
 {
     const int64_t in = u->api->archive_filter_bytes(u->archive, -1);
     const uint64_t grown = EXPANSION_MAX * (uint64_t)(in > 0 ? in : 0) + EXPANSION_FREE;
-    return u->out + more > u->most || u->out + more > grown;
+    return u->out + more > u->max || u->out + more > grown;
 }
 
 static bool refuse_bomb(const struct unpacking *u, size_t more, struct error *error)
 {
-    if (u->out + more > u->most)
-        error_set(error, ERROR_IO, "%s unpacks to more than %zu bytes, which is the most that is read", u->shown,
-                  u->most);
+    if (u->out + more > u->max)
+        error_set(error, ERROR_IO,
+                  "%s unpacks to more than %zu bytes, which is the most that is read", u->shown,
+                  u->max);
     else
-        error_set(error, ERROR_IO, "%s unpacks to more than %d times its size: refused", u->shown, EXPANSION_MAX);
+        error_set(error, ERROR_IO, "%s unpacks to more than %d times its size: refused", u->shown,
+                  EXPANSION_MAX);
     return error_hint(error, "unpack it yourself if you trust it");
 }
 
@@ -122,8 +126,8 @@ static bool read_entry(struct unpacking *u, struct buffer *bytes, struct error *
     return !bytes->failed || error_memory(error);
 }
 
-static bool read_entries(struct unpacking *u, bool (*wanted)(const char *path), struct archive_content *content,
-                         struct error *error)
+static bool read_entries(struct unpacking *u, bool (*wanted)(const char *path),
+                         struct archive_content *content, struct error *error)
 {
     struct archive_entry *entry;
     int status;
@@ -147,13 +151,14 @@ static bool read_entries(struct unpacking *u, bool (*wanted)(const char *path), 
     return true;
 }
 
-bool archive_unpack(struct text bytes, const char *shown, bool (*wanted)(const char *path), struct intake *intake,
-                    struct archive_content *content, struct error *error)
+bool archive_unpack(struct text bytes, const char *shown, bool (*wanted)(const char *path),
+                    struct intake *intake, struct archive_content *content, struct error *error)
 {
     struct archive_api api;
     if (!load(&api, shown, error))
         return false;
-    struct unpacking u = {&api, api.archive_read_new(), shown, intake, 0, intake ? LIMIT_FILE : UNPACKED_MAX};
+    struct unpacking u = {
+        &api, api.archive_read_new(), shown, intake, 0, intake ? LIMIT_FILE : UNPACKED_MAX};
     bool done = u.archive || error_memory(error);
     if (done) {
         api.archive_read_support_filter_gzip(u.archive);
@@ -161,7 +166,8 @@ bool archive_unpack(struct text bytes, const char *shown, bool (*wanted)(const c
             api.archive_read_support_format_raw(u.archive);
         else
             api.archive_read_support_format_zip(u.archive);
-        done = (api.archive_read_open_memory(u.archive, bytes.at, bytes.len) == ARCHIVE_OK || damaged(&u, error)) &&
+        done = (api.archive_read_open_memory(u.archive, bytes.at, bytes.len) == ARCHIVE_OK ||
+                damaged(&u, error)) &&
                read_entries(&u, wanted, content, error);
         api.archive_read_free(u.archive);
     }
@@ -169,11 +175,12 @@ bool archive_unpack(struct text bytes, const char *shown, bool (*wanted)(const c
     return done;
 }
 #else
-bool archive_unpack(struct text bytes, const char *shown, bool (*wanted)(const char *path), struct intake *intake,
-                    struct archive_content *content, struct error *error)
+bool archive_unpack(struct text bytes, const char *shown, bool (*wanted)(const char *path),
+                    struct intake *intake, struct archive_content *content, struct error *error)
 {
     (void)bytes, (void)wanted, (void)intake, (void)content;
-    error_set(error, ERROR_IO, "%s is an archive, and this hooke was built without libarchive", shown);
+    error_set(error, ERROR_IO, "%s is an archive, and this hooke was built without libarchive",
+              shown);
     return error_hint(error, "install libarchive-dev and build it again, or unpack the file first");
 }
 #endif

@@ -78,13 +78,14 @@ static bool from_utf16(struct text bytes, bool big, struct buffer *out)
     const unsigned char *at = (const unsigned char *)bytes.at;
     uint32_t high = 0;
     for (size_t i = 2; i + 1 < bytes.len; i += 2) {
-        const uint32_t unit = big ? (uint32_t)(at[i] << 8 | at[i + 1]) : (uint32_t)(at[i + 1] << 8 | at[i]);
+        const uint32_t unit =
+            big ? (uint32_t)(at[i] << 8 | at[i + 1]) : (uint32_t)(at[i + 1] << 8 | at[i]);
         if (unit >= 0xD800 && unit < 0xDC00) {
             high = unit;
             continue;
         }
         const bool pair = high && unit >= 0xDC00 && unit < 0xE000;
-        buffer_codepoint(out, pair                              ? 0x10000 + ((high - 0xD800) << 10) + (unit - 0xDC00)
+        buffer_codepoint(out, pair ? 0x10000 + ((high - 0xD800) << 10) + (unit - 0xDC00)
                               : unit >= 0xDC00 && unit < 0xE000 ? 0xFFFD
                                                                 : unit);
         high = 0;
@@ -94,8 +95,9 @@ static bool from_utf16(struct text bytes, bool big, struct buffer *out)
 }
 
 /*
- * Where numbers of one byte a character begin behind UTF-16, as when a program appends to a file of another: units of
- * which both bytes are of numbers, so many in a row as no script has. The length of `bytes`: nowhere.
+ * Where numbers of one byte a character begin behind UTF-16, as when a program appends to a file of
+ * another: units of which both bytes are of numbers, so many in a row as no script has. The length
+ * of `bytes`: nowhere.
  */
 static size_t narrow_numbers(struct text bytes)
 {
@@ -113,7 +115,8 @@ static size_t narrow_numbers(struct text bytes)
 }
 
 /* One part that is the text itself. `bytes` is given away. */
-static bool add_text(struct contents *contents, struct text name, struct buffer *bytes, struct error *error)
+static bool add_text(struct contents *contents, struct text name, struct buffer *bytes,
+                     struct error *error)
 {
     struct part *part = contents_add(contents, name);
     if (!part)
@@ -121,7 +124,8 @@ static bool add_text(struct contents *contents, struct text name, struct buffer 
     const struct text raw = buffer_text(bytes);
     const bool wide = packing_of(raw) == PACKING_UTF16;
     if (wide && narrow_numbers(raw) < raw.len) {
-        error_set(error, ERROR_IO, "the file begins in UTF-16, but from byte %zu on has one byte a character",
+        error_set(error, ERROR_IO,
+                  "the file begins in UTF-16, but from byte %zu on has one byte a character",
                   narrow_numbers(raw) + 1);
         return error_hint(error, "split it there, or export the data anew as UTF-8");
     }
@@ -144,11 +148,12 @@ static bool ends_in(const char *path, const char *endings)
     return false;
 }
 
-/* Tables of text: not what an app says about itself (phyphox' meta folder), not a Mac's shadow files. */
+/* Tables of text: not what an app says about itself (phyphox' meta folder), not a Mac's shadow
+ * files. */
 static bool is_table_entry(const char *path)
 {
-    return ends_in(path, "csv txt tsv dat asc lvm") && strncmp(path, "meta/", 5) != 0 && !strstr(path, "/meta/") &&
-           strncmp(path, "__MACOSX", 8) != 0;
+    return ends_in(path, "csv txt tsv dat asc lvm") && strncmp(path, "meta/", 5) != 0 &&
+           !strstr(path, "/meta/") && strncmp(path, "__MACOSX", 8) != 0;
 }
 
 static bool is_wanted(const char *path)
@@ -158,32 +163,37 @@ static bool is_wanted(const char *path)
 
 static struct text entry_name(const char *path)
 {
-    const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path, *dot = strrchr(name, '.');
+    const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path,
+               *dot = strrchr(name, '.');
     return (struct text){name, dot && dot > name ? (size_t)(dot - name) : strlen(name)};
 }
 
-/* An archive ends in its directory, the end of which has at most 65535 bytes of remarks behind it (APPNOTE 4.3.16). */
+/* An archive ends in its directory, the end of which has at most 65535 bytes of remarks behind it
+ * (APPNOTE 4.3.16). */
 static bool has_directory(struct text bytes)
 {
     enum { END = 22, REMARKS = 65535 };
     const size_t from = bytes.len > END + REMARKS ? bytes.len - END - REMARKS : 0;
     for (size_t at = bytes.len; at-- > from;) {
         const unsigned char *end = (const unsigned char *)bytes.at + at;
-        if (text_starts((struct text){bytes.at + at, bytes.len - at}, TEXT("PK\5\6")) && bytes.len - at >= END &&
+        if (text_starts((struct text){bytes.at + at, bytes.len - at}, TEXT("PK\5\6")) &&
+            bytes.len - at >= END &&
             bytes.len - at >= (size_t)(END + end[END - 2] + 256 * end[END - 1]))
             return true;
     }
     return false;
 }
 
-static bool from_zip(struct text bytes, const char *shown, struct contents *contents, struct error *error)
+static bool from_zip(struct text bytes, const char *shown, struct contents *contents,
+                     struct error *error)
 {
     struct archive_content *content = calloc(1, sizeof *content);
     if (!content)
         return error_memory(error);
     bool done = archive_unpack(bytes, shown, is_wanted, NULL, content, error);
     if (done && !has_directory(bytes)) {
-        error_set(error, ERROR_IO, "%s is cut short: the directory at the end of the archive is missing", shown);
+        error_set(error, ERROR_IO,
+                  "%s is cut short: the directory at the end of the archive is missing", shown);
         done = error_hint(error, "transfer the file again, or export the data as CSV");
     }
     if (done && archive_content_find(content, "xl/workbook.xml")) {
@@ -193,13 +203,16 @@ static bool from_zip(struct text bytes, const char *shown, struct contents *cont
         contents->container = "zip";
         for (size_t i = 0; i < content->entries && done; i++)
             if (is_table_entry(content->entry[i].path))
-                done = add_text(contents, entry_name(content->entry[i].path), &content->entry[i].bytes, error);
+                done = add_text(contents, entry_name(content->entry[i].path),
+                                &content->entry[i].bytes, error);
     }
     archive_content_free(content);
     free(content);
     if (done && contents->parts == 0) {
-        error_set(error, ERROR_IO, "%s is a zip archive without a table of text (.csv, .txt, .tsv, .dat) or a workbook",
-                  shown);
+        error_set(
+            error, ERROR_IO,
+            "%s is a zip archive without a table of text (.csv, .txt, .tsv, .dat) or a workbook",
+            shown);
         error_hint(error, "open it where it was made and export the data as CSV");
         done = false;
     }
@@ -208,8 +221,8 @@ static bool from_zip(struct text bytes, const char *shown, struct contents *cont
 
 /* ---- what is what ---- */
 
-static bool unpack(const char *path, struct intake *intake, struct buffer *bytes, struct contents *contents,
-                   struct error *error);
+static bool unpack(const char *path, struct intake *intake, struct buffer *bytes,
+                   struct contents *contents, struct error *error);
 
 static bool is_archive(struct text bytes)
 {
@@ -217,8 +230,8 @@ static bool is_archive(struct text bytes)
     return packing == PACKING_GZIP || packing == PACKING_ZIP || packing == PACKING_XLS;
 }
 
-static bool from_gzip(const char *path, const struct intake *intake, struct text bytes, struct contents *contents,
-                      struct error *error)
+static bool from_gzip(const char *path, const struct intake *intake, struct text bytes,
+                      struct contents *contents, struct error *error)
 {
     const char *shown = intake->shown;
     struct intake inside = {.shown = shown, .options = intake->options};
@@ -229,7 +242,8 @@ static bool from_gzip(const char *path, const struct intake *intake, struct text
     if (done && content->entries == 0)
         done = error_set(error, ERROR_IO, "%s is an empty archive", shown);
     if (done && is_archive(buffer_text(&content->entry[0].bytes)))
-        done = error_set(error, ERROR_IO, "%s holds an archive or a workbook in an archive: unpack it first", shown);
+        done = error_set(error, ERROR_IO,
+                         "%s holds an archive or a workbook in an archive: unpack it first", shown);
     else if (done)
         done = unpack(path, &inside, &content->entry[0].bytes, contents, error);
     contents->container = contents->container ? contents->container : "gzip";
@@ -239,8 +253,8 @@ static bool from_gzip(const char *path, const struct intake *intake, struct text
 }
 
 /* `bytes` is given away where it is the text itself. */
-static bool unpack(const char *path, struct intake *intake, struct buffer *bytes, struct contents *contents,
-                   struct error *error)
+static bool unpack(const char *path, struct intake *intake, struct buffer *bytes,
+                   struct contents *contents, struct error *error)
 {
     const struct text text = buffer_text(bytes);
     switch (packing_of(text)) {
@@ -260,13 +274,14 @@ static bool unpack(const char *path, struct intake *intake, struct buffer *bytes
     return add_text(contents, TEXT(""), bytes, error);
 }
 
-bool contents_read(const char *path, const char *shown, const struct load_options *options, struct contents *contents,
-                   struct error *error)
+bool contents_read(const char *path, const char *shown, const struct load_options *options,
+                   struct contents *contents, struct error *error)
 {
     struct buffer bytes = {0};
     struct intake intake = {.shown = shown, .options = options};
     *contents = (struct contents){0};
-    const bool done = intake_read(path, &intake, &bytes, error) && unpack(path, &intake, &bytes, contents, error);
+    const bool done =
+        intake_read(path, &intake, &bytes, error) && unpack(path, &intake, &bytes, contents, error);
     contents->grew = intake.grew;
     buffer_free(&bytes);
     if (!done)

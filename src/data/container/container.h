@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * What a file holds, as text: archives, workbooks and XML documents become one or more tables of text, UTF-16 becomes
- * UTF-8. Everything after this sees lines of text only. The libraries that read containers are loaded when such a file
- * is met; without them the file is refused with the name of what is missing.
+ * What a file holds, as text: archives, workbooks and XML documents become one or more tables of
+ * text, UTF-16 becomes UTF-8. Everything after this sees lines of text only. The libraries that
+ * read containers are loaded when such a file is met; without them the file is refused with the
+ * name of what is missing.
  */
 #ifndef HOOKE_DATA_CONTAINER_CONTAINER_H
 #define HOOKE_DATA_CONTAINER_CONTAINER_H
@@ -27,13 +28,16 @@ struct intake {
     enum packing packing;
     size_t line; /* where the line at hand begins */
     bool sought; /* there is a table in the beginning */
-    bool grew;   /* text that was being written: its last line is left out, as it may be half of one */
+    bool
+        grew; /* text that was being written: its last line is left out, as it may be half of one */
 };
 
-/* The look of a read_watch whose context is a struct intake: refuses what is no text and no container, what no table
- * begins in, lines without end, containers that are too large. */
-bool intake_look(void *context, struct text content, size_t from, uintmax_t size, struct error *error);
-bool intake_read(const char *path, struct intake *intake, struct buffer *bytes, struct error *error);
+/* The look of a read_watch whose context is a struct intake: refuses what is no text and no
+ * container, what no table begins in, lines without end, containers that are too large. */
+bool intake_look(void *context, struct text content, size_t from, uintmax_t size,
+                 struct error *error);
+bool intake_read(const char *path, struct intake *intake, struct buffer *bytes,
+                 struct error *error);
 
 struct part {
     char name[LIMIT_NAME + 1]; /* of the entry, sheet or data set, made safe; "": the file itself */
@@ -48,11 +52,12 @@ struct contents {
 };
 
 /*
- * Reads the file at `path` and unpacks it. `shown`: its name for messages. ERROR_IO with the reason and what to do:
- * not readable, damaged, too large, a container that is not known, or one whose library is missing.
+ * Reads the file at `path` and unpacks it. `shown`: its name for messages. ERROR_IO with the reason
+ * and what to do: not readable, damaged, too large, a container that is not known, or one whose
+ * library is missing.
  */
-bool contents_read(const char *path, const char *shown, const struct load_options *options, struct contents *contents,
-                   struct error *error);
+bool contents_read(const char *path, const char *shown, const struct load_options *options,
+                   struct contents *contents, struct error *error);
 void contents_free(struct contents *contents);
 
 /* A new part; NULL: no memory, or PARTS_MAX of them (the rest is left out). */
@@ -69,15 +74,16 @@ struct archive_content {
     size_t entries;
 };
 
-/* `wanted` says which entries are unpacked (NULL: all); the others are skipped. intake looks at what comes out; NULL:
- * nobody does. */
-bool archive_unpack(struct text bytes, const char *shown, bool (*wanted)(const char *path), struct intake *intake,
-                    struct archive_content *content, struct error *error);
+/* `wanted` says which entries are unpacked (NULL: all); the others are skipped. intake looks at
+ * what comes out; NULL: nobody does. */
+bool archive_unpack(struct text bytes, const char *shown, bool (*wanted)(const char *path),
+                    struct intake *intake, struct archive_content *content, struct error *error);
 void archive_content_free(struct archive_content *content);
 const struct buffer *archive_content_find(const struct archive_content *content,
                                           const char *path); /* NULL: not there */
 
-/* xml.c: a document, element by element. Handlers return false to stop (the error is then theirs). */
+/* xml.c: a document, element by element. Handlers return false to stop (the error is then theirs).
+ */
 struct xml_reader {
     void *context;
     bool (*start)(void *context, const char *name, const char **attributes);
@@ -85,20 +91,25 @@ struct xml_reader {
     bool (*text)(void *context, struct text text);
 };
 
-bool xml_read(struct text document, const char *shown, const struct xml_reader *reader, struct error *error);
+bool xml_read(struct text document, const char *shown, const struct xml_reader *reader,
+              struct error *error);
 const char *xml_attribute(const char **attributes, const char *name); /* NULL: not there */
 
 /* xml_tables.c: Logger Pro (.cmbl) and CASSY Lab 2 (.labx). */
-bool xml_tables(struct text document, const char *shown, struct contents *contents, struct error *error);
+bool xml_tables(struct text document, const char *shown, struct contents *contents,
+                struct error *error);
 /* workbook.c, workbook_old.c: sheets of .xlsx and .xls. */
-bool workbook_sheets(const struct archive_content *content, const char *shown, struct contents *contents,
-                     struct error *error);
-bool workbook_wanted(const char *path); /* the entries of an .xlsx that hold sheets, words and formats */
-bool workbook_old_sheets(const char *path, const char *shown, struct contents *contents, struct error *error);
+bool workbook_sheets(const struct archive_content *content, const char *shown,
+                     struct contents *contents, struct error *error);
+bool workbook_wanted(
+    const char *path); /* the entries of an .xlsx that hold sheets, words and formats */
+bool workbook_old_sheets(const char *path, const char *shown, struct contents *contents,
+                         struct error *error);
 
 /* A cell of a table of text: what would end it becomes a blank. */
 void put_cell(struct buffer *text, struct text cell);
-/* A day of the Gregorian calendar counted from 1970-01-01, with its fraction, as a date or a time of day. */
+/* A day of the Gregorian calendar counted from 1970-01-01, with its fraction, as a date or a time
+ * of day. */
 void put_stamp(struct buffer *text, double days, bool with_date);
 
 #endif

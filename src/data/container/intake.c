@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * What is seen of a file while it is read, so that one that holds no table is refused from its beginning: the cost of
- * a refusal does not grow with the size that a hostile or mistaken file claims.
+ * What is seen of a file while it is read, so that one that holds no table is refused from its
+ * beginning: the cost of a refusal does not grow with the size that a hostile or mistaken file
+ * claims.
  */
 #include "data/container/container.h"
 #include "data/table/table.h"
@@ -23,17 +24,20 @@ static bool is_xml(struct text text)
            text_starts(text, TEXT("<cassylab"));
 }
 
-enum { HEAD = 512 }; /* [byte] that tell what a file is: blanks may stand before a document's first element */
+enum {
+    HEAD = 512
+}; /* [byte] that tell what a file is: blanks may stand before a document's first element */
 
 enum packing packing_of(struct text bytes)
 {
     const struct text head = {bytes.at, bytes.len < HEAD ? bytes.len : HEAD};
-    return text_starts(head, TEXT("\x1F\x8B"))                                          ? PACKING_GZIP
-           : text_starts(head, TEXT("PK\x03\x04"))                                      ? PACKING_ZIP
-           : text_starts(head, TEXT("\xD0\xCF\x11\xE0"))                                ? PACKING_XLS
-           : text_starts(head, TEXT("\xFF\xFE")) || text_starts(head, TEXT("\xFE\xFF")) ? PACKING_UTF16
-           : is_xml(head)                                                               ? PACKING_XML
-                                                                                        : PACKING_NONE;
+    return text_starts(head, TEXT("\x1F\x8B"))           ? PACKING_GZIP
+           : text_starts(head, TEXT("PK\x03\x04"))       ? PACKING_ZIP
+           : text_starts(head, TEXT("\xD0\xCF\x11\xE0")) ? PACKING_XLS
+           : text_starts(head, TEXT("\xFF\xFE")) || text_starts(head, TEXT("\xFE\xFF"))
+               ? PACKING_UTF16
+           : is_xml(head) ? PACKING_XML
+                          : PACKING_NONE;
 }
 
 /* ---- refusals ---- */
@@ -62,7 +66,8 @@ static bool refuse_nul(struct text text, size_t nul, const char *name, struct er
     size_t number = 0;
     while (table_line(&rest, &line))
         number++;
-    error_set(error, ERROR_IO, "%s is not a text file: NUL byte in line %zu, column %zu", name, number, line.len);
+    error_set(error, ERROR_IO, "%s is not a text file: NUL byte in line %zu, column %zu", name,
+              number, line.len);
     return error_hint(error, "export the data as CSV text");
 }
 
@@ -70,7 +75,8 @@ static bool refuse_nul(struct text text, size_t nul, const char *name, struct er
 static bool refuse_binary_from(struct text text, size_t from, const char *name, struct error *error)
 {
     const char *nul = from < text.len ? memchr(text.at + from, '\0', text.len - from) : NULL;
-    return refuse_known(text, name, error) && (!nul || refuse_nul(text, (size_t)(nul - text.at), name, error));
+    return refuse_known(text, name, error) &&
+           (!nul || refuse_nul(text, (size_t)(nul - text.at), name, error));
 }
 
 bool refuse_binary(struct text text, const char *name, struct error *error)
@@ -85,7 +91,8 @@ static bool refuse_wide_nul(struct text bytes, size_t from, const char *name, st
 {
     for (size_t i = from - from % 2; i + 1 < bytes.len; i += 2)
         if (!bytes.at[i] && !bytes.at[i + 1]) {
-            error_set(error, ERROR_IO, "%s is not a text file: it begins in UTF-16, NUL character at byte %zu", name,
+            error_set(error, ERROR_IO,
+                      "%s is not a text file: it begins in UTF-16, NUL character at byte %zu", name,
                       i + 1);
             return error_hint(error, "export the data as CSV text");
         }
@@ -96,25 +103,29 @@ static bool refuse_large(const struct intake *intake, uintmax_t size, struct err
 {
     if (size <= PACKED_MAX)
         return true;
-    error_set(error, ERROR_IO, "%s has %ju bytes; of archives, workbooks and XML documents at most %u are read",
+    error_set(error, ERROR_IO,
+              "%s has %ju bytes; of archives, workbooks and XML documents at most %u are read",
               intake->shown, size, PACKED_MAX);
     return error_hint(error, "unpack it, or export the data as CSV");
 }
 
 /* The line at hand, which began somewhere before. */
-static bool refuse_endless_line(struct intake *intake, struct text text, size_t from, struct error *error)
+static bool refuse_endless_line(struct intake *intake, struct text text, size_t from,
+                                struct error *error)
 {
     for (size_t i = text.len; i > from && i > intake->line; i--)
         if (text.at[i - 1] == '\n' || text.at[i - 1] == '\r')
             intake->line = i;
     if (text.len - intake->line <= LINE_BYTES)
         return true;
-    error_set(error, ERROR_IO, "%s is no table: from byte %zu on there is no end of line for %u bytes", intake->shown,
-              intake->line + 1, LINE_BYTES);
+    error_set(error, ERROR_IO,
+              "%s is no table: from byte %zu on there is no end of line for %u bytes",
+              intake->shown, intake->line + 1, LINE_BYTES);
     return error_hint(error, "export the data as CSV text");
 }
 
-bool intake_look(void *context, struct text content, size_t from, uintmax_t size, struct error *error)
+bool intake_look(void *context, struct text content, size_t from, uintmax_t size,
+                 struct error *error)
 {
     struct intake *intake = context;
     const char *name = intake->shown;
@@ -123,7 +134,8 @@ bool intake_look(void *context, struct text content, size_t from, uintmax_t size
     intake->packing = packing;
     if (packing == PACKING_UTF16)
         return refuse_wide_nul(content, from, name, error);
-    if (packing != PACKING_NONE && !refuse_large(intake, size > content.len ? size : content.len, error))
+    if (packing != PACKING_NONE &&
+        !refuse_large(intake, size > content.len ? size : content.len, error))
         return false;
     if (packing != PACKING_NONE && packing != PACKING_XML)
         return true;
@@ -142,7 +154,8 @@ bool intake_read(const char *path, struct intake *intake, struct buffer *bytes, 
     if (!file_read_watched(path, LIMIT_FILE, &watch, bytes, error))
         return false;
     intake->grew = watch.grew && intake->packing == PACKING_NONE;
-    for (bool whole = !intake->grew; !whole && bytes->len > 0; whole = whole || bytes->data[bytes->len - 1] == '\n')
+    for (bool whole = !intake->grew; !whole && bytes->len > 0;
+         whole = whole || bytes->data[bytes->len - 1] == '\n')
         bytes->data[--bytes->len] = '\0';
     return true;
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * The sheets of an .xlsx workbook (ECMA-376, part 1, chapter 18) as tables of text. Dates and times, which are numbers
- * with a format, become stamps; of formulas the stored values are read.
+ * The sheets of an .xlsx workbook (ECMA-376, part 1, chapter 18) as tables of text. Dates and
+ * times, which are numbers with a format, become stamps; of formulas the stored values are read.
  */
 #include "data/container/container.h"
 
@@ -15,7 +15,8 @@
 #define EPOCH_1904 24107.0 /* … in that of old Macintosh files */
 #define CELLS_MAX 20000000
 #define WORDS_MAX (1u << 21) /* shared strings: twice the rows that a sheet may have */
-#define GROWTH_MAX 4 /* times the size of its XML that a workbook's text may have, beyond EXPANSION_FREE */
+#define GROWTH_MAX                                                                                 \
+    4 /* times the size of its XML that a workbook's text may have, beyond EXPANSION_FREE */
 
 enum style { STYLE_NUMBER, STYLE_DATE, STYLE_TIME };
 
@@ -52,12 +53,13 @@ struct workbook {
 
 bool workbook_wanted(const char *path)
 {
-    const size_t len = strlen(path); /* whatever the writer calls a sheet; their relations lie in a folder of their own */
+    const size_t len = strlen(
+        path); /* whatever the writer calls a sheet; their relations lie in a folder of their own */
     const bool sheet = strncmp(path, "xl/worksheets/", 14) == 0 && !strchr(path + 14, '/') &&
                        strcmp(path + len - 4, ".xml") == 0;
     return sheet || strcmp(path, "xl/workbook.xml") == 0 ||
-           strcmp(path, "xl/_rels/workbook.xml.rels") == 0 || strcmp(path, "xl/sharedStrings.xml") == 0 ||
-           strcmp(path, "xl/styles.xml") == 0;
+           strcmp(path, "xl/_rels/workbook.xml.rels") == 0 ||
+           strcmp(path, "xl/sharedStrings.xml") == 0 || strcmp(path, "xl/styles.xml") == 0;
 }
 
 static bool keep_text(void *context, struct text text)
@@ -85,16 +87,20 @@ static bool no_end(void *context, const char *name)
 static bool workbook_start(void *context, const char *name, const char **attributes)
 {
     struct workbook *book = context;
-    const char *old = strcmp(name, "workbookPr") == 0 ? xml_attribute(attributes, "date1904") : NULL;
+    const char *old =
+        strcmp(name, "workbookPr") == 0 ? xml_attribute(attributes, "date1904") : NULL;
     if (old && (strcmp(old, "1") == 0 || strcmp(old, "true") == 0))
         book->epoch = EPOCH_1904;
     if (strcmp(name, "sheet") != 0 || book->sheets == PARTS_MAX)
         return true;
-    const char *title = xml_attribute(attributes, "name"), *relation = xml_attribute(attributes, "r:id");
+    const char *title = xml_attribute(attributes, "name"),
+               *relation = xml_attribute(attributes, "r:id");
     book->sheet[book->sheets].name = arena_text(&book->arena, text_of(title ? title : ""));
-    book->sheet[book->sheets].relation = arena_text(&book->arena, text_of(relation ? relation : ""));
+    book->sheet[book->sheets].relation =
+        arena_text(&book->arena, text_of(relation ? relation : ""));
     book->sheets++;
-    return (book->sheet[book->sheets - 1].name && book->sheet[book->sheets - 1].relation) || error_memory(book->error);
+    return (book->sheet[book->sheets - 1].name && book->sheet[book->sheets - 1].relation) ||
+           error_memory(book->error);
 }
 
 static bool relation_start(void *context, const char *name, const char **attributes)
@@ -106,7 +112,8 @@ static bool relation_start(void *context, const char *name, const char **attribu
     for (int i = 0; i < book->sheets; i++)
         if (strcmp(book->sheet[i].relation, id) == 0) {
             struct buffer path = {0};
-            buffer_format(&path, "%s%s", target[0] == '/' ? "" : "xl/", target + (target[0] == '/'));
+            buffer_format(&path, "%s%s", target[0] == '/' ? "" : "xl/",
+                          target + (target[0] == '/'));
             book->sheet[i].path = path.failed ? NULL : arena_text(&book->arena, buffer_text(&path));
             buffer_free(&path);
         }
@@ -146,13 +153,15 @@ static enum style style_of_id(const struct workbook *book, long id)
 static bool style_start(void *context, const char *name, const char **attributes)
 {
     struct workbook *book = context;
-    const char *id = xml_attribute(attributes, "numFmtId"), *code = xml_attribute(attributes, "formatCode");
+    const char *id = xml_attribute(attributes, "numFmtId"),
+               *code = xml_attribute(attributes, "formatCode");
     book->in_cell_styles |= strcmp(name, "cellXfs") == 0;
     if (strcmp(name, "numFmt") == 0 && id && code && book->formats < STYLES_MAX) {
         book->format[book->formats].id = strtol(id, NULL, 10);
         book->format[book->formats++].style = style_of_code(code);
     } else if (strcmp(name, "xf") == 0 && book->in_cell_styles && book->styles < STYLES_MAX) {
-        book->style[book->styles++] = (unsigned char)style_of_id(book, id ? strtol(id, NULL, 10) : 0);
+        book->style[book->styles++] =
+            (unsigned char)style_of_id(book, id ? strtol(id, NULL, 10) : 0);
     }
     return true;
 }
@@ -183,7 +192,8 @@ static bool word_end(void *context, const char *name)
     if (strcmp(name, "si") != 0)
         return true;
     if (book->words == WORDS_MAX)
-        return error_set(book->error, ERROR_IO, "%s has more than %u shared strings", book->shown, WORDS_MAX);
+        return error_set(book->error, ERROR_IO, "%s has more than %u shared strings", book->shown,
+                         WORDS_MAX);
     if (book->words == book->capacity) {
         const size_t capacity = 2 * book->capacity + 256;
         struct text *grown = realloc(book->word, capacity * sizeof *grown);
@@ -217,10 +227,12 @@ static bool cell_start(struct workbook *book, const char **attributes)
     const long index = style ? strtol(style, NULL, 10) : -1;
     book->column = reference ? column_of(reference) : book->column + 1;
     if (book->column < 0 || book->column >= (int)LIMIT_COLUMNS || ++book->cells > CELLS_MAX)
-        return error_set(book->error, ERROR_IO, "%s has a sheet with more than %d columns or %d cells", book->shown,
+        return error_set(book->error, ERROR_IO,
+                         "%s has a sheet with more than %d columns or %d cells", book->shown,
                          (int)LIMIT_COLUMNS, CELLS_MAX);
     snprintf(book->type, sizeof book->type, "%s", type ? type : "n");
-    book->cell_style = index >= 0 && index < book->styles ? (enum style)book->style[index] : STYLE_NUMBER;
+    book->cell_style =
+        index >= 0 && index < book->styles ? (enum style)book->style[index] : STYLE_NUMBER;
     buffer_clear(&book->text);
     return true;
 }
@@ -256,14 +268,16 @@ static void put_value(struct workbook *book)
     }
 }
 
-/* Words that many cells share, sheets that are named again, and columns left empty make much of little. */
+/* Words that many cells share, sheets that are named again, and columns left empty make much of
+ * little. */
 static bool bounded(struct workbook *book)
 {
     if (book->out->failed)
         return error_memory(book->error);
     if (book->out->len <= book->left)
         return true;
-    error_set(book->error, ERROR_IO, "%s has sheets that become more than %d times their size: refused", book->shown,
+    error_set(book->error, ERROR_IO,
+              "%s has sheets that become more than %d times their size: refused", book->shown,
               GROWTH_MAX);
     return error_hint(book->error, "save the sheet with the data as CSV");
 }
@@ -287,7 +301,8 @@ static bool sheet_end(void *context, const char *name)
 static bool read_sheet(struct workbook *book, int i, struct contents *contents)
 {
     const struct xml_reader reader = {book, sheet_start, sheet_end, keep_text};
-    const struct buffer *sheet = book->sheet[i].path ? archive_content_find(book->content, book->sheet[i].path) : NULL;
+    const struct buffer *sheet =
+        book->sheet[i].path ? archive_content_find(book->content, book->sheet[i].path) : NULL;
     for (int k = 0; k < i && sheet; k++)
         if (book->sheet[k].path && strcmp(book->sheet[k].path, book->sheet[i].path) == 0)
             return true; /* under another name: read already */
@@ -314,8 +329,8 @@ static bool read_document(struct workbook *book, const char *path,
     return !document || xml_read(buffer_text(document), book->shown, &reader, book->error);
 }
 
-bool workbook_sheets(const struct archive_content *content, const char *shown, struct contents *contents,
-                     struct error *error)
+bool workbook_sheets(const struct archive_content *content, const char *shown,
+                     struct contents *contents, struct error *error)
 {
     struct workbook *book = calloc(1, sizeof *book);
     if (!book)

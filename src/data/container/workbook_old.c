@@ -7,13 +7,13 @@
 
 #define LIBRARY "libfreexl.so.1"
 
-#define FREEXL_FUNCTIONS(X)                                                                                            \
-    X(freexl_open)                                                                                                     \
-    X(freexl_close)                                                                                                    \
-    X(freexl_get_info)                                                                                                 \
-    X(freexl_get_worksheet_name)                                                                                       \
-    X(freexl_select_active_worksheet)                                                                                  \
-    X(freexl_worksheet_dimensions)                                                                                     \
+#define FREEXL_FUNCTIONS(X)                                                                        \
+    X(freexl_open)                                                                                 \
+    X(freexl_close)                                                                                \
+    X(freexl_get_info)                                                                             \
+    X(freexl_get_worksheet_name)                                                                   \
+    X(freexl_select_active_worksheet)                                                              \
+    X(freexl_worksheet_dimensions)                                                                 \
     X(freexl_get_cell_value)
 
 struct freexl_api {
@@ -33,7 +33,8 @@ static bool load(struct freexl_api *api, const char *shown, struct error *error)
     const char *missing;
     if (library_load(&api->library, LIBRARY, functions, COUNT_OF(functions), api, &missing))
         return true;
-    error_set(error, ERROR_IO, "%s is an Excel workbook (.xls), which FreeXL reads, but %s cannot be loaded", shown,
+    error_set(error, ERROR_IO,
+              "%s is an Excel workbook (.xls), which FreeXL reads, but %s cannot be loaded", shown,
               LIBRARY);
     return error_hint(error, "install libfreexl1, or save it as .xlsx or CSV");
 }
@@ -59,8 +60,8 @@ static void put(struct buffer *out, const FreeXL_CellValue *cell)
     }
 }
 
-static bool read_sheet(const struct freexl_api *api, const void *book, unsigned short index, const char *shown,
-                       struct contents *contents, struct error *error)
+static bool read_sheet(const struct freexl_api *api, const void *book, unsigned short index,
+                       const char *shown, struct contents *contents, struct error *error)
 {
     const char *name = NULL;
     unsigned rows = 0;
@@ -82,14 +83,16 @@ static bool read_sheet(const struct freexl_api *api, const void *book, unsigned 
             if (status == FREEXL_OK)
                 put(&part->text, &cell);
             else if (status != FREEXL_ILLEGAL_CELL_ROW_COL)
-                return error_set(error, ERROR_IO, "%s is damaged: row %u of its sheet %d", shown, row + 1, index + 1);
+                return error_set(error, ERROR_IO, "%s is damaged: row %u of its sheet %d", shown,
+                                 row + 1, index + 1);
         }
         buffer_char(&part->text, '\n');
     }
     return !part->text.failed || error_memory(error);
 }
 
-bool workbook_old_sheets(const char *path, const char *shown, struct contents *contents, struct error *error)
+bool workbook_old_sheets(const char *path, const char *shown, struct contents *contents,
+                         struct error *error)
 {
     struct freexl_api api;
     const void *book = NULL;
@@ -98,7 +101,8 @@ bool workbook_old_sheets(const char *path, const char *shown, struct contents *c
         return false;
     bool done = api.freexl_open(path, &book) == FREEXL_OK;
     if (!done) {
-        error_set(error, ERROR_IO, "%s is no Excel workbook (.xls) that can be read, or it is cut short", shown);
+        error_set(error, ERROR_IO,
+                  "%s is no Excel workbook (.xls) that can be read, or it is cut short", shown);
         error_hint(error, "open it where it was made and save it as .xlsx or CSV");
     } else {
         api.freexl_get_info(book, FREEXL_BIFF_PASSWORD, &password);
@@ -116,10 +120,13 @@ bool workbook_old_sheets(const char *path, const char *shown, struct contents *c
     return done;
 }
 #else
-bool workbook_old_sheets(const char *path, const char *shown, struct contents *contents, struct error *error)
+bool workbook_old_sheets(const char *path, const char *shown, struct contents *contents,
+                         struct error *error)
 {
     (void)path, (void)contents;
-    error_set(error, ERROR_IO, "%s is an Excel workbook (.xls), and this hooke was built without FreeXL", shown);
-    return error_hint(error, "install libfreexl-dev and build it again, or save it as .xlsx or CSV");
+    error_set(error, ERROR_IO,
+              "%s is an Excel workbook (.xls), and this hooke was built without FreeXL", shown);
+    return error_hint(error,
+                      "install libfreexl-dev and build it again, or save it as .xlsx or CSV");
 }
 #endif

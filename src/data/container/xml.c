@@ -19,21 +19,21 @@ const char *xml_attribute(const char **attributes, const char *name)
 #include <expat.h>
 
 #define LIBRARY "libexpat.so.1"
-#define PIECE (1u << 20) /* [byte] parsed at a time */
+#define PIECE (1u << 20)     /* [byte] parsed at a time */
 #define TOKEN_MAX (8u << 20) /* [byte] of a name or an attribute */
-#define DEPTH_MAX 200    /* elements in elements: an instrument nests fewer than twenty */
+#define DEPTH_MAX 200        /* elements in elements: an instrument nests fewer than twenty */
 
-#define EXPAT_FUNCTIONS(X)                                                                                             \
-    X(XML_ParserCreate)                                                                                                \
-    X(XML_ParserFree)                                                                                                  \
-    X(XML_SetUserData)                                                                                                 \
-    X(XML_SetElementHandler)                                                                                           \
-    X(XML_SetCharacterDataHandler)                                                                                     \
-    X(XML_SetStartDoctypeDeclHandler)                                                                                  \
-    X(XML_StopParser)                                                                                                  \
-    X(XML_Parse)                                                                                                       \
-    X(XML_GetErrorCode)                                                                                                \
-    X(XML_ErrorString)                                                                                                 \
+#define EXPAT_FUNCTIONS(X)                                                                         \
+    X(XML_ParserCreate)                                                                            \
+    X(XML_ParserFree)                                                                              \
+    X(XML_SetUserData)                                                                             \
+    X(XML_SetElementHandler)                                                                       \
+    X(XML_SetCharacterDataHandler)                                                                 \
+    X(XML_SetStartDoctypeDeclHandler)                                                              \
+    X(XML_StopParser)                                                                              \
+    X(XML_Parse)                                                                                   \
+    X(XML_GetErrorCode)                                                                            \
+    X(XML_ErrorString)                                                                             \
     X(XML_GetCurrentLineNumber)
 
 struct expat_api {
@@ -53,7 +53,8 @@ static bool load(struct expat_api *api, const char *shown, struct error *error)
     const char *missing;
     if (library_load(&api->library, LIBRARY, functions, COUNT_OF(functions), api, &missing))
         return true;
-    error_set(error, ERROR_IO, "%s is an XML document, which expat reads, but %s cannot be loaded", shown, LIBRARY);
+    error_set(error, ERROR_IO, "%s is an XML document, which expat reads, but %s cannot be loaded",
+              shown, LIBRARY);
     return error_hint(error, "install libexpat1, or export the data as CSV");
 }
 
@@ -76,7 +77,8 @@ static void on_start(void *data, const XML_Char *name, const XML_Char **attribut
 {
     struct parsing *p = data;
     p->events++;
-    if (!p->stopped && (++p->depth > DEPTH_MAX || !p->reader->start(p->reader->context, name, attributes)))
+    if (!p->stopped &&
+        (++p->depth > DEPTH_MAX || !p->reader->start(p->reader->context, name, attributes)))
         stop(p);
 }
 
@@ -97,7 +99,8 @@ static void on_text(void *data, const XML_Char *text, int len)
         stop(p);
 }
 
-static void on_type(void *data, const XML_Char *name, const XML_Char *system, const XML_Char *public, int internal)
+static void on_type(void *data, const XML_Char *name, const XML_Char *system,
+                    const XML_Char *public, int internal)
 {
     struct parsing *p = data;
     (void)name, (void)system, (void)public, (void)internal;
@@ -114,15 +117,19 @@ static bool parse(struct parsing *p, struct text document, const char *shown, st
         since = p->events > events ? 0 : since + len;
         events = p->events;
         if (since > TOKEN_MAX)
-            return error_set(error, ERROR_IO, "%s holds a name of more than %u bytes, which no instrument does: refused",
-                             shown, TOKEN_MAX);
-        done = p->api.XML_Parse(p->parser, document.at + at, (int)len, at + len == document.len) == XML_STATUS_OK;
+            return error_set(
+                error, ERROR_IO,
+                "%s holds a name of more than %u bytes, which no instrument does: refused", shown,
+                TOKEN_MAX);
+        done = p->api.XML_Parse(p->parser, document.at + at, (int)len, at + len == document.len) ==
+               XML_STATUS_OK;
         if (at + len == document.len)
             break;
     }
     if (p->typed || p->depth > DEPTH_MAX) {
         error_set(error, ERROR_IO, "%s %s, which no instrument does: refused", shown,
-                  p->typed ? "declares its document type, as for XML entities" : "nests XML elements without end");
+                  p->typed ? "declares its document type, as for XML entities"
+                           : "nests XML elements without end");
         return error_hint(error, "export the data as CSV");
     }
     if (!done && !p->stopped) {
@@ -134,7 +141,8 @@ static bool parse(struct parsing *p, struct text document, const char *shown, st
     return done && !p->stopped;
 }
 
-bool xml_read(struct text document, const char *shown, const struct xml_reader *reader, struct error *error)
+bool xml_read(struct text document, const char *shown, const struct xml_reader *reader,
+              struct error *error)
 {
     struct parsing p = {.reader = reader};
     if (!load(&p.api, shown, error))
@@ -153,10 +161,12 @@ bool xml_read(struct text document, const char *shown, const struct xml_reader *
     return done;
 }
 #else
-bool xml_read(struct text document, const char *shown, const struct xml_reader *reader, struct error *error)
+bool xml_read(struct text document, const char *shown, const struct xml_reader *reader,
+              struct error *error)
 {
     (void)document, (void)reader;
-    error_set(error, ERROR_IO, "%s is an XML document, and this hooke was built without expat", shown);
+    error_set(error, ERROR_IO, "%s is an XML document, and this hooke was built without expat",
+              shown);
     return error_hint(error, "install libexpat1-dev and build it again, or export the data as CSV");
 }
 #endif

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Instruments' XML documents as tables of text: Logger Pro's .cmbl (DataSet, in it DataColumns with a name, a unit and
- * a block of numbers, one a line, Z where there is none) and CASSY Lab 2's .labx (channels, in them channels with
- * quantity, symbol, unit and a list of values). Each set of columns becomes a part.
+ * Instruments' XML documents as tables of text: Logger Pro's .cmbl (DataSet, in it DataColumns with
+ * a name, a unit and a block of numbers, one a line, Z where there is none) and CASSY Lab 2's .labx
+ * (channels, in them channels with quantity, symbol, unit and a list of values). Each set of
+ * columns becomes a part.
  */
 #include "data/container/container.h"
 
@@ -27,7 +28,7 @@ struct tables {
     const char *shown;
     bool known; /* the document is one of the two */
     bool cassy;
-    int strange; /* elements that belong to neither so far */
+    int strange;           /* elements that belong to neither so far */
     struct buffer *target; /* what text goes to, NULL: nowhere */
     struct buffer set;     /* name of the data set */
     struct xml_column *column;
@@ -77,7 +78,8 @@ static struct buffer *target_of(struct tables *tables, const char *name)
 
 static bool refuse_strange(const struct tables *tables)
 {
-    error_set(tables->error, ERROR_IO, "%s is an XML document, but neither Logger Pro's (.cmbl) nor CASSY Lab's (.labx)",
+    error_set(tables->error, ERROR_IO,
+              "%s is an XML document, but neither Logger Pro's (.cmbl) nor CASSY Lab's (.labx)",
               tables->shown);
     return error_hint(tables->error, "open it where it was made and export it as CSV");
 }
@@ -94,8 +96,8 @@ static bool start(void *context, const char *name, const char **attributes)
         clear_columns(tables);
     if (is_one_of(name, tables->cassy ? "channel" : "DataColumn")) {
         if (tables->columns == COLUMNS_MAX)
-            return error_set(tables->error, ERROR_IO, "%s has more than %d columns in a data set", tables->shown,
-                             COLUMNS_MAX);
+            return error_set(tables->error, ERROR_IO, "%s has more than %d columns in a data set",
+                             tables->shown, COLUMNS_MAX);
         tables->column[tables->columns++] = (struct xml_column){0};
     }
     struct buffer *target = target_of(tables, name);
@@ -175,7 +177,8 @@ static bool text(void *context, struct text text)
     return !tables->target || !tables->target->failed || error_memory(tables->error);
 }
 
-bool xml_tables(struct text document, const char *shown, struct contents *contents, struct error *error)
+bool xml_tables(struct text document, const char *shown, struct contents *contents,
+                struct error *error)
 {
     struct tables tables = {.contents = contents, .error = error, .shown = shown};
     const struct xml_reader reader = {&tables, start, end, text};

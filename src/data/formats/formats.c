@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * The formats. Each is a file of its own, NAME.def, that ends in its row; it is included twice, first for its functions
- * and then, with FORMAT_ROW defined, for its row, so that all rows are one array. <formats.def> is the Makefile's list
- * of these files.
+ * The formats. Each is a file of its own, NAME.def, that ends in its row; it is included twice,
+ * first for its functions and then, with FORMAT_ROW defined, for its row, so that all rows are one
+ * array. <formats.def> is the Makefile's list of these files.
  */
 #include "data/table/table.h"
 

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Which column is the time, which the value: what the user says, else what names, units and numbers say.
+ * Which column is the time, which the value: what the user says, else what names, units and numbers
+ * say.
  */
 #include "data/table/table.h"
 
@@ -11,8 +12,9 @@
 
 #define TIME_WORDS "t time times zeit tiempo tempo temps tid elapsed timestamp x_value"
 #define INDEX_WORDS "sample samples sampleid index idx frame nr no"
-#define PLACE_WORDS                                                                                                    \
-    "x y s z pos position distance dist displacement height weg ort abstand auslenkung distancia posicion posición "  \
+#define PLACE_WORDS                                                                                \
+    "x y s z pos position distance dist displacement height weg ort abstand auslenkung distancia " \
+    "posicion posición "                                                                          \
     "desplazamiento posizione spostamento distanza elongation hauteur"
 #define SIZE_WORDS "absolute magnitude total" /* of a vector: it hides the sign */
 #define ERROR_WORDS "error err xerr yerr uncertainty unc sigma sd"
@@ -22,12 +24,14 @@
 struct profile {
     size_t numbers;
     double low, high, variance;
-    double rising, falling, by_one, even; /* share of the steps that are > 0, < 0, exactly 1, near the mean step */
-    bool ahead;                           /* the last number is above the first */
+    double rising, falling, by_one,
+        even;   /* share of the steps that are > 0, < 0, exactly 1, near the mean step */
+    bool ahead; /* the last number is above the first */
     bool whole;
 };
 
-/* Of a long recording every stretch of STRETCH rows out of several is looked at: a profile is a guess, not a result. */
+/* Of a long recording every stretch of STRETCH rows out of several is looked at: a profile is a
+ * guess, not a result. */
 #define STRETCH 1024u
 #define STRETCHES 256u
 
@@ -106,7 +110,8 @@ static bool is_index(const struct recording *recording, const struct profile *p,
 {
     const struct column *column = &recording->column[i];
     return p->whole && rises(p) && p->by_one >= MOSTLY && !is_time(column) &&
-           (name_has_word(column->name, INDEX_WORDS) || (i == 0 && unnamed(column, i) && (p->low == 0 || p->low == 1)));
+           (name_has_word(column->name, INDEX_WORDS) ||
+            (i == 0 && unnamed(column, i) && (p->low == 0 || p->low == 1)));
 }
 
 /* Of the run that is read, or of all. */
@@ -123,7 +128,8 @@ static void list_columns(const struct recording *recording, struct error *error)
     struct buffer names = {0};
     for (int i = 0; i < recording->columns && names.len < 200; i++)
         buffer_format(&names, "%s%d %s", i ? ", " : "", i + 1, recording->column[i].name);
-    error_hint(error, "columns: %.*s%s", (int)names.len, names.data ? names.data : "", names.len >= 200 ? ", …" : "");
+    error_hint(error, "columns: %.*s%s", (int)names.len, names.data ? names.data : "",
+               names.len >= 200 ? ", …" : "");
     buffer_free(&names);
 }
 
@@ -132,8 +138,9 @@ static bool starts_with(const char *name, struct text wanted)
     return strlen(name) >= wanted.len && strncasecmp(name, wanted.at, wanted.len) == 0;
 }
 
-/* How many columns are called `wanted`, *column is the last of them: by the name in any case, a number counted from 1,
- * or, of the run, the beginning of a name, with or without the run's own before it. */
+/* How many columns are called `wanted`, *column is the last of them: by the name in any case, a
+ * number counted from 1, or, of the run, the beginning of a name, with or without the run's own
+ * before it. */
 static int match_column(const struct recording *recording, struct text wanted, int *column)
 {
     struct text name = text_trim(wanted);
@@ -142,7 +149,8 @@ static int match_column(const struct recording *recording, struct text wanted, i
     if (name.len >= 2 && strchr("'\"", name.at[0]) && name.at[name.len - 1] == name.at[0])
         name = (struct text){name.at + 1, name.len - 2};
     for (int i = 0; i < recording->columns; i++)
-        if (strlen(recording->column[i].name) == name.len && starts_with(recording->column[i].name, name)) {
+        if (strlen(recording->column[i].name) == name.len &&
+            starts_with(recording->column[i].name, name)) {
             *column = i;
             return 1;
         }
@@ -153,9 +161,11 @@ static int match_column(const struct recording *recording, struct text wanted, i
     }
     for (int i = 0; i < recording->columns && name.len > 0; i++) {
         const struct column *one = &recording->column[i];
-        const size_t before = one->run >= 0 ? strlen(recording->run[one->run].name) + 2 : 0; /* "Run 1: " */
-        if (in_run(recording, i) && (starts_with(one->name, name) || (before > 0 && before < strlen(one->name) &&
-                                                                      starts_with(one->name + before, name)))) {
+        const size_t before =
+            one->run >= 0 ? strlen(recording->run[one->run].name) + 2 : 0; /* "Run 1: " */
+        if (in_run(recording, i) &&
+            (starts_with(one->name, name) ||
+             (before > 0 && before < strlen(one->name) && starts_with(one->name + before, name)))) {
             *column = i;
             found++;
         }
@@ -163,7 +173,8 @@ static int match_column(const struct recording *recording, struct text wanted, i
     return found;
 }
 
-static bool find_column(const struct recording *recording, struct text wanted, int *column, struct error *error)
+static bool find_column(const struct recording *recording, struct text wanted, int *column,
+                        struct error *error)
 {
     char shown[SHORT_NAME];
     const int found = match_column(recording, wanted, column);
@@ -184,16 +195,19 @@ static bool find_column(const struct recording *recording, struct text wanted, i
 
 static bool pick(struct recording *recording, const struct profile *profile, bool flat)
 {
-    static const enum quantity order[] = {
-        QUANTITY_LENGTH,      QUANTITY_OTHER, QUANTITY_ANGLE, QUANTITY_VELOCITY, QUANTITY_ANGULAR_FREQUENCY,
-        QUANTITY_ACCELERATION};
+    static const enum quantity order[] = {QUANTITY_LENGTH,
+                                          QUANTITY_OTHER,
+                                          QUANTITY_ANGLE,
+                                          QUANTITY_VELOCITY,
+                                          QUANTITY_ANGULAR_FREQUENCY,
+                                          QUANTITY_ACCELERATION};
     int best = -1;
     size_t best_rank = COUNT_OF(order) + 2;
     for (int i = 0; i < recording->columns; i++) {
         const struct column *column = &recording->column[i];
-        if (i == recording->time || !in_run(recording, i) || profile[i].numbers < 2 || is_time(column) ||
-            is_index(recording, &profile[i], i) || name_has_word(column->name, ERROR_WORDS) ||
-            constant(&profile[i]) != flat)
+        if (i == recording->time || !in_run(recording, i) || profile[i].numbers < 2 ||
+            is_time(column) || is_index(recording, &profile[i], i) ||
+            name_has_word(column->name, ERROR_WORDS) || constant(&profile[i]) != flat)
             continue;
         const enum quantity quantity =
             column->quantity == QUANTITY_VOLTAGE ? QUANTITY_OTHER : column->quantity;
@@ -204,7 +218,8 @@ static bool pick(struct recording *recording, const struct profile *profile, boo
             name_has_word(column->name, SIZE_WORDS))
             rank = COUNT_OF(order) + 1;
         /* Of places the first, of the rest (axes of an accelerometer) the one that moves most. */
-        if (rank < best_rank || (rank == best_rank && rank > 1 && profile[i].variance > profile[best].variance)) {
+        if (rank < best_rank ||
+            (rank == best_rank && rank > 1 && profile[i].variance > profile[best].variance)) {
             best = i;
             best_rank = rank;
         }
@@ -213,14 +228,15 @@ static bool pick(struct recording *recording, const struct profile *profile, boo
     return best >= 0;
 }
 
-/* The nearest time column to the left of the value, where runs stand side by side; else the first. */
+/* The nearest time column to the left of the value, where runs stand side by side; else the first.
+ */
 static int time_among(const struct recording *recording, const struct profile *profile, bool own)
 {
     int first = -1, left = -1;
     for (int i = 0; i < recording->columns; i++) {
         /* Coarse clocks repeat themselves; one that mostly goes back is none. */
-        if (!is_time(&recording->column[i]) || !profile[i].ahead || profile[i].falling > 1 - MOSTLY ||
-            (own && !in_run(recording, i)))
+        if (!is_time(&recording->column[i]) || !profile[i].ahead ||
+            profile[i].falling > 1 - MOSTLY || (own && !in_run(recording, i)))
             continue;
         first = first < 0 ? i : first;
         left = i < recording->value ? i : left;
@@ -249,14 +265,15 @@ static int time_column(const struct recording *recording, const struct profile *
     return own >= 0 ? own : time_among(recording, profile, false);
 }
 
-/* No column says that it is the time: the first one is if it rises, and evenly where it has another name; behind a
- * count of the rows the second, if it rises evenly. */
+/* No column says that it is the time: the first one is if it rises, and evenly where it has another
+ * name; behind a count of the rows the second, if it rises evenly. */
 static int guessed_time(const struct recording *recording, const struct profile *profile)
 {
     const int at = recording->columns > 2 && is_index(recording, profile, 0) ? 1 : 0;
     const struct column *first = &recording->column[at];
-    const bool could = recording->columns > 1 && in_run(recording, at) && first->quantity == QUANTITY_OTHER &&
-                       rises(&profile[at]) && !is_index(recording, &profile[at], at);
+    const bool could = recording->columns > 1 && in_run(recording, at) &&
+                       first->quantity == QUANTITY_OTHER && rises(&profile[at]) &&
+                       !is_index(recording, &profile[at], at);
     return could && ((at == 0 && unnamed(first, 0)) || profile[at].even >= MOSTLY) ? at : -1;
 }
 
@@ -268,11 +285,13 @@ static int index_column(const struct recording *recording, const struct profile 
     return -1;
 }
 
-static bool no_time(const struct recording *recording, const struct profile *profile, struct error *error)
+static bool no_time(const struct recording *recording, const struct profile *profile,
+                    struct error *error)
 {
     for (int i = 0; i < recording->columns; i++)
         if (is_time(&recording->column[i]) && profile[i].numbers > 1) {
-            error_set(error, ERROR_IO, "the times in column '%s' do not rise (%.0f %% of the steps go back)",
+            error_set(error, ERROR_IO,
+                      "the times in column '%s' do not rise (%.0f %% of the steps go back)",
                       recording->column[i].name, 100 * profile[i].falling);
             return error_hint(error, "say t=COLUMN, or the sampling rate, e.g. rate=100");
         }
@@ -283,8 +302,8 @@ static bool no_time(const struct recording *recording, const struct profile *pro
     return false;
 }
 
-static bool choose_time(struct recording *recording, const struct profile *profile, const struct load_options *options,
-                        struct error *error)
+static bool choose_time(struct recording *recording, const struct profile *profile,
+                        const struct load_options *options, struct error *error)
 {
     recording->source = options->rate > 0 ? TIME_INDEX : TIME_COLUMN;
     if (options->time.len > 0)
@@ -292,7 +311,8 @@ static bool choose_time(struct recording *recording, const struct profile *profi
     int named = time_column(recording, profile);
     if (options->rate > 0) {
         if (named >= 0)
-            recording_warn(recording, "rate= is used instead of the time column '%s'", recording->column[named].name);
+            recording_warn(recording, "rate= is used instead of the time column '%s'",
+                           recording->column[named].name);
         recording->time = index_column(recording, profile);
         recording->source = recording->time >= 0 ? TIME_INDEX : TIME_RATE;
         return true;
@@ -301,23 +321,26 @@ static bool choose_time(struct recording *recording, const struct profile *profi
     if (recording->header_rate > 0 && (recording->time < 0 || recording->header_rules)) {
         recording->time = recording->header_rules ? -1 : index_column(recording, profile);
         recording->source = recording->time >= 0 ? TIME_INDEX : TIME_RATE;
-        recording_warn(recording, "the times are those of the sampling rate that the file's header says: %.6g Hz",
-                       recording->header_rate);
+        recording_warn(
+            recording,
+            "the times are those of the sampling rate that the file's header says: %.6g Hz",
+            recording->header_rate);
         return true;
     }
     if (recording->time < 0)
         return no_time(recording, profile, error);
     if (!in_run(recording, recording->time))
         recording_warn(recording, "%s has no times of its own: those of '%s' are used",
-                       recording->run[recording->taken].name, recording->column[recording->time].name);
+                       recording->run[recording->taken].name,
+                       recording->column[recording->time].name);
     if (named < 0)
         recording_warn(recording, "%s rises and is taken as the time; t=COLUMN chooses another",
                        recording->column[recording->time].name);
     return true;
 }
 
-static bool choose_value(struct recording *recording, const struct profile *profile, const struct load_options *options,
-                         struct error *error)
+static bool choose_value(struct recording *recording, const struct profile *profile,
+                         const struct load_options *options, struct error *error)
 {
     if (options->value.len > 0)
         return find_column(recording, options->value, &recording->value, error);
@@ -337,9 +360,10 @@ static bool side_by_side(const struct recording *recording)
     return false;
 }
 
-/* Which of the runs that stand side by side: the one said, that of the column said, the first with values. */
-static bool choose_run(struct recording *recording, const struct profile *profile, const struct load_options *options,
-                       struct error *error)
+/* Which of the runs that stand side by side: the one said, that of the column said, the first with
+ * values. */
+static bool choose_run(struct recording *recording, const struct profile *profile,
+                       const struct load_options *options, struct error *error)
 {
     int column = -1;
     if (!side_by_side(recording)) /* below each other, if at all: the times will show */
@@ -367,11 +391,13 @@ static void cut_run(struct recording *recording)
         recording->rows--;
 }
 
-bool recording_choose(struct recording *recording, const struct load_options *options, struct error *error)
+bool recording_choose(struct recording *recording, const struct load_options *options,
+                      struct error *error)
 {
     if (!enough_rows(recording, error))
         return false;
-    struct profile *profile = arena_array(&recording->arena, (size_t)recording->columns, sizeof *profile);
+    struct profile *profile =
+        arena_array(&recording->arena, (size_t)recording->columns, sizeof *profile);
     if (!profile)
         return error_memory(error);
     for (int i = 0; i < recording->columns; i++)
@@ -385,7 +411,8 @@ bool recording_choose(struct recording *recording, const struct load_options *op
     if (!choose_run(recording, profile, options, error))
         return false;
 
-    /* The value first, because of several runs side by side; a time that is only guessed is then no value. */
+    /* The value first, because of several runs side by side; a time that is only guessed is then no
+     * value. */
     recording->time = guessed_time(recording, profile);
     if (time_column(recording, profile) >= 0 || options->rate > 0)
         recording->time = -1;
@@ -393,7 +420,8 @@ bool recording_choose(struct recording *recording, const struct load_options *op
         return false;
     if (options->rate > 0 && options->value.len == 0 && options->time.len == 0)
         recording->time = index_column(recording, profile);
-    if (!choose_value(recording, profile, options, error) || !choose_time(recording, profile, options, error))
+    if (!choose_value(recording, profile, options, error) ||
+        !choose_time(recording, profile, options, error))
         return false;
     if (recording->time == recording->value)
         return error_set(error, ERROR_COMMAND, "column '%s' cannot be both the time and the value",

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Names and units of columns: "Time (s)", "y [cm]", "Weg / mm", "Position (m) Run #1", "elapsed_ms", or units on a line
- * of their own. A unit that is not known is kept and shown, and the numbers are taken as they are.
+ * Names and units of columns: "Time (s)", "y [cm]", "Weg / mm", "Position (m) Run #1",
+ * "elapsed_ms", or units on a line of their own. A unit that is not known is kept and shown, and
+ * the numbers are taken as they are.
  */
 #include "data/table/table.h"
 
@@ -47,10 +48,14 @@ bool header_field(struct text *rest, char separator, struct text *field)
     if (!table_field(rest, separator, field))
         return false;
     /* Between blanks "Time (s)" comes in two; "[s] [cm]" are two units. */
-    struct text ahead = separator == ' ' && !(field->len > 0 && strchr("([", field->at[0])) ? *rest : (struct text){NULL, 0}, next;
+    struct text ahead = separator == ' ' && !(field->len > 0 && strchr("([", field->at[0]))
+                            ? *rest
+                            : (struct text){NULL, 0},
+                next;
     const char *start = field->at;
     while (table_field(&ahead, separator, &next) && strchr("([/", next.at[0])) {
-        bool open = next.at[0] == '/' ? next.len == 1 : !memchr(next.at, next.at[0] == '(' ? ')' : ']', next.len);
+        bool open = next.at[0] == '/' ? next.len == 1
+                                      : !memchr(next.at, next.at[0] == '(' ? ')' : ']', next.len);
         if (open && !table_field(&ahead, separator, &next))
             break;
         *field = (struct text){start, (size_t)(next.at + next.len - start)};
@@ -132,13 +137,15 @@ void column_unit(struct column *column, struct text unit)
     memcpy(column->unit, unit.at, len);
     column->unit[len] = '\0';
     /* An accelerometer's g is no gram. */
-    if (known && known->quantity == QUANTITY_MASS && !name_has_word(column->name, "mass m masa masse massa weight"))
+    if (known && known->quantity == QUANTITY_MASS &&
+        !name_has_word(column->name, "mass m masa masse massa weight"))
         known = NULL;
     column->quantity = known ? known->quantity : QUANTITY_OTHER;
     column->factor = known ? factor : 1;
 }
 
-/* The text as UTF-8 that is safe to show; bytes that are not UTF-8 are taken for Latin-1 (m/s², °C). */
+/* The text as UTF-8 that is safe to show; bytes that are not UTF-8 are taken for Latin-1 (m/s²,
+ * °C). */
 static bool clean(struct text text, struct buffer *out)
 {
     struct buffer utf8 = {0};
@@ -157,8 +164,10 @@ static bool clean(struct text text, struct buffer *out)
     return !out->failed;
 }
 
-/* Where the unit stands in a name: in the last brackets, behind " / ", or behind the last _ if it is one. */
-static bool find_bracket(struct text text, struct text *before, struct text *unit, struct text *after)
+/* Where the unit stands in a name: in the last brackets, behind " / ", or behind the last _ if it
+ * is one. */
+static bool find_bracket(struct text text, struct text *before, struct text *unit,
+                         struct text *after)
 {
     for (size_t close = text.len; close-- > 1;) {
         if (text.at[close] != ')' && text.at[close] != ']')
@@ -205,12 +214,14 @@ static bool find_tail(struct text text, struct text *before, struct text *unit)
         if (text.at[at] == '_')
             break;
     }
-    /* "v/m/s" as ISO 80000-1 writes it, but not the bare unit "m/s"; "s/mm" is a path: no unit is a time by a length. */
+    /* "v/m/s" as ISO 80000-1 writes it, but not the bare unit "m/s"; "s/mm" is a path: no unit is a
+     * time by a length. */
     *unit = text;
     if (!text_split(unit, '/', before) || before->len == 0)
         return false;
     const struct unit *of = find_unit(*unit, &factor);
-    return of && (!unit_find(*before) || (text_is(*before, "s") && of->quantity == QUANTITY_LENGTH));
+    return of &&
+           (!unit_find(*before) || (text_is(*before, "s") && of->quantity == QUANTITY_LENGTH));
 }
 
 /* "ms", "cm" as a name is a unit; a single letter (s, m, g) may be a quantity's symbol. */
@@ -218,8 +229,8 @@ static bool is_unit_name(struct text name)
 {
     double factor;
     const struct unit *unit = name.len >= 2 && !is_word_in(name) ? find_unit(name, &factor) : NULL;
-    return unit &&
-           (unit->quantity == QUANTITY_TIME || unit->quantity == QUANTITY_LENGTH || unit->quantity == QUANTITY_ANGLE);
+    return unit && (unit->quantity == QUANTITY_TIME || unit->quantity == QUANTITY_LENGTH ||
+                    unit->quantity == QUANTITY_ANGLE);
 }
 
 /* Are they all units, single letters among them: "s cm"? */
@@ -249,16 +260,16 @@ static void set_name(struct column *column, struct text before, struct text afte
     column->name[len] = '\0';
 }
 
-static bool name_column(struct column *column, struct text field, struct text unit_field, bool units,
-                        struct buffer *scratch)
+static bool name_column(struct column *column, struct text field, struct text unit_field,
+                        bool units, struct buffer *scratch)
 {
     struct text before, unit, after = TEXT(""), none = TEXT("");
     if (!clean(field, scratch))
         return false;
     struct text whole = buffer_text(scratch);
     double factor;
-    bool has_unit = find_bracket(whole, &before, &unit, &after) || find_tail(whole, &before, &unit) ||
-                    find_spoken(whole, &before, &unit);
+    bool has_unit = find_bracket(whole, &before, &unit, &after) ||
+                    find_tail(whole, &before, &unit) || find_spoken(whole, &before, &unit);
     /* Where units have a line of their own, brackets in the name may hold something else. */
     has_unit = has_unit && (unit_field.len == 0 || find_unit(unit, &factor));
     if (has_unit && before.len + after.len == 0) {
@@ -283,14 +294,16 @@ static bool name_column(struct column *column, struct text field, struct text un
     return true;
 }
 
-bool table_columns(const struct table_layout *layout, struct recording *recording, struct error *error)
+bool table_columns(const struct table_layout *layout, struct recording *recording,
+                   struct error *error)
 {
     struct text names = layout->names, units = layout->units, name, unit;
     struct buffer scratch = {0};
     const bool all_units = units.len == 0 && all_unit_names(layout);
     bool done = true;
     recording->columns = layout->columns;
-    recording->column = arena_array(&recording->arena, (size_t)layout->columns, sizeof *recording->column);
+    recording->column =
+        arena_array(&recording->arena, (size_t)layout->columns, sizeof *recording->column);
     for (int i = 0; i < recording->columns && recording->column && done; i++) {
         struct column *column = &recording->column[i];
         if (!header_field(&names, layout->name_separator, &name))

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Where the table is in a file, and how its rows are written. For each separator and decimal mark: skip to the first
- * consecutive lines that split into the same number of numbers, keep what reads most of the lines that follow.
+ * Where the table is in a file, and how its rows are written. For each separator and decimal mark:
+ * skip to the first consecutive lines that split into the same number of numbers, keep what reads
+ * most of the lines that follow.
  */
 #include "data/table/table.h"
 
@@ -11,19 +12,21 @@
 #define RUN 3      /* consecutive rows that make a table, where the file has so many */
 #define SCORED 200 /* lines counted to compare two readings */
 
-/* In the order of preference when two read the same number of lines; '\n' separates nothing: a single column. */
+/* In the order of preference when two read the same number of lines; '\n' separates nothing: a
+ * single column. */
 static const struct reading {
     char separator, decimal;
 } readings[] = {
-    {'\t', '.'}, {'\t', ','}, {';', '.'}, {';', ','}, {',', '.'}, {' ', '.'}, {' ', ','}, {'\n', '.'}, {'\n', ','},
-    {',', ','}, /* decimals in quotes */
+    {'\t', '.'}, {'\t', ','}, {';', '.'},  {';', ','},  {',', '.'},
+    {' ', '.'},  {' ', ','},  {'\n', '.'}, {'\n', ','}, {',', ','}, /* decimals in quotes */
 };
 
 struct shape {
     int fields, numbers, words;
-    bool last_empty;  /* the row ends in a separator */
-    bool fraction;    /* some number has a decimal point */
-    bool led_by_zero; /* some whole number but 0 starts with 0: what a decimal comma leaves behind */
+    bool last_empty; /* the row ends in a separator */
+    bool fraction;   /* some number has a decimal point */
+    bool
+        led_by_zero; /* some whole number but 0 starts with 0: what a decimal comma leaves behind */
 };
 
 static struct shape shape_of(struct text line, struct reading reading)
@@ -46,9 +49,9 @@ static struct shape shape_of(struct text line, struct reading reading)
     return shape;
 }
 
-static bool is_row(struct shape shape, int least, bool words)
+static bool is_row(struct shape shape, int min, bool words)
 {
-    return shape.fields >= least && shape.fields <= (int)LIMIT_COLUMNS && shape.numbers > 0 &&
+    return shape.fields >= min && shape.fields <= (int)LIMIT_COLUMNS && shape.numbers > 0 &&
            (shape.words == 0 || (words && shape.numbers >= 2 && shape.numbers > shape.words));
 }
 
@@ -61,24 +64,27 @@ struct found {
 };
 
 /* `run` consecutive rows of `least` fields or more; words: with words in some of them. */
-static bool find_rows(const struct table_text *text, size_t from, struct reading reading, int least, bool words,
-                      int run, struct found *found)
+static bool find_rows(const struct table_text *text, size_t from, struct reading reading, int min,
+                      bool words, int run, struct found *found)
 {
     int same = 0;
     *found = (struct found){.reading = reading, .trailing = true};
     for (size_t i = from, counted = 0; i < text->heads && counted < SCORED; i++) {
         if (table_skipped(text->head[i].text))
             continue;
-        /* One field, as lines without the separator have, is no row where two are wanted: most readings end here. */
-        const bool single = least > 1 && reading.separator != ' ' &&
-                            !memchr(text->head[i].text.at, reading.separator, text->head[i].text.len);
-        struct shape shape = single ? (struct shape){.fields = 1} : shape_of(text->head[i].text, reading);
-        bool row = is_row(shape, least, words) && (same == 0 || shape.fields == found->fields);
+        /* One field, as lines without the separator have, is no row where two are wanted: most
+         * readings end here. */
+        const bool single =
+            min > 1 && reading.separator != ' ' &&
+            !memchr(text->head[i].text.at, reading.separator, text->head[i].text.len);
+        struct shape shape =
+            single ? (struct shape){.fields = 1} : shape_of(text->head[i].text, reading);
+        bool row = is_row(shape, min, words) && (same == 0 || shape.fields == found->fields);
         if (same < run && !row) { /* a row of another width may be the first of the table */
             same = 0;
             counted = 0;
             *found = (struct found){.reading = reading, .trailing = true};
-            row = is_row(shape, least, words);
+            row = is_row(shape, min, words);
         }
         if (row && same++ == 0) {
             found->first = i;
@@ -93,7 +99,8 @@ static bool find_rows(const struct table_text *text, size_t from, struct reading
     return same >= run;
 }
 
-/* Rows of another width directly above belong to the table, or they would be taken for its header without a word. */
+/* Rows of another width directly above belong to the table, or they would be taken for its header
+ * without a word. */
 static size_t first_row(const struct table_text *text, const struct found *found, size_t from)
 {
     size_t first = found->first;
@@ -128,7 +135,8 @@ static bool all_units(struct text line, char separator)
     struct text field;
     int units = 0;
     while (table_field(&line, separator, &field)) {
-        bool bracketed = field.len > 2 && strchr("([", field.at[0]) && strchr(")]", field.at[field.len - 1]);
+        bool bracketed =
+            field.len > 2 && strchr("([", field.at[0]) && strchr(")]", field.at[field.len - 1]);
         if (field.len > 0 && !bracketed && !unit_find(field))
             return false;
         units += field.len > 0;
@@ -136,20 +144,23 @@ static bool all_units(struct text line, char separator)
     return units > 0;
 }
 
-/* How the names in this line are set apart: as the numbers are, or else by what gives one name for each column. 0: no
- * names. */
+/* How the names in this line are set apart: as the numbers are, or else by what gives one name for
+ * each column. 0: no names. */
 static char names_separator(struct text line, const struct table_layout *layout, bool exact)
 {
     const char separators[] = {layout->separator, '\t', ';', ','};
     for (size_t i = 0; i < COUNT_OF(separators); i++)
         if (field_count(line, separators[i]) == layout->columns)
             return separators[i];
-    return !exact && layout->separator != ' ' && field_count(line, layout->separator) >= 2 ? layout->separator : 0;
+    return !exact && layout->separator != ' ' && field_count(line, layout->separator) >= 2
+               ? layout->separator
+               : 0;
 }
 
-/* The lines above the first row: names, or names and then units. *above: fields in the line above, 0: none. */
-static void find_names(const struct table_text *text, size_t first, size_t from, struct table_layout *layout,
-                       int *above)
+/* The lines above the first row: names, or names and then units. *above: fields in the line above,
+ * 0: none. */
+static void find_names(const struct table_text *text, size_t first, size_t from,
+                       struct table_layout *layout, int *above)
 {
     struct text candidate[2] = {{0}};
     char separator[2] = {0};
@@ -158,7 +169,8 @@ static void find_names(const struct table_text *text, size_t first, size_t from,
     for (size_t i = first; i-- > from && candidates < 2;) {
         struct text line = text_trim(text->head[i].text);
         const bool comment = table_comment(line);
-        if (line.len == 0 || (comment ? memchr(line.at, '=', line.len) != NULL : table_skipped(line)))
+        if (line.len == 0 ||
+            (comment ? memchr(line.at, '=', line.len) != NULL : table_skipped(line)))
             continue;
         /* Names may follow a # or %, as in "# t y". */
         line = comment ? (struct text){line.at + 1, line.len - 1} : text->head[i].text;
@@ -177,11 +189,13 @@ static void find_names(const struct table_text *text, size_t first, size_t from,
 
 static bool allowed(struct reading reading, const struct load_options *options)
 {
-    return (!options->separator || options->separator == reading.separator || reading.separator == '\n') &&
+    return (!options->separator || options->separator == reading.separator ||
+            reading.separator == '\n') &&
            (!options->decimal || options->decimal == reading.decimal);
 }
 
-/* Whole numbers set apart by commas can be decimals with a comma; the line above and the zeros tell. */
+/* Whole numbers set apart by commas can be decimals with a comma; the line above and the zeros
+ * tell. */
 enum commas { COMMAS_SEPARATE, COMMAS_PERHAPS, COMMAS_UNCLEAR, COMMAS_DECIMAL };
 
 static enum commas commas_of(const struct found *found, int above)
@@ -207,16 +221,18 @@ static bool fill(const struct table_text *text, size_t from, const struct load_o
     find_names(text, first, from, layout, &above);
     if (found->trailing && field_count(layout->names, layout->name_separator) < found->fields)
         layout->columns--;
-    enum commas commas = options->separator || options->decimal ? COMMAS_SEPARATE : commas_of(found, above);
+    enum commas commas =
+        options->separator || options->decimal ? COMMAS_SEPARATE : commas_of(found, above);
     layout->ambiguous = commas == COMMAS_PERHAPS;
     layout->unclear = commas == COMMAS_UNCLEAR;
     return commas != COMMAS_DECIMAL;
 }
 
-/* Only whole numbers were seen so far, as in a record that begins at rest: the rest of the file says what the mark is.
+/* Only whole numbers were seen so far, as in a record that begins at rest: the rest of the file
+ * says what the mark is.
  */
-static void settle_decimal(const struct table_text *text, const struct found *found, const struct load_options *options,
-                           struct table_layout *layout)
+static void settle_decimal(const struct table_text *text, const struct found *found,
+                           const struct load_options *options, struct table_layout *layout)
 {
     if (options->decimal || found->fraction || layout->separator == ',')
         return;
@@ -225,8 +241,8 @@ static void settle_decimal(const struct table_text *text, const struct found *fo
         layout->decimal = ',';
 }
 
-/* Digits, then perhaps the mark and three more. *group: 1000 times what it is as decimals; 0: no mark. False: something
- * else with the mark in it. */
+/* Digits, then perhaps the mark and three more. *group: 1000 times what it is as decimals; 0: no
+ * mark. False: something else with the mark in it. */
 static bool read_group(struct text field, char mark, double *value, double *group)
 {
     size_t i = field.len > 0 && field.at[0] == '-', digits[2] = {0};
@@ -248,9 +264,9 @@ static bool read_group(struct text field, char mark, double *value, double *grou
 }
 
 /*
- * Does what looks like a decimal mark stand between thousands? Where a column goes on from whole numbers of three
- * digits (960, 980) to three digits behind the mark (1.000, 1.020), it does if it then goes on without a jump, and no
- * number has another count of digits behind it.
+ * Does what looks like a decimal mark stand between thousands? Where a column goes on from whole
+ * numbers of three digits (960, 980) to three digits behind the mark (1.000, 1.020), it does if it
+ * then goes on without a jump, and no number has another count of digits behind it.
  */
 static bool is_grouped(const struct table_text *text, const struct table_layout *layout)
 {
@@ -276,21 +292,26 @@ static bool is_grouped(const struct table_text *text, const struct table_layout 
     return votes > 0;
 }
 
-static bool find_best(const struct table_text *text, size_t from, const struct load_options *options,
-                      struct table_layout *layout)
+static bool find_best(const struct table_text *text, size_t from,
+                      const struct load_options *options, struct table_layout *layout)
 {
     static const struct {
-        int least, run;
+        int min, run;
         bool words;
     } passes[] = {{2, RUN, false}, {2, RUN, true}, {1, RUN, false}, {2, 2, false}, {2, 1, false}};
     for (size_t pass = 0; pass < COUNT_OF(passes); pass++) {
         struct found best = {0};
-        for (size_t i = 0; i < COUNT_OF(readings) && best.score < SCORED; i++) { /* more than all is not read */
+        for (size_t i = 0; i < COUNT_OF(readings) && best.score < SCORED;
+             i++) { /* more than all is not read */
             struct found found;
             struct table_layout trial;
-            if ((readings[i].separator == '\n') != (passes[pass].least == 1) || !allowed(readings[i], options) ||
-                !find_rows(text, from, readings[i], passes[pass].least, passes[pass].words, passes[pass].run, &found) ||
-                found.score <= best.score || (readings[i].separator == readings[i].decimal && !found.fraction) || !fill(text, from, options, &found, &trial))
+            if ((readings[i].separator == '\n') != (passes[pass].min == 1) ||
+                !allowed(readings[i], options) ||
+                !find_rows(text, from, readings[i], passes[pass].min, passes[pass].words,
+                           passes[pass].run, &found) ||
+                found.score <= best.score ||
+                (readings[i].separator == readings[i].decimal && !found.fraction) ||
+                !fill(text, from, options, &found, &trial))
                 continue;
             best = found;
             *layout = trial;
@@ -321,17 +342,19 @@ static bool no_table(const struct table_text *text, size_t from, struct error *e
 {
     const struct table_line *line = wide_line(text, from);
     if (line) {
-        error_set(error, ERROR_IO, "line %zu of %s has more than %d columns", line->number, text->name,
-                  (int)LIMIT_COLUMNS);
+        error_set(error, ERROR_IO, "line %zu of %s has more than %d columns", line->number,
+                  text->name, (int)LIMIT_COLUMNS);
         return error_hint(error, "export fewer columns");
     }
     for (size_t i = from; i < text->heads; i++)
         if (text->head[i].text.len >= HEAD_BYTES)
-            return error_set(error, ERROR_IO, "line %zu of %s has more than %u bytes: no table starts there",
+            return error_set(error, ERROR_IO,
+                             "line %zu of %s has more than %u bytes: no table starts there",
                              text->head[i].number, text->name, HEAD_BYTES);
     error_set(error, ERROR_IO, "no table of numbers found in %s", text->name);
-    return error_hint(error, "rows of numbers separated by tabs, semicolons, commas or blanks are read; "
-                             "sep= and decimal= say how they are written");
+    return error_hint(error,
+                      "rows of numbers separated by tabs, semicolons, commas or blanks are read; "
+                      "sep= and decimal= say how they are written");
 }
 
 bool table_find(const struct table_text *text, size_t from, const struct load_options *options,
@@ -339,15 +362,17 @@ bool table_find(const struct table_text *text, size_t from, const struct load_op
 {
     *layout = (struct table_layout){0};
     if (options->separator == ',' && options->decimal == ',')
-        return error_set(error, ERROR_COMMAND, "the comma cannot be both the separator and the decimal mark");
+        return error_set(error, ERROR_COMMAND,
+                         "the comma cannot be both the separator and the decimal mark");
     if (!find_best(text, from, options, layout))
         return no_table(text, from, error);
     if (layout->unclear) {
-        error_set(error, ERROR_IO, "the commas in line %zu of %s could be separators or decimal marks", layout->line,
+        error_set(error, ERROR_IO,
+                  "the commas in line %zu of %s could be separators or decimal marks", layout->line,
                   text->name);
         layout->columns = 0;
-        return error_hint(
-            error, "export it with semicolons or tabs; decimal=point sep=comma takes every comma as a separator");
+        return error_hint(error, "export it with semicolons or tabs; decimal=point sep=comma takes "
+                                 "every comma as a separator");
     }
     return true;
 }

@@ -6,7 +6,8 @@
 #include <string.h>
 #include <strings.h>
 
-#define WINDOW 256 /* [byte] so that neither end-of-line byte is looked for through the whole file */
+#define WINDOW                                                                                     \
+    256 /* [byte] so that neither end-of-line byte is looked for through the whole file */
 
 static size_t line_length(struct text text)
 {
@@ -29,7 +30,9 @@ bool table_line(struct text *rest, struct text *line)
         return false;
     *line = (struct text){rest->at, line_length(*rest)};
     struct text end = {rest->at + line->len, rest->len - line->len};
-    size_t used = text_starts(end, TEXT("\r\r\n")) ? 3 : text_starts(end, TEXT("\r\n")) ? 2 : end.len > 0;
+    size_t used = text_starts(end, TEXT("\r\r\n")) ? 3
+                  : text_starts(end, TEXT("\r\n")) ? 2
+                                                   : end.len > 0;
     *rest = (struct text){end.at + used, end.len - used};
     return true;
 }
@@ -66,7 +69,8 @@ static bool is_blank(char c)
     return c == ' ' || c == '\t';
 }
 
-/* Where the field ends that starts at text[0] with a quote: behind the closing quote; "" inside stands for ". */
+/* Where the field ends that starts at text[0] with a quote: behind the closing quote; "" inside
+ * stands for ". */
 static size_t quoted_length(struct text text)
 {
     size_t i = 1;
@@ -100,7 +104,8 @@ bool table_field(struct text *rest, char separator, struct text *field)
     *field = text_trim((struct text){text.at + start, end - start});
     if (field->len >= 2 && field->at[0] == '"' && field->at[field->len - 1] == '"')
         *field = text_trim((struct text){field->at + 1, field->len - 2});
-    *rest = end < text.len ? (struct text){text.at + end + 1, text.len - end - 1} : (struct text){NULL, 0};
+    *rest = end < text.len ? (struct text){text.at + end + 1, text.len - end - 1}
+                           : (struct text){NULL, 0};
     return separator != ' ' || field->len > 0;
 }
 
@@ -112,9 +117,9 @@ static bool is_word(struct text text, const char *word)
 /* What stands where there is no number. */
 static bool is_missing(struct text field)
 {
-    static const char *const words[] = {"nan",    "-nan",    "na",      "n/a",    "#n/a", "#nv",
-                                        "null",   "none",    "-",       "--",     "---",  "\xE2\x80\x93",
-                                        "1.#ind", "-1.#ind", "#div/0!", "#value!"};
+    static const char *const words[] = {
+        "nan", "-nan", "na",  "n/a",          "#n/a",   "#nv",     "null",    "none",
+        "-",   "--",   "---", "\xE2\x80\x93", "1.#ind", "-1.#ind", "#div/0!", "#value!"};
     for (size_t i = 0; i < COUNT_OF(words); i++)
         if (is_word(field, words[i]))
             return true;
@@ -124,7 +129,8 @@ static bool is_missing(struct text field)
 /* Blanks that keep digits together, and the Swiss apostrophe. */
 static size_t group_blank(struct text rest)
 {
-    static const char *const blanks[] = {"\xE2\x80\xAF", "\xE2\x80\x89", "\xC2\xA0", "\xE2\x80\x99", "'"};
+    static const char *const blanks[] = {"\xE2\x80\xAF", "\xE2\x80\x89", "\xC2\xA0", "\xE2\x80\x99",
+                                         "'"};
     for (size_t i = 0; i < COUNT_OF(blanks); i++)
         if (text_starts(rest, text_of(blanks[i])))
             return strlen(blanks[i]);
@@ -139,9 +145,9 @@ static bool is_digit(char c)
 enum { ODD_MAX = 48 };
 
 /*
- * Takes what is odd out of a number: Unicode's minus, Fortran's D, marks between groups of three digits. A single group
- * without decimals could be decimals behind the other mark (16,500): it is taken out if `single`. Returns the length, 0: too
- * long or not odd.
+ * Takes what is odd out of a number: Unicode's minus, Fortran's D, marks between groups of three
+ * digits. A single group without decimals could be decimals behind the other mark (16,500): it is
+ * taken out if `single`. Returns the length, 0: too long or not odd.
  */
 static size_t plain_digits(struct text field, char decimal, bool single, char out[ODD_MAX])
 {
@@ -154,7 +160,8 @@ static size_t plain_digits(struct text field, char decimal, bool single, char ou
         char c = field.at[i];
         if (len + 1 >= ODD_MAX)
             return 0;
-        if (blank > 0 || (c == group && !point && since >= 1 && since <= 3 && (groups == 0 || since == 3))) {
+        if (blank > 0 ||
+            (c == group && !point && since >= 1 && since <= 3 && (groups == 0 || since == 3))) {
             groups += blank == 0;
             blanks += blank > 0;
             if ((groups + blanks > 1 && since != 3) || point)
@@ -168,7 +175,8 @@ static size_t plain_digits(struct text field, char decimal, bool single, char ou
             c = '-';
             i += 2;
             odd = true;
-        } else if ((c == 'D' || c == 'd') && len > 0 && (is_digit(out[len - 1]) || out[len - 1] == decimal)) {
+        } else if ((c == 'D' || c == 'd') && len > 0 &&
+                   (is_digit(out[len - 1]) || out[len - 1] == decimal)) {
             c = 'E';
             odd = true;
         }
@@ -229,9 +237,9 @@ enum cell table_cell(struct text field, char decimal, double *value)
     return CELL_NUMBER;
 }
 
-size_t text_fitting(struct text text, size_t most)
+size_t text_fitting(struct text text, size_t max)
 {
-    size_t len = text.len < most ? text.len : most;
+    size_t len = text.len < max ? text.len : max;
     while (len > 0 && len < text.len && ((unsigned char)text.at[len] & 0xC0) == 0x80)
         len--;
     return len;
@@ -242,7 +250,8 @@ const char *short_name(struct text text, char out[SHORT_NAME])
     struct buffer shown = {0};
     safe_text(&shown, (struct text){text.at, text_fitting(text, SHORT_NAME)}, false);
     const bool cut = shown.len >= SHORT_NAME;
-    const size_t len = shown.failed ? 0 : text_fitting(buffer_text(&shown), cut ? SHORT_NAME - 4 : SHORT_NAME - 1);
+    const size_t len =
+        shown.failed ? 0 : text_fitting(buffer_text(&shown), cut ? SHORT_NAME - 4 : SHORT_NAME - 1);
     if (len > 0)
         memcpy(out, shown.data, len);
     memcpy(out + len, cut ? "..." : "", cut ? 4 : 1);

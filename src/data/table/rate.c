@@ -26,7 +26,8 @@ bool head_number(const struct table_text *text, const char *key, double *value, 
             at++;
         if (!at || at == end)
             continue;
-        const enum real_status status = real_scan((struct text){at, (size_t)(end - at)}, '.', value, &used);
+        const enum real_status status =
+            real_scan((struct text){at, (size_t)(end - at)}, '.', value, &used);
         if (status == REAL_OK && used > 0) {
             *rest = text_trim((struct text){at + used, (size_t)(end - at) - used});
             return true;

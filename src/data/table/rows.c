@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * The rows of a table into columns, in one pass over the file. What cannot be read is counted and said.
+ * The rows of a table into columns, in one pass over the file. What cannot be read is counted and
+ * said.
  */
 #include "data/table/stamp.h"
 #include "data/table/table.h"
@@ -25,7 +26,7 @@ struct reader {
     struct tally ragged, extra, *words; /* words: of each column */
     struct stamp_column *stamps;        /* of each column */
     struct text recent[RECENT];         /* recent[i % RECENT]: row i, while it is one of the last */
-    size_t room;                        /* rows there is memory for */
+    size_t capacity;                    /* rows there is memory for */
     bool ended;                         /* the newest row has a line end */
 };
 
@@ -41,22 +42,25 @@ static bool resize(void *array, size_t count, size_t size)
     return fresh != NULL;
 }
 
-/* Room for `rows` rows. What is not written to takes no memory, so that a generous guess costs nothing. */
+/* Room for `rows` rows. What is not written to takes no memory, so that a generous guess costs
+ * nothing. */
 static bool reserve(struct reader *reader, size_t rows, struct error *error)
 {
     struct recording *recording = reader->recording;
-    const size_t each = ((size_t)recording->columns + 2) * sizeof(double) + sizeof(uint32_t), most = TABLE_BYTES / each;
-    rows = rows < most ? rows : most;
-    if (rows <= reader->room) {
-        error_set(error, ERROR_IO, "the table has more than %zu rows of %d columns: beyond the %u MiB that are kept",
-                  most, recording->columns, TABLE_BYTES >> 20);
+    const size_t each = ((size_t)recording->columns + 2) * sizeof(double) + sizeof(uint32_t),
+                 max = TABLE_BYTES / each;
+    rows = rows < max ? rows : max;
+    if (rows <= reader->capacity) {
+        error_set(error, ERROR_IO,
+                  "the table has more than %zu rows of %d columns: beyond the %u MiB that are kept",
+                  max, recording->columns, TABLE_BYTES >> 20);
         return error_hint(error, "export a part of it, or fewer columns");
     }
-    bool done =
-        resize(&recording->t, rows, sizeof *recording->t) && resize(&recording->line, rows, sizeof *recording->line);
+    bool done = resize(&recording->t, rows, sizeof *recording->t) &&
+                resize(&recording->line, rows, sizeof *recording->line);
     for (int i = 0; i < recording->columns && done; i++)
         done = resize(&recording->column[i].value, rows, sizeof(double));
-    reader->room = rows;
+    reader->capacity = rows;
     return done || error_memory(error);
 }
 
@@ -71,13 +75,15 @@ static void note(struct tally *tally, size_t line, struct text example)
 }
 
 /*
- * A number of at most 15 digits at `at`, behind blanks, times 1e-22 or more: two exact doubles and one rounding
- * (Clinger 1990), the same bits as real_scan's. Returns its end; NULL: something else, which the slow way reads.
+ * A number of at most 15 digits at `at`, behind blanks, times 1e-22 or more: two exact doubles and
+ * one rounding (Clinger 1990), the same bits as real_scan's. Returns its end; NULL: something else,
+ * which the slow way reads.
  */
 static inline const char *plain_number(const char *at, const char *end, char decimal, double *value)
 {
-    static const double power10[] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,  1e8,  1e9,  1e10, 1e11,
-                                     1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
+    static const double power10[] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
+                                     1e8,  1e9,  1e10, 1e11, 1e12, 1e13, 1e14, 1e15,
+                                     1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
     while (at < end && *at == ' ')
         at++;
     const bool negative = at < end && *at == '-';
@@ -107,13 +113,14 @@ static inline const char *plain_number(const char *at, const char *end, char dec
         if (exponent < -22)
             return NULL;
     }
-    const double size = exponent < 0 ? (double)digits / power10[-exponent] : (double)digits * power10[exponent];
+    const double size =
+        exponent < 0 ? (double)digits / power10[-exponent] : (double)digits * power10[exponent];
     *value = negative ? -size : size;
     return at;
 }
 
-/* A row of nothing but plain numbers that ends in LF or CRLF, nearly every row of an instrument: returns the start of
- * the next line. NULL: the slow way has to look. */
+/* A row of nothing but plain numbers that ends in LF or CRLF, nearly every row of an instrument:
+ * returns the start of the next line. NULL: the slow way has to look. */
 static const char *plain_row(struct reader *reader, const char *at, const char *end)
 {
     const struct recording *recording = reader->recording;
@@ -138,22 +145,27 @@ static const char *plain_row(struct reader *reader, const char *at, const char *
 static enum cell cell_of(struct text field, const struct table_layout *layout, double *value)
 {
     const enum cell cell = table_cell(field, layout->decimal, value);
-    return cell == CELL_WORD && layout->grouped && table_grouped(field, layout->decimal, value) ? CELL_NUMBER : cell;
+    return cell == CELL_WORD && layout->grouped && table_grouped(field, layout->decimal, value)
+               ? CELL_NUMBER
+               : cell;
 }
 
 /* The next field, parsed. Numbers that end at the separator need no look at the field as text. */
-static bool next_cell(struct text *rest, const struct table_layout *layout, struct text *field, enum cell *cell,
-                      double *value)
+static bool next_cell(struct text *rest, const struct table_layout *layout, struct text *field,
+                      enum cell *cell, double *value)
 {
     size_t used = 0;
     if (rest->at == NULL)
         return false;
     /* A comma that is both ends a number only behind its quotes. */
-    const enum real_status status =
-        layout->decimal == layout->separator ? REAL_MALFORMED : real_scan(*rest, layout->decimal, value, &used);
-    if ((status == REAL_OK || status == REAL_UNDERFLOW) && (used == rest->len || rest->at[used] == layout->separator)) {
+    const enum real_status status = layout->decimal == layout->separator
+                                        ? REAL_MALFORMED
+                                        : real_scan(*rest, layout->decimal, value, &used);
+    if ((status == REAL_OK || status == REAL_UNDERFLOW) &&
+        (used == rest->len || rest->at[used] == layout->separator)) {
         *field = (struct text){rest->at, used};
-        *rest = used < rest->len ? (struct text){rest->at + used + 1, rest->len - used - 1} : (struct text){NULL, 0};
+        *rest = used < rest->len ? (struct text){rest->at + used + 1, rest->len - used - 1}
+                                 : (struct text){NULL, 0};
         *cell = CELL_NUMBER;
         return true;
     }
@@ -167,7 +179,9 @@ static void note_words(struct reader *reader, struct text line, size_t number)
 {
     struct text field;
     double value;
-    for (int i = 0; i < reader->recording->columns && table_field(&line, reader->layout->separator, &field); i++)
+    for (int i = 0;
+         i < reader->recording->columns && table_field(&line, reader->layout->separator, &field);
+         i++)
         if (cell_of(field, reader->layout, &value) == CELL_WORD)
             note(&reader->words[i], number, field);
 }
@@ -208,7 +222,8 @@ static bool read_row(struct reader *reader, struct text line, size_t number)
 static struct text last_field(const struct reader *reader, struct text row)
 {
     struct text field = {0}, next;
-    for (int i = 0; i < reader->recording->columns && table_field(&row, reader->layout->separator, &next); i++)
+    for (int i = 0;
+         i < reader->recording->columns && table_field(&row, reader->layout->separator, &next); i++)
         field = next;
     return field;
 }
@@ -217,15 +232,16 @@ static size_t decimals(struct text number, char decimal)
 {
     const char *point = number.len ? memchr(number.at, decimal, number.len) : NULL;
     size_t count = 0;
-    for (const char *at = point; point && ++at < number.at + number.len && *at >= '0' && *at <= '9';)
+    for (const char *at = point;
+         point && ++at < number.at + number.len && *at >= '0' && *at <= '9';)
         count++;
     return count;
 }
 
 /*
- * Is the newest row, which has no line end, cut in mid-number? It is if it has fewer decimals than the rows before
- * agree on; or, where these do not agree or have none, if its last number is the beginning of the one above (-1 below
- * -120).
+ * Is the newest row, which has no line end, cut in mid-number? It is if it has fewer decimals than
+ * the rows before agree on; or, where these do not agree or have none, if its last number is the
+ * beginning of the one above (-1 below -120).
  */
 static bool is_cut(const struct reader *reader)
 {
@@ -237,7 +253,8 @@ static bool is_cut(const struct reader *reader)
     if (row == 0)
         return false;
     for (size_t i = 1; i <= BEFORE_LAST && i <= row; i++) {
-        size_t here = decimals(last_field(reader, reader->recent[(row - i) % RECENT]), layout->decimal);
+        size_t here =
+            decimals(last_field(reader, reader->recent[(row - i) % RECENT]), layout->decimal);
         agree = agree && (i == 1 || here == agreed);
         agreed = here;
     }
@@ -265,35 +282,44 @@ static void warn_rows(struct reader *reader)
     struct recording *recording = reader->recording;
     if (reader->layout->ambiguous)
         recording_warn(recording,
-                       "commas are read as separators (%d columns of whole numbers); decimal=comma if they are "
+                       "commas are read as separators (%d columns of whole numbers); decimal=comma "
+                       "if they are "
                        "decimal marks",
                        recording->columns);
     if (reader->layout->grouped)
-        recording_warn(recording, "'%c' stands between thousands (the numbers go on so from 999); decimal=%s if not",
-                       reader->layout->decimal == '.' ? ',' : '.', reader->layout->decimal == '.' ? "comma" : "point");
+        recording_warn(
+            recording,
+            "'%c' stands between thousands (the numbers go on so from 999); decimal=%s if not",
+            reader->layout->decimal == '.' ? ',' : '.',
+            reader->layout->decimal == '.' ? "comma" : "point");
     if (reader->ragged.count > 0)
-        recording_warn(recording, "%zu %s dropped that %s not %d numbers (first: line %zu, '%s')", reader->ragged.count,
-                       reader->ragged.count == 1 ? "line" : "lines", reader->ragged.count == 1 ? "is" : "are",
-                       recording->columns, reader->ragged.first, reader->ragged.example);
+        recording_warn(recording, "%zu %s dropped that %s not %d numbers (first: line %zu, '%s')",
+                       reader->ragged.count, reader->ragged.count == 1 ? "line" : "lines",
+                       reader->ragged.count == 1 ? "is" : "are", recording->columns,
+                       reader->ragged.first, reader->ragged.example);
     for (int i = 0; i < recording->columns; i++) {
         const struct tally *words = &reader->words[i];
         if (words->count > 0 && words->count == recording->rows)
-            recording_warn(recording, "%s holds words, not numbers ('%s')", recording->column[i].name, words->example);
+            recording_warn(recording, "%s holds words, not numbers ('%s')",
+                           recording->column[i].name, words->example);
         else if (words->count > 0)
-            recording_warn(recording, "%s: %zu %s not a number and taken as missing (first: line %zu, '%s')",
-                           recording->column[i].name, words->count, words->count == 1 ? "cell is" : "cells are",
-                           words->first, words->example);
+            recording_warn(
+                recording, "%s: %zu %s not a number and taken as missing (first: line %zu, '%s')",
+                recording->column[i].name, words->count,
+                words->count == 1 ? "cell is" : "cells are", words->first, words->example);
     }
     if (reader->extra.count > 0)
-        recording_warn(recording, "%zu %s words behind the last column, not read (first: line %zu, '%s')",
-                       reader->extra.count, reader->extra.count == 1 ? "row has" : "rows have", reader->extra.first,
-                       reader->extra.example);
+        recording_warn(recording,
+                       "%zu %s words behind the last column, not read (first: line %zu, '%s')",
+                       reader->extra.count, reader->extra.count == 1 ? "row has" : "rows have",
+                       reader->extra.first, reader->extra.example);
 }
 
 static bool is_full(struct reader *reader, struct error *error)
 {
-    const size_t room = reader->room;
-    return reader->recording->rows == room && !reserve(reader, room + room / 2 + 64, error);
+    const size_t capacity = reader->capacity;
+    return reader->recording->rows == capacity &&
+           !reserve(reader, capacity + capacity / 2 + 64, error);
 }
 
 /* The line at *rest, whatever it is; `data` counts the lines of the table. */
@@ -321,8 +347,8 @@ static bool read_line(struct reader *reader, struct text *rest, size_t number, s
     return true;
 }
 
-bool table_rows(const struct table_text *text, const struct table_layout *layout, struct recording *recording,
-                struct error *error)
+bool table_rows(const struct table_text *text, const struct table_layout *layout,
+                struct recording *recording, struct error *error)
 {
     struct reader reader = {.recording = recording, .layout = layout};
     const char *end = text->text.at + text->text.len, *next;
@@ -330,7 +356,8 @@ bool table_rows(const struct table_text *text, const struct table_layout *layout
     if (!table_columns(layout, recording, error))
         return false;
     reader.words = arena_array(&recording->arena, (size_t)recording->columns, sizeof *reader.words);
-    reader.stamps = arena_array(&recording->arena, (size_t)recording->columns, sizeof *reader.stamps);
+    reader.stamps =
+        arena_array(&recording->arena, (size_t)recording->columns, sizeof *reader.stamps);
     if (!reader.words || !reader.stamps)
         return error_memory(error);
     /* As many rows as there are if the first are as long as the others. */
@@ -338,7 +365,9 @@ bool table_rows(const struct table_text *text, const struct table_layout *layout
     while (lines < ESTIMATE && table_line(&line, &first))
         lines++;
     const size_t bytes = rest.len - line.len;
-    if (!reserve(&reader, (size_t)(1.1 * (double)rest.len * (double)lines / (double)(bytes + 1)) + 64, error))
+    if (!reserve(&reader,
+                 (size_t)(1.1 * (double)rest.len * (double)lines / (double)(bytes + 1)) + 64,
+                 error))
         return false;
     recording->separator = layout->separator;
     recording->decimal = layout->decimal;
@@ -357,10 +386,12 @@ bool table_rows(const struct table_text *text, const struct table_layout *layout
             more = read_line(&reader, &rest, number, &data);
         }
     }
-    if (recording->rows > 0 && !reader.ended && recording->line[recording->rows - 1] + 1 == number && is_cut(&reader)) {
+    if (recording->rows > 0 && !reader.ended &&
+        recording->line[recording->rows - 1] + 1 == number && is_cut(&reader)) {
         char shown[SHORT_NAME];
-        recording_warn(recording, "the last line (%zu) seems cut in mid-number ('%s'): dropped", number - 1,
-                       short_name(last_field(&reader, reader.recent[(recording->rows - 1) % RECENT]), shown));
+        recording_warn(
+            recording, "the last line (%zu) seems cut in mid-number ('%s'): dropped", number - 1,
+            short_name(last_field(&reader, reader.recent[(recording->rows - 1) % RECENT]), shown));
         recording->rows--;
         recording->dropped++;
     }
@@ -371,8 +402,8 @@ bool table_rows(const struct table_text *text, const struct table_layout *layout
     return true;
 }
 
-bool table_read(const struct table_text *text, const struct load_options *options, struct recording *recording,
-                struct error *error)
+bool table_read(const struct table_text *text, const struct load_options *options,
+                struct recording *recording, struct error *error)
 {
     (void)options;
     if (text->layout.columns == 0) {

@@ -50,8 +50,9 @@ static bool scan_date(struct scan *s, struct stamp *stamp)
     int64_t first, second, third;
     const int wide = digits(s, 4, &first);
     const char mark = s->at < s->end ? *s->at : '\0';
-    if (wide == 0 || !strchr("-/.", mark) || !mark || !next(s, mark) || digits(s, 2, &second) == 0 || !next(s, mark) ||
-        digits(s, 4, &third) == 0 || (s->at < s->end && is_digit(*s->at))) {
+    if (wide == 0 || !strchr("-/.", mark) || !mark || !next(s, mark) ||
+        digits(s, 2, &second) == 0 || !next(s, mark) || digits(s, 4, &third) == 0 ||
+        (s->at < s->end && is_digit(*s->at))) {
         *s = saved;
         return false;
     }
@@ -59,7 +60,8 @@ static bool scan_date(struct scan *s, struct stamp *stamp)
     if (wide < 3) {
         year = third < 100 ? 2000 + third : third;
         day = first;
-        const bool month_first = (mark == '/' || mark == '-') ? second > 12 || first <= 12 : second > 12;
+        const bool month_first =
+            (mark == '/' || mark == '-') ? second > 12 || first <= 12 : second > 12;
         if (month_first) {
             month = first;
             day = second;

@@ -37,10 +37,12 @@ static size_t pass_midnights(double *value, size_t rows)
 }
 
 /* The column of dates that belongs to this one of times of day; -1: none. */
-static int dates_beside(const struct recording *recording, const struct stamp_column *column, int clock)
+static int dates_beside(const struct recording *recording, const struct stamp_column *column,
+                        int clock)
 {
     for (int i = 0; i < recording->columns; i++)
-        if (i != clock && column[i].count > 0 && column[i].count >= column[clock].count / 2 && !column[i].clock)
+        if (i != clock && column[i].count > 0 && column[i].count >= column[clock].count / 2 &&
+            !column[i].clock)
             return i;
     return -1;
 }
@@ -67,8 +69,10 @@ static void count_from_first(struct recording *recording, int i)
     column->quantity = QUANTITY_TIME;
     column->factor = 1;
     const double clock = fmod(first, DAY);
-    recording_warn(recording, "%s holds dates or times of day: taken as seconds from the first, %02d:%02d:%06.3f",
-                   column->name, (int)(clock / 3600), (int)(fmod(clock, 3600) / 60), fmod(clock, 60));
+    recording_warn(
+        recording,
+        "%s holds dates or times of day: taken as seconds from the first, %02d:%02d:%06.3f",
+        column->name, (int)(clock / 3600), (int)(fmod(clock, 3600) / 60), fmod(clock, 60));
 }
 
 void stamp_columns(struct recording *recording, const struct stamp_column *column)
@@ -85,6 +89,7 @@ void stamp_columns(struct recording *recording, const struct stamp_column *colum
     }
     /* Dates alone are no time of a sample. */
     for (int i = 0; i < recording->columns; i++)
-        for (size_t row = 0; row < recording->rows && column[i].count > 0 && !column[i].clock; row++)
+        for (size_t row = 0; row < recording->rows && column[i].count > 0 && !column[i].clock;
+             row++)
             recording->column[i].value[row] = NAN;
 }

@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * What every format of the data layer shares: the lines of a file, finding the table in it, reading its rows.
+ * What every format of the data layer shares: the lines of a file, finding the table in it, reading
+ * its rows.
  *
- * A new format is one file NAME.def (its probe and read, static, then its row) and its line in formats.def. Its read
- * finds the table (text->layout, or table_find from a line of its own), corrects names and units, and calls table_rows.
+ * A new format is one file NAME.def (its probe and read, static, then its row) and its line in
+ * formats.def. Its read finds the table (text->layout, or table_find from a line of its own),
+ * corrects names and units, and calls table_rows.
  */
 #ifndef HOOKE_DATA_TABLE_TABLE_H
 #define HOOKE_DATA_TABLE_TABLE_H
@@ -31,7 +33,7 @@ struct table_layout {
     char name_separator;      /* of these lines */
     bool ambiguous;           /* the commas could be decimal marks … */
     bool unclear;             /* … and nothing speaks against it */
-    bool grouped;             /* the other mark stands between thousands, also where there is only one: 1.020 */
+    bool grouped; /* the other mark stands between thousands, also where there is only one: 1.020 */
 };
 
 struct table_text {
@@ -59,19 +61,22 @@ enum cell { CELL_NUMBER, CELL_EMPTY, CELL_WORD, CELL_STAMP /* a date or a time o
 bool table_line(struct text *rest, struct text *line);
 bool table_comment(struct text line); /* # … or % …, or as sigrok-cli writes them: ; word */
 bool table_skipped(struct text line); /* blank, a comment, or a line drawn below the names */
-/* Cuts the next field off *rest, trimmed and without its quotes. False: nothing left. Separator ' ' is any run of
- * blanks. */
+/* Cuts the next field off *rest, trimmed and without its quotes. False: nothing left. Separator ' '
+ * is any run of blanks. */
 bool table_field(struct text *rest, char separator, struct text *field);
-/* NAN unless a number ("inf" is one) or a stamp, whose value is in seconds since 1970 or midnight. */
+/* NAN unless a number ("inf" is one) or a stamp, whose value is in seconds since 1970 or midnight.
+ */
 enum cell table_cell(struct text field, char decimal, double *value);
-bool table_grouped(struct text field, char decimal, double *value); /* a number with marks between thousands */
-size_t text_fitting(struct text text, size_t most);                   /* bytes of whole characters, at most `most` */
-const char *short_name(struct text text, char out[SHORT_NAME]);       /* safe to show */
+bool table_grouped(struct text field, char decimal,
+                   double *value);                 /* a number with marks between thousands */
+size_t text_fitting(struct text text, size_t max); /* bytes of whole characters, at most `most` */
+const char *short_name(struct text text, char out[SHORT_NAME]); /* safe to show */
 
 /* intake.c: what is no text, or empty. */
 bool refuse_binary(struct text text, const char *name, struct error *error);
 /* recording.c: does a table begin in the first lines? */
-bool table_begins(struct text content, const char *shown, const struct load_options *options, struct error *error);
+bool table_begins(struct text content, const char *shown, const struct load_options *options,
+                  struct error *error);
 
 bool table_head(struct table_text *text, struct arena *arena); /* splits the first lines */
 
@@ -79,46 +84,58 @@ bool table_head(struct table_text *text, struct arena *arena); /* splits the fir
 bool table_find(const struct table_text *text, size_t from, const struct load_options *options,
                 struct table_layout *layout, struct error *error);
 
-/* header.c: the fields of a header line ("Time (s)" is one, also between blanks); names and units of the columns, from
- * the two header lines. */
+/* header.c: the fields of a header line ("Time (s)" is one, also between blanks); names and units
+ * of the columns, from the two header lines. */
 bool header_field(struct text *rest, char separator, struct text *field);
-bool table_columns(const struct table_layout *layout, struct recording *recording, struct error *error);
+bool table_columns(const struct table_layout *layout, struct recording *recording,
+                   struct error *error);
 void column_unit(struct column *column, struct text unit); /* as a file spells it */
-bool name_has_word(const char *name, const char *words);   /* one of the blank-separated words, any case */
+bool name_has_word(const char *name,
+                   const char *words); /* one of the blank-separated words, any case */
 
-/* rate.c: the sampling rate [Hz] that a line above the table says ("# Sample rate: 50 Hz"); 0: none does. */
+/* rate.c: the sampling rate [Hz] that a line above the table says ("# Sample rate: 50 Hz"); 0: none
+ * does. */
 double table_rate(const struct table_text *text);
-/* The number behind `key` in one of the first lines, any case: "Sample Interval" of "Sample Interval,0.02". */
+/* The number behind `key` in one of the first lines, any case: "Sample Interval" of "Sample
+ * Interval,0.02". */
 bool head_number(const struct table_text *text, const char *key, double *value, struct text *rest);
 
-/* rows.c: columns and rows of the layout into the recording; t gets the number of each row, counted from 0. */
-bool table_rows(const struct table_text *text, const struct table_layout *layout, struct recording *recording,
-                struct error *error);
+/* rows.c: columns and rows of the layout into the recording; t gets the number of each row, counted
+ * from 0. */
+bool table_rows(const struct table_text *text, const struct table_layout *layout,
+                struct recording *recording, struct error *error);
 /* The read function of a format that is nothing but a table. */
-bool table_read(const struct table_text *text, const struct load_options *options, struct recording *recording,
-                struct error *error);
+bool table_read(const struct table_text *text, const struct load_options *options,
+                struct recording *recording, struct error *error);
 
 /* runs.c: several recordings in a file. `part` finds the run's name in a column's name. */
 bool runs_of_columns(struct recording *recording, bool (*part)(struct text name, struct text *run),
                      struct error *error);
 bool run_find(const struct recording *recording, struct text wanted, int *run, struct error *error);
-void run_list(const struct recording *recording, struct buffer *text); /* "Run #1 = taken, Run #2" */
-/* Below each other: `find` gives the blocks (at most BLOCKS, 0: an ordinary table) and what the header says about
- * separators; the one wanted, else the first with a table, is given to `read` as a text of its own. */
-/* Runs below each other without a header between them: the clock goes back to where it began. Keeps the rows of the run
- * that is wanted, else of the first. Needs the times [s]. */
-bool take_run_below(struct recording *recording, const struct load_options *options, struct error *error);
-typedef int table_blocks(const struct table_text *text, struct table_block *block, struct load_options *options);
+void run_list(const struct recording *recording,
+              struct buffer *text); /* "Run #1 = taken, Run #2" */
+/* Below each other: `find` gives the blocks (at most BLOCKS, 0: an ordinary table) and what the
+ * header says about separators; the one wanted, else the first with a table, is given to `read` as
+ * a text of its own. */
+/* Runs below each other without a header between them: the clock goes back to where it began. Keeps
+ * the rows of the run that is wanted, else of the first. Needs the times [s]. */
+bool take_run_below(struct recording *recording, const struct load_options *options,
+                    struct error *error);
+typedef int table_blocks(const struct table_text *text, struct table_block *block,
+                         struct load_options *options);
 typedef bool table_block_read(const struct table_text *part, const struct table_block *block,
                               struct recording *recording, struct error *error);
-bool runs_of_blocks(const struct table_text *text, const struct load_options *options, struct recording *recording,
-                    table_blocks *find, table_block_read *read, struct error *error);
+bool runs_of_blocks(const struct table_text *text, const struct load_options *options,
+                    struct recording *recording, table_blocks *find, table_block_read *read,
+                    struct error *error);
 
 /* choose.c, time.c: which columns are meant, and time [s] and value [SI] from them. */
-bool recording_choose(struct recording *recording, const struct load_options *options, struct error *error);
+bool recording_choose(struct recording *recording, const struct load_options *options,
+                      struct error *error);
 bool enough_rows(const struct recording *recording, struct error *error); /* two are the least */
-void recording_reverse(struct recording *recording);      /* the last row first */
-bool recording_time(struct recording *recording, const struct load_options *options, struct error *error);
+void recording_reverse(struct recording *recording);                      /* the last row first */
+bool recording_time(struct recording *recording, const struct load_options *options,
+                    struct error *error);
 
 void recording_warn(struct recording *recording, const char *format, ...) PRINTF_LIKE(2, 3);
 

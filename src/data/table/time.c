@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * From the chosen columns to time [s] that rises and value [SI]. What is odd about the times is counted and said.
+ * From the chosen columns to time [s] that rises and value [SI]. What is odd about the times is
+ * counted and said.
  */
 #include "data/table/table.h"
 
@@ -13,7 +14,8 @@
 #define UNEVEN 0.1         /* of the median step: beyond it the sampling is called uneven */
 #define GAP 1.5            /* median steps */
 
-/* As unit_convert: by division where the factor is 1/n, so that decimal fractions are rounded once. */
+/* As unit_convert: by division where the factor is 1/n, so that decimal fractions are rounded once.
+ */
 static void to_si(const double *number, size_t n, double factor, double *si)
 {
     const double inverse = nearbyint(1 / factor);
@@ -22,7 +24,8 @@ static void to_si(const double *number, size_t n, double factor, double *si)
         si[i] = divide ? number[i] / inverse : number[i] * factor;
 }
 
-/* Seconds, milliseconds, micro- or nanoseconds since 1970, told by their size: between 1990 and 2100. */
+/* Seconds, milliseconds, micro- or nanoseconds since 1970, told by their size: between 1990 and
+ * 2100. */
 static bool set_epoch(struct recording *recording, struct column *time)
 {
     static const struct {
@@ -31,29 +34,33 @@ static bool set_epoch(struct recording *recording, struct column *time)
     } clocks[] = {{1, "s"}, {1e3, "ms"}, {1e6, "us"}, {1e9, "ns"}};
     const double first = recording->rows > 0 ? time->value[0] : NAN;
     for (size_t i = 0; i < COUNT_OF(clocks); i++) {
-        if (!(first > 631152000 * clocks[i].per_second && first < 4102444800 * clocks[i].per_second))
+        if (!(first > 631152000 * clocks[i].per_second &&
+              first < 4102444800 * clocks[i].per_second))
             continue;
         for (size_t row = 0; row < recording->rows; row++)
             time->value[row] -= first;
         snprintf(time->unit, sizeof time->unit, "%s", clocks[i].unit);
         time->quantity = QUANTITY_TIME;
         time->factor = 1 / clocks[i].per_second;
-        recording_warn(recording, "%s counts %s since 1970: taken from its first, %.0f; tunit= says otherwise",
+        recording_warn(recording,
+                       "%s counts %s since 1970: taken from its first, %.0f; tunit= says otherwise",
                        time->name, clocks[i].unit, first);
         return true;
     }
     return false;
 }
 
-static bool set_time_unit(struct recording *recording, const struct load_options *options, struct error *error)
+static bool set_time_unit(struct recording *recording, const struct load_options *options,
+                          struct error *error)
 {
     const struct unit *unit = options->time_unit;
     if (recording->source != TIME_COLUMN)
-        return !unit || error_set(error, ERROR_COMMAND, "tunit= has no meaning together with rate=");
+        return !unit ||
+               error_set(error, ERROR_COMMAND, "tunit= has no meaning together with rate=");
     struct column *time = &recording->column[recording->time];
     if (unit && unit->quantity != QUANTITY_TIME)
-        return error_set(error, ERROR_COMMAND, "tunit= needs a time (s, ms, min), got '%s' (%s)", unit->row.name,
-                         quantity_name(unit->quantity));
+        return error_set(error, ERROR_COMMAND, "tunit= needs a time (s, ms, min), got '%s' (%s)",
+                         unit->row.name, quantity_name(unit->quantity));
     if (unit) {
         snprintf(time->unit, sizeof time->unit, "%s", unit->row.name);
         time->quantity = QUANTITY_TIME;
@@ -69,8 +76,9 @@ static bool set_time_unit(struct recording *recording, const struct load_options
         for (size_t i = 0; i < recording->rows && whole; i++)
             whole = !(fabs(time->value[i]) < HUGE_VAL) || time->value[i] == floor(time->value[i]);
         recording_warn(recording, "%s has no unit: %s; tunit= says otherwise", time->name,
-                       whole ? "seconds assumed, but whole numbers are often milliseconds (tunit=ms)"
-                             : "seconds assumed");
+                       whole
+                           ? "seconds assumed, but whole numbers are often milliseconds (tunit=ms)"
+                           : "seconds assumed");
     }
     return true;
 }
@@ -84,14 +92,15 @@ static void set_value_unit(struct recording *recording, const struct unit *unit)
         value->factor = unit->factor;
     } else if (value->unit[0] && value->quantity == QUANTITY_OTHER) {
         recording_warn(recording,
-                       "the unit '%s' of %s is not converted: its numbers are taken as they are; unit=cm (or another) "
+                       "the unit '%s' of %s is not converted: its numbers are taken as they are; "
+                       "unit=cm (or another) "
                        "says otherwise",
                        value->unit, value->name);
     } else if (!value->unit[0]) {
-        recording_warn(
-            recording,
-            "%s has no unit: its numbers are taken as they are; unit=cm (or m, mm, deg …) says what they are",
-            value->name);
+        recording_warn(recording,
+                       "%s has no unit: its numbers are taken as they are; unit=cm (or m, mm, deg "
+                       "…) says what they are",
+                       value->name);
     }
 }
 
@@ -105,11 +114,12 @@ static void drop(struct dropped *dropped, size_t line)
         dropped->line = line;
 }
 
-static void warn_dropped(struct recording *recording, const struct dropped *dropped, const char *one, const char *many)
+static void warn_dropped(struct recording *recording, const struct dropped *dropped,
+                         const char *one, const char *many)
 {
     if (dropped->count > 0)
-        recording_warn(recording, "%zu %s: dropped (first: line %zu)", dropped->count, dropped->count == 1 ? one : many,
-                       dropped->line);
+        recording_warn(recording, "%zu %s: dropped (first: line %zu)", dropped->count,
+                       dropped->count == 1 ? one : many, dropped->line);
     recording->dropped += dropped->count;
 }
 
@@ -123,8 +133,10 @@ static void keep(struct recording *recording, size_t to, size_t from)
 
 /* ---- rounded stamps ---- */
 
-#define REPEATS_MIN 0.02 /* of the rows repeat the stamp before them, and all stamps lie on a line … */
-#define REPEATS_MANY 0.2 /* … or so many do: the clock was rounded. Less is a logger that stumbled. */
+#define REPEATS_MIN                                                                                \
+    0.02 /* of the rows repeat the stamp before them, and all stamps lie on a line … */
+#define REPEATS_MANY                                                                               \
+    0.2 /* … or so many do: the clock was rounded. Less is a logger that stumbled. */
 
 /* The smallest step [s] between stamps that differ. */
 static double stamp_resolution(const struct recording *recording)
@@ -138,9 +150,11 @@ static double stamp_resolution(const struct recording *recording)
     return smallest;
 }
 
-/* Do all stamps lie within their resolution of the straight line through the rows? Then *from + *step i are the times.
+/* Do all stamps lie within their resolution of the straight line through the rows? Then *from +
+ * *step i are the times.
  */
-static bool stamps_even(const struct recording *recording, double resolution, double *from, double *step)
+static bool stamps_even(const struct recording *recording, double resolution, double *from,
+                        double *step)
 {
     const double n = (double)recording->rows;
     double mean = 0, slope = 0;
@@ -172,8 +186,9 @@ static void spread_groups(struct recording *recording)
 }
 
 /*
- * Times printed with too few digits repeat: 24 pictures a second in hundredths of a second do. Dropping the repeats
- * would shorten some steps and not others; the rows are kept and the times spread. Only where no stamp goes back.
+ * Times printed with too few digits repeat: 24 pictures a second in hundredths of a second do.
+ * Dropping the repeats would shorten some steps and not others; the rows are kept and the times
+ * spread. Only where no stamp goes back.
  */
 static void spread_stamps(struct recording *recording)
 {
@@ -196,14 +211,17 @@ static void spread_stamps(struct recording *recording)
         recording->t[i] = from + step * (double)i;
     if (!even)
         spread_groups(recording);
-    recording_warn(recording, "%zu rows repeat the time before, which was rounded to %.3g s: all rows are kept, %s",
-                   repeated, resolution,
-                   even ? "at even times (a straight line through the stamps)" : "spread between the stamps");
+    recording_warn(
+        recording,
+        "%zu rows repeat the time before, which was rounded to %.3g s: all rows are kept, %s",
+        repeated, resolution,
+        even ? "at even times (a straight line through the stamps)" : "spread between the stamps");
 }
 
 /*
- * Keeps the rows whose time rises. A single time that is ahead of its successor, where the one before is not, is itself
- * wrong; after any other step back the rows are dropped until the clock has caught up.
+ * Keeps the rows whose time rises. A single time that is ahead of its successor, where the one
+ * before is not, is itself wrong; after any other step back the rows are dropped until the clock
+ * has caught up.
  */
 static void drop_rows(struct recording *recording)
 {
@@ -223,7 +241,8 @@ static void drop_rows(struct recording *recording)
     kept = 0;
     for (size_t i = 0; i < recording->rows; i++) {
         const double before = kept > 0 ? recording->t[kept - 1] : -HUGE_VAL, now = recording->t[i];
-        const bool ahead = i + 1 < recording->rows && recording->t[i + 1] < now && recording->t[i + 1] > before;
+        const bool ahead =
+            i + 1 < recording->rows && recording->t[i + 1] < now && recording->t[i + 1] > before;
         if (now > before && !ahead)
             keep(recording, kept++, i);
         else
@@ -254,7 +273,8 @@ void recording_reverse(struct recording *recording)
         recording->line[i] = recording->line[j];
         recording->line[j] = line;
     }
-    recording_warn(recording, "the newest row comes first: the rows are taken in the order of their times");
+    recording_warn(recording,
+                   "the newest row comes first: the rows are taken in the order of their times");
 }
 
 static int compare_reals(const void *a, const void *b)
@@ -277,7 +297,7 @@ static double median_step(const struct recording *recording)
 static void warn_steps(struct recording *recording)
 {
     const double median = median_step(recording);
-    double least = HUGE_VAL, most = 0, longest = 0;
+    double min = HUGE_VAL, max = 0, longest = 0;
     size_t uneven = 0, gaps = 0, first = 0;
     for (size_t i = 0; i + 1 < recording->rows; i++) {
         const double step = recording->t[i + 1] - recording->t[i];
@@ -286,19 +306,20 @@ static void warn_steps(struct recording *recording)
             first = gaps++ == 0 ? recording->line[i] : first;
             continue;
         }
-        least = step < least ? step : least;
-        most = step > most ? step : most;
+        min = step < min ? step : min;
+        max = step > max ? step : max;
         uneven += fabs(step - median) > UNEVEN * median;
     }
     if (gaps > 0)
         recording_warn(recording,
-                       "%zu %s between samples, the longest %.4g s where %.4g s is usual (first: after line %zu)", gaps,
-                       gaps == 1 ? "gap" : "gaps", longest, median, first);
+                       "%zu %s between samples, the longest %.4g s where %.4g s is usual (first: "
+                       "after line %zu)",
+                       gaps, gaps == 1 ? "gap" : "gaps", longest, median, first);
     if (uneven > 0)
-        recording_warn(
-            recording,
-            "the sampling is uneven: %zu of %zu steps differ by more than %.0f %% from %.4g s (%.4g to %.4g s)", uneven,
-            recording->rows - 1, 100 * UNEVEN, median, least, most);
+        recording_warn(recording,
+                       "the sampling is uneven: %zu of %zu steps differ by more than %.0f %% from "
+                       "%.4g s (%.4g to %.4g s)",
+                       uneven, recording->rows - 1, 100 * UNEVEN, median, min, max);
 }
 
 /* Values in SI; what is missing inside is said. */
@@ -315,18 +336,20 @@ static bool fill_values(struct recording *recording)
             drop(&missing, recording->line[i]);
         }
     if (missing.count > 0)
-        recording_warn(recording, "%s: %zu %s missing (first: line %zu)", column->name, missing.count,
-                       missing.count == 1 ? "value is" : "values are", missing.line);
+        recording_warn(recording, "%s: %zu %s missing (first: line %zu)", column->name,
+                       missing.count, missing.count == 1 ? "value is" : "values are", missing.line);
     return true;
 }
 
 bool enough_rows(const struct recording *recording, struct error *error)
 {
-    return recording->rows >= 2 || error_set(error, ERROR_IO, "only %zu usable %s of data; at least 2 are needed",
-                                             recording->rows, recording->rows == 1 ? "row" : "rows");
+    return recording->rows >= 2 ||
+           error_set(error, ERROR_IO, "only %zu usable %s of data; at least 2 are needed",
+                     recording->rows, recording->rows == 1 ? "row" : "rows");
 }
 
-bool recording_time(struct recording *recording, const struct load_options *options, struct error *error)
+bool recording_time(struct recording *recording, const struct load_options *options,
+                    struct error *error)
 {
     if (!set_time_unit(recording, options, error))
         return false;
@@ -337,15 +360,16 @@ bool recording_time(struct recording *recording, const struct load_options *opti
         to_si(time->value, recording->rows, time->factor, recording->t);
     else
         for (size_t i = 0; i < recording->rows; i++)
-            recording->t[i] =
-                (options->rate > 0 ? 0 : recording->header_start) + (time ? time->value[i] : recording->t[i]) / rate;
+            recording->t[i] = (options->rate > 0 ? 0 : recording->header_start) +
+                              (time ? time->value[i] : recording->t[i]) / rate;
     if (!take_run_below(recording, options, error))
         return false;
     spread_stamps(recording);
     drop_rows(recording);
     if (!enough_rows(recording, error))
         return false;
-    recording->dt = (recording->t[recording->rows - 1] - recording->t[0]) / (double)(recording->rows - 1);
+    recording->dt =
+        (recording->t[recording->rows - 1] - recording->t[0]) / (double)(recording->rows - 1);
     recording->rate = recording->source != TIME_COLUMN ? rate : 1 / recording->dt;
     warn_steps(recording);
     if (!fill_values(recording))

@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Step-size control: one accepted step of a method with an error estimate (adapt_body.h). First step: Hairer, Norsett,
- * Wanner 1993, Solving ODEs I, II.4.
+ * Step-size control: one accepted step of a method with an error estimate (adapt_body.h). First
+ * step: Hairer, Norsett, Wanner 1993, Solving ODEs I, II.4.
  */
 #if defined(__GNUC__) && !defined(__clang__)
-#pragma GCC optimize("no-tree-vectorize") /* a pair that was stored one by one cannot be loaded at once */
+#pragma GCC optimize(                                                                              \
+    "no-tree-vectorize") /* a pair that was stored one by one cannot be loaded at once */
 #endif
 #include "method/control/adapt_body.h"
 #include "method/control/switch.h"
@@ -14,13 +15,15 @@
 #define PROBE 1e-4 /* of a step: how far ahead the direction of a switch is looked for */
 
 /* RMS of x_i / (tol max(scale_i, |y_i|, |z_i|)) */
-static double norm(const struct step *step, double tol, const double *x, const double *y, const double *z)
+static double norm(const struct step *step, double tol, const double *x, const double *y,
+                   const double *z)
 {
     const int n = step->system->n;
     return sqrt(scaled_square(n, step_scale(step), x, y, z) / (n * tol * tol));
 }
 
-/* A first step by the size of the first and second derivative (II.4, algorithm of Gladwell, Shampine, Brankin 1987). */
+/* A first step by the size of the first and second derivative (II.4, algorithm of Gladwell,
+ * Shampine, Brankin 1987). */
 static double first_step(struct step *step, double tol, int order, double span)
 {
     const struct system *system = step->system;
@@ -48,8 +51,8 @@ static double first_step(struct step *step, double tol, int order, double span)
 }
 
 /* A step that was not good: puts everything back as it was and makes the next attempt smaller. */
-INLINE void take_back(int n, struct step *step, struct controller *controller, double t, const double *y,
-                      const double *low)
+INLINE void take_back(int n, struct step *step, struct controller *controller, double t,
+                      const double *y, const double *low)
 {
     copy(n, y, step->y);
     if (step->low)
@@ -63,23 +66,28 @@ INLINE void take_back(int n, struct step *step, struct controller *controller, d
 /* Of the error of a step from `before`, in units of the tolerance: nothing waits for its root. */
 INLINE double error_square(int n, const struct step *step, const double *before)
 {
-    return step->square >= 0 ? step->square : scaled_square(n, step_scale(step), step->error, before, step->y);
+    return step->square >= 0 ? step->square
+                             : scaled_square(n, step_scale(step), step->error, before, step->y);
 }
 
-/* One accepted step; where the system is on frozen branches, `switches` say which. Inlined for each small n. */
-INLINE enum step_status adapt_size(int n, const struct method *method, struct step *step, struct controller *controller,
-                                   double t_end, struct switches_state *switches)
+/* One accepted step; where the system is on frozen branches, `switches` say which. Inlined for each
+ * small n. */
+INLINE enum step_status adapt_size(int n, const struct method *method, struct step *step,
+                                   struct controller *controller, double t_end,
+                                   struct switches_state *switches)
 {
     const double tol = tolerance(controller), t = step->t, span = t_end - t;
-    const double most = largest_estimate(method, tol);
+    const double max = largest_estimate(method, tol);
     const bool turns = !switches && step->system->kinks && method_turns(method, step->system);
-    const double accepted = 1 / (n * most * most), aims = by_aim(method);
-    const double planned = controller->h; /* after a failure another try begins where this one did */
+    const double accepted = 1 / (n * max * max), aims = by_aim(method);
+    const double planned =
+        controller->h; /* after a failure another try begins where this one did */
     const bool rejected = controller->rejected;
     struct switches_state state;
     if (switches)
         state = *switches;
-    double before[LIMIT_VARIABLES], low[LIMIT_VARIABLES], own_error[LIMIT_VARIABLES], *asked = step->error;
+    double before[LIMIT_VARIABLES], low[LIMIT_VARIABLES], own_error[LIMIT_VARIABLES],
+        *asked = step->error;
     copy(n, step->y, before);
     if (step->low)
         copy(n, step->low, low);
@@ -91,7 +99,7 @@ INLINE enum step_status adapt_size(int n, const struct method *method, struct st
             step->h = span;
         step->error = asked ? asked : own_error;
         step->again = attempt > 0;
-        step->tol = most;
+        step->tol = max;
         step->square = -1;
         enum step_status status = step_take(method, step);
         bool turned = false;
@@ -100,7 +108,8 @@ INLINE enum step_status adapt_size(int n, const struct method *method, struct st
         step->square = -1;
         if (turns && status == STEP_OK)
             status = turn_step(method, step, t, before, low, &turned);
-        /* What lies inside a step on frozen branches says something only where it is good as a whole. */
+        /* What lies inside a step on frozen branches says something only where it is good as a
+         * whole. */
         if (switches && square <= 1)
             status = switch_step(method, step, t, before, low, &ended);
         turned = turned || ended >= 0;
@@ -138,16 +147,18 @@ INLINE enum step_status adapt_size(int n, const struct method *method, struct st
     }
 }
 
-static enum step_status adapt(const struct method *method, struct step *step, struct controller *controller,
-                              double t_end, struct switches_state *switches)
+static enum step_status adapt(const struct method *method, struct step *step,
+                              struct controller *controller, double t_end,
+                              struct switches_state *switches)
 {
     return adapt_size(step->system->n, method, step, controller, t_end, switches);
 }
 
-/* One step of a library's own control on frozen branches: one across the end of a branch is taken again, up to there.
+/* One step of a library's own control on frozen branches: one across the end of a branch is taken
+ * again, up to there.
  */
-static enum step_status adapt_library(const struct method *method, struct step *step, struct controller *controller,
-                                      double t_end)
+static enum step_status adapt_library(const struct method *method, struct step *step,
+                                      struct controller *controller, double t_end)
 {
     const double t = step->t;
     double before[LIMIT_VARIABLES];
@@ -178,13 +189,15 @@ static enum step_status adapt_between_switches(const struct method *method, stru
     struct system frozen;
     struct sliding sliding;
     const double by = PROBE * fmin(fabs(controller->h), fabs(t_end - step->t));
-    if (!switch_begin(step, &controller->switches, copysign(by, t_end - step->t), &sliding, &frozen))
+    if (!switch_begin(step, &controller->switches, copysign(by, t_end - step->t), &sliding,
+                      &frozen))
         return method->adapt ? method->adapt(method, step, controller, t_end)
                              : adapt(method, step, controller, t_end, NULL);
     step->system = &frozen;
     step->kernel = NULL;
-    const enum step_status status = method->adapt ? adapt_library(method, step, controller, t_end)
-                                                  : adapt(method, step, controller, t_end, &controller->switches);
+    const enum step_status status =
+        method->adapt ? adapt_library(method, step, controller, t_end)
+                      : adapt(method, step, controller, t_end, &controller->switches);
     step->system = whole;
     step->kernel = kernel;
     if (controller->switches.begins)
@@ -204,18 +217,18 @@ INLINE enum step_status adapt_plain(int n, const struct method *method, struct s
     return status;
 }
 
-#define ADAPT_PLAIN(name, n)                                                                                           \
-    static enum step_status name(const struct method *method, struct step *step, struct controller *controller,        \
-                                 double t_end)                                                                         \
-    {                                                                                                                  \
-        return adapt_plain(n, method, step, controller, t_end);                                                        \
+#define ADAPT_PLAIN(name, n)                                                                       \
+    static enum step_status name(const struct method *method, struct step *step,                   \
+                                 struct controller *controller, double t_end)                      \
+    {                                                                                              \
+        return adapt_plain(n, method, step, controller, t_end);                                    \
     }
 ADAPT_PLAIN(adapt_two, 2)
 ADAPT_PLAIN(adapt_three, 3)
 ADAPT_PLAIN(adapt_four, 4)
 
-static enum step_status adapt_any(const struct method *method, struct step *step, struct controller *controller,
-                                  double t_end)
+static enum step_status adapt_any(const struct method *method, struct step *step,
+                                  struct controller *controller, double t_end)
 {
     const double span = t_end - step->t;
     follow(step->system->n, step, controller);
@@ -227,15 +240,16 @@ static enum step_status adapt_any(const struct method *method, struct step *step
         if (controller->h == 0)
             controller->h = first_step(step, tolerance(controller), method->order, span);
         face(controller, span);
-        status = step->system->switches > 0 ? adapt_between_switches(method, step, controller, t_end)
-                                            : adapt(method, step, controller, t_end, NULL);
+        status = step->system->switches > 0
+                     ? adapt_between_switches(method, step, controller, t_end)
+                     : adapt(method, step, controller, t_end, NULL);
     }
     step->scale = NULL;
     return status;
 }
 
-enum step_status method_adapt(const struct method *method, struct step *step, struct controller *controller,
-                              double t_end)
+enum step_status method_adapt(const struct method *method, struct step *step,
+                              struct controller *controller, double t_end)
 {
     const int n = step->system->n;
     assert(method->flags & METHOD_ADAPTIVE);

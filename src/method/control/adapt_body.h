@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * What an accepted step of a size that follows the error is made of: of any method in adapt.c, and again for explicit
- * Runge-Kutta methods where the method and the scene are known to the compiler. One text, so both give the same bits.
+ * What an accepted step of a size that follows the error is made of: of any method in adapt.c, and
+ * again for explicit Runge-Kutta methods where the method and the scene are known to the compiler.
+ * One text, so both give the same bits.
  *
- * The next step is rho h, from the errors e of the last two accepted steps, in units of what is aimed at:
- * rho = e_n^(-b1/k) e_n-1^(-b2/k) (h_n/h_n-1)^-a, where the estimate goes like h^k (digital filters: Soderlind 2003,
- * ACM Trans. Math. Softw. 29:1), through the limiter 1 + atan(rho - 1) (Soderlind, Wang 2006, J. Comput. Appl. Math.
- * 185:225). An error that is just right leaves h as it is: an implicit method keeps its factors, and no power is
- * computed.
+ * The next step is rho h, from the errors e of the last two accepted steps, in units of what is
+ * aimed at: rho = e_n^(-b1/k) e_n-1^(-b2/k) (h_n/h_n-1)^-a, where the estimate goes like h^k
+ * (digital filters: Soderlind 2003, ACM Trans. Math. Softw. 29:1), through the limiter 1 + atan(rho
+ * - 1) (Soderlind, Wang 2006, J. Comput. Appl. Math. 185:225). An error that is just right leaves h
+ * as it is: an implicit method keeps its factors, and no power is computed.
  */
 #ifndef HOOKE_METHOD_CONTROL_ADAPT_BODY_H
 #define HOOKE_METHOD_CONTROL_ADAPT_BODY_H
@@ -29,31 +30,33 @@
 #endif
 
 /*
- * Explicit methods want two things. At the edge of stability a filter must not swing: H211b rejects every sixth step
- * there, PC47 of tsit5 every twelfth. On the way to a pericentre it must follow the trend: PI42 has a quarter of the
- * steps rejected. What is here, halfway between PI42 and PC47, does both (found by trying).
+ * Explicit methods want two things. At the edge of stability a filter must not swing: H211b rejects
+ * every sixth step there, PC47 of tsit5 every twelfth. On the way to a pericentre it must follow
+ * the trend: PI42 has a quarter of the steps rejected. What is here, halfway between PI42 and PC47,
+ * does both (found by trying).
  */
 static const struct filter {
     double b1, b2, a;
-} explicit = {8. / 10, -4. / 10, -5. / 10}, implicit = {11. / 10, -7. / 10, -10. / 10}; /* the latter: PC47 */
+} explicit = {8. / 10, -4. / 10, -5. / 10},
+  implicit = {11. / 10, -7. / 10, -10. / 10}; /* the latter: PC47 */
 
 #define SHARE (1. / 3)    /* of the tolerance, where the row says nothing */
 #define AIM_EXPLICIT 0.35 /* of the largest error that is accepted */
 #define AIM_IMPLICIT 0.5
-#define KEEP_LEAST 0.7 /* errors from here to KEEP_MOST, in units of the aim, leave h as it is */
-#define KEEP_MOST 1.3
-#define FALLS 0.9        /* but a step so much shorter than the one before stands in a trend */
-#define SHRINK 0.2       /* limit of the change after a rejection, */
-#define GROW 10.0        /* and while there is no history */
-#define LEAST_ERROR 1e-8 /* smaller ones say nothing about the next */
-#define STRETCH 1.01     /* a last step may be this much longer, so that no sliver remains */
-#define FAILURES 20      /* steps in a row that give no number: each makes the next a quarter */
-#define LEAST_ULPS 4     /* of t: a smaller step is only rounding, though the clock counts it */
+#define KEEP_MIN 0.7 /* errors from here to KEEP_MAX, in units of the aim, leave h as it is */
+#define KEEP_MAX 1.3
+#define FALLS 0.9      /* but a step so much shorter than the one before stands in a trend */
+#define SHRINK 0.2     /* limit of the change after a rejection, */
+#define GROW 10.0      /* and while there is no history */
+#define MIN_ERROR 1e-8 /* smaller ones say nothing about the next */
+#define STRETCH 1.01   /* a last step may be this much longer, so that no sliver remains */
+#define FAILURES 20    /* steps in a row that give no number: each makes the next a quarter */
+#define MIN_ULPS 4     /* of t: a smaller step is only rounding, though the clock counts it */
 
 INLINE double tolerance(const struct controller *controller)
 {
-    const double least = 10 * DBL_EPSILON;
-    return controller->tol > least ? controller->tol : least;
+    const double min = 10 * DBL_EPSILON;
+    return controller->tol > min ? controller->tol : min;
 }
 
 /* One more sample of the sizes, at the start of a step. */
@@ -66,19 +69,19 @@ INLINE void follow(int n, const struct step *step, struct controller *controller
     controller->elapsed += by;
     const double rate = 1 / controller->elapsed;
     for (int i = 0; i < n; i++) {
-        const double least = system->scale[i], size = fabs(step->y[i]);
+        const double min = system->scale[i], size = fabs(step->y[i]);
         double mean = 1;
         if (system->atol[i] > 0) {
             controller->scale[i] = fmin(system->atol[i] / tolerance(controller), DBL_MAX);
             continue;
         }
-        if (size > least)
-            controller->excess[i] += by * (sqrt(sqrt(size / least)) - 1);
+        if (size > min)
+            controller->excess[i] += by * (sqrt(sqrt(size / min)) - 1);
         if (controller->excess[i] > 0)
             mean += controller->excess[i] * rate;
         mean *= mean;
         mean *= mean;
-        controller->scale[i] = least * mean < DBL_MAX ? least * mean : least; /* not where it is NaN */
+        controller->scale[i] = min * mean < DBL_MAX ? min * mean : min; /* not where it is NaN */
     }
 }
 
@@ -86,16 +89,18 @@ INLINE void follow(int n, const struct step *step, struct controller *controller
 INLINE double largest_estimate(const struct method *method, double tol)
 {
     const int k = method->embedded + 1;
-    double proportional = k == method->order ? tol : factor_exp2(factor_log2(tol) * k / method->order);
-    return (method->share > 0 ? method->share : SHARE) * proportional;
+    double proportional =
+        k == method->order ? tol : factor_exp2(factor_log2(tol) * k / method->order);
+    return (method->fraction > 0 ? method->fraction : SHARE) * proportional;
 }
 
 static inline double least_step(double t)
 {
-    return LEAST_ULPS * (nextafter(fabs(t), HUGE_VAL) - fabs(t));
+    return MIN_ULPS * (nextafter(fabs(t), HUGE_VAL) - fabs(t));
 }
 
-/* The planned step towards the end of the span; a branch, so that it does not wait for the clock. */
+/* The planned step towards the end of the span; a branch, so that it does not wait for the clock.
+ */
 INLINE void face(struct controller *controller, double span)
 {
     if (unlikely((controller->h < 0) != (span < 0)))
@@ -105,14 +110,17 @@ INLINE void face(struct controller *controller, double span)
 /* Errors in units of what is aimed at, by those in units of what is accepted; both squared */
 INLINE double by_aim(const struct method *method)
 {
-    return method->flags & METHOD_IMPLICIT ? 1 / (AIM_IMPLICIT * AIM_IMPLICIT) : 1 / (AIM_EXPLICIT * AIM_EXPLICIT);
+    return method->flags & METHOD_IMPLICIT ? 1 / (AIM_IMPLICIT * AIM_IMPLICIT)
+                                           : 1 / (AIM_EXPLICIT * AIM_EXPLICIT);
 }
 
 /* log2 of rho as above, from squares of errors in units of the aim; ratio: h_n/h_n-1 */
-INLINE double change(const struct filter *filter, int k, double square, double previous, double ratio)
+INLINE double change(const struct filter *filter, int k, double square, double previous,
+                     double ratio)
 {
     const double half = -0.5 / k;
-    const double history = factor_log2(previous) * (half * filter->b2) - factor_log2(ratio) * filter->a;
+    const double history =
+        factor_log2(previous) * (half * filter->b2) - factor_log2(ratio) * filter->a;
     return factor_log2(square) * (half * filter->b1) + history; /* which alone is waited for */
 }
 
@@ -123,20 +131,21 @@ __attribute__((noinline, unused)) static double change_elementary(int k, double 
 }
 
 /*
- * Plans the next step after an accepted one of h; square: of its error in units of the aim. cut: only a
- * longer one counts.
+ * Plans the next step after an accepted one of h; square: of its error in units of the aim. cut:
+ * only a longer one counts.
  */
-INLINE void plan_next(const struct method *method, struct controller *controller, double h, double square, bool cut)
+INLINE void plan_next(const struct method *method, struct controller *controller, double h,
+                      double square, bool cut)
 {
     const int k = method->embedded + 1;
     const struct filter *filter = method->flags & METHOD_IMPLICIT ? &implicit : &explicit;
     const double ratio = fabs(h / controller->last); /* a turn changes the sign of h */
     double rho = 1;
-    square = square > LEAST_ERROR * LEAST_ERROR ? square : LEAST_ERROR * LEAST_ERROR;
+    square = square > MIN_ERROR * MIN_ERROR ? square : MIN_ERROR * MIN_ERROR;
     if (controller->previous == 0) {
         rho = change_elementary(k, square);
         rho = rho < GROW ? rho : GROW;
-    } else if (square < KEEP_LEAST * KEEP_LEAST || square > KEEP_MOST * KEEP_MOST || ratio < FALLS) {
+    } else if (square < KEEP_MIN * KEEP_MIN || square > KEEP_MAX * KEEP_MAX || ratio < FALLS) {
         rho = factor_limited(change(filter, k, square, controller->previous, ratio));
     }
     if (controller->rejected)
@@ -169,11 +178,12 @@ INLINE void copy(int count, const double *from, double *to)
 }
 
 /*
- * The next attempt after one of h at t that was not good; square: of its error in units of the aim, not finite: there
- * is none. False: there is none any more.
+ * The next attempt after one of h at t that was not good; square: of its error in units of the aim,
+ * not finite: there is none. False: there is none any more.
  */
-__attribute__((noinline, unused)) static bool plan_again(const struct method *method, struct controller *controller,
-                                                         double t, double h, double square, int *failures)
+__attribute__((noinline, unused)) static bool plan_again(const struct method *method,
+                                                         struct controller *controller, double t,
+                                                         double h, double square, int *failures)
 {
     if (isfinite(square)) {
         const double factor = change_elementary(method->embedded + 1, square);

@@ -35,7 +35,8 @@ static inline double factor_log2(double x)
 static inline double factor_exp2(double x)
 {
     const double above = x < -1000 ? -1000 : x, within = above > 1000 ? 1000 : above;
-    const double shift = 0x1.8p52, near = within + shift; /* its low bits: the nearest whole number */
+    const double shift = 0x1.8p52,
+                 near = within + shift; /* its low bits: the nearest whole number */
     const double f = within - (near - shift), g = f * f;
     uint64_t bits;
     double power;
@@ -68,7 +69,8 @@ static inline double factor_limited(double x)
     if (!(x >= -0.5 && x <= 0.5))
         return 1 + factor_atan(factor_exp2(x) - 1);
     const double u = x * x;
-    const double low = (1 + 0.6931488410800936 * x) + u * (0.240226502974211 - 0.0555933829372098 * x);
+    const double low =
+        (1 + 0.6931488410800936 * x) + u * (0.240226502974211 - 0.0555933829372098 * x);
     const double high = (-0.1058275956503550 - 0.0320318947604718 * x) +
                         u * (0.0284870670868496 + 0.0239926464967005 * x);
     return low + u * u * high;

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Marches of explicit Runge-Kutta methods and splittings around their step bodies, for kernels: the method and what
- * evaluates the forces are known to the compiler. Who includes this has defined MOST, the most variables.
+ * Marches of explicit Runge-Kutta methods and splittings around their step bodies, for kernels: the
+ * method and what evaluates the forces are known to the compiler. Who includes this has defined
+ * MOST, the most variables.
  */
 #ifndef HOOKE_METHOD_CONTROL_MARCH_BODY_H
 #define HOOKE_METHOD_CONTROL_MARCH_BODY_H
@@ -25,8 +26,8 @@ INLINE void sum_begin(int count, double *sum)
 }
 
 /* Marches return the steps taken: all of them. */
-INLINE int64_t rk_march(const struct method *method, int n, slope_function *slope, const void *forces,
-                        const struct march *march)
+INLINE int64_t rk_march(const struct method *method, int n, slope_function *slope,
+                        const void *forces, const struct march *march)
 {
     const struct tableau *tableau = method->tableau;
     struct step *step = march->step;
@@ -44,8 +45,8 @@ INLINE int64_t rk_march(const struct method *method, int n, slope_function *slop
     for (int64_t i = 0; i < march->count; i++, row += n) {
         if (tableau->fsal)
             copy_numbers(n, last, k);
-        rk_stages(tableau, n, slope, forces, march->origin + (double)(march->first + i) * step->h, step->h, y, k, z,
-                  NULL, tableau->fsal);
+        rk_stages(tableau, n, slope, forces, march->origin + (double)(march->first + i) * step->h,
+                  step->h, y, k, z, NULL, tableau->fsal);
         copy_numbers(n, z, y);
         copy_numbers(n, z, row);
     }
@@ -58,23 +59,24 @@ INLINE int64_t rk_march(const struct method *method, int n, slope_function *slop
 }
 
 /* z = y + sum_j share_j k_j, k [stages][stride] */
-typedef void combine_function(int n, int stride, const struct shares *shares, const double *k, const double *y,
-                              double *z);
+typedef void combine_function(int n, int stride, const struct fractions *fractions, const double *k,
+                              const double *y, double *z);
 
 /* As rk_stages(). */
-INLINE void picked_stages(const struct tableau *tableau, const struct shares *shares, int n, int stride,
-                          combine_function *combine, slope_function *slope, const void *forces, double t, double h,
-                          const double *y, double *k, double *z, bool known)
+INLINE void picked_stages(const struct tableau *tableau, const struct fractions *fractions, int n,
+                          int stride, combine_function *combine, slope_function *slope,
+                          const void *forces, double t, double h, const double *y, double *k,
+                          double *z, bool known)
 {
     const int stages = tableau->stages;
     if (!known)
         slope(forces, t, y, k);
     for (int s = 1; s < stages; s++) {
-        combine(n, stride, &shares[s], k, y, z);
+        combine(n, stride, &fractions[s], k, y, z);
         slope(forces, t + tableau->c[s] * h, z, k + s * stride);
     }
     if (!tableau->fsal)
-        combine(n, stride, &shares[0], k, y, z);
+        combine(n, stride, &fractions[0], k, y, z);
 }
 
 /* What lies between the variables and the next stage's takes part in sums, too. */
@@ -88,17 +90,18 @@ INLINE void blocks_begin(int stages, int n, int stride, double *k, double *y)
 }
 
 /* As rk_march(), of any method; stride: at least n, from one stage's slopes to the next one's. */
-INLINE int64_t picked_march(const struct method *method, int n, int stride, combine_function *combine,
-                            slope_function *slope, const void *forces, const struct march *march)
+INLINE int64_t picked_march(const struct method *method, int n, int stride,
+                            combine_function *combine, slope_function *slope, const void *forces,
+                            const struct march *march)
 {
     const struct tableau *tableau = method->tableau;
     struct step *step = march->step;
     const int stages = tableau->stages;
     const double h = step->h;
-    struct shares shares[STAGES_MAX];
+    struct fractions fractions[STAGES_MAX];
     double k[STAGES_MAX * MOST], state[2][MOST], *y = state[0], *z = state[1];
     double *const last = k + (stages - 1) * stride, *const kept = step->work + (stages - 1) * n;
-    stages_take(shares, tableau, h);
+    stages_take(fractions, tableau, h);
     blocks_begin(stages, n, stride, k, y);
     copy_numbers(n, step->y, y);
     const bool known = tableau->fsal && step->warm;
@@ -110,7 +113,7 @@ INLINE int64_t picked_march(const struct method *method, int n, int stride, comb
     for (int64_t i = 0; i < march->count; i++, row += n) {
         if (tableau->fsal)
             copy_numbers(n, last, k);
-        picked_stages(tableau, shares, n, stride, combine, slope, forces,
+        picked_stages(tableau, fractions, n, stride, combine, slope, forces,
                       march->origin + (double)(march->first + i) * h, h, y, k, z, tableau->fsal);
         double *const before = y;
         y = z;
@@ -126,8 +129,9 @@ INLINE int64_t picked_march(const struct method *method, int n, int stride, comb
 }
 
 /* known: what the functions know */
-INLINE int64_t split_march(const struct method *method, int n, enum drag drag, force_function *force,
-                           force_function *velocity, const void *known, const struct march *march)
+INLINE int64_t split_march(const struct method *method, int n, enum drag drag,
+                           force_function *force, force_function *velocity, const void *known,
+                           const struct march *march)
 {
     struct step *step = march->step;
     const double h = step->h;
@@ -137,7 +141,8 @@ INLINE int64_t split_march(const struct method *method, int n, enum drag drag, f
     struct split_way way;
     split_choose(&way, method, drag);
 
-    const struct drag_flow half = way.around ? oscillator_drag_flow(&oscillator, h / 2) : (struct drag_flow){0};
+    const struct drag_flow half =
+        way.around ? oscillator_drag_flow(&oscillator, h / 2) : (struct drag_flow){0};
     struct frozen frozen[WEIGHTS_MAX];
     const bool freezes = drag == DRAG_EXACT && !way.around;
     for (int i = 0; freezes && i < way.splitting->count; i++)
@@ -151,8 +156,9 @@ INLINE int64_t split_march(const struct method *method, int n, enum drag drag, f
         sum_begin(n / 2, pull);
     double *row = march->row;
     for (int64_t i = 0; i < march->count; i++, row += n) {
-        split_stages(&way, n, &forces, &half, freezes ? frozen : NULL, march->origin + (double)(march->first + i) * h,
-                     h, z, pull, NULL, way.continues);
+        split_stages(&way, n, &forces, &half, freezes ? frozen : NULL,
+                     march->origin + (double)(march->first + i) * h, h, z, pull, NULL,
+                     way.continues);
         copy_numbers(n, z, row);
     }
     step->cost.evals += march->count * (way.kicks - way.continues) + (way.continues && !step->warm);

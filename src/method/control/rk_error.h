@@ -5,37 +5,40 @@
 
 #include "method/step/rk_body.h"
 
-INLINE void rk_difference(int n, double h, const double *w, const double *u, int count, const double *k, double *error)
+INLINE void rk_difference(int n, double h, const double *w, const double *u, int count,
+                          const double *k, double *error)
 {
     for (int i = 0; i < n; i++) {
         double sum = -0.0;
-        UNROLL for (int j = 0; j < count; j++) if (w[j] != u[j]) sum += (w[j] - u[j]) * k[j * n + i];
+        UNROLL for (int j = 0; j < count; j++) if (w[j] != u[j]) sum +=
+            (w[j] - u[j]) * k[j * n + i];
         error[i] = h * sum;
     }
 }
 
 /*
- * The difference from the companion; with a rough one too, that of DOP853 (II.10, eq. 10.17). Returns the sum of its
- * squares by scaled_square(): the next step waits for that, not for the root.
+ * The difference from the companion; with a rough one too, that of DOP853 (II.10, eq. 10.17).
+ * Returns the sum of its squares by scaled_square(): the next step waits for that, not for the
+ * root.
  */
-INLINE double rk_square(const struct tableau *tableau, int n, const double *scale, const double *y, const double *z,
-                        const double *rough, double *error)
+INLINE double rk_square(const struct tableau *tableau, int n, const double *scale, const double *y,
+                        const double *z, const double *rough, double *error)
 {
     const double square = scaled_square(n, scale, error, y, z);
     if (!tableau->rough)
         return square;
     const double part = square / (square + 0.01 * scaled_square(n, scale, rough, y, z));
-    const double share = square > 0 ? part : 0, root = sqrt(share);
+    const double fraction = square > 0 ? part : 0, root = sqrt(fraction);
     for (int i = 0; i < n; i++)
         error[i] *= root;
-    return square * share;
+    return square * fraction;
 }
 
-INLINE double rk_estimate(const struct tableau *tableau, int n, const double *scale, double h, const double *k,
-                          const double *y, const double *z, double *error)
+INLINE double rk_estimate(const struct tableau *tableau, int n, const double *scale, double h,
+                          const double *k, const double *y, const double *z, double *error)
 {
     double rough[LIMIT_VARIABLES];
-    rk_difference(n, h, tableau->b, tableau->companion, tableau->stages, k, error);
+    rk_difference(n, h, tableau->b, tableau->b_hat, tableau->stages, k, error);
     if (tableau->rough)
         rk_difference(n, h, tableau->b, tableau->rough, tableau->stages, k, rough);
     return rk_square(tableau, n, scale, y, z, rough, error);

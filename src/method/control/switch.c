@@ -1,32 +1,34 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Switches in adaptive steps. A step is taken on frozen branches, where everything is smooth; if the guard of a branch
- * falls below 0 on the way, the step is taken again, up to there only, and the next one begins on the other branch.
- * Where both branches lead back to the switch the motion slides along it (typed_slide.c) until one of them turns away;
- * where switches follow each other in ever shorter times they pile up, and it goes on along all of them.
+ * Switches in adaptive steps. A step is taken on frozen branches, where everything is smooth; if
+ * the guard of a branch falls below 0 on the way, the step is taken again, up to there only, and
+ * the next one begins on the other branch. Where both branches lead back to the switch the motion
+ * slides along it (typed_slide.c) until one of them turns away; where switches follow each other in
+ * ever shorter times they pile up, and it goes on along all of them.
  */
 #include "method/control/switch.h"
 
 #include <float.h>
 
-#define LOOKS 8       /* for a guard below 0, at even parts of a step */
-#define TRIES 12      /* steps to a switch: two or three are enough */
-#define NEAR 1e-3     /* of the tolerance times the step: a switch so near is where the step ends */
-#define PROBE 1e-4    /* of the planned step: how far ahead a guard's direction is looked for */
-#define AT 1e-4       /* of the probe: a guard so near to 0 is at its switch */
-#define AT_ONCE 1e-9  /* of the probe: as near as another one is that the motion meets at once */
-#define NEARBY 1e-6   /* of the sizes of variables: arguments are differentiated over no less */
-#define WIDER 10      /* times as long for second derivatives, */
-#define STILL 1e-5    /* of what these change then: a rate that changes less is 0 */
-#define ULPS 1e5      /* of t: at least */
-#define SLACK 1e-9    /* of a share: what its differences leave */
-#define BLOCK 16       /* switches; they pile up where each of */
-#define BLOCKS 4       /* blocks of them takes but */
-#define SHORTER 0.1    /* of the time of the one before, or this small a part of t */
+#define LOOKS 8      /* for a guard below 0, at even parts of a step */
+#define TRIES 12     /* steps to a switch: two or three are enough */
+#define NEAR 1e-3    /* of the tolerance times the step: a switch so near is where the step ends */
+#define PROBE 1e-4   /* of the planned step: how far ahead a guard's direction is looked for */
+#define AT 1e-4      /* of the probe: a guard so near to 0 is at its switch */
+#define AT_ONCE 1e-9 /* of the probe: as near as another one is that the motion meets at once */
+#define NEARBY 1e-6  /* of the sizes of variables: arguments are differentiated over no less */
+#define WIDER 10     /* times as long for second derivatives, */
+#define STILL 1e-5   /* of what these change then: a rate that changes less is 0 */
+#define ULPS 1e5     /* of t: at least */
+#define SLACK 1e-9   /* of a share: what its differences leave */
+#define BLOCK 16     /* switches; they pile up where each of */
+#define BLOCKS 4     /* blocks of them takes but */
+#define SHORTER 0.1  /* of the time of the one before, or this small a part of t */
 #define SHORTEST 1e-12
 #define BRIEF_ULPS 64 /* of t: in so short a step a guard at 0 need not come to be above it */
-#define SLOW 0.05 /* of the natural speed: a turning point is near */
-#define EVEN 0.1  /* of its length, what a step without a turning point may be off the mean of its speeds */
+#define SLOW 0.05     /* of the natural speed: a turning point is near */
+#define EVEN                                                                                       \
+    0.1 /* of its length, what a step without a turning point may be off the mean of its speeds */
 
 /* ---- where branches begin ---- */
 
@@ -69,9 +71,9 @@ static void look_ahead(struct step *step, const struct system *frozen, double by
         still[i] = false;
     if (frozen->sliding)
         return;
-    const double least = ULPS * DBL_EPSILON * fabs(step->t), far = WIDER * moment(step, n, f);
-    look_from(step, frozen, f, -copysign(fmax(far, least), by), before);
-    look_from(step, frozen, f, copysign(fmax(far, least), by), after);
+    const double min = ULPS * DBL_EPSILON * fabs(step->t), far = WIDER * moment(step, n, f);
+    look_from(step, frozen, f, -copysign(fmax(far, min), by), before);
+    look_from(step, frozen, f, copysign(fmax(far, min), by), after);
     step->cost.evals += 2;
     for (int i = 0; i < frozen->switches; i++) {
         const double second = (after[i] - now[i]) - (now[i] - before[i]);
@@ -82,17 +84,19 @@ static void look_ahead(struct step *step, const struct system *frozen, double by
 }
 
 /* Frozen on its branches, or sliding along switches. */
-static bool freeze(const struct step *step, const struct switches_state *state, struct sliding *sliding,
-                   struct system *frozen)
+static bool freeze(const struct step *step, const struct switches_state *state,
+                   struct sliding *sliding, struct system *frozen)
 {
     for (int i = 0; i < step->system->switches; i++)
         if (state->along[i])
-            return system_slide(step->system, state->branch, state->along, state->by, sliding, frozen);
+            return system_slide(step->system, state->branch, state->along, state->by, sliding,
+                                frozen);
     system_freeze(step->system, state->branch, frozen);
     return true;
 }
 
-static void slide(struct step *step, struct switches_state *state, const struct system *frozen, int i)
+static void slide(struct step *step, struct switches_state *state, const struct system *frozen,
+                  int i)
 {
     double f[LIMIT_VARIABLES];
     system_derivative(frozen->sliding ? &frozen->sliding->side[0] : frozen, step->t, step->y, f);
@@ -150,11 +154,11 @@ static bool let_go(const struct step *step, struct switches_state *state,
 }
 
 /*
- * Branches that do not hold at the start of a step, because their guards are at 0 there and fall, are changed for the
- * next ones, then for sliding between. False: none of them holds.
+ * Branches that do not hold at the start of a step, because their guards are at 0 there and fall,
+ * are changed for the next ones, then for sliding between. False: none of them holds.
  */
-static bool settle(struct step *step, struct switches_state *state, double by, struct sliding *sliding,
-                   struct system *frozen)
+static bool settle(struct step *step, struct switches_state *state, double by,
+                   struct sliding *sliding, struct system *frozen)
 {
     const int count = step->system->switches;
     bool passes[LIMIT_SWITCHES] = {false}, still[LIMIT_SWITCHES];
@@ -225,9 +229,17 @@ static void pile_up(struct step *step, struct switches_state *state, double by)
 static void forget(struct switches_state *state, double t)
 {
     const struct switches_state was = *state;
-    *state = (struct switches_state){.known = true, .fresh = -1, .released = -1, .t = t, .since = t, .begins = true,
-                                     .slides = was.slides, .piles = was.piles, .across = was.across,
-                                     .slid = was.slid, .first = was.first};
+    *state = (struct switches_state){.known = true,
+                                     .fresh = -1,
+                                     .released = -1,
+                                     .t = t,
+                                     .since = t,
+                                     .begins = true,
+                                     .slides = was.slides,
+                                     .piles = was.piles,
+                                     .across = was.across,
+                                     .slid = was.slid,
+                                     .first = was.first};
 }
 
 /* The state is put on the switches along which it slides. */
@@ -237,8 +249,8 @@ static void go_back(struct step *step, const struct system *frozen)
         step->warm = false;
 }
 
-bool switch_begin(struct step *step, struct switches_state *state, double by, struct sliding *sliding,
-                  struct system *frozen)
+bool switch_begin(struct step *step, struct switches_state *state, double by,
+                  struct sliding *sliding, struct system *frozen)
 {
     bool fine = true;
     if (!state->known || state->t != step->t) {
@@ -335,10 +347,12 @@ static double inside(const struct look *look, int i, double theta)
 }
 
 /* The lowest point of a guard that is above 0 at a, m and b, lowest at m: below 0, or NAN. */
-static double dip(const struct look *look, int i, double m, double apart, double fa, double fm, double fb)
+static double dip(const struct look *look, int i, double m, double apart, double fa, double fm,
+                  double fb)
 {
     for (int k = 0; k < 6; k++) {
-        const double curve = fa - 2 * fm + fb, x = curve > 0 ? m + apart / 2 * (fa - fb) / curve : m;
+        const double curve = fa - 2 * fm + fb,
+                     x = curve > 0 ? m + apart / 2 * (fa - fb) / curve : m;
         const double f = guard_at(look, i, x);
         if (f < 0)
             return x;
@@ -358,21 +372,25 @@ static double dip(const struct look *look, int i, double m, double apart, double
 }
 
 /*
- * The first point of the step where guard i falls below 0, 2: it does not. A branch begins within rounding of its
- * switch, perhaps before it: while its guard rises from there, in a step as short as rounding, it has not ended.
+ * The first point of the step where guard i falls below 0, 2: it does not. A branch begins within
+ * rounding of its switch, perhaps before it: while its guard rises from there, in a step as short
+ * as rounding, it has not ended.
  */
 static double first_end(const struct look *look, int i, double (*guard)[LIMIT_SWITCHES])
 {
     bool ahead = guard[0][i] < 0 && fabs(look->h) <= BRIEF_ULPS * DBL_EPSILON * fabs(look->t);
     for (int k = 1; k <= LOOKS; k++) {
-        const double a = (double)(k - 1) / LOOKS, b = (double)k / LOOKS, fa = guard[k - 1][i], fb = guard[k][i];
+        const double a = (double)(k - 1) / LOOKS, b = (double)k / LOOKS, fa = guard[k - 1][i],
+                     fb = guard[k][i];
         ahead = ahead && fb < 0 && fb >= fa;
         if (fb < 0 && !ahead) {
             const double from = fa > 0 && k > 1 ? a : inside(look, i, b);
             return from == b ? 0 : root(look, i, from, guard_at(look, i, from), b, fb);
         }
         const bool lowest = k < LOOKS && fb < fa && fb < guard[k + 1][i];
-        const double low = lowest && guard[k + 1][i] >= 0 ? dip(look, i, b, 1. / LOOKS, fa, fb, guard[k + 1][i]) : NAN;
+        const double low = lowest && guard[k + 1][i] >= 0
+                               ? dip(look, i, b, 1. / LOOKS, fa, fb, guard[k + 1][i])
+                               : NAN;
         if (!isnan(low)) {
             const double from = low > b ? b : a > 0 ? a : inside(look, i, low);
             return root(look, i, from, guard_at(look, i, from), low, guard_at(look, i, low));
@@ -382,8 +400,8 @@ static double first_end(const struct look *look, int i, double (*guard)[LIMIT_SW
 }
 
 /* Takes the step again over x; guard i at its end goes to *guard. */
-static enum step_status again(const struct look *look, struct step *step, const double *low, double x, int i,
-                              double *guard)
+static enum step_status again(const struct look *look, struct step *step, const double *low,
+                              double x, int i, double *guard)
 {
     const size_t size = (size_t)step->system->n * sizeof *step->y;
     memcpy(step->y, look->before, size);
@@ -404,13 +422,15 @@ static enum step_status again(const struct look *look, struct step *step, const 
 /* Where dry friction is all there is: is the velocity far from 0 all along? */
 static bool moves_on(const struct system *system, double h, const double *before, const double *y)
 {
-    const double v0 = before[1], v1 = y[1], least = fmin(fabs(v0), fabs(v1)), mean = h * (v0 + v1) / 2;
+    const double v0 = before[1], v1 = y[1], min = fmin(fabs(v0), fabs(v1)),
+                 mean = h * (v0 + v1) / 2;
     return system->dry && system->switches == 1 && !system->sliding && v0 * v1 > 0 &&
-           least > fmax(SLOW * system->scale[1], fabs(v1 - v0)) && fabs(y[0] - before[0] - mean) <= EVEN * fabs(mean);
+           min > fmax(SLOW * system->scale[1], fabs(v1 - v0)) &&
+           fabs(y[0] - before[0] - mean) <= EVEN * fabs(mean);
 }
 
-enum step_status switch_step(const struct method *method, struct step *step, double t, const double *before,
-                             const double *low, int *ended)
+enum step_status switch_step(const struct method *method, struct step *step, double t,
+                             const double *before, const double *low, int *ended)
 {
     const struct look look = {method, step, before, t, step->h};
     const int count = step->system->switches;
@@ -432,8 +452,9 @@ enum step_status switch_step(const struct method *method, struct step *step, dou
         return STEP_OK;
     const double h = step->h, ulps = 2 * DBL_EPSILON * fmax(fabs(t), fabs(t + h));
     const double near = fmax(ulps, NEAR * step->tol * fabs(h));
-    const double ahead = fmin(1, theta + 1e-3), rise = (guard_at(&look, *ended, ahead) -
-                                                        guard_at(&look, *ended, ahead - 2e-3)) / (2e-3 * h);
+    const double ahead = fmin(1, theta + 1e-3),
+                 rise = (guard_at(&look, *ended, ahead) - guard_at(&look, *ended, ahead - 2e-3)) /
+                        (2e-3 * h);
     double x = theta * h, slope = rise, last_x = NAN, last = NAN;
     if (!(fabs(x) > ulps)) /* over at once: a step of rounding, so that t moves */
         x = copysign(2 * ulps, h);
@@ -445,7 +466,8 @@ enum step_status switch_step(const struct method *method, struct step *step, dou
         if (!isnan(last) && last != value)
             slope = (value - last) / (x - last_x);
         const double move = slope != 0 ? -value / slope : 0;
-        if (!(fabs(move) > near) || !((x + move) / h > 0) || fabs(x + move) > 2 * fabs(theta * h) + ulps)
+        if (!(fabs(move) > near) || !((x + move) / h > 0) ||
+            fabs(x + move) > 2 * fabs(theta * h) + ulps)
             break;
         last_x = x;
         last = value;
@@ -470,7 +492,8 @@ void switch_next(struct step *step, struct switches_state *state, int ended)
     system_end_at_switch(step->system, ended, step->y);
     double y[LIMIT_VARIABLES], f[LIMIT_VARIABLES];
     system_derivative(step->system, step->t, step->y, f);
-    for (int i = 0; i < step->system->n; i++) /* a whole branch goes up or down by where the motion goes */
+    for (int i = 0; i < step->system->n;
+         i++) /* a whole branch goes up or down by where the motion goes */
         y[i] = step->y[i] + PROBE * step->h * f[i];
     state->branch[ended] = system_next_branch(step->system, ended, step->t + PROBE * step->h, y);
     if (state->along[ended])
@@ -488,12 +511,14 @@ void switch_next(struct step *step, struct switches_state *state, int ended)
         state->recent[i] = false;
 }
 
-const struct system *method_adapted(const struct system *system, const struct controller *controller,
-                                    struct sliding *sliding, struct system *frozen)
+const struct system *method_adapted(const struct system *system,
+                                    const struct controller *controller, struct sliding *sliding,
+                                    struct system *frozen)
 {
     const struct switches_state *state = &controller->switches;
     if (system->switches == 0 || !state->known)
         return system;
-    const bool fine = system_slide(system, state->taken, state->slid_along, state->by, sliding, frozen);
+    const bool fine =
+        system_slide(system, state->taken, state->slid_along, state->by, sliding, frozen);
     return fine ? frozen : system;
 }

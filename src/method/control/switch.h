@@ -6,24 +6,25 @@
 #include "method/step/step.h"
 
 /*
- * At the start of a step, by which a step of about `by` is planned: the branches there, and the system frozen on them.
- * False: no branch leads on and no sliding does.
+ * At the start of a step, by which a step of about `by` is planned: the branches there, and the
+ * system frozen on them. False: no branch leads on and no sliding does.
  */
-bool switch_begin(struct step *step, struct switches_state *state, double by, struct sliding *sliding,
-                  struct system *frozen);
+bool switch_begin(struct step *step, struct switches_state *state, double by,
+                  struct sliding *sliding, struct system *frozen);
 
 /*
- * After a step of the frozen system from `before` at t: one across the end of a branch is taken again, up to there;
- * then step->h is less and *ended the switch, else it is -1.
+ * After a step of the frozen system from `before` at t: one across the end of a branch is taken
+ * again, up to there; then step->h is less and *ended the switch, else it is -1.
  */
-enum step_status switch_step(const struct method *method, struct step *step, double t, const double *before,
-                             const double *low, int *ended);
+enum step_status switch_step(const struct method *method, struct step *step, double t,
+                             const double *before, const double *low, int *ended);
 
 /* One step of step->h of a system with pieces (switch_fixed.c). */
 enum step_status switched_step(const struct method *method, struct step *step);
 
 /* As method_turning_march(), where typed equations switch. */
-int64_t switched_march(const struct method *method, const struct march *march, enum step_status *status);
+int64_t switched_march(const struct method *method, const struct march *march,
+                       enum step_status *status);
 
 /* After that step was accepted. */
 void switch_next(struct step *step, struct switches_state *state, int ended);

@@ -1,19 +1,26 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Steps of fixed size in a scene with switches: in pieces that meet there, and where a body turns under dry friction,
- * sticks and breaks away, each on frozen branches as adaptive steps are (switch.c).
+ * Steps of fixed size in a scene with switches: in pieces that meet there, and where a body turns
+ * under dry friction, sticks and breaks away, each on frozen branches as adaptive steps are
+ * (switch.c).
  */
 #include "method/control/switch.h"
 
-#define PIECES 64   /* of a step at most */
-#define PROBE 1e-4  /* of what is left of the step: how far ahead a guard's direction is looked for */
+#define PIECES 64 /* of a step at most */
+#define PROBE                                                                                      \
+    1e-4 /* of what is left of the step: how far ahead a guard's direction is looked for */
 #define ROUNDING 1e-14 /* of sizes: a state that is so near is at its switch */
 
-/* A motion that slides along a typed switch says so by a piece of rounding. Where the velocity is not 0 its sign says all, and what the last step left in memory still holds. */
+/* A motion that slides along a typed switch says so by a piece of rounding. Where the velocity is
+ * not 0 its sign says all, and what the last step left in memory still holds. */
 static void know(struct step *step, struct switches_state *state)
 {
-    *state = (struct switches_state){
-        .known = true, .fresh = -1, .released = -1, .t = step->t, .since = step->t, .begins = step->system->dry && step->y[1] == 0};
+    *state = (struct switches_state){.known = true,
+                                     .fresh = -1,
+                                     .released = -1,
+                                     .t = step->t,
+                                     .since = step->t,
+                                     .begins = step->system->dry && step->y[1] == 0};
     if (step->switches) {
         const struct switches_state *was = step->switches;
         state->slides = was->slides;
@@ -41,8 +48,8 @@ static void know(struct step *step, struct switches_state *state)
 }
 
 /* One piece over at most `rest`; step->h is how far it went. */
-static enum step_status piece(const struct method *method, struct step *step, struct switches_state *state,
-                              double rest, bool last, int *ended)
+static enum step_status piece(const struct method *method, struct step *step,
+                              struct switches_state *state, double rest, bool last, int *ended)
 {
     const struct system *whole = step->system;
     const size_t size = (size_t)whole->n * sizeof *step->y;
@@ -103,7 +110,8 @@ enum step_status switched_step(const struct method *method, struct step *step)
     return status;
 }
 
-int64_t switched_march(const struct method *method, const struct march *march, enum step_status *status)
+int64_t switched_march(const struct method *method, const struct march *march,
+                       enum step_status *status)
 {
     struct step *step = march->step;
     const size_t n = (size_t)step->system->n;

@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Turning points: a force like |v| v is only C^1 at v = 0, and a step across loses its order. It is taken again, up to
- * the turning point only, which is found by steps of the method.
+ * Turning points: a force like |v| v is only C^1 at v = 0, and a step across loses its order. It is
+ * taken again, up to the turning point only, which is found by steps of the method.
  */
 #include "method/control/switch.h"
 
-/* Shares of a step: a kink so close to its end is as good as there, because it acts as the square. */
+/* Shares of a step: a kink so close to its end is as good as there, because it acts as the square.
+ */
 #define NEAR 1e-8          /* below rounding */
 #define NEAR_TOLERATED 0.1 /* times the root of the tolerance */
 #define TRIES 12           /* two or three are enough where the acceleration is not 0 */
@@ -14,14 +15,16 @@
 bool method_meets_switches(const struct method *method, const struct system *system)
 {
     /* On a branch all that was typed is one force: no potential of a part, no drag of its own. */
-    return system->pieces && (system->switches == system->dry || (!(method->flags & METHOD_POTENTIAL) &&
-                                                                  !(method->splitting && system->velocity)));
+    return system->pieces &&
+           (system->switches == system->dry ||
+            (!(method->flags & METHOD_POTENTIAL) && !(method->splitting && system->velocity)));
 }
 
 bool method_turns(const struct method *method, const struct system *system)
 {
-    return system->kinks && !system->across && !method_meets_switches(method, system) && method->order > 2 &&
-           !method->splitting && !method->growth && !(method->flags & (METHOD_MULTISTEP | METHOD_YARDSTICK));
+    return system->kinks && !system->across && !method_meets_switches(method, system) &&
+           method->order > 2 && !method->splitting && !method->growth &&
+           !(method->flags & (METHOD_MULTISTEP | METHOD_EXTERNAL));
 }
 
 static bool crosses(double before, double after)
@@ -42,23 +45,26 @@ static struct moment moment(struct step *step, double t, double x, const double 
     return (struct moment){x, y[1], a[0]};
 }
 
-/* Where v = 0 between two moments: cubic Hermite interpolation of the time as a function of the velocity. */
+/* Where v = 0 between two moments: cubic Hermite interpolation of the time as a function of the
+ * velocity. */
 static double turning_time(const struct moment *p, const struct moment *q)
 {
     const double rise = q->v - p->v, u = -p->v / rise, r = 1 - u;
-    const double x = p->x + (q->x - p->x) * (u * u * (3 - 2 * u)) + rise * u * r * (r / p->a - u / q->a);
+    const double x =
+        p->x + (q->x - p->x) * (u * u * (3 - 2 * u)) + rise * u * r * (r / p->a - u / q->a);
     return (x - p->x) * (q->x - x) > 0 ? x : p->x + (q->x - p->x) / 2;
 }
 
-enum step_status turn_step(const struct method *method, struct step *step, double t, const double *before,
-                           const double *low, bool *turned)
+enum step_status turn_step(const struct method *method, struct step *step, double t,
+                           const double *before, const double *low, bool *turned)
 {
     *turned = false;
     if (!crosses(before[1], step->y[1]))
         return STEP_OK;
     const size_t size = (size_t)step->system->n * sizeof *before;
     const double near = fmax(NEAR, NEAR_TOLERATED * sqrt(step->tol)) * fabs(step->h);
-    struct moment first = moment(step, t, 0, before), last = moment(step, t + step->h, step->h, step->y);
+    struct moment first = moment(step, t, 0, before),
+                  last = moment(step, t + step->h, step->h, step->y);
     double x = turning_time(&first, &last);
     if (fabs(x) <= near || fabs(step->h - x) <= near)
         return STEP_OK;
@@ -126,8 +132,10 @@ enum step_status method_turning_step(const struct method *method, struct step *s
 
 enum { N = 2, AT_ONCE_LEAST = 4, AT_ONCE_MOST = 512, WORK_MOST = 64 };
 
-/* Up to `count` steps by the kernel, but none across a turning point: as if the others had not been taken. */
-static int64_t march_straight(const struct method *method, march_function *kernel, const struct march *march)
+/* Up to `count` steps by the kernel, but none across a turning point: as if the others had not been
+ * taken. */
+static int64_t march_straight(const struct method *method, march_function *kernel,
+                              const struct march *march)
 {
     struct step *step = march->step;
     const size_t size = method_work_size(method, N) * sizeof *step->work;
@@ -155,7 +163,8 @@ static int64_t march_straight(const struct method *method, march_function *kerne
 }
 
 /* The same with dry friction in one direction. */
-static int64_t march_on_branch(const struct method *method, march_function *kernel, const struct march *march)
+static int64_t march_on_branch(const struct method *method, march_function *kernel,
+                               const struct march *march)
 {
     struct step *step = march->step;
     const struct system *whole = step->system;
@@ -173,23 +182,27 @@ static int64_t march_on_branch(const struct method *method, march_function *kern
 static bool march_at_rest(const struct march *march, const double *before, int64_t done)
 {
     const struct step *step = march->step;
-    if (!step->system->dry || !step->system->autonomous || memcmp(before, step->y, N * sizeof *before) != 0)
+    if (!step->system->dry || !step->system->autonomous ||
+        memcmp(before, step->y, N * sizeof *before) != 0)
         return false;
     for (; done < march->count; done++)
         memcpy(march->row + done * N, step->y, N * sizeof *step->y);
     return true;
 }
 
-/* How many steps to try at once, going by the last two velocities in the rows before `row`: 0 near a turning point. */
+/* How many steps to try at once, going by the last two velocities in the rows before `row`: 0 near
+ * a turning point. */
 static int64_t steps_to_try(const double *row, int64_t last)
 {
     const double left = fabs(row[-1] / (row[-1] - row[-1 - N])) / 2;
-    const double most = (double)(last < AT_ONCE_LEAST ? AT_ONCE_LEAST : last < AT_ONCE_MOST ? 2 * last : AT_ONCE_MOST);
-    return left < AT_ONCE_LEAST ? 0 : (int64_t)(left < most ? left : most);
+    const double max = (double)(last < AT_ONCE_LEAST  ? AT_ONCE_LEAST
+                                : last < AT_ONCE_MOST ? 2 * last
+                                                      : AT_ONCE_MOST);
+    return left < AT_ONCE_LEAST ? 0 : (int64_t)(left < max ? left : max);
 }
 
-int64_t method_turning_march(const struct method *method, march_function *kernel, const struct march *march,
-                             enum step_status *status)
+int64_t method_turning_march(const struct method *method, march_function *kernel,
+                             const struct march *march, enum step_status *status)
 {
     struct step *step = march->step;
     const struct system *whole = step->system;
@@ -206,7 +219,9 @@ int64_t method_turning_march(const struct method *method, march_function *kernel
         part.row += done * N;
         try = fast && done >= 2 && step->y[1] != 0 ? steps_to_try(part.row, try) : 0;
         if (try > 0) {
-            part.count = try < march->count - done ? try : march->count - done;
+            part.count = try < march->count - done ?
+            try : march
+                ->count - done;
             const int64_t straight = whole->pieces ? march_on_branch(method, kernel, &part)
                                                    : march_straight(method, kernel, &part);
             done += straight;

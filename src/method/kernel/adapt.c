@@ -1,12 +1,16 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Single steps of explicit Runge-Kutta methods with their error estimate: rk_step() again for each row and each number
- * of variables, with forces that are called. Adaptive runs spend their time here, most of it in the stages, whose sums
- * hide the call: steps with the forces of one scene inlined were not faster.
+ * Single steps of explicit Runge-Kutta methods with their error estimate: rk_step() again for each
+ * row and each number of variables, with forces that are called. Adaptive runs spend their time
+ * here, most of it in the stages, whose sums hide the call: steps with the forces of one scene
+ * inlined were not faster.
  */
 #if defined(__GNUC__) && !defined(__clang__)
-#pragma GCC optimize("no-tree-vectorize", "no-tree-loop-distribute-patterns") /* pairs of numbers: packing and unpacking them takes longer than it saves   \
-                                           */
+#pragma GCC optimize(                                                                              \
+    "no-tree-vectorize",                                                                           \
+    "no-tree-loop-distribute-patterns") /* pairs of numbers: packing and unpacking them takes      \
+                                         * longer than it saves                                    \
+                                         */
 #endif
 #define UNROLL _Pragma("GCC unroll 32")
 #include <hooke/base.h>
@@ -19,17 +23,17 @@ enum { MOST = 4 };
 #define JOIN(a, b) JOIN_(a, b)
 #define RK_ROW JOIN(rk_, __LINE__)
 #define STEP_NAME(shape) JOIN(shape##_step_, __LINE__)
-#define TYPED_STEP(name, n)                                                                                            \
-    static enum step_status STEP_NAME(name)(const struct method *method, struct step *step)                            \
-    {                                                                                                                  \
-        struct known known;                                                                                            \
-        (void)method;                                                                                                  \
-        known_take(&known, step->system);                                                                              \
-        return one_step(&RK_ROW, n, name##_slope, &known, step);                                                       \
+#define TYPED_STEP(name, n)                                                                        \
+    static enum step_status STEP_NAME(name)(const struct method *method, struct step *step)        \
+    {                                                                                              \
+        struct known known;                                                                        \
+        (void)method;                                                                              \
+        known_take(&known, step->system);                                                          \
+        return one_step(&RK_ROW, n, name##_slope, &known, step);                                   \
     }
-#define RUNGE_KUTTA(...)                                                                                               \
-    static const struct method RK_ROW = {__VA_ARGS__};                                                                 \
-    TYPED_MOTIONS(TYPED_STEP)                                                                                          \
+#define RUNGE_KUTTA(...)                                                                           \
+    static const struct method RK_ROW = {__VA_ARGS__};                                             \
+    TYPED_MOTIONS(TYPED_STEP)                                                                      \
     TYPED_FLOWS(TYPED_STEP)
 #include "method/rows/rk.def"
 #undef RUNGE_KUTTA

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Kernels of typed scenes of any size, and of what was typed on top of built-in ones: steps of any explicit Runge-Kutta
- * method and of any splitting, with sums over the state in vectors.
+ * Kernels of typed scenes of any size, and of what was typed on top of built-in ones: steps of any
+ * explicit Runge-Kutta method and of any splitting, with sums over the state in vectors.
  */
 #if defined(__GNUC__) && !defined(__clang__)
 #pragma GCC optimize("O3") /* vectors */
@@ -72,7 +72,8 @@ static void whole_drag(const void *of, double t, const double *y, double *a)
 
 /* ---- sums over the state ---- */
 
-/* Blocks of so many variables are summed up in registers; arrays of them are as long as whole blocks. */
+/* Blocks of so many variables are summed up in registers; arrays of them are as long as whole
+ * blocks. */
 enum { BLOCK = 8 };
 
 static int stride_of(int n)
@@ -81,27 +82,28 @@ static int stride_of(int n)
 }
 
 /*
- * A combine_function, in vectors of so many numbers. A function for each width: a type that is wider than what its
- * instructions know would live in memory.
+ * A combine_function, in vectors of so many numbers. A function for each width: a type that is
+ * wider than what its instructions know would live in memory.
  */
-#define COMBINE(name, width, target)                                                                                   \
-    typedef double name##_vector __attribute__((vector_size(8 * (width)), aligned(8), may_alias));                     \
-    target static void name(int n, int stride, const struct shares *shares, const double *k, const double *y,          \
-                            double *z)                                                                                 \
-    {                                                                                                                  \
-        const int count = shares->count;                                                                               \
-        for (int i = 0; i < n; i += BLOCK) {                                                                           \
-            name##_vector sum[BLOCK / (width)];                                                                        \
-            UNROLL for (int b = 0; b < BLOCK / (width); b++) sum[b] = -(name##_vector){0};                             \
-            for (int j = 0; j < count; j++) {                                                                          \
-                const double share = shares->share[j];                                                                 \
-                const name##_vector *slope = (const name##_vector *)(const void *)(k + shares->stage[j] * stride + i); \
-                UNROLL for (int b = 0; b < BLOCK / (width); b++) sum[b] += share * slope[b];                           \
-            }                                                                                                          \
-            const name##_vector *from = (const name##_vector *)(const void *)(y + i);                                  \
-            name##_vector *to = (name##_vector *)(void *)(z + i);                                                      \
-            UNROLL for (int b = 0; b < BLOCK / (width); b++) to[b] = from[b] + sum[b];                                 \
-        }                                                                                                              \
+#define COMBINE(name, width, target)                                                               \
+    typedef double name##_vector __attribute__((vector_size(8 * (width)), aligned(8), may_alias)); \
+    target static void name(int n, int stride, const struct fractions *fractions, const double *k, \
+                            const double *y, double *z)                                            \
+    {                                                                                              \
+        const int count = fractions->count;                                                        \
+        for (int i = 0; i < n; i += BLOCK) {                                                       \
+            name##_vector sum[BLOCK / (width)];                                                    \
+            UNROLL for (int b = 0; b < BLOCK / (width); b++) sum[b] = -(name##_vector){0};         \
+            for (int j = 0; j < count; j++) {                                                      \
+                const double fraction = fractions->fraction[j];                                    \
+                const name##_vector *slope =                                                       \
+                    (const name##_vector *)(const void *)(k + fractions->stage[j] * stride + i);   \
+                UNROLL for (int b = 0; b < BLOCK / (width); b++) sum[b] += fraction * slope[b];    \
+            }                                                                                      \
+            const name##_vector *from = (const name##_vector *)(const void *)(y + i);              \
+            name##_vector *to = (name##_vector *)(void *)(z + i);                                  \
+            UNROLL for (int b = 0; b < BLOCK / (width); b++) to[b] = from[b] + sum[b];             \
+        }                                                                                          \
     }
 COMBINE(combine_pairs, 2, )
 #if defined(__x86_64__)
@@ -122,13 +124,15 @@ static int64_t any_rk(const struct method *method, const struct march *march)
     const struct system *system = march->step->system;
     struct whole whole;
     whole_take(&whole, system);
-    return picked_march(method, size_of(system), stride_of(system->n), combine_blocks(), whole_slope, &whole, march);
+    return picked_march(method, size_of(system), stride_of(system->n), combine_blocks(),
+                        whole_slope, &whole, march);
 }
 
 static enum step_status any_step(const struct method *method, struct step *step)
 {
     const struct system *system = step->system;
-    return picked_step(method, size_of(system), stride_of(system->n), combine_blocks(), any_slope, system, step);
+    return picked_step(method, size_of(system), stride_of(system->n), combine_blocks(), any_slope,
+                       system, step);
 }
 
 static int64_t any_split(const struct method *method, const struct march *march)

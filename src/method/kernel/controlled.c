@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Accepted steps of the Runge-Kutta methods that people solve with, their control in the same function: method_adapt()
- * again for each row and shape, so that nothing on the way from the stages to the next step goes through memory.
+ * Accepted steps of the Runge-Kutta methods that people solve with, their control in the same
+ * function: method_adapt() again for each row and shape, so that nothing on the way from the stages
+ * to the next step goes through memory.
  */
 #if defined(__GNUC__) && !defined(__clang__)
 /* Numbers that were stored one by one wait long where they are read in pairs. */
@@ -14,7 +15,8 @@
 
 /* ---- the attempts ---- */
 
-/* Two coordinates: rk_body.h in pairs of numbers, of positions and of velocities; half the instructions. */
+/* Two coordinates: rk_body.h in pairs of numbers, of positions and of velocities; half the
+ * instructions. */
 typedef double pair __attribute__((vector_size(16)));
 enum { PAIRED = 4, PAIRS = PAIRED / 2 };
 
@@ -32,8 +34,8 @@ INLINE void pairs_give(const pair *pairs, double *x)
     }
 }
 
-INLINE void paired_stages(const struct tableau *tableau, slope_function *slope, const void *forces, double t, double h,
-                          const pair *y, pair *k, pair *z, bool known)
+INLINE void paired_stages(const struct tableau *tableau, slope_function *slope, const void *forces,
+                          double t, double h, const pair *y, pair *k, pair *z, bool known)
 {
     double at[PAIRED], dydt[PAIRED];
     UNROLL for (int s = 0; s < tableau->stages; s++)
@@ -52,12 +54,14 @@ INLINE void paired_stages(const struct tableau *tableau, slope_function *slope, 
     }
 }
 
-INLINE void paired_difference(double h, const double *w, const double *u, int count, const pair *k, double *error)
+INLINE void paired_difference(double h, const double *w, const double *u, int count, const pair *k,
+                              double *error)
 {
     pair pairs[PAIRS];
     for (int q = 0; q < PAIRS; q++) {
         pair sum = {-0.0, -0.0};
-        UNROLL for (int j = 0; j < count; j++) if (w[j] != u[j]) sum += (w[j] - u[j]) * k[PAIRS * j + q];
+        UNROLL for (int j = 0; j < count; j++) if (w[j] != u[j]) sum +=
+            (w[j] - u[j]) * k[PAIRS * j + q];
         pairs[q] = h * sum;
     }
     pairs_give(pairs, error);
@@ -65,10 +69,12 @@ INLINE void paired_difference(double h, const double *w, const double *u, int co
 
 struct attempt {
     double y[MOST], z[MOST], error[MOST];
-    pair paired[STAGES_MAX * PAIRS]; /* slopes, where they are in pairs; else they are in step->work */
+    pair paired[STAGES_MAX *
+                PAIRS]; /* slopes, where they are in pairs; else they are in step->work */
 };
 
-INLINE void attempt_begin(int n, int stages, bool known, const struct step *step, struct attempt *attempt)
+INLINE void attempt_begin(int n, int stages, bool known, const struct step *step,
+                          struct attempt *attempt)
 {
     const double *const first = step->work + (known ? (stages - 1) * n : 0);
     copy_numbers(n, step->y, attempt->y);
@@ -78,13 +84,15 @@ INLINE void attempt_begin(int n, int stages, bool known, const struct step *step
         copy_numbers(n, first, step->work);
 }
 
-INLINE void attempt_stages(const struct tableau *tableau, int n, slope_function *slope, const void *forces, double h,
-                           bool known, struct step *step, struct attempt *attempt)
+INLINE void attempt_stages(const struct tableau *tableau, int n, slope_function *slope,
+                           const void *forces, double h, bool known, struct step *step,
+                           struct attempt *attempt)
 {
     pair y[PAIRS], z[PAIRS];
     step->cost.evals += tableau->stages - known;
     if (n != PAIRED) {
-        rk_stages(tableau, n, slope, forces, step->t, h, attempt->y, step->work, attempt->z, NULL, known);
+        rk_stages(tableau, n, slope, forces, step->t, h, attempt->y, step->work, attempt->z, NULL,
+                  known);
         return;
     }
     pairs_take(attempt->y, y);
@@ -98,10 +106,11 @@ INLINE double attempt_error(const struct tableau *tableau, int n, const double *
 {
     double rough[PAIRED], square;
     if (n != PAIRED) {
-        square = rk_estimate(tableau, n, scale, h, step->work, attempt->y, attempt->z, attempt->error);
+        square =
+            rk_estimate(tableau, n, scale, h, step->work, attempt->y, attempt->z, attempt->error);
     } else {
         const int stages = tableau->stages;
-        paired_difference(h, tableau->b, tableau->companion, stages, attempt->paired, attempt->error);
+        paired_difference(h, tableau->b, tableau->b_hat, stages, attempt->paired, attempt->error);
         if (tableau->rough)
             paired_difference(h, tableau->b, tableau->rough, stages, attempt->paired, rough);
         square = rk_square(tableau, n, scale, attempt->y, attempt->z, rough, attempt->error);
@@ -111,15 +120,16 @@ INLINE double attempt_error(const struct tableau *tableau, int n, const double *
     return square;
 }
 
-INLINE void attempt_keep(const struct tableau *tableau, int n, double h, const struct attempt *attempt,
-                         struct step *step)
+INLINE void attempt_keep(const struct tableau *tableau, int n, double h,
+                         const struct attempt *attempt, struct step *step)
 {
     step->warm = true;
     step->h = h;
     copy_numbers(n, attempt->z, step->y);
     if (n == PAIRED)
         memcpy(step->work, attempt->paired, (size_t)(tableau->stages * n) * sizeof *step->work);
-    step->work[(tableau->stages + tableau->extra + 1) * n] = false; /* the interpolant's stages are not there */
+    step->work[(tableau->stages + tableau->extra + 1) * n] =
+        false; /* the interpolant's stages are not there */
     if (step->error)
         copy_numbers(n, attempt->error, step->error);
 }
@@ -127,12 +137,14 @@ INLINE void attempt_keep(const struct tableau *tableau, int n, double h, const s
 /* ---- accepted steps ---- */
 
 /* No kinks, switches or compensated sums; the size of the first step is known. */
-INLINE enum step_status controlled_step(const struct method *method, int n, slope_function *slope, const void *forces,
-                                        struct step *step, struct controller *controller, double t_end)
+INLINE enum step_status controlled_step(const struct method *method, int n, slope_function *slope,
+                                        const void *forces, struct step *step,
+                                        struct controller *controller, double t_end)
 {
     const struct tableau *tableau = method->tableau;
     const double t = step->t, span = t_end - t, aims = by_aim(method);
-    const double most = largest_estimate(method, tolerance(controller)), accepted = 1 / (n * most * most);
+    const double max = largest_estimate(method, tolerance(controller)),
+                 accepted = 1 / (n * max * max);
     struct attempt attempt;
     bool known = tableau->fsal && step->warm;
     if (n < 1)
@@ -153,7 +165,8 @@ INLINE enum step_status controlled_step(const struct method *method, int n, slop
         known = true;
         if (count == 0) /* roots and quotients: the stages, which are waited for, come first */
             follow(n, step, controller);
-        const double square = attempt_error(tableau, n, controller->scale, h, step, &attempt) * accepted;
+        const double square =
+            attempt_error(tableau, n, controller->scale, h, step, &attempt) * accepted;
         if (square <= 1) {
             plan_next(method, controller, h, square * aims, last);
             step->t = not_beyond(last ? t_end : advance_clock(controller, t, h), span, t_end);
@@ -177,7 +190,8 @@ INLINE enum step_status controlled_step(const struct method *method, int n, slop
 
 /* ---- rows and shapes ---- */
 
-/* Of all methods that are METHOD_CONTROLLED, and of those that are METHOD_UNROLLED, too: the rest would be long. */
+/* Of all methods that are METHOD_CONTROLLED, and of those that are METHOD_UNROLLED, too: the rest
+ * would be long. */
 #define ALWAYS_SHAPES(S) S(spring) S(duffing) S(driven) S(pendulum) S(kepler)
 #define OFTEN_SHAPES(S) S(damped) S(vanderpol)
 #define SOLVED_SHAPES(S) ALWAYS_SHAPES(S) OFTEN_SHAPES(S)
@@ -192,25 +206,27 @@ INLINE bool solved(const struct method *method, int shape)
 
 #define RK_ROW JOIN(rk_, __LINE__)
 #define NAME(shape) JOIN(shape##_controlled_, __LINE__)
-#define CONTROLLED(shape)                                                                                              \
-    static enum step_status NAME(shape)(const struct method *method, struct step *step, struct controller *controller, \
-                                        double t_end)                                                                  \
-    {                                                                                                                  \
-        struct forces forces;                                                                                          \
-        (void)method;                                                                                                  \
-        if (!solved(&RK_ROW, SHAPE_##shape))                                                                           \
-            return STEP_STALLED; /* not in use */                                                                      \
-        forces_take(&forces, step->system, 0 TERMS_OF_##shape(ONE_MORE));                                              \
-        return controlled_step(&RK_ROW, SIZE_##shape, shape##_slope, &forces, step, controller, t_end);                \
+#define CONTROLLED(shape)                                                                          \
+    static enum step_status NAME(shape)(const struct method *method, struct step *step,            \
+                                        struct controller *controller, double t_end)               \
+    {                                                                                              \
+        struct forces forces;                                                                      \
+        (void)method;                                                                              \
+        if (!solved(&RK_ROW, SHAPE_##shape))                                                       \
+            return STEP_STALLED; /* not in use */                                                  \
+        forces_take(&forces, step->system, 0 TERMS_OF_##shape(ONE_MORE));                          \
+        return controlled_step(&RK_ROW, SIZE_##shape, shape##_slope, &forces, step, controller,    \
+                               t_end);                                                             \
     }
-#define RUNGE_KUTTA(...)                                                                                               \
-    static const struct method RK_ROW = {__VA_ARGS__};                                                                 \
+#define RUNGE_KUTTA(...)                                                                           \
+    static const struct method RK_ROW = {__VA_ARGS__};                                             \
     SOLVED_SHAPES(CONTROLLED)
 #include "method/rows/rk.def"
 #undef RUNGE_KUTTA
 
 #define ENTRY(shape) [SHAPE_##shape] = NAME(shape),
-controlled_function *method_controlled_kernel(const struct method *method, const struct system *system)
+controlled_function *method_controlled_kernel(const struct method *method,
+                                              const struct system *system)
 {
     static const struct {
         const struct method *method;

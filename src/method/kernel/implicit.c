@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Kernels of implicit Runge-Kutta methods whose stages are solved one by one: irk_body.h again for each row and the
- * shapes of two variables. Linear forces with quadratic drag are solved in closed form, the others by Newton's
- * iteration with matrices of known size.
+ * Kernels of implicit Runge-Kutta methods whose stages are solved one by one: irk_body.h again for
+ * each row and the shapes of two variables. Linear forces with quadratic drag are solved in closed
+ * form, the others by Newton's iteration with matrices of known size.
  */
 #define UNROLL
 #include "method/kernel/kernel.h"
@@ -23,24 +23,26 @@ struct known {
     const struct system *system;
 };
 
-#define KNOWN_SLOPE(shape)                                                                                             \
-    INLINE void shape##_known_slope(const void *known, double t, const double *y, double *dydt)                        \
-    {                                                                                                                  \
-        shape##_slope(&((const struct known *)known)->forces, t, y, dydt);                                             \
+#define KNOWN_SLOPE(shape)                                                                         \
+    INLINE void shape##_known_slope(const void *known, double t, const double *y, double *dydt)    \
+    {                                                                                              \
+        shape##_slope(&((const struct known *)known)->forces, t, y, dydt);                         \
     }
 CLOSED_SHAPES(KNOWN_SLOPE)
 NEWTON_SHAPES(KNOWN_SLOPE)
 
 #define HAS_KINK(i, name) | (name##_flags & TERM_KINK)
-#define CLOSED_STAGE(shape)                                                                                            \
-    INLINE enum step_status shape##_stage(const void *known, struct step *step, double t, double h, const double *y,   \
-                                          double *z, double *sum, double *work)                                        \
-    {                                                                                                                  \
-        const struct known *of = known;                                                                                \
-        double force;                                                                                                  \
-        (void)work;                                                                                                    \
-        shape##_force(&of->forces, t, y, &force);                                                                      \
-        return oscillator_stage(&of->oscillator, (0 TERMS_OF_##shape(HAS_KINK)) != 0, force, step, h, y, z, sum);      \
+#define CLOSED_STAGE(shape)                                                                        \
+    INLINE enum step_status shape##_stage(const void *known, struct step *step, double t,          \
+                                          double h, const double *y, double *z, double *sum,       \
+                                          double *work)                                            \
+    {                                                                                              \
+        const struct known *of = known;                                                            \
+        double force;                                                                              \
+        (void)work;                                                                                \
+        shape##_force(&of->forces, t, y, &force);                                                  \
+        return oscillator_stage(&of->oscillator, (0 TERMS_OF_##shape(HAS_KINK)) != 0, force, step, \
+                                h, y, z, sum);                                                     \
     }
 CLOSED_SHAPES(CLOSED_STAGE)
 
@@ -52,24 +54,27 @@ CLOSED_SHAPES(CLOSED_STAGE)
 #define vanderpol_slopes vanderpol_jacobian
 #define weight_slopes weight_jacobian
 #define TERM_SLOPES(i, name) name##_slopes(of->forces.c[i], t, y, jac + N);
-#define NEWTON_STAGE(shape)                                                                                            \
-    INLINE void shape##_known_jacobian(const void *known, double t, const double *y, double *jac)                      \
-    {                                                                                                                  \
-        const struct known *of = known;                                                                                \
-        jac[0] = jac[2] = jac[3] = 0;                                                                                  \
-        jac[1] = 1;                                                                                                    \
-        TERMS_OF_##shape(TERM_SLOPES)                                                                                  \
-    }                                                                                                                  \
-    INLINE enum step_status shape##_stage(const void *known, struct step *step, double t, double h, const double *y,   \
-                                          double *z, double *sum, double *work)                                        \
-    {                                                                                                                  \
-        return motion_stage(shape##_known_slope, shape##_known_jacobian, known, step, t, h, y, z, sum, work);          \
+#define NEWTON_STAGE(shape)                                                                        \
+    INLINE void shape##_known_jacobian(const void *known, double t, const double *y, double *jac)  \
+    {                                                                                              \
+        const struct known *of = known;                                                            \
+        jac[0] = jac[2] = jac[3] = 0;                                                              \
+        jac[1] = 1;                                                                                \
+        TERMS_OF_##shape(TERM_SLOPES)                                                              \
+    }                                                                                              \
+    INLINE enum step_status shape##_stage(const void *known, struct step *step, double t,          \
+                                          double h, const double *y, double *z, double *sum,       \
+                                          double *work)                                            \
+    {                                                                                              \
+        return motion_stage(shape##_known_slope, shape##_known_jacobian, known, step, t, h, y, z,  \
+                            sum, work);                                                            \
     }
 NEWTON_SHAPES(NEWTON_STAGE)
 
 /* ---- steps ---- */
 
-/* z: the increment where the last stage is not the new state, sum: else the state. False: not finite, y is as it was.
+/* z: the increment where the last stage is not the new state, sum: else the state. False: not
+ * finite, y is as it was.
  */
 INLINE bool finish(bool accurate, const double *z, const double *sum, double *y)
 {
@@ -82,14 +87,16 @@ INLINE bool finish(bool accurate, const double *z, const double *sum, double *y)
     return true;
 }
 
-INLINE int64_t diagonal_march(const struct method *method, stage_function *stage, slope_function *slope,
-                              const struct known *known, const struct march *march)
+INLINE int64_t diagonal_march(const struct method *method, stage_function *stage,
+                              slope_function *slope, const struct known *known,
+                              const struct march *march)
 {
     const struct implicit_tableau *tableau = method->implicit;
     const int stages = tableau->stages;
     const bool accurate = stiffly_accurate(tableau);
     struct step *const step = march->step;
-    double k[IMPLICIT_STAGES * N] = {0}, y[N], z[N] = {0}, sum[N] = {0}, base[N], work[ROOM], last[N] = {0};
+    double k[IMPLICIT_STAGES * N] = {0}, y[N], z[N] = {0}, sum[N] = {0}, base[N], work[ROOM],
+                               last[N] = {0};
     double *const kept = step->work + (stages - 1) * N, *const newest = k + (stages - 1) * N;
     struct step own = {.system = step->system, .h = step->h, .y = y};
     struct cost cost = {0};
@@ -103,7 +110,8 @@ INLINE int64_t diagonal_march(const struct method *method, stage_function *stage
         if (tableau->fsal)
             copy_numbers(N, newest, last);
         own.t = march->origin + (double)(march->first + i) * own.h;
-        bool good = diagonal_stages(tableau, N, stage, slope, known, &own, warm, k, z, sum, base, work) == STEP_OK;
+        bool good = diagonal_stages(tableau, N, stage, slope, known, &own, warm, k, z, sum, base,
+                                    work) == STEP_OK;
         if (good && !accurate)
             diagonal_increment(tableau, N, own.h, k, z);
         if (!good || !finish(accurate, z, sum, y)) {
@@ -130,13 +138,13 @@ INLINE int64_t diagonal_march(const struct method *method, stage_function *stage
 /* ---- the table ---- */
 
 /* Of any row: its stages take so long to solve that the weights are not waited for. */
-#define ANY_KERNEL(shape)                                                                                              \
-    static int64_t shape##_irk(const struct method *method, const struct march *march)                                 \
-    {                                                                                                                  \
-        const struct system *system = march->step->system;                                                             \
-        struct known known = {.oscillator = system->oscillator, .system = system};                                     \
-        forces_take(&known.forces, system, SHAPE_TERMS);                                                                            \
-        return diagonal_march(method, shape##_stage, shape##_known_slope, &known, march);                              \
+#define ANY_KERNEL(shape)                                                                          \
+    static int64_t shape##_irk(const struct method *method, const struct march *march)             \
+    {                                                                                              \
+        const struct system *system = march->step->system;                                         \
+        struct known known = {.oscillator = system->oscillator, .system = system};                 \
+        forces_take(&known.forces, system, SHAPE_TERMS);                                           \
+        return diagonal_march(method, shape##_stage, shape##_known_slope, &known, march);          \
     }
 CLOSED_SHAPES(ANY_KERNEL)
 NEWTON_SHAPES(ANY_KERNEL)
@@ -144,18 +152,18 @@ NEWTON_SHAPES(ANY_KERNEL)
 /* Of rows that others are ranked by. */
 #define IRK_ROW JOIN(irk_, __LINE__)
 #define IRK_NAME(shape) JOIN(shape##_irk_, __LINE__)
-#define IRK_KERNEL(shape)                                                                                              \
-    static int64_t IRK_NAME(shape)(const struct method *method, const struct march *march)                             \
-    {                                                                                                                  \
-        const struct system *system = march->step->system;                                                             \
-        struct known known = {.oscillator = system->oscillator, .system = system};                                     \
-        if (!(IRK_ROW.flags & METHOD_UNROLLED))                                                                        \
-            return shape##_irk(method, march);                                                                         \
-        forces_take(&known.forces, system, SHAPE_TERMS);                                                                            \
-        return diagonal_march(&IRK_ROW, shape##_stage, shape##_known_slope, &known, march);                            \
+#define IRK_KERNEL(shape)                                                                          \
+    static int64_t IRK_NAME(shape)(const struct method *method, const struct march *march)         \
+    {                                                                                              \
+        const struct system *system = march->step->system;                                         \
+        struct known known = {.oscillator = system->oscillator, .system = system};                 \
+        if (!(IRK_ROW.flags & METHOD_UNROLLED))                                                    \
+            return shape##_irk(method, march);                                                     \
+        forces_take(&known.forces, system, SHAPE_TERMS);                                           \
+        return diagonal_march(&IRK_ROW, shape##_stage, shape##_known_slope, &known, march);        \
     }
-#define IMPLICIT_RUNGE_KUTTA(...)                                                                                      \
-    static const struct method IRK_ROW = {__VA_ARGS__};                                                                \
+#define IMPLICIT_RUNGE_KUTTA(...)                                                                  \
+    static const struct method IRK_ROW = {__VA_ARGS__};                                            \
     CLOSED_SHAPES(IRK_KERNEL)
 #include "method/rows/irk.def"
 #undef IMPLICIT_RUNGE_KUTTA
@@ -165,7 +173,8 @@ NEWTON_SHAPES(ANY_KERNEL)
 
 march_function *implicit_kernel(const struct method *method, const struct system *system)
 {
-    static march_function *const any[SHAPE_COUNT] = {CLOSED_SHAPES(ANY_ENTRY) NEWTON_SHAPES(ANY_ENTRY)};
+    static march_function *const any[SHAPE_COUNT] = {CLOSED_SHAPES(ANY_ENTRY)
+                                                         NEWTON_SHAPES(ANY_ENTRY)};
     static const struct {
         const struct method *method;
         march_function *march[SHAPE_COUNT];

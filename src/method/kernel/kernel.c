@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Kernels: steps of explicit Runge-Kutta methods again, where both the row and the shape are known to the compiler, so
- * loops unroll, zeros vanish and the state stays in registers; and of the splittings that are ranked most. Only for
- * pairs that gain: in longer splittings the weights are not waited for (kernel_shape.c), in other pairs a call of the
- * force is hidden (kernel_typed.c).
+ * Kernels: steps of explicit Runge-Kutta methods again, where both the row and the shape are known
+ * to the compiler, so loops unroll, zeros vanish and the state stays in registers; and of the
+ * splittings that are ranked most. Only for pairs that gain: in longer splittings the weights are
+ * not waited for (kernel_shape.c), in other pairs a call of the force is hidden (kernel_typed.c).
  */
 #define UNROLL _Pragma("GCC unroll 32")
 #include "method/kernel/kernel.h"
@@ -21,41 +21,42 @@ INLINE bool unrolled(const struct method *method, int shape)
            shape == SHAPE_henon_heiles;
 }
 
-#define RK_KERNEL(shape)                                                                                               \
-    static int64_t RK_NAME(shape)(const struct method *method, const struct march *march)                              \
-    {                                                                                                                  \
-        struct forces forces;                                                                                          \
-        if (!unrolled(&RK_ROW, SHAPE_##shape))                                                                         \
-            return typed_kernel(method, march->step->system, DRAG_DEFAULT)(method, march);                             \
-        forces_take(&forces, march->step->system, 0 TERMS_OF_##shape(ONE_MORE));                                                                     \
-        return rk_march(&RK_ROW, SIZE_##shape, shape##_slope, &forces, march);                                         \
+#define RK_KERNEL(shape)                                                                           \
+    static int64_t RK_NAME(shape)(const struct method *method, const struct march *march)          \
+    {                                                                                              \
+        struct forces forces;                                                                      \
+        if (!unrolled(&RK_ROW, SHAPE_##shape))                                                     \
+            return typed_kernel(method, march->step->system, DRAG_DEFAULT)(method, march);         \
+        forces_take(&forces, march->step->system, 0 TERMS_OF_##shape(ONE_MORE));                   \
+        return rk_march(&RK_ROW, SIZE_##shape, shape##_slope, &forces, march);                     \
     }
-#define RUNGE_KUTTA(...)                                                                                               \
-    static const struct method RK_ROW = {.step = rk_step, __VA_ARGS__};                                                \
+#define RUNGE_KUTTA(...)                                                                           \
+    static const struct method RK_ROW = {.step = rk_step, __VA_ARGS__};                            \
     ALL_SHAPES(RK_KERNEL)
 #include "method/rows/rk.def"
 #undef RUNGE_KUTTA
 
-#define DRAG_VARIANT(shape, variant)                                                                                   \
-    if (drag == variant && (variant == DRAG_DEFAULT || SPLIT_ROW.drags & 1u << variant))                               \
-        return split_march(&SPLIT_ROW, SIZE_##shape, variant, shape##_force, shape##_drag, &forces, march);
-#define SPLIT_KERNEL(shape)                                                                                            \
-    static int64_t SPLIT_NAME(shape)(const struct method *method, const struct march *march)                           \
-    {                                                                                                                  \
-        const bool velocity = (0 TERMS_OF_##shape(HAS_VELOCITY)) != 0;                                                 \
-        const enum drag drag = velocity ? march->step->drag : DRAG_DEFAULT;                                            \
-        struct forces forces;                                                                                          \
-        if (!(SPLIT_ROW.flags & METHOD_UNROLLED))                                                                      \
-            return shape_split(SHAPE_##shape)(method, march);                                                          \
-        forces_take(&forces, march->step->system, 0 TERMS_OF_##shape(ONE_MORE));                                                                     \
-        if (!velocity)                                                                                                 \
-            DRAG_VARIANT(shape, DRAG_DEFAULT)                                                                          \
-        DRAG_VARIANT(shape, DRAG_EXACT)                                                                                \
-        DRAG_VARIANT(shape, DRAG_EXPLICIT)                                                                             \
-        return shape_split(SHAPE_##shape)(method, march);                                                              \
+#define DRAG_VARIANT(shape, variant)                                                               \
+    if (drag == variant && (variant == DRAG_DEFAULT || SPLIT_ROW.drags & 1u << variant))           \
+        return split_march(&SPLIT_ROW, SIZE_##shape, variant, shape##_force, shape##_drag,         \
+                           &forces, march);
+#define SPLIT_KERNEL(shape)                                                                        \
+    static int64_t SPLIT_NAME(shape)(const struct method *method, const struct march *march)       \
+    {                                                                                              \
+        const bool velocity = (0 TERMS_OF_##shape(HAS_VELOCITY)) != 0;                             \
+        const enum drag drag = velocity ? march->step->drag : DRAG_DEFAULT;                        \
+        struct forces forces;                                                                      \
+        if (!(SPLIT_ROW.flags & METHOD_UNROLLED))                                                  \
+            return shape_split(SHAPE_##shape)(method, march);                                      \
+        forces_take(&forces, march->step->system, 0 TERMS_OF_##shape(ONE_MORE));                   \
+        if (!velocity)                                                                             \
+            DRAG_VARIANT(shape, DRAG_DEFAULT)                                                      \
+        DRAG_VARIANT(shape, DRAG_EXACT)                                                            \
+        DRAG_VARIANT(shape, DRAG_EXPLICIT)                                                         \
+        return shape_split(SHAPE_##shape)(method, march);                                          \
     }
-#define SPLITTING(...)                                                                                                 \
-    static const struct method SPLIT_ROW = {.step = split_step, __VA_ARGS__};                                          \
+#define SPLITTING(...)                                                                             \
+    static const struct method SPLIT_ROW = {.step = split_step, __VA_ARGS__};                      \
     ALL_SHAPES(SPLIT_KERNEL)
 #include "method/rows/split.def"
 #undef SPLITTING
@@ -77,15 +78,19 @@ static const struct kernels kernels[] = {
 #include "method/rows/split.def"
 };
 
-march_function *method_kernel(const struct method *method, const struct system *system, enum drag drag)
+march_function *method_kernel(const struct method *method, const struct system *system,
+                              enum drag drag)
 {
     if (system->model && system->model->typed)
         return typed_kernel(method, system, drag);
     const int shape = shape_of(system);
     if (shape < 0)
-        return system->order != 2 ? NULL : method->tableau ? typed_kernel(method, system, drag) : any_kernel(method);
+        return system->order != 2 ? NULL
+               : method->tableau  ? typed_kernel(method, system, drag)
+                                  : any_kernel(method);
     for (size_t i = 0; unrolled(method, shape) && i < COUNT_OF(kernels); i++)
-        if (method->step == kernels[i].method->step && strcmp(kernels[i].method->row.name, method->row.name) == 0)
+        if (method->step == kernels[i].method->step &&
+            strcmp(kernels[i].method->row.name, method->row.name) == 0)
             return kernels[i].march[shape];
     return method->splitting ? shape_split(shape)
            : method->tableau ? typed_kernel(method, system, drag)

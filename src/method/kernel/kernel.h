@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * What kernels share: shapes of scenes, each a list of terms in the order in which its model adds them, whose own
- * functions are used again. A shape is a line below and a line in SHAPES or MODEL_SHAPES.
+ * What kernels share: shapes of scenes, each a list of terms in the order in which its model adds
+ * them, whose own functions are used again. A shape is a line below and a line in SHAPES or
+ * MODEL_SHAPES.
  */
 #ifndef HOOKE_METHOD_KERNEL_KERNEL_H
 #define HOOKE_METHOD_KERNEL_KERNEL_H
@@ -70,7 +71,12 @@ enum {
 
 /* Their variables and models. */
 #define SHAPE_SIZE(shape) SIZE_##shape = 2,
-enum { SHAPES(SHAPE_SIZE) LINEAR_SHAPES(SHAPE_SIZE) SIZE_pendulum = 2, SIZE_driven_pendulum = 2, SIZE_kepler = 4, SIZE_henon_heiles = 4 };
+enum {
+    SHAPES(SHAPE_SIZE) LINEAR_SHAPES(SHAPE_SIZE) SIZE_pendulum = 2,
+    SIZE_driven_pendulum = 2,
+    SIZE_kepler = 4,
+    SIZE_henon_heiles = 4
+};
 
 #define model_of_pendulum pendulum_model
 #define model_of_driven_pendulum pendulum_model
@@ -78,44 +84,45 @@ enum { SHAPES(SHAPE_SIZE) LINEAR_SHAPES(SHAPE_SIZE) SIZE_pendulum = 2, SIZE_driv
 #define model_of_henon_heiles henon_heiles_model
 
 #define TERM_ALWAYS(i, name) name##_add(forces->c[i], t, y, a);
-#define TERM_IF_FORCE(i, name)                                                                                         \
-    if (!(name##_flags & TERM_VELOCITY))                                                                               \
+#define TERM_IF_FORCE(i, name)                                                                     \
+    if (!(name##_flags & TERM_VELOCITY))                                                           \
         name##_add(forces->c[i], t, y, a);
-#define TERM_IF_DRAG(i, name)                                                                                          \
-    if (name##_flags & TERM_VELOCITY)                                                                                  \
+#define TERM_IF_DRAG(i, name)                                                                      \
+    if (name##_flags & TERM_VELOCITY)                                                              \
         name##_add(forces->c[i], t, y, a);
 #define TERM_NAME(i, name) #name,
 
 #define ONE_MORE(i, name) +1
 #define HAS_VELOCITY(i, name) | (name##_flags & TERM_VELOCITY)
 
-#define SHAPE_FUNCTIONS(shape)                                                                                         \
-    INLINE void shape##_force(const void *known, double t, const double *y, double *a)                                 \
-    {                                                                                                                  \
-        const struct forces *forces = known;                                                                           \
-        sum_begin(SIZE_##shape / 2, a);                                                                                \
-        TERMS_OF_##shape(TERM_IF_FORCE)                                                                                \
-    }                                                                                                                  \
-    INLINE void shape##_drag(const void *known, double t, const double *y, double *a)                                  \
-    {                                                                                                                  \
-        const struct forces *forces = known;                                                                           \
-        sum_begin(SIZE_##shape / 2, a);                                                                                \
-        TERMS_OF_##shape(TERM_IF_DRAG)                                                                                 \
-    }                                                                                                                  \
-    INLINE void shape##_slope(const void *known, double t, const double *y, double *dydt)                              \
-    {                                                                                                                  \
-        const struct forces *forces = known;                                                                           \
-        double *a = dydt + SIZE_##shape / 2;                                                                           \
-        copy_numbers(SIZE_##shape / 2, y + SIZE_##shape / 2, dydt);                                                    \
-        sum_begin(SIZE_##shape / 2, a);                                                                                \
-        TERMS_OF_##shape(TERM_ALWAYS)                                                                                  \
+#define SHAPE_FUNCTIONS(shape)                                                                     \
+    INLINE void shape##_force(const void *known, double t, const double *y, double *a)             \
+    {                                                                                              \
+        const struct forces *forces = known;                                                       \
+        sum_begin(SIZE_##shape / 2, a);                                                            \
+        TERMS_OF_##shape(TERM_IF_FORCE)                                                            \
+    }                                                                                              \
+    INLINE void shape##_drag(const void *known, double t, const double *y, double *a)              \
+    {                                                                                              \
+        const struct forces *forces = known;                                                       \
+        sum_begin(SIZE_##shape / 2, a);                                                            \
+        TERMS_OF_##shape(TERM_IF_DRAG)                                                             \
+    }                                                                                              \
+    INLINE void shape##_slope(const void *known, double t, const double *y, double *dydt)          \
+    {                                                                                              \
+        const struct forces *forces = known;                                                       \
+        double *a = dydt + SIZE_##shape / 2;                                                       \
+        copy_numbers(SIZE_##shape / 2, y + SIZE_##shape / 2, dydt);                                \
+        sum_begin(SIZE_##shape / 2, a);                                                            \
+        TERMS_OF_##shape(TERM_ALWAYS)                                                              \
     }
 ALL_SHAPES(SHAPE_FUNCTIONS)
 
 #define SHAPE_PLACE(shape) SHAPE_##shape,
 enum { ALL_SHAPES(SHAPE_PLACE) SHAPE_COUNT };
 
-static inline bool has_terms(const struct system *system, const struct model *model, const char *const *name)
+static inline bool has_terms(const struct system *system, const struct model *model,
+                             const char *const *name)
 {
     const int n = system->terms;
     if (system->model != model || n > SHAPE_TERMS || name[n] || (n > 0 && !name[n - 1]))
@@ -145,7 +152,8 @@ static inline int shape_among(const struct system *system, const struct shape_ro
 
 static inline int shape_of(const struct system *system)
 {
-    static const struct shape_row rows[] = {SHAPES(OSCILLATOR_ROW) LINEAR_SHAPES(OSCILLATOR_ROW) MODEL_SHAPES(MODEL_ROW)};
+    static const struct shape_row rows[] = {SHAPES(OSCILLATOR_ROW) LINEAR_SHAPES(OSCILLATOR_ROW)
+                                                MODEL_SHAPES(MODEL_ROW)};
     return shape_among(system, rows, SHAPE_COUNT);
 }
 

@@ -1,10 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Many trajectories at once: the same steps on LANES systems of one kind, in vectors as wide as the machine has. The
- * latency of one trajectory's sums, which is what a single one waits for, is hidden by the others.
+ * Many trajectories at once: the same steps on LANES systems of one kind, in vectors as wide as the
+ * machine has. The latency of one trajectory's sums, which is what a single one waits for, is
+ * hidden by the others.
  *
- * Not target_clones: a vector type has its width from the instructions that its function may use, and one that is wider
- * than they are lives in memory. So the text is included for each width, and the widest that runs here is taken.
+ * Not target_clones: a vector type has its width from the instructions that its function may use,
+ * and one that is wider than they are lives in memory. So the text is included for each width, and
+ * the widest that runs here is taken.
  */
 #define UNROLL _Pragma("GCC unroll 16")
 #include "method/kernel/kernel.h"
@@ -25,9 +27,10 @@ struct lanes {
     int64_t step; /* taken */
     double c[SHAPE_TERMS][LANE_COEFFICIENTS][LANES];
     double y[2][LANES];
-    double kept[2][LANES]; /* the last stage's slope, or the last force: what the next step begins with */
+    double kept[2][LANES]; /* the last stage's slope, or the last force: what the next step begins
+                              with */
     /* The drag's flow over h/2; with a divisor other than 1? */
-    double keep[LANES], least[LANES], pull[LANES];
+    double keep[LANES], min[LANES], pull[LANES];
     bool divides;
     /* Turning points: lanes are stepped across one at a time. */
     bool turns;
@@ -38,8 +41,8 @@ struct lanes {
         double lost[LANES], pull[LANES];
     } frozen[WEIGHTS_MAX]; /* exact linear drag in each kick */
     double omega[LANES], phase[LANES];
-    /* The cosine of the drive at each place of each step, where it is the same in all lanes. It outlives them: the next
-     * block may be driven alike. */
+    /* The cosine of the drive at each place of each step, where it is the same in all lanes. It
+     * outlives them: the next block may be driven alike. */
     struct {
         const struct method *method;
         double omega, phase, t0, h;
@@ -56,10 +59,10 @@ struct lane_step {
 struct lane_march {
     int64_t first, count;
     bool chain; /* the commonest: four stages, each from the one before; a drift, then a kick */
-    struct shares shares[STAGES_MAX]; /* of the stages from the second on; [0]: of the step */
-    double weight[WEIGHTS_MAX];       /* of drifts and kicks, times h */
-    const double *cosine; /* [count][places]; NULL: each lane has its own */
-    int places;
+    struct fractions fractions[STAGES_MAX]; /* of the stages from the second on; [0]: of the step */
+    double weight[WEIGHTS_MAX];             /* of drifts and kicks, times h */
+    const double *cosine;                   /* [count][places]; NULL: each lane has its own */
+    int indices;
     double *row;
 };
 
@@ -84,13 +87,14 @@ static void lanes_cosine(const struct lanes *lanes, double t, int first, int cou
 }
 
 /* A step of `count` lanes from `first` on is taken again by those that turned in it. */
-static __attribute__((noinline)) void lanes_turn(struct lanes *lanes, int first, int count, int64_t number,
-                                                 struct lane_step *of)
+static __attribute__((noinline)) void lanes_turn(struct lanes *lanes, int first, int count,
+                                                 int64_t number, struct lane_step *of)
 {
     for (int i = 0; i < count; i++) {
         if (!lane_turns(of->before[1][i], of->after[1][i]))
             continue;
-        double y[2] = {of->before[0][i], of->before[1][i]}, slope[2] = {of->first[0][i], of->first[1][i]};
+        double y[2] = {of->before[0][i], of->before[1][i]},
+               slope[2] = {of->first[0][i], of->first[1][i]};
         double work[WORK_MOST];
         struct step step = {.system = lanes->system[first + i],
                             .drag = lanes->drag,
@@ -109,7 +113,8 @@ static __attribute__((noinline)) void lanes_turn(struct lanes *lanes, int first,
 
 /* ---- the widths ---- */
 
-/* [doubles] Narrower ones, which are there for old processors only, take the forms for any method. */
+/* [doubles] Narrower ones, which are there for old processors only, take the forms for any method.
+ */
 #ifdef __x86_64__
 #define WIDE_UNROLLED 4
 #else
@@ -147,7 +152,7 @@ static lane_kernel *kernel_of(const struct lanes *lanes)
 
 /* ---- the drive ---- */
 
-static int places(const struct method *method)
+static int indices(const struct method *method)
 {
     return method->tableau ? method->tableau->stages : method->splitting->count;
 }
@@ -156,13 +161,13 @@ static int places(const struct method *method)
 static void table_step(const struct lanes *lanes, double t, double *value)
 {
     const double omega = lanes->omega[0], phase = lanes->phase[0], h = lanes->h;
-    for (int place = 0; place < places(lanes->method); place++) {
+    for (int index = 0; index < indices(lanes->method); index++) {
         if (lanes->method->tableau) {
-            value[place] = cos(omega * (t + lanes->method->tableau->c[place] * h) + phase);
-        } else if ((place % 2 == 0) == lanes->method->splitting->kick_first) {
-            value[place] = cos(omega * t + phase);
+            value[index] = cos(omega * (t + lanes->method->tableau->c[index] * h) + phase);
+        } else if ((index % 2 == 0) == lanes->method->splitting->kick_first) {
+            value[index] = cos(omega * t + phase);
         } else {
-            t += splitting_weight(lanes->method->splitting, place) * h;
+            t += splitting_weight(lanes->method->splitting, index) * h;
         }
     }
 }
@@ -178,12 +183,13 @@ static bool driven_alike(const struct lanes *lanes)
 /* Values for march->count steps from march->first on, as many as there is room for. */
 static void table_steps(struct lanes *lanes, struct lane_march *march)
 {
-    const int64_t most = TABLE_ROOM / march->places;
-    const bool same = lanes->table.method == lanes->method && lanes->table.omega == lanes->omega[0] &&
+    const int64_t max = TABLE_ROOM / march->indices;
+    const bool same = lanes->table.method == lanes->method &&
+                      lanes->table.omega == lanes->omega[0] &&
                       lanes->table.phase == lanes->phase[0] && lanes->table.t0 == lanes->t0 &&
                       lanes->table.h == lanes->h;
     const int64_t behind = march->first - lanes->table.from;
-    if (!same || behind < 0 || behind > lanes->table.count || behind == most) {
+    if (!same || behind < 0 || behind > lanes->table.count || behind == max) {
         lanes->table.method = lanes->method;
         lanes->table.omega = lanes->omega[0];
         lanes->table.phase = lanes->phase[0];
@@ -193,13 +199,14 @@ static void table_steps(struct lanes *lanes, struct lane_march *march)
         lanes->table.count = 0;
     }
     const int64_t from = lanes->table.from, end = march->first + march->count;
-    while (lanes->table.count < most && from + lanes->table.count < end) {
+    while (lanes->table.count < max && from + lanes->table.count < end) {
         const int64_t i = lanes->table.count++;
-        table_step(lanes, lanes->t0 + (double)(from + i) * lanes->h, lanes->table.value + i * march->places);
+        table_step(lanes, lanes->t0 + (double)(from + i) * lanes->h,
+                   lanes->table.value + i * march->indices);
     }
     const int64_t there = from + lanes->table.count - march->first;
     march->count = march->count < there ? march->count : there;
-    march->cosine = lanes->table.value + (march->first - from) * march->places;
+    march->cosine = lanes->table.value + (march->first - from) * march->indices;
 }
 
 /* ---- what callers use ---- */
@@ -221,13 +228,15 @@ void lanes_destroy(struct lanes *lanes)
 
 static int lane_shape_of(const struct system *system)
 {
-    static const struct shape_row rows[] = {LANE_OSCILLATORS(OSCILLATOR_ROW) LANE_MODELS(MODEL_ROW)};
+    static const struct shape_row rows[] = {LANE_OSCILLATORS(OSCILLATOR_ROW)
+                                                LANE_MODELS(MODEL_ROW)};
     return shape_among(system, rows, LANE_SHAPE_COUNT);
 }
 
 bool lanes_fit(const struct method *method, const struct system *system, enum drag drag, double h)
 {
-    const bool splits = method->splitting && (!system->velocity || drag == DRAG_EXPLICIT || drag == DRAG_EXACT);
+    const bool splits =
+        method->splitting && (!system->velocity || drag == DRAG_EXPLICIT || drag == DRAG_EXACT);
     if (!(h > 0) || !(method->tableau || splits) || system->oscillator.quadratic < 0 ||
         method_meets_switches(method, system))
         return false;
@@ -244,7 +253,8 @@ bool lanes_alike(const struct system *a, const struct system *b)
     return alike;
 }
 
-bool lanes_begin(struct lanes *lanes, const struct method *method, enum drag drag, const struct system *like, double h)
+bool lanes_begin(struct lanes *lanes, const struct method *method, enum drag drag,
+                 const struct system *like, double h)
 {
     lanes->method = method;
     lanes->drag = drag;
@@ -288,11 +298,12 @@ void lanes_set(struct lanes *lanes, int lane, const struct system *system)
     split_choose(&way, method, lanes->drag);
     const struct drag_flow half = oscillator_drag_flow(&system->oscillator, lanes->h / 2);
     lanes->keep[lane] = half.keep;
-    lanes->least[lane] = half.least;
+    lanes->min[lane] = half.min;
     lanes->pull[lane] = half.pull;
-    lanes->divides |= half.least != 1 || half.pull != 0;
+    lanes->divides |= half.min != 1 || half.pull != 0;
     for (int i = 0; !way.around && i < way.splitting->count; i++) {
-        const struct frozen frozen = frozen_over(&system->oscillator, splitting_weight(way.splitting, i) * lanes->h);
+        const struct frozen frozen =
+            frozen_over(&system->oscillator, splitting_weight(way.splitting, i) * lanes->h);
         lanes->frozen[i].lost[lane] = frozen.lost;
         lanes->frozen[i].pull[lane] = frozen.pull;
     }
@@ -302,17 +313,19 @@ static void march_prepare(const struct lanes *lanes, struct lane_march *march)
 {
     const struct tableau *tableau = lanes->method->tableau;
     const struct splitting *splitting = lanes->method->splitting;
-    march->places = places(lanes->method);
-    march->chain = tableau ? tableau->stages == 4 && !tableau->fsal : splitting->count == 2 && !splitting->kick_first;
+    march->indices = indices(lanes->method);
+    march->chain = tableau ? tableau->stages == 4 && !tableau->fsal
+                           : splitting->count == 2 && !splitting->kick_first;
     for (int i = 0; splitting && i < splitting->count; i++)
         march->weight[i] = splitting_weight(splitting, i) * lanes->h;
     if (!tableau)
         return;
-    shares_take(&march->shares[0], tableau->b, tableau->stages, lanes->h);
-    march->chain = march->chain && march->shares[0].count == 4;
+    shares_take(&march->fractions[0], tableau->b, tableau->stages, lanes->h);
+    march->chain = march->chain && march->fractions[0].count == 4;
     for (int s = 1; s < tableau->stages; s++) {
-        shares_take(&march->shares[s], tableau_row(tableau, s), s, lanes->h);
-        march->chain = march->chain && march->shares[s].count == 1 && march->shares[s].stage[0] == s - 1;
+        shares_take(&march->fractions[s], tableau_row(tableau, s), s, lanes->h);
+        march->chain =
+            march->chain && march->fractions[s].count == 1 && march->fractions[s].stage[0] == s - 1;
     }
 }
 

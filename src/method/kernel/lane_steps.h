@@ -1,12 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * The steps of LANES trajectories at once, written for one width of vector: included once for each, with
+ * The steps of LANES trajectories at once, written for one width of vector: included once for each,
+ * with
  *
  *   WIDE         doubles in a vector
  *   TARGET       attributes of the functions: instructions that they may use
  *   WITH(name)   the name of something here
  *
- * The operations are those of rk_body.h and split_body.h, in their order, on every lane: the same bits.
+ * The operations are those of rk_body.h and split_body.h, in their order, on every lane: the same
+ * bits.
  */
 typedef double WITH(vector) __attribute__((vector_size(WIDE * 8), aligned(WIDE * 8)));
 typedef int64_t WITH(bits) __attribute__((vector_size(WIDE * 8), aligned(WIDE * 8)));
@@ -30,12 +32,14 @@ FAST vector WITH(sine)(vector x)
     return x;
 }
 
-/* ---- forces: the terms that shapes are made of, by the operations of terms.def and weight.def ---- */
+/* ---- forces: the terms that shapes are made of, by the operations of terms.def and weight.def
+ * ---- */
 
-#define LANE_TERM(name, change)                                                                                        \
-    FAST void WITH(name##_add)(UNUSED const vector *c, UNUSED vector cosine, UNUSED const vector *y, vector *a)        \
-    {                                                                                                                  \
-        *a change;                                                                                                     \
+#define LANE_TERM(name, change)                                                                    \
+    FAST void WITH(name##_add)(UNUSED const vector *c, UNUSED vector cosine,                       \
+                               UNUSED const vector *y, vector *a)                                  \
+    {                                                                                              \
+        *a change;                                                                                 \
     }
 LANE_TERM(spring, -= c[0] * y[0])
 LANE_TERM(damping, -= c[0] * y[1])
@@ -54,7 +58,8 @@ struct WITH(known) {
 #define ANY_PARTS (PARTS < 8 ? PARTS : 8)
 
 /* a: of the first `parts` vectors of the states z */
-typedef void WITH(force)(int parts, const struct WITH(known) * known, vector z[2][PARTS], vector *a);
+typedef void WITH(force)(int parts, const struct WITH(known) * known, vector z[2][PARTS],
+                         vector *a);
 
 /* Those of a shape for who does not know it. */
 struct WITH(forces) {
@@ -63,34 +68,36 @@ struct WITH(forces) {
 };
 
 #define LANE_ALWAYS(i, name) WITH(name##_add)(known[q].c[i], known[q].cosine, y, &sum);
-#define LANE_IF_FORCE(i, name)                                                                                         \
-    if (!(name##_flags & TERM_VELOCITY))                                                                               \
+#define LANE_IF_FORCE(i, name)                                                                     \
+    if (!(name##_flags & TERM_VELOCITY))                                                           \
     LANE_ALWAYS(i, name)
-#define LANE_IF_DRAG(i, name)                                                                                          \
-    if (name##_flags & TERM_VELOCITY)                                                                                  \
+#define LANE_IF_DRAG(i, name)                                                                      \
+    if (name##_flags & TERM_VELOCITY)                                                              \
     LANE_ALWAYS(i, name)
-#define LANE_FORCE(shape, which, TERM)                                                                                 \
-    FAST void WITH(shape##which)(int parts, UNUSED const struct WITH(known) * known, vector z[2][PARTS], vector * a)   \
-    {                                                                                                                  \
-        UNROLL for (int q = 0; q < parts; q++)                                                                         \
-        {                                                                                                              \
-            UNUSED const vector y[2] = {z[0][q], z[1][q]};                                                             \
-            vector sum = -(vector){0};                                                                                 \
-            TERMS_OF_##shape(TERM) a[q] = sum;                                                                         \
-        }                                                                                                              \
-    }                                                                                                                  \
-    TARGET static void WITH(shape##which##_called)(int parts, const struct WITH(known) * known, vector z[2][PARTS],    \
-                                                   vector * a)                                                         \
-    {                                                                                                                  \
-        (void)parts;                                                                                                   \
-        WITH(shape##which)(ANY_PARTS, known, z, a);                                                                    \
+#define LANE_FORCE(shape, which, TERM)                                                             \
+    FAST void WITH(shape##which)(int parts, UNUSED const struct WITH(known) * known,               \
+                                 vector z[2][PARTS], vector * a)                                   \
+    {                                                                                              \
+        UNROLL for (int q = 0; q < parts; q++)                                                     \
+        {                                                                                          \
+            UNUSED const vector y[2] = {z[0][q], z[1][q]};                                         \
+            vector sum = -(vector){0};                                                             \
+            TERMS_OF_##shape(TERM) a[q] = sum;                                                     \
+        }                                                                                          \
+    }                                                                                              \
+    TARGET static void WITH(shape##which##_called)(int parts, const struct WITH(known) * known,    \
+                                                   vector z[2][PARTS], vector * a)                 \
+    {                                                                                              \
+        (void)parts;                                                                               \
+        WITH(shape##which)(ANY_PARTS, known, z, a);                                                \
     }
-#define LANE_FORCES(shape)                                                                                             \
-    LANE_FORCE(shape, _both, LANE_ALWAYS)                                                                              \
-    LANE_FORCE(shape, _force, LANE_IF_FORCE)                                                                           \
-    LANE_FORCE(shape, _drag, LANE_IF_DRAG)                                                                             \
-    static const struct WITH(forces) WITH(shape##_forces) = {WITH(shape##_both_called), WITH(shape##_force_called),    \
-                                                             WITH(shape##_drag_called), LANE_FLAGS(shape)};
+#define LANE_FORCES(shape)                                                                         \
+    LANE_FORCE(shape, _both, LANE_ALWAYS)                                                          \
+    LANE_FORCE(shape, _force, LANE_IF_FORCE)                                                       \
+    LANE_FORCE(shape, _drag, LANE_IF_DRAG)                                                         \
+    static const struct WITH(forces)                                                               \
+        WITH(shape##_forces) = {WITH(shape##_both_called), WITH(shape##_force_called),             \
+                                WITH(shape##_drag_called), LANE_FLAGS(shape)};
 LANE_SHAPES(LANE_FORCES)
 
 FAST vector WITH(load)(const double *from, int part)
@@ -105,7 +112,8 @@ FAST void WITH(take)(struct WITH(known) * known, int parts, int from, const stru
 {
     for (int i = 0; i < SHAPE_TERMS; i++)
         for (int j = 0; j < LANE_COEFFICIENTS; j++)
-            UNROLL for (int q = 0; q < parts; q++) known[q].c[i][j] = WITH(load)(lanes->c[i][j], from + q);
+            UNROLL for (int q = 0; q < parts; q++) known[q].c[i][j] =
+                WITH(load)(lanes->c[i][j], from + q);
     UNROLL for (int q = 0; q < parts; q++) known[q].cosine = (vector){0};
 }
 
@@ -119,7 +127,8 @@ FAST void WITH(end)(int parts, int from, const vector *x, double *numbers)
     UNROLL for (int q = 0; q < parts; q++) memcpy(numbers + (from + q) * WIDE, &x[q], sizeof x[q]);
 }
 
-/* How the drive is known: not at all (there is none), prepared for all lanes alike, as the cosine of each at `at`. */
+/* How the drive is known: not at all (there is none), prepared for all lanes alike, as the cosine
+ * of each at `at`. */
 struct WITH(drive) {
     bool timed, alike;
     double at;
@@ -127,7 +136,8 @@ struct WITH(drive) {
 
 /* The drive at the place-th time of step i. */
 FAST void WITH(look)(struct WITH(known) * known, int parts, int from, struct WITH(drive) * drive,
-                     const struct lanes *lanes, const struct lane_march *march, int64_t i, int place, double t)
+                     const struct lanes *lanes, const struct lane_march *march, int64_t i,
+                     int index, double t)
 {
     double own[LANES] __attribute__((aligned(64)));
     if (!drive->timed || (!drive->alike && t == drive->at))
@@ -136,24 +146,24 @@ FAST void WITH(look)(struct WITH(known) * known, int parts, int from, struct WIT
         lanes_cosine(lanes, t, from * WIDE, parts * WIDE, own);
     drive->at = t;
     UNROLL for (int q = 0; q < parts; q++) known[q].cosine =
-        drive->alike ? march->cosine[i * march->places + place] - (vector){0} : WITH(load)(own, q);
+        drive->alike ? march->cosine[i * march->indices + index] - (vector){0} : WITH(load)(own, q);
 }
 
 /* ---- explicit Runge-Kutta ---- */
 
 /* z = y + sum_j (h w_j) k_j */
-FAST void WITH(combine)(int parts, const struct shares *shares, int count, int only, vector (*k)[2][PARTS],
-                        int component, const vector *y, vector *z)
+FAST void WITH(combine)(int parts, const struct fractions *fractions, int count, int only,
+                        vector (*k)[2][PARTS], int component, const vector *y, vector *z)
 {
     vector sum[PARTS];
     UNROLL for (int q = 0; q < parts; q++) sum[q] = -(vector){0};
     UNROLL for (int j = 0; j < count; j++) UNROLL for (int q = 0; q < parts; q++) sum[q] +=
-        shares->share[j] * k[only < 0 ? shares->stage[j] : only + j][component][q];
+        fractions->fraction[j] * k[only < 0 ? fractions->stage[j] : only + j][component][q];
     UNROLL for (int q = 0; q < parts; q++) z[q] = y[q] + sum[q];
 }
 
-FAST void WITH(slope)(int parts, WITH(force) * force, const struct WITH(known) * known, vector z[2][PARTS],
-                      vector k[2][PARTS])
+FAST void WITH(slope)(int parts, WITH(force) * force, const struct WITH(known) * known,
+                      vector z[2][PARTS], vector k[2][PARTS])
 {
     UNROLL for (int q = 0; q < parts; q++) k[0][q] = z[1][q];
     force(parts, known, z, k[1]);
@@ -172,8 +182,8 @@ FAST bool WITH(turned)(int parts, const vector *before, const vector *after)
 }
 
 /* `parts` vectors from `from` on. chain: four stages, each from the one before. */
-FAST void WITH(rk)(bool chain, int parts, int from, WITH(force) * force, struct WITH(drive) drive, bool turns,
-                   struct lanes *lanes, const struct lane_march *march)
+FAST void WITH(rk)(bool chain, int parts, int from, WITH(force) * force, struct WITH(drive) drive,
+                   bool turns, struct lanes *lanes, const struct lane_march *march)
 {
     const double h = lanes->h;
     const int stages = chain ? 4 : lanes->method->tableau->stages;
@@ -189,7 +199,8 @@ FAST void WITH(rk)(bool chain, int parts, int from, WITH(force) * force, struct 
         for (int i = 0; i < 2; i++)
             WITH(begin)(parts, from, lanes->kept[i], k[stages - 1][i]);
     } else if (fsal) {
-        WITH(look)(known, parts, from, &drive, lanes, march, 0, 0, lanes->t0 + (double)march->first * h);
+        WITH(look)
+        (known, parts, from, &drive, lanes, march, 0, 0, lanes->t0 + (double)march->first * h);
         WITH(slope)(parts, force, known, y, k[stages - 1]);
     }
     for (int64_t i = 0; i < march->count; i++) {
@@ -202,15 +213,17 @@ FAST void WITH(rk)(bool chain, int parts, int from, WITH(force) * force, struct 
             WITH(slope)(parts, force, known, y, k[0]);
         }
         for (int s = 1; s < stages; s++) {
-            const struct shares *shares = &march->shares[s];
+            const struct fractions *fractions = &march->fractions[s];
             for (int j = 0; j < 2; j++)
-                WITH(combine)(parts, shares, chain ? 1 : shares->count, chain ? s - 1 : -1, k, j, y[j], z[j]);
+                WITH(combine)
+            (parts, fractions, chain ? 1 : fractions->count, chain ? s - 1 : -1, k, j, y[j], z[j]);
             WITH(look)(known, parts, from, &drive, lanes, march, i, s, t + c[s] * h);
             WITH(slope)(parts, force, known, z, k[s]);
         }
         for (int j = 0; j < 2 && !fsal; j++)
             WITH(combine)
-            (parts, &march->shares[0], chain ? 4 : march->shares[0].count, chain ? 0 : -1, k, j, y[j], z[j]);
+        (parts, &march->fractions[0], chain ? 4 : march->fractions[0].count, chain ? 0 : -1, k, j,
+         y[j], z[j]);
         if (turns && WITH(turned)(parts, y[1], z[1])) {
             struct lane_step step;
             for (int j = 0; j < 2; j++) {
@@ -247,13 +260,13 @@ FAST void WITH(flow)(int parts, int from, const struct lanes *lanes, vector *v)
         const vector pull = WITH(load)(lanes->pull, from + q) * WITH(magnitude)(v[q]);
         v[q] = v[q] * WITH(load)(lanes->keep, from + q);
         if (lanes->divides)
-            v[q] = v[q] / (WITH(load)(lanes->least, from + q) + pull);
+            v[q] = v[q] / (WITH(load)(lanes->min, from + q) + pull);
     }
 }
 
 FAST void WITH(kick)(const struct split_way *way, int parts, int from, WITH(force) * drag,
-                     const struct WITH(known) * known, const struct lanes *lanes, int place, double w,
-                     const vector *pull, vector z[2][PARTS])
+                     const struct WITH(known) * known, const struct lanes *lanes, int index,
+                     double w, const vector *pull, vector z[2][PARTS])
 {
     vector a[PARTS];
     if (way->drag == DRAG_EXPLICIT)
@@ -263,8 +276,8 @@ FAST void WITH(kick)(const struct split_way *way, int parts, int from, WITH(forc
         if (way->drag == DRAG_EXPLICIT) {
             z[1][q] += w * (pull[q] + a[q]);
         } else if (way->drag == DRAG_EXACT && !way->around) {
-            z[1][q] += pull[q] * WITH(load)(lanes->frozen[place].pull, from + q) -
-                       z[1][q] * WITH(load)(lanes->frozen[place].lost, from + q);
+            z[1][q] += pull[q] * WITH(load)(lanes->frozen[index].pull, from + q) -
+                       z[1][q] * WITH(load)(lanes->frozen[index].lost, from + q);
         } else {
             z[1][q] += w * pull[q];
         }
@@ -272,8 +285,9 @@ FAST void WITH(kick)(const struct split_way *way, int parts, int from, WITH(forc
 }
 
 /* euler: a drift, then a kick. */
-FAST void WITH(split)(bool euler, enum drag variant, int parts, int from, WITH(force) * force, WITH(force) * drag,
-                      struct WITH(drive) drive, struct lanes *lanes, const struct lane_march *march)
+FAST void WITH(split)(bool euler, enum drag variant, int parts, int from, WITH(force) * force,
+                      WITH(force) * drag, struct WITH(drive) drive, struct lanes *lanes,
+                      const struct lane_march *march)
 {
     const double h = lanes->h;
     struct split_way way;
@@ -293,14 +307,14 @@ FAST void WITH(split)(bool euler, enum drag variant, int parts, int from, WITH(f
         double t = lanes->t0 + (double)(march->first + i) * h;
         if (way.around)
             WITH(flow)(parts, from, lanes, z[1]);
-        for (int place = 0; place < count; place++) {
-            const double w = euler ? weights[place] : march->weight[place];
-            if ((place % 2 == 0) == kick_first) {
-                if (!(place == 0 && way.continues && (lanes->step > 0 || i > 0))) {
-                    WITH(look)(known, parts, from, &drive, lanes, march, i, place, t);
+        for (int index = 0; index < count; index++) {
+            const double w = euler ? weights[index] : march->weight[index];
+            if ((index % 2 == 0) == kick_first) {
+                if (!(index == 0 && way.continues && (lanes->step > 0 || i > 0))) {
+                    WITH(look)(known, parts, from, &drive, lanes, march, i, index, t);
                     force(parts, known, z, pull);
                 }
-                WITH(kick)(&way, parts, from, drag, known, lanes, place, w, pull, z);
+                WITH(kick)(&way, parts, from, drag, known, lanes, index, w, pull, z);
             } else {
                 UNROLL for (int q = 0; q < parts; q++) z[0][q] += w * z[1][q];
                 t += w;
@@ -319,8 +333,8 @@ FAST void WITH(split)(bool euler, enum drag variant, int parts, int from, WITH(f
 
 /* ---- the kernels ---- */
 
-TARGET static __attribute__((noinline)) void WITH(any_rk)(const struct WITH(forces) * of, struct lanes *lanes,
-                                                          const struct lane_march *march)
+TARGET static __attribute__((noinline)) void
+WITH(any_rk)(const struct WITH(forces) * of, struct lanes *lanes, const struct lane_march *march)
 {
     const bool timed = of->flags & TERM_TIME, turns = of->flags & TERM_KINK && lanes->turns;
     const struct WITH(drive) drive = {timed, march->cosine || !timed, NAN};
@@ -328,8 +342,8 @@ TARGET static __attribute__((noinline)) void WITH(any_rk)(const struct WITH(forc
         WITH(rk)(false, ANY_PARTS, from, of->both, drive, turns, lanes, march);
 }
 
-TARGET static __attribute__((noinline)) void WITH(any_split)(const struct WITH(forces) * of, struct lanes *lanes,
-                                                             const struct lane_march *march)
+TARGET static __attribute__((noinline)) void
+WITH(any_split)(const struct WITH(forces) * of, struct lanes *lanes, const struct lane_march *march)
 {
     const bool timed = of->flags & TERM_TIME;
     const struct WITH(drive) drive = {timed, march->cosine || !timed, NAN};
@@ -343,35 +357,35 @@ TARGET static __attribute__((noinline)) void WITH(any_split)(const struct WITH(f
 #define SPLIT_PARTS 4
 #define EULER_PARTS 8
 #define LANE_DRIVE(shape) ((struct WITH(drive)){(LANE_FLAGS(shape) & TERM_TIME) != 0, true, NAN})
-#define LANE_RK4(shape)                                                                                                \
-    for (int from = 0; from < PARTS; from += RK_PARTS)                                                                 \
-    WITH(rk)                                                                                                           \
-    (true, RK_PARTS, from, WITH(shape##_both), LANE_DRIVE(shape), LANE_FLAGS(shape) & TERM_KINK && lanes->turns,       \
-     lanes, march)
-#define LANE_SPLIT(shape, euler, variant, parts)                                                                       \
-    for (int from = 0; from < PARTS; from += parts)                                                                    \
-    WITH(split)                                                                                                        \
-    (euler, LANE_FLAGS(shape) & TERM_VELOCITY ? variant : DRAG_DEFAULT, parts, from, WITH(shape##_force),              \
-     WITH(shape##_drag), LANE_DRIVE(shape), lanes, march)
-#define LANE_KERNELS(shape)                                                                                            \
-    TARGET static void WITH(shape##_rk)(struct lanes * lanes, const struct lane_march *march)                          \
-    {                                                                                                                  \
-        const bool alike = march->cosine || !(LANE_FLAGS(shape) & TERM_TIME);                                          \
-        if (WIDE >= WIDE_UNROLLED && march->chain && alike)                                                            \
-            LANE_RK4(shape);                                                                                           \
-        else                                                                                                           \
-            WITH(any_rk)(&WITH(shape##_forces), lanes, march);                                                         \
-    }                                                                                                                  \
-    TARGET static void WITH(shape##_split)(struct lanes * lanes, const struct lane_march *march)                       \
-    {                                                                                                                  \
-        const bool alike = march->cosine || !(LANE_FLAGS(shape) & TERM_TIME);                                          \
-        const bool drags = LANE_FLAGS(shape) & TERM_VELOCITY;                                                          \
-        if (WIDE < WIDE_UNROLLED || !alike)                                                                            \
-            WITH(any_split)(&WITH(shape##_forces), lanes, march);                                                      \
-        else if (march->chain && (!drags || lanes->drag == DRAG_EXPLICIT))                                             \
-            LANE_SPLIT(shape, true, DRAG_EXPLICIT, EULER_PARTS);                                                       \
-        else                                                                                                           \
-            LANE_SPLIT(shape, false, lanes->drag, SPLIT_PARTS);                                                        \
+#define LANE_RK4(shape)                                                                            \
+    for (int from = 0; from < PARTS; from += RK_PARTS)                                             \
+        WITH(rk)                                                                                   \
+    (true, RK_PARTS, from, WITH(shape##_both), LANE_DRIVE(shape),                                  \
+     LANE_FLAGS(shape) & TERM_KINK && lanes->turns, lanes, march)
+#define LANE_SPLIT(shape, euler, variant, parts)                                                   \
+    for (int from = 0; from < PARTS; from += parts)                                                \
+        WITH(split)                                                                                \
+    (euler, LANE_FLAGS(shape) & TERM_VELOCITY ? variant : DRAG_DEFAULT, parts, from,               \
+     WITH(shape##_force), WITH(shape##_drag), LANE_DRIVE(shape), lanes, march)
+#define LANE_KERNELS(shape)                                                                        \
+    TARGET static void WITH(shape##_rk)(struct lanes * lanes, const struct lane_march *march)      \
+    {                                                                                              \
+        const bool alike = march->cosine || !(LANE_FLAGS(shape) & TERM_TIME);                      \
+        if (WIDE >= WIDE_UNROLLED && march->chain && alike)                                        \
+            LANE_RK4(shape);                                                                       \
+        else                                                                                       \
+            WITH(any_rk)(&WITH(shape##_forces), lanes, march);                                     \
+    }                                                                                              \
+    TARGET static void WITH(shape##_split)(struct lanes * lanes, const struct lane_march *march)   \
+    {                                                                                              \
+        const bool alike = march->cosine || !(LANE_FLAGS(shape) & TERM_TIME);                      \
+        const bool drags = LANE_FLAGS(shape) & TERM_VELOCITY;                                      \
+        if (WIDE < WIDE_UNROLLED || !alike)                                                        \
+            WITH(any_split)(&WITH(shape##_forces), lanes, march);                                  \
+        else if (march->chain && (!drags || lanes->drag == DRAG_EXPLICIT))                         \
+            LANE_SPLIT(shape, true, DRAG_EXPLICIT, EULER_PARTS);                                   \
+        else                                                                                       \
+            LANE_SPLIT(shape, false, lanes->drag, SPLIT_PARTS);                                    \
     }
 LANE_SHAPES(LANE_KERNELS)
 

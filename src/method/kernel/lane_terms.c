@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The oscillator's own forces below what was typed, in lanes: the functions of terms.def in loops for vectors. */
+/* The oscillator's own forces below what was typed, in lanes: the functions of terms.def in loops
+ * for vectors. */
 #define UNROLL
 #include "method/kernel/kernel.h"
 
@@ -11,17 +12,18 @@
 #define CLONES
 #endif
 
-#define LANE_TERM(name)                                                                                                \
-    CLONES static void name##_lanes(const double *restrict c, double t, const double *restrict y, double *restrict a)  \
-    {                                                                                                                  \
-        for (int lane = 0; lane < LANES; lane++) {                                                                     \
-            double own[TERM_COEFFICIENTS], sum = a[lane];                                                              \
-            const double state[N] = {y[lane], y[LANES + lane]};                                                        \
-            for (int j = 0; j < TERM_COEFFICIENTS; j++)                                                                \
-                own[j] = c[j * LANES + lane];                                                                          \
-            name##_add(own, t, state, &sum);                                                                           \
-            a[lane] = sum;                                                                                             \
-        }                                                                                                              \
+#define LANE_TERM(name)                                                                            \
+    CLONES static void name##_lanes(const double *restrict c, double t, const double *restrict y,  \
+                                    double *restrict a)                                            \
+    {                                                                                              \
+        for (int lane = 0; lane < LANES; lane++) {                                                 \
+            double own[TERM_COEFFICIENTS], sum = a[lane];                                          \
+            const double state[N] = {y[lane], y[LANES + lane]};                                    \
+            for (int j = 0; j < TERM_COEFFICIENTS; j++)                                            \
+                own[j] = c[j * LANES + lane];                                                      \
+            name##_add(own, t, state, &sum);                                                       \
+            a[lane] = sum;                                                                         \
+        }                                                                                          \
     }
 #define CONSERVATIVE_TERM(name, ...) LANE_TERM(name)
 #define POWERED_TERM(name, ...) LANE_TERM(name)

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Many trajectories at once: what oscillators (kernel_lanes.c) and typed scenes (kernel_typed_lanes.c) share. */
+/* Many trajectories at once: what oscillators (kernel_lanes.c) and typed scenes
+ * (kernel_typed_lanes.c) share. */
 #ifndef HOOKE_METHOD_KERNEL_LANES_H
 #define HOOKE_METHOD_KERNEL_LANES_H
 
@@ -19,8 +20,9 @@ static inline bool lane_turns(double v0, double v1)
 }
 
 /*
- * step: at its start, all but `warm` set; its state becomes that after it, NaN where that fails. slope [n]: the step's
- * first one, afterwards the last. Returns the evaluations beyond those of a step.
+ * step: at its start, all but `warm` set; its state becomes that after it, NaN where that fails.
+ * slope [n]: the step's first one, afterwards the last. Returns the evaluations beyond those of a
+ * step.
  */
 static inline int64_t lane_turn(const struct method *method, struct step *step, double *slope)
 {
@@ -41,7 +43,8 @@ static inline int64_t lane_turn(const struct method *method, struct step *step, 
 /* Adds a built-in force to a [LANES]; c [TERM_COEFFICIENTS][LANES], y [2][LANES] */
 typedef void lane_term_function(const double *c, double t, const double *y, double *a);
 
-lane_term_function *lane_term(const struct term_row *row); /* kernel_lane_terms.c; NULL: not one of the oscillator's */
+lane_term_function *
+lane_term(const struct term_row *row); /* kernel_lane_terms.c; NULL: not one of the oscillator's */
 
 struct typed_lanes;
 

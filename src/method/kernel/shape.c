@@ -1,27 +1,28 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * What kernels have of each shape of scene whatever the method: its forces as one function, and steps of any
- * splitting, which wait for the forces rather than for the weights. Rows that people wait for have kernels of their own
- * (kernel.c).
+ * What kernels have of each shape of scene whatever the method: its forces as one function, and
+ * steps of any splitting, which wait for the forces rather than for the weights. Rows that people
+ * wait for have kernels of their own (kernel.c).
  */
 #include "method/kernel/kernel.h"
 #include "method/kernel/typed.h"
 
 /* ---- forces as functions of what stands in registers ---- */
 
-#define RUN(name)                                                                                                      \
-    static struct leading name(const struct program *program, double t, double q, double v, const double *state,       \
-                               const double *given, double *output, double *frame)
+#define RUN(name)                                                                                  \
+    static struct leading name(const struct program *program, double t, double q, double v,        \
+                               const double *state, const double *given, double *output,           \
+                               double *frame)
 
-#define SHAPE_RUN(shape)                                                                                               \
-    RUN(shape##_run)                                                                                                   \
-    {                                                                                                                  \
-        const struct forces *forces = (const struct forces *)(const void *)frame;                                      \
-        const double line[N] = {q, v}, *const y = (int)SIZE_##shape == (int)N ? line : state;                          \
-        double a[2] = {-0.0, -0.0};                                                                                    \
-        (void)program, (void)given, (void)output;                                                                      \
-        TERMS_OF_##shape(TERM_ALWAYS);                                                                                 \
-        return (struct leading){a[0], a[1]};                                                                           \
+#define SHAPE_RUN(shape)                                                                           \
+    RUN(shape##_run)                                                                               \
+    {                                                                                              \
+        const struct forces *forces = (const struct forces *)(const void *)frame;                  \
+        const double line[N] = {q, v}, *const y = (int)SIZE_##shape == (int)N ? line : state;      \
+        double a[2] = {-0.0, -0.0};                                                                \
+        (void)program, (void)given, (void)output;                                                  \
+        TERMS_OF_##shape(TERM_ALWAYS);                                                             \
+        return (struct leading){a[0], a[1]};                                                       \
     }
 ALL_SHAPES(SHAPE_RUN)
 
@@ -56,24 +57,26 @@ static bool built_in_take(const struct system *system, struct part *part, double
 
 /* ---- typed ones ---- */
 
-static bool sum_take(struct sum *sum, struct known *known, int *room, const struct bound_term *term)
+static bool sum_take(struct sum *sum, struct known *known, int *capacity,
+                     const struct bound_term *term)
 {
     int values;
     const struct program *const program = term_program(term, &values);
-    const int places = program ? (int)program_frame(program) : 0;
-    if (places > *room)
+    const int indices = program ? (int)program_frame(program) : 0;
+    if (indices > *capacity)
         return false;
-    *room -= places;
-    sum->part[sum->parts++] =
-        (struct part){program ? program_code(program) : NULL, program, term, known->frame + *room};
+    *capacity -= indices;
+    sum->part[sum->parts++] = (struct part){program ? program_code(program) : NULL, program, term,
+                                            known->frame + *capacity};
     if (program)
-        program_prepare(program, known->frame + *room);
+        program_prepare(program, known->frame + *capacity);
     return true;
 }
 
 /* The sum of parts over one coordinate. */
-static struct leading sum_run(const struct program *program, double t, double q, double v, const double *state,
-                              const double *given, double *output, double *frame)
+static struct leading sum_run(const struct program *program, double t, double q, double v,
+                              const double *state, const double *given, double *output,
+                              double *frame)
 {
     const struct sum *sum = (const struct sum *)(const void *)frame;
     const double y[2] = {q, v};
@@ -81,7 +84,8 @@ static struct leading sum_run(const struct program *program, double t, double q,
     (void)program, (void)state, (void)given, (void)output;
     for (const struct part *part = sum->part; part < sum->part + sum->parts; part++) {
         if (part->run)
-            a += part->run(part->program, t, q, v, NULL, part->term->c + 1, NULL, part->frame).first;
+            a +=
+                part->run(part->program, t, q, v, NULL, part->term->c + 1, NULL, part->frame).first;
         else
             part->term->row->add(part->term->c, t, y, &a);
     }
@@ -95,22 +99,24 @@ bool sum_is_one(const struct sum *sum)
 
 static void sum_close(struct sum *sum, const struct system *system)
 {
-    sum->all = sum_is_one(sum) ? sum->part[0] : (struct part){sum_run, NULL, system->term, (double *)(void *)sum};
+    sum->all = sum_is_one(sum) ? sum->part[0]
+                               : (struct part){sum_run, NULL, system->term, (double *)(void *)sum};
 }
 
 bool known_take(struct known *known, const struct system *system)
 {
     const struct bound_term *const whole = system_whole(system);
-    int room = FRAME;
+    int capacity = FRAME;
     known->whole.parts = known->force.parts = known->drag.parts = 0;
     if (!system->typed.row)
         return built_in_take(system, &known->whole.all, known->frame);
-    if (whole && !sum_take(&known->whole, known, &room, whole))
+    if (whole && !sum_take(&known->whole, known, &capacity, whole))
         return false;
     for (int i = 0; i < system->terms; i++) {
         const struct bound_term *const term = &system->term[i];
-        if (!sum_take(term->row->flags & TERM_VELOCITY ? &known->drag : &known->force, known, &room, term) ||
-            (!whole && !sum_take(&known->whole, known, &room, term)))
+        if (!sum_take(term->row->flags & TERM_VELOCITY ? &known->drag : &known->force, known,
+                      &capacity, term) ||
+            (!whole && !sum_take(&known->whole, known, &capacity, term)))
             return false;
     }
     sum_close(&known->whole, system);
@@ -125,8 +131,9 @@ int typed_shape(const struct system *system, bool splits)
     if (!known_take(&known, system))
         return -1;
     const bool one =
-        !system->typed.row || (splits ? sum_is_one(&known.force) && (known.drag.parts == 0 || sum_is_one(&known.drag))
-                                      : sum_is_one(&known.whole));
+        !system->typed.row ||
+        (splits ? sum_is_one(&known.force) && (known.drag.parts == 0 || sum_is_one(&known.drag))
+                : sum_is_one(&known.whole));
     const bool motion = system->order == 2;
     switch (system->n) {
     case 2:
@@ -142,26 +149,27 @@ int typed_shape(const struct system *system, bool splits)
 
 /* ---- splittings ---- */
 
-#define SHAPE_SPLIT(shape)                                                                                             \
-    static int64_t shape##_split(const struct method *method, const struct march *march)                               \
-    {                                                                                                                  \
-        const bool velocity = (0 TERMS_OF_##shape(HAS_VELOCITY)) != 0;                                                 \
-        const enum drag drag = velocity ? march->step->drag : DRAG_DEFAULT;                                            \
-        struct forces forces;                                                                                          \
-        forces_take(&forces, march->step->system, 0 TERMS_OF_##shape(ONE_MORE));                                                                     \
-        return split_march(method, SIZE_##shape, drag, shape##_force, shape##_drag, &forces, march);                   \
+#define SHAPE_SPLIT(shape)                                                                         \
+    static int64_t shape##_split(const struct method *method, const struct march *march)           \
+    {                                                                                              \
+        const bool velocity = (0 TERMS_OF_##shape(HAS_VELOCITY)) != 0;                             \
+        const enum drag drag = velocity ? march->step->drag : DRAG_DEFAULT;                        \
+        struct forces forces;                                                                      \
+        forces_take(&forces, march->step->system, 0 TERMS_OF_##shape(ONE_MORE));                   \
+        return split_march(method, SIZE_##shape, drag, shape##_force, shape##_drag, &forces,       \
+                           march);                                                                 \
     }
 ALL_SHAPES(SHAPE_SPLIT)
 
 TYPED_MOTIONS(SPLIT_FUNCTIONS)
-#define TYPED_SPLIT(name, n)                                                                                           \
-    static int64_t name##_split(const struct method *method, const struct march *march)                                \
-    {                                                                                                                  \
-        const bool velocity = march->step->system->velocity;                                                           \
-        const enum drag drag = velocity ? DRAG_EXPLICIT : DRAG_DEFAULT;                                                \
-        struct known known;                                                                                            \
-        known_take(&known, march->step->system);                                                                       \
-        return split_march(method, n, drag, name##_force, name##_drag, &known, march);                                 \
+#define TYPED_SPLIT(name, n)                                                                       \
+    static int64_t name##_split(const struct method *method, const struct march *march)            \
+    {                                                                                              \
+        const bool velocity = march->step->system->velocity;                                       \
+        const enum drag drag = velocity ? DRAG_EXPLICIT : DRAG_DEFAULT;                            \
+        struct known known;                                                                        \
+        known_take(&known, march->step->system);                                                   \
+        return split_march(method, n, drag, name##_force, name##_drag, &known, march);             \
     }
 TYPED_MOTIONS(TYPED_SPLIT)
 

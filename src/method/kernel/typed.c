@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Kernels of typed scenes: the step bodies of explicit Runge-Kutta methods and splittings with programs for the forces,
- * for up to four variables.
+ * Kernels of typed scenes: the step bodies of explicit Runge-Kutta methods and splittings with
+ * programs for the forces, for up to four variables.
  */
 #define UNROLL _Pragma("GCC unroll 32")
 enum { MOST = 4 };
@@ -13,17 +13,17 @@ enum { MOST = 4 };
 #define RK_ROW JOIN(rk_, __LINE__)
 #define RK_NAME(shape) JOIN(shape##_rk_, __LINE__)
 
-#define RK_KERNEL(name, n)                                                                                             \
-    static int64_t RK_NAME(name)(const struct method *method, const struct march *march)                               \
-    {                                                                                                                  \
-        struct known known;                                                                                            \
-        (void)method;                                                                                                  \
-        known_take(&known, march->step->system);                                                                       \
-        return rk_march(&RK_ROW, n, name##_slope, &known, march);                                                      \
+#define RK_KERNEL(name, n)                                                                         \
+    static int64_t RK_NAME(name)(const struct method *method, const struct march *march)           \
+    {                                                                                              \
+        struct known known;                                                                        \
+        (void)method;                                                                              \
+        known_take(&known, march->step->system);                                                   \
+        return rk_march(&RK_ROW, n, name##_slope, &known, march);                                  \
     }
-#define RUNGE_KUTTA(...)                                                                                               \
-    static const struct method RK_ROW = {.step = rk_step, __VA_ARGS__};                                                \
-    TYPED_MOTIONS(RK_KERNEL)                                                                                           \
+#define RUNGE_KUTTA(...)                                                                           \
+    static const struct method RK_ROW = {.step = rk_step, __VA_ARGS__};                            \
+    TYPED_MOTIONS(RK_KERNEL)                                                                       \
     TYPED_FLOWS(RK_KERNEL)
 #include "method/rows/rk.def"
 #undef RUNGE_KUTTA
@@ -37,7 +37,8 @@ static const struct {
 #include "method/rows/rk.def"
 };
 
-march_function *typed_kernel(const struct method *method, const struct system *system, enum drag drag)
+march_function *typed_kernel(const struct method *method, const struct system *system,
+                             enum drag drag)
 {
     const int shape = typed_shape(system, method->splitting != NULL);
     if (shape < 0 || (method->splitting && system->velocity && drag != DRAG_EXPLICIT))
@@ -45,7 +46,8 @@ march_function *typed_kernel(const struct method *method, const struct system *s
     if (method->splitting)
         return typed_split(shape);
     for (size_t i = 0; i < COUNT_OF(kernels); i++)
-        if (method->step == kernels[i].method->step && strcmp(kernels[i].method->row.name, method->row.name) == 0)
+        if (method->step == kernels[i].method->step &&
+            strcmp(kernels[i].method->row.name, method->row.name) == 0)
             return kernels[i].march[shape];
     return NULL;
 }

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Forces for kernels that do not know them: programs of typed scenes, ready to be called, and built-in terms as
- * functions of the same kind; and shapes by the number of variables. What such a function takes and returns in
- * registers stays there: a force of one coordinate needs no memory.
+ * Forces for kernels that do not know them: programs of typed scenes, ready to be called, and
+ * built-in terms as functions of the same kind; and shapes by the number of variables. What such a
+ * function takes and returns in registers stays there: a force of one coordinate needs no memory.
  */
 #ifndef HOOKE_METHOD_KERNEL_TYPED_H
 #define HOOKE_METHOD_KERNEL_TYPED_H
@@ -30,24 +30,27 @@ struct known {
     double frame[FRAME];
 };
 
-/* False: the system is neither typed nor an equation of motion of one or two coordinates, or too large. */
+/* False: the system is neither typed nor an equation of motion of one or two coordinates, or too
+ * large. */
 bool known_take(struct known *known, const struct system *system);
 
 /* Has the sum one part, which is a program? */
 bool sum_is_one(const struct sum *sum);
 
 /* out [rows], of n state variables */
-INLINE void part_evaluate(const struct part *part, int n, int rows, double t, const double *y, double *out)
+INLINE void part_evaluate(const struct part *part, int n, int rows, double t, const double *y,
+                          double *out)
 {
-    const struct leading leading = part->run(part->program, t, y[0], y[1], n > 2 ? y : NULL, part->term->c + 1,
-                                             rows > 2 ? out : NULL, part->frame);
+    const struct leading leading = part->run(part->program, t, y[0], y[1], n > 2 ? y : NULL,
+                                             part->term->c + 1, rows > 2 ? out : NULL, part->frame);
     out[0] = leading.first;
     if (rows > 1)
         out[1] = leading.second;
 }
 
 /* The sum of all parts. */
-INLINE void one_evaluate(const struct sum *sum, int n, int rows, double t, const double *y, double *out)
+INLINE void one_evaluate(const struct sum *sum, int n, int rows, double t, const double *y,
+                         double *out)
 {
     part_evaluate(&sum->all, n, rows, t, y, out);
 }
@@ -56,25 +59,25 @@ INLINE void one_evaluate(const struct sum *sum, int n, int rows, double t, const
 #define TYPED_FLOWS(S) S(typed_two, 2) S(typed_three, 3)
 
 #define KNOWN(known) ((const struct known *)(known))
-#define MOTION_FUNCTIONS(name, n)                                                                                      \
-    INLINE void name##_slope(const void *known, double t, const double *y, double *dydt)                               \
-    {                                                                                                                  \
-        copy_numbers((n) / 2, y + (n) / 2, dydt);                                                                      \
-        one_evaluate(&KNOWN(known)->whole, n, (n) / 2, t, y, dydt + (n) / 2);                                          \
+#define MOTION_FUNCTIONS(name, n)                                                                  \
+    INLINE void name##_slope(const void *known, double t, const double *y, double *dydt)           \
+    {                                                                                              \
+        copy_numbers((n) / 2, y + (n) / 2, dydt);                                                  \
+        one_evaluate(&KNOWN(known)->whole, n, (n) / 2, t, y, dydt + (n) / 2);                      \
     }
-#define FLOW_FUNCTIONS(name, n)                                                                                        \
-    INLINE void name##_slope(const void *known, double t, const double *y, double *dydt)                               \
-    {                                                                                                                  \
-        one_evaluate(&KNOWN(known)->whole, n, n, t, y, dydt);                                                          \
+#define FLOW_FUNCTIONS(name, n)                                                                    \
+    INLINE void name##_slope(const void *known, double t, const double *y, double *dydt)           \
+    {                                                                                              \
+        one_evaluate(&KNOWN(known)->whole, n, n, t, y, dydt);                                      \
     }
-#define SPLIT_FUNCTIONS(name, n)                                                                                       \
-    INLINE void name##_force(const void *known, double t, const double *y, double *a)                                  \
-    {                                                                                                                  \
-        one_evaluate(&KNOWN(known)->force, n, (n) / 2, t, y, a);                                                       \
-    }                                                                                                                  \
-    INLINE void name##_drag(const void *known, double t, const double *y, double *a)                                   \
-    {                                                                                                                  \
-        one_evaluate(&KNOWN(known)->drag, n, (n) / 2, t, y, a);                                                        \
+#define SPLIT_FUNCTIONS(name, n)                                                                   \
+    INLINE void name##_force(const void *known, double t, const double *y, double *a)              \
+    {                                                                                              \
+        one_evaluate(&KNOWN(known)->force, n, (n) / 2, t, y, a);                                   \
+    }                                                                                              \
+    INLINE void name##_drag(const void *known, double t, const double *y, double *a)               \
+    {                                                                                              \
+        one_evaluate(&KNOWN(known)->drag, n, (n) / 2, t, y, a);                                    \
     }
 TYPED_MOTIONS(MOTION_FUNCTIONS)
 TYPED_FLOWS(FLOW_FUNCTIONS)

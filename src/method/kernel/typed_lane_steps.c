@@ -1,10 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Typed scenes, many trajectories at once: explicit Runge-Kutta methods and splittings, the operations of rk_body.h and
- * split_body.h in their order on every lane, with programs for the forces. The stages' states stand where the programs
- * read them, and slopes are written where the sums want them.
+ * Typed scenes, many trajectories at once: explicit Runge-Kutta methods and splittings, the
+ * operations of rk_body.h and split_body.h in their order on every lane, with programs for the
+ * forces. The stages' states stand where the programs read them, and slopes are written where the
+ * sums want them.
  *
- * Where the method turns, a lane whose velocity changes its sign has its step taken again alone, in pieces.
+ * Where the method turns, a lane whose velocity changes its sign has its step taken again alone, in
+ * pieces.
  */
 #define UNROLL _Pragma("GCC unroll 16")
 #include "method/kernel/typed_lanes.h"
@@ -26,12 +28,13 @@ static inline void fill(double *lane, double value)
 }
 
 /* Adds what a built-in term adds. */
-static void add_built_in(struct typed_lanes *lanes, const struct lane_term *term, double t, double *out)
+static void add_built_in(struct typed_lanes *lanes, const struct lane_term *term, double t,
+                         double *out)
 {
     const double *state = lanes->input + LANES;
     if (term->once) {
         double a = -0.0;
-        term->row->add(lanes->system[0]->term[term->place].c, t, lanes->system[0]->start, &a);
+        term->row->add(lanes->system[0]->term[term->index].c, t, lanes->system[0]->start, &a);
         for (int lane = 0; lane < LANES; lane++)
             out[lane] += a;
     } else if (term->add) {
@@ -43,7 +46,7 @@ static void add_built_in(struct typed_lanes *lanes, const struct lane_term *term
                 y[i] = state[i * LANES + lane];
             for (int i = 0; i < lanes->rows; i++)
                 a[i] = out[i * LANES + lane];
-            term->row->add(lanes->system[lane]->term[term->place].c, t, y, a);
+            term->row->add(lanes->system[lane]->term[term->index].c, t, y, a);
             for (int i = 0; i < lanes->rows; i++)
                 out[i * LANES + lane] = a[i];
         }
@@ -80,7 +83,8 @@ INLINE void forces(struct typed_lanes *lanes, unsigned mask, unsigned wanted, do
 INLINE void slope(struct typed_lanes *lanes, double t, double *out)
 {
     const int positions = lanes->n - lanes->rows;
-    memcpy(out, lanes->input + (1 + lanes->n - positions) * LANES, (size_t)positions * LANES * sizeof *out);
+    memcpy(out, lanes->input + (1 + lanes->n - positions) * LANES,
+           (size_t)positions * LANES * sizeof *out);
     forces(lanes, 0, 0, t, out + positions * LANES);
 }
 
@@ -99,13 +103,15 @@ static void begin(struct typed_lanes *lanes)
     unsigned char known[1 + LIMIT_VARIABLES + TERM_VALUES] = {LANES_ALIKE}; /* t */
     const double *value = lanes->input + (1 + lanes->n) * LANES;
     for (int i = 0; i < lanes->values; i++)
-        known[1 + lanes->n + i] = alike(value + i * LANES, 1) ? LANES_FIXED | LANES_ALIKE : LANES_FIXED;
+        known[1 + lanes->n + i] =
+            alike(value + i * LANES, 1) ? LANES_FIXED | LANES_ALIKE : LANES_FIXED;
     for (int i = 0; i < lanes->terms; i++) {
         struct lane_term *term = &lanes->term[i];
         if (term->program)
             program_prepare_lanes(term->program, lanes->input, known, term->frame);
         else
-            term->once = !term->row->jacobian && lanes->rows == 1 && alike(term->c, TERM_COEFFICIENTS);
+            term->once =
+                !term->row->jacobian && lanes->rows == 1 && alike(term->c, TERM_COEFFICIENTS);
     }
     if (lanes->method->tableau) {
         memcpy(lanes->y, lanes->input + LANES, (size_t)lanes->n * LANES * sizeof *lanes->y);
@@ -119,7 +125,7 @@ static void begin(struct typed_lanes *lanes)
 typedef double eight __attribute__((vector_size(64), aligned(64), may_alias));
 
 /* z = y + sum_j share_j k_j, each [n] */
-INLINE void combine(const struct shares *sum, int n, const double *k, const double *y, double *z)
+INLINE void combine(const struct fractions *sum, int n, const double *k, const double *y, double *z)
 {
     enum { AT_ONCE = 4 };
     const eight *from = (const eight *)(const void *)y;
@@ -128,11 +134,11 @@ INLINE void combine(const struct shares *sum, int n, const double *k, const doub
     for (int q = 0; q < size; q += AT_ONCE) {
         eight total[AT_ONCE];
         const eight *slope = (const eight *)(const void *)k + sum->stage[0] * size + q;
-        UNROLL for (int p = 0; p < AT_ONCE; p++) total[p] = sum->share[0] * slope[p];
+        UNROLL for (int p = 0; p < AT_ONCE; p++) total[p] = sum->fraction[0] * slope[p];
         for (int j = 1; j < sum->count; j++) {
-            const double share = sum->share[j];
+            const double fraction = sum->fraction[j];
             slope = (const eight *)(const void *)k + sum->stage[j] * size + q;
-            UNROLL for (int p = 0; p < AT_ONCE; p++) total[p] += share * slope[p];
+            UNROLL for (int p = 0; p < AT_ONCE; p++) total[p] += fraction * slope[p];
         }
         UNROLL for (int p = 0; p < AT_ONCE; p++) to[q + p] = from[q + p] + total[p];
     }
@@ -188,7 +194,8 @@ static void look(struct typed_lanes *lanes, double *row)
         memcpy(row + LANES, state + lanes->rows * LANES, size);
     } else if (!lanes->method->tableau->fsal || !lanes->timed) {
         memcpy(row + LANES, lanes->k, size);
-    } else { /* the last slope belongs to t + h, which rounds in another way than the time of the next step */
+    } else { /* the last slope belongs to t + h, which rounds in another way than the time of the
+                next step */
         slope(lanes, lanes->t0 + (double)lanes->step * lanes->h, lanes->spare);
         memcpy(row + LANES, lanes->spare, size);
     }
@@ -204,11 +211,11 @@ CLONES static void rk_march(struct typed_lanes *lanes, int64_t count, double *ro
     for (int64_t i = 0; i < count; i++) {
         const double t = lanes->t0 + (double)lanes->step * h;
         for (int s = 1; s < stages; s++) {
-            combine(&lanes->shares[s], n, k, y, z);
+            combine(&lanes->fractions[s], n, k, y, z);
             slope(lanes, t + tableau->c[s] * h, k + s * n * LANES);
         }
         if (!tableau->fsal)
-            combine(&lanes->shares[0], n, k, y, z);
+            combine(&lanes->fractions[0], n, k, y, z);
         if (lanes->turns && any_turns(y + n / 2 * LANES, z + n / 2 * LANES))
             turn(lanes, t, z);
         lanes->step++;
@@ -229,13 +236,14 @@ static void flow(const struct typed_lanes *lanes, double *v)
 {
     for (int i = 0; i < lanes->rows; i++, v += LANES)
         for (int lane = 0; lane < LANES; lane++) {
-            const struct drag_flow half = {lanes->half[lane], lanes->half[LANES + lane], lanes->half[2 * LANES + lane]};
+            const struct drag_flow half = {lanes->half[lane], lanes->half[LANES + lane],
+                                           lanes->half[2 * LANES + lane]};
             v[lane] = drag_flow_apply(&half, v[lane]);
         }
 }
 
 /* As split_kick(). */
-INLINE void kick(struct typed_lanes *lanes, int place, double t, double w, double *restrict v)
+INLINE void kick(struct typed_lanes *lanes, int index, double t, double w, double *restrict v)
 {
     const double *restrict pull = lanes->pull, *restrict drag = lanes->drag;
     const int count = lanes->rows * LANES;
@@ -244,9 +252,9 @@ INLINE void kick(struct typed_lanes *lanes, int place, double t, double w, doubl
         for (int l = 0; l < count; l++)
             v[l] += w * (pull[l] + drag[l]);
     } else if (lanes->way.drag == DRAG_EXACT && !lanes->way.around) {
-        const double *lost = lanes->frozen + 2 * place * LANES, *share = lost + LANES;
+        const double *lost = lanes->frozen + 2 * index * LANES, *fraction = lost + LANES;
         for (int l = 0; l < count; l++)
-            v[l] += pull[l] * share[l % LANES] - v[l] * lost[l % LANES];
+            v[l] += pull[l] * fraction[l % LANES] - v[l] * lost[l % LANES];
     } else {
         for (int l = 0; l < count; l++)
             v[l] += w * pull[l];
@@ -257,20 +265,20 @@ CLONES static void split_march(struct typed_lanes *lanes, int64_t count, double 
 {
     const struct split_way *way = &lanes->way;
     const struct splitting *splitting = way->splitting;
-    const int most = lanes->rows * LANES;
-    double *restrict q = lanes->input + LANES, *restrict v = q + most;
+    const int max = lanes->rows * LANES;
+    double *restrict q = lanes->input + LANES, *restrict v = q + max;
     for (int64_t i = 0; i < count; i++) {
         double t = lanes->t0 + (double)lanes->step * lanes->h;
         if (way->around)
             flow(lanes, v);
-        for (int place = 0; place < splitting->count; place++) {
-            const double w = splitting_weight(splitting, place) * lanes->h;
-            if ((place % 2 == 0) == splitting->kick_first) {
-                if (!(place == 0 && way->continues && lanes->step > 0))
+        for (int index = 0; index < splitting->count; index++) {
+            const double w = splitting_weight(splitting, index) * lanes->h;
+            if ((index % 2 == 0) == splitting->kick_first) {
+                if (!(index == 0 && way->continues && lanes->step > 0))
                     forces(lanes, TERM_VELOCITY, 0, t, lanes->pull);
-                kick(lanes, place, t, w, v);
+                kick(lanes, index, t, w, v);
             } else {
-                for (int l = 0; l < most; l++)
+                for (int l = 0; l < max; l++)
                     q[l] += w * v[l];
                 t += w;
             }

@@ -4,13 +4,13 @@
 
 #include <stdlib.h>
 
-enum { ROOM_MOST = 1 << 18 /* [double] what is larger goes alone */ };
+enum { ROOM_MAX = 1 << 18 /* [double] what is larger goes alone */ };
 
 /* ---- room ---- */
 
 static void take(struct typed_lanes *lanes, double **where, size_t count)
 {
-    *where = lanes->room ? lanes->room + lanes->used : NULL;
+    *where = lanes->capacity ? lanes->capacity + lanes->used : NULL;
     lanes->used += (count + 7) / 8 * 8; /* aligned */
 }
 
@@ -26,7 +26,8 @@ static void lay_out(struct typed_lanes *lanes)
         take(lanes, &lanes->k, (size_t)tableau->stages * n * LANES);
         take(lanes, &lanes->work, method_work_size(lanes->method, lanes->n));
     } else {
-        const size_t weights = lanes->way.drag == DRAG_EXACT ? (size_t)lanes->way.splitting->count : 0;
+        const size_t weights =
+            lanes->way.drag == DRAG_EXACT ? (size_t)lanes->way.splitting->count : 0;
         take(lanes, &lanes->pull, n / 2 * LANES);
         take(lanes, &lanes->drag, n / 2 * LANES);
         take(lanes, &lanes->half, (size_t)3 * LANES);
@@ -41,9 +42,10 @@ static void lay_out(struct typed_lanes *lanes)
     }
 }
 
-/* All but the room. The whole force at once, where there is such a program and the method wants nothing else. */
-static void describe(struct typed_lanes *lanes, const struct method *method, const struct system *system,
-                     enum drag drag, double h)
+/* All but the room. The whole force at once, where there is such a program and the method wants
+ * nothing else. */
+static void describe(struct typed_lanes *lanes, const struct method *method,
+                     const struct system *system, enum drag drag, double h)
 {
     const bool whole = method->tableau && system->typed.row->add;
     lanes->method = method;
@@ -58,7 +60,8 @@ static void describe(struct typed_lanes *lanes, const struct method *method, con
     for (int i = 0; i < lanes->terms; i++) {
         const struct bound_term *bound = whole ? &system->typed : &system->term[i];
         int values;
-        lanes->term[i] = (struct lane_term){.program = term_program(bound, &values), .row = bound->row, .place = i};
+        lanes->term[i] = (struct lane_term){
+            .program = term_program(bound, &values), .row = bound->row, .index = i};
     }
     if (method->splitting)
         split_choose(&lanes->way, method, system->velocity ? drag : DRAG_DEFAULT);
@@ -71,13 +74,13 @@ bool typed_lanes_fit(const struct method *method, const struct system *system, e
         return false;
     describe(&lanes, method, system, drag, 0);
     lay_out(&lanes);
-    return lanes.used <= ROOM_MOST;
+    return lanes.used <= ROOM_MAX;
 }
 
 void typed_lanes_destroy(struct typed_lanes *lanes)
 {
     if (lanes)
-        free(lanes->room);
+        free(lanes->capacity);
     free(lanes);
 }
 
@@ -90,10 +93,10 @@ bool typed_lanes_begin(struct typed_lanes **made, const struct method *method, e
     describe(lanes, method, like, drag, h);
     lay_out(lanes);
     if (lanes->used > lanes->size) {
-        free(lanes->room);
+        free(lanes->capacity);
         lanes->size = lanes->used;
-        lanes->room = aligned_alloc(64, lanes->size * sizeof *lanes->room);
-        if (!lanes->room) {
+        lanes->capacity = aligned_alloc(64, lanes->size * sizeof *lanes->capacity);
+        if (!lanes->capacity) {
             lanes->size = 0;
             return false;
         }
@@ -104,9 +107,9 @@ bool typed_lanes_begin(struct typed_lanes **made, const struct method *method, e
     for (int i = 0; i < lanes->terms; i++)
         lanes->term[i].add = lanes->term[i].program ? NULL : lane_term(lanes->term[i].row);
     for (int s = 1; method->tableau && s < method->tableau->stages; s++)
-        shares_take(&lanes->shares[s], tableau_row(method->tableau, s), s, h);
+        shares_take(&lanes->fractions[s], tableau_row(method->tableau, s), s, h);
     if (method->tableau)
-        shares_take(&lanes->shares[0], method->tableau->b, method->tableau->stages, h);
+        shares_take(&lanes->fractions[0], method->tableau->b, method->tableau->stages, h);
     lanes->scalar = lanes->turns ? method_step_kernel(method, like) : NULL;
     return true;
 }
@@ -118,10 +121,11 @@ static void set_drag(struct typed_lanes *lanes, int lane, const struct oscillato
     const struct split_way *way = &lanes->way;
     const struct drag_flow half = oscillator_drag_flow(oscillator, lanes->h / 2);
     lanes->half[lane] = half.keep;
-    lanes->half[LANES + lane] = half.least;
+    lanes->half[LANES + lane] = half.min;
     lanes->half[2 * LANES + lane] = half.pull;
     for (int i = 0; i < way->splitting->count; i++) {
-        const struct frozen frozen = frozen_over(oscillator, splitting_weight(way->splitting, i) * lanes->h);
+        const struct frozen frozen =
+            frozen_over(oscillator, splitting_weight(way->splitting, i) * lanes->h);
         lanes->frozen[2 * i * LANES + lane] = frozen.lost;
         lanes->frozen[(2 * i + 1) * LANES + lane] = frozen.pull;
     }

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What stepping typed scenes in lanes works on: made by typed_lanes.c, stepped by kernel_typed_lanes.c. */
+/* What stepping typed scenes in lanes works on: made by typed_lanes.c, stepped by
+ * kernel_typed_lanes.c. */
 #ifndef HOOKE_METHOD_KERNEL_TYPED_LANES_H
 #define HOOKE_METHOD_KERNEL_TYPED_LANES_H
 
@@ -12,7 +13,7 @@ struct lane_term {
     const struct program *program; /* NULL: built in */
     double *frame;
     const struct term_row *row;
-    int place; /* among the system's terms */
+    int index; /* among the system's terms */
     /* Built in: */
     lane_term_function *add; /* NULL: lane by lane */
     double *c;               /* [TERM_COEFFICIENTS] */
@@ -32,17 +33,18 @@ struct typed_lanes {
     int64_t extra[LANES]; /* evaluations for turning points */
     struct lane_term term[TERM_MAX];
     int terms;
-    struct shares shares[WEIGHT_STAGES]; /* of the stages from the second on; [0]: of the step */
+    struct fractions
+        fractions[WEIGHT_STAGES]; /* of the stages from the second on; [0]: of the step */
     /* Of [LANES] each, in the room: */
-    double *input;       /* t, the state [n] of the stage, values [values]: the names of the programs */
-    double *y;           /* [n] Runge-Kutta: the state at the start of the step */
-    double *k;           /* [stages][n] its slopes */
+    double *input; /* t, the state [n] of the stage, values [values]: the names of the programs */
+    double *y;     /* [n] Runge-Kutta: the state at the start of the step */
+    double *k;     /* [stages][n] its slopes */
     double *pull, *drag; /* [n/2] splittings: forces */
     double *spare;       /* [n] */
     double *half;        /* [3] exact drag: its flow over h/2 (keep, least, pull) */
     double *frozen;      /* [weights][2] in each kick (lost, pull) */
     double *work;        /* of a step alone */
-    double *room;
+    double *capacity;
     size_t size, used; /* of the room */
 };
 

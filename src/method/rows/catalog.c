@@ -49,10 +49,13 @@ const struct catalog method_catalog = {
 };
 
 static const struct row drags[] = {
-    {"exact", "", "the drag's own motion is solved exactly: no limit on the step, no loss of order", "", NULL},
-    {"implicit", "", "the drag at the new velocity enters the step, solved in closed form", "", NULL},
-    {"explicit", "", "the drag at the old velocity enters the step: first order, and drag shrinks the stable step", "",
+    {"exact", "", "the drag's own motion is solved exactly: no limit on the step, no loss of order",
+     "", NULL},
+    {"implicit", "", "the drag at the new velocity enters the step, solved in closed form", "",
      NULL},
+    {"explicit", "",
+     "the drag at the old velocity enters the step: first order, and drag shrinks the stable step",
+     "", NULL},
 };
 
 const struct catalog drag_catalog = CATALOG("drag variant", drags);
@@ -60,8 +63,9 @@ const struct catalog drag_catalog = CATALOG("drag variant", drags);
 bool method_fits(const struct method *method, const struct system *system, enum drag drag, double h,
                  struct error *error)
 {
-    if (method->flags & METHOD_YARDSTICK) {
-        error_set(error, ERROR_COMMAND, "%s chooses its own steps: it cannot take steps of a given size",
+    if (method->flags & METHOD_EXTERNAL) {
+        error_set(error, ERROR_COMMAND,
+                  "%s chooses its own steps: it cannot take steps of a given size",
                   method->row.name);
         return error_hint(error, "give tol instead of dt");
     }
@@ -92,25 +96,30 @@ void method_end(const struct method *method, struct step *step)
     step->library = NULL;
 }
 
-static bool applies(const struct method *method, const struct system *system, enum drag *drag, struct error *error)
+static bool applies(const struct method *method, const struct system *system, enum drag *drag,
+                    struct error *error)
 {
     const char *name = method->row.name;
     if (method->flags & METHOD_SECOND_ORDER && system->order != 2) {
-        error_set(error, ERROR_COMMAND, "%s is for equations of motion y'' = a(t, y, y'), this scene is of first order",
+        error_set(error, ERROR_COMMAND,
+                  "%s is for equations of motion y'' = a(t, y, y'), this scene is of first order",
                   name);
         return error_hint(error, "use rk4 or dopri5");
     }
     if (method->flags & METHOD_EXACT && !system_has_exact(system)) {
-        error_set(error, ERROR_COMMAND, "no exact solution is known for this scene, so '%s' cannot step it", name);
-        return error_hint(error,
-                          "the scene must be linear, with constant coefficients; use dopri5 with a small tol instead");
+        error_set(error, ERROR_COMMAND,
+                  "no exact solution is known for this scene, so '%s' cannot step it", name);
+        return error_hint(error, "the scene must be linear, with constant coefficients; use dopri5 "
+                                 "with a small tol instead");
     }
     if (method->flags & METHOD_NO_VELOCITY && system->velocity) {
-        error_set(error, ERROR_COMMAND, "%s is for y'' = a(t, y): no force may depend on velocity", name);
+        error_set(error, ERROR_COMMAND, "%s is for y'' = a(t, y): no force may depend on velocity",
+                  name);
         return error_hint(error, "with damping or drag use verlet, rk4 or dopri5");
     }
     if (method->flags & METHOD_POTENTIAL && !system_has_potential(system)) {
-        error_set(error, ERROR_COMMAND, "%s is for forces that have a potential, besides drag", name);
+        error_set(error, ERROR_COMMAND, "%s is for forces that have a potential, besides drag",
+                  name);
         return error_hint(error, "use implicit-midpoint or gauss4");
     }
     enum drag wanted = *drag == DRAG_DEFAULT ? method->drag : *drag;
@@ -118,10 +127,12 @@ static bool applies(const struct method *method, const struct system *system, en
         const char *variant = drags[wanted - 1].name;
         if (!method->drags)
             return error_set(error, ERROR_COMMAND,
-                             "%s has no drag variants: drag is part of the force that it evaluates", name);
-        error_set(error, ERROR_COMMAND, "%s does not offer drag=%s, which is not of its order %d", name, variant,
-                  method->order);
-        return error_hint(error, "use %s drag=%s, or verlet drag=%s", name, drags[method->drag - 1].name, variant);
+                             "%s has no drag variants: drag is part of the force that it evaluates",
+                             name);
+        error_set(error, ERROR_COMMAND, "%s does not offer drag=%s, which is not of its order %d",
+                  name, variant, method->order);
+        return error_hint(error, "use %s drag=%s, or verlet drag=%s", name,
+                          drags[method->drag - 1].name, variant);
     }
     if (method->splitting && !split_applies(method, system, wanted, error))
         return false;
@@ -129,7 +140,8 @@ static bool applies(const struct method *method, const struct system *system, en
     return true;
 }
 
-bool method_applies(const struct method *method, const struct system *system, enum drag *drag, struct error *error)
+bool method_applies(const struct method *method, const struct system *system, enum drag *drag,
+                    struct error *error)
 {
     if (!method_meets_switches(method, system))
         return applies(method, system, drag, error);
@@ -156,7 +168,8 @@ int method_dense_degree(const struct method *method)
     return method->rosenbrock ? method->rosenbrock->degree + 1 : DENSE_DEGREE;
 }
 
-void method_dense(const struct method *method, const struct step *step, const double *before, double theta, double *y)
+void method_dense(const struct method *method, const struct step *step, const double *before,
+                  double theta, double *y)
 {
     if (method->dense) {
         method->dense(method, step, theta, y);
@@ -174,7 +187,8 @@ void method_dense(const struct method *method, const struct step *step, const do
     }
 }
 
-void method_polynomial(const struct method *method, const struct step *step, int i, struct dense_polynomial *out)
+void method_polynomial(const struct method *method, const struct step *step, int i,
+                       struct dense_polynomial *out)
 {
     assert(method->dense && (method->tableau || method->rosenbrock));
     if (method->tableau)

@@ -1,29 +1,35 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * The average vector field method. Along the straight way from y to y' the work of the mean force is the difference of
- * the potentials, so energy stays. Source: Quispel, McLaren 2008, J. Phys. A 41:045206.
+ * The average vector field method. Along the straight way from y to y' the work of the mean force
+ * is the difference of the potentials, so energy stays. Source: Quispel, McLaren 2008, J. Phys. A
+ * 41:045206.
  *
- * The mean is by Gauss's quadrature with six nodes: exact for a force that is a polynomial of degree 11 or less along
- * that way, and to rounding for smooth ones where the way is not longer than their natural length.
+ * The mean is by Gauss's quadrature with six nodes: exact for a force that is a polynomial of
+ * degree 11 or less along that way, and to rounding for smooth ones where the way is not longer
+ * than their natural length.
  */
 #include "method/step/newton.h"
 
 #define NODES 6
 
-/* On [0, 1]: the first half; the other is its mirror image (Abramowitz, Stegun 1964, table 25.4). */
-static const double node[NODES / 2] = {0.033765242898423986093849222753003, 0.16939530676686774316930020249005,
+/* On [0, 1]: the first half; the other is its mirror image (Abramowitz, Stegun 1964, table 25.4).
+ */
+static const double node[NODES / 2] = {0.033765242898423986093849222753003,
+                                       0.16939530676686774316930020249005,
                                        0.38069040695840154568474913915964};
-static const double weight[NODES / 2] = {0.085662246189585172520148071086366, 0.18038078652406930378491675691886,
+static const double weight[NODES / 2] = {0.085662246189585172520148071086366,
+                                         0.18038078652406930378491675691886,
                                          0.23395696728634552369493517199478};
 
-/* As a Jacobian's guess the middle stands for all nodes; where the system is linear, it is the mean. */
+/* As a Jacobian's guess the middle stands for all nodes; where the system is linear, it is the
+ * mean. */
 static const double half[] = {1. / 2}, one[] = {1}, two[] = {2};
 static const struct implicit_tableau middle = {
     .stages = 1, .c = half, .a = half, .b = one, .d = one, .real = 2, .left = two, .right = one};
 
 /* sum += w f(t + c h, y + c z) */
-static void add_node(struct step *step, double t, double h, double c, double w, const double *y, const double *z,
-                     double *at, double *sum)
+static void add_node(struct step *step, double t, double h, double c, double w, const double *y,
+                     const double *z, double *at, double *sum)
 {
     int n = step->system->n;
     double slope[LIMIT_VARIABLES];
@@ -36,8 +42,8 @@ static void add_node(struct step *step, double t, double h, double c, double w, 
 }
 
 /* h (mean of f) - z */
-static void mean_rest(const struct newton *equations, struct step *step, int n, double t, double h, const double *y,
-                      const double *z, double *scratch, double *rest)
+static void mean_rest(const struct newton *equations, struct step *step, int n, double t, double h,
+                      const double *y, const double *z, double *scratch, double *rest)
 {
     (void)equations;
     for (int i = 0; i < n; i++)

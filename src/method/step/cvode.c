@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * CVODE of SUNDIALS 6 behind the interface of a method: one of its own steps at a time, under its own control of order,
- * step and error. Its serial vectors, its dense solver, our exact Jacobian.
+ * CVODE of SUNDIALS 6 behind the interface of a method: one of its own steps at a time, under its
+ * own control of order, step and error. Its serial vectors, its dense solver, our exact Jacobian.
  */
 #include "method/step/step.h"
 
@@ -19,7 +19,7 @@
 struct cvode {
     SUNContext context;
     void *memory;
-    N_Vector y, least; /* state in and out; absolute tolerances */
+    N_Vector y, min; /* state in and out; absolute tolerances */
     SUNMatrix matrix;
     SUNLinearSolver linear;
     SUNNonlinearSolver fixed_point;
@@ -45,7 +45,8 @@ static int slope(double t, N_Vector y, N_Vector f, void *data)
     return checked(c, N_VGetArrayPointer(f), c->system->n);
 }
 
-static int jacobian(double t, N_Vector y, N_Vector f, SUNMatrix matrix, void *data, N_Vector u, N_Vector v, N_Vector w)
+static int jacobian(double t, N_Vector y, N_Vector f, SUNMatrix matrix, void *data, N_Vector u,
+                    N_Vector v, N_Vector w)
 {
     (void)f, (void)u, (void)v, (void)w;
     struct cvode *c = data;
@@ -73,12 +74,13 @@ void cvode_end(void *library)
     if (c->matrix)
         SUNMatDestroy(c->matrix);
     N_VDestroy(c->y);
-    N_VDestroy(c->least);
+    N_VDestroy(c->min);
     SUNContext_Free(&c->context);
     free(c);
 }
 
-/* Fixed-point iteration for Adams and Newton's for backward differentiation, as CVODE's manual has them. */
+/* Fixed-point iteration for Adams and Newton's for backward differentiation, as CVODE's manual has
+ * them. */
 static bool choose_solver(struct cvode *c, bool stiff, int n)
 {
     if (!stiff)
@@ -99,10 +101,12 @@ void *cvode_begin(const struct method *method, const struct step *step)
         return NULL;
     c->system = step->system;
     if (SUNContext_Create(NULL, &c->context) == 0 && (c->y = N_VNew_Serial(n, c->context)) &&
-        (c->least = N_VNew_Serial(n, c->context)) && (c->memory = CVodeCreate(stiff ? CV_BDF : CV_ADAMS, c->context)) &&
-        CVodeSetErrFile(c->memory, NULL) == CV_SUCCESS && CVodeSetMaxHnilWarns(c->memory, -1) == CV_SUCCESS &&
-        CVodeInit(c->memory, slope, 0, c->y) == CV_SUCCESS && CVodeSetUserData(c->memory, c) == CV_SUCCESS &&
-        choose_solver(c, stiff, n))
+        (c->min = N_VNew_Serial(n, c->context)) &&
+        (c->memory = CVodeCreate(stiff ? CV_BDF : CV_ADAMS, c->context)) &&
+        CVodeSetErrFile(c->memory, NULL) == CV_SUCCESS &&
+        CVodeSetMaxHnilWarns(c->memory, -1) == CV_SUCCESS &&
+        CVodeInit(c->memory, slope, 0, c->y) == CV_SUCCESS &&
+        CVodeSetUserData(c->memory, c) == CV_SUCCESS && choose_solver(c, stiff, n))
         return c;
     cvode_end(c);
     return NULL;
@@ -114,15 +118,15 @@ void *cvode_begin(const struct method *method, const struct step *step)
 static bool begin_anew(struct cvode *c, const struct step *step, bool forward)
 {
     const int n = step->system->n;
-    double *least = N_VGetArrayPointer(c->least);
+    double *min = N_VGetArrayPointer(c->min);
     memcpy(N_VGetArrayPointer(c->y), step->y, (size_t)n * sizeof *step->y);
     for (int i = 0; i < n; i++)
-        least[i] = c->tol * step_scale(step)[i];
+        min[i] = c->tol * step_scale(step)[i];
     c->system = step->system;
     c->forward = forward;
     c->counted = (struct cost){0};
     return CVodeReInit(c->memory, step->t, c->y) == CV_SUCCESS &&
-           CVodeSVtolerances(c->memory, c->tol, c->least) == CV_SUCCESS;
+           CVodeSVtolerances(c->memory, c->tol, c->min) == CV_SUCCESS;
 }
 
 static void count(struct cvode *c, struct cost *cost)
@@ -150,12 +154,14 @@ static enum step_status status_of(int flag, bool moved, bool wild)
         return STEP_OK;
     if (wild)
         return STEP_NONFINITE;
-    return done || flag == CV_ERR_FAILURE || flag == CV_TOO_CLOSE || flag == CV_TOO_MUCH_ACC ? STEP_STALLED
-                                                                                             : STEP_NO_SOLUTION;
+    return done || flag == CV_ERR_FAILURE || flag == CV_TOO_CLOSE || flag == CV_TOO_MUCH_ACC
+               ? STEP_STALLED
+               : STEP_NO_SOLUTION;
 }
 
 /* One step of CVODE's own towards t_end; where it comes to in *t, the state there in c->y. */
-static enum step_status one_step(struct cvode *c, struct cost *cost, double from, double t_end, double *t)
+static enum step_status one_step(struct cvode *c, struct cost *cost, double from, double t_end,
+                                 double *t)
 {
     const struct system *system = c->system;
     /* Only the sign and the size of the distance matter, for the first step. */
@@ -173,14 +179,15 @@ static enum step_status one_step(struct cvode *c, struct cost *cost, double from
 static enum step_status take(struct cvode *c, struct step *step)
 {
     if (step->error) {
-        CVodeGetEstLocalErrors(c->memory, c->least);
-        memcpy(step->error, N_VGetArrayPointer(c->least), (size_t)step->system->n * sizeof *step->error);
+        CVodeGetEstLocalErrors(c->memory, c->min);
+        memcpy(step->error, N_VGetArrayPointer(c->min),
+               (size_t)step->system->n * sizeof *step->error);
     }
     return step_finish(step, N_VGetArrayPointer(c->y));
 }
 
-enum step_status cvode_adapt(const struct method *method, struct step *step, struct controller *controller,
-                             double t_end)
+enum step_status cvode_adapt(const struct method *method, struct step *step,
+                             struct controller *controller, double t_end)
 {
     (void)method;
     struct cvode *c = step->library;
@@ -206,7 +213,8 @@ enum step_status cvode_adapt(const struct method *method, struct step *step, str
     return STEP_OK;
 }
 
-/* Over a given distance, as inside a step that it has made: as many of its own steps as the tolerance asks for. */
+/* Over a given distance, as inside a step that it has made: as many of its own steps as the
+ * tolerance asks for. */
 enum step_status cvode_step(const struct method *method, struct step *step)
 {
     (void)method;
@@ -216,20 +224,23 @@ enum step_status cvode_step(const struct method *method, struct step *step)
     if (!c || c->tol == 0 || !begin_anew(c, step, step->h > 0))
         return STEP_NO_SOLUTION;
     for (int i = 0; t != end; i++) {
-        enum step_status status = i < STEPS_MOST ? one_step(c, &step->cost, t, end, &t) : STEP_STALLED;
+        enum step_status status =
+            i < STEPS_MOST ? one_step(c, &step->cost, t, end, &t) : STEP_STALLED;
         if (status != STEP_OK)
             return status;
     }
     return take(c, step);
 }
 
-/* The polynomial through its memory (Nordsieck's array), which is where its next step starts from. */
+/* The polynomial through its memory (Nordsieck's array), which is where its next step starts from.
+ */
 void cvode_dense(const struct method *method, const struct step *step, double theta, double *y)
 {
     (void)method;
     const struct cvode *c = step->library;
     const int n = step->system->n;
-    const bool there = CVodeGetDky(c->memory, step->t - (1 - theta) * step->h, 0, c->y) == CV_SUCCESS;
+    const bool there =
+        CVodeGetDky(c->memory, step->t - (1 - theta) * step->h, 0, c->y) == CV_SUCCESS;
     for (int i = 0; i < n; i++)
         y[i] = there ? N_VGetArrayPointer(c->y)[i] : NAN;
 }

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* One step of any implicit Runge-Kutta tableau. Source: Hairer, Wanner 1996, Solving ODEs II, IV.6, IV.8. */
+/* One step of any implicit Runge-Kutta tableau. Source: Hairer, Wanner 1996, Solving ODEs II, IV.6,
+ * IV.8. */
 #include <assert.h>
 
 #include "method/step/irk_body.h"
@@ -18,17 +19,18 @@ size_t implicit_work(const struct method *method, int n)
 
 /* ---- stage by stage ---- */
 
-static bool estimate_diagonal(const struct implicit_tableau *tableau, struct step *step, const double *slope,
-                              double *own)
+static bool estimate_diagonal(const struct implicit_tableau *tableau, struct step *step,
+                              const double *slope, double *own)
 {
     int n = step->system->n, stages = tableau->stages;
     for (int i = 0; i < n; i++) {
         double sum = -0.0;
         for (int s = 0; s < stages; s++)
-            sum += (tableau->b[s] - tableau->companion[s]) * slope[s * n + i];
+            sum += (tableau->b[s] - tableau->b_hat[s]) * slope[s * n + i];
         step->error[i] = step->h * sum;
     }
-    return newton_filter(&newton_euler, step, step->t, tableau->diagonal * step->h, step->y, step->error, own);
+    return newton_filter(&newton_euler, step, step->t, tableau->diagonal * step->h, step->y,
+                         step->error, own);
 }
 
 static void slope_of(const void *system, double t, const double *y, double *dydt)
@@ -36,8 +38,8 @@ static void slope_of(const void *system, double t, const double *y, double *dydt
     system_derivative(system, t, y, dydt);
 }
 
-static enum step_status stage_of(const void *system, struct step *step, double t, double h, const double *y, double *z,
-                                 double *sum, double *work)
+static enum step_status stage_of(const void *system, struct step *step, double t, double h,
+                                 const double *y, double *z, double *sum, double *work)
 {
     (void)system;
     return newton_stage(step, t, h, y, z, sum, work);
@@ -46,14 +48,15 @@ static enum step_status stage_of(const void *system, struct step *step, double t
 static enum step_status diagonal_step(const struct implicit_tableau *tableau, struct step *step)
 {
     const int n = step->system->n, stages = tableau->stages;
-    double *slope = step->work, *z = slope + stages * n, *sum = z + n, *base = sum + n, *own = base + n;
+    double *slope = step->work, *z = slope + stages * n, *sum = z + n, *base = sum + n,
+           *own = base + n;
     if (!step->warm)
         newton_forget(own);
-    const enum step_status status =
-        diagonal_stages(tableau, n, stage_of, slope_of, step->system, step, step->warm, slope, z, sum, base, own);
+    const enum step_status status = diagonal_stages(tableau, n, stage_of, slope_of, step->system,
+                                                    step, step->warm, slope, z, sum, base, own);
     if (status != STEP_OK)
         return status;
-    if (step->error && tableau->companion && !estimate_diagonal(tableau, step, slope, own))
+    if (step->error && tableau->b_hat && !estimate_diagonal(tableau, step, slope, own))
         return STEP_NO_SOLUTION;
     if (stiffly_accurate(tableau) && !step->low)
         return step_finish(step, sum);
@@ -64,8 +67,8 @@ static enum step_status diagonal_step(const struct implicit_tableau *tableau, st
 /* ---- all at once ---- */
 
 /*
- * The polynomial through 0 at theta = 0 and the increments z_s at theta = c_s, divided by theta, in Newton's form: of
- * one component, in place.
+ * The polynomial through 0 at theta = 0 and the increments z_s at theta = c_s, divided by theta, in
+ * Newton's form: of one component, in place.
  */
 static void divide_differences(const struct implicit_tableau *tableau, double *z)
 {
@@ -78,7 +81,8 @@ static void divide_differences(const struct implicit_tableau *tableau, double *z
             z[s] = (z[s] - z[s - 1]) / (c[s] - c[s - level]);
 }
 
-static double polynomial(const struct implicit_tableau *tableau, const double *difference, double theta)
+static double polynomial(const struct implicit_tableau *tableau, const double *difference,
+                         double theta)
 {
     double value = difference[tableau->stages - 1];
     for (int s = tableau->stages - 1; s-- > 0;)
@@ -97,25 +101,29 @@ void implicit_dense(const struct method *method, const struct step *step, double
         for (int s = 0; s < tableau->stages; s++)
             difference[s] = z[s * n + i];
         divide_differences(tableau, difference);
-        y[i] = step->y[i] + (polynomial(tableau, difference, theta) - polynomial(tableau, difference, 1));
+        y[i] = step->y[i] +
+               (polynomial(tableau, difference, theta) - polynomial(tableau, difference, 1));
     }
 }
 
 /* (real - h J)^-1 (h f(t, at) + sum_s estimate_s z_s) */
-static bool estimate(const struct implicit_tableau *tableau, struct step *step, const double *at, const double *z,
-                     double *own)
+static bool estimate(const struct implicit_tableau *tableau, struct step *step, const double *at,
+                     const double *z, double *own)
 {
     int n = step->system->n;
     double slope[LIMIT_VARIABLES];
     system_derivative(step->system, step->t, at, slope);
     step->cost.evals++;
     for (int i = 0; i < n; i++)
-        step->error[i] = step->h * slope[i] + weighted_sum(tableau->estimate, tableau->stages, z, n, i);
+        step->error[i] =
+            step->h * slope[i] + weighted_sum(tableau->estimate, tableau->stages, z, n, i);
     return newton_filter(tableau, step, step->t, step->h, step->y, step->error, own);
 }
 
-/* In a first step and after a rejection the estimate of a stiff error is too large by far: once more from there. */
-static bool estimate_again(const struct implicit_tableau *tableau, struct step *step, const double *z, double *own)
+/* In a first step and after a rejection the estimate of a stiff error is too large by far: once
+ * more from there. */
+static bool estimate_again(const struct implicit_tableau *tableau, struct step *step,
+                           const double *z, double *own)
 {
     const struct system *system = step->system;
     const double *scale = step_scale(step);
@@ -137,15 +145,17 @@ static enum step_status coupled_step(const struct implicit_tableau *tableau, str
     if (!step->warm)
         newton_forget(own);
     /*
-     * From 0, not from the last step's polynomial: that would save iterations, but leads steps that are too long past a
-     * fold (van der Pol) to solutions that are none, and would make a step depend on the one before.
+     * From 0, not from the last step's polynomial: that would save iterations, but leads steps that
+     * are too long past a fold (van der Pol) to solutions that are none, and would make a step
+     * depend on the one before.
      */
     memset(z, 0, (size_t)(stages * n) * sizeof *z);
     enum step_status status = newton_solve(&equations, step, step->t, step->h, step->y, z, own);
     if (status != STEP_OK)
         return status;
     if (step->error && tableau->estimate &&
-        (!estimate(tableau, step, step->y, z, own) || (!step->warm && !estimate_again(tableau, step, z, own))))
+        (!estimate(tableau, step, step->y, z, own) ||
+         (!step->warm && !estimate_again(tableau, step, z, own))))
         return STEP_NO_SOLUTION;
     double increment[LIMIT_VARIABLES];
     for (int i = 0; i < n; i++)

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * The stages of implicit Runge-Kutta methods that are solved one by one: of any of them in irk.c, and again where method
- * and forces are known to the compiler in kernel_implicit.c. One text, so both give the same bits.
+ * The stages of implicit Runge-Kutta methods that are solved one by one: of any of them in irk.c,
+ * and again where method and forces are known to the compiler in kernel_implicit.c. One text, so
+ * both give the same bits.
  */
 #ifndef HOOKE_METHOD_STEP_IRK_BODY_H
 #define HOOKE_METHOD_STEP_IRK_BODY_H
@@ -12,9 +13,10 @@
 #define INLINE static inline __attribute__((always_inline))
 #endif
 
-/* Solves z = h f(t, y + z), and sum = y + z; `forces` is whatever the function knows, work the solver's. */
-typedef enum step_status stage_function(const void *forces, struct step *step, double t, double h, const double *y,
-                                        double *z, double *sum, double *work);
+/* Solves z = h f(t, y + z), and sum = y + z; `forces` is whatever the function knows, work the
+ * solver's. */
+typedef enum step_status stage_function(const void *forces, struct step *step, double t, double h,
+                                        const double *y, double *z, double *sum, double *work);
 
 /* The last stage is the new state. */
 INLINE bool stiffly_accurate(const struct implicit_tableau *tableau)
@@ -27,12 +29,13 @@ INLINE bool stiffly_accurate(const struct implicit_tableau *tableau)
 }
 
 /*
- * Of a step from step->t, step->y over step->h. k [stages][n]: the slopes; z, sum [n]: the last stage's increment and
- * state; base [n]: scratch. warm: k holds the slopes of the step before.
+ * Of a step from step->t, step->y over step->h. k [stages][n]: the slopes; z, sum [n]: the last
+ * stage's increment and state; base [n]: scratch. warm: k holds the slopes of the step before.
  */
-INLINE enum step_status diagonal_stages(const struct implicit_tableau *tableau, int n, stage_function *stage,
-                                        slope_function *slope, const void *forces, struct step *step, bool warm,
-                                        double *k, double *z, double *sum, double *base, double *work)
+INLINE enum step_status diagonal_stages(const struct implicit_tableau *tableau, int n,
+                                        stage_function *stage, slope_function *slope,
+                                        const void *forces, struct step *step, bool warm, double *k,
+                                        double *z, double *sum, double *base, double *work)
 {
     const int stages = tableau->stages;
     const double t = step->t, h = step->h, part = tableau->diagonal * h, *y = step->y;
@@ -49,7 +52,8 @@ INLINE enum step_status diagonal_stages(const struct implicit_tableau *tableau, 
         }
         for (int i = 0; i < n; i++)
             base[i] = s > 0 ? y[i] + h * weighted_sum(row, s, k, n, i) : y[i];
-        const enum step_status status = stage(forces, step, t + tableau->c[s] * h, part, base, z, sum, work);
+        const enum step_status status =
+            stage(forces, step, t + tableau->c[s] * h, part, base, z, sum, work);
         if (status != STEP_OK)
             return status;
         for (int i = 0; i < n; i++)
@@ -59,7 +63,8 @@ INLINE enum step_status diagonal_stages(const struct implicit_tableau *tableau, 
 }
 
 /* z: in, the last stage's increment, out, that of the step */
-INLINE void diagonal_increment(const struct implicit_tableau *tableau, int n, double h, const double *k, double *z)
+INLINE void diagonal_increment(const struct implicit_tableau *tableau, int n, double h,
+                               const double *k, double *z)
 {
     for (int i = 0; i < n; i++)
         z[i] = tableau->stages == 1 ? tableau->b[0] / tableau->diagonal * z[i]

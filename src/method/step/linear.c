@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Linear stability: the one-step matrix of a method on q'' + 2 zeta q' + q = 0 (or + 0, or - q) and the largest step
- * that does not grow. The frequency is 1, so that h is x = omega dt and the state is already the scaled one.
+ * Linear stability: the one-step matrix of a method on q'' + 2 zeta q' + q = 0 (or + 0, or - q) and
+ * the largest step that does not grow. The frequency is 1, so that h is x = omega dt and the state
+ * is already the scaled one.
  */
 #include "method/step/step.h"
 
@@ -10,8 +11,8 @@
 /* Growth above 1 that is taken for rounding. */
 static const double MARGIN = 1e-12;
 
-/* The search: where it begins (over zeta) and ends, and its relative steps, fine near pi, where splittings have narrow
- * windows. */
+/* The search: where it begins (over zeta) and ends, and its relative steps, fine near pi, where
+ * splittings have narrow windows. */
 static const double X_FIRST = 1e-4, X_LAST = 1e8;
 
 static double next_x(double x)
@@ -34,8 +35,8 @@ double stiffness_sign_value(enum stiffness_sign sign)
     return sign == STIFFNESS_POSITIVE ? 1 : sign == STIFFNESS_ZERO ? 0 : -1;
 }
 
-static bool oscillation_init(struct oscillation *oscillation, const struct method *method, enum drag drag, double zeta,
-                             enum stiffness_sign sign)
+static bool oscillation_init(struct oscillation *oscillation, const struct method *method,
+                             enum drag drag, double zeta, enum stiffness_sign sign)
 {
     const struct {
         const char *name;
@@ -45,7 +46,8 @@ static bool oscillation_init(struct oscillation *oscillation, const struct metho
     struct error ignored;
     scene_init(&scene, NULL);
     for (size_t i = 0; i < COUNT_OF(given); i++)
-        if (!scene_set(&scene, param_index(given[i].name), (struct measured){given[i].value, 0}, &ignored))
+        if (!scene_set(&scene, param_index(given[i].name), (struct measured){given[i].value, 0},
+                       &ignored))
             return false;
     if (!scene_bind(&scene, &oscillation->system, &ignored))
         return false;
@@ -53,7 +55,7 @@ static bool oscillation_init(struct oscillation *oscillation, const struct metho
     oscillation->drag = drag;
     oscillation->zeta = zeta;
     oscillation->sign = sign;
-    return !(method->flags & METHOD_YARDSTICK) &&
+    return !(method->flags & METHOD_EXTERNAL) &&
            method_applies(method, &oscillation->system, &oscillation->drag, &ignored);
 }
 
@@ -64,14 +66,19 @@ static void amplify(const struct oscillation *oscillation, double x, double matr
     assert(method_work_size(oscillation->method, 2) <= WORK_MAX);
     for (int column = 0; column < 2; column++) {
         double y[2] = {column == 0, column == 1};
-        struct step step = {.system = &oscillation->system, .drag = oscillation->drag, .h = x, .y = y, .work = work};
+        struct step step = {.system = &oscillation->system,
+                            .drag = oscillation->drag,
+                            .h = x,
+                            .y = y,
+                            .work = work};
         bool ok = method_step(oscillation->method, &step) == STEP_OK;
         matrix[column] = ok ? y[0] : NAN;
         matrix[2 + column] = ok ? y[1] : NAN;
     }
 }
 
-bool method_amplification(const struct method *method, enum drag drag, double x, double zeta, double matrix[4])
+bool method_amplification(const struct method *method, enum drag drag, double x, double zeta,
+                          double matrix[4])
 {
     struct oscillation oscillation;
     if (method->growth || !oscillation_init(&oscillation, method, drag, zeta, STIFFNESS_POSITIVE))
@@ -90,7 +97,8 @@ double matrix_spectral_radius(const double m[4])
 static double growth_factor(const struct oscillation *oscillation, double x)
 {
     if (oscillation->method->growth)
-        return oscillation->method->growth(oscillation->method, x, oscillation->zeta, oscillation->sign);
+        return oscillation->method->growth(oscillation->method, x, oscillation->zeta,
+                                           oscillation->sign);
     double matrix[4];
     amplify(oscillation, x, matrix);
     return matrix_spectral_radius(matrix);
@@ -100,7 +108,8 @@ double method_growth_signed(const struct method *method, enum drag drag, double 
                             enum stiffness_sign sign)
 {
     struct oscillation oscillation;
-    return oscillation_init(&oscillation, method, drag, zeta, sign) ? growth_factor(&oscillation, x) : NAN;
+    return oscillation_init(&oscillation, method, drag, zeta, sign) ? growth_factor(&oscillation, x)
+                                                                    : NAN;
 }
 
 double method_growth(const struct method *method, enum drag drag, double x, double zeta)
@@ -115,7 +124,8 @@ static double growth(const struct oscillation *oscillation, double x)
     return isnan(radius) ? HUGE_VAL : radius - 1;
 }
 
-double method_stable_limit_signed(const struct method *method, enum drag drag, double zeta, enum stiffness_sign sign)
+double method_stable_limit_signed(const struct method *method, enum drag drag, double zeta,
+                                  enum stiffness_sign sign)
 {
     struct oscillation oscillation;
     if (!oscillation_init(&oscillation, method, drag, zeta, sign))
@@ -129,7 +139,8 @@ double method_stable_limit_signed(const struct method *method, enum drag drag, d
     }
     if (low == 0)
         return 0;
-    /* Growth like x^q from 0 on passes the margin too: then a little below it is already more than rounding. */
+    /* Growth like x^q from 0 on passes the margin too: then a little below it is already more than
+     * rounding. */
     double before = growth(&oscillation, 0.9 * low), margin = MARGIN;
     if (before > MARGIN / 10)
         return 0;

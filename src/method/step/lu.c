@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Small dense linear systems, real and complex. Source: Golub, Van Loan 1996, Matrix Computations, 3.4. */
+/* Small dense linear systems, real and complex. Source: Golub, Van Loan 1996, Matrix
+ * Computations, 3.4. */
 #include "method/step/lu_body.h"
 
 INSTANCE bool factor_complex(int n, double *re)
@@ -8,14 +9,16 @@ INSTANCE bool factor_complex(int n, double *re)
     for (int p = 0; p < n; p++) {
         int best = p;
         for (int i = p + 1; i < n; i++)
-            if (fabs(re[i * n + p]) + fabs(im[i * n + p]) > fabs(re[best * n + p]) + fabs(im[best * n + p]))
+            if (fabs(re[i * n + p]) + fabs(im[i * n + p]) >
+                fabs(re[best * n + p]) + fabs(im[best * n + p]))
                 best = i;
         /* 1/(x + i y), scaled by its size: neither part of the square over- or underflows */
         double size = fabs(re[best * n + p]) + fabs(im[best * n + p]), unit = 1 / size;
         if (unit == 0 || !isfinite(unit))
             return false;
         double x = re[best * n + p] * unit, y = im[best * n + p] * unit;
-        double inverse = unit / (x * x + y * y), inverse_re = x * inverse, inverse_im = -y * inverse;
+        double inverse = unit / (x * x + y * y), inverse_re = x * inverse,
+               inverse_im = -y * inverse;
         re[n * n + p] = best;
         if (best != p)
             for (int j = p; j < n; j++) {
@@ -65,12 +68,18 @@ INSTANCE void solve_complex(int n, const double *a, double *re, double *im)
 
 bool lu_factor(int n, double *a)
 {
-    return n == 1 ? lu_factor_size(1, a) : n == 2 ? lu_factor_size(2, a) : n == 3 ? lu_factor_size(3, a) : lu_factor_size(n, a);
+    return n == 1   ? lu_factor_size(1, a)
+           : n == 2 ? lu_factor_size(2, a)
+           : n == 3 ? lu_factor_size(3, a)
+                    : lu_factor_size(n, a);
 }
 
 void lu_solve(int n, const double *a, double *b)
 {
-    n == 1 ? lu_solve_size(1, a, b) : n == 2 ? lu_solve_size(2, a, b) : n == 3 ? lu_solve_size(3, a, b) : lu_solve_size(n, a, b);
+    n == 1   ? lu_solve_size(1, a, b)
+    : n == 2 ? lu_solve_size(2, a, b)
+    : n == 3 ? lu_solve_size(3, a, b)
+             : lu_solve_size(n, a, b);
 }
 
 bool lu_factor_complex(int n, double *a)

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Small dense linear systems: factor once, solve many. Gaussian elimination with partial pivoting; sizes up to 3 are
- * the same code with n known to the compiler, so that all loops are gone.
+ * Small dense linear systems: factor once, solve many. Gaussian elimination with partial pivoting;
+ * sizes up to 3 are the same code with n known to the compiler, so that all loops are gone.
  *
- * A matrix is [n + 1][n] row-major: n rows, then a row that takes the pivots (LU_ROOM doubles). A complex one is two of
- * these, the real parts, then the imaginary ones.
+ * A matrix is [n + 1][n] row-major: n rows, then a row that takes the pivots (LU_ROOM doubles). A
+ * complex one is two of these, the real parts, then the imaginary ones.
  */
 #ifndef HOOKE_METHOD_STEP_LU_H
 #define HOOKE_METHOD_STEP_LU_H

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Elimination for one size: for those in lu.c, and again in kernels. One text, so both give the same bits. The diagonal
- * of the factors holds the reciprocals. Source: Golub, Van Loan 1996, Matrix Computations, 3.4.
+ * Elimination for one size: for those in lu.c, and again in kernels. One text, so both give the
+ * same bits. The diagonal of the factors holds the reciprocals. Source: Golub, Van Loan 1996,
+ * Matrix Computations, 3.4.
  */
 #ifndef HOOKE_METHOD_STEP_LU_BODY_H
 #define HOOKE_METHOD_STEP_LU_BODY_H
@@ -30,7 +31,8 @@ INSTANCE bool lu_factor_size(int n, double *a)
         if (inverse == 0 || !isfinite(inverse))
             return false;
         a[n * n + p] = best;
-        for (int i = p + 1; i < n; i++) /* a place that the compiler knows: small matrices stay in registers */
+        for (int i = p + 1; i < n;
+             i++) /* a place that the compiler knows: small matrices stay in registers */
             for (int j = p; j < n && i == best; j++)
                 swap(&a[p * n + j], &a[i * n + j]);
         a[p * n + p] = inverse;
@@ -60,7 +62,8 @@ INSTANCE void lu_solve_size(int n, const double *a, double *b)
     }
 }
 
-/* Is the determinant of what was factored negative? The diagonal holds the reciprocals of the pivots. */
+/* Is the determinant of what was factored negative? The diagonal holds the reciprocals of the
+ * pivots. */
 INSTANCE bool lu_negative(int n, const double *a)
 {
     bool negative = false;

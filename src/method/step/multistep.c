@@ -1,22 +1,25 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * One step of a linear multistep method, and its growth. Source: Hairer, Norsett, Wanner 1993, Solving ODEs I, III.1.
+ * One step of a linear multistep method, and its growth. Source: Hairer, Norsett, Wanner 1993,
+ * Solving ODEs I, III.1.
  *
- * A step that has no history of its own length h behind it (the first ones, a last shorter one) is one step of a
- * one-step method of higher order: radau5 for backward differentiation, because it survives what is stiff, dop853 for
- * the others; in shorter steps where that one has no solution. So the beginning never limits the order or the step.
+ * A step that has no history of its own length h behind it (the first ones, a last shorter one) is
+ * one step of a one-step method of higher order: radau5 for backward differentiation, because it
+ * survives what is stiff, dop853 for the others; in shorter steps where that one has no solution.
+ * So the beginning never limits the order or the step.
  */
 #include "method/step/step.h"
 
 #include <complex.h>
 
-/* work: how many values are there, their h, then the values [steps][n] (f, or y where differences are formed), the
- * newest first; then two states and what the starter or the solver needs. */
+/* work: how many values are there, their h, then the values [steps][n] (f, or y where differences
+ * are formed), the newest first; then two states and what the starter or the solver needs. */
 enum { COUNT, H, HEAD };
 
 enum { DEGREE_MAX = 6, ITERATIONS = 100 };
 
-static const double ARRIVED = 1e-9; /* the order is 3: what remains after such a move is below rounding */
+static const double ARRIVED =
+    1e-9; /* the order is 3: what remains after such a move is below rounding */
 
 /* Substeps of a start: the shortest, and how many there may be. */
 static const double SHORTEST = 1e-9; /* of h */
@@ -32,7 +35,8 @@ static const struct method *starter(const struct method *method)
 size_t multistep_work(const struct method *method, int n)
 {
     size_t start = method_work_size(starter(method), n), solve = newton_work(method, n);
-    return HEAD + (size_t)(method->multistep->steps + 2) * (size_t)n + (start > solve ? start : solve);
+    return HEAD + (size_t)(method->multistep->steps + 2) * (size_t)n +
+           (start > solve ? start : solve);
 }
 
 /* What a step may change, to take it back. */
@@ -57,30 +61,32 @@ static void take_back(struct step *step, const struct before *before)
 }
 
 /*
- * One step of the starter where that succeeds; else a quarter of it, and so on, and after each success twice as much.
- * Success: the estimated error, relative to the values, is at most `most`, because a step far beyond the limit of
- * stability comes out finite, but as nonsense.
+ * One step of the starter where that succeeds; else a quarter of it, and so on, and after each
+ * success twice as much. Success: the estimated error, relative to the values, is at most `most`,
+ * because a step far beyond the limit of stability comes out finite, but as nonsense.
  */
-static enum step_status substeps(const struct method *one_step, struct step *one, double t, double h, double most)
+static enum step_status substeps(const struct method *one_step, struct step *one, double t,
+                                 double h, double max)
 {
-    const double limit = most * most * one->system->n;
+    const double limit = max * max * one->system->n;
     double done = 0, length = 1; /* shares of h */
     enum step_status failure = STEP_NO_SOLUTION;
     for (int i = 0; i < SUBSTEPS && done < 1 && length >= SHORTEST; i++) {
-        const double share = fmin(length, 1 - done);
+        const double fraction = fmin(length, 1 - done);
         struct before before;
         keep(one, &before);
         one->t = t + done * h;
-        one->h = share * h;
+        one->h = fraction * h;
         one->warm = false;
         const enum step_status status = method_step(one_step, one);
-        if (status == STEP_OK && scaled_square(one->system->n, step_scale(one), one->error, before.y, one->y) <= limit) {
-            done = share < 1 - done ? done + share : 1;
-            length = 2 * share;
+        if (status == STEP_OK &&
+            scaled_square(one->system->n, step_scale(one), one->error, before.y, one->y) <= limit) {
+            done = fraction < 1 - done ? done + fraction : 1;
+            length = 2 * fraction;
             continue;
         }
         failure = status == STEP_OK ? STEP_NONFINITE : status;
-        length = share / 4;
+        length = fraction / 4;
         take_back(one, &before);
     }
     return done < 1 ? failure : STEP_OK;
@@ -93,7 +99,7 @@ static enum step_status start(const struct method *method, struct step *step, do
     struct before before;
     one.error = error;
     one.work = work;
-    one.again = false; /* it has evaluated nothing yet */
+    one.again = false;             /* it has evaluated nothing yet */
     if (method->multistep->values) /* differences of states know nothing of compensated sums */
         one.low = NULL;
     keep(&one, &before);
@@ -129,7 +135,8 @@ enum step_status multistep_step(const struct method *method, struct step *step)
     const struct multistep *multistep = method->multistep;
     const int n = step->system->n, steps = multistep->steps;
     const double h = step->h, *y = step->y;
-    double *head = step->work, *past = head + HEAD, *z = past + steps * n, *next = z + n, *own = next + n;
+    double *head = step->work, *past = head + HEAD, *z = past + steps * n, *next = z + n,
+           *own = next + n;
 
     int count = step->warm && head[H] == h ? (int)head[COUNT] : 0;
     if (count == steps)
@@ -158,7 +165,8 @@ enum step_status multistep_step(const struct method *method, struct step *step)
             z[i] += y[i];
         derivative(step, step->t + h, z, next);
         for (int i = 0; i < n; i++)
-            z[i] = h * (multistep->correct[0] * next[i] + weighted(multistep->correct + 1, steps - 1, past, n, i));
+            z[i] = h * (multistep->correct[0] * next[i] +
+                        weighted(multistep->correct + 1, steps - 1, past, n, i));
     }
     return step_increase(step, z);
 }
@@ -225,12 +233,15 @@ static double growth_of(const struct multistep *multistep, double complex z)
     return largest_root(steps, p);
 }
 
-double multistep_growth(const struct method *method, double x, double zeta, enum stiffness_sign sign)
+double multistep_growth(const struct method *method, double x, double zeta,
+                        enum stiffness_sign sign)
 {
-    const double product = stiffness_sign_value(sign), /* of the two eigenvalues, and what parts them */
+    const double product =
+                     stiffness_sign_value(sign), /* of the two eigenvalues, and what parts them */
         split = product > 0 ? (zeta - 1) * (zeta + 1) : zeta * zeta - product;
     if (split < 0) /* a complex pair */
-        return growth_of(method->multistep, x * (-zeta + sqrt(-split) * (double complex)_Complex_I));
+        return growth_of(method->multistep,
+                         x * (-zeta + sqrt(-split) * (double complex)_Complex_I));
     const double fast = -copysign(fabs(zeta) + sqrt(split), zeta);
     return fmax(growth_of(method->multistep, x * fast),
                 growth_of(method->multistep, fast != 0 ? x * (product / fast) : 0));

@@ -1,20 +1,23 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Newton's iteration for the stages of implicit methods, to rounding or, in adaptive steps, to the tolerance; and the
- * closed form for the oscillator. What is the same for kernels: newton_body.h.
+ * Newton's iteration for the stages of implicit methods, to rounding or, in adaptive steps, to the
+ * tolerance; and the closed form for the oscillator. What is the same for kernels: newton_body.h.
  */
 #include "method/step/newton_body.h"
 
 enum { ADAPTIVE_ITERATIONS = 7 };
 
-/* Following a solution from h = 0: the first part of h, the shortest, how many; stages of all methods. */
-static const double FIRST_PART = 0.25, PART_LEAST = 1e-5;
+/* Following a solution from h = 0: the first part of h, the shortest, how many; stages of all
+ * methods. */
+static const double FIRST_PART = 0.25, PART_MIN = 1e-5;
 enum { PARTS_MOST = 100, STAGES_MOST = 3 };
 
-static const double FAST = 1e-3; /* increments that shrink by this in an adaptive step: keep the Jacobian */
+static const double FAST =
+    1e-3; /* increments that shrink by this in an adaptive step: keep the Jacobian */
 
-/* Of the tolerance of an adaptive step, what the iteration may leave; in finer steps errors of many add up. */
-static double share(double tol)
+/* Of the tolerance of an adaptive step, what the iteration may leave; in finer steps errors of many
+ * add up. */
+static double fraction(double tol)
 {
     return fmax(10 * DBL_EPSILON / tol, fmin(0.03, sqrt(tol)));
 }
@@ -31,13 +34,14 @@ static void system_slopes(const void *system, double t, const double *y, double 
     system_jacobian(system, t, y, jac);
 }
 
-struct newton newton_of(const struct implicit_tableau *tableau, newton_rest_function *rest, const struct system *system)
+struct newton newton_of(const struct implicit_tableau *tableau, newton_rest_function *rest,
+                        const struct system *system)
 {
     return (struct newton){tableau, rest, system_slope, system_slopes, system};
 }
 
-void newton_stages(const struct newton *equations, struct step *step, int n, double t, double h, const double *y,
-                   const double *z, double *slope, double *rest)
+void newton_stages(const struct newton *equations, struct step *step, int n, double t, double h,
+                   const double *y, const double *z, double *slope, double *rest)
 {
     newton_rest(equations, step, n, t, h, y, z, slope, rest);
 }
@@ -53,41 +57,44 @@ void newton_forget(double *work)
     work[1] = 1;
 }
 
-bool newton_filter(const struct implicit_tableau *tableau, struct step *step, double t, double h, const double *y,
-                   double *x, double *work)
+bool newton_filter(const struct implicit_tableau *tableau, struct step *step, double t, double h,
+                   const double *y, double *x, double *work)
 {
-    struct room room = room_of(tableau->stages, step->system->n, work);
+    struct capacity capacity = room_of(tableau->stages, step->system->n, work);
     const struct newton equations = newton_of(tableau, newton_stages, step->system);
-    if (*room.h != h && !newton_factor(&equations, step, step->system->n, t, h, y, &room))
+    if (*capacity.h != h && !newton_factor(&equations, step, step->system->n, t, h, y, &capacity))
         return false;
-    lu_solve(step->system->n, room.real, x);
+    lu_solve(step->system->n, capacity.real, x);
     step->cost.solves++;
     return true;
 }
 
 /*
- * Until what is left, by the rate at which increments shrink, is `enough`. The rate is the one of this solution: a
- * single increment is accepted only if it is itself that small, because what earlier steps needed says nothing about
- * this one (Hairer and Wanner carry a rate over, but let it age). Parts that shrink slowly may still hide behind
- * faster ones, as across a kink: hence the caution.
+ * Until what is left, by the rate at which increments shrink, is `enough`. The rate is the one of
+ * this solution: a single increment is accepted only if it is itself that small, because what
+ * earlier steps needed says nothing about this one (Hairer and Wanner carry a rate over, but let it
+ * age). Parts that shrink slowly may still hide behind faster ones, as across a kink: hence the
+ * caution.
  */
-static enum step_status approach(const struct newton *equations, struct step *step, double t, double h, const double *y,
-                                 double *z, const double *weight, double enough, struct room *room)
+static enum step_status approach(const struct newton *equations, struct step *step, double t,
+                                 double h, const double *y, double *z, const double *weight,
+                                 double enough, struct capacity *capacity)
 {
     const struct implicit_tableau *tableau = equations->tableau;
     const int n = step->system->n, stages = tableau->stages;
-    double last = 0, left = 1; /* left: of an increment */
-    *room->rate = sqrt(*room->rate); /* it ages, so that factors are not kept for ever without being seen to be good */
+    double last = 0, left = 1;               /* left: of an increment */
+    *capacity->rate = sqrt(*capacity->rate); /* it ages, so that factors are not kept for ever
+                                                without being seen to be good */
     for (int iteration = 0; iteration < ADAPTIVE_ITERATIONS; iteration++) {
-        equations->rest(equations, step, n, t, h, y, z, room->slope, room->rest);
-        newton_increment(tableau, step, n, room, room->rest);
-        double size = newton_size(stages, n, weight, room->rest);
+        equations->rest(equations, step, n, t, h, y, z, capacity->slope, capacity->rest);
+        newton_increment(tableau, step, n, capacity, capacity->rest);
+        double size = newton_size(stages, n, weight, capacity->rest);
         if (!isfinite(size))
             return STEP_NONFINITE;
         for (int i = 0; i < stages * n; i++)
-            z[i] += room->rest[i];
+            z[i] += capacity->rest[i];
         if (last > 0) {
-            double rate = *room->rate = size / last;
+            double rate = *capacity->rate = size / last;
             if (rate >= 1)
                 return STEP_NO_SOLUTION;
             left = rate / (1 - rate);
@@ -105,9 +112,10 @@ static enum step_status approach(const struct newton *equations, struct step *st
     return STEP_NO_SOLUTION;
 }
 
-/* What increments are measured by, where the solution beside z is larger than anything before: in the first steps of what
- * starts from nothing. */
-static void weigh(int stages, int n, const double *y, const double *z, const double *weight, double *now)
+/* What increments are measured by, where the solution beside z is larger than anything before: in
+ * the first steps of what starts from nothing. */
+static void weigh(int stages, int n, const double *y, const double *z, const double *weight,
+                  double *now)
 {
     for (int i = 0; i < n; i++) {
         now[i] = weight[i];
@@ -116,22 +124,24 @@ static void weigh(int stages, int n, const double *y, const double *z, const dou
     }
 }
 
-/* Newton's iteration as long as each increment is at most CONTRACTS of the one before: the solution beside z. */
-static bool contract(const struct newton *equations, struct step *step, int n, double t, double h, const double *y,
-                     double *z, const double *weight, struct room *room)
+/* Newton's iteration as long as each increment is at most CONTRACTS of the one before: the solution
+ * beside z. */
+static bool contract(const struct newton *equations, struct step *step, int n, double t, double h,
+                     const double *y, double *z, const double *weight, struct capacity *capacity)
 {
     const struct implicit_tableau *tableau = equations->tableau;
     const int stages = tableau->stages;
     double last = HUGE_VAL, now[LIMIT_VARIABLES];
     for (int iteration = 0; iteration < ITERATIONS; iteration++) {
-        if (!newton_renew(equations, step, n, t, h, y, z, room) || !newton_positive(tableau, n, room))
+        if (!newton_renew(equations, step, n, t, h, y, z, capacity) ||
+            !newton_positive(tableau, n, capacity))
             return false;
-        equations->rest(equations, step, n, t, h, y, z, room->slope, room->rest);
-        newton_increment(tableau, step, n, room, room->rest);
+        equations->rest(equations, step, n, t, h, y, z, capacity->slope, capacity->rest);
+        newton_increment(tableau, step, n, capacity, capacity->rest);
         for (int i = 0; i < stages * n; i++)
-            z[i] += room->rest[i];
+            z[i] += capacity->rest[i];
         weigh(stages, n, y, z, weight, now);
-        const double size = newton_size(stages, n, now, room->rest);
+        const double size = newton_size(stages, n, now, capacity->rest);
         if (!isfinite(size) || (size > CONTRACTS * last && size > STANDSTILL))
             return false;
         if (size <= DBL_EPSILON / 2 || (size >= last && size <= STANDSTILL))
@@ -141,17 +151,17 @@ static bool contract(const struct newton *equations, struct step *step, int n, d
     return last <= STANDSTILL;
 }
 
-bool newton_follow(const struct newton *equations, struct step *step, int n, double t, double h, const double *y,
-                   double *z, const double *weight, double *work)
+bool newton_follow(const struct newton *equations, struct step *step, int n, double t, double h,
+                   const double *y, double *z, const double *weight, double *work)
 {
     const int count = equations->tableau->stages * n;
-    struct room room = room_of(equations->tableau->stages, n, work);
+    struct capacity capacity = room_of(equations->tableau->stages, n, work);
     double at[STAGES_MOST * LIMIT_VARIABLES] = {0}, next[STAGES_MOST * LIMIT_VARIABLES];
     double done = 0, part = FIRST_PART; /* of h */
-    for (int i = 0; i < PARTS_MOST && done < 1 && part >= PART_LEAST; i++) {
+    for (int i = 0; i < PARTS_MOST && done < 1 && part >= PART_MIN; i++) {
         const double to = fmin(1, done + part);
         memcpy(next, at, (size_t)count * sizeof *next);
-        if (contract(equations, step, n, t, to * h, y, next, weight, &room)) {
+        if (contract(equations, step, n, t, to * h, y, next, weight, &capacity)) {
             memcpy(at, next, (size_t)count * sizeof *at);
             done = to;
             part *= 2;
@@ -165,24 +175,26 @@ bool newton_follow(const struct newton *equations, struct step *step, int n, dou
     return true;
 }
 
-enum step_status newton_solve(const struct newton *equations, struct step *step, double t, double h, const double *y,
-                              double *z, double *work)
+enum step_status newton_solve(const struct newton *equations, struct step *step, double t, double h,
+                              const double *y, double *z, double *work)
 {
     const struct system *system = step->system;
     const bool adaptive = step->tol > 0 && !system->linear;
-    struct room room = room_of(equations->tableau->stages, system->n, work);
+    struct capacity capacity = room_of(equations->tableau->stages, system->n, work);
     double weight[LIMIT_VARIABLES];
     newton_weights(step_scale(step), system->n, y, weight);
-    bool kept = *room.h == h && (system->linear || (adaptive && *room.rate <= FAST));
-    if (!kept && !newton_factor(equations, step, system->n, t, h, y, &room))
+    bool kept = *capacity.h == h && (system->linear || (adaptive && *capacity.rate <= FAST));
+    if (!kept && !newton_factor(equations, step, system->n, t, h, y, &capacity))
         return STEP_NO_SOLUTION;
-    return adaptive ? approach(equations, step, t, h, y, z, weight, share(step->tol) * step->tol, &room)
-                    : newton_to_rounding(equations, step, system->n, t, h, y, z, weight, &room);
+    return adaptive ? approach(equations, step, t, h, y, z, weight, fraction(step->tol) * step->tol,
+                               &capacity)
+                    : newton_to_rounding(equations, step, system->n, t, h, y, z, weight, &capacity);
 }
 
 /* ---- one stage ---- */
 
-static enum step_status solve_oscillator(struct step *step, double t, double h, const double *y, double *z, double *sum)
+static enum step_status solve_oscillator(struct step *step, double t, double h, const double *y,
+                                         double *z, double *sum)
 {
     const struct oscillator *o = &step->system->oscillator;
     double force;
@@ -190,8 +202,8 @@ static enum step_status solve_oscillator(struct step *step, double t, double h, 
     return oscillator_stage(o, o->quadratic != 0, force, step, h, y, z, sum);
 }
 
-enum step_status newton_stage(struct step *step, double t, double h, const double *y, double *z, double *sum,
-                              double *work)
+enum step_status newton_stage(struct step *step, double t, double h, const double *y, double *z,
+                              double *sum, double *work)
 {
     const struct system *system = step->system;
     if (system->order == 2 && system->n == 2 && system->oscillator.whole)
@@ -214,7 +226,8 @@ size_t newton_work(const struct method *method, int n)
     return 3 * (size_t)n + newton_room(1, n);
 }
 
-enum step_status implicit_euler_solve(struct step *step, double t, double h, const double *y, double *z, double *work)
+enum step_status implicit_euler_solve(struct step *step, double t, double h, const double *y,
+                                      double *z, double *work)
 {
     newton_forget(work + step->system->n);
     return newton_stage(step, t, h, y, work, z, work + step->system->n);

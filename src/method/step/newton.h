@@ -6,14 +6,16 @@
 #include "method/step/step.h"
 
 /*
- * The equations for the increments z [stages][n] of all stages over y. The Jacobian of `rest` is that of
- * h sum_j a_ij f(t + c_j h, y + z_j) - z_i, as far as convergence needs it.
+ * The equations for the increments z [stages][n] of all stages over y. The Jacobian of `rest` is
+ * that of h sum_j a_ij f(t + c_j h, y + z_j) - z_i, as far as convergence needs it.
  */
 struct newton;
-typedef void jacobian_function(const void *forces, double t, const double *y, double *jac); /* [n][n] */
+typedef void jacobian_function(const void *forces, double t, const double *y,
+                               double *jac); /* [n][n] */
 /* What the equations are off by; scratch [stages][n]. */
-typedef void newton_rest_function(const struct newton *equations, struct step *step, int n, double t, double h,
-                                  const double *y, const double *z, double *scratch, double *rest);
+typedef void newton_rest_function(const struct newton *equations, struct step *step, int n,
+                                  double t, double h, const double *y, const double *z,
+                                  double *scratch, double *rest);
 
 struct newton {
     const struct implicit_tableau *tableau;
@@ -31,33 +33,36 @@ struct newton newton_of(const struct implicit_tableau *tableau, newton_rest_func
 newton_rest_function newton_stages;
 
 /*
- * z: in, a guess; out, the solution (undefined unless STEP_OK): as exact as rounding allows or, in steps of
- * method_adapt(), as exact as the tolerance asks for. A linear system takes one solve.
- * work: newton_room() doubles that belong to these equations. They keep the factors of the matrix from call to call and
- * step to step, where that changes nothing (linear systems) or little (adaptive steps); newton_forget() begins anew.
+ * z: in, a guess; out, the solution (undefined unless STEP_OK): as exact as rounding allows or, in
+ * steps of method_adapt(), as exact as the tolerance asks for. A linear system takes one solve.
+ * work: newton_room() doubles that belong to these equations. They keep the factors of the matrix
+ * from call to call and step to step, where that changes nothing (linear systems) or little
+ * (adaptive steps); newton_forget() begins anew.
  */
-enum step_status newton_solve(const struct newton *equations, struct step *step, double t, double h, const double *y,
-                              double *z, double *work);
+enum step_status newton_solve(const struct newton *equations, struct step *step, double t, double h,
+                              const double *y, double *z, double *work);
 size_t newton_room(int stages, int n);
 void newton_forget(double *work);
 
 /*
- * The solution that is reached from h = 0 in shorter and shorter parts of h, each of which contracts: the one that
- * belongs to y. z: out, unchanged where there is none (the branch turns back before h). weight [n]: 1/size of each
- * variable. Source: Deuflhard 2011, Newton Methods for Nonlinear Problems, 5.1.
+ * The solution that is reached from h = 0 in shorter and shorter parts of h, each of which
+ * contracts: the one that belongs to y. z: out, unchanged where there is none (the branch turns
+ * back before h). weight [n]: 1/size of each variable. Source: Deuflhard 2011, Newton Methods for
+ * Nonlinear Problems, 5.1.
  */
-bool newton_follow(const struct newton *equations, struct step *step, int n, double t, double h, const double *y,
-                   double *z, const double *weight, double *work);
+bool newton_follow(const struct newton *equations, struct step *step, int n, double t, double h,
+                   const double *y, double *z, const double *weight, double *work);
 
-/* x [n] becomes (real - h J)^-1 x; J at y, unless the factors for this h are there. False: singular. */
-bool newton_filter(const struct implicit_tableau *tableau, struct step *step, double t, double h, const double *y,
-                   double *x, double *work);
+/* x [n] becomes (real - h J)^-1 x; J at y, unless the factors for this h are there. False:
+ * singular. */
+bool newton_filter(const struct implicit_tableau *tableau, struct step *step, double t, double h,
+                   const double *y, double *x, double *work);
 
 /*
- * Solves z = h f(t, y + z) and gives y + z as well: in closed form for the oscillator, else by newton_solve() with
- * newton_euler.
+ * Solves z = h f(t, y + z) and gives y + z as well: in closed form for the oscillator, else by
+ * newton_solve() with newton_euler.
  */
-enum step_status newton_stage(struct step *step, double t, double h, const double *y, double *z, double *sum,
-                              double *work);
+enum step_status newton_stage(struct step *step, double t, double h, const double *y, double *z,
+                              double *sum, double *work);
 
 #endif

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * The stages of implicit methods: for any forces in newton.c, and again where they are known to the compiler in
- * kernel_implicit.c. One text, so both give the same bits.
- * Source: Hairer, Wanner 1996, Solving ODEs II, IV.8 (transformed systems, stopping); Hairer, McLachlan, Razakarivony
- * 2008, BIT 48:231 (to rounding).
+ * The stages of implicit methods: for any forces in newton.c, and again where they are known to the
+ * compiler in kernel_implicit.c. One text, so both give the same bits. Source: Hairer, Wanner 1996,
+ * Solving ODEs II, IV.8 (transformed systems, stopping); Hairer, McLachlan, Razakarivony 2008, BIT
+ * 48:231 (to rounding).
  */
 #ifndef HOOKE_METHOD_STEP_NEWTON_BODY_H
 #define HOOKE_METHOD_STEP_NEWTON_BODY_H
@@ -17,42 +17,40 @@
 #define INLINE static inline __attribute__((always_inline))
 #endif
 
-/* Halvings of an increment that does not bring the equations nearer to 0, and iterations before giving up. */
+/* Halvings of an increment that does not bring the equations nearer to 0, and iterations before
+ * giving up. */
 enum { HALVINGS = 8, ITERATIONS = 30 };
 
 #define STANDSTILL 1e-10 /* an increment this small (relative) that shrinks no more is rounding */
 #define SLOW 0.1         /* increments that shrink by less than this want a new Jacobian */
-#define CONTRACTS 0.5    /* increments that shrink by this stay near where they began (Newton-Kantorovich) */
+#define CONTRACTS                                                                                  \
+    0.5 /* increments that shrink by this stay near where they began (Newton-Kantorovich) */
 
 #define LOST (DBL_EPSILON / 32) /* an increment that changes no digit */
 
 static const double newton_one[] = {1}, newton_now[] = {0};
-#define NEWTON_EULER                                                                                                   \
-    {.stages = 1,                                                                                                      \
-     .c = newton_now,                                                                                                  \
-     .a = newton_one,                                                                                                  \
-     .b = newton_one,                                                                                                  \
-     .d = newton_one,                                                                                                  \
-     .real = 1,                                                                                                        \
-     .left = newton_one,                                                                                               \
-     .right = newton_one}
+#define NEWTON_EULER                                                                               \
+    {                                                                                              \
+        .stages = 1, .c = newton_now, .a = newton_one, .b = newton_one, .d = newton_one,           \
+        .real = 1, .left = newton_one, .right = newton_one                                         \
+    }
 
 /* What newton_room() holds. */
-struct room {
+struct capacity {
     double *h;    /* of the factors, 0: there are none */
     double *rate; /* by which increments shrank in the last solution */
     double *slope, *rest, *move, *jacobian, *real, *complex;
 };
 
-INLINE struct room room_of(int stages, int n, double *work)
+INLINE struct capacity room_of(int stages, int n, double *work)
 {
-    struct room room = {.h = work, .rate = work + 1, .slope = work + 2};
-    room.rest = room.slope + stages * n;
-    room.move = room.rest + stages * n;
-    room.jacobian = room.move + stages * n;
-    room.real = room.jacobian + n * n;
-    room.complex = room.real + LU_ROOM(n);
-    return room;
+    struct capacity capacity = {.h = work, .rate = work + 1, .slope = work + 2};
+    capacity.rest = capacity.slope + stages * n;
+    capacity.move = capacity.rest + stages * n;
+    capacity.jacobian = capacity.move + stages * n;
+    capacity.real = capacity.jacobian + n * n;
+    capacity.complex = capacity.real + LU_ROOM(n);
+    return capacity;
 }
 
 /* A size that the compiler knows needs no choice among them. */
@@ -67,23 +65,24 @@ INLINE void newton_lu_solve(int n, const double *a, double *x)
 }
 
 /* The factors of real - h J and alpha + i beta - h J, with J at t and y. */
-INLINE bool newton_factor(const struct newton *equations, struct step *step, int n, double t, double h,
-                          const double *y, struct room *room)
+INLINE bool newton_factor(const struct newton *equations, struct step *step, int n, double t,
+                          double h, const double *y, struct capacity *capacity)
 {
     const struct implicit_tableau *tableau = equations->tableau;
-    double *re = room->complex, *im = re + LU_ROOM(n);
-    equations->jacobian(equations->forces, t, y, room->jacobian);
+    double *re = capacity->complex, *im = re + LU_ROOM(n);
+    equations->jacobian(equations->forces, t, y, capacity->jacobian);
     step->cost.jacobians++;
-    *room->h = 0;
+    *capacity->h = 0;
     for (int i = 0; i < n * n; i++) {
-        double hj = h * room->jacobian[i], unit = i % (n + 1) == 0;
-        room->real[i] = tableau->real * unit - hj;
+        double hj = h * capacity->jacobian[i], unit = i % (n + 1) == 0;
+        capacity->real[i] = tableau->real * unit - hj;
         re[i] = tableau->alpha * unit - hj;
         im[i] = tableau->beta * unit;
     }
-    if ((tableau->real != 0 && !newton_lu(n, room->real)) || (tableau->beta != 0 && !lu_factor_complex(n, re)))
+    if ((tableau->real != 0 && !newton_lu(n, capacity->real)) ||
+        (tableau->beta != 0 && !lu_factor_complex(n, re)))
         return false;
-    *room->h = h;
+    *capacity->h = h;
     return true;
 }
 
@@ -105,26 +104,28 @@ INLINE void mix_stages(int stages, int n, const double *m, double *x)
 
 INLINE void newton_mix(int stages, int n, const double *m, double *x)
 {
-    stages == 1 ? mix_stages(1, n, m, x) : stages == 2 ? mix_stages(2, n, m, x) : mix_stages(3, n, m, x);
+    stages == 1   ? mix_stages(1, n, m, x)
+    : stages == 2 ? mix_stages(2, n, m, x)
+                  : mix_stages(3, n, m, x);
 }
 
 /* x [stages][n] becomes (1 - h a J)^-1 x. */
-INLINE void newton_increment(const struct implicit_tableau *tableau, struct step *step, int n, const struct room *room,
-                             double *x)
+INLINE void newton_increment(const struct implicit_tableau *tableau, struct step *step, int n,
+                             const struct capacity *capacity, double *x)
 {
     int pair = tableau->real != 0;
     newton_mix(tableau->stages, n, tableau->left, x);
     if (pair)
-        newton_lu_solve(n, room->real, x);
+        newton_lu_solve(n, capacity->real, x);
     if (tableau->beta != 0)
-        lu_solve_complex(n, room->complex, x + pair * n, x + (pair + 1) * n);
+        lu_solve_complex(n, capacity->complex, x + pair * n, x + (pair + 1) * n);
     newton_mix(tableau->stages, n, tableau->right, x);
     step->cost.solves++;
 }
 
 /* What the increments z are off by; slope and rest [stages][n] */
-INLINE void newton_rest(const struct newton *equations, struct step *step, int n, double t, double h, const double *y,
-                        const double *z, double *slope, double *rest)
+INLINE void newton_rest(const struct newton *equations, struct step *step, int n, double t,
+                        double h, const double *y, const double *z, double *slope, double *rest)
 {
     const struct implicit_tableau *tableau = equations->tableau;
     const int stages = tableau->stages;
@@ -157,21 +158,22 @@ INLINE double newton_size(int stages, int n, const double *weight, const double 
 }
 
 /* A new Jacobian, at the middle stage of where the iteration has come to. */
-INLINE bool newton_renew(const struct newton *equations, struct step *step, int n, double t, double h,
-                         const double *y, const double *z, struct room *room)
+INLINE bool newton_renew(const struct newton *equations, struct step *step, int n, double t,
+                         double h, const double *y, const double *z, struct capacity *capacity)
 {
     const struct implicit_tableau *tableau = equations->tableau;
     const int middle = tableau->stages / 2;
     double sum[LIMIT_VARIABLES];
     for (int i = 0; i < n; i++)
         sum[i] = y[i] + z[middle * n + i];
-    return newton_factor(equations, step, n, t + tableau->c[middle] * h, h, sum, room);
+    return newton_factor(equations, step, n, t + tableau->c[middle] * h, h, sum, capacity);
 }
 
 /* Is the determinant, as far as it is real, positive as in short steps? */
-INLINE bool newton_positive(const struct implicit_tableau *tableau, int n, const struct room *room)
+INLINE bool newton_positive(const struct implicit_tableau *tableau, int n,
+                            const struct capacity *capacity)
 {
-    return tableau->real == 0 || !lu_negative(n, room->real);
+    return tableau->real == 0 || !lu_negative(n, capacity->real);
 }
 
 /* Half of the last increment is taken back. */
@@ -184,41 +186,44 @@ INLINE void newton_halve(int count, double *z, double *move)
 }
 
 /*
- * Until increments stop decreasing: a tolerance would bias the rounding. An increment that does not bring the equations
- * nearer to 0 is halved. near: is the solution the one beside the guess? It is where increments shrink from the first
- * one on, and the determinant is positive, as it is in short steps.
+ * Until increments stop decreasing: a tolerance would bias the rounding. An increment that does not
+ * bring the equations nearer to 0 is halved. near: is the solution the one beside the guess? It is
+ * where increments shrink from the first one on, and the determinant is positive, as it is in short
+ * steps.
  */
-INLINE enum step_status newton_iterate(const struct newton *equations, struct step *step, int n, double t, double h,
-                                       const double *y, double *z, const double *weight, struct room *room, bool *near)
+INLINE enum step_status newton_iterate(const struct newton *equations, struct step *step, int n,
+                                       double t, double h, const double *y, double *z,
+                                       const double *weight, struct capacity *capacity, bool *near)
 {
     const struct implicit_tableau *tableau = equations->tableau;
     const int stages = tableau->stages;
     double last = HUGE_VAL, off = HUGE_VAL;
-    *near = newton_positive(tableau, n, room);
+    *near = newton_positive(tableau, n, capacity);
     for (int iteration = 0, halvings = 0; iteration < ITERATIONS;) {
-        equations->rest(equations, step, n, t, h, y, z, room->slope, room->rest);
-        double rest = newton_size(stages, n, weight, room->rest);
+        equations->rest(equations, step, n, t, h, y, z, capacity->slope, capacity->rest);
+        double rest = newton_size(stages, n, weight, capacity->rest);
         if (iteration == 0 && !isfinite(rest))
             return STEP_NONFINITE;
         if (!(rest < off) && last > STANDSTILL) {
             if (++halvings > HALVINGS)
                 return STEP_NO_SOLUTION;
             *near = false;
-            newton_halve(stages * n, z, room->move);
+            newton_halve(stages * n, z, capacity->move);
             continue;
         }
-        memcpy(room->move, room->rest, (size_t)(stages * n) * sizeof *z);
-        newton_increment(tableau, step, n, room, room->move);
-        double size = newton_size(stages, n, weight, room->move);
+        memcpy(capacity->move, capacity->rest, (size_t)(stages * n) * sizeof *z);
+        newton_increment(tableau, step, n, capacity, capacity->move);
+        double size = newton_size(stages, n, weight, capacity->move);
         for (int i = 0; i < stages * n; i++)
-            z[i] += room->move[i];
+            z[i] += capacity->move[i];
         if (size > CONTRACTS * last && size > STANDSTILL)
             *near = false;
-        if (step->system->linear || size <= DBL_EPSILON / 2 || (size >= last && size <= STANDSTILL)) {
-            *near = *near && newton_positive(tableau, n, room);
+        if (step->system->linear || size <= DBL_EPSILON / 2 ||
+            (size >= last && size <= STANDSTILL)) {
+            *near = *near && newton_positive(tableau, n, capacity);
             return STEP_OK;
         }
-        if (size > SLOW * last && !newton_renew(equations, step, n, t, h, y, z, room))
+        if (size > SLOW * last && !newton_renew(equations, step, n, t, h, y, z, capacity))
             return STEP_NO_SOLUTION;
         last = size;
         off = rest;
@@ -230,17 +235,20 @@ INLINE enum step_status newton_iterate(const struct newton *equations, struct st
 }
 
 /*
- * The solution from z = 0. Where it is not sure to be the one that belongs to y, it is followed from a step of length 0:
- * over y' = -y^2 the equation of a step has two solutions, and in long steps Newton's iteration may find the wrong one.
+ * The solution from z = 0. Where it is not sure to be the one that belongs to y, it is followed
+ * from a step of length 0: over y' = -y^2 the equation of a step has two solutions, and in long
+ * steps Newton's iteration may find the wrong one.
  */
-INLINE enum step_status newton_to_rounding(const struct newton *equations, struct step *step, int n, double t, double h,
-                                           const double *y, double *z, const double *weight, struct room *room)
+INLINE enum step_status newton_to_rounding(const struct newton *equations, struct step *step, int n,
+                                           double t, double h, const double *y, double *z,
+                                           const double *weight, struct capacity *capacity)
 {
     bool near;
-    const enum step_status status = newton_iterate(equations, step, n, t, h, y, z, weight, room, &near);
+    const enum step_status status =
+        newton_iterate(equations, step, n, t, h, y, z, weight, capacity, &near);
     if (step->system->linear || status == STEP_NONFINITE || (status == STEP_OK && near))
         return status;
-    if (newton_follow(equations, step, n, t, h, y, z, weight, room->h))
+    if (newton_follow(equations, step, n, t, h, y, z, weight, capacity->h))
         return STEP_OK;
     return status;
 }
@@ -257,26 +265,31 @@ INLINE void newton_weights(const double *scale, int n, const double *y, double *
 /* ---- one stage in closed form ---- */
 
 /*
- * q' = q + h v', v' = v + h (F(q) - stiffness h v' - damping v' - quadratic |v'| v'): a scalar equation in v', because
- * the force that does not depend on velocity is linear in q. force: that at t and y; dragged:
- * o->quadratic is not 0.
+ * q' = q + h v', v' = v + h (F(q) - stiffness h v' - damping v' - quadratic |v'| v'): a scalar
+ * equation in v', because the force that does not depend on velocity is linear in q. force: that at
+ * t and y; dragged: o->quadratic is not 0.
  */
-INLINE enum step_status oscillator_stage(const struct oscillator *o, bool dragged, double force, struct step *step, double h,
-                                         const double *y, double *z, double *sum)
+INLINE enum step_status oscillator_stage(const struct oscillator *o, bool dragged, double force,
+                                         struct step *step, double h, const double *y, double *z,
+                                         double *sum)
 {
-    const double a = 1 + o->damping * h + o->stiffness * h * h, inverse = 1 / a; /* the same in each step */
-    const double bend = 4 * (o->quadratic * h * inverse) * inverse, r = y[1] + h * force, u = r * inverse;
+    const double a = 1 + o->damping * h + o->stiffness * h * h,
+                 inverse = 1 / a; /* the same in each step */
+    const double bend = 4 * (o->quadratic * h * inverse) * inverse, r = y[1] + h * force,
+                 u = r * inverse;
     step->cost.evals++;
     step->cost.solves++;
     if (!isfinite(a) || !isfinite(r))
         return STEP_NONFINITE;
     const double v = dragged ? 2 * u / (1 + sqrt(1 + bend * fabs(r))) : u; /* drag_root() */
-    const double share = dragged ? o->quadratic * h * fabs(v) : -0.0;
-    const double held = h * (o->stiffness * h + o->damping) * v, lost = dragged ? share * v : -0.0;
-    /* Where it is small, the increment by the force: the rounding of a would shift v in the same way at every step. */
-    const bool small = fabs(a - 1 + share) < 1;
+    const double fraction = dragged ? o->quadratic * h * fabs(v) : -0.0;
+    const double slot = h * (o->stiffness * h + o->damping) * v,
+                 lost = dragged ? fraction * v : -0.0;
+    /* Where it is small, the increment by the force: the rounding of a would shift v in the same
+     * way at every step. */
+    const bool small = fabs(a - 1 + fraction) < 1;
     z[0] = h * v;
-    z[1] = small ? (h * force - held) - lost : v - y[1];
+    z[1] = small ? (h * force - slot) - lost : v - y[1];
     sum[0] = y[0] + z[0];
     sum[1] = small ? y[1] + z[1] : v;
     return isfinite(v) ? STEP_OK : STEP_NO_SOLUTION;
@@ -284,9 +297,10 @@ INLINE enum step_status oscillator_stage(const struct oscillator *o, bool dragge
 
 /* ---- one stage of an equation of motion ---- */
 
-/* A derivative of the velocity's equation, and its sign as in short steps. False: there is no next iterate. */
-INLINE bool motion_factor(jacobian_function *slopes, const void *forces, struct step *step, double t,
-                          double h, const double *at, double *inverse, bool *positive)
+/* A derivative of the velocity's equation, and its sign as in short steps. False: there is no next
+ * iterate. */
+INLINE bool motion_factor(jacobian_function *slopes, const void *forces, struct step *step,
+                          double t, double h, const double *at, double *inverse, bool *positive)
 {
     double jacobian[4];
     slopes(forces, t, at, jacobian);
@@ -297,12 +311,13 @@ INLINE bool motion_factor(jacobian_function *slopes, const void *forces, struct 
 }
 
 /*
- * v' = v + h a(t, q + h v', v'), one equation for x = v' - v: what newton_iterate() does with both variables. Where
- * increments shrink so fast that the next one would be lost in rounding, it is not waited for.
+ * v' = v + h a(t, q + h v', v'), one equation for x = v' - v: what newton_iterate() does with both
+ * variables. Where increments shrink so fast that the next one would be lost in rounding, it is not
+ * waited for.
  */
-INLINE enum step_status motion_iterate(slope_function *slope, jacobian_function *slopes, const void *forces,
-                                       struct step *step, double t, double h, const double *y, double *x,
-                                       double weight, bool *near)
+INLINE enum step_status motion_iterate(slope_function *slope, jacobian_function *slopes,
+                                       const void *forces, struct step *step, double t, double h,
+                                       const double *y, double *x, double weight, bool *near)
 {
     double inverse, last = HUGE_VAL, off = HUGE_VAL, move = 0, sum[2] = {y[0], y[1]}, dydt[2];
     bool positive;
@@ -331,7 +346,8 @@ INLINE enum step_status motion_iterate(slope_function *slope, jacobian_function 
         *x += move;
         if (size > CONTRACTS * last && size > STANDSTILL)
             *near = false;
-        if (size <= DBL_EPSILON / 2 || (size >= last && size <= STANDSTILL) || (iteration > 0 && size * size <= LOST * last)) {
+        if (size <= DBL_EPSILON / 2 || (size >= last && size <= STANDSTILL) ||
+            (iteration > 0 && size * size <= LOST * last)) {
             *near = *near && positive;
             return STEP_OK;
         }
@@ -351,19 +367,20 @@ INLINE enum step_status motion_iterate(slope_function *slope, jacobian_function 
 }
 
 /*
- * newton_stage() to rounding for q'' = a(t, q, q') of one coordinate: z and y + z [2]; work: for newton_follow(). The
- * functions stand alone, so that a compiler that knows them inlines them.
+ * newton_stage() to rounding for q'' = a(t, q, q') of one coordinate: z and y + z [2]; work: for
+ * newton_follow(). The functions stand alone, so that a compiler that knows them inlines them.
  */
-INLINE enum step_status motion_stage(slope_function *slope, jacobian_function *slopes, const void *forces,
-                                     struct step *step, double t, double h, const double *y, double *z,
-                                     double *sum, double *work)
+INLINE enum step_status motion_stage(slope_function *slope, jacobian_function *slopes,
+                                     const void *forces, struct step *step, double t, double h,
+                                     const double *y, double *z, double *sum, double *work)
 {
     double weight[2], x = 0;
     bool near;
     newton_weights(step_scale(step), 2, y, weight);
     const double by_position = fabs(h) * weight[0];
     const double larger = weight[1] > by_position ? weight[1] : by_position;
-    enum step_status status = motion_iterate(slope, slopes, forces, step, t, h, y, &x, larger, &near);
+    enum step_status status =
+        motion_iterate(slope, slopes, forces, step, t, h, y, &x, larger, &near);
     z[1] = x;
     z[0] = h * (y[1] + x);
     if (status != STEP_NONFINITE && !(status == STEP_OK && near)) {

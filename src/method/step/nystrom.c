@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* One step of any Runge-Kutta-Nystrom tableau. Source: Hairer, Norsett, Wanner 1993, Solving ODEs I, II.14. */
+/* One step of any Runge-Kutta-Nystrom tableau. Source: Hairer, Norsett, Wanner 1993, Solving ODEs
+ * I, II.14. */
 #include "method/step/step.h"
 
 /* work: k [stages][n/2], one state */
@@ -15,7 +16,8 @@ static void acceleration(struct step *step, double t, const double *z, double *k
 }
 
 /* q + c h v + h^2 sum_j w_j k_j */
-static void advance(const struct step *step, double c, const double *w, int count, double *z, double *low)
+static void advance(const struct step *step, double c, const double *w, int count, double *z,
+                    double *low)
 {
     int d = step->system->n / 2;
     double h = step->h;
@@ -46,12 +48,15 @@ enum step_status nystrom_step(const struct method *method, struct step *step)
     if (!nystrom->fsal)
         advance(step, 1, nystrom->b, stages, z, low);
     for (int i = 0; i < d; i++)
-        step_add(&z[d + i], low ? &low[d + i] : NULL, h * weighted_sum(nystrom->d, stages, k, d, i));
+        step_add(&z[d + i], low ? &low[d + i] : NULL,
+                 h * weighted_sum(nystrom->d, stages, k, d, i));
 
-    if (step->error && nystrom->companion_b)
+    if (step->error && nystrom->embedded_b)
         for (int i = 0; i < d; i++) {
-            step->error[i] = h * h * weighted_difference(nystrom->b, nystrom->companion_b, stages, k, d, i);
-            step->error[d + i] = h * weighted_difference(nystrom->d, nystrom->companion_d, stages, k, d, i);
+            step->error[i] =
+                h * h * weighted_difference(nystrom->b, nystrom->embedded_b, stages, k, d, i);
+            step->error[d + i] =
+                h * weighted_difference(nystrom->d, nystrom->embedded_d, stages, k, d, i);
         }
     enum step_status status = step_finish(step, z);
     if (low && status == STEP_OK)

@@ -1,12 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Extrapolation of the midpoint rule (Gragg 1965; Bulirsch, Stoer 1966; Hairer, Norsett, Wanner 1993, Solving ODEs I,
- * II.9): COLUMNS runs over the step, in 2, 4, 6, … parts, extrapolated to parts of no length in powers of their square.
+ * Extrapolation of the midpoint rule (Gragg 1965; Bulirsch, Stoer 1966; Hairer, Norsett, Wanner
+ * 1993, Solving ODEs I, II.9): COLUMNS runs over the step, in 2, 4, 6, … parts, extrapolated to
+ * parts of no length in powers of their square.
  *
- * The runs do not look at the force in the last twelfth of the step, and at its start only once: where a force jumps
- * there, all of them are wrong in the same way and their differences are 0. So each run also goes on to the force at
- * its end (Gragg's smoothing, which has an expansion in the same powers), and where that makes a difference it counts
- * as an error. Wherever a force jumps, it is a fifth of the true one at least.
+ * The runs do not look at the force in the last twelfth of the step, and at its start only once:
+ * where a force jumps there, all of them are wrong in the same way and their differences are 0. So
+ * each run also goes on to the force at its end (Gragg's smoothing, which has an expansion in the
+ * same powers), and where that makes a difference it counts as an error. Wherever a force jumps, it
+ * is a fifth of the true one at least.
  */
 #include "method/step/step.h"
 
@@ -20,11 +22,12 @@ size_t odex_work(const struct method *method, int n)
 }
 
 /*
- * y(t + h) - y after `parts` steps of the midpoint rule, the first one Euler's. Sums of increments, not of states:
- * their rounding shrinks with h. smoothed: (y_n-1 + y_n+1)/2, where there is an error to estimate.
+ * y(t + h) - y after `parts` steps of the midpoint rule, the first one Euler's. Sums of increments,
+ * not of states: their rounding shrinks with h. smoothed: (y_n-1 + y_n+1)/2, where there is an
+ * error to estimate.
  */
-static void midpoint_run(struct step *step, int parts, const double *first, double *work, double *gained,
-                         double *smoothed)
+static void midpoint_run(struct step *step, int parts, const double *first, double *work,
+                         double *gained, double *smoothed)
 {
     int n = step->system->n;
     double part = step->h / parts, *before = work, *f = before + n, *z = f + n;
@@ -53,7 +56,8 @@ static void midpoint_run(struct step *step, int parts, const double *first, doub
         smoothed[i] = before[i] + part * f[i];
 }
 
-/* Row j of the table: T_jl = T_j,l-1 + (T_j,l-1 - T_j-1,l-1) / ((parts_j / parts_j-l)^2 - 1); table[j - l] holds T_jl. */
+/* Row j of the table: T_jl = T_j,l-1 + (T_j,l-1 - T_j-1,l-1) / ((parts_j / parts_j-l)^2 - 1);
+ * table[j - l] holds T_jl. */
 static void extrapolate(int j, int n, double *table)
 {
     for (int l = j; l-- > 0;) {
@@ -67,7 +71,8 @@ enum step_status odex_step(const struct method *method, struct step *step)
 {
     (void)method;
     int n = step->system->n;
-    double *table = step->work, *smooth = table + COLUMNS * n, *first = smooth + COLUMNS * n, *own = first + n;
+    double *table = step->work, *smooth = table + COLUMNS * n, *first = smooth + COLUMNS * n,
+           *own = first + n;
     if (!step->again) {
         system_derivative(step->system, step->t, step->y, first);
         step->cost.evals++;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* One step of any explicit Runge-Kutta tableau. Source: Hairer, Norsett, Wanner 1993, Solving ODEs I, II.1-6, II.10. */
+/* One step of any explicit Runge-Kutta tableau. Source: Hairer, Norsett, Wanner 1993, Solving ODEs
+ * I, II.1-6, II.10. */
 #include "method/control/rk_error.h"
 
 /* work: k [stages + extra][n], one state, whether the extra stages are those of the last step */
@@ -31,15 +32,17 @@ enum step_status rk_step(const struct method *method, struct step *step)
         memcpy(k, k + (stages - 1) * n, (size_t)n * sizeof *k);
     rk_stages(tableau, n, slope, step->system, step->t, step->h, step->y, k, z, low, known);
     step->cost.evals += stages - known;
-    if (step->error && tableau->companion)
-        step->square = rk_estimate(tableau, n, step_scale(step), step->h, k, step->y, z, step->error);
+    if (step->error && tableau->b_hat)
+        step->square =
+            rk_estimate(tableau, n, step_scale(step), step->h, k, step->y, z, step->error);
     enum step_status status = step_finish(step, z);
     if (low && status == STEP_OK)
         memcpy(step->low, low, (size_t)n * sizeof *low);
     return status;
 }
 
-/* The stages that only the interpolant needs; from the end of the step: y + h sum a k = y' + h sum (a - b) k. */
+/* The stages that only the interpolant needs; from the end of the step: y + h sum a k = y' + h sum
+ * (a - b) k. */
 static void add_stages(const struct tableau *tableau, const struct step *step)
 {
     int n = step->system->n, stages = tableau->stages, all = stages + tableau->extra;
@@ -58,7 +61,8 @@ static void add_stages(const struct tableau *tableau, const struct step *step)
     *ready = true;
 }
 
-void rk_polynomial(const struct method *method, const struct step *step, int i, struct dense_polynomial *out)
+void rk_polynomial(const struct method *method, const struct step *step, int i,
+                   struct dense_polynomial *out)
 {
     const struct tableau *tableau = method->tableau;
     const int n = step->system->n, stages = tableau->stages, all = stages + tableau->extra;
@@ -66,8 +70,12 @@ void rk_polynomial(const struct method *method, const struct step *step, int i, 
     add_stages(tableau, step);
     const double rise = weighted_sum(tableau->b, stages, k, n, i);
     const double first = k[i] - rise, last = rise - k[(stages - 1) * n + i];
-    *out = (struct dense_polynomial){
-        .end = step->y[i], .h = step->h, .rise = rise, .first = first, .twist = last - first, .bends = tableau->bends};
+    *out = (struct dense_polynomial){.end = step->y[i],
+                                     .h = step->h,
+                                     .rise = rise,
+                                     .first = first,
+                                     .twist = last - first,
+                                     .bends = tableau->bends};
     for (int m = 0; m < tableau->bends; m++)
         out->bend[m] = weighted_sum(tableau->dense + m * all, all, k, n, i);
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * The stages of an explicit Runge-Kutta step: of any tableau and system in rk.c, and again where both are known to the
- * compiler in kernel.c. One text, so both give the same bits.
+ * The stages of an explicit Runge-Kutta step: of any tableau and system in rk.c, and again where
+ * both are known to the compiler in kernel.c. One text, so both give the same bits.
  */
 #ifndef HOOKE_METHOD_STEP_RK_BODY_H
 #define HOOKE_METHOD_STEP_RK_BODY_H
@@ -14,8 +14,8 @@
 #define INLINE static inline __attribute__((always_inline))
 
 /* z = y + sum_j (h w_j) k_j; low: as in struct step, or NULL */
-INLINE void rk_combine(int n, double h, const double *w, int count, const double *k, const double *y, double *z,
-                       double *low)
+INLINE void rk_combine(int n, double h, const double *w, int count, const double *k,
+                       const double *y, double *z, double *low)
 {
     for (int i = 0; i < n; i++) {
         double sum = -0.0;
@@ -26,15 +26,17 @@ INLINE void rk_combine(int n, double h, const double *w, int count, const double
 }
 
 /* k [stages][n], z: the new state. known: k_1 is there already. */
-INLINE void rk_stages(const struct tableau *tableau, int n, slope_function *slope, const void *forces, double t,
-                      double h, const double *y, double *k, double *z, double *low, bool known)
+INLINE void rk_stages(const struct tableau *tableau, int n, slope_function *slope,
+                      const void *forces, double t, double h, const double *y, double *k, double *z,
+                      double *low, bool known)
 {
     const int stages = tableau->stages;
     if (!known)
         slope(forces, t, y, k);
     UNROLL for (int s = 1; s < stages; s++)
     {
-        rk_combine(n, h, tableau_row(tableau, s), s, k, y, z, tableau->fsal && s == stages - 1 ? low : NULL);
+        rk_combine(n, h, tableau_row(tableau, s), s, k, y, z,
+                   tableau->fsal && s == stages - 1 ? low : NULL);
         slope(forces, t + tableau->c[s] * h, z, k + s * n);
     }
     if (!tableau->fsal) /* else z is already there: the last row of a equals b */

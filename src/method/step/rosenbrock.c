@@ -2,7 +2,8 @@
 /* One step of any Rosenbrock method, and its dense output. */
 #include "method/step/rosenbrock_body.h"
 
-/* Distance of the two points of a difference quotient in t, as a share of h: its error stays far below the step's. */
+/* Distance of the two points of a difference quotient in t, as a share of h: its error stays far
+ * below the step's. */
 static const double APART = 1. / 8192;
 
 /* work: u [stages][n], the Jacobian, four states, the matrix. */
@@ -46,7 +47,8 @@ static bool large_stages(const struct rosenbrock *rosenbrock, struct step *step,
     const int n = system->n, stages = rosenbrock->stages;
     const double h = step->h, t = step->t, *a = rosenbrock->a, *c = rosenbrock->c, *y = step->y;
     double *const u = step->work, *const jacobian = u + stages * n, *const first = jacobian + n * n;
-    double *const drift = first + n, *const z = drift + n, *const later = z + n, *const matrix = later + n;
+    double *const drift = first + n, *const z = drift + n, *const later = z + n,
+                  *const matrix = later + n;
     const double *f = first, diagonal = 1 / (rosenbrock->gamma * h), rate = 1 / h;
     if (!step->again) {
         if (!system->autonomous)
@@ -91,8 +93,8 @@ static enum step_status large_step(const struct rosenbrock *rosenbrock, struct s
     double sum[LIMIT_VARIABLES];
     if (!large_stages(rosenbrock, step, sum))
         return STEP_NO_SOLUTION;
-    for (int i = 0; i < n && step->error && rosenbrock->companion; i++)
-        step->error[i] = weighted_difference(rosenbrock->m, rosenbrock->companion, stages, u, n, i);
+    for (int i = 0; i < n && step->error && rosenbrock->b_hat; i++)
+        step->error[i] = weighted_difference(rosenbrock->m, rosenbrock->b_hat, stages, u, n, i);
     rosenbrock_combine(n, rosenbrock->m, stages, u, sum);
     return step_increase(step, sum);
 }
@@ -100,7 +102,8 @@ static enum step_status large_step(const struct rosenbrock *rosenbrock, struct s
 enum step_status rosenbrock_step(const struct method *method, struct step *step)
 {
     const struct rosenbrock *rosenbrock = method->rosenbrock;
-    const struct rosenbrock_forces of = {slope_of, jacobian_of, step->system, !step->system->autonomous};
+    const struct rosenbrock_forces of = {slope_of, jacobian_of, step->system,
+                                         !step->system->autonomous};
     const int n = step->system->n;
     return n == 1   ? rosenbrock_small_step(1, rosenbrock, &of, step)
            : n == 2 ? rosenbrock_small_step(2, rosenbrock, &of, step)
@@ -127,10 +130,11 @@ void rosenbrock_dense(const struct method *method, const struct step *step, doub
 }
 
 /*
- * theta (1 - theta) (e_0 + e_1 theta + …), degree 4 at most, in the form of Hermite's: between the brackets
- * e_0 + theta (twist + (1 - theta) (d_0 + theta d_1)).
+ * theta (1 - theta) (e_0 + e_1 theta + …), degree 4 at most, in the form of Hermite's: between the
+ * brackets e_0 + theta (twist + (1 - theta) (d_0 + theta d_1)).
  */
-void rosenbrock_polynomial(const struct method *method, const struct step *step, int i, struct dense_polynomial *out)
+void rosenbrock_polynomial(const struct method *method, const struct step *step, int i,
+                           struct dense_polynomial *out)
 {
     const struct rosenbrock *rosenbrock = method->rosenbrock;
     const int n = step->system->n, stages = rosenbrock->stages;

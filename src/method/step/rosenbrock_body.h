@@ -115,11 +115,11 @@ INLINE bool few_eliminate(int n, double diagonal, const double *jacobian, struct
         for (int j = 0; j < n; j++)
             a[i][j] = (i == j ? diagonal : -0.0) - jacobian[i * n + j];
     for (int p = 0; p < n; p++) {
-        double most = fabs(a[p][p]);
+        double max = fabs(a[p][p]);
         best[p] = p;
         for (int i = p + 1; i < n; i++)
-            if (fabs(a[i][p]) > most) {
-                most = fabs(a[i][p]);
+            if (fabs(a[i][p]) > max) {
+                max = fabs(a[i][p]);
                 best[p] = i;
             }
         for (int i = p + 1; i < n; i++) /* places that the compiler knows: all stays in registers */
@@ -267,10 +267,10 @@ INLINE enum step_status rosenbrock_small_step(int n, const struct rosenbrock *ro
     few_stages(n, rosenbrock, of, step, y, &start, column, u);
     UNROLL for (int s = 0; s < stages; s++) for (int i = 0; i < n; i++) kept[s * n + i] =
         few_get(&u[s], i);
-    if (error && rosenbrock->companion) {
+    if (error && rosenbrock->b_hat) {
         struct few sum = {{{-0.0, -0.0}, {-0.0, -0.0}}};
-        UNROLL for (int s = 0; s < stages; s++) if (rosenbrock->m[s] != rosenbrock->companion[s])
-            few_add(n, &sum, rosenbrock->m[s] - rosenbrock->companion[s], &u[s]);
+        UNROLL for (int s = 0; s < stages; s++) if (rosenbrock->m[s] != rosenbrock->b_hat[s])
+            few_add(n, &sum, rosenbrock->m[s] - rosenbrock->b_hat[s], &u[s]);
         for (int i = 0; i < n; i++)
             error[i] = few_get(&sum, i);
     }

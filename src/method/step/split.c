@@ -10,12 +10,13 @@
  *           and kicks; the others solve v' = F - gamma v exactly in each kick, the force F
  *           standing still.
  *
- * Orders above 2 survive only exact linear drag: their conditions hold for any two flows, and a kick that contains the
- * drag is one. (Compositions of Verlet with the drag at its ends keep their order too, but with zeta = 0.5 to 1 they
- * have 3 to 200 times the error of this, and smaller stable steps.)
+ * Orders above 2 survive only exact linear drag: their conditions hold for any two flows, and a
+ * kick that contains the drag is one. (Compositions of Verlet with the drag at its ends keep their
+ * order too, but with zeta = 0.5 to 1 they have 3 to 200 times the error of this, and smaller
+ * stable steps.)
  *
- * With compensated sums drifts and kicks are added by step_add(). What multiplies the velocity (drag) leaves its low
- * part as it is: that changes by less than the product's rounding.
+ * With compensated sums drifts and kicks are added by step_add(). What multiplies the velocity
+ * (drag) leaves its low part as it is: that changes by less than the product's rounding.
  *
  * Source: Hairer, Lubich, Wanner 2006, Geometric Numerical Integration, II.5.
  */
@@ -31,21 +32,23 @@ size_t split_work(const struct method *method, int n)
 /* The size of the most negative kick, 0: there is none. */
 static double backward_kick(const struct splitting *splitting)
 {
-    double least = 0;
+    double min = 0;
     for (int i = splitting->kick_first ? 0 : 1; i < splitting->count; i += 2)
-        least = fmin(least, splitting_weight(splitting, i));
-    return -least;
+        min = fmin(min, splitting_weight(splitting, i));
+    return -min;
 }
 
 /* A backward kick over w multiplies the velocity by exp(gamma w), and all errors with it. */
-bool split_fits(const struct method *method, const struct system *system, enum drag drag, double h, struct error *error)
+bool split_fits(const struct method *method, const struct system *system, enum drag drag, double h,
+                struct error *error)
 {
     double gamma = system->oscillator.damping, back = backward_kick(method->splitting);
     double exponent = fabs(gamma * back * h);
     if (!system->velocity || drag != DRAG_EXACT || exponent <= 1)
         return true;
     error_set(error, ERROR_COMMAND,
-              "%s kicks back over %.3g h, and damping run backwards for that long multiplies the velocity by e^%.3g",
+              "%s kicks back over %.3g h, and damping run backwards for that long multiplies the "
+              "velocity by e^%.3g",
               method->row.name, back, exponent);
     return error_hint(error, "use dt <= %.3g s, where it is e, or verlet", 1 / fabs(gamma * back));
 }
@@ -56,8 +59,8 @@ static bool has_dry(const struct system *system)
     return system->terms > 0 && system->term[system->terms - 1].row->flags & TERM_DRY;
 }
 
-static bool applies_with_drag(const struct method *method, const struct system *system, enum drag drag,
-                              struct error *error)
+static bool applies_with_drag(const struct method *method, const struct system *system,
+                              enum drag drag, struct error *error)
 {
     const char *name = method->row.name;
     double quadratic = system->oscillator.quadratic;
@@ -71,14 +74,16 @@ static bool applies_with_drag(const struct method *method, const struct system *
         return error_hint(error, "'set turning on' ends steps there");
     }
     if (!system->oscillator.drag_whole) {
-        error_set(error, ERROR_COMMAND, "%s knows linear and quadratic drag, not this velocity-dependent force", name);
+        error_set(error, ERROR_COMMAND,
+                  "%s knows linear and quadratic drag, not this velocity-dependent force", name);
         return method->drags & 1u << DRAG_EXPLICIT
                    ? error_hint(error, "use %s drag=explicit (first order) or rk4", name)
                    : error_hint(error, "use rk4");
     }
     if (quadratic != 0 && method->order > 2) {
         error_set(error, ERROR_COMMAND,
-                  "%s steps back and forth: quadratic drag run backwards has a pole, and is too rough for order %d",
+                  "%s steps back and forth: quadratic drag run backwards has a pole, and is too "
+                  "rough for order %d",
                   name, method->order);
         return error_hint(error, "with quadratic drag use verlet or rk4");
     }
@@ -89,7 +94,8 @@ static bool applies_with_drag(const struct method *method, const struct system *
     return true;
 }
 
-bool split_applies(const struct method *method, const struct system *system, enum drag drag, struct error *error)
+bool split_applies(const struct method *method, const struct system *system, enum drag drag,
+                   struct error *error)
 {
     return !system->velocity || applies_with_drag(method, system, drag, error);
 }
@@ -117,7 +123,8 @@ enum step_status split_step(const struct method *method, struct step *step)
         memcpy(low, step->low, (size_t)n * sizeof *low);
     const struct drag_flow half =
         way.around ? oscillator_drag_flow(&system->oscillator, step->h / 2) : (struct drag_flow){0};
-    split_stages(&way, n, &forces, &half, NULL, step->t, step->h, z, pull, low, split_known(&way, step));
+    split_stages(&way, n, &forces, &half, NULL, step->t, step->h, z, pull, low,
+                 split_known(&way, step));
     step->cost.evals += way.kicks - split_known(&way, step);
     enum step_status status = step_finish(step, z);
     if (low && status == STEP_OK)

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * The drifts and kicks of a splitting's step: for any of them (split.c), and again where weights and forces are known
- * to the compiler (kernel.c). One text, so both give the same bits.
+ * The drifts and kicks of a splitting's step: for any of them (split.c), and again where weights
+ * and forces are known to the compiler (kernel.c). One text, so both give the same bits.
  */
 #ifndef HOOKE_METHOD_STEP_SPLIT_BODY_H
 #define HOOKE_METHOD_STEP_SPLIT_BODY_H
@@ -28,7 +28,8 @@ struct split_way {
     enum drag drag; /* DRAG_DEFAULT: there is none */
     bool symmetric;
     bool around;    /* the drag's own flow stands at the step's ends */
-    bool continues; /* a step that begins and ends with a kick begins where the last one left the force */
+    bool continues; /* a step that begins and ends with a kick begins where the last one left the
+                       force */
     int kicks;      /* forces evaluated a step, one fewer where the first is known */
 };
 
@@ -67,16 +68,17 @@ INLINE double kick_from_end(const struct oscillator *o, double w, double force, 
 }
 
 /*
- * v' = v + w F, and the ways in which drag can enter. side: of the step's middle, < 0 before, 0 in it, > 0 after; a
- * step without symmetry is all "after".
+ * v' = v + w F, and the ways in which drag can enter. side: of the step's middle, < 0 before, 0 in
+ * it, > 0 after; a step without symmetry is all "after".
  */
 INLINE void split_kick(const struct split_way *way, int n, const struct split_forces *forces,
-                       const struct frozen *prepared, int side, double t, double w, const double *pull, double *z,
-                       double *low)
+                       const struct frozen *prepared, int side, double t, double w,
+                       const double *pull, double *z, double *low)
 {
     const int d = n / 2;
     const struct oscillator *o = forces->oscillator;
-    if (way->drag == DRAG_EXPLICIT || (way->drag == DRAG_IMPLICIT && side < 0)) { /* the drag at v */
+    if (way->drag == DRAG_EXPLICIT ||
+        (way->drag == DRAG_IMPLICIT && side < 0)) { /* the drag at v */
         double drag[LIMIT_VARIABLES];
         forces->drag(forces->context, t, z, drag);
         for (int i = 0; i < d; i++)
@@ -84,7 +86,8 @@ INLINE void split_kick(const struct split_way *way, int n, const struct split_fo
     } else if (way->drag == DRAG_IMPLICIT && side > 0) { /* at v' */
         for (int i = 0; i < d; i++)
             z[d + i] = kick_from_end(o, w, pull[i], z[d + i]);
-    } else if (way->drag == DRAG_IMPLICIT) { /* at (v + v')/2: half a kick from the end, then half a kick from there */
+    } else if (way->drag == DRAG_IMPLICIT) { /* at (v + v')/2: half a kick from the end, then half a
+                                                kick from there */
         for (int i = 0; i < d; i++) {
             const double v = z[d + i];
             z[d + i] = 2 * kick_from_end(o, w / 2, pull[i], v) - v;
@@ -92,7 +95,8 @@ INLINE void split_kick(const struct split_way *way, int n, const struct split_fo
     } else if (way->drag == DRAG_EXACT && !way->around) {
         const struct frozen frozen = prepared ? *prepared : frozen_over(o, w);
         for (int i = 0; i < d; i++)
-            step_add(&z[d + i], low ? &low[d + i] : NULL, pull[i] * frozen.pull - z[d + i] * frozen.lost);
+            step_add(&z[d + i], low ? &low[d + i] : NULL,
+                     pull[i] * frozen.pull - z[d + i] * frozen.lost);
     } else {
         for (int i = 0; i < d; i++)
             step_add(&z[d + i], low ? &low[d + i] : NULL, w * pull[i]);
@@ -100,12 +104,12 @@ INLINE void split_kick(const struct split_way *way, int n, const struct split_fo
 }
 
 /*
- * z [n] in: the state, out: after the step; pull [n/2]: the last force, known: that at the start. half: the drag's flow
- * over h/2. frozen [count]: prepared for the kicks, or NULL.
+ * z [n] in: the state, out: after the step; pull [n/2]: the last force, known: that at the start.
+ * half: the drag's flow over h/2. frozen [count]: prepared for the kicks, or NULL.
  */
 INLINE void split_stages(const struct split_way *way, int n, const struct split_forces *forces,
-                         const struct drag_flow *half, const struct frozen *frozen, double t, double h, double *z,
-                         double *pull, double *low, bool known)
+                         const struct drag_flow *half, const struct frozen *frozen, double t,
+                         double h, double *z, double *pull, double *low, bool known)
 {
     const struct splitting *splitting = way->splitting;
     const int d = n / 2, count = splitting->count;
@@ -118,8 +122,8 @@ INLINE void split_stages(const struct split_way *way, int n, const struct split_
         if ((i % 2 == 0) == splitting->kick_first) {
             if (!(i == 0 && known))
                 forces->force(forces->context, t, z, pull);
-            split_kick(way, n, forces, frozen ? &frozen[i] : NULL, way->symmetric ? 2 * i + 1 - count : 1, t, w, pull,
-                       z, low);
+            split_kick(way, n, forces, frozen ? &frozen[i] : NULL,
+                       way->symmetric ? 2 * i + 1 - count : 1, t, w, pull, z, low);
         } else {
             for (int j = 0; j < d; j++)
                 step_add(&z[j], low ? &low[j] : NULL, w * z[d + j]);

@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * What the step bodies share. Rows stand in rk.def, split.def and algorithms.def; catalog.c makes them one table.
+ * What the step bodies share. Rows stand in rk.def, split.def and algorithms.def; catalog.c makes
+ * them one table.
  *
- * The arithmetic of a step is fixed here once and for all, because faster kernels must give the same bits:
- * the operations in the order written, no contraction, and a coefficient that is zero is skipped, not multiplied.
- * Sums begin with -0.0, the number that changes nothing when something is added to it: so a sum of one is that one, to
- * the bit, and a compiler may leave the addition out.
+ * The arithmetic of a step is fixed here once and for all, because faster kernels must give the
+ * same bits: the operations in the order written, no contraction, and a coefficient that is zero is
+ * skipped, not multiplied. Sums begin with -0.0, the number that changes nothing when something is
+ * added to it: so a sum of one is that one, to the bit, and a compiler may leave the addition out.
  */
 #ifndef HOOKE_METHOD_STEP_STEP_H
 #define HOOKE_METHOD_STEP_STEP_H
@@ -15,22 +16,25 @@
 #include <string.h>
 
 /*
- * k_i = f(t + c_i h, y + h sum_j a_ij k_j), y' = y + h sum_i b_i k_i, error e = h sum_i (b_i - companion_i) k_i;
- * where there is a rough companion too, e |e| / sqrt(|e|^2 + |e_rough|^2 / 100), which is of a higher order.
+ * k_i = f(t + c_i h, y + h sum_j a_ij k_j), y' = y + h sum_i b_i k_i, error e = h sum_i (b_i -
+ * companion_i) k_i; where there is a rough companion too, e |e| / sqrt(|e|^2 + |e_rough|^2 / 100),
+ * which is of a higher order.
  *
- * Interpolant of a method with fsal, from y and y' and the slopes there, with d_m = h sum_i dense_mi k_i:
- * y(t + theta h) = y + theta (rise + (1 - theta) (h k_1 - rise + theta (2 rise - h k_1 - h k_last
- *                    + (1 - theta) (d_1 + theta (d_2 + (1 - theta) (d_3 + ...)))))): cubic Hermite, bent.
+ * Interpolant of a method with fsal, from y and y' and the slopes there, with d_m = h sum_i
+ * dense_mi k_i: y(t + theta h) = y + theta (rise + (1 - theta) (h k_1 - rise + theta (2 rise - h
+ * k_1 - h k_last
+ *                    + (1 - theta) (d_1 + theta (d_2 + (1 - theta) (d_3 + ...)))))): cubic Hermite,
+ * bent.
  */
 struct tableau {
     int stages;
-    int extra;               /* stages after these that only the interpolant needs */
-    bool fsal;               /* the last stage is f(t + h, y'): the next step's first */
-    const double *c;         /* [stages + extra] */
-    const double *a;         /* strictly lower triangle, row by row: a21, a31 a32, … */
-    const double *b;         /* [stages] */
-    const double *companion; /* [stages] weights of the embedded method, NULL: none */
-    const double *rough;     /* [stages] weights of a second one, of lower order, NULL: none */
+    int extra;           /* stages after these that only the interpolant needs */
+    bool fsal;           /* the last stage is f(t + h, y'): the next step's first */
+    const double *c;     /* [stages + extra] */
+    const double *a;     /* strictly lower triangle, row by row: a21, a31 a32, … */
+    const double *b;     /* [stages] */
+    const double *b_hat; /* [stages] weights of the embedded method, NULL: none */
+    const double *rough; /* [stages] weights of a second one, of lower order, NULL: none */
     int bends;
     const double *dense; /* [bends][stages + extra] */
 };
@@ -52,7 +56,8 @@ static inline double weighted_sum(const double *w, int count, const double *k, i
 }
 
 /* sum_j (w_j - u_j) k_j[i] where they differ */
-static inline double weighted_difference(const double *w, const double *u, int count, const double *k, int n, int i)
+static inline double weighted_difference(const double *w, const double *u, int count,
+                                         const double *k, int n, int i)
 {
     double sum = -0.0;
     for (int j = 0; j < count; j++)
@@ -67,8 +72,10 @@ static inline const double *step_scale(const struct step *step)
     return step->scale ? step->scale : step->system->scale;
 }
 
-/* Sum of the squares of x_i / max(scale_i, |y_i|, |z_i|): an error x in units of what it is an error of. */
-static inline double scaled_square(int n, const double *scale, const double *x, const double *y, const double *z)
+/* Sum of the squares of x_i / max(scale_i, |y_i|, |z_i|): an error x in units of what it is an
+ * error of. */
+static inline double scaled_square(int n, const double *scale, const double *x, const double *y,
+                                   const double *z)
 {
     double sum[2] = {0, 0}; /* over even and odd i: a shorter chain */
     for (int i = 0; i < n; i++) {
@@ -80,9 +87,9 @@ static inline double scaled_square(int n, const double *scale, const double *x, 
 }
 
 /*
- * Drifts q += w h v and kicks v += w h F(q)/m in turn. The clock goes with the drifts. How the weights are written:
- * all of them; a palindrome's first half with the middle; the steps of Verlet of which it is composed, first half with
- * the middle (the kicks of neighbours are then one).
+ * Drifts q += w h v and kicks v += w h F(q)/m in turn. The clock goes with the drifts. How the
+ * weights are written: all of them; a palindrome's first half with the middle; the steps of Verlet
+ * of which it is composed, first half with the middle (the kicks of neighbours are then one).
  */
 enum splitting_form { SPLITTING_WHOLE, SPLITTING_PALINDROME, SPLITTING_VERLET_STEPS };
 
@@ -105,30 +112,31 @@ static inline double splitting_weight(const struct splitting *splitting, int i)
 }
 
 /*
- * q'' = a(t, q): k_i = a(t + c_i h, q + c_i h v + h^2 sum_j a_ij k_j), q' = q + h v + h^2 sum_i b_i k_i,
- * v' = v + h sum_i d_i k_i.
+ * q'' = a(t, q): k_i = a(t + c_i h, q + c_i h v + h^2 sum_j a_ij k_j), q' = q + h v + h^2 sum_i b_i
+ * k_i, v' = v + h sum_i d_i k_i.
  */
 struct nystrom {
     int stages;
     bool fsal;
-    const double *c;           /* [stages] */
-    const double *a;           /* strictly lower triangle, row by row */
-    const double *b;           /* [stages] position */
-    const double *d;           /* [stages] velocity */
-    const double *companion_b; /* [stages] of the embedded method, NULL: none */
-    const double *companion_d;
+    const double *c;          /* [stages] */
+    const double *a;          /* strictly lower triangle, row by row */
+    const double *b;          /* [stages] position */
+    const double *d;          /* [stages] velocity */
+    const double *embedded_b; /* [stages] of the embedded method, NULL: none */
+    const double *embedded_d;
 };
 
 /*
  * z_i = y + h sum_j a_ij f(t + c_j h, z_j), y' = y + h sum_i b_i f(t + c_i h, z_i).
  *
- * Stage by stage, where a is lower triangular with this diagonal (its first element may be 0); estimated error
- * (1 - diagonal h J)^-1 h sum_i (b_i - companion_i) f_i.
+ * Stage by stage, where a is lower triangular with this diagonal (its first element may be 0);
+ * estimated error (1 - diagonal h J)^-1 h sum_i (b_i - companion_i) f_i.
  *
- * Else (diagonal 0) all at once, by the eigenvalues of a^-1: one is real (0: none), two are alpha +- i beta. With T the
- * real and imaginary parts of the eigenvectors, so that a^-1 T = T diag(real, [alpha -beta; beta alpha]), it is
- * left = T^-1 a^-1, right = T; y' = y + sum_i d_i (z_i - y); estimated error, of a method with the slope at the start
- * as one more stage, (real - h J)^-1 (h f(t, y) + sum_i estimate_i (z_i - y)) (Hairer, Wanner 1996, IV.8).
+ * Else (diagonal 0) all at once, by the eigenvalues of a^-1: one is real (0: none), two are alpha
+ * +- i beta. With T the real and imaginary parts of the eigenvectors, so that a^-1 T = T diag(real,
+ * [alpha -beta; beta alpha]), it is left = T^-1 a^-1, right = T; y' = y + sum_i d_i (z_i - y);
+ * estimated error, of a method with the slope at the start as one more stage, (real - h J)^-1 (h
+ * f(t, y) + sum_i estimate_i (z_i - y)) (Hairer, Wanner 1996, IV.8).
  */
 struct implicit_tableau {
     int stages;      /* all at once: 3 at most */
@@ -137,7 +145,7 @@ struct implicit_tableau {
     const double *c; /* [stages] */
     const double *a; /* [stages][stages] */
     const double *b; /* [stages] */
-    const double *companion;    /* [stages] weights of the embedded method, NULL: none */
+    const double *b_hat;        /* [stages] weights of the embedded method, NULL: none */
     const double *d, *estimate; /* [stages] */
     double real, alpha, beta;
     const double *left, *right; /* [stages][stages] */
@@ -148,16 +156,17 @@ enum { ROSENBROCK_DEGREE = 4 }; /* at most */
 /*
  * (1/(gamma h) - J) u_i = f(t + alpha_i h, y + sum_j a_ij u_j) + sum_j (c_ij/h) u_j + d_i h df/dt,
  * y' = y + sum_i m_i u_i (Hairer, Wanner 1996, IV.7),
- * y(t + theta h) = (1 - theta) y + theta y' + theta (1 - theta) sum_i u_i sum_m dense_mi theta^m, m = 0 … degree - 1.
+ * y(t + theta h) = (1 - theta) y + theta y' + theta (1 - theta) sum_i u_i sum_m dense_mi theta^m, m
+ * = 0 … degree - 1.
  */
 struct rosenbrock {
     int stages;
     double gamma;
-    const double *alpha;     /* [stages] */
-    const double *d;         /* [stages] */
-    const double *a, *c;     /* strictly lower triangles, row by row */
-    const double *m;         /* [stages] */
-    const double *companion; /* [stages], NULL: none */
+    const double *alpha; /* [stages] */
+    const double *d;     /* [stages] */
+    const double *a, *c; /* strictly lower triangles, row by row */
+    const double *m;     /* [stages] */
+    const double *b_hat; /* [stages], NULL: none */
     int degree;
     const double *dense; /* [degree][stages], NULL: none */
 };
@@ -167,24 +176,27 @@ struct multistep {
     int steps;
     const double *predict; /* [steps] of f_n, f_n-1, … (Adams-Bashforth), NULL: none */
     const double *correct; /* [steps] of f_n+1, f_n, … (Adams-Moulton), NULL: none */
-    const double *values;  /* [steps + 1] of y_n+1, y_n, … (backward differentiation), NULL: none */
+    const double *values; /* [steps + 1] of y_n+1, y_n, … (backward differentiation), NULL: none */
 };
 
 /*
- * After a step from `before` at t, where the method turns: one across a turning point is taken again, up to there; then
- * step->h is less. low: where there is step->low, what it was before.
+ * After a step from `before` at t, where the method turns: one across a turning point is taken
+ * again, up to there; then step->h is less. low: where there is step->low, what it was before.
  */
-enum step_status turn_step(const struct method *method, struct step *step, double t, const double *before,
-                           const double *low, bool *turned);
+enum step_status turn_step(const struct method *method, struct step *step, double t,
+                           const double *before, const double *low, bool *turned);
 
 /* dydt at t, y; `forces` is whatever the function knows. */
 typedef void slope_function(const void *forces, double t, const double *y, double *dydt);
 
 enum step_status rk_step(const struct method *method, struct step *step);
 /* Of typed scenes (kernel_typed.c), and for any number of variables (kernel_any.c); or NULL */
-march_function *typed_kernel(const struct method *method, const struct system *system, enum drag drag);
-march_function *implicit_kernel(const struct method *method, const struct system *system); /* kernel_implicit.c */
-march_function *shape_split(int shape); /* of any splitting, by the shapes of kernel.h (kernel_shape.c), */
+march_function *typed_kernel(const struct method *method, const struct system *system,
+                             enum drag drag);
+march_function *implicit_kernel(const struct method *method,
+                                const struct system *system); /* kernel_implicit.c */
+march_function *
+shape_split(int shape); /* of any splitting, by the shapes of kernel.h (kernel_shape.c), */
 march_function *typed_split(int shape); /* and by those of kernel_typed.h */
 march_function *any_kernel(const struct method *method);
 step_function *any_step_kernel(const struct method *method);
@@ -192,8 +204,10 @@ step_function *rosenbrock_step_kernel(const struct method *method, const struct 
 size_t rk_work(const struct method *method, int n);
 void rk_dense(const struct method *method, const struct step *step, double theta, double *y);
 /* Variable i of the last step, as method_polynomial() has it. */
-void rk_polynomial(const struct method *method, const struct step *step, int i, struct dense_polynomial *out);
-void rosenbrock_polynomial(const struct method *method, const struct step *step, int i, struct dense_polynomial *out);
+void rk_polynomial(const struct method *method, const struct step *step, int i,
+                   struct dense_polynomial *out);
+void rosenbrock_polynomial(const struct method *method, const struct step *step, int i,
+                           struct dense_polynomial *out);
 
 enum step_status nystrom_step(const struct method *method, struct step *step);
 size_t nystrom_work(const struct method *method, int n);
@@ -203,21 +217,24 @@ size_t implicit_work(const struct method *method, int n);
 void implicit_dense(const struct method *method, const struct step *step, double theta, double *y);
 size_t avf_work(const struct method *method, int n);
 size_t structural_work(const struct method *method, int n);
-double structural_growth(const struct method *method, double x, double zeta, enum stiffness_sign sign);
+double structural_growth(const struct method *method, double x, double zeta,
+                         enum stiffness_sign sign);
 
 enum step_status rosenbrock_step(const struct method *method, struct step *step);
 size_t rosenbrock_work(const struct method *method, int n);
-void rosenbrock_dense(const struct method *method, const struct step *step, double theta, double *y);
+void rosenbrock_dense(const struct method *method, const struct step *step, double theta,
+                      double *y);
 
 enum step_status multistep_step(const struct method *method, struct step *step);
 size_t multistep_work(const struct method *method, int n);
-double multistep_growth(const struct method *method, double x, double zeta, enum stiffness_sign sign);
+double multistep_growth(const struct method *method, double x, double zeta,
+                        enum stiffness_sign sign);
 
 void *cvode_begin(const struct method *method, const struct step *step);
 void cvode_end(void *library);
 enum step_status cvode_step(const struct method *method, struct step *step);
-enum step_status cvode_adapt(const struct method *method, struct step *step, struct controller *controller,
-                             double t_end);
+enum step_status cvode_adapt(const struct method *method, struct step *step,
+                             struct controller *controller, double t_end);
 void cvode_dense(const struct method *method, const struct step *step, double theta, double *y);
 
 size_t odex_work(const struct method *method, int n);
@@ -226,20 +243,23 @@ enum step_status split_step(const struct method *method, struct step *step);
 size_t split_work(const struct method *method, int n);
 bool split_fits(const struct method *method, const struct system *system, enum drag drag, double h,
                 struct error *error);
-bool split_applies(const struct method *method, const struct system *system, enum drag drag, struct error *error);
+bool split_applies(const struct method *method, const struct system *system, enum drag drag,
+                   struct error *error);
 
 /*
- * Solves z = y + h f(t, z). y and z [n] are different; work: the last newton_work() - 2 n doubles of newton_work().
- * A whole oscillator, linear and quadratic drag included, is solved in closed form, the rest by Newton's iteration.
+ * Solves z = y + h f(t, z). y and z [n] are different; work: the last newton_work() - 2 n doubles
+ * of newton_work(). A whole oscillator, linear and quadratic drag included, is solved in closed
+ * form, the rest by Newton's iteration.
  */
-enum step_status implicit_euler_solve(struct step *step, double t, double h, const double *y, double *z, double *work);
+enum step_status implicit_euler_solve(struct step *step, double t, double h, const double *y,
+                                      double *z, double *work);
 size_t newton_work(const struct method *method, int n); /* two states and the solver's own */
 
 size_t state_work(const struct method *method, int n); /* one state */
 
 /*
- * The root of a v + c |v| v = r that goes over into r/a as c -> 0; NaN: there is none. Divided by a, so that nothing
- * overflows or cancels: v + (c/a) |v| v = r/a.
+ * The root of a v + c |v| v = r that goes over into r/a as c -> 0; NaN: there is none. Divided by
+ * a, so that nothing overflows or cancels: v + (c/a) |v| v = r/a.
  */
 static inline double drag_root(double a, double c, double r)
 {
@@ -250,9 +270,9 @@ static inline double drag_root(double a, double c, double r)
 }
 
 /*
- * y += increment. low: what rounding took from y so far, it goes along and stays behind again (Kahan 1965, Commun. ACM
- * 8:40, with the exact error of a sum by Knuth, TAOCP 2, 4.2.2, which does not ask for |increment| <= |y|).
- * NULL: plain.
+ * y += increment. low: what rounding took from y so far, it goes along and stays behind again
+ * (Kahan 1965, Commun. ACM 8:40, with the exact error of a sum by Knuth, TAOCP 2, 4.2.2, which does
+ * not ask for |increment| <= |y|). NULL: plain.
  */
 static inline void step_add(double *y, double *low, double increment)
 {
@@ -299,7 +319,8 @@ static inline enum step_status step_increase(struct step *step, const double *in
     return STEP_OK;
 }
 
-#define ALGORITHM(name, ...) enum step_status name##_step(const struct method *method, struct step *step);
+#define ALGORITHM(name, ...)                                                                       \
+    enum step_status name##_step(const struct method *method, struct step *step);
 #include "method/rows/algorithms.def"
 #undef ALGORITHM
 

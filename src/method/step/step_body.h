@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* rk_step() for kernels: the method and what evaluates the slope are known to the compiler. Needs MOST variables. */
+/* rk_step() for kernels: the method and what evaluates the slope are known to the compiler. Needs
+ * MOST variables. */
 #ifndef HOOKE_METHOD_STEP_STEP_BODY_H
 #define HOOKE_METHOD_STEP_STEP_BODY_H
 
 #include "method/control/march_body.h"
 #include "method/control/rk_error.h"
 
-INLINE enum step_status one_step(const struct method *method, int n, slope_function *slope, const void *forces,
-                                 struct step *step)
+INLINE enum step_status one_step(const struct method *method, int n, slope_function *slope,
+                                 const void *forces, struct step *step)
 {
     const struct tableau *tableau = method->tableau;
     const int stages = tableau->stages;
@@ -26,8 +27,9 @@ INLINE enum step_status one_step(const struct method *method, int n, slope_funct
     step->cost.evals += stages - known;
     for (int i = 0; i < stages * n; i++)
         step->work[i] = k[i];
-    step->work[(stages + tableau->extra + 1) * n] = false; /* the interpolant's stages are not there */
-    if (step->error && tableau->companion)
+    step->work[(stages + tableau->extra + 1) * n] =
+        false; /* the interpolant's stages are not there */
+    if (step->error && tableau->b_hat)
         step->square = rk_estimate(tableau, n, step_scale(step), step->h, k, y, z, step->error);
     bool finite = true;
     for (int i = 0; i < n; i++)
@@ -42,27 +44,30 @@ INLINE enum step_status one_step(const struct method *method, int n, slope_funct
 /*
  * As one_step(), of any method, with picked_march()'s stride;
  */
-INLINE enum step_status picked_step(const struct method *method, int n, int stride, combine_function *combine,
-                                    slope_function *slope, const void *forces, struct step *step)
+INLINE enum step_status picked_step(const struct method *method, int n, int stride,
+                                    combine_function *combine, slope_function *slope,
+                                    const void *forces, struct step *step)
 {
     const struct tableau *tableau = method->tableau;
     const int stages = tableau->stages;
-    struct shares shares[STAGES_MAX];
+    struct fractions fractions[STAGES_MAX];
     double k[STAGES_MAX * MOST], z[MOST], y[MOST];
     if (step->low)
         return rk_step(method, step);
-    stages_take(shares, tableau, step->h);
+    stages_take(fractions, tableau, step->h);
     blocks_begin(stages, n, stride, k, y);
     copy_numbers(n, step->y, y);
     const bool known = (tableau->fsal && step->warm) || step->again;
     copy_numbers(n, step->work + (tableau->fsal && step->warm ? (stages - 1) * n : 0), k);
-    picked_stages(tableau, shares, n, stride, combine, slope, forces, step->t, step->h, y, k, z, known);
+    picked_stages(tableau, fractions, n, stride, combine, slope, forces, step->t, step->h, y, k, z,
+                  known);
     step->cost.evals += stages - known;
     for (int s = 0; s < stages; s++)
         copy_numbers(n, k + s * stride, step->work + s * n);
     step->work[(stages + tableau->extra + 1) * n] = false;
-    if (step->error && tableau->companion)
-        step->square = rk_estimate(tableau, n, step_scale(step), step->h, step->work, y, z, step->error);
+    if (step->error && tableau->b_hat)
+        step->square =
+            rk_estimate(tableau, n, step_scale(step), step->h, step->work, y, z, step->error);
     return step_finish(step, z);
 }
 

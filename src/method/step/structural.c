@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * The methods of structural dynamics: one scheme for y'' = F(t, y, v) that carries the acceleration from step to step.
+ * The methods of structural dynamics: one scheme for y'' = F(t, y, v) that carries the acceleration
+ * from step to step.
  *
  * Over tau = theta h
  *
@@ -9,7 +10,8 @@
  *   (1 - alpha_m) a+ + alpha_m a = F at the fraction 1 - alpha_f of the way from y, v to y+, v+
  *   a' = a + (a+ - a) / theta, and y', v' by the first lines over h.
  *
- * Source: Newmark 1959; Wilson 1973 (theta); Hilber, Hughes, Taylor 1977 (alpha_f); Chung, Hulbert 1993 (both alphas).
+ * Source: Newmark 1959; Wilson 1973 (theta); Hilber, Hughes, Taylor 1977 (alpha_f); Chung, Hulbert
+ * 1993 (both alphas).
  */
 #include "method/step/newton_body.h"
 
@@ -17,43 +19,49 @@ struct structural {
     double theta, alpha_m, alpha_f, beta, gamma;
 };
 
-/* An increment this large loses so many digits to rounding that one solve of a linear system is not enough. */
+/* An increment this large loses so many digits to rounding that one solve of a linear system is not
+ * enough. */
 static const double LARGE = 8;
 
 /*
- * work: acceleration [n/2]; then a+, its increment, F, factors; the state's increment, where F is, Jacobian; what
- * following a solution takes
+ * work: acceleration [n/2]; then a+, its increment, F, factors; the state's increment, where F is,
+ * Jacobian; what following a solution takes
  */
 size_t structural_work(const struct method *method, int n)
 {
     (void)method;
-    return 4 * (size_t)(n / 2) + LU_ROOM(n / 2) + 2 * (size_t)n + (size_t)n * (size_t)n + newton_room(1, n);
+    return 4 * (size_t)(n / 2) + LU_ROOM(n / 2) + 2 * (size_t)n + (size_t)n * (size_t)n +
+           newton_room(1, n);
 }
 
 /* The factors of (1 - alpha_m) - (1 - alpha_f) (beta tau^2 dF/dy + gamma tau dF/dv) */
-static bool factor(const struct structural *s, struct step *step, double t, double tau, const double *at,
-                   double *jacobian, double *factors)
+static bool factor(const struct structural *s, struct step *step, double t, double tau,
+                   const double *at, double *jacobian, double *factors)
 {
     int n = step->system->n, d = n / 2;
-    double part = 1 - s->alpha_f, by_position = part * s->beta * tau * tau, by_velocity = part * s->gamma * tau;
+    double part = 1 - s->alpha_f, by_position = part * s->beta * tau * tau,
+           by_velocity = part * s->gamma * tau;
     system_jacobian(step->system, t, at, jacobian);
     step->cost.jacobians++;
     for (int i = 0; i < d; i++) {
         const double *row = jacobian + (d + i) * n;
         for (int j = 0; j < d; j++)
-            factors[i * d + j] = (i == j ? 1 - s->alpha_m : 0) - (by_position * row[j] + by_velocity * row[d + j]);
+            factors[i * d + j] =
+                (i == j ? 1 - s->alpha_m : 0) - (by_position * row[j] + by_velocity * row[d + j]);
     }
     return lu_factor(d, factors);
 }
 
-/* Largest of the state's increments that belong to this one of the acceleration, in natural sizes; NaN if one is. */
-static double size_of(const struct step *step, double by_position, double by_velocity, const double *move)
+/* Largest of the state's increments that belong to this one of the acceleration, in natural sizes;
+ * NaN if one is. */
+static double size_of(const struct step *step, double by_position, double by_velocity,
+                      const double *move)
 {
     int n = step->system->n, d = n / 2;
     double largest = 0;
     for (int i = 0; i < n; i++) {
-        double size =
-            fabs((i < d ? by_position : by_velocity) * move[i % d]) / fmax(step->system->scale[i], fabs(step->y[i]));
+        double size = fabs((i < d ? by_position : by_velocity) * move[i % d]) /
+                      fmax(step->system->scale[i], fabs(step->y[i]));
         if (!(size <= largest))
             largest = size;
     }
@@ -62,7 +70,8 @@ static double size_of(const struct step *step, double by_position, double by_vel
 
 /* ---- the solution that belongs to the start ---- */
 
-/* The equation of a step for the state's increment z over h, without a+: that is what moves the velocities. */
+/* The equation of a step for the state's increment z over h, without a+: that is what moves the
+ * velocities. */
 struct increment {
     const struct structural *structural;
     const struct system *system;
@@ -77,10 +86,11 @@ static void between(const struct increment *increment, const double *to, double 
 }
 
 /*
- * z_y = h (v + beta/gamma z_v) + h^2 (1/2 - beta/gamma) a,  z_v = h (a + gamma (F - a) / (1 - alpha_m))
+ * z_y = h (v + beta/gamma z_v) + h^2 (1/2 - beta/gamma) a,  z_v = h (a + gamma (F - a) / (1 -
+ * alpha_m))
  */
-static void increment_rest(const struct newton *equations, struct step *step, int n, double t, double h,
-                           const double *y, const double *z, double *force, double *rest)
+static void increment_rest(const struct newton *equations, struct step *step, int n, double t,
+                           double h, const double *y, const double *z, double *force, double *rest)
 {
     const struct increment *all = equations->forces;
     const struct structural *s = all->structural;
@@ -115,13 +125,13 @@ static void increment_jacobian(const void *forces, double t, const double *to, d
 }
 
 /* As newton_follow(); a+ by the force there. */
-static bool follow(const struct structural *s, struct step *step, double tau, const double *a, double *ahead, double *z,
-                   double *at, double *work)
+static bool follow(const struct structural *s, struct step *step, double tau, const double *a,
+                   double *ahead, double *z, double *at, double *work)
 {
     const int n = step->system->n;
-    const double share = 1 - s->alpha_f;
+    const double fraction = 1 - s->alpha_f;
     struct implicit_tableau tableau = newton_euler;
-    tableau.c = &share;
+    tableau.c = &fraction;
     const struct increment all = {.structural = s, .system = step->system, .y = step->y, .a = a};
     const struct newton equations = {.tableau = &tableau,
                                      .rest = increment_rest,
@@ -132,8 +142,8 @@ static bool follow(const struct structural *s, struct step *step, double tau, co
     if (!newton_follow(&equations, step, n, step->t, tau, step->y, z, weight, work))
         return false;
     for (int i = 0; i < n; i++)
-        at[i] = step->y[i] + share * z[i];
-    system_acceleration(step->system, step->t + share * tau, at, ahead);
+        at[i] = step->y[i] + fraction * z[i];
+    system_acceleration(step->system, step->t + fraction * tau, at, ahead);
     step->cost.evals++;
     for (int i = 0; i < n / 2; i++)
         ahead[i] = (ahead[i] - s->alpha_m * a[i]) / (1 - s->alpha_m);
@@ -143,17 +153,18 @@ static bool follow(const struct structural *s, struct step *step, double tau, co
 /* ---- a step ---- */
 
 /*
- * a+ [n/2] and the state's increment z [n] over tau, kept in step with it: each has its own rounding only. near: as in
- * newton_iterate().
+ * a+ [n/2] and the state's increment z [n] over tau, kept in step with it: each has its own
+ * rounding only. near: as in newton_iterate().
  */
-static enum step_status iterate(const struct structural *s, struct step *step, double tau, const double *a,
-                                double *ahead, double *z, bool *near)
+static enum step_status iterate(const struct structural *s, struct step *step, double tau,
+                                const double *a, double *ahead, double *z, bool *near)
 {
     const struct system *system = step->system;
     const int n = system->n, d = n / 2;
     const double *y = step->y, t = step->t + (1 - s->alpha_f) * tau;
     const double by_position = s->beta * tau * tau, by_velocity = s->gamma * tau;
-    double *move = ahead + d, *force = move + d, *factors = force + d, *at = z + n, *jacobian = at + n;
+    double *move = ahead + d, *force = move + d, *factors = force + d, *at = z + n,
+           *jacobian = at + n;
     for (int i = 0; i < d; i++) {
         ahead[i] = a[i];
         z[i] = tau * y[d + i] + tau * tau / 2 * a[i];
@@ -184,7 +195,8 @@ static enum step_status iterate(const struct structural *s, struct step *step, d
         double size = size_of(step, by_position, by_velocity, move);
         if (size > CONTRACTS * last && size > STANDSTILL)
             *near = false;
-        if ((system->linear && size <= LARGE) || size <= DBL_EPSILON / 2 || (size >= last && size <= STANDSTILL))
+        if ((system->linear && size <= LARGE) || size <= DBL_EPSILON / 2 ||
+            (size >= last && size <= STANDSTILL))
             return STEP_OK;
         if (!system->linear && size > SLOW * last) {
             for (int i = 0; i < n; i++)
@@ -198,9 +210,10 @@ static enum step_status iterate(const struct structural *s, struct step *step, d
     return last <= STANDSTILL ? STEP_OK : STEP_NO_SOLUTION;
 }
 
-/* The solution that belongs to y: where the iteration may have found another one, it is followed from h = 0. */
-static enum step_status solve(const struct structural *s, struct step *step, double tau, const double *a, double *ahead,
-                              double *z)
+/* The solution that belongs to y: where the iteration may have found another one, it is followed
+ * from h = 0. */
+static enum step_status solve(const struct structural *s, struct step *step, double tau,
+                              const double *a, double *ahead, double *z)
 {
     const int n = step->system->n;
     bool near;
@@ -235,19 +248,21 @@ static enum step_status structural_step(const struct structural *s, struct step 
 enum step_status newmark_step(const struct method *method, struct step *step)
 {
     (void)method;
-    return structural_step(&(const struct structural){.theta = 1, .beta = 1. / 4, .gamma = 1. / 2}, step);
+    return structural_step(&(const struct structural){.theta = 1, .beta = 1. / 4, .gamma = 1. / 2},
+                           step);
 }
 
 /* alpha_f = 0.1: beta = (1 + alpha_f)^2/4, gamma = 1/2 + alpha_f */
 enum step_status hht_step(const struct method *method, struct step *step)
 {
     (void)method;
-    return structural_step(&(const struct structural){.theta = 1, .alpha_f = 0.1, .beta = 0.3025, .gamma = 0.6}, step);
+    return structural_step(
+        &(const struct structural){.theta = 1, .alpha_f = 0.1, .beta = 0.3025, .gamma = 0.6}, step);
 }
 
 /*
- * rho = 0.8: alpha_m = (2 rho - 1)/(rho + 1), alpha_f = rho/(rho + 1), beta = (1 - alpha_m + alpha_f)^2/4,
- * gamma = 1/2 - alpha_m + alpha_f
+ * rho = 0.8: alpha_m = (2 rho - 1)/(rho + 1), alpha_f = rho/(rho + 1), beta = (1 - alpha_m +
+ * alpha_f)^2/4, gamma = 1/2 - alpha_m + alpha_f
  */
 enum step_status generalised_alpha_step(const struct method *method, struct step *step)
 {
@@ -261,7 +276,8 @@ enum step_status generalised_alpha_step(const struct method *method, struct step
 enum step_status wilson_theta_step(const struct method *method, struct step *step)
 {
     (void)method;
-    return structural_step(&(const struct structural){.theta = 1.4, .beta = 1. / 6, .gamma = 1. / 2}, step);
+    return structural_step(
+        &(const struct structural){.theta = 1.4, .beta = 1. / 6, .gamma = 1. / 2}, step);
 }
 
 /* ---- growth: the amplification matrix of position, velocity and acceleration ---- */
@@ -279,13 +295,15 @@ static void oscillator_jacobian(const double *c, double t, const double *y, doub
     jac[1] -= c[0];
 }
 
-/* One real root of r^3 - a r^2 + b r - c by bisection takes the other two to a quadratic equation. */
+/* One real root of r^3 - a r^2 + b r - c by bisection takes the other two to a quadratic equation.
+ */
 static double spectral_radius(const double m[9])
 {
     double a = m[0] + m[4] + m[8];
-    double b = (m[0] * m[4] - m[1] * m[3]) + (m[0] * m[8] - m[2] * m[6]) + (m[4] * m[8] - m[5] * m[7]);
-    double c =
-        m[0] * (m[4] * m[8] - m[5] * m[7]) - m[1] * (m[3] * m[8] - m[5] * m[6]) + m[2] * (m[3] * m[7] - m[4] * m[6]);
+    double b =
+        (m[0] * m[4] - m[1] * m[3]) + (m[0] * m[8] - m[2] * m[6]) + (m[4] * m[8] - m[5] * m[7]);
+    double c = m[0] * (m[4] * m[8] - m[5] * m[7]) - m[1] * (m[3] * m[8] - m[5] * m[6]) +
+               m[2] * (m[3] * m[7] - m[4] * m[6]);
     double high = 1 + fmax(fabs(a), fmax(fabs(b), fabs(c))), low = -high; /* Cauchy's bound */
     if (!isfinite(high))
         return NAN;
@@ -297,10 +315,12 @@ static double spectral_radius(const double m[9])
     return fmax(fabs(low), split >= 0 ? fabs(sum) / 2 + sqrt(split) : sqrt(product));
 }
 
-double structural_growth(const struct method *method, double x, double zeta, enum stiffness_sign sign)
+double structural_growth(const struct method *method, double x, double zeta,
+                         enum stiffness_sign sign)
 {
-    static const struct term_row row = {
-        .flags = TERM_LINEAR | TERM_VELOCITY, .add = oscillator_add, .jacobian = oscillator_jacobian};
+    static const struct term_row row = {.flags = TERM_LINEAR | TERM_VELOCITY,
+                                        .add = oscillator_add,
+                                        .jacobian = oscillator_jacobian};
     const struct system system = {.n = 2,
                                   .order = 2,
                                   .terms = 1,
@@ -311,7 +331,8 @@ double structural_growth(const struct method *method, double x, double zeta, enu
                                   .mass = 1,
                                   .scale = {1, 1}};
     double matrix[9];
-    for (int column = 0; column < 3; column++) { /* in units of 1, 1/x and 1/x^2: then no entry is large */
+    for (int column = 0; column < 3;
+         column++) { /* in units of 1, 1/x and 1/x^2: then no entry is large */
         double work[64], y[2] = {column == 0, column == 1 ? 1 / x : 0};
         struct step step = {.system = &system, .h = x, .y = y, .work = work, .warm = true};
         work[0] = column == 2 ? 1 / x / x : 0;

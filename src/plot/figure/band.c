@@ -9,7 +9,7 @@
 #include <string.h>
 
 #define NORMAL_95 1.959963984540054 /* standard deviations on each side of 95 % */
-#define TIMES_MOST 1000000
+#define TIMES_MAX 1000000
 
 static bool refuse(struct text where, struct error *error, const char *why)
 {
@@ -17,19 +17,18 @@ static bool refuse(struct text where, struct error *error, const char *why)
     return error_hint(error, "fit; adopt; run; plot position --band");
 }
 
-static bool refuse_value(const struct session *session, const struct run *run, int place,
+static bool refuse_value(const struct session *session, const struct run *run, int index,
                          struct text where, struct error *error)
 {
     const struct scene *adopted = &session->adopted.scene;
-    const struct param_row *row = param_at(adopted, place);
+    const struct param_row *row = param_at(adopted, index);
     struct buffer text = {0};
     buffer_format(&text, "%s is ", row->row.name);
-    buffer_quantity(&text, run->scene.value[place], row->quantity, 6);
+    buffer_quantity(&text, run->scene.value[index], row->quantity, 6);
     buffer_format(&text, " in run %d, and ", run->number);
-    buffer_quantity(&text, adopted->value[place], row->quantity, 6);
+    buffer_quantity(&text, adopted->value[index], row->quantity, 6);
     buffer_put(&text, TEXT(" in the adopted fit"));
-    error_at(error, where, "%s",
-             text.data && !text.failed ? text.data : "it is another scene");
+    error_at(error, where, "%s", text.data && !text.failed ? text.data : "it is another scene");
     buffer_free(&text);
     return error_hint(error, "adopt; run; plot position --band");
 }
@@ -69,14 +68,14 @@ bool band_half(const struct session *session, const struct run *run, int variabl
 {
     const struct adopted_fit *adopted = &session->adopted;
     const struct spread_request request = {.scene = &run->scene,
-                                           .place = adopted->place,
+                                           .index = adopted->index,
                                            .count = adopted->count,
                                            .covariance = adopted->covariance,
                                            .variable = variable,
                                            .t = t,
                                            .n = n,
                                            .cancel = session->front.cancel};
-    if (n > TIMES_MOST) {
+    if (n > TIMES_MAX) {
         error_set(error, ERROR_COMMAND, "a band of %zu rows is too long", n);
         return error_hint(error, "choose a part: plot position --band window=FROM:TO");
     }
@@ -95,7 +94,7 @@ static int first_variable(const struct drawing *d)
     const struct figure_request *request = d->request;
     if (request->columns > 0 || request->at.len > 0)
         return -1;
-    return request->kind == PLOT_POSITION              ? 0
+    return request->kind == PLOT_POSITION               ? 0
            : request->kind == PLOT_VELOCITY && d->model ? d->model->n / 2
                                                         : -1;
 }
@@ -133,13 +132,14 @@ bool drawing_band(struct drawing *d)
     for (int i = 0; i < d->coordinates; i++) {
         const struct curve *curve = &d->curve[i];
         double *half = new_spread(d, i, true);
-        if (!half || !band_half(d->session, run, first + i, curve->x, curve->n, d->arena, half, d->error))
+        if (!half ||
+            !band_half(d->session, run, first + i, curve->x, curve->n, d->arena, half, d->error))
             return false;
     }
     return true;
 }
 
-bool drawing_kept_band(struct drawing *d)
+bool drawing_stored_band(struct drawing *d)
 {
     const struct fit_band *band = &d->session->band;
     const int first = first_variable(d);
@@ -151,33 +151,33 @@ bool drawing_kept_band(struct drawing *d)
         if (!half)
             return false;
         for (size_t k = 0; k < d->curve[i].n; k++)
-            half[k] = kept_band_at(band, first + i, d->curve[i].x[k]);
+            half[k] = stored_band_at(band, first + i, d->curve[i].x[k]);
     }
     return true;
 }
 
 /* ---- kept for the panes ---- */
 
-#define A_PERIOD 64     /* points of the kept band: straight lines between are off by 0.1 % of it */
-#define KEPT_LEAST 500
-#define KEPT_MOST 20000
+#define A_PERIOD 64 /* points of the kept band: straight lines between are off by 0.1 % of it */
+#define KEPT_MIN 500
+#define KEPT_MAX 20000
 
-double kept_band_at(const struct fit_band *band, int variable, double t)
+double stored_band_at(const struct fit_band *band, int variable, double t)
 {
-    const double place = (t - band->from) / band->step;
-    if (variable >= band->variables || !(place > -1e-6) || !(place < (double)band->n - 1 + 1e-6))
+    const double index = (t - band->from) / band->step;
+    if (variable >= band->variables || !(index > -1e-6) || !(index < (double)band->n - 1 + 1e-6))
         return NAN;
     const double *half = band->half + (size_t)variable * band->n;
-    const size_t i = place <= 0 ? 0 : (size_t)fmin(place, (double)(band->n - 2));
-    return half[i] + (place - (double)i) * (half[i + 1] - half[i]);
+    const size_t i = index <= 0 ? 0 : (size_t)fmin(index, (double)(band->n - 2));
+    return half[i] + (index - (double)i) * (half[i + 1] - half[i]);
 }
 
 /* As many points as the motion needs. */
 static size_t kept_points(const struct run *run, double span)
 {
     const double rhythm = run_rhythm(run);
-    const double n = rhythm > 0 ? ceil(A_PERIOD * span / rhythm) : 8 * KEPT_LEAST;
-    return (size_t)fmin(fmax(n, KEPT_LEAST), KEPT_MOST) + 1;
+    const double n = rhythm > 0 ? ceil(A_PERIOD * span / rhythm) : 8 * KEPT_MIN;
+    return (size_t)fmin(fmax(n, KEPT_MIN), KEPT_MAX) + 1;
 }
 
 static bool find_band(struct session *session, const struct run *run, struct fit_band *band,
@@ -202,7 +202,7 @@ static bool find_band(struct session *session, const struct run *run, struct fit
     return true;
 }
 
-void session_keep_band(struct session *session)
+void session_store_band(struct session *session)
 {
     const struct run *run = session_run(session);
     struct fit_band *band = &session->band;

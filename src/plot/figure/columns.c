@@ -7,7 +7,7 @@
 
 #include <string.h>
 
-#define MARKS_MOST 100 /* points that are told apart */
+#define MARKS_MAX 100 /* points that are told apart */
 
 bool drawing_columns(struct drawing *d, const struct system *system)
 {
@@ -16,20 +16,22 @@ bool drawing_columns(struct drawing *d, const struct system *system)
     d->coordinates = request->columns;
     if (request->columns > DRAWN_COLUMNS || (request->columns > 1 && request->runs > 1))
         return error_at(d->error, request->column[1],
-                        request->runs > 1 ? "of several runs one column at a time" : "at most %d columns in one plot",
+                        request->runs > 1 ? "of several runs one column at a time"
+                                          : "at most %d columns in one plot",
                         DRAWN_COLUMNS);
     if (plane && !chosen_find(d->model, request->against, &d->against, d->error))
         return false;
     for (int i = 0; i < request->columns; i++) {
         if (!chosen_find(d->model, request->column[i], &d->column[i], d->error))
             return false;
-        const char *unit = chosen_unit(system, &d->column[0]), *its = chosen_unit(system, &d->column[i]);
+        const char *unit = chosen_unit(system, &d->column[0]),
+                   *its = chosen_unit(system, &d->column[i]);
         if (strcmp(unit, its) == 0)
             continue;
         const struct variable first = chosen_variable(system, &d->column[0]),
                               one = chosen_variable(system, &d->column[i]);
-        error_at(d->error, request->column[i], "%s [%s] and %s [%s] do not share an axis", first.name,
-                 unit[0] ? unit : "1", one.name, its[0] ? its : "1");
+        error_at(d->error, request->column[i], "%s [%s] and %s [%s] do not share an axis",
+                 first.name, unit[0] ? unit : "1", one.name, its[0] ? its : "1");
         return error_hint(d->error, "plot %s against %s", one.name, first.name);
     }
     return true;
@@ -43,8 +45,9 @@ const char *drawing_label(const struct drawing *d, int i)
     return arena_text(d->arena, text_of(chosen_variable(&run->system, &d->column[i]).name));
 }
 
-bool chosen_at_rows(const struct run *run, const struct chosen_column *column, const struct chosen_rows *rows,
-                    struct arena *arena, double *out, struct error *error)
+bool chosen_at_rows(const struct run *run, const struct chosen_column *column,
+                    const struct chosen_rows *rows, struct arena *arena, double *out,
+                    struct error *error)
 {
     if (column->observable)
         return values_at_rows(run, column->observable, rows, arena, out, error);
@@ -63,44 +66,47 @@ bool chosen_at_rows(const struct run *run, const struct chosen_column *column, c
 
 /* ---- at events ---- */
 
-static bool value_at(const struct run *run, const struct chosen_column *column, size_t i, double *out,
-                     struct error *error)
+static bool value_at(const struct run *run, const struct chosen_column *column, size_t i,
+                     double *out, struct error *error)
 {
-    const struct happening *happening = run_happening(run, i);
+    const struct event_record *happening = run_event_record(run, i);
     const struct sample sample = {
-        .run = run, .system = &run->system, .t = happening->t, .y = run_happening_state(run, i)};
+        .run = run, .system = &run->system, .t = happening->t, .y = run_event_record_state(run, i)};
     const int n = run->system.n;
-    if (column->observable &&
-        (column->observable->needs & ~(unsigned)(NEED_MECHANICS | NEED_LINE | NEED_POWER | NEED_ENERGY) ||
-         !observable_defined(column->observable, &run->system, false)))
-        return error_set(error, ERROR_COMMAND, "%s is not known at events", column->observable->row.name);
-    *out = column->observable      ? column->observable->value(&sample)
-           : column->variable < n ? sample.y[column->variable]
-                                  : system_observe(&run->system, column->variable - n, sample.t, sample.y);
+    if (column->observable && (column->observable->needs & ~(unsigned)(NEED_MECHANICS | NEED_LINE |
+                                                                       NEED_POWER | NEED_ENERGY) ||
+                               !observable_defined(column->observable, &run->system, false)))
+        return error_set(error, ERROR_COMMAND, "%s is not known at events",
+                         column->observable->row.name);
+    *out = column->observable ? column->observable->value(&sample)
+           : column->variable < n
+               ? sample.y[column->variable]
+               : system_observe(&run->system, column->variable - n, sample.t, sample.y);
     return true;
 }
 
-bool drawing_happenings(struct drawing *d, const struct held_run *held)
+bool drawing_event_records(struct drawing *d, const struct run_slot *slot)
 {
-    const struct run *run = held->run;
+    const struct run *run = slot->run;
     const struct figure_request *request = d->request;
-    const size_t room = run_happenings(run) + 1;
+    const size_t capacity = run_event_records(run) + 1;
     const struct chosen_column time = {
         (const struct observable *)(const void *)catalog_find(&observable_catalog, TEXT("t")), -1};
-    double *x = arena_array(d->arena, room, sizeof *x);
+    double *x = arena_array(d->arena, capacity, sizeof *x);
     for (int c = 0; c < d->coordinates; c++) {
-        double *y = arena_array(d->arena, room, sizeof *y);
+        double *y = arena_array(d->arena, capacity, sizeof *y);
         const char *label = d->coordinates > 1 ? drawing_label(d, c) : drawing_run_label(d, run);
         size_t n = 0, seen = 0;
         if (!x || !y || !label)
             return error_memory(d->error);
-        for (size_t i = 0; i + 1 < room; i++) {
-            const struct happening *happening = run_happening(run, i);
-            if (!text_is(request->at, held->events->line[happening->event].name) || happening->t < d->window[0] ||
-                happening->t > d->window[1])
+        for (size_t i = 0; i + 1 < capacity; i++) {
+            const struct event_record *happening = run_event_record(run, i);
+            if (!text_is(request->at, slot->events->line[happening->event].name) ||
+                happening->t < d->window[0] || happening->t > d->window[1])
                 continue;
             double up;
-            if (!value_at(run, request->kind == PLOT_ORBIT ? &d->against : &time, i, &x[seen], d->error) ||
+            if (!value_at(run, request->kind == PLOT_ORBIT ? &d->against : &time, i, &x[seen],
+                          d->error) ||
                 !value_at(run, &d->column[c], i, &up, d->error))
                 return false;
             seen++;
@@ -108,14 +114,15 @@ bool drawing_happenings(struct drawing *d, const struct held_run *held)
                 y[n++] = up;
         }
         if (seen == 1 && n == 0)
-            return error_at(d->error, request->at, "only one of these events happened in this time: no next");
+            return error_at(d->error, request->at,
+                            "only one of these events happened in this time: no next");
         if (n == 0) {
             error_at(d->error, request->at, "run %d has no event '%.*s' in this time", run->number,
                      (int)(request->at.len < 64 ? request->at.len : 64), request->at.at);
             return error_hint(d->error, "'list events' shows what happened");
         }
-        d->curve[d->curves++] =
-            (struct curve){.label = label, .x = x, .y = y, .n = n, .points = true, .cloud = n > MARKS_MOST};
+        d->curve[d->curves++] = (struct curve){
+            .label = label, .x = x, .y = y, .n = n, .points = true, .cloud = n > MARKS_MAX};
     }
     return true;
 }

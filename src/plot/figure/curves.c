@@ -9,7 +9,7 @@
 
 #define ROWS_ALL 4096       /* so many rows are taken as they are */
 #define VISITS_A_PERIOD 256 /* a screen looks at no more of them */
-#define VISITS_MOST (1 << 17)
+#define VISITS_MAX (1 << 17)
 #define SPECTRUM_SAMPLES 4096
 #define SAMPLES_A_PERIOD 24 /* of a spectrum: its axis goes to ten times the line */
 
@@ -31,8 +31,8 @@ static size_t row_after(const struct run *run, double t)
     return low;
 }
 
-#define VARIABLES_MOST 8 /* whose extremes are kept */
-#define EXTREMES_MOST (2 * VARIABLES_MOST + 2)
+#define VARIABLES_MAX 8 /* whose extremes are kept */
+#define EXTREMES_MAX (2 * VARIABLES_MAX + 2)
 
 /* Not at the same place of each stride: an oscillation could be in step with it. */
 static size_t visited(size_t i, size_t stride)
@@ -40,10 +40,11 @@ static size_t visited(size_t i, size_t stride)
     return i + (stride > 1 ? (i / stride * 0x9E3779B97F4A7C15u >> 40) % stride : 0);
 }
 
-/* What the extremes are of: each variable, and of second order q v of the first coordinate; up and down. */
-static int extremes_of(const struct run *run, const double *y, double value[EXTREMES_MOST])
+/* What the extremes are of: each variable, and of second order q v of the first coordinate; up and
+ * down. */
+static int extremes_of(const struct run *run, const double *y, double value[EXTREMES_MAX])
 {
-    const int variables = run->system.n < VARIABLES_MOST ? run->system.n : VARIABLES_MOST;
+    const int variables = run->system.n < VARIABLES_MAX ? run->system.n : VARIABLES_MAX;
     int count = 0;
     for (int i = 0; i < variables; i++) {
         value[count++] = y[i];
@@ -57,14 +58,16 @@ static int extremes_of(const struct run *run, const double *y, double value[EXTR
 }
 
 /*
- * Of a share of the rows the first, the last, and those where the variables, and q v of the first coordinate, are least
- * and largest: there positions, velocities and the error of the energy have their extremes (the modified energy of a
- * symplectic method differs by terms in q v, q^2, v^2; Hairer, Lubich, Wanner IX.8).
+ * Of a share of the rows the first, the last, and those where the variables, and q v of the first
+ * coordinate, are least and largest: there positions, velocities and the error of the energy have
+ * their extremes (the modified energy of a symplectic method differs by terms in q v, q^2, v^2;
+ * Hairer, Lubich, Wanner IX.8).
  */
-static size_t choose_of_share(const struct run *run, size_t from, size_t to, size_t stride, size_t *out)
+static size_t choose_of_share(const struct run *run, size_t from, size_t to, size_t stride,
+                              size_t *out)
 {
-    size_t at[EXTREMES_MOST + 2];
-    double best[EXTREMES_MOST], value[EXTREMES_MOST];
+    size_t at[EXTREMES_MAX + 2];
+    double best[EXTREMES_MAX], value[EXTREMES_MAX];
     const int extremes = extremes_of(run, trace_state(run->trace, from), best);
     for (int e = 0; e <= extremes; e++)
         at[e] = from;
@@ -81,28 +84,29 @@ static size_t choose_of_share(const struct run *run, size_t from, size_t to, siz
     }
     size_t n = 0;
     for (int i = 0; i < extremes + 2; i++) { /* ascending, each once */
-        size_t place = n;
-        while (place > 0 && out[place - 1] > at[i])
-            place--;
-        if (place > 0 && out[place - 1] == at[i])
+        size_t index = n;
+        while (index > 0 && out[index - 1] > at[i])
+            index--;
+        if (index > 0 && out[index - 1] == at[i])
             continue;
-        memmove(out + place + 1, out + place, (n - place) * sizeof *out);
-        out[place] = at[i];
+        memmove(out + index + 1, out + index, (n - index) * sizeof *out);
+        out[index] = at[i];
         n++;
     }
     return n;
 }
 
-static size_t power_of_two(double least)
+static size_t power_of_two(double min)
 {
     size_t power = 1;
-    while ((double)power < least)
+    while ((double)power < min)
         power *= 2;
     return power;
 }
 
 /* Which rows lie in the window. */
-static void find_rows(const struct run *run, const struct row_request *request, size_t *first, size_t *end)
+static void find_rows(const struct run *run, const struct row_request *request, size_t *first,
+                      size_t *end)
 {
     const size_t count = trace_count(run->trace);
     const bool backwards = trace_time(run->trace, count - 1) < trace_time(run->trace, 0);
@@ -120,28 +124,32 @@ static void find_rows(const struct run *run, const struct row_request *request, 
 }
 
 /*
- * Strides and shares are powers of two and begin at multiples of themselves: while a run grows the rows that were
- * chosen stay chosen.
+ * Strides and shares are powers of two and begin at multiples of themselves: while a run grows the
+ * rows that were chosen stay chosen.
  */
 bool choose_rows(const struct run *run, const struct row_request *request, struct arena *arena,
                  struct chosen_rows *rows, struct error *error)
 {
     size_t first, end;
     find_rows(run, request, &first, &end);
-    const double n = (double)(end - first), shares = 4.0 * (request->columns > 0 ? request->columns : 1);
+    const double n = (double)(end - first),
+                 fractions = 4.0 * (request->columns > 0 ? request->columns : 1);
     const double a_period = n * request->period / (request->to - request->from) / VISITS_A_PERIOD;
     const size_t stride =
-        !request->screen ? 1 : power_of_two(fmax(a_period > 2 ? fmin(a_period / 2, n) : 1, n / VISITS_MOST));
+        !request->screen
+            ? 1
+            : power_of_two(fmax(a_period > 2 ? fmin(a_period / 2, n) : 1, n / VISITS_MAX));
     const bool all = !request->screen || n / (double)stride <= ROWS_ALL;
-    const size_t share = all ? stride : power_of_two(fmax(n / shares, (double)stride));
+    const size_t fraction = all ? stride : power_of_two(fmax(n / fractions, (double)stride));
     *rows = (struct chosen_rows){
-        arena_array(arena, (end - first) / share * (all ? 1 : EXTREMES_MOST + 2) + 3 * (EXTREMES_MOST + 2),
-                    sizeof *rows->row),
+        arena_array(
+            arena, (end - first) / fraction * (all ? 1 : EXTREMES_MAX + 2) + 3 * (EXTREMES_MAX + 2),
+            sizeof *rows->row),
         0};
     if (!rows->row)
         return error_memory(error);
     for (size_t from = first, to; from < end; from = to) {
-        to = from - from % share + share;
+        to = from - from % fraction + fraction;
         to = to < end ? to : end;
         if (all)
             rows->row[rows->n++] = from;
@@ -168,17 +176,18 @@ bool run_never_changed(const struct run *run)
     return true;
 }
 
-/* Whether a row and one system say all that the observable needs. What the state alone says does not depend on the
- * system. */
+/* Whether a row and one system say all that the observable needs. What the state alone says does
+ * not depend on the system. */
 static bool follows_from_row(const struct run *run, const struct observable *observable)
 {
     for (int i = 0; i < run->system.n; i++)
         if (strcmp(system_variable(&run->system, i).name, observable->row.name) == 0)
             return true;
     return observable->needs == 0 ||
-           (trace_count(run->trace) > ROWS_ALL && !(observable->needs & (NEED_WORK | NEED_RATIO | NEED_CENTRE)) &&
-            run->system.order == 2 && (run->plan.exact_known || !(observable->needs & NEED_EXACT)) &&
-            run_never_changed(run));
+           (trace_count(run->trace) > ROWS_ALL &&
+            !(observable->needs & (NEED_WORK | NEED_RATIO | NEED_CENTRE)) &&
+            run->system.order == 2 &&
+            (run->plan.exact_known || !(observable->needs & NEED_EXACT)) && run_never_changed(run));
 }
 
 void state_at_rows(const struct run *run, int i, const struct chosen_rows *rows, double *out)
@@ -187,8 +196,9 @@ void state_at_rows(const struct run *run, int i, const struct chosen_rows *rows,
         out[row] = trace_state(run->trace, rows->row[row])[i];
 }
 
-bool values_at_rows(const struct run *run, const struct observable *observable, const struct chosen_rows *rows,
-                    struct arena *arena, double *out, struct error *error)
+bool values_at_rows(const struct run *run, const struct observable *observable,
+                    const struct chosen_rows *rows, struct arena *arena, double *out,
+                    struct error *error)
 {
     if (!follows_from_row(run, observable)) {
         double *column = arena_array(arena, trace_count(run->trace), sizeof *column);
@@ -213,10 +223,12 @@ bool values_at_rows(const struct run *run, const struct observable *observable, 
 }
 
 /* Cubic Hermite between two values with their slopes; x: part of the way, h: its length. */
-static double hermite(double x, double h, double left, double left_slope, double right, double right_slope)
+static double hermite(double x, double h, double left, double left_slope, double right,
+                      double right_slope)
 {
     const double z = 1 - x;
-    return z * z * (1 + 2 * x) * left + x * x * (3 - 2 * x) * right + h * x * z * (z * left_slope - x * right_slope);
+    return z * z * (1 + 2 * x) * left + x * x * (3 - 2 * x) * right +
+           h * x * z * (z * left_slope - x * right_slope);
 }
 
 static double acceleration(const struct system *system, double t, const double *y)
@@ -227,8 +239,8 @@ static double acceleration(const struct system *system, double t, const double *
 }
 
 /* The acceleration of the state that lies between two rows. */
-static double acceleration_between(const struct system *system, double t, double x, double h, const double *left,
-                                   const double *right)
+static double acceleration_between(const struct system *system, double t, double x, double h,
+                                   const double *left, const double *right)
 {
     double state[LIMIT_VARIABLES];
     const int half = system->n / 2;
@@ -259,7 +271,8 @@ double run_motion(const struct run *run, double t, int derivative)
     if (derivative == 0)
         return hermite(x, h, left[0], left[half], right[0], right[half]);
     if (derivative == 1)
-        return hermite(x, h, left[half], acceleration(system, a, left), right[half], acceleration(system, b, right));
+        return hermite(x, h, left[half], acceleration(system, a, left), right[half],
+                       acceleration(system, b, right));
     return acceleration_between(system, t, x, h, left, right);
 }
 
@@ -270,27 +283,31 @@ double run_position(const struct run *run, double t)
 
 /* ---- envelopes ---- */
 
-#define ENVELOPE_MOST 120
-#define ENVELOPE_LEAST 3
+#define ENVELOPE_MAX 120
+#define ENVELOPE_MIN 3
 
-/* Windows of two periods, or more where there are many; fewer and longer ones where a gap leaves one empty. */
-bool data_envelope(const struct series *series, struct arena *arena, struct curve *curve, struct error *error)
+/* Windows of two periods, or more where there are many; fewer and longer ones where a gap leaves
+ * one empty. */
+bool data_envelope(const struct series *series, struct arena *arena, struct curve *curve,
+                   struct error *error)
 {
     struct overview overview;
-    struct reading reading[ENVELOPE_MOST];
-    double at[ENVELOPE_MOST];
+    struct reading reading[ENVELOPE_MAX];
+    double at[ENVELOPE_MAX];
     series_overview(series, arena, &overview);
-    int count = overview.oscillates ? (int)fmin(fmax(overview.periods / 2, ENVELOPE_LEAST), ENVELOPE_MOST) : 1;
+    int count =
+        overview.oscillates ? (int)fmin(fmax(overview.periods / 2, ENVELOPE_MIN), ENVELOPE_MAX) : 1;
     const double from = series->t[0], span = series->t[series->n - 1] - from;
     for (;; count /= 2) {
         for (int i = 0; i < count; i++)
             at[i] = from + (i + 0.5) / count * span;
         if (series_amplitudes(series, arena, at, count, span / count, reading, error))
             break;
-        if (count < 2 * ENVELOPE_LEAST)
+        if (count < 2 * ENVELOPE_MIN)
             return false;
     }
-    double *x = arena_array(arena, (size_t)count, sizeof *x), *y = arena_array(arena, (size_t)count, sizeof *y);
+    double *x = arena_array(arena, (size_t)count, sizeof *x),
+           *y = arena_array(arena, (size_t)count, sizeof *y);
     if (!x || !y)
         return error_memory(error);
     for (int i = 0; i < count; i++) {
@@ -305,19 +322,21 @@ bool data_envelope(const struct series *series, struct arena *arena, struct curv
 
 /* ---- spectra ---- */
 
-bool data_spectrum(const struct series *series, struct arena *arena, struct curve *curve, struct error *error)
+bool data_spectrum(const struct series *series, struct arena *arena, struct curve *curve,
+                   struct error *error)
 {
     if (!series_spectrum(series, arena, &curve->x, &curve->y, &curve->n))
         return error_set(error, ERROR_COMMAND, "a spectrum needs at least 8 samples");
     return true;
 }
 
-bool run_even_series(const struct run *run, double from, double to, double period, struct arena *arena,
-                     struct series *series, struct error *error)
+bool run_even_series(const struct run *run, double from, double to, double period,
+                     struct arena *arena, struct series *series, struct error *error)
 {
-    const double step = isfinite(period) ? fmax(run->settings.dt, period / SAMPLES_A_PERIOD) : run->settings.dt;
-    const double most = floor((to - from) / step);
-    const size_t n = most > SPECTRUM_SAMPLES ? SPECTRUM_SAMPLES : (size_t)fmax(most, 0);
+    const double step =
+        isfinite(period) ? fmax(run->settings.dt, period / SAMPLES_A_PERIOD) : run->settings.dt;
+    const double max = floor((to - from) / step);
+    const size_t n = max > SPECTRUM_SAMPLES ? SPECTRUM_SAMPLES : (size_t)fmax(max, 0);
     double *t = arena_array(arena, n + 1, sizeof *t), *y = arena_array(arena, n + 1, sizeof *y);
     if (!t || !y)
         return error_memory(error);

@@ -10,14 +10,14 @@
 #define PERIOD_COLUMNS_ASCII 8 /* least columns a period that can still be followed */
 #define PERIOD_COLUMNS_DOTS 5
 #define DRAWN_COLUMNS (LIMIT_OVERLAY + 1) /* of one run, as many as have marks of their own */
-#define FRAME_COLUMNS 10 /* [cell] of the width that labels and frame take */
+#define FRAME_COLUMNS 10                  /* [cell] of the width that labels and frame take */
 
 struct plot_row {
     struct row row;
     const char *observable; /* on the vertical axis; NULL: state variables, or something else */
     const char *label;      /* of that axis, where the names of the variables are not */
-    bool periods;           /* each period has to be seen: the window is limited to what the width can show */
-    bool positive;          /* never below zero: curves of different size get a logarithmic axis */
+    bool periods; /* each period has to be seen: the window is limited to what the width can show */
+    bool positive; /* never below zero: curves of different size get a logarithmic axis */
 };
 
 extern const struct plot_row plot_rows[]; /* those of plot_catalog */
@@ -30,25 +30,27 @@ struct drawing {
     struct error *error;
     struct curve *curve;
     int curves;
-    const struct model *model; /* of the runs; NULL: there are none */
-    int coordinates;           /* curves that one run has */
+    const struct model *model;                           /* of the runs; NULL: there are none */
+    int coordinates;                                     /* curves that one run has */
     struct chosen_column column[DRAWN_COLUMNS], against; /* if the request names them */
-    double omega0;             /* [rad/s] that v is divided by; 1: not */
-    double period;             /* [s] of the first run, NAN: none */
-    double window[2];          /* [s] */
-    double shown, total;       /* [s] */
-    struct spectrum_peak line; /* of a spectrum: the strongest, of several the highest; frequency 0: none */
+    double omega0;                                       /* [rad/s] that v is divided by; 1: not */
+    double period;                                       /* [s] of the first run, NAN: none */
+    double window[2];                                    /* [s] */
+    double shown, total;                                 /* [s] */
+    struct spectrum_peak
+        line; /* of a spectrum: the strongest, of several the highest; frequency 0: none */
     struct data_motion motion; /* of the recording, where the plot needs it */
 };
 
 bool plot_needs_motion(enum plot_kind kind); /* velocities, of a recording too */
-bool plot_is_plane(enum plot_kind kind); /* one part of the state against another */
+bool plot_is_plane(enum plot_kind kind);     /* one part of the state against another */
 /* On the vertical axis: the first of the coordinates that are drawn. */
 const struct variable *vertical_variable(const struct model *model, enum plot_kind kind);
 
 static inline const struct recording *recording_of(const struct drawing *d)
 {
-    return d->request->recording >= 0 ? d->session->recording[d->request->recording]->recording : NULL;
+    return d->request->recording >= 0 ? d->session->recording[d->request->recording]->recording
+                                      : NULL;
 }
 
 /* Finds what the request names, of one unit, since it shares the axis. */
@@ -57,15 +59,17 @@ bool drawing_columns(struct drawing *d, const struct system *system);
 const char *drawing_label(const struct drawing *d, int i);
 
 /* The columns where the event of the request happened. */
-bool drawing_happenings(struct drawing *d, const struct held_run *held);
-/* Of an adaptive run the state over time, or one part of it against another, also between its rows. *drawn: it was. */
-bool drawing_smooth(struct drawing *d, const struct run *run, const struct chosen_rows *rows, const char *label,
-                    bool *drawn);
+bool drawing_event_records(struct drawing *d, const struct run_slot *slot);
+/* Of an adaptive run the state over time, or one part of it against another, also between its rows.
+ * *drawn: it was. */
+bool drawing_smooth(struct drawing *d, const struct run *run, const struct chosen_rows *rows,
+                    const char *label, bool *drawn);
 /* Name of the run in a legend; NULL: no memory. */
 const char *drawing_run_label(const struct drawing *d, const struct run *run);
 
 /* Adds the curve of the recording, or of what is left of it (figure_recording.c). */
-/* Does this kind of plot show what the recording itself holds, without derivatives of it? run: NULL: none beside it. */
+/* Does this kind of plot show what the recording itself holds, without derivatives of it? run:
+ * NULL: none beside it. */
 bool recording_shows(const struct recording *recording, const struct run *run, enum plot_kind kind);
 /* Velocities or energies have to be found from the positions of the recording. */
 bool drawing_needs_motion(const struct drawing *d, const struct recording *recording);
@@ -82,13 +86,14 @@ bool drawing_scales(struct drawing *d, struct figure *figure, const enum quantit
 bool drawing_spectrum(struct drawing *d, const struct series *series, struct curve *curve);
 bool drawing_run_spectrum(struct drawing *d, const struct run *run, struct curve *curve);
 struct axis spectrum_axis(const struct drawing *d);
-void spectrum_note(const struct drawing *d, struct buffer *text); /* names the line; nothing: there is none */
+void spectrum_note(const struct drawing *d,
+                   struct buffer *text); /* names the line; nothing: there is none */
 
 /* The 95 % band of the adopted fit about each curve of the run; ERROR_COMMAND: the run is not of
  * that fit. */
 bool drawing_band(struct drawing *d);
 /* The same from what the session keeps; false: no memory. */
-bool drawing_kept_band(struct drawing *d);
+bool drawing_stored_band(struct drawing *d);
 
 /* The period against the amplitude (figure_period.c). */
 bool period_figure(struct drawing *d, struct figure *figure);

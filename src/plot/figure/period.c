@@ -7,20 +7,20 @@
 
 #include <math.h>
 
-enum { WINDOWS_MOST = 24, WINDOWS_LEAST = 3, PERIODS = 8, SAMPLES_LEAST = 16, THEORY_POINTS = 100 };
+enum { WINDOWS_MAX = 24, WINDOWS_MIN = 3, PERIODS = 8, SAMPLES_MIN = 16, THEORY_POINTS = 100 };
 
 /* As many windows as have some periods each, fewer where one of them cannot be read. */
 static bool read_windows(struct drawing *d, const struct series *series, struct curve *curve)
 {
-    struct period_reading reading[WINDOWS_MOST];
+    struct period_reading reading[WINDOWS_MAX];
     struct period p;
     if (!series_period(series, d->arena, &p, d->error))
         return false;
-    int count = (int)fmin(fmax(p.periods / PERIODS, WINDOWS_LEAST), WINDOWS_MOST);
+    int count = (int)fmin(fmax(p.periods / PERIODS, WINDOWS_MIN), WINDOWS_MAX);
     while (!series_period_readings(series, count, d->arena, reading, d->error)) {
-        if (count <= WINDOWS_LEAST)
+        if (count <= WINDOWS_MIN)
             return false;
-        count = count / 2 > WINDOWS_LEAST ? count / 2 : WINDOWS_LEAST;
+        count = count / 2 > WINDOWS_MIN ? count / 2 : WINDOWS_MIN;
     }
     double *x = arena_array(d->arena, (size_t)count, sizeof *x),
            *y = arena_array(d->arena, (size_t)count, sizeof *y);
@@ -41,8 +41,8 @@ static bool add_series(struct drawing *d, struct series series, const char *labe
 {
     const double *window = d->request->window;
     struct curve *curve = &d->curve[d->curves];
-    if (series.n < SAMPLES_LEAST)
-        return error_set(d->error, ERROR_COMMAND, "fewer than %d samples", SAMPLES_LEAST);
+    if (series.n < SAMPLES_MIN)
+        return error_set(d->error, ERROR_COMMAND, "fewer than %d samples", SAMPLES_MIN);
     series = series_window(series, isnan(window[0]) ? series.t[0] : window[0],
                            isnan(window[1]) ? series.t[series.n - 1] : window[1]);
     *curve = (struct curve){.label = label};
@@ -57,20 +57,20 @@ static bool add_series(struct drawing *d, struct series series, const char *labe
 /* The closed form of the scene that the first run is of, as far as the amplitudes go. */
 static bool add_theory(struct drawing *d, const struct scene *scene)
 {
-    double least = HUGE_VAL, most = 0;
+    double min = HUGE_VAL, max = 0;
     for (int c = 0; c < d->curves; c++)
         for (size_t i = 0; i < d->curve[c].n; i++) {
-            least = fmin(least, d->curve[c].x[i]);
-            most = fmax(most, d->curve[c].x[i]);
+            min = fmin(min, d->curve[c].x[i]);
+            max = fmax(max, d->curve[c].x[i]);
         }
-    if (!isfinite(scene_period_at(scene, most)))
+    if (!isfinite(scene_period_at(scene, max)))
         return true;
     double *x = arena_array(d->arena, THEORY_POINTS, sizeof *x),
            *y = arena_array(d->arena, THEORY_POINTS, sizeof *y);
     if (!x || !y)
         return error_memory(d->error);
     for (int i = 0; i < THEORY_POINTS; i++) {
-        x[i] = least + (most - least) * i / (THEORY_POINTS - 1);
+        x[i] = min + (max - min) * i / (THEORY_POINTS - 1);
         y[i] = scene_period_at(scene, x[i]);
     }
     d->curve[d->curves++] = (struct curve){.label = "theory", .x = x, .y = y, .n = THEORY_POINTS};
@@ -92,7 +92,7 @@ bool period_figure(struct drawing *d, struct figure *figure)
         quantity = series.quantity;
     }
     if (recording) {
-        if (!recording_series(recording, d->arena, SAMPLES_LEAST, &series, d->error) ||
+        if (!recording_series(recording, d->arena, SAMPLES_MIN, &series, d->error) ||
             !add_series(d, series, first ? "data" : recording->name))
             return false;
         quantity = first ? quantity : series.quantity;

@@ -6,7 +6,7 @@
 
 #include <math.h>
 
-#define LEAST_ERROR 1.1102230246251565e-16 /* where an error of 0 is drawn: half an ulp of 1 */
+#define MIN_ERROR 1.1102230246251565e-16 /* where an error of 0 is drawn: half an ulp of 1 */
 
 char precision_letter(int curve)
 {
@@ -28,7 +28,8 @@ bool precision_figure(const struct precision *precision, struct arena *arena, st
 {
     const size_t n = (size_t)precision->points, curves = (size_t)precision->curves + 1;
     struct curve *curve = arena_array(arena, curves, sizeof *curve);
-    double *x = arena_array(arena, 2 * n + 1, sizeof *x), *y = arena_array(arena, 2 * n + 1, sizeof *y);
+    double *x = arena_array(arena, 2 * n + 1, sizeof *x),
+           *y = arena_array(arena, 2 * n + 1, sizeof *y);
     if (!curve || !x || !y)
         return error_memory(error);
     const double top = top_of(precision);
@@ -36,7 +37,8 @@ bool precision_figure(const struct precision *precision, struct arena *arena, st
     for (size_t i = 0; i < n; i++)
         timed |= isfinite(precision->point[i].time.minimum);
     struct curve *failed = &curve[0];
-    *failed = (struct curve){.x = x + n, .y = y + n, .points = true, .mark = 'X', .label = "failed"};
+    *failed =
+        (struct curve){.x = x + n, .y = y + n, .points = true, .mark = 'X', .label = "failed"};
     for (int c = 0; c < precision->curves; c++) {
         const struct precision_curve *from = &precision->curve[c];
         struct curve *to = &curve[c + 1];
@@ -48,9 +50,10 @@ bool precision_figure(const struct precision *precision, struct arena *arena, st
         for (int i = from->first; i < from->first + from->count; i++) {
             const struct precision_point *point = &precision->point[i];
             const bool good = precision_meaningful(point);
-            const double cost = timed ? good ? point->time.minimum : point->seconds : (double)point->cost.evals;
+            const double cost =
+                timed ? good ? point->time.minimum : point->seconds : (double)point->cost.evals;
             x[i] = good && cost > 0 ? cost : NAN;
-            y[i] = fmax(point->errors.max, LEAST_ERROR);
+            y[i] = fmax(point->errors.max, MIN_ERROR);
             if (!good && cost > 0) {
                 x[n + failed->n] = cost;
                 y[n + failed->n++] = top;
@@ -59,12 +62,14 @@ bool precision_figure(const struct precision *precision, struct arena *arena, st
     }
     if (failed->n == 0)
         failed->label = NULL;
-    *figure = (struct figure){
-        .title = "precision",
-        .curve = curve,
-        .curves = (int)curves,
-        .x = {.label = timed ? "time of a solve" : "evaluations", .unit = timed ? "s" : "", .log = true},
-        .y = {.label = "error", .log = true},
-        .note = precision->reference.exact ? "against the closed form" : "against two methods"};
+    *figure = (struct figure){.title = "precision",
+                              .curve = curve,
+                              .curves = (int)curves,
+                              .x = {.label = timed ? "time of a solve" : "evaluations",
+                                    .unit = timed ? "s" : "",
+                                    .log = true},
+                              .y = {.label = "error", .log = true},
+                              .note = precision->reference.exact ? "against the closed form"
+                                                                 : "against two methods"};
     return true;
 }

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Recordings in figures: which one is drawn, its curves, what is left of it beside a fit or a run. */
+/* Recordings in figures: which one is drawn, its curves, what is left of it beside a fit or a run.
+ */
 #include "plot/figure/drawing.h"
 
 #include <hooke/plot.h>
@@ -19,7 +20,10 @@ static bool has_fit_of(const struct session *session, const struct recording *re
 /* The derivative of the position that a kind of plot shows; -1: something else. */
 static int shown_derivative(enum plot_kind kind)
 {
-    return kind == PLOT_POSITION ? 0 : kind == PLOT_VELOCITY ? 1 : kind == PLOT_ACCELERATION ? 2 : -1;
+    return kind == PLOT_POSITION       ? 0
+           : kind == PLOT_VELOCITY     ? 1
+           : kind == PLOT_ACCELERATION ? 2
+                                       : -1;
 }
 
 bool recording_shows(const struct recording *recording, const struct run *run, enum plot_kind kind)
@@ -44,12 +48,16 @@ int figure_recording(const struct session *session, enum plot_kind kind)
         return own || alone || derived ? session->current_recording : -1;
     if (!own && !(kind == PLOT_RESIDUAL && recorded_derivative(recording, run) >= 0))
         return -1;
-    const double a = trace_time(run->trace, 0), b = trace_time(run->trace, trace_count(run->trace) - 1);
-    return fmin(a, b) < recording->window[1] && fmax(a, b) > recording->window[0] ? session->current_recording : -1;
+    const double a = trace_time(run->trace, 0),
+                 b = trace_time(run->trace, trace_count(run->trace) - 1);
+    return fmin(a, b) < recording->window[1] && fmax(a, b) > recording->window[0]
+               ? session->current_recording
+               : -1;
 }
 
 /* Positions, velocities or energies of the recording. */
-static bool recorded_values(struct drawing *d, const struct recording *recording, struct series *series)
+static bool recorded_values(struct drawing *d, const struct recording *recording,
+                            struct series *series)
 {
     const struct data_motion *motion = &d->motion;
     if (!drawing_needs_motion(d, recording)) {
@@ -58,15 +66,16 @@ static bool recorded_values(struct drawing *d, const struct recording *recording
         *series = series_window(*series, d->window[0], d->window[1]);
         return true;
     }
-    return motion_series(motion, d->request->kind == PLOT_ENERGY, d->window[0], d->window[1], d->arena, series,
-                         d->error);
+    return motion_series(motion, d->request->kind == PLOT_ENERGY, d->window[0], d->window[1],
+                         d->arena, series, d->error);
 }
 
 /* v against y: about the equilibrium, in the units of the phase plot. */
 static bool recorded_phase(struct drawing *d, struct series series, struct curve *curve)
 {
     const struct data_motion *motion = &d->motion;
-    double *x = arena_array(d->arena, series.n, sizeof *x), *y = arena_array(d->arena, series.n, sizeof *y);
+    double *x = arena_array(d->arena, series.n, sizeof *x),
+           *y = arena_array(d->arena, series.n, sizeof *y);
     if (!x || !y)
         return error_memory(d->error);
     for (size_t i = 0, row = 0; i < series.n; i++) {
@@ -85,8 +94,9 @@ static bool recorded_phase(struct drawing *d, struct series series, struct curve
 static bool scale_values(const struct drawing *d, struct series *series)
 {
     const struct session *session = d->session;
-    const struct data_distance data = run_data_distance(session->run[d->request->run[0]]->run,
-                                                        session->recording[d->request->recording]->recording);
+    const struct data_distance data =
+        run_data_distance(session->run[d->request->run[0]]->run,
+                          session->recording[d->request->recording]->recording);
     double *y = arena_array(d->arena, series->n, sizeof *y);
     if (!y)
         return error_memory(d->error);
@@ -132,7 +142,8 @@ bool drawing_residual(struct drawing *d, const struct recording *recording)
     const bool fitted = has_fit_of(d->session, recording);
     const struct run *run = d->request->runs ? d->session->run[d->request->run[0]]->run : NULL;
     if (!fitted && !run)
-        return error_set(d->error, ERROR_COMMAND, "a residual needs a fit of this recording, or a run beside it");
+        return error_set(d->error, ERROR_COMMAND,
+                         "a residual needs a fit of this recording, or a run beside it");
     if (!drawing_recording(d, recording))
         return false;
     struct curve *curve = &d->curve[d->curves - 1];
@@ -146,9 +157,10 @@ bool drawing_residual(struct drawing *d, const struct recording *recording)
     else
         data = run_data_distance(run, d->session->recording[d->request->recording]->recording);
     for (size_t i = 0; i < curve->n; i++)
-        left[i] = curve->y[i] -
-                  (fitted ? left[i] - shift
-                          : (run_motion(run, curve->x[i], data.derivative) - data.at_zero) / data.gain);
+        left[i] =
+            curve->y[i] -
+            (fitted ? left[i] - shift
+                    : (run_motion(run, curve->x[i], data.derivative) - data.at_zero) / data.gain);
     curve->y = left;
     curve->label = fitted ? "data - fit" : "data - run";
     return true;

@@ -1,16 +1,17 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Axes of a figure: ranges that were asked for, and what becomes of curves of very different size: a logarithmic axis
- * where all is positive, else a second panel. */
+/* Axes of a figure: ranges that were asked for, and what becomes of curves of very different size:
+ * a logarithmic axis where all is positive, else a second panel. */
 #include "plot/figure/drawing.h"
 
 #include <hooke/plot.h>
 
 #include <math.h>
 
-#define ALIKE 10          /* sizes up to this factor share an axis */
-#define DECADES_LEFT 1e-6 /* of the smallest curve: what falls below is left out of a logarithmic axis */
-#define FLAT 0.01         /* an energy that varies by less is shown from zero */
-#define AIR 0.04          /* of a range, beyond the curves */
+#define ALIKE 10 /* sizes up to this factor share an axis */
+#define DECADES_LEFT                                                                               \
+    1e-6          /* of the smallest curve: what falls below is left out of a logarithmic axis */
+#define FLAT 0.01 /* an energy that varies by less is shown from zero */
+#define AIR 0.04  /* of a range, beyond the curves */
 
 /* ---- ranges that were asked for ---- */
 
@@ -27,9 +28,11 @@ static void find_extent(const struct drawing *d, bool vertical, double extent[2]
     extent[1] = -HUGE_VAL;
     for (int c = 0; c < d->curves; c++) {
         const struct curve *curve = &d->curve[c];
-        const double *value = vertical ? curve->y : curve->x, *other = vertical ? curve->x : curve->y;
+        const double *value = vertical ? curve->y : curve->x,
+                     *other = vertical ? curve->x : curve->y;
         for (size_t i = 0; i < curve->n; i++) {
-            if (!isfinite(value[i]) || (across && (other[i] < across->end[0] || other[i] > across->end[1])))
+            if (!isfinite(value[i]) ||
+                (across && (other[i] < across->end[0] || other[i] > across->end[1])))
                 continue;
             extent[0] = fmin(extent[0], value[i]);
             extent[1] = fmax(extent[1], value[i]);
@@ -37,18 +40,20 @@ static void find_extent(const struct drawing *d, bool vertical, double extent[2]
     }
 }
 
-static bool fits_axis(const struct drawing *d, const struct figure_range *range, const struct axis *axis,
-                      enum quantity quantity)
+static bool fits_axis(const struct drawing *d, const struct figure_range *range,
+                      const struct axis *axis, enum quantity quantity)
 {
     if (range->quantity == QUANTITY_OTHER || range->quantity == quantity)
         return true;
-    const char *label = axis->label ? axis->label : "", *unit = axis->unit && *axis->unit ? axis->unit : "1";
+    const char *label = axis->label ? axis->label : "",
+               *unit = axis->unit && *axis->unit ? axis->unit : "1";
     error_at(d->error, range->text, "the axis of %s is in %s", label, unit);
     return error_hint(d->error, "a number without a unit is in %s",
                       quantity_unit(quantity)[0] ? quantity_unit(quantity) : "1");
 }
 
-static bool fix_range(const struct drawing *d, bool vertical, enum quantity quantity, struct figure *figure)
+static bool fix_range(const struct drawing *d, bool vertical, enum quantity quantity,
+                      struct figure *figure)
 {
     const struct figure_range *range = vertical ? d->request->y : d->request->x;
     struct axis *axis = vertical ? &figure->y : &figure->x;
@@ -82,13 +87,14 @@ static double size_of_curve(const struct drawing *d, int i, bool x)
 {
     const struct curve *curve = &d->curve[i];
     const bool timed = plot_is_timed(d->request->kind);
-    double most = 0;
+    double max = 0;
     for (size_t row = 0; row < curve->n; row++) {
         const double value = x ? curve->x[row] : curve->y[row];
-        if (isfinite(value) && (!timed || (curve->x[row] >= d->window[0] && curve->x[row] <= d->window[1])))
-            most = fmax(most, fabs(value));
+        if (isfinite(value) &&
+            (!timed || (curve->x[row] >= d->window[0] && curve->x[row] <= d->window[1])))
+            max = fmax(max, fabs(value));
     }
-    return most;
+    return max;
 }
 
 /* Of each curve; of a plane the larger of both. NULL: no memory. */
@@ -105,19 +111,20 @@ static const double *curve_sizes(const struct drawing *d, const struct figure *f
 
 static double least_size(const double *size, int n)
 {
-    double least = HUGE_VAL;
+    double min = HUGE_VAL;
     for (int i = 0; i < n; i++)
-        least = size[i] > 0 ? fmin(least, size[i]) : least;
-    return least;
+        min = size[i] > 0 ? fmin(min, size[i]) : min;
+    return min;
 }
 
-/* The size between the curves that differ most from their neighbours; 0: all are alike. What rests has no size. */
+/* The size between the curves that differ most from their neighbours; 0: all are alike. What rests
+ * has no size. */
 static double parting_size(const double *size, int n)
 {
-    double most = 0, widest = 1, parting = 0;
+    double max = 0, widest = 1, parting = 0;
     for (int i = 0; i < n; i++) {
         double next = HUGE_VAL;
-        most = fmax(most, size[i]);
+        max = fmax(max, size[i]);
         for (int j = 0; j < n; j++)
             next = size[j] > size[i] ? fmin(next, size[j]) : next;
         if (size[i] > 0 && isfinite(next) && next / size[i] > widest) {
@@ -125,7 +132,7 @@ static double parting_size(const double *size, int n)
             parting = sqrt(size[i]) * sqrt(next);
         }
     }
-    return most > ALIKE * least_size(size, n) ? parting : 0;
+    return max > ALIKE * least_size(size, n) ? parting : 0;
 }
 
 static bool is_positive(const struct drawing *d, enum quantity quantity)
@@ -148,8 +155,8 @@ static double panel_size(const struct drawing *d, bool x, int panel)
     return size;
 }
 
-static bool part_panels(struct drawing *d, struct figure *figure, enum quantity across, enum quantity up,
-                        const double *size, double parting)
+static bool part_panels(struct drawing *d, struct figure *figure, enum quantity across,
+                        enum quantity up, const double *size, double parting)
 {
     struct axis *second = arena_array(d->arena, 2, sizeof *second);
     if (!second)
@@ -181,11 +188,12 @@ static bool note_flat(struct drawing *d, struct figure *figure)
     double extent[2];
     find_extent(d, true, extent);
     const double varies = (extent[1] - extent[0]) / fmax(fabs(extent[0]), fabs(extent[1]));
-    if (d->request->follow || !(figure->y.flat > 0) || !(varies > 1e-15 && varies <= figure->y.flat))
+    if (d->request->follow || !(figure->y.flat > 0) ||
+        !(varies > 1e-15 && varies <= figure->y.flat))
         return true;
     struct buffer text = {0};
-    buffer_format(&text, "%s%svaries by %.2g of its size, 'y=:' shows it", figure->note ? figure->note : "",
-                  figure->note ? ", " : "", varies);
+    buffer_format(&text, "%s%svaries by %.2g of its size, 'y=:' shows it",
+                  figure->note ? figure->note : "", figure->note ? ", " : "", varies);
     figure->note = text.failed ? NULL : arena_text(d->arena, buffer_text(&text));
     buffer_free(&text);
     return figure->note || error_memory(d->error);
@@ -199,9 +207,9 @@ bool drawing_scales(struct drawing *d, struct figure *figure, const enum quantit
     figure->y.log = request->log;
     if (!fix_range(d, true, quantity[1], figure) || !fix_range(d, false, quantity[0], figure))
         return false;
-    figure->y.flat = request->y                                                          ? -1
+    figure->y.flat = request->y                                                       ? -1
                      : request->kind == PLOT_ENERGY || request->kind == PLOT_ENVELOPE ? FLAT
-                                                                                       : 0;
+                                                                                      : 0;
     const bool one = asked || request->full || request->log;
     if (one)
         return true;
@@ -214,6 +222,6 @@ bool drawing_scales(struct drawing *d, struct figure *figure, const enum quantit
     if (!is_positive(d, quantity[1]))
         return part_panels(d, figure, quantity[0], quantity[1], size, parting);
     figure->y.log = true;
-    figure->y.least = DECADES_LEFT * least_size(size, d->curves);
+    figure->y.min = DECADES_LEFT * least_size(size, d->curves);
     return true;
 }

@@ -4,41 +4,46 @@
 
 #include <hooke/plot.h>
 
-#define SMOOTH_MOST 32 /* points for a row */
+#define SMOOTH_MAX 32 /* points for a row */
 
-/* States at and between chosen rows; n 0: the rows are close enough, or nothing is known between them. */
+/* States at and between chosen rows; n 0: the rows are close enough, or nothing is known between
+ * them. */
 struct smooth {
     double *t, *y; /* [n] [s], [n][variables] */
     size_t n;
 };
 
-/* A stiff method's steps are long where slopes at its states, a rounding off the slow motion, mean nothing. */
+/* A stiff method's steps are long where slopes at its states, a rounding off the slow motion, mean
+ * nothing. */
 static bool is_smooth(const struct run *run, const struct chosen_rows *rows, int points)
 {
-    return run->plan.adaptive && !(run->method->flags & METHOD_IMPLICIT) && rows->n > 1 && rows->n < (size_t)points;
+    return run->plan.adaptive && !(run->method->flags & METHOD_IMPLICIT) && rows->n > 1 &&
+           rows->n < (size_t)points;
 }
 
 /* So many points at least, where there are fewer rows. */
-static bool smooth_rows(const struct run *run, const struct chosen_rows *rows, int points, struct arena *arena,
-                        struct smooth *smooth, struct error *error)
+static bool smooth_rows(const struct run *run, const struct chosen_rows *rows, int points,
+                        struct arena *arena, struct smooth *smooth, struct error *error)
 {
     const int n = run->system.n;
     size_t each = (size_t)points / (rows->n ? rows->n : 1);
     *smooth = (struct smooth){.n = 0};
     if (!is_smooth(run, rows, points))
         return true;
-    each = each < 2 ? 2 : each > SMOOTH_MOST ? SMOOTH_MOST : each;
+    each = each < 2 ? 2 : each > SMOOTH_MAX ? SMOOTH_MAX : each;
     smooth->t = arena_array(arena, rows->n * each, sizeof *smooth->t);
     smooth->y = arena_array(arena, rows->n * each * (size_t)n, sizeof *smooth->y);
     if (!smooth->t || !smooth->y)
         return error_memory(error);
     double slope[2][LIMIT_VARIABLES];
     for (size_t row = 0; row < rows->n; row++) {
-        const double a = trace_time(run->trace, rows->row[row]), *left = trace_state(run->trace, rows->row[row]);
+        const double a = trace_time(run->trace, rows->row[row]),
+                     *left = trace_state(run->trace, rows->row[row]);
         const bool last = row + 1 == rows->n;
         const size_t next = rows->row[last ? row : row + 1];
         const double h = trace_time(run->trace, next) - a, *right = trace_state(run->trace, next);
-        const struct system *system = run_system_to(run, next); /* a jump has no length, a change falls on a row */
+        const struct system *system =
+            run_system_to(run, next); /* a jump has no length, a change falls on a row */
         system_derivative(system, a, left, slope[0]);
         system_derivative(system, a + h, right, slope[1]);
         for (size_t k = 0; k < (last ? 1 : each); k++) {
@@ -65,13 +70,15 @@ static int state_on_axis(const struct drawing *d, int coordinate)
         return !column->observable && column->variable < d->model->n ? column->variable : -1;
     if (coordinate < 0)
         return 0;
-    return plot_rows[kind].observable ? -1 : (int)(vertical_variable(d->model, kind) - d->model->variable) + coordinate;
+    return plot_rows[kind].observable
+               ? -1
+               : (int)(vertical_variable(d->model, kind) - d->model->variable) + coordinate;
 }
 
 #define POINTS_A_COLUMN 4
 
-bool drawing_smooth(struct drawing *d, const struct run *run, const struct chosen_rows *rows, const char *label,
-                    bool *drawn)
+bool drawing_smooth(struct drawing *d, const struct run *run, const struct chosen_rows *rows,
+                    const char *label, bool *drawn)
 {
     const bool plane = plot_is_plane(d->request->kind);
     const int across = plane ? state_on_axis(d, -1) : 0;
@@ -92,12 +99,17 @@ bool drawing_smooth(struct drawing *d, const struct run *run, const struct chose
         if (!value || !name)
             return error_memory(d->error);
         for (size_t i = 0; i < smooth.n; i++)
-            value[i] = smooth.y[i * (size_t)run->system.n + (size_t)state] / (c < 0 ? 1 : d->omega0);
+            value[i] =
+                smooth.y[i * (size_t)run->system.n + (size_t)state] / (c < 0 ? 1 : d->omega0);
         if (c < 0)
             smooth.t = value;
         else
-            d->curve[d->curves++] = (struct curve){.label = name, .x = smooth.t, .y = value, .n = smooth.n,
-                                                      .t = plane ? t : NULL, .thinned = true};
+            d->curve[d->curves++] = (struct curve){.label = name,
+                                                   .x = smooth.t,
+                                                   .y = value,
+                                                   .n = smooth.n,
+                                                   .t = plane ? t : NULL,
+                                                   .thinned = true};
     }
     return true;
 }

@@ -6,15 +6,18 @@
 
 #include <math.h>
 
-#define TIMES 10 /* the axis goes to so many times the main line: beyond it there is little to see */
+#define TIMES                                                                                      \
+    10 /* the axis goes to so many times the main line: beyond it there is little to see */
 
 bool drawing_spectrum(struct drawing *d, const struct series *series, struct curve *curve)
 {
     struct figure_peaks ignored = {0}, *peaks = d->request->peaks ? d->request->peaks : &ignored;
     struct spectrum_peak found[PEAKS_EACH];
-    const int most = d->request->peaks ? PEAKS_EACH : 1, count = series_peaks(series, d->arena, found, most);
-    for (int i = 0; i < count && peaks->count < PEAKS_MOST; i++)
-        peaks->peak[peaks->count++] = (struct figure_peak){curve->label, found[i], series->quantity};
+    const int max = d->request->peaks ? PEAKS_EACH : 1,
+              count = series_peaks(series, d->arena, found, max);
+    for (int i = 0; i < count && peaks->count < PEAKS_MAX; i++)
+        peaks->peak[peaks->count++] =
+            (struct figure_peak){curve->label, found[i], series->quantity};
     if (count > 0 && !(d->line.frequency.value >= found[0].frequency.value))
         d->line = found[0];
     return data_spectrum(series, d->arena, curve, d->error);
@@ -23,7 +26,8 @@ bool drawing_spectrum(struct drawing *d, const struct series *series, struct cur
 bool drawing_run_spectrum(struct drawing *d, const struct run *run, struct curve *curve)
 {
     struct series series;
-    return run_even_series(run, d->window[0], d->window[1], d->period, d->arena, &series, d->error) &&
+    return run_even_series(run, d->window[0], d->window[1], d->period, d->arena, &series,
+                           d->error) &&
            drawing_spectrum(d, &series, curve);
 }
 

@@ -19,10 +19,12 @@ const struct plot_row plot_rows[] = {
                            .label = "a",
                            .periods = true},
     [PLOT_PHASE] = {.row = {"phase", "",
-                            "v against y, the last two periods unless a window is given; of first order the second "
+                            "v against y, the last two periods unless a window is given; of first "
+                            "order the second "
                             "value against the first",
                             "", NULL}},
-    [PLOT_ORBIT] = {.row = {"orbit", "", "the second coordinate against the first, as long as phase", "", NULL}},
+    [PLOT_ORBIT] = {.row = {"orbit", "",
+                            "the second coordinate against the first, as long as phase", "", NULL}},
     [PLOT_ENERGY] = {.row = {"energy", "", "energy against t", "", NULL},
                      .observable = "energy",
                      .label = "E",
@@ -31,18 +33,23 @@ const struct plot_row plot_rows[] = {
                     .observable = "error",
                     .label = "error",
                     .positive = true},
-    [PLOT_RESIDUAL] = {.row = {"residual", "", "the recording minus its fit, or minus the run, against t", "", NULL},
+    [PLOT_RESIDUAL] = {.row = {"residual", "",
+                               "the recording minus its fit, or minus the run, against t", "",
+                               NULL},
                        .label = "residual"},
     [PLOT_SPECTRUM] = {.row = {"spectrum", "", "amplitude spectrum of y", "", NULL},
                        .label = "amplitude",
                        .positive = true},
-    [PLOT_ENVELOPE] = {.row = {"envelope", "", "amplitude of successive windows against t", "", NULL},
+    [PLOT_ENVELOPE] = {.row = {"envelope", "", "amplitude of successive windows against t", "",
+                               NULL},
                        .label = "A",
                        .positive = true},
-    [PLOT_PERIOD] = {.row = {"period", "", "period against amplitude, window by window; a pendulum's closed form", "",
-                             NULL},
+    [PLOT_PERIOD] = {.row = {"period", "",
+                             "period against amplitude, window by window; a pendulum's closed form",
+                             "", NULL},
                      .label = "T"},
-    [PLOT_PRECISION] = {.row = {"precision", "", "error against run time, of the last 'precision'", "", NULL},
+    [PLOT_PRECISION] = {.row = {"precision", "", "error against run time, of the last 'precision'",
+                                "", NULL},
                         .label = "error"},
 };
 const struct catalog plot_catalog = CATALOG("plot", plot_rows);
@@ -54,7 +61,8 @@ bool plot_needs_motion(enum plot_kind kind)
 
 bool plot_is_timed(enum plot_kind kind)
 {
-    return !plot_is_plane(kind) && kind != PLOT_SPECTRUM && kind != PLOT_PERIOD && kind != PLOT_PRECISION;
+    return !plot_is_plane(kind) && kind != PLOT_SPECTRUM && kind != PLOT_PERIOD &&
+           kind != PLOT_PRECISION;
 }
 
 bool plot_is_plane(enum plot_kind kind)
@@ -73,7 +81,8 @@ int plot_coordinates(const struct model *model)
 {
     const int all = model->order == 2 ? model->n / 2 : model->n;
     int n = 1;
-    while (n < all && n <= LIMIT_OVERLAY && model->variable[n].quantity == model->variable[0].quantity)
+    while (n < all && n <= LIMIT_OVERLAY &&
+           model->variable[n].quantity == model->variable[0].quantity)
         n++;
     return n;
 }
@@ -84,7 +93,8 @@ bool plot_fits(enum plot_kind kind, const struct model *model)
         return model->order == 2 && model->n == 4 && plot_coordinates(model) == 2;
     if (kind == PLOT_PHASE)
         return model->n > 1;
-    return model->order == 2 || (kind != PLOT_VELOCITY && kind != PLOT_ACCELERATION && kind != PLOT_ENERGY);
+    return model->order == 2 ||
+           (kind != PLOT_VELOCITY && kind != PLOT_ACCELERATION && kind != PLOT_ENERGY);
 }
 
 /* ---- which part of the time ---- */
@@ -104,7 +114,8 @@ static void span_of(const struct drawing *d, double *from, double *to)
     *to = -HUGE_VAL;
     for (int i = 0; i < d->request->runs; i++) {
         const struct run *run = d->session->run[d->request->run[i]]->run;
-        const double a = trace_time(run->trace, 0), b = trace_time(run->trace, trace_count(run->trace) - 1);
+        const double a = trace_time(run->trace, 0),
+                     b = trace_time(run->trace, trace_count(run->trace) - 1);
         *from = fmin(*from, fmin(a, b));
         *to = fmax(*to, fmax(a, b));
     }
@@ -116,8 +127,8 @@ static void span_of(const struct drawing *d, double *from, double *to)
     }
 }
 
-/* Down to a length whose quarters are short numbers too: a window that lasts has labels that look the same on each
- * page. */
+/* Down to a length whose quarters are short numbers too: a window that lasts has labels that look
+ * the same on each page. */
 static double short_number(double length)
 {
     static const double digits[] = {8, 6, 4, 3.2, 2.4, 2, 1.6, 1.2, 1};
@@ -133,9 +144,11 @@ static double longest_window(const struct drawing *d)
 {
     const struct figure_request *request = d->request;
     const int each = request->charset == CHARSET_ASCII ? PERIOD_COLUMNS_ASCII : PERIOD_COLUMNS_DOTS;
-    const int columns = request->width > 2 * FRAME_COLUMNS ? request->width - FRAME_COLUMNS : FRAME_COLUMNS;
-    const double most = plot_rows[request->kind].periods || !request->alone ? d->period * columns / each : NAN;
-    return d->total > most && isnormal(most) ? short_number(most) : most;
+    const int columns =
+        request->width > 2 * FRAME_COLUMNS ? request->width - FRAME_COLUMNS : FRAME_COLUMNS;
+    const double max =
+        plot_rows[request->kind].periods || !request->alone ? d->period * columns / each : NAN;
+    return d->total > max && isnormal(max) ? short_number(max) : max;
 }
 
 double drawing_trail(const struct drawing *d)
@@ -145,7 +158,8 @@ double drawing_trail(const struct drawing *d)
 
 void axis_suit(struct axis *axis, enum quantity quantity, double size)
 {
-    const struct unit *unit = unit_display(quantity, quantity == QUANTITY_TIME ? fmax(size, 1) : size);
+    const struct unit *unit =
+        unit_display(quantity, quantity == QUANTITY_TIME ? fmax(size, 1) : size);
     if (!unit)
         return;
     axis->unit = unit->row.name;
@@ -180,16 +194,16 @@ static bool goes_back(const struct drawing *d)
 }
 
 /*
- * The newest part of from..to [s], `most` long. A moving window starts a whole number of pages, or of columns, after
- * the start: while the curve grows nothing else moves.
+ * The newest part of from..to [s], `most` long. A moving window starts a whole number of pages, or
+ * of columns, after the start: while the curve grows nothing else moves.
  */
-static void follow_window(struct drawing *d, double from, double to, double now, double most)
+static void follow_window(struct drawing *d, double from, double to, double now, double max)
 {
-    const double turn = most / (d->request->pages > 0 ? d->request->pages : 1);
+    const double turn = max / (d->request->pages > 0 ? d->request->pages : 1);
     const double passed = goes_back(d) ? to - now : now - from;
-    const double moved = turn * fmax(0, ceil((passed - most) / turn - 1e-6));
-    d->window[0] = goes_back(d) ? to - moved - most : from + moved;
-    d->window[1] = d->window[0] + most;
+    const double moved = turn * fmax(0, ceil((passed - max) / turn - 1e-6));
+    d->window[0] = goes_back(d) ? to - moved - max : from + moved;
+    d->window[1] = d->window[0] + max;
 }
 
 void drawing_window(struct drawing *d)
@@ -204,7 +218,8 @@ void drawing_window(struct drawing *d)
         return;
     }
     span_of(d, &from, &to);
-    const bool asked = !isnan(request->window[0]) || !isnan(request->window[1]), plane = plot_is_plane(request->kind);
+    const bool asked = !isnan(request->window[0]) || !isnan(request->window[1]),
+               plane = plot_is_plane(request->kind);
     const double now = goes_back(d) ? from : to;
     if (request->follow && !plane) {
         from = fmin(from, request->until);
@@ -213,13 +228,16 @@ void drawing_window(struct drawing *d)
     d->total = to - from;
     d->window[0] = isnan(request->window[0]) ? from : request->window[0];
     d->window[1] = isnan(request->window[1]) ? to : request->window[1];
-    const double trail = drawing_trail(d) * d->period, most = request->span > 0 ? request->span : longest_window(d);
+    const double trail = drawing_trail(d) * d->period,
+                 max = request->span > 0 ? request->span : longest_window(d);
     if (plane && !asked && !request->full && trail < d->total) {
         d->window[0] = goes_back(d) ? from : to - trail;
         d->window[1] = d->window[0] + trail;
-    } else if (request->follow && plot_is_timed(request->kind) && request->kind != PLOT_ENVELOPE && !asked &&
-               (request->span > 0 || (request->runs > 0 && d->total > most))) { /* nothing is added to a recording */
-        follow_window(d, from, to, now, most);
+    } else if (request->follow && plot_is_timed(request->kind) && request->kind != PLOT_ENVELOPE &&
+               !asked &&
+               (request->span > 0 ||
+                (request->runs > 0 && d->total > max))) { /* nothing is added to a recording */
+        follow_window(d, from, to, now, max);
     }
     d->shown = d->window[1] - d->window[0];
 }
@@ -237,8 +255,8 @@ static double window_rhythm(const struct drawing *d)
     return TWO_PI / motion_frequency(d->session, recording, &series, d->arena);
 }
 
-bool session_window(const struct session *session, const struct figure_request *request, struct arena *arena,
-                    struct figure_window *window)
+bool session_window(const struct session *session, const struct figure_request *request,
+                    struct arena *arena, struct figure_window *window)
 {
     struct drawing d = {.session = session, .request = request, .arena = arena};
     if (request->runs == 0 && request->recording < 0)

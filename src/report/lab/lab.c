@@ -13,7 +13,8 @@
 
 bool report_owns(const char *name)
 {
-    static const char *const names[] = {"report.md", "report.html", "session.hk", "values.csv", "runs.csv"};
+    static const char *const names[] = {"report.md", "report.html", "session.hk", "values.csv",
+                                        "runs.csv"};
     static const char *const starts[] = {"figure-", "run-", "recording-"};
     for (size_t i = 0; i < COUNT_OF(names); i++)
         if (strcmp(name, names[i]) == 0)
@@ -25,10 +26,12 @@ bool report_owns(const char *name)
     return false;
 }
 
-bool report_put(struct report *report, const char *name, const struct buffer *content, struct error *error)
+bool report_put(struct report *report, const char *name, const struct buffer *content,
+                struct error *error)
 {
     report->files++;
-    return content->failed ? error_memory(error) : folder_put(report->folder, name, buffer_text(content), error);
+    return content->failed ? error_memory(error)
+                           : folder_put(report->folder, name, buffer_text(content), error);
 }
 
 /* ---- values ---- */
@@ -45,7 +48,8 @@ static void add(struct report *report, struct report_value value)
         return;
     for (int i = 0; i < report->values; i++) {
         const struct report_value *v = &report->value[i];
-        if (strcmp(v->name, value.name) == 0 && strcmp(v->of, value.of) == 0 && strcmp(v->source, value.source) == 0 &&
+        if (strcmp(v->name, value.name) == 0 && strcmp(v->of, value.of) == 0 &&
+            strcmp(v->source, value.source) == 0 &&
             same_double(v->value.value, value.value.value) && same_double(v->at, value.at))
             return;
     }
@@ -74,11 +78,11 @@ static void add_measurement(struct report *report, const struct measurement *m)
     value.source = m->energy && m->unit != QUANTITY_ENERGY ? "measured, energy" : value.source;
     add(report, value);
     if (decay && !m->energy)
-        add(report,
-            (struct report_value){"tau", decay_time(m->value), QUANTITY_TIME, m->of, "2/gamma, measured", NAN});
+        add(report, (struct report_value){"tau", decay_time(m->value), QUANTITY_TIME, m->of,
+                                          "2/gamma, measured", NAN});
 }
 
-static void add_fit(struct report *report, const struct kept_fit *kept, const char *source)
+static void add_fit(struct report *report, const struct stored_fit *kept, const char *source)
 {
     const struct fit *fit = &kept->fit;
     const struct measured rms = {fit->rms, 0};
@@ -101,7 +105,8 @@ static void add_fit(struct report *report, const struct kept_fit *kept, const ch
         {"rms of the residuals", rms, kept->quantity},
     };
     for (size_t i = 0; i < COUNT_OF(rows) && rows[i].name; i++)
-        add(report, (struct report_value){rows[i].name, rows[i].value, rows[i].quantity, kept->of, source, NAN});
+        add(report, (struct report_value){rows[i].name, rows[i].value, rows[i].quantity, kept->of,
+                                          source, NAN});
 }
 
 static void add_run(struct report *report, const struct run *run, const char *of)
@@ -113,16 +118,20 @@ static void add_run(struct report *report, const struct run *run, const char *of
     run_errors(run, &errors);
     for (int i = 0; i < (int)scene_params(scene)->count; i++)
         if (param_matters(scene, i) || param_is_start(scene, i))
-            add(report,
-                (struct report_value){param_at(scene, i)->row.name, {scene->value[i], scene->uncertainty[i]},
-                                      param_at(scene, i)->quantity, of, "parameter", NAN});
+            add(report, (struct report_value){param_at(scene, i)->row.name,
+                                              {scene->value[i], scene->uncertainty[i]},
+                                              param_at(scene, i)->quantity,
+                                              of,
+                                              "parameter",
+                                              NAN});
     const struct {
         const char *name;
         double value;
         enum quantity quantity;
         const char *source;
     } rows[] = {
-        {run->plan.adaptive ? "tol" : "dt", run->plan.adaptive ? run->settings.tol : run->settings.dt,
+        {run->plan.adaptive ? "tol" : "dt",
+         run->plan.adaptive ? run->settings.tol : run->settings.dt,
          run->plan.adaptive ? QUANTITY_NUMBER : QUANTITY_TIME, "setting"},
         {"energy at the start", ledger.initial, QUANTITY_ENERGY, "run"},
         {"energy at the end", ledger.final, QUANTITY_ENERGY, "run"},
@@ -130,27 +139,31 @@ static void add_run(struct report *report, const struct run *run, const char *of
         {"largest error of the motion", errors.max, QUANTITY_NUMBER, "run"},
     };
     for (size_t i = 0; i < COUNT_OF(rows); i++)
-        add(report, (struct report_value){rows[i].name, {rows[i].value, 0}, rows[i].quantity, of, rows[i].source, NAN});
+        add(report,
+            (struct report_value){
+                rows[i].name, {rows[i].value, 0}, rows[i].quantity, of, rows[i].source, NAN});
 }
 
 bool collect_values(struct report *report, struct error *error)
 {
     const struct session *session = report->session;
-    const size_t room = 2 * (size_t)session->measurements + FIT_VALUES * (size_t)session->kept_fits +
-                        (PARAM_MAX + RUN_VALUES) * (size_t)session->runs;
-    report->value = arena_array(report->arena, room + 1, sizeof *report->value);
+    const size_t capacity = 2 * (size_t)session->measurements +
+                            FIT_VALUES * (size_t)session->stored_fits +
+                            (PARAM_MAX + RUN_VALUES) * (size_t)session->runs;
+    report->value = arena_array(report->arena, capacity + 1, sizeof *report->value);
     if (!report->value)
         return error_memory(error);
     for (int i = 0; i < session->measurements; i++)
         add_measurement(report, &session->measurement[i]);
-    for (int i = 0; i < session->kept_fits; i++) {
-        const struct fit *fit = &session->kept_fit[i].fit;
+    for (int i = 0; i < session->stored_fits; i++) {
+        const struct fit *fit = &session->stored_fit[i].fit;
         char source[96];
-        snprintf(source, sizeof source, "fit %s, %.6g..%.6g s", fit->model, fit->window[0], fit->window[1]);
+        snprintf(source, sizeof source, "fit %s, %.6g..%.6g s", fit->model, fit->window[0],
+                 fit->window[1]);
         const char *kept = arena_text(report->arena, text_of(source));
         if (!kept)
             return error_memory(error);
-        add_fit(report, &session->kept_fit[i], kept);
+        add_fit(report, &session->stored_fit[i], kept);
     }
     for (int i = 0; i < session->runs; i++) {
         char of[32];
@@ -166,14 +179,16 @@ bool collect_values(struct report *report, struct error *error)
 const struct report_value *find_value(const struct report *report, const char *name)
 {
     for (int i = 0; i < report->values; i++)
-        if (strcmp(report->value[i].name, name) == 0 && strcmp(report->value[i].source, "parameter") != 0)
+        if (strcmp(report->value[i].name, name) == 0 &&
+            strcmp(report->value[i].source, "parameter") != 0)
             return &report->value[i];
     return NULL;
 }
 
 /* ---- files for programs ---- */
 
-static bool put_table(struct report *report, const char *name, const struct table *table, struct error *error)
+static bool put_table(struct report *report, const char *name, const struct table *table,
+                      struct error *error)
 {
     struct buffer content = {0};
     table_format(table, TABLE_CSV, &content);
@@ -206,12 +221,16 @@ static bool write_values(struct report *report, struct error *error)
         number[AT][i] = v->at;
     }
     const struct table_column columns[] = {
-        {.name = "name", .unit = "", .text = text[NAME]},      {.name = "value", .unit = "", .value = number[VALUE]},
+        {.name = "name", .unit = "", .text = text[NAME]},
+        {.name = "value", .unit = "", .value = number[VALUE]},
         {.name = "uncertainty", .unit = "", .value = number[UNCERTAINTY]},
-        {.name = "unit", .unit = "", .text = text[UNIT]},      {.name = "t", .unit = "s", .value = number[AT]},
-        {.name = "of", .unit = "", .text = text[OF]},          {.name = "source", .unit = "", .text = text[SOURCE]},
+        {.name = "unit", .unit = "", .text = text[UNIT]},
+        {.name = "t", .unit = "s", .value = number[AT]},
+        {.name = "of", .unit = "", .text = text[OF]},
+        {.name = "source", .unit = "", .text = text[SOURCE]},
     };
-    return put_table(report, "values.csv", &(struct table){.column = columns, .columns = COUNT_OF(columns), .rows = n},
+    return put_table(report, "values.csv",
+                     &(struct table){.column = columns, .columns = COUNT_OF(columns), .rows = n},
                      error);
 }
 
@@ -232,8 +251,8 @@ static bool write_run_table(struct report *report, struct error *error)
         return error_memory(error);
     memcpy(column, export.table.column, (size_t)columns * sizeof *column);
     for (int i = 0; i < session->runs; i++) {
-        const int place = recording_beside(report, i, PLOT_POSITION);
-        struct recording *recording = place < 0 ? NULL : session->recording[place]->recording;
+        const int index = recording_beside(report, i, PLOT_POSITION);
+        struct recording *recording = index < 0 ? NULL : session->recording[index]->recording;
         rms[i] = recording ? run_data_distance(session->run[i]->run, recording).rms : NAN;
         data[i] = recording ? recording->name : "";
     }
@@ -252,7 +271,7 @@ static bool write_data(struct report *report, struct error *error)
     for (int i = 0; i < session->runs; i++) {
         struct export export = {.arena = report->arena};
         struct item item = {.index = i};
-        const struct given run = {.count = 1, .item = &item}, none = {.count = 0};
+        const struct given_argument run = {.count = 1, .item = &item}, none = {.count = 0};
         snprintf(name, sizeof name, "run-%d.csv", session->run[i]->run->number);
         if (report->run_shown[i] && (!export_runs(session, &run, &none, &none, &export, error) ||
                                      !put_table(report, name, &export.table, error)))
@@ -271,5 +290,6 @@ static bool write_data(struct report *report, struct error *error)
 
 bool write_tables(struct report *report, struct error *error)
 {
-    return write_values(report, error) && write_run_table(report, error) && write_data(report, error);
+    return write_values(report, error) && write_run_table(report, error) &&
+           write_data(report, error);
 }

@@ -24,10 +24,18 @@ void say_measured(struct document *document, struct measured value, enum quantit
 static const char *label_of(const char *name)
 {
     static const char *const labels[][2] = {
-        {"k", "spring constant k"},       {"reynolds", "Reynolds number Re"}, {"omega", "angular frequency omega"},
-        {"gamma", "damping gamma"},       {"tau", "1/e time of the amplitude tau"}, {"period", "period T"},
-        {"frequency", "frequency f"},     {"amplitude", "amplitude A"},       {"m", "mass m"},
-        {"y0", "initial position y0"},    {"v0", "initial velocity v0"},      {"dt", "step dt"},
+        {"k", "spring constant k"},
+        {"reynolds", "Reynolds number Re"},
+        {"omega", "angular frequency omega"},
+        {"gamma", "damping gamma"},
+        {"tau", "1/e time of the amplitude tau"},
+        {"period", "period T"},
+        {"frequency", "frequency f"},
+        {"amplitude", "amplitude A"},
+        {"m", "mass m"},
+        {"y0", "initial position y0"},
+        {"v0", "initial velocity v0"},
+        {"dt", "step dt"},
         {"drift", "error of the energy at the end"},
     };
     for (size_t i = 0; i < COUNT_OF(labels); i++)
@@ -57,7 +65,8 @@ void put_values(struct report *report, const char *of, bool parameters)
     bool begun = false;
     for (int i = 0; i < report->values; i++) {
         const struct report_value *v = &report->value[i];
-        if (strcmp(v->of, of) != 0 || is_parameter(v) != parameters || strcmp(v->source, "run") == 0)
+        if (strcmp(v->of, of) != 0 || is_parameter(v) != parameters ||
+            strcmp(v->source, "run") == 0)
             continue;
         if (!begun)
             put_heading(document, heads, COUNT_OF(heads));
@@ -135,7 +144,8 @@ static void put_run_cell(struct document *document, const struct run *run, enum 
         buffer_put(&text, text_of(stop_name(run->stop)));
         break;
     }
-    document_put(document, BLOCK_CELL, strcmp(buffer_view(&text), "nan") == 0 ? "-" : buffer_view(&text));
+    document_put(document, BLOCK_CELL,
+                 strcmp(buffer_view(&text), "nan") == 0 ? "-" : buffer_view(&text));
     buffer_free(&text);
 }
 
@@ -144,21 +154,21 @@ static void put_notes(struct report *report, const int *run, int runs)
     struct document *document = &report->document;
     bool begun = false;
     for (int i = 0; i < runs; i++) {
-        const struct held_run *held = report->session->run[run[i]];
-        if (!held->note && !held->run->name[0])
+        const struct run_slot *slot = report->session->run[run[i]];
+        if (!slot->note && !slot->run->name[0])
             continue;
         if (!begun)
             document_open(document, BLOCK_LIST);
         begun = true;
         document_open(document, BLOCK_ITEM);
-        document_say(document, "run %d", held->run->number);
-        if (held->run->name[0]) {
+        document_say(document, "run %d", slot->run->number);
+        if (slot->run->name[0]) {
             document_say(document, " ");
-            document_name(document, text_of(held->run->name));
+            document_name(document, text_of(slot->run->name));
         }
-        if (held->note) {
+        if (slot->note) {
             document_say(document, ", note: ");
-            document_name(document, text_of(held->note));
+            document_name(document, text_of(slot->note));
         }
         document_close(document, BLOCK_ITEM);
     }
@@ -168,8 +178,9 @@ static void put_notes(struct report *report, const int *run, int runs)
 
 void put_runs(struct report *report, const int *run, int runs, bool distance)
 {
-    static const char *const heads[] = {"run",  "method",   "step",        "steps",
-                                        "to t", "E/E0",     "max dE/E0", "max error", "status", "rms from the data"};
+    static const char *const heads[] = {
+        "run",  "method",    "step",      "steps",  "to t",
+        "E/E0", "max dE/E0", "max error", "status", "rms from the data"};
     struct document *document = &report->document;
     put_heading(document, heads, (int)COUNT_OF(heads) - !distance);
     for (int i = 0; i < runs; i++) {
@@ -192,10 +203,11 @@ void put_runs(struct report *report, const int *run, int runs, bool distance)
         document_close(document, BLOCK_ROW);
     }
     document_close(document, BLOCK_TABLE);
-    document_put(
-        document, BLOCK_PARAGRAPH,
-        "E/E0: energy at the end over that at the start. max dE/E0: largest error of the energy, of its balance "
-        "where drag or drive do work. max error: largest distance from the exact motion, in amplitudes.");
+    document_put(document, BLOCK_PARAGRAPH,
+                 "E/E0: energy at the end over that at the start. max dE/E0: largest error of the "
+                 "energy, of its balance "
+                 "where drag or drive do work. max error: largest distance from the exact motion, "
+                 "in amplitudes.");
     put_notes(report, run, runs);
 }
 
@@ -205,15 +217,15 @@ int recording_beside(struct report *report, int run, enum plot_kind kind)
 {
     const struct session *session = report->session;
     int nearest = -1;
-    double least = HUGE_VAL;
+    double min = HUGE_VAL;
     for (int i = 0; i < session->recordings; i++) {
         report->view->current_run = run;
         report->view->current_recording = i;
         const struct data_distance data =
             run_data_distance(session->run[run]->run, session->recording[i]->recording);
         const double rms = data.rms * fabs(data.gain); /* volts beside metres */
-        if (rms < least && figure_recording(report->view, kind) == i) {
-            least = rms;
+        if (rms < min && figure_recording(report->view, kind) == i) {
+            min = rms;
             nearest = i;
         }
     }
@@ -243,7 +255,8 @@ static void choose_window(const struct session *session, struct figure_request *
     }
 }
 
-static void put_caption(struct report *report, const struct figure_request *request, const char *text_file)
+static void put_caption(struct report *report, const struct figure_request *request,
+                        const char *text_file)
 {
     struct document *document = &report->document;
     const struct session *session = report->session;
@@ -265,8 +278,8 @@ static void put_caption(struct report *report, const struct figure_request *requ
 }
 
 /* As picture and as text. */
-static bool write_figure(struct report *report, const struct figure_request *request, const struct figure *figure,
-                         struct error *error)
+static bool write_figure(struct report *report, const struct figure_request *request,
+                         const struct figure *figure, struct error *error)
 {
     const char *kind = catalog_row(&plot_catalog, (size_t)request->kind)->name;
     char picture_file[64], text_file[64];
@@ -274,7 +287,8 @@ static bool write_figure(struct report *report, const struct figure_request *req
     struct error why = {0};
     snprintf(picture_file, sizeof picture_file, "figure-%02d-%s.svg", report->figures, kind);
     snprintf(text_file, sizeof text_file, "figure-%02d-%s.txt", report->figures, kind);
-    bool ok = figure_print(figure, TEXT_WIDTH, TEXT_HEIGHT, CHARSET_ASCII, false, &text) || error_memory(error);
+    bool ok = figure_print(figure, TEXT_WIDTH, TEXT_HEIGHT, CHARSET_ASCII, false, &text) ||
+              error_memory(error);
     if (ok && !report->no_pictures[0] && !figure_picture(figure, PICTURE_SVG, 0, 0, &picture, &why))
         snprintf(report->no_pictures, sizeof report->no_pictures, "%s", why.text);
     const bool drawn = !report->no_pictures[0];
@@ -287,8 +301,8 @@ static bool write_figure(struct report *report, const struct figure_request *req
     return ok;
 }
 
-bool put_figure(struct report *report, enum section section, enum plot_kind kind, const int *run, int runs,
-                int recording, struct error *error)
+bool put_figure(struct report *report, enum section section, enum plot_kind kind, const int *run,
+                int runs, int recording, struct error *error)
 {
     const struct session *session = report->session;
     struct figure_request request = {.kind = kind,
@@ -300,7 +314,8 @@ bool put_figure(struct report *report, enum section section, enum plot_kind kind
                                      .charset = CHARSET_BRAILLE,
                                      .trail = HUGE_VAL};
     struct figure figure;
-    if ((runs > 0 && !plot_fits(kind, session->run[run[0]]->run->system.model)) || report->figures == REPORT_FIGURES)
+    if ((runs > 0 && !plot_fits(kind, session->run[run[0]]->run->system.model)) ||
+        report->figures == REPORT_FIGURES)
         return true;
     choose_window(session, &request);
     if (!session_figure(session, &request, report->arena, &figure, error))

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The sections of a report, in the order of the lab sheet; each is there only if the session has something for it. */
+/* The sections of a report, in the order of the lab sheet; each is there only if the session has
+ * something for it. */
 #include <hooke/report/lab.h>
 
 #include <hooke/report.h>
@@ -9,16 +10,16 @@
 
 /* What the session has, sorted by what it is for. */
 struct material {
-    int plain[LIMIT_RUNS], plains;     /* runs of a spring without drag and drive */
-    int damped[LIMIT_RUNS], dampeds;   /* with them */
-    int other[LIMIT_RUNS], others;     /* of something else */
+    int plain[LIMIT_RUNS], plains;       /* runs of a spring without drag and drive */
+    int damped[LIMIT_RUNS], dampeds;     /* with them */
+    int other[LIMIT_RUNS], others;       /* of something else */
     int scheme[REPORT_OVERLAY], schemes; /* of the plain ones: one a method, same step */
-    bool decays[LIMIT_RECORDINGS];     /* recordings whose decay was measured */
+    bool decays[LIMIT_RECORDINGS];       /* recordings whose decay was measured */
 };
 
-static const struct run *run_at(const struct report *report, int place)
+static const struct run *run_at(const struct report *report, int index)
 {
-    return report->session->run[place]->run;
+    return report->session->run[index]->run;
 }
 
 static bool is_method(const struct run *run, const char *name)
@@ -28,9 +29,9 @@ static bool is_method(const struct run *run, const char *name)
 
 /* ---- sorting ---- */
 
-static void take_scheme(const struct report *report, struct material *m, int place)
+static void take_scheme(const struct report *report, struct material *m, int index)
 {
-    const struct run *run = run_at(report, place);
+    const struct run *run = run_at(report, index);
     if (m->schemes == REPORT_OVERLAY)
         return;
     for (int i = 0; i < m->schemes; i++)
@@ -38,7 +39,7 @@ static void take_scheme(const struct report *report, struct material *m, int pla
             return;
     const struct run *first = m->schemes ? run_at(report, m->scheme[0]) : run;
     if (run->plan.adaptive || first->plan.adaptive || run->settings.dt == first->settings.dt)
-        m->scheme[m->schemes++] = place;
+        m->scheme[m->schemes++] = index;
 }
 
 /* The lab's own methods first. */
@@ -93,8 +94,8 @@ static void put_laws(struct document *document, const struct fit *fit)
     document_open(document, BLOCK_PARAGRAPH);
     document_say(document, "Law of damping (fit %s, integrated): %s; BIC", fit->model, law);
     for (int i = 0; i < fit->drag.candidates; i++)
-        document_say(document, "%s %s %.6g", i ? "," : "", drag_law_name(fit->drag.candidate[i].law),
-                     fit->drag.candidate[i].bic);
+        document_say(document, "%s %s %.6g", i ? "," : "",
+                     drag_law_name(fit->drag.candidate[i].law), fit->drag.candidate[i].bic);
     document_say(document, ".");
     document_close(document, BLOCK_PARAGRAPH);
 }
@@ -105,9 +106,9 @@ static void put_exact(struct report *report, const char *of)
     const struct session *session = report->session;
     struct document *document = &report->document;
     struct inputs inputs = {.exacts = 0};
-    for (int i = 0; i < session->kept_fits; i++)
-        if (strcmp(session->kept_fit[i].of, of) == 0)
-            inputs_recall(&inputs, &session->kept_fit[i].exact);
+    for (int i = 0; i < session->stored_fits; i++)
+        if (strcmp(session->stored_fit[i].of, of) == 0)
+            inputs_recall(&inputs, &session->stored_fit[i].exact);
     for (int i = 0; i < session->measurements; i++)
         if (strcmp(session->measurement[i].of, of) == 0)
             inputs_recall(&inputs, &session->measurement[i].exact);
@@ -123,10 +124,11 @@ static void put_exact(struct report *report, const char *of)
     document_close(document, BLOCK_PARAGRAPH);
 }
 
-static bool put_recording(struct report *report, int place, enum section section, struct error *error)
+static bool put_recording(struct report *report, int index, enum section section,
+                          struct error *error)
 {
     struct document *document = &report->document;
-    const struct recording *recording = report->session->recording[place]->recording;
+    const struct recording *recording = report->session->recording[index]->recording;
     struct buffer about = {0};
     char of[LIMIT_NAME + 16];
     snprintf(of, sizeof of, "data %s", recording->name);
@@ -135,9 +137,10 @@ static bool put_recording(struct report *report, int place, enum section section
     document_open(document, BLOCK_PARAGRAPH);
     document_say(document, "Recording ");
     document_name(document, text_of(recording->name));
-    document_say(document, ", of which %.6g to %.6g s are used, with the zero at ", recording->window[0],
-                 recording->window[1]);
-    say_measured(document, (struct measured){recording->zero, 0}, recording->column[recording->value].quantity);
+    document_say(document, ", of which %.6g to %.6g s are used, with the zero at ",
+                 recording->window[0], recording->window[1]);
+    say_measured(document, (struct measured){recording->zero, 0},
+                 recording->column[recording->value].quantity);
     document_say(document, ":");
     document_close(document, BLOCK_PARAGRAPH);
     document_open(document, BLOCK_LIST);
@@ -148,12 +151,13 @@ static bool put_recording(struct report *report, int place, enum section section
             document_close(document, BLOCK_ITEM);
         }
     document_close(document, BLOCK_LIST);
-    const bool ok = !about.failed ? put_figure(report, section, PLOT_POSITION, NULL, 0, place, error)
-                                  : error_memory(error);
+    const bool ok = !about.failed
+                        ? put_figure(report, section, PLOT_POSITION, NULL, 0, index, error)
+                        : error_memory(error);
     buffer_free(&about);
     put_values(report, of, false);
-    for (int i = 0; i < report->session->kept_fits; i++) {
-        const struct kept_fit *kept = &report->session->kept_fit[i];
+    for (int i = 0; i < report->session->stored_fits; i++) {
+        const struct stored_fit *kept = &report->session->stored_fit[i];
         if (strcmp(kept->of, of) == 0 && section == SECTION_DAMPED_RECORDING)
             put_laws(document, &kept->fit);
     }
@@ -161,8 +165,8 @@ static bool put_recording(struct report *report, int place, enum section section
     return ok;
 }
 
-static bool put_recordings(struct report *report, const struct material *m, bool decays, enum section section,
-                           struct error *error)
+static bool put_recordings(struct report *report, const struct material *m, bool decays,
+                           enum section section, struct error *error)
 {
     for (int i = 0; i < report->session->recordings; i++)
         if (m->decays[i] == decays && !put_recording(report, i, section, error))
@@ -170,12 +174,13 @@ static bool put_recordings(struct report *report, const struct material *m, bool
     return true;
 }
 
-static void put_parameters(struct report *report, int place)
+static void put_parameters(struct report *report, int index)
 {
     char of[32];
-    snprintf(of, sizeof of, "run %d", run_at(report, place)->number);
+    snprintf(of, sizeof of, "run %d", run_at(report, index)->number);
     document_open(&report->document, BLOCK_PARAGRAPH);
-    document_say(&report->document, "Parameters of %s (%s):", of, run_at(report, place)->method->row.name);
+    document_say(&report->document, "Parameters of %s (%s):", of,
+                 run_at(report, index)->method->row.name);
     document_close(&report->document, BLOCK_PARAGRAPH);
     put_values(report, of, true);
 }
@@ -187,8 +192,10 @@ static void put_measured(struct report *report, const int *run, int runs)
         snprintf(of, sizeof of, "run %d", run_at(report, run[i])->number);
         bool any = false;
         for (int k = 0; k < report->values; k++)
-            any |= strcmp(report->value[k].of, of) == 0 && strcmp(report->value[k].source, "parameter") != 0 &&
-                   strcmp(report->value[k].source, "setting") != 0 && strcmp(report->value[k].source, "run") != 0;
+            any |= strcmp(report->value[k].of, of) == 0 &&
+                   strcmp(report->value[k].source, "parameter") != 0 &&
+                   strcmp(report->value[k].source, "setting") != 0 &&
+                   strcmp(report->value[k].source, "run") != 0;
         if (!any)
             continue;
         document_open(&report->document, BLOCK_PARAGRAPH);
@@ -290,7 +297,8 @@ static bool damped_simulation(struct report *report, const struct material *m, s
             if (!put_figure(report, SECTION_DAMPED_SIMULATION, kinds[k], &m->damped[i], 1,
                             recording_beside(report, m->damped[i], kinds[k]), error))
                 return false;
-    if (shown > 1 && !put_figure(report, SECTION_DAMPED_SIMULATION, PLOT_ENERGY, m->damped, shown, -1, error))
+    if (shown > 1 &&
+        !put_figure(report, SECTION_DAMPED_SIMULATION, PLOT_ENERGY, m->damped, shown, -1, error))
         return false;
     put_runs(report, m->damped, m->dampeds, true);
     put_side_by_side(report);
@@ -308,7 +316,8 @@ static bool others(struct report *report, const struct material *m, struct error
         for (size_t k = 0; k < COUNT_OF(kinds); k++)
             if (!put_figure(report, SECTION_OTHER, kinds[k], &m->other[i], 1, -1, error))
                 return false;
-        if (!put_figure(report, SECTION_OTHER, plane ? PLOT_ORBIT : PLOT_PHASE, &m->other[i], 1, -1, error))
+        if (!put_figure(report, SECTION_OTHER, plane ? PLOT_ORBIT : PLOT_PHASE, &m->other[i], 1, -1,
+                        error))
             return false;
     }
     put_runs(report, m->other, m->others, false);
@@ -336,8 +345,10 @@ static const struct {
     [SECTION_ENERGY] = {"First session: no damping", "3. Energy", energy},
     [SECTION_SCHEMES] = {"First session: no damping", "4. Methods compared", schemes},
     [SECTION_DRAG] = {"Second session: damping", "5. Drag", drag},
-    [SECTION_DAMPED_RECORDING] = {"Second session: damping", "6. The damped recording", damped_recordings},
-    [SECTION_DAMPED_SIMULATION] = {"Second session: damping", "7. The damped simulation", damped_simulation},
+    [SECTION_DAMPED_RECORDING] = {"Second session: damping", "6. The damped recording",
+                                  damped_recordings},
+    [SECTION_DAMPED_SIMULATION] = {"Second session: damping", "7. The damped simulation",
+                                   damped_simulation},
     [SECTION_OTHER] = {"Other systems", "Runs", others},
 };
 
@@ -376,7 +387,8 @@ bool write_sections(struct report *report, struct error *error)
 
 /* ---- what is missing ---- */
 
-void report_missing(const struct report *report, void (*say)(void *context, const char *what), void *context)
+void report_missing(const struct report *report, void (*say)(void *context, const char *what),
+                    void *context)
 {
     static const struct {
         enum section section; /* 0: a value */
@@ -385,7 +397,8 @@ void report_missing(const struct report *report, void (*say)(void *context, cons
         {SECTION_RECORDING, NULL, "the recording without damping (load FILE)"},
         {0, "period", "the period (measure period, or fit damped)"},
         {0, "k", "the spring constant (m = 200 g; fit damped)"},
-        {SECTION_SIMULATION, NULL, "a simulation without damping (gamma = 0; method euler; run 10 s)"},
+        {SECTION_SIMULATION, NULL,
+         "a simulation without damping (gamma = 0; method euler; run 10 s)"},
         {SECTION_SCHEMES, NULL, "methods compared (compare euler symplectic-euler)"},
         {SECTION_DRAG, NULL, "the Reynolds number (measure reynolds)"},
         {SECTION_DAMPED_RECORDING, NULL,

@@ -2,10 +2,11 @@
 /*
  * The energy balance: what each step's energy differs by from that at the start and the work since.
  *
- * Where the trace has each step, nothing is done while the run advances: who asks pays for the steps since somebody
- * asked last. Where it leaves steps out they are taken while they are at hand, and each row has a mark, the balance up
- * to it. Either way each step is seen once, by the same operations in the same order: the balance does not depend on
- * what is recorded, nor on how a run is cut into calls.
+ * Where the trace has each step, nothing is done while the run advances: who asks pays for the
+ * steps since somebody asked last. Where it leaves steps out they are taken while they are at hand,
+ * and each row has a mark, the balance up to it. Either way each step is seen once, by the same
+ * operations in the same order: the balance does not depend on what is recorded, nor on how a run
+ * is cut into calls.
  */
 #include "run/private.h"
 
@@ -20,7 +21,8 @@ double system_energy(const struct system *system, const double *y)
 
 /* ---- sums ---- */
 
-/* Knuth, The Art of Computer Programming 2 (1997), 4.2.2: what rounding takes from the sum goes to `low`. */
+/* Knuth, The Art of Computer Programming 2 (1997), 4.2.2: what rounding takes from the sum goes to
+ * `low`. */
 static inline void sum_add(struct sum *sum, double x)
 {
     const double total = sum->high + x, part = total - sum->high;
@@ -48,51 +50,56 @@ static void add_work(struct tally *tally, struct work_done *done, int from, int 
 
 static void same_work(const struct tally *tally, struct work_done *done, int from, int to)
 {
-    const double work = tally->work.high + tally->work.low, drag = tally->drag.high + tally->drag.low;
+    const double work = tally->work.high + tally->work.low,
+                 drag = tally->drag.high + tally->drag.low;
     for (int k = from; k < to; k++) {
         done->all_work[k] = work;
         done->all_drag[k] = drag;
     }
 }
 
-#define LARGER(x, y) ((four)(((four_bits)((x) > (y)) & (four_bits)(x)) | (~(four_bits)((x) > (y)) & (four_bits)(y))))
+#define LARGER(x, y)                                                                               \
+    ((four)(((four_bits)((x) > (y)) & (four_bits)(x)) | (~(four_bits)((x) > (y)) & (four_bits)(y))))
 
 /* The largest of them in pairs; `least` at least. */
-static inline double largest(const double *x, double least)
+static inline double largest(const double *x, double min)
 {
-    const double a = x[0] > x[1] ? x[0] : x[1], b = x[2] > x[3] ? x[2] : x[3], most = a > b ? a : b;
-    return most > least ? most : least;
+    const double a = x[0] > x[1] ? x[0] : x[1], b = x[2] > x[3] ? x[2] : x[3], max = a > b ? a : b;
+    return max > min ? max : min;
 }
 
 /* By comparisons, which pass over numbers that are none: fmax() is a call. */
-static inline void note_lacks(struct tally *tally, double initial, const struct work_done *done, int from, int to)
+static inline void note_lacks(struct tally *tally, double initial, const struct work_done *done,
+                              int from, int to)
 {
-    double most = tally->most;
+    double max = tally->max;
     for (int k = from; k < to; k++) {
         const double lack = fabs(done->energy[k] - initial - done->all_work[k]);
-        most = lack > most ? lack : most;
+        max = lack > max ? lack : max;
     }
-    tally->most = most;
+    tally->max = max;
 }
 
-CLONES static void note_many_lacks(struct tally *tally, double initial, const struct work_done *done, int from, int to)
+CLONES static void note_many_lacks(struct tally *tally, double initial,
+                                   const struct work_done *done, int from, int to)
 {
     int k = from;
     double first[FOUR];
-    four most = {0};
+    four max = {0};
     for (; k + FOUR <= to; k += FOUR) {
         const four missing = *(const four *)(const void *)(done->energy + k) - initial -
                              *(const four *)(const void *)(done->all_work + k);
         const four lack = (four)((four_bits)missing & INT64_MAX);
-        most = LARGER(lack, most);
+        max = LARGER(lack, max);
     }
-    memcpy(first, &most, sizeof first);
-    tally->most = largest(first, tally->most);
+    memcpy(first, &max, sizeof first);
+    tally->max = largest(first, tally->max);
     note_lacks(tally, initial, done, k, to);
 }
 
 /* The largest energy is the unit where there was none at first. */
-static void note_extremes(struct tally *tally, double initial, const struct work_done *done, int from, int to)
+static void note_extremes(struct tally *tally, double initial, const struct work_done *done,
+                          int from, int to)
 {
     if (to - from >= 4 * FOUR)
         note_many_lacks(tally, initial, done, from, to);
@@ -150,13 +157,15 @@ static void enter(const struct run *run, struct balance *balance, const struct e
                                           energy_now(run, &epoch[-1].system, balance->y));
 }
 
-static int64_t least(int64_t a, int64_t b)
+static int64_t min(int64_t a, int64_t b)
 {
     return a < b ? a : b;
 }
 
-/* The steps of one grid from the balance's on, or the one step to where another begins. times [2] */
-static void on_grid(const struct run *run, const struct balance *balance, struct work *work, double *times)
+/* The steps of one grid from the balance's on, or the one step to where another begins. times [2]
+ */
+static void on_grid(const struct run *run, const struct balance *balance, struct work *work,
+                    double *times)
 {
     const struct trace *trace = run->trace;
     const struct grid *grid = trace_grid_of(trace, balance->step + 1);
@@ -168,9 +177,9 @@ static void on_grid(const struct run *run, const struct balance *balance, struct
         return;
     }
     const int64_t index = balance->step - grid->first;
-    int64_t count = least(work->count, WORK_BLOCK - (index & (WORK_BLOCK - 1)));
+    int64_t count = min(work->count, WORK_BLOCK - (index & (WORK_BLOCK - 1)));
     if (grid + 1 < trace->grid + trace->grids)
-        count = least(count, grid[1].first - 1 - balance->step);
+        count = min(count, grid[1].first - 1 - balance->step);
     work->count = (int)count;
     work->origin = grid->origin;
     work->h = grid->h;
@@ -178,8 +187,9 @@ static void on_grid(const struct run *run, const struct balance *balance, struct
 }
 
 /* What the steps up to the next change of anything do; the balance itself stays. */
-static int block_done(const struct run *run, const struct balance *balance, const struct epoch *epoch,
-                      const double *row, const double *time, size_t stride, int64_t most, struct work_done *done)
+static int block_done(const struct run *run, const struct balance *balance,
+                      const struct epoch *epoch, const double *row, const double *time,
+                      size_t stride, int64_t max, struct work_done *done)
 {
     const struct run_private *p = run->private_state;
     const struct kick *kick = next_kick(p, balance->step);
@@ -190,11 +200,11 @@ static int block_done(const struct run *run, const struct balance *balance, cons
         done->drag[0] = 0;
         return 1;
     }
-    int64_t count = least(most, WORK_BLOCK);
+    int64_t count = min(max, WORK_BLOCK);
     if (kick)
-        count = least(count, kick->step - 1 - balance->step);
+        count = min(count, kick->step - 1 - balance->step);
     if (epoch + 1 < p->epoch + p->epochs)
-        count = least(count, epoch[1].first - balance->step);
+        count = min(count, epoch[1].first - balance->step);
     struct work work = {.system = &epoch->system,
                         .factor = p->factor,
                         .count = (int)count,
@@ -214,22 +224,25 @@ static int block_done(const struct run *run, const struct balance *balance, cons
     return work.count;
 }
 
-#define ROUNDED 64     /* rounding units of the energy */
-#define SUSPECT 1e-3   /* of the tolerance: such a share of the energy, missing after one step */
-#define FINER 1e-3     /* times the run's tolerance: that of a solution that says what the work was, */
+#define ROUNDED 64   /* rounding units of the energy */
+#define SUSPECT 1e-3 /* of the tolerance: such a share of the energy, missing after one step */
+#define FINER                                                                                      \
+    1e-3 /* times the run's tolerance: that of a solution that says what the work was,             \
+          */
 #define WORK_TOL 1e-12 /* or this */
-#define WORK_LEAST 1e-14
+#define WORK_MIN 1e-14
 
 /*
- * A long step of a method that adapts may pass over what the quintic between its ends cannot show: steps of an order
- * above its own, v that settles at once, accelerations that are a small difference of large forces. Where more is
- * missing after one step than an error far below the tolerance, the solution from where it began says what the work
- * was.
+ * A long step of a method that adapts may pass over what the quintic between its ends cannot show:
+ * steps of an order above its own, v that settles at once, accelerations that are a small
+ * difference of large forces. Where more is missing after one step than an error far below the
+ * tolerance, the solution from where it began says what the work was.
  */
-static void check_work(const struct run *run, const struct balance *balance, const struct system *system,
-                       const double *row, const double *time, size_t stride, int count, struct work_done *done)
+static void check_work(const struct run *run, const struct balance *balance,
+                       const struct system *system, const double *row, const double *time,
+                       size_t stride, int count, struct work_done *done)
 {
-    const double tol = fmax(fmin(WORK_TOL, FINER * run->settings.tol), WORK_LEAST);
+    const double tol = fmax(fmin(WORK_TOL, FINER * run->settings.tol), WORK_MIN);
     const double suspect = fmax(SUSPECT * run->settings.tol, ROUNDED * DBL_EPSILON);
     double before = energy_now(run, system, balance->y), to[LIMIT_VARIABLES];
     for (int k = 0; k < count; before = done->energy[k++]) {
@@ -258,8 +271,8 @@ static void tally_up(struct balance *balance, bool still, struct work_done *done
 }
 
 /* Rows of the trace among the steps after `first` get their marks on the way. */
-static void tally_marking(const struct run *run, struct balance *balance, bool still, struct work_done *done,
-                          int count)
+static void tally_marking(const struct run *run, struct balance *balance, bool still,
+                          struct work_done *done, int count)
 {
     struct trace *trace = run->trace;
     int at = 0;
@@ -276,14 +289,16 @@ static void tally_marking(const struct run *run, struct balance *balance, bool s
     tally_up(balance, still, done, at, count);
 }
 
-static int take_block(const struct run *run, struct balance *balance, const double *row, const double *time,
-                      size_t stride, int64_t most, struct work_done *done, bool marking)
+static int take_block(const struct run *run, struct balance *balance, const double *row,
+                      const double *time, size_t stride, int64_t max, struct work_done *done,
+                      bool marking)
 {
     const struct epoch *epoch = run_epoch(run, balance->step + 1);
     enter(run, balance, epoch);
-    const int count = block_done(run, balance, epoch, row, time, stride, most, done);
+    const int count = block_done(run, balance, epoch, row, time, stride, max, done);
     const struct kick *kick = next_kick(run->private_state, balance->step);
-    const bool kicked = kick && kick->step == balance->step + 1, still = epoch->system.conservative && !kicked;
+    const bool kicked = kick && kick->step == balance->step + 1,
+               still = epoch->system.conservative && !kicked;
     if (time && !still && !kicked)
         check_work(run, balance, &epoch->system, row, time, stride, count, done);
     if (marking)
@@ -292,13 +307,14 @@ static int take_block(const struct run *run, struct balance *balance, const doub
         tally_up(balance, still, done, 0, count);
     balance->step += count;
     const size_t last = (size_t)(count - 1) * stride;
-    balance->t = time ? time[last] : grid_time(trace_grid_of(run->trace, balance->step), balance->step);
+    balance->t =
+        time ? time[last] : grid_time(trace_grid_of(run->trace, balance->step), balance->step);
     copy_state(balance->y, row + last, run->system.n);
     return count;
 }
 
-int balance_block(const struct run *run, struct balance *balance, const double *row, const double *time, size_t stride,
-                  int64_t count, struct work_done *done)
+int balance_block(const struct run *run, struct balance *balance, const double *row,
+                  const double *time, size_t stride, int64_t count, struct work_done *done)
 {
     return take_block(run, balance, row, time, stride, count, done, false);
 }
@@ -317,22 +333,23 @@ static void mark_staying(const struct run *run, struct balance *balance, size_t 
     while (balance->step + 1 < (int64_t)rows) {
         size_t count;
         const double *row = trace_rows(run->trace, (size_t)balance->step + 1, rows, &count);
-        take_block(run, balance, row, times_of(run, row), run->trace->width, (int64_t)count, &done, true);
+        take_block(run, balance, row, times_of(run, row), run->trace->width, (int64_t)count, &done,
+                   true);
     }
 }
 
-static bool save(struct run_private *p, size_t place)
+static bool save(struct run_private *p, size_t index)
 {
-    if (place == p->save_room) {
-        const size_t room = p->save_room ? 2 * p->save_room : 16;
-        struct tally *saved = realloc(p->saved, room * sizeof *saved);
+    if (index == p->save_room) {
+        const size_t capacity = p->save_room ? 2 * p->save_room : 16;
+        struct tally *saved = realloc(p->saved, capacity * sizeof *saved);
         if (!saved)
             return false; /* going back starts earlier then */
         p->saved = saved;
-        p->save_room = room;
+        p->save_room = capacity;
     }
-    p->saved[place] = p->balance.tally;
-    p->saves = place + 1;
+    p->saved[index] = p->balance.tally;
+    p->saves = index + 1;
     return true;
 }
 
@@ -347,8 +364,10 @@ static void settle(const struct run *run)
         size_t count;
         const double *row = trace_rows(trace, (size_t)balance->step + 1, trace->count, &count);
         const int64_t to_save = (int64_t)CHUNK_ROWS - (balance->step & (int64_t)(CHUNK_ROWS - 1));
-        take_block(run, balance, row, times_of(run, row), trace->width, least((int64_t)count, to_save), &done, false);
-        if ((balance->step & (int64_t)(CHUNK_ROWS - 1)) == 0 && p->saves == (size_t)(balance->step >> CHUNK_SHIFT) - 1)
+        take_block(run, balance, row, times_of(run, row), trace->width,
+                   min((int64_t)count, to_save), &done, false);
+        if ((balance->step & (int64_t)(CHUNK_ROWS - 1)) == 0 &&
+            p->saves == (size_t)(balance->step >> CHUNK_SHIFT) - 1)
             save(p, p->saves);
     }
 }
@@ -356,11 +375,12 @@ static void settle(const struct run *run)
 bool ledger_ready(struct run *run, int64_t rows)
 {
     struct trace *trace = run->trace;
-    if (!trace->decimates || trace_marked(trace) || run->system.order != 2 || run->settings.unbalanced ||
-        trace->count + (size_t)rows <= trace->cap)
+    if (!trace->decimates || trace_marked(trace) || run->system.order != 2 ||
+        run->settings.unbalanced || trace->count + (size_t)rows <= trace->cap)
         return true;
     const size_t all = trace->count;
-    if (trace->bucket > 1 || !trace_thin(trace)) /* buckets without marks: there was no memory for them */
+    if (trace->bucket > 1 ||
+        !trace_thin(trace)) /* buckets without marks: there was no memory for them */
         return false;
     struct balance *balance = &run->private_state->balance;
     const bool marked = trace_mark_rows(trace, run->plan.ledger);
@@ -385,8 +405,9 @@ void ledger_take(struct run *run, const double *row, int64_t count)
     if (!trace_marked(run->trace))
         return;
     while (count > 0) {
-        const int taken = take_block(run, &run->private_state->balance, row, run->plan.adaptive ? &run->t : NULL,
-                                     (size_t)run->system.n, count, &done, true);
+        const int taken =
+            take_block(run, &run->private_state->balance, row, run->plan.adaptive ? &run->t : NULL,
+                       (size_t)run->system.n, count, &done, true);
         row += (size_t)taken * (size_t)run->system.n;
         count -= taken;
     }
@@ -454,7 +475,8 @@ void ledger_back(struct run *run)
         copy_state(p->balance.y, run->y, run->system.n);
         return;
     }
-    p->saves = p->saves < (size_t)(run->steps >> CHUNK_SHIFT) ? p->saves : (size_t)(run->steps >> CHUNK_SHIFT);
+    p->saves = p->saves < (size_t)(run->steps >> CHUNK_SHIFT) ? p->saves
+                                                              : (size_t)(run->steps >> CHUNK_SHIFT);
     if (p->saves == 0) {
         balance_begin(run, &p->balance);
         return;
@@ -462,15 +484,16 @@ void ledger_back(struct run *run)
     const size_t row = p->saves << CHUNK_SHIFT;
     p->balance.tally = p->saved[p->saves - 1];
     p->balance.step = (int64_t)row;
-    p->balance.t = run->plan.adaptive ? trace_time(trace, row)
-                                      : grid_time(trace_grid_of(trace, p->balance.step), p->balance.step);
+    p->balance.t = run->plan.adaptive
+                       ? trace_time(trace, row)
+                       : grid_time(trace_grid_of(trace, p->balance.step), p->balance.step);
     copy_state(p->balance.y, trace_state(trace, row), run->system.n);
 }
 
 static void rescale(struct tally *tally, double by)
 {
-    double *value[] = {&tally->work.high, &tally->work.low, &tally->drag.high, &tally->drag.low, &tally->most,
-                       &tally->scale};
+    double *value[] = {&tally->work.high, &tally->work.low, &tally->drag.high,
+                       &tally->drag.low,  &tally->max,      &tally->scale};
     for (size_t i = 0; i < COUNT_OF(value); i++)
         *value[i] *= by;
 }
@@ -517,7 +540,7 @@ void run_ledger(const struct run *run, struct ledger *ledger)
     const double energy = energy_now(run, &run_epoch(run, run->steps)->system, balance.y),
                  work = tally->work.high + tally->work.low,
                  /* A total that is 0 all the time (x'' = -1/x from 1) is no unit: what moves is. */
-                 moving = system_kinetic(&run_epoch(run, run->steps)->system, balance.y),
+        moving = system_kinetic(&run_epoch(run, run->steps)->system, balance.y),
                  scale = balance.initial != 0 ? fabs(balance.initial) : fmax(tally->scale, moving);
     ledger->initial = balance.initial / unit;
     ledger->final = energy / unit;
@@ -525,19 +548,20 @@ void run_ledger(const struct run *run, struct ledger *ledger)
     ledger->work = work / unit;
     if (scale > 0) {
         ledger->error = (energy - balance.initial - work) / scale;
-        ledger->error_max = tally->most / scale;
+        ledger->error_max = tally->max / scale;
     }
 }
 
-#define PEAK 100      /* times the energy at both ends */
+#define PEAK 100       /* times the energy at both ends */
 #define PEAK_STRIDE 16 /* rows: what fixed steps resolve lasts longer */
 
 static double largest_energy(const struct run *run, size_t stride)
 {
-    double most = 0;
+    double max = 0;
     for (size_t i = 0; i < trace_count(run->trace); i += stride)
-        most = fmax(most, system_energy(&run_epoch(run, trace_step(run->trace, i))->system, trace_state(run->trace, i)));
-    return most;
+        max = fmax(max, system_energy(&run_epoch(run, trace_step(run->trace, i))->system,
+                                      trace_state(run->trace, i)));
+    return max;
 }
 
 double run_energy_peak(const struct run *run, const struct ledger *ledger)
@@ -545,11 +569,12 @@ double run_energy_peak(const struct run *run, const struct ledger *ledger)
     const double ends = fmax(fabs(ledger->initial), fabs(ledger->final));
     if (run->system.conservative || !(fabs(ledger->initial) > 0))
         return NAN;
-    /* A run of fixed steps may have many rows, and nearly always no such peak: a look at some tells. */
+    /* A run of fixed steps may have many rows, and nearly always no such peak: a look at some
+     * tells. */
     if (!run->plan.adaptive && !(largest_energy(run, PEAK_STRIDE) > PEAK / 10 * ends))
         return NAN;
-    const double most = largest_energy(run, 1);
-    return most > PEAK * ends && isfinite(most) ? most / fabs(ledger->initial) : NAN;
+    const double max = largest_energy(run, 1);
+    return max > PEAK * ends && isfinite(max) ? max / fabs(ledger->initial) : NAN;
 }
 
 bool ledger_known(const struct run *run)

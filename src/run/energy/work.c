@@ -1,16 +1,19 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Work between states one step apart: the integral of the power of drag and drive along the quintic through position,
- * velocity and acceleration at both ends, by Lobatto's rule with four points (Abramowitz and Stegun 1964, 25.4.32).
- * Its ends are states of the neighbours too, so a step costs one acceleration and three powers. Both are of order 6.
+ * Work between states one step apart: the integral of the power of drag and drive along the quintic
+ * through position, velocity and acceleration at both ends, by Lobatto's rule with four points
+ * (Abramowitz and Stegun 1964, 25.4.32). Its ends are states of the neighbours too, so a step costs
+ * one acceleration and three powers. Both are of order 6.
  *
- * At Lobatto's inner points s = (1 -+ 1/sqrt 5)/2 the quintic Hermite polynomial of q0, v0, a0, q1, v1, a1 is
+ * At Lobatto's inner points s = (1 -+ 1/sqrt 5)/2 the quintic Hermite polynomial of q0, v0, a0, q1,
+ * v1, a1 is
  *
  *   q = (q0 + q1)/2 + 0.12 h (v0 - v1) + 0.01 h^2 (a0 + a1)
  *       -+ (0.82 (q1 - q0) - 0.16 h (v0 + v1) - 0.01 h^2 (a0 - a1)) / sqrt 5
  *   v = 1.2 (q1 - q0)/h - 0.1 (v0 + v1) +- (0.7 (v0 - v1) + 0.1 h (a0 + a1)) / sqrt 5
  *
- * Here it goes step by step through the system's functions; work_terms.c does the commonest scenes by blocks of steps.
+ * Here it goes step by step through the system's functions; work_terms.c does the commonest scenes
+ * by blocks of steps.
  */
 #include "run/energy/work.h"
 
@@ -31,7 +34,8 @@ struct power {
 static bool drags_only(const struct system *system)
 {
     for (int i = 0; i < system->terms; i++)
-        if (system->term[i].row->power && (system->term[i].row->flags & (TERM_TIME | TERM_VELOCITY)) != TERM_VELOCITY)
+        if (system->term[i].row->power &&
+            (system->term[i].row->flags & (TERM_TIME | TERM_VELOCITY)) != TERM_VELOCITY)
             return false;
     return true;
 }
@@ -48,7 +52,8 @@ static struct power power_at(const struct system *system, bool drags, double t, 
 static void quintic_at(const struct quintic *p, double s, double *q, double *v)
 {
     const double r = 1 - s, rs = r * s, rise = s * s * s * (10 + s * (6 * s - 15)), h = p->h;
-    *q = p->q0 + rise * (p->q1 - p->q0) + rs * h * (r * r * (1 + 3 * s) * p->v0 - s * s * (1 + 3 * r) * p->v1) +
+    *q = p->q0 + rise * (p->q1 - p->q0) +
+         rs * h * (r * r * (1 + 3 * s) * p->v0 - s * s * (1 + 3 * r) * p->v1) +
          rs * rs / 2 * h * h * (r * p->a0 + s * p->a1);
     *v = 30 * rs * rs * (p->q1 - p->q0) / h + r * r * (1 + s * (2 - 15 * s)) * p->v0 +
          s * s * (1 + r * (2 - 15 * r)) * p->v1 +
@@ -58,7 +63,8 @@ static void quintic_at(const struct quintic *p, double s, double *q, double *v)
 #define FINE 1e-11     /* tolerance of the steps in which a body turns under dry friction; */
 #define PARTS 64       /* so many at most, */
 #define STEP_MEMORY 64 /* with so much memory */
-#define NEAR_REST 1e-9 /* of the step: the power there goes with the square or cube of the velocity */
+#define NEAR_REST                                                                                  \
+    1e-9 /* of the step: the power there goes with the square or cube of the velocity */
 
 static double velocity_at(void *context, double s)
 {
@@ -74,31 +80,34 @@ static double turning_point(struct quintic p)
     return root_between(velocity_at, &p, 0, v0, 1, v1, NEAR_REST);
 }
 
-static void add_part(const struct system *system, bool drags, const struct quintic *p, double t, double from,
-                     double to, double *work, double *drag)
+static void add_part(const struct system *system, bool drags, const struct quintic *p, double t,
+                     double from, double to, double *work, double *drag)
 {
     const double at[] = {0, INNER, 1 - INNER, 1}, weight[] = {1. / 12, 5. / 12, 5. / 12, 1. / 12};
     for (int i = 0; i < 4; i++) {
-        const double s = from + at[i] * (to - from), share = weight[i] * (to - from) * p->h;
+        const double s = from + at[i] * (to - from), fraction = weight[i] * (to - from) * p->h;
         double y[2];
         quintic_at(p, s, &y[0], &y[1]);
         const struct power power = power_at(system, drags, t + s * p->h, y);
-        *work += share * power.all;
-        *drag += share * power.drag;
+        *work += fraction * power.all;
+        *drag += fraction * power.drag;
     }
 }
 
 /*
- * Dry friction jumps where the body turns, and a quintic does not: the motion over the step once more, from its start,
- * in steps of high order that end there.
+ * Dry friction jumps where the body turns, and a quintic does not: the motion over the step once
+ * more, from its start, in steps of high order that end there.
  */
-static bool across_dry(const struct system *system, const struct quintic *p, double t, double *work, double *drag)
+static bool across_dry(const struct system *system, const struct quintic *p, double t, double *work,
+                       double *drag)
 {
-    const struct method *method = (const struct method *)(const void *)catalog_find(&method_catalog, TEXT("dopri5"));
+    const struct method *method =
+        (const struct method *)(const void *)catalog_find(&method_catalog, TEXT("dopri5"));
     double y[2] = {p->q0, p->v0}, memory[STEP_MEMORY];
     struct step step = {.system = system, .y = y, .work = memory, .t = t};
     struct controller controller = {.tol = FINE, .h = p->h};
-    const bool drags = drags_only(system), there = method && method_work_size(method, 2) <= STEP_MEMORY;
+    const bool drags = drags_only(system),
+               there = method && method_work_size(method, 2) <= STEP_MEMORY;
     *work = *drag = 0;
     for (int i = 0; there && i < PARTS && step.t != t + p->h; i++) {
         struct sliding sliding;
@@ -117,7 +126,8 @@ static bool across_dry(const struct system *system, const struct quintic *p, dou
     return there && step.t == t + p->h;
 }
 
-void work_across(const struct system *system, const struct quintic *p, double t, double *work, double *drag)
+void work_across(const struct system *system, const struct quintic *p, double t, double *work,
+                 double *drag)
 {
     if (system->dry && across_dry(system, p, t, work, drag))
         return;
@@ -136,13 +146,14 @@ void work_across(const struct system *system, const struct quintic *p, double t,
 /* ---- any system ---- */
 
 /* Both inner points of one step. */
-static void inner_states(int half, double h, const double *y0, const double *a0, const double *y1, const double *a1,
-                         double *first, double *second)
+static void inner_states(int half, double h, const double *y0, const double *a0, const double *y1,
+                         const double *a1, double *first, double *second)
 {
     for (int i = 0; i < half; i++) {
         const double v0 = y0[i + half], v1 = y1[i + half], rise = y1[i] - y0[i];
         const double q = (y0[i] + y1[i]) / 2 + h * (0.12 * (v0 - v1) + 0.01 * h * (a0[i] + a1[i]));
-        const double dq = (0.82 * rise - h * (0.16 * (v0 + v1) + 0.01 * h * (a0[i] - a1[i]))) / SQRT5;
+        const double dq =
+            (0.82 * rise - h * (0.16 * (v0 + v1) + 0.01 * h * (a0[i] - a1[i]))) / SQRT5;
         const double v = 1.2 * (rise / h) - 0.1 * (v0 + v1);
         const double dv = (0.7 * (v0 - v1) + 0.1 * h * (a0[i] + a1[i])) / SQRT5;
         first[i] = q - dq;
@@ -162,7 +173,8 @@ static void scaled_state(const struct work *work, int k, double *y)
 static void work_of_any(const struct work *work, struct work_done *done)
 {
     const struct system *system = work->system;
-    double y[2][LIMIT_VARIABLES], a[2][LIMIT_VARIABLES], first[LIMIT_VARIABLES], second[LIMIT_VARIABLES];
+    double y[2][LIMIT_VARIABLES], a[2][LIMIT_VARIABLES], first[LIMIT_VARIABLES],
+        second[LIMIT_VARIABLES];
     struct power p[2];
     const bool drags = drags_only(system);
     scaled_state(work, 0, y[0]);
@@ -183,7 +195,8 @@ static void work_of_any(const struct work *work, struct work_done *done)
         if (h == 0)
             continue;
         if (work_turns(system, y[from][1], y[to][1])) {
-            const struct quintic quintic = {h, y[from][0], y[from][1], a[from][0], y[to][0], y[to][1], a[to][0]};
+            const struct quintic quintic = {h,        y[from][0], y[from][1], a[from][0],
+                                            y[to][0], y[to][1],   a[to][0]};
             work_across(system, &quintic, t, &done->work[k], &done->drag[k]);
             continue;
         }

@@ -19,14 +19,16 @@ struct quintic {
     double h, q0, v0, a0, q1, v1, a1;
 };
 
-/* Is there a kink in the step? A body with dry friction that is at rest at one end has one there. */
+/* Is there a kink in the step? A body with dry friction that is at rest at one end has one there.
+ */
 static inline bool work_turns(const struct system *system, double v0, double v1)
 {
     return system->kinks && (v0 * v1 < 0 || (system->dry && v0 * v1 == 0 && v0 != v1));
 }
 
 /* The work of a step from t on in which the velocity changes its sign, in parts. */
-void work_across(const struct system *system, const struct quintic *p, double t, double *work, double *drag);
+void work_across(const struct system *system, const struct quintic *p, double t, double *work,
+                 double *drag);
 
 /* Systems whose terms are those of the oscillator or the pendulum; false: it is something else. */
 bool work_of_terms(const struct work *work, struct work_done *done);

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Work and energy of oscillators and of the pendulum, by blocks of steps in loops that vectorise: the functions of
- * terms.def, only those terms that the scene has. work.c says what is computed; so do the names here.
+ * Work and energy of oscillators and of the pendulum, by blocks of steps in loops that vectorise:
+ * the functions of terms.def, only those terms that the scene has. work.c says what is computed; so
+ * do the names here.
  */
 #include "scene/model/model.h"
 #include "scene/model/params.h"
@@ -29,14 +30,16 @@ enum {
 #define POWERED_TERM(name, ...) PLACE_##name,
 #include "scene/model/terms.def"
     OSCILLATOR_PLACES,
-    PLACE_weight = OSCILLATOR_PLACES, /* of the pendulum, whose damping and drive are those of the oscillator */
+    PLACE_weight = OSCILLATOR_PLACES, /* of the pendulum, whose damping and drive are those of the
+                                         oscillator */
     PLACES
 };
 
 #define HAS(name) (1u << PLACE_##name)
 /* What block_work() knows. */
-#define OSCILLATOR_TERMS                                                                                               \
-    (HAS(spring) | HAS(damping) | HAS(drag) | HAS(gravity) | HAS(drive) | HAS(cubic) | HAS(vanderpol) | HAS(friction))
+#define OSCILLATOR_TERMS                                                                           \
+    (HAS(spring) | HAS(damping) | HAS(drag) | HAS(gravity) | HAS(drive) | HAS(cubic) |             \
+     HAS(vanderpol) | HAS(friction))
 #define PENDULUM_TERMS (HAS(weight) | HAS(damping) | HAS(drive))
 #define POWERED (HAS(damping) | HAS(drag) | HAS(drive) | HAS(vanderpol) | HAS(friction))
 
@@ -52,7 +55,8 @@ static const int pendulum_place[] = {PLACE_weight, PLACE_damping, PLACE_drive};
 /* Where a term of the system stands here; PLACES: nowhere. */
 static ptrdiff_t place_of(const struct system *system, const struct term_row *row)
 {
-    const struct term_row *rows = (const struct term_row *)(const void *)catalog_row(system->model->terms, 0);
+    const struct term_row *rows =
+        (const struct term_row *)(const void *)catalog_row(system->model->terms, 0);
     const ptrdiff_t at = row - rows;
     if (system->model == &pendulum_model)
         return at >= 0 && at < (ptrdiff_t)COUNT_OF(pendulum_place) ? pendulum_place[at] : PLACES;
@@ -68,36 +72,44 @@ static unsigned terms_of(const struct system *system, struct line *line)
     if (system->n != 2 || system->typed.row)
         return 0;
     for (int i = 0; i < system->terms; i++) {
-        const ptrdiff_t place = place_of(system, system->term[i].row);
-        if (place == PLACES || !((OSCILLATOR_TERMS | PENDULUM_TERMS) & 1u << place))
+        const ptrdiff_t index = place_of(system, system->term[i].row);
+        if (index == PLACES || !((OSCILLATOR_TERMS | PENDULUM_TERMS) & 1u << index))
             return 0;
-        terms |= 1u << place;
-        memcpy(line->c[place], system->term[i].c, sizeof line->c[place]);
+        terms |= 1u << index;
+        memcpy(line->c[index], system->term[i].c, sizeof line->c[index]);
     }
     return terms;
 }
 
 /* States and times of a block, each quantity for itself. */
 struct block {
-    double q[WORK_BLOCK + 1], v[WORK_BLOCK + 1], a[WORK_BLOCK + 1], p[WORK_BLOCK + 1], d[WORK_BLOCK + 1];
+    double q[WORK_BLOCK + 1], v[WORK_BLOCK + 1], a[WORK_BLOCK + 1], p[WORK_BLOCK + 1],
+        d[WORK_BLOCK + 1];
     double h[WORK_BLOCK], rate[WORK_BLOCK]; /* 1/h */
-    double cosine[3][WORK_BLOCK + 1];       /* of the drive, at the states and at the inner points of the steps */
-    double sine[WORK_BLOCK + 1], half[WORK_BLOCK + 1]; /* of the pendulum's angle and of half of it */
+    double cosine[3][WORK_BLOCK +
+                     1]; /* of the drive, at the states and at the inner points of the steps */
+    double sine[WORK_BLOCK + 1],
+        half[WORK_BLOCK + 1]; /* of the pendulum's angle and of half of it */
 };
 
 /* ---- sines, many at once ---- */
 
-#define PI_HIGH 0x1.921fb54400000p+1 /* pi in three parts; few bits in two: products with numbers of turns are exact */
+#define PI_HIGH                                                                                    \
+    0x1.921fb54400000p+1 /* pi in three parts; few bits in two: products with numbers of turns are \
+                            exact */
 #define PI_MIDDLE 0x1.0b4611a600000p-33
 #define PI_LOW 0x1.3198a2e037073p-68
 #define NEAR 1e5       /* [rad] what lies beyond is left to the library */
 #define WHOLE 0x1.8p52 /* numbers that this is added to lose their fraction */
 
-/* sin x within 2e-16: what is left of multiples of pi (Cody and Waite 1980), and Taylor's series of it. */
+/* sin x within 2e-16: what is left of multiples of pi (Cody and Waite 1980), and Taylor's series of
+ * it. */
 ALWAYS_INLINE double near_sine(double x)
 {
-    const double n = (x * (1 / (PI_HIGH + PI_MIDDLE)) + WHOLE) - WHOLE, even = 2 * ((n / 2 + WHOLE) - WHOLE);
-    const double r = ((x - n * PI_HIGH) - n * PI_MIDDLE) - n * PI_LOW, s = r * r, sign = 1 - 2 * fabs(n - even);
+    const double n = (x * (1 / (PI_HIGH + PI_MIDDLE)) + WHOLE) - WHOLE,
+                 even = 2 * ((n / 2 + WHOLE) - WHOLE);
+    const double r = ((x - n * PI_HIGH) - n * PI_MIDDLE) - n * PI_LOW, s = r * r,
+                 sign = 1 - 2 * fabs(n - even);
     double sum = 1 / 51090942171709440000.;
     sum = sum * s - 1 / 121645100408832000.;
     sum = sum * s + 1 / 355687428096000.;
@@ -112,7 +124,8 @@ ALWAYS_INLINE double near_sine(double x)
 }
 
 /* Sines of factor times each of them. */
-ALWAYS_INLINE void take_sines(int count, const double *restrict x, double factor, double *restrict sine)
+ALWAYS_INLINE void take_sines(int count, const double *restrict x, double factor,
+                              double *restrict sine)
 {
     for (int k = 0; k < count; k++)
         sine[k] = near_sine(x[k] * factor);
@@ -121,9 +134,10 @@ ALWAYS_INLINE void take_sines(int count, const double *restrict x, double factor
             sine[k] = sin(x[k] * factor);
 }
 
-/* Terms in the order of terms.def; those of drive and weight by the cosine and the sine that are already there. */
-ALWAYS_INLINE double acceleration(unsigned terms, const struct line *line, double q, double v, double cosine,
-                                  double sine)
+/* Terms in the order of terms.def; those of drive and weight by the cosine and the sine that are
+ * already there. */
+ALWAYS_INLINE double acceleration(unsigned terms, const struct line *line, double q, double v,
+                                  double cosine, double sine)
 {
     const double y[2] = {q, v};
     double a = -0.0;
@@ -163,7 +177,8 @@ ALWAYS_INLINE double drag_power_of(unsigned terms, const struct line *line, doub
     return power;
 }
 
-ALWAYS_INLINE double energy_at(unsigned terms, const struct line *line, double q, double v, double half)
+ALWAYS_INLINE double energy_at(unsigned terms, const struct line *line, double q, double v,
+                               double half)
 {
     const double y[2] = {q, v};
     double potential = 0;
@@ -216,7 +231,8 @@ ALWAYS_INLINE void block_work(unsigned terms, const struct line *line, const str
     if (terms & HAS(weight))
         take_sines(count, b->q + 1, 0.5, b->half + 1);
     for (int k = 0; k < count; k++)
-        done->energy[k] = energy_at(terms, line, b->q[k + 1], b->v[k + 1], terms & HAS(weight) ? b->half[k + 1] : 0);
+        done->energy[k] = energy_at(terms, line, b->q[k + 1], b->v[k + 1],
+                                    terms & HAS(weight) ? b->half[k + 1] : 0);
     if (!(terms & POWERED)) {
         memset(done->work, 0, (size_t)count * sizeof *done->work);
         memset(done->drag, 0, (size_t)count * sizeof *done->drag);
@@ -226,19 +242,22 @@ ALWAYS_INLINE void block_work(unsigned terms, const struct line *line, const str
     if (terms & HAS(weight))
         take_sines(count + 1, b->q, 1, b->sine);
     for (int k = 0; k <= count; k++) {
-        const double cosine = terms & HAS(drive) ? b->cosine[0][k] : 0, sine = terms & HAS(weight) ? b->sine[k] : 0;
+        const double cosine = terms & HAS(drive) ? b->cosine[0][k] : 0,
+                     sine = terms & HAS(weight) ? b->sine[k] : 0;
         b->a[k] = acceleration(terms, line, b->q[k], b->v[k], cosine, sine);
         b->d[k] = drag_power_of(terms, line, b->q[k], b->v[k]);
         b->p[k] = terms & HAS(drive) ? force * cosine * b->v[k] : 0;
     }
     for (int k = 0; k < count; k++) {
-        const double h = b->h[k], q0 = b->q[k], q1 = b->q[k + 1], v0 = b->v[k], v1 = b->v[k + 1], a0 = b->a[k],
-                     a1 = b->a[k + 1];
+        const double h = b->h[k], q0 = b->q[k], q1 = b->q[k + 1], v0 = b->v[k], v1 = b->v[k + 1],
+                     a0 = b->a[k], a1 = b->a[k + 1];
         const double v = 1.2 * ((q1 - q0) * b->rate[k]) - 0.1 * (v0 + v1);
         const double dv = (0.7 * (v0 - v1) + 0.1 * h * (a0 + a1)) * (1 / SQRT5);
         const double q = (q0 + q1) / 2 + h * (0.12 * (v0 - v1) + 0.01 * h * (a0 + a1));
-        const double dq = (0.82 * (q1 - q0) - h * (0.16 * (v0 + v1) + 0.01 * h * (a0 - a1))) * (1 / SQRT5);
-        const double drag = drag_power_of(terms, line, q - dq, v + dv) + drag_power_of(terms, line, q + dq, v - dv);
+        const double dq =
+            (0.82 * (q1 - q0) - h * (0.16 * (v0 + v1) + 0.01 * h * (a0 - a1))) * (1 / SQRT5);
+        const double drag =
+            drag_power_of(terms, line, q - dq, v + dv) + drag_power_of(terms, line, q + dq, v - dv);
         done->drag[k] = h * ((b->d[k] + b->d[k + 1]) + 5 * drag) * (1. / 12);
         if (terms & HAS(drive)) {
             const double drive = force * (b->cosine[1][k] * (v + dv) + b->cosine[2][k] * (v - dv));
@@ -249,23 +268,24 @@ ALWAYS_INLINE void block_work(unsigned terms, const struct line *line, const str
     }
 }
 
-#define KIND(name, terms)                                                                                              \
-    CLONES static void block_##name(const struct line *line, const struct work *work, struct block *restrict b,        \
-                                    struct work_done *restrict done)                                                   \
-    {                                                                                                                  \
-        block_work((terms), line, work, b, done);                                                                      \
+#define KIND(name, terms)                                                                          \
+    CLONES static void block_##name(const struct line *line, const struct work *work,              \
+                                    struct block *restrict b, struct work_done *restrict done)     \
+    {                                                                                              \
+        block_work((terms), line, work, b, done);                                                  \
     }
 
-/* The first that has all terms of a scene is taken; coefficients of terms that are not there are 0. */
-#define KINDS(K)                                                                                                       \
-    K(elastic, HAS(spring) | HAS(gravity) | HAS(cubic))                                                                \
-    K(damped, HAS(spring) | HAS(damping) | HAS(gravity))                                                               \
-    K(dragged, HAS(spring) | HAS(damping) | HAS(gravity) | HAS(drag))                                                  \
-    K(driven, HAS(spring) | HAS(damping) | HAS(gravity) | HAS(drive) | HAS(cubic))                                     \
-    K(vanderpol, HAS(spring) | HAS(vanderpol))                                                                         \
-    K(rubbed, HAS(spring) | HAS(damping) | HAS(gravity) | HAS(drag) | HAS(friction))                                   \
-    K(all, OSCILLATOR_TERMS)                                                                                           \
-    K(swinging, HAS(weight))                                                                                           \
+/* The first that has all terms of a scene is taken; coefficients of terms that are not there are 0.
+ */
+#define KINDS(K)                                                                                   \
+    K(elastic, HAS(spring) | HAS(gravity) | HAS(cubic))                                            \
+    K(damped, HAS(spring) | HAS(damping) | HAS(gravity))                                           \
+    K(dragged, HAS(spring) | HAS(damping) | HAS(gravity) | HAS(drag))                              \
+    K(driven, HAS(spring) | HAS(damping) | HAS(gravity) | HAS(drive) | HAS(cubic))                 \
+    K(vanderpol, HAS(spring) | HAS(vanderpol))                                                     \
+    K(rubbed, HAS(spring) | HAS(damping) | HAS(gravity) | HAS(drag) | HAS(friction))               \
+    K(all, OSCILLATOR_TERMS)                                                                       \
+    K(swinging, HAS(weight))                                                                       \
     K(pendulum, PENDULUM_TERMS)
 
 KINDS(KIND)
@@ -279,8 +299,9 @@ static const struct kind {
     KINDS(KIND_ROW)};
 
 /*
- * Cosines of the drive at even times: the angle of the block's beginning, and from there on the sums of angles. A table
- * holds the multiples of omega h, so that each value is one product away from the library's.
+ * Cosines of the drive at even times: the angle of the block's beginning, and from there on the
+ * sums of angles. A table holds the multiples of omega h, so that each value is one product away
+ * from the library's.
  */
 static void even_cosines(const struct work *work, const double *c, struct block *b)
 {
@@ -294,7 +315,8 @@ static void even_cosines(const struct work *work, const double *c, struct block 
     }
     const int64_t whole = work->index - (work->index & (WORK_BLOCK - 1));
     const int at = (int)(work->index - whole);
-    const double angle = c[1] * (work->origin + (double)whole * work->h) + c[2], x = cos(angle), y = sin(angle);
+    const double angle = c[1] * (work->origin + (double)whole * work->h) + c[2], x = cos(angle),
+                 y = sin(angle);
     const double inner = c[1] * (INNER * work->h), outer = c[1] * ((1 - INNER) * work->h);
     const double cos1 = cos(inner), sin1 = sin(inner), cos2 = cos(outer), sin2 = sin(outer);
     for (int k = 0; k <= work->count; k++) {
@@ -326,7 +348,8 @@ static void turn_across(const struct work *work, const struct block *b, struct w
 {
     for (int k = 0; k < work->count; k++)
         if (work_turns(work->system, b->v[k], b->v[k + 1]) && b->h[k] != 0) {
-            const struct quintic p = {b->h[k], b->q[k], b->v[k], b->a[k], b->q[k + 1], b->v[k + 1], b->a[k + 1]};
+            const struct quintic p = {b->h[k],     b->q[k],     b->v[k],    b->a[k],
+                                      b->q[k + 1], b->v[k + 1], b->a[k + 1]};
             work_across(work->system, &p, work_time(work, k), &done->work[k], &done->drag[k]);
         }
 }

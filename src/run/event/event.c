@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Events: sign changes of an expression, located on the dense output of the step in which they happen. */
+/* Events: sign changes of an expression, located on the dense output of the step in which they
+ * happen. */
 #include "run/event/watch.h"
 
 #include <float.h>
 #include <stdlib.h>
 
-#define ROUNDED 16 /* of rounding units, what a sum of one term a step may be off, beside one for each step */
+#define ROUNDED                                                                                    \
+    16 /* of rounding units, what a sum of one term a step may be off, beside one for each step */
 #define TOUCH 1e-7 /* of a step: touches so near are one */
 #define SAME 8     /* units of the last place of t: moments so near are one */
 
@@ -31,33 +33,35 @@ static void depart_from_condition(struct watch *watch, struct watched *watched)
     watched->touched = watched->departs ? run->t : NAN;
 }
 
-bool events_begin(struct run *run, const struct leg *leg)
+bool events_begin(struct run *run, const struct segment *segment)
 {
     struct run_private *p = run->private_state;
-    if (leg->target->events == 0 && !leg->target->condition)
+    if (segment->target->events == 0 && !segment->target->condition)
         return true;
     if (!p->watch)
         p->watch = calloc(1, sizeof *p->watch);
     struct watch *watch = p->watch;
-    if (!watch || !events_watch_begin(watch, run, leg->target))
+    if (!watch || !events_watch_begin(watch, run, segment->target))
         return false;
     for (int i = 0; i < watch->events; i++) {
         struct watched *watched = &watch->event[i];
         watched->value = events_watch_value(watch, watched, run->t, run->y);
         watched->known = true;
-        watched->departs = watched->value == 0 ||
-                           (run->steps == 0 && events_watch_is_zero(watch, watched, run->t, run->y, DBL_EPSILON));
+        watched->departs =
+            watched->value == 0 ||
+            (run->steps == 0 && events_watch_is_zero(watch, watched, run->t, run->y, DBL_EPSILON));
         watched->sign = watched->departs ? 0 : sign_of(watched->value);
         if (i == watch->until && run->stop == STOP_CONDITION)
             depart_from_condition(watch, watched);
         else if (i == watch->until && watched->value == 0) {
             watched->departs = false;
-            watched->sign = watch->or_equal ? watched->event->direction : -watched->event->direction;
+            watched->sign =
+                watch->or_equal ? watched->event->direction : -watched->event->direction;
         }
     }
-    for (size_t i = run_happenings(run); i > 0 && run_happening(run, i - 1)->t == run->t; i--)
-        if (run_happening(run, i - 1)->event < watch->events)
-            watch->event[run_happening(run, i - 1)->event].departs = true;
+    for (size_t i = run_event_records(run); i > 0 && run_event_record(run, i - 1)->t == run->t; i--)
+        if (run_event_record(run, i - 1)->event < watch->events)
+            watch->event[run_event_record(run, i - 1)->event].departs = true;
     return true;
 }
 
@@ -98,21 +102,22 @@ static bool look_touches(void *context, double theta)
     const struct path *path = &look->watch->path;
     double y[LIMIT_VARIABLES];
     path_state(path, theta, y);
-    return events_watch_is_zero(look->watch, look->watched, path_time(path, theta), y, share_of_error(path->inside.run));
+    return events_watch_is_zero(look->watch, look->watched, path_time(path, theta), y,
+                                share_of_error(path->inside.run));
 }
 
 static bool add(struct watch *watch, const struct crossing *crossing)
 {
     const size_t n = (size_t)watch->run->system.n;
-    if (watch->count == watch->rooms) {
-        const size_t room = watch->rooms ? 2 * watch->rooms : 16;
-        struct crossing *found = realloc(watch->found, room * sizeof *found);
+    if (watch->count == watch->capacities) {
+        const size_t capacity = watch->capacities ? 2 * watch->capacities : 16;
+        struct crossing *found = realloc(watch->found, capacity * sizeof *found);
         watch->found = found ? found : watch->found;
-        double *state = found ? realloc(watch->state, room * n * sizeof *state) : NULL;
+        double *state = found ? realloc(watch->state, capacity * n * sizeof *state) : NULL;
         watch->state = state ? state : watch->state;
         if (!state)
             return false;
-        watch->rooms = room;
+        watch->capacities = capacity;
     }
     watch->found[watch->count++] = *crossing;
     return true;
@@ -125,10 +130,12 @@ static bool look_found(void *context, double theta, int sign)
     const struct event *event = look->watched->event;
     /* A condition becomes true on the way, an event rises with time. */
     const int direction = path->inside.h > 0 || is_until(look) ? sign : -sign;
-    const bool touches = sign == 0 && event->touching && look->roots && look->roots->sign == -event->direction;
+    const bool touches =
+        sign == 0 && event->touching && look->roots && look->roots->sign == -event->direction;
     if (event->direction != 0 && event->direction != direction && !touches)
         return true;
-    if (sign == 0 && fabs(path_time(path, theta) - look->watched->touched) <= TOUCH * fabs(path->inside.h))
+    if (sign == 0 &&
+        fabs(path_time(path, theta) - look->watched->touched) <= TOUCH * fabs(path->inside.h))
         return true; /* at the end of the step before */
     if (sign == 0)
         look->watched->touched = path_time(path, theta);
@@ -136,13 +143,14 @@ static bool look_found(void *context, double theta, int sign)
     look->failed = look->failed || !add(look->watch, &crossing);
     if (event->stop)
         look->until = fmin(look->until, theta);
-    return !look->failed && !event->stop && look->watch->count <= LIMIT_HAPPENINGS;
+    return !look->failed && !event->stop && look->watch->count <= LIMIT_EVENT_RECORDS;
 }
 
 /*
- * Where a leg begins at an event, the value there is rounding; its sign is the one a moment later, up to which bounds of
- * the slope, or of the second derivative, exclude another event. A ball that has just been thrown up may be back long
- * before the end of the step. The share of the step at that moment, where *value is; 0: there is none.
+ * Where a leg begins at an event, the value there is rounding; its sign is the one a moment later,
+ * up to which bounds of the slope, or of the second derivative, exclude another event. A ball that
+ * has just been thrown up may be back long before the end of the step. The share of the step at
+ * that moment, where *value is; 0: there is none.
  */
 static double depart(struct look *look, double *value)
 {
@@ -167,15 +175,20 @@ static double depart(struct look *look, double *value)
     return 0;
 }
 
-/* At a step's end, where the value is 0: the sign beyond, which is that before where it only touches. */
+/* At a step's end, where the value is 0: the sign beyond, which is that before where it only
+ * touches. */
 static int sign_beyond(const struct look *look, int before)
 {
     const struct jet jet = events_watch_bounds(look->watch, look->watched, 1, 1);
-    const int slope = jet.slope.lo > 0 ? 1 : jet.slope.hi < 0 ? -1 : 0, bend = sign_of(jet.bend.lo + jet.bend.hi);
+    const int slope = jet.slope.lo > 0   ? 1
+                      : jet.slope.hi < 0 ? -1
+                                         : 0,
+              bend = sign_of(jet.bend.lo + jet.bend.hi);
     return slope != 0 ? slope : bend != 0 ? bend : -before;
 }
 
-/* Where the run ends, an event is there that is due within the rounding of the sums that led there. */
+/* Where the run ends, an event is there that is due within the rounding of the sums that led there.
+ */
 static bool is_due(const struct look *look, const struct run_target *target)
 {
     const struct run *run = look->watch->run;
@@ -191,7 +204,8 @@ static bool is_due(const struct look *look, const struct run_target *target)
 
 static void doubt(struct run *run, const struct look *look, double from)
 {
-    struct event_doubt *doubt = &run->private_state->doubt[is_until(look) ? LIMIT_EVENTS : look->event];
+    struct event_doubt *doubt =
+        &run->private_state->doubt[is_until(look) ? LIMIT_EVENTS : look->event];
     const struct path *path = &look->watch->path;
     doubt->from = doubt->steps == 0 ? path_time(path, from) : doubt->from;
     doubt->to = path->end_t;
@@ -204,10 +218,15 @@ static void search(struct look *look, double from, double value, double to)
     struct watch *watch = look->watch;
     const struct path *path = &watch->path;
     const double times = fmax(fabs(path->inside.t), fabs(path->end_t));
-    struct root_search roots = {.context = look, .value = look_value, .bounds = look_bounds, .found = look_found,
-                          .touches = watched->event->touching ? look_touches : NULL,
-                          .least = fmax(DBL_EPSILON * times / fabs(path->inside.h), DBL_EPSILON),
-                          .budget = watched->budget, .sign = watched->sign};
+    struct root_search roots = {.context = look,
+                                .value = look_value,
+                                .bounds = look_bounds,
+                                .found = look_found,
+                                .touches = watched->event->touching ? look_touches : NULL,
+                                .min =
+                                    fmax(DBL_EPSILON * times / fabs(path->inside.h), DBL_EPSILON),
+                                .budget = watched->budget,
+                                .sign = watched->sign};
     roots.nonzero = value != 0 || watched->value != 0;
     look->roots = &roots;
     roots_find(&roots, from, value, to, to < 1 ? look_value(look, to) : watched->value);
@@ -227,7 +246,8 @@ static void look_at(struct look *look, const struct run_target *target)
     struct watched *watched = look->watched;
     const struct path *path = &look->watch->path;
     double from = 0, value = watched->value;
-    const double near = SAME * DBL_EPSILON * fmax(fabs(path->inside.t), fabs(path->end_t)) / fabs(path->inside.h);
+    const double near =
+        SAME * DBL_EPSILON * fmax(fabs(path->inside.t), fabs(path->end_t)) / fabs(path->inside.h);
     const double to = fmin(look->until + near, 1);
     watched->value = events_watch_value(look->watch, watched, path->end_t, path->end);
     if (watched->departs)
@@ -238,8 +258,10 @@ static void look_at(struct look *look, const struct run_target *target)
     if (to < 1 || look->until < 1)
         return;
     const int sign = watched->sign;
-    if (is_until(look) && watched->value == 0) { /* a strict one that is true beyond is found there */
-        watched->sign = look->watch->or_equal ? watched->event->direction : -watched->event->direction;
+    if (is_until(look) &&
+        watched->value == 0) { /* a strict one that is true beyond is found there */
+        watched->sign =
+            look->watch->or_equal ? watched->event->direction : -watched->event->direction;
         if (look->watch->or_equal && sign == -watched->sign)
             look_found(look, 1, watched->sign);
         return;
@@ -248,7 +270,8 @@ static void look_at(struct look *look, const struct run_target *target)
         watched->sign = sign_beyond(look, sign);
         if (watched->sign != sign)
             look_found(look, 1, watched->sign);
-    } else if (is_due(look, target) && (look->watch->count == before || look->watch->found[before].theta < 1)) {
+    } else if (is_due(look, target) &&
+               (look->watch->count == before || look->watch->found[before].theta < 1)) {
         watched->sign = -sign;
         look_found(look, 1, -sign);
     }
@@ -257,7 +280,8 @@ static void look_at(struct look *look, const struct run_target *target)
 static int by_time(const void *a, const void *b)
 {
     const struct crossing *p = a, *q = b;
-    return p->theta != q->theta ? (p->theta > q->theta) - (p->theta < q->theta) : p->event - q->event;
+    return p->theta != q->theta ? (p->theta > q->theta) - (p->theta < q->theta)
+                                : p->event - q->event;
 }
 
 /* In order; those at the same time but for rounding are at one, in the order of definition. */
@@ -289,7 +313,7 @@ static void put_in_order(struct watch *watch)
 }
 
 /* Those that stop the run first: the others are looked for up to there. */
-bool events_find(struct run *run, const struct leg *leg, double t, double h)
+bool events_find(struct run *run, const struct segment *segment, double t, double h)
 {
     struct watch *watch = run->private_state->watch;
     const struct inside inside = inside_of(run, !run->plan.adaptive, t, h);
@@ -302,7 +326,7 @@ bool events_find(struct run *run, const struct leg *leg, double t, double h)
                 continue;
             look.watched = &watch->event[i];
             look.event = i;
-            look_at(&look, leg->target);
+            look_at(&look, segment->target);
         }
     if (watch->count > 0 && !look.failed)
         put_in_order(watch);
@@ -315,19 +339,20 @@ static bool keep(struct run *run, const struct crossing *crossing, const double 
 {
     struct happenings *all = &run->private_state->happenings;
     const size_t n = (size_t)run->system.n;
-    if (all->count == LIMIT_HAPPENINGS)
+    if (all->count == LIMIT_EVENT_RECORDS)
         return false;
-    if (all->count == all->room) {
-        const size_t room = all->room ? 2 * all->room : 16;
-        struct happening *at = realloc(all->at, room * sizeof *at);
+    if (all->count == all->capacity) {
+        const size_t capacity = all->capacity ? 2 * all->capacity : 16;
+        struct event_record *at = realloc(all->at, capacity * sizeof *at);
         all->at = at ? at : all->at;
-        double *more = at ? realloc(all->state, room * n * sizeof *all->state) : NULL;
+        double *more = at ? realloc(all->state, capacity * n * sizeof *all->state) : NULL;
         all->state = more ? more : all->state;
         if (!more)
             return false;
-        all->room = room;
+        all->capacity = capacity;
     }
-    all->at[all->count] = (struct happening){crossing->event, crossing->direction, run->steps, crossing->t};
+    all->at[all->count] =
+        (struct event_record){crossing->event, crossing->direction, run->steps, crossing->t};
     memcpy(all->state + all->count++ * n, state, n * sizeof *all->state);
     return true;
 }
@@ -372,7 +397,7 @@ void events_until_at(struct run *run, double theta)
     }
 }
 
-bool events_keep(struct run *run, const struct leg *leg, double h, bool *stops)
+bool events_keep(struct run *run, const struct segment *segment, double h, bool *stops)
 {
     const struct watch *watch = run->private_state->watch;
     const int n = run->system.n;
@@ -385,7 +410,7 @@ bool events_keep(struct run *run, const struct leg *leg, double h, bool *stops)
             continue;
         if (!keep(run, crossing, state))
             return false;
-        if (!leg->target->event[crossing->event].stop || *stops)
+        if (!segment->target->event[crossing->event].stop || *stops)
             continue;
         copy_state(run->y, state, n);
         run->t = crossing->t;
@@ -401,27 +426,28 @@ struct event_doubt run_event_doubt(const struct run *run, int event)
     return run->private_state->doubt[event];
 }
 
-void happenings_truncate(struct run *run, double ahead)
+void event_records_truncate(struct run *run, double ahead)
 {
     struct happenings *all = &run->private_state->happenings;
     for (; all->count > 0; all->count--) {
-        const struct happening *last = &all->at[all->count - 1];
-        if (last->step < run->steps || (last->step == run->steps && (last->t - run->t) * ahead <= 0))
+        const struct event_record *last = &all->at[all->count - 1];
+        if (last->step < run->steps ||
+            (last->step == run->steps && (last->t - run->t) * ahead <= 0))
             break;
     }
 }
 
-size_t run_happenings(const struct run *run)
+size_t run_event_records(const struct run *run)
 {
     return run->private_state->happenings.count;
 }
 
-const struct happening *run_happening(const struct run *run, size_t i)
+const struct event_record *run_event_record(const struct run *run, size_t i)
 {
     return &run->private_state->happenings.at[i];
 }
 
-const double *run_happening_state(const struct run *run, size_t i)
+const double *run_event_record_state(const struct run *run, size_t i)
 {
     return run->private_state->happenings.state + i * (size_t)run->system.n;
 }

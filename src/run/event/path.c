@@ -5,9 +5,10 @@
 #include <float.h>
 
 #define ROUNDING (64 * DBL_EPSILON) /* of the sizes of a polynomial's terms */
-#define TAIL 10                     /* times its last terms: what is left out of a polynomial through samples */
+#define TAIL 10 /* times its last terms: what is left out of a polynomial through samples */
 
-/* Values at even shares of a stretch, degree + 1 of them: the polynomial c about its middle, in its length (Newton). */
+/* Values at even shares of a stretch, degree + 1 of them: the polynomial c about its middle, in its
+ * length (Newton). */
 static void fit(const double *value, size_t stride, int degree, double *c, size_t apart)
 {
     double difference[DENSE_DEGREE + 1], out[DENSE_DEGREE + 1] = {0};
@@ -33,9 +34,9 @@ static struct interval range(const double *c, int degree, double r)
     double power = 1;
     for (int k = 1; k <= degree; k++) {
         power *= r;
-        const double most = c[k] * power;
-        out.lo += k % 2 ? -fabs(most) : fmin(most, 0);
-        out.hi += k % 2 ? fabs(most) : fmax(most, 0);
+        const double max = c[k] * power;
+        out.lo += k % 2 ? -fabs(max) : fmin(max, 0);
+        out.hi += k % 2 ? fabs(max) : fmax(max, 0);
     }
     return out;
 }
@@ -46,11 +47,13 @@ static void differentiate(double *c, int degree)
         c[k - 1] = k * c[k];
 }
 
-/* Bounds of the polynomial c, which is lost, for |s| <= r; `width` of a whole stretch over which `error` is spread. */
+/* Bounds of the polynomial c, which is lost, for |s| <= r; `width` of a whole stretch over which
+ * `error` is spread. */
 static struct jet bounds(double *c, int degree, double r, double error)
 {
     struct jet jet;
-    const double bend = 4. / 3 * degree * degree * (double)degree * degree, slope = 2. * degree * degree;
+    const double bend = 4. / 3 * degree * degree * (double)degree * degree,
+                 slope = 2. * degree * degree;
     jet.value = range(c, degree, r);
     differentiate(c, degree);
     jet.slope = range(c, degree - 1, r);
@@ -106,7 +109,8 @@ static void through_ends(struct path *path)
     system_derivative(last.system, last.t, path->end, f1);
     path->degree = 3;
     for (int i = 0; i < inside->run->system.n; i++) {
-        const double rise = path->end[i] - before[i], bent = h * (f1[i] - f0[i]), sum = h * (f0[i] + f1[i]);
+        const double rise = path->end[i] - before[i], bent = h * (f1[i] - f0[i]),
+                     sum = h * (f0[i] + f1[i]);
         path->c[0][i] = (before[i] + path->end[i]) / 2 - bent / 8;
         path->c[1][i] = 1.5 * rise - sum / 4;
         path->c[2][i] = bent / 2;

@@ -15,8 +15,8 @@ static struct text from(struct text text, size_t at)
 }
 
 /* An expression and its unit at text[*at]. */
-static const struct expr *side(struct text text, size_t *at, const struct expr_scope *scope, struct arena *arena,
-                               const struct unit **unit, struct error *error)
+static const struct expr *side(struct text text, size_t *at, const struct expr_scope *scope,
+                               struct arena *arena, const struct unit **unit, struct error *error)
 {
     size_t used;
     const struct expr *expr = expr_compile(from(text, *at), scope, arena, &used, error);
@@ -33,14 +33,15 @@ static const struct expr *side(struct text text, size_t *at, const struct expr_s
 static bool take_word(struct text text, size_t *at, struct text word)
 {
     const struct text rest = from(text, *at);
-    if (!text_starts(rest, word) || (rest.len > word.len && rest.at[word.len] != ' ' && rest.at[word.len] != '\t'))
+    if (!text_starts(rest, word) ||
+        (rest.len > word.len && rest.at[word.len] != ' ' && rest.at[word.len] != '\t'))
         return false;
     *at += word.len;
     return true;
 }
 
-bool event_compile(struct text text, const struct expr_scope *scope, struct arena *arena, struct event *event,
-                   size_t *used, struct error *error)
+bool event_compile(struct text text, const struct expr_scope *scope, struct arena *arena,
+                   struct event *event, size_t *used, struct error *error)
 {
     const struct unit *left = NULL, *right = NULL;
     size_t at = 0;
@@ -55,15 +56,20 @@ bool event_compile(struct text text, const struct expr_scope *scope, struct aren
         if (!made.right)
             return false;
         if (left && right && left->quantity != right->quantity)
-            return error_at(error, text, "the two sides do not compare: %s is a unit of %s, %s of %s", left->row.name,
-                            quantity_name(left->quantity), right->row.name, quantity_name(right->quantity));
+            return error_at(error, text,
+                            "the two sides do not compare: %s is a unit of %s, %s of %s",
+                            left->row.name, quantity_name(left->quantity), right->row.name,
+                            quantity_name(right->quantity));
     }
     const size_t word = at;
-    const int direction = take_word(text, &at, TEXT("rising")) ? 1 : take_word(text, &at, TEXT("falling")) ? -1 : 0;
+    const int direction = take_word(text, &at, TEXT("rising"))    ? 1
+                          : take_word(text, &at, TEXT("falling")) ? -1
+                                                                  : 0;
     made.touching = direction == 0 && take_word(text, &at, TEXT("touching"));
     if ((direction != 0 || made.touching) && made.right)
         return error_at(error, (struct text){text.at + word, at - word},
-                        "a comparison happens where it becomes true; rising, falling and touching are for expressions");
+                        "a comparison happens where it becomes true; rising, falling and touching "
+                        "are for expressions");
     made.direction = direction != 0 ? direction : made.direction;
     made.left_factor = left ? left->factor : 1;
     made.right_factor = right ? right->factor : 1;

@@ -1,12 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Formulas of events, compiled for a run: values at a state, and bounds inside of the step just taken. */
+/* Formulas of events, compiled for a run: values at a state, and bounds inside of the step just
+ * taken. */
 #include "run/event/watch.h"
 
 #include <float.h>
 #include <stdlib.h>
 
-#define BUDGET 4000 /* bounds of an event in a step, before it is said that it may have been missed */
-#define SAMPLES 12  /* parts of a stretch, where a column that is no variable is looked at */
+#define BUDGET                                                                                     \
+    4000 /* bounds of an event in a step, before it is said that it may have been missed */
+#define SAMPLES 12 /* parts of a stretch, where a column that is no variable is looked at */
 
 /* ---- columns ---- */
 
@@ -23,18 +25,18 @@ static int column_of(void *context, int slot)
     for (int i = 0; i < watch->columns; i++)
         if (watch->column[i].kind == moving.kind && watch->column[i].index == moving.index)
             return i;
-    if (watch->columns == watch->room) {
-        const int room = 2 * watch->room + 8;
-        struct moving *column = arena_array(&watch->arena, (size_t)room, sizeof *column);
-        watch->value = arena_array(&watch->arena, (size_t)room, sizeof *watch->value);
-        watch->jet = arena_array(&watch->arena, (size_t)room, sizeof *watch->jet);
+    if (watch->columns == watch->capacity) {
+        const int capacity = 2 * watch->capacity + 8;
+        struct moving *column = arena_array(&watch->arena, (size_t)capacity, sizeof *column);
+        watch->value = arena_array(&watch->arena, (size_t)capacity, sizeof *watch->value);
+        watch->jet = arena_array(&watch->arena, (size_t)capacity, sizeof *watch->jet);
         watch->failed = watch->failed || !column || !watch->value || !watch->jet;
         if (watch->failed)
             return 0;
         if (watch->columns)
             memcpy(column, watch->column, (size_t)watch->columns * sizeof *column);
         watch->column = column;
-        watch->room = room;
+        watch->capacity = capacity;
     }
     watch->column[watch->columns] = moving;
     return watch->columns++;
@@ -58,7 +60,7 @@ static void take_condition(struct watch *watch, const struct run_target *target)
 bool events_watch_begin(struct watch *watch, struct run *run, const struct run_target *target)
 {
     arena_reset(&watch->arena);
-    watch->columns = watch->room = 0;
+    watch->columns = watch->capacity = 0;
     watch->failed = false;
     watch->run = run;
     watch->events = target->events + (target->condition != NULL);
@@ -96,7 +98,8 @@ static double load_value(const void *context, int slot)
 }
 
 /* The event's scope knows the run's present state only: it is put there for a moment. */
-static double load_other(struct watch *watch, const struct watched *watched, int slot, double t, const double *y)
+static double load_other(struct watch *watch, const struct watched *watched, int slot, double t,
+                         const double *y)
 {
     struct run *run = watch->run;
     const struct expr_scope *scope = watched->event->scope;
@@ -113,18 +116,21 @@ static double load_other(struct watch *watch, const struct watched *watched, int
     return value;
 }
 
-double events_watch_value(struct watch *watch, const struct watched *watched, double t, const double *y)
+double events_watch_value(struct watch *watch, const struct watched *watched, double t,
+                          const double *y)
 {
     const struct event *event = watched->event;
     for (int i = 0; i < watch->columns; i++) {
         const struct moving *column = &watch->column[i];
-        watch->value[i] = column->kind == MOVING_TIME    ? t
-                          : column->kind == MOVING_STATE ? y[column->index]
-                                                         : load_other(watch, watched, column->index, t, y);
+        watch->value[i] = column->kind == MOVING_TIME ? t
+                          : column->kind == MOVING_STATE
+                              ? y[column->index]
+                              : load_other(watch, watched, column->index, t, y);
     }
     const struct expr_scope scope = {.context = watch->value, .load = load_value};
     const double value = expr_value(watched->left, &scope) * event->left_factor;
-    return watched->right ? value - expr_value(watched->right, &scope) * event->right_factor : value;
+    return watched->right ? value - expr_value(watched->right, &scope) * event->right_factor
+                          : value;
 }
 
 /* ---- bounds ---- */
@@ -155,7 +161,8 @@ static struct jet evaluate(const struct watch *watch, const struct watched *watc
     if (!watched->right)
         return left;
     const struct jet right = scaled(expr_jet(watched->right, watch->jet), event->right_factor);
-    return (struct jet){less_interval(left.value, right.value), less_interval(left.slope, right.slope),
+    return (struct jet){less_interval(left.value, right.value),
+                        less_interval(left.slope, right.slope),
                         less_interval(left.bend, right.bend)};
 }
 
@@ -167,7 +174,8 @@ static struct jet time_jet(const struct path *path, double a, double b)
 }
 
 /* Of a function of the state: a polynomial through its values, which is no proof. */
-static struct jet other_jet(struct watch *watch, const struct watched *watched, int slot, double a, double b)
+static struct jet other_jet(struct watch *watch, const struct watched *watched, int slot, double a,
+                            double b)
 {
     double y[LIMIT_VARIABLES], value[SAMPLES + 1];
     const double apart = fmax(b - a, 1e-9), from = fmin(a, 1 - apart);
@@ -179,28 +187,33 @@ static struct jet other_jet(struct watch *watch, const struct watched *watched, 
     return path_fit(value, SAMPLES, from, from + apart);
 }
 
-struct jet events_watch_bounds(struct watch *watch, const struct watched *watched, double a, double b)
+struct jet events_watch_bounds(struct watch *watch, const struct watched *watched, double a,
+                               double b)
 {
     const struct path *path = &watch->path;
     path_make(&watch->path);
     for (int i = 0; i < watch->columns; i++) {
         const struct moving *column = &watch->column[i];
-        watch->jet[i] = column->kind == MOVING_TIME    ? time_jet(path, a, b)
-                        : column->kind == MOVING_STATE ? path_jet(path, column->index, a, b)
-                                                       : other_jet(watch, watched, column->index, a, b);
+        watch->jet[i] = column->kind == MOVING_TIME ? time_jet(path, a, b)
+                        : column->kind == MOVING_STATE
+                            ? path_jet(path, column->index, a, b)
+                            : other_jet(watch, watched, column->index, a, b);
     }
     return evaluate(watch, watched);
 }
 
-bool events_watch_is_zero(struct watch *watch, const struct watched *watched, double t, const double *y, double error)
+bool events_watch_is_zero(struct watch *watch, const struct watched *watched, double t,
+                          const double *y, double error)
 {
     for (int i = 0; i < watch->columns; i++) {
         const struct moving *column = &watch->column[i];
-        const double value = column->kind == MOVING_TIME    ? t
-                             : column->kind == MOVING_STATE ? y[column->index]
-                                                            : load_other(watch, watched, column->index, t, y);
+        const double value = column->kind == MOVING_TIME ? t
+                             : column->kind == MOVING_STATE
+                                 ? y[column->index]
+                                 : load_other(watch, watched, column->index, t, y);
         const double size = column->kind == MOVING_STATE
-                                ? fmax(fabs(value), watch->run->system.scale[column->index]) : fabs(value);
+                                ? fmax(fabs(value), watch->run->system.scale[column->index])
+                                : fabs(value);
         const double off = size * (column->kind == MOVING_TIME ? 2 * DBL_EPSILON : error);
         watch->jet[i] = (struct jet){{value - off, value + off}, {0, 0}, {0, 0}};
     }

@@ -10,8 +10,8 @@
 /* ---- path.c ---- */
 
 /*
- * The step just taken as a polynomial of the share theta of it: y = sum c_k (theta - 1/2)^k, but for `error`. Of a
- * method whose steps have no polynomial a rough one first, on demand a finer one.
+ * The step just taken as a polynomial of the share theta of it: y = sum c_k (theta - 1/2)^k, but
+ * for `error`. Of a method whose steps have no polynomial a rough one first, on demand a finer one.
  */
 struct path {
     struct inside inside;
@@ -31,8 +31,10 @@ double path_time(const struct path *path, double theta);
 /* By the method itself, at the ends the states that were computed. */
 void path_state(const struct path *path, double theta, double *y);
 struct jet path_jet(const struct path *path, int variable, double a, double b);
-void path_estimate(const struct path *path, double theta, double *y); /* all variables, by the polynomial */
-/* Of values at even shares of the stretch from a to b, the first at a: the polynomial's bounds, and about its error. */
+void path_estimate(const struct path *path, double theta,
+                   double *y); /* all variables, by the polynomial */
+/* Of values at even shares of the stretch from a to b, the first at a: the polynomial's bounds, and
+ * about its error. */
 struct jet path_fit(const double *value, int degree, double a, double b);
 
 /* ---- watch.c ---- */
@@ -59,27 +61,31 @@ struct watch {
     struct moving *column;
     double *value;   /* [columns] */
     struct jet *jet; /* [columns] */
-    int columns, room;
+    int columns, capacity;
     bool failed;
     struct run *run;
     const struct expr_scope *scope;
     struct watched event[LIMIT_EVENTS + 1];
-    int events; /* with the condition, if there is one: the last, and `until` is its place, else -1 */
+    int events; /* with the condition, if there is one: the last, and `until` is its place, else -1
+                 */
     int until;
     struct event condition;
     bool or_equal;
     struct path path;
     struct crossing *found; /* in the step just taken, in order */
     double *state;          /* [count][n] */
-    size_t count, rooms;
+    size_t count, capacities;
 };
 
 /* For a run at its present state. False: no memory. */
 bool events_watch_begin(struct watch *watch, struct run *run, const struct run_target *target);
 void events_watch_destroy(struct watch *watch);
-double events_watch_value(struct watch *watch, const struct watched *watched, double t, const double *y);
-struct jet events_watch_bounds(struct watch *watch, const struct watched *watched, double a, double b);
+double events_watch_value(struct watch *watch, const struct watched *watched, double t,
+                          const double *y);
+struct jet events_watch_bounds(struct watch *watch, const struct watched *watched, double a,
+                               double b);
 /* At a state that is known but for a share `error` of each variable's size. */
-bool events_watch_is_zero(struct watch *watch, const struct watched *watched, double t, const double *y, double error);
+bool events_watch_is_zero(struct watch *watch, const struct watched *watched, double t,
+                          const double *y, double error);
 
 #endif

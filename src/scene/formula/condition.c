@@ -9,11 +9,12 @@ static void skip_blanks(struct text text, size_t *at)
 }
 
 /* One side, from text[*at]. */
-static const struct expr *side(struct text text, size_t *at, const struct expr_scope *scope, struct arena *arena,
-                               const struct unit **unit, struct error *error)
+static const struct expr *side(struct text text, size_t *at, const struct expr_scope *scope,
+                               struct arena *arena, const struct unit **unit, struct error *error)
 {
     size_t used;
-    const struct expr *expr = expr_compile((struct text){text.at + *at, text.len - *at}, scope, arena, &used, error);
+    const struct expr *expr =
+        expr_compile((struct text){text.at + *at, text.len - *at}, scope, arena, &used, error);
     if (!expr)
         return NULL;
     *at += used;
@@ -45,8 +46,9 @@ bool condition_compile(struct text text, const struct expr_scope *scope, struct 
     if (!made.right)
         return false;
     if (left && right && left->quantity != right->quantity)
-        return error_at(error, text, "the two sides do not compare: %s is a unit of %s, %s of %s", left->row.name,
-                        quantity_name(left->quantity), right->row.name, quantity_name(right->quantity));
+        return error_at(error, text, "the two sides do not compare: %s is a unit of %s, %s of %s",
+                        left->row.name, quantity_name(left->quantity), right->row.name,
+                        quantity_name(right->quantity));
     made.left_factor = left ? left->factor : 1;
     made.right_factor = right ? right->factor : 1;
     *condition = made;

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Exact partial derivatives of expressions: the stack machine run on dual numbers (Wengert 1964; forward mode), so that
- * nothing grows and what value and derivatives share is computed once. And which names an expression is linear in.
+ * Exact partial derivatives of expressions: the stack machine run on dual numbers (Wengert 1964;
+ * forward mode), so that nothing grows and what value and derivatives share is computed once. And
+ * which names an expression is linear in.
  */
 #include <math.h>
 #include <string.h>
@@ -28,8 +29,8 @@ enum { LANES = 8 }; /* directions in one pass */
 
 static double slope_one(double (*function)(double), double X, double U)
 {
-#define ONE(name, by_x)                                                                                                \
-    if (function == (name))                                                                                            \
+#define ONE(name, by_x)                                                                            \
+    if (function == (name))                                                                        \
         return by_x;
 #define TWO(name, by_x, by_y)
 #include "scene/formula/slopes.def"
@@ -38,13 +39,14 @@ static double slope_one(double (*function)(double), double X, double U)
     return 0;
 }
 
-static void slopes_two(double (*function)(double, double), double X, double Y, double U, double by[2])
+static void slopes_two(double (*function)(double, double), double X, double Y, double U,
+                       double by[2])
 {
 #define ONE(name, by_x)
-#define TWO(name, by_x, by_y)                                                                                          \
-    if (function == (name)) {                                                                                          \
-        by[0] = by_x;                                                                                                  \
-        by[1] = by_y;                                                                                                  \
+#define TWO(name, by_x, by_y)                                                                      \
+    if (function == (name)) {                                                                      \
+        by[0] = by_x;                                                                              \
+        by[1] = by_y;                                                                              \
     }
 #include "scene/formula/slopes.def"
 #undef ONE
@@ -95,7 +97,8 @@ struct dual {
     double value, by[LANES];
 };
 
-/* What is exactly 0 stays so: sqrt(0) does not spoil what does not depend on it, nor a branch what does not take it. */
+/* What is exactly 0 stays so: sqrt(0) does not spoil what does not depend on it, nor a branch what
+ * does not take it. */
 static double chain(double slope, double by)
 {
     return by == 0 || slope == 0 ? 0 : slope * by;
@@ -121,8 +124,8 @@ static struct dual *apply(const struct op *op, struct dual *top)
     return x + 1;
 }
 
-double expr_gradient(const struct expr *expr, const struct expr_scope *scope, const int *slot, int count,
-                     double *gradient)
+double expr_gradient(const struct expr *expr, const struct expr_scope *scope, const int *slot,
+                     int count, double *gradient)
 {
     struct dual stack[LIMIT_EXPR_DEPTH];
     for (int first = 0; first == 0 || first < count; first += LANES) {
@@ -156,7 +159,8 @@ static bool among(int wanted, const int *slot, int count)
     return false;
 }
 
-/* Degree of each value on the stack in the chosen names: 0, 1, or 2 for anything that is not linear. */
+/* Degree of each value on the stack in the chosen names: 0, 1, or 2 for anything that is not
+ * linear. */
 bool expr_linear(const struct expr *expr, const int *slot, int count)
 {
     int stack[LIMIT_EXPR_DEPTH], *top = stack;

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Expressions: operator precedence parsing (Dijkstra 1961, the shunting yard) into postfix order with constants folded.
- * Nothing recurses; the stacks of the parser and of the evaluator are bounded by LIMIT_EXPR_DEPTH.
+ * Expressions: operator precedence parsing (Dijkstra 1961, the shunting yard) into postfix order
+ * with constants folded. Nothing recurses; the stacks of the parser and of the evaluator are
+ * bounded by LIMIT_EXPR_DEPTH.
  */
 #include <string.h>
 
@@ -71,20 +72,21 @@ static struct text slice(const struct compiler *c, size_t from, size_t len)
 
 static bool too_deep(struct compiler *c)
 {
-    return error_at(c->error, slice(c, c->at, c->at < c->text.len), "the expression is nested deeper than %d levels",
-                    LIMIT_EXPR_DEPTH);
+    return error_at(c->error, slice(c, c->at, c->at < c->text.len),
+                    "the expression is nested deeper than %d levels", LIMIT_EXPR_DEPTH);
 }
 
 static struct op *new_op(struct compiler *c)
 {
     struct expr *expr = c->expr;
     if (expr->count == LIMIT_EXPR_SIZE) {
-        error_at(c->error, slice(c, 0, c->at), "the expression has more than %d operations", LIMIT_EXPR_SIZE);
+        error_at(c->error, slice(c, 0, c->at), "the expression has more than %d operations",
+                 LIMIT_EXPR_SIZE);
         return NULL;
     }
-    if (expr->count == expr->room) {
-        size_t room = expr->room ? 2 * expr->room : 16;
-        struct op *more = arena_array(c->arena, room, sizeof *more);
+    if (expr->count == expr->capacity) {
+        size_t capacity = expr->capacity ? 2 * expr->capacity : 16;
+        struct op *more = arena_array(c->arena, capacity, sizeof *more);
         if (!more) {
             error_memory(c->error);
             return NULL;
@@ -92,7 +94,7 @@ static struct op *new_op(struct compiler *c)
         if (expr->count)
             memcpy(more, expr->op, expr->count * sizeof *more);
         expr->op = more;
-        expr->room = room;
+        expr->capacity = capacity;
     }
     return &expr->op[expr->count++];
 }
@@ -133,7 +135,8 @@ static bool emit(struct compiler *c, struct op operation, size_t arity)
     return true;
 }
 
-/* Emits the waiting operators that bind at least as tightly as `precedence`, down to the innermost parenthesis. */
+/* Emits the waiting operators that bind at least as tightly as `precedence`, down to the innermost
+ * parenthesis. */
 static bool reduce(struct compiler *c, int precedence)
 {
     while (c->depth > 0) {
@@ -173,7 +176,8 @@ static bool read_number(struct compiler *c)
         return error_at(c->error, slice(c, c->at, 1), "malformed number");
     struct text word = slice(c, c->at, used);
     if (status == REAL_OVERFLOW)
-        return error_at(c->error, word, "the number %.*s is too large", used < 40 ? (int)used : 40, word.at);
+        return error_at(c->error, word, "the number %.*s is too large", used < 40 ? (int)used : 40,
+                        word.at);
     c->at += used;
     return emit_value(c, (struct op){.kind = OP_NUMBER, .number = value});
 }
@@ -201,8 +205,9 @@ static size_t word_end(const struct compiler *c, size_t from)
 }
 
 /*
- * A name, the longest that the scope knows: some names have a hyphen inside (phase-error), so that a-b is the name a-b
- * where there is one, else a minus b. A ' behind a name belongs to it: y' is the velocity of y.
+ * A name, the longest that the scope knows: some names have a hyphen inside (phase-error), so that
+ * a-b is the name a-b where there is one, else a minus b. A ' behind a name belongs to it: y' is
+ * the velocity of y.
  */
 static bool read_name(struct compiler *c)
 {
@@ -222,7 +227,8 @@ static bool read_name(struct compiler *c)
         count = 1;
     } else {
         while (count > 0 &&
-               !(c->scope && c->scope->find(c->scope->context, slice(c, c->at, length[count - 1]), &op.slot)))
+               !(c->scope &&
+                 c->scope->find(c->scope->context, slice(c, c->at, length[count - 1]), &op.slot)))
             count--;
         if (count == 0)
             return unknown_name(c, word);
@@ -239,7 +245,9 @@ static bool read_word(struct compiler *c)
     while (peek(c, paren) == ' ')
         paren++;
     if (row && peek(c, paren) == '(')
-        return push(c, (struct pending){.what = WAIT_CALL, .function = (const struct function *)row}, paren + 1);
+        return push(c,
+                    (struct pending){.what = WAIT_CALL, .function = (const struct function *)row},
+                    paren + 1);
     if (!row && peek(c, word.len) == '(') {
         catalog_unknown(&function_catalog, word, c->error);
         c->error->where = word;
@@ -247,8 +255,8 @@ static bool read_word(struct compiler *c)
     }
     int slot;
     if (row && !(c->scope && c->scope->find(c->scope->context, word, &slot)))
-        return error_at(c->error, word, "%s is a function: write %.*s", row->name, (int)strcspn(row->brief, ":"),
-                        row->brief);
+        return error_at(c->error, word, "%s is a function: write %.*s", row->name,
+                        (int)strcspn(row->brief, ":"), row->brief);
     return read_name(c);
 }
 
@@ -256,8 +264,9 @@ static bool read_word(struct compiler *c)
 static bool wrong_count(struct compiler *c, const struct pending *call)
 {
     int arity = function_arity(call->function);
-    return error_at(c->error, (struct text){call->where.at, (size_t)(c->text.at + c->at - call->where.at)},
-                    "%s takes %d argument%s", call->function->row.name, arity, arity == 1 ? "" : "s");
+    return error_at(
+        c->error, (struct text){call->where.at, (size_t)(c->text.at + c->at - call->where.at)},
+        "%s takes %d argument%s", call->function->row.name, arity, arity == 1 ? "" : "s");
 }
 
 static bool missing_operand(struct compiler *c)
@@ -265,7 +274,8 @@ static bool missing_operand(struct compiler *c)
     struct text where = slice(c, c->at, c->at < c->text.len);
     const struct pending *top = c->depth > 0 ? &c->pending[c->depth - 1] : NULL;
     if (top)
-        error_at(c->error, where, "a number or a name is missing after '%.*s'", (int)top->where.len, top->where.at);
+        error_at(c->error, where, "a number or a name is missing after '%.*s'", (int)top->where.len,
+                 top->where.at);
     else
         error_at(c->error, where, "a number or a name is missing");
     const unsigned char first = (unsigned char)peek(c, 0);
@@ -322,8 +332,8 @@ static const struct sign *next_operator(const struct compiler *c)
 }
 
 /*
- * Where an operator may stand; a comparison only inside of parentheses, else it is that of a condition. *complete: an
- * operand has just been closed by ')'. *over: the expression ends here.
+ * Where an operator may stand; a comparison only inside of parentheses, else it is that of a
+ * condition. *complete: an operand has just been closed by ')'. *over: the expression ends here.
  */
 static bool read_operator(struct compiler *c, bool *complete, bool *over)
 {
@@ -343,7 +353,8 @@ static bool read_operator(struct compiler *c, bool *complete, bool *over)
     }
     if (next == ',' && open && open->what == WAIT_CALL) {
         c->at++;
-        return ++open->arguments < function_arity(open->function) ? reduce(c, 0) : wrong_count(c, open);
+        return ++open->arguments < function_arity(open->function) ? reduce(c, 0)
+                                                                  : wrong_count(c, open);
     }
     if (next != ')' || !open) {
         *over = true;
@@ -357,13 +368,15 @@ static bool read_operator(struct compiler *c, bool *complete, bool *over)
         return true;
     if (open->arguments + 1 < function_arity(open->function))
         return wrong_count(c, open);
-    return emit(c, (struct op){.kind = OP_CALL, .function = open->function}, (size_t)open->arguments + 1);
+    return emit(c, (struct op){.kind = OP_CALL, .function = open->function},
+                (size_t)open->arguments + 1);
 }
 
-const struct expr *expr_compile(struct text text, const struct expr_scope *scope, struct arena *arena, size_t *used,
-                                struct error *error)
+const struct expr *expr_compile(struct text text, const struct expr_scope *scope,
+                                struct arena *arena, size_t *used, struct error *error)
 {
-    struct compiler compiler = {.text = text, .scope = scope, .arena = arena, .error = error}, *c = &compiler;
+    struct compiler compiler = {.text = text, .scope = scope, .arena = arena, .error = error},
+                    *c = &compiler;
     c->expr = arena_alloc(arena, sizeof *c->expr);
     if (!c->expr) {
         error_memory(error);
@@ -377,7 +390,8 @@ const struct expr *expr_compile(struct text text, const struct expr_scope *scope
     }
     const struct pending *open = innermost(c);
     if (open) {
-        error_at(error, open->where, "missing ')' for '%.*s'", (int)open->where.len, open->where.at);
+        error_at(error, open->where, "missing ')' for '%.*s'", (int)open->where.len,
+                 open->where.at);
         if (is_letter(peek(c, 0)))
             error_hint(error, "a unit stands after the whole expression: (5 + 0.3) cm");
         return NULL;

@@ -41,15 +41,15 @@ static inline double less_equal(double a, double b)
 }
 
 /*
- * x^n is multiplications where n is an integer or half of one, at most POWER_MOST in size: the bits of |n| from the
- * highest down, r r for each and r x for a 1, then sqrt(x) for the half; 1/that for n < 0. Everywhere the same, so
- * that it does not matter when n becomes known.
+ * x^n is multiplications where n is an integer or half of one, at most POWER_MAX in size: the bits
+ * of |n| from the highest down, r r for each and r x for a 1, then sqrt(x) for the half; 1/that for
+ * n < 0. Everywhere the same, so that it does not matter when n becomes known.
  */
-#define POWER_MOST 16
+#define POWER_MAX 16
 
 static inline bool power_is_short(double n)
 {
-    return fabs(n) <= POWER_MOST && 2 * n == floor(2 * n);
+    return fabs(n) <= POWER_MAX && 2 * n == floor(2 * n);
 }
 
 enum op_kind {
@@ -78,10 +78,11 @@ struct op {
     };
 };
 
-/* In postfix order. The stack never holds more than LIMIT_EXPR_DEPTH values: the compiler sees to it. */
+/* In postfix order. The stack never holds more than LIMIT_EXPR_DEPTH values: the compiler sees to
+ * it. */
 struct expr {
     struct op *op;
-    size_t count, room;
+    size_t count, capacity;
 };
 
 /* Operands of an operation that is not a value. */

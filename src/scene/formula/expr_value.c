@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The stack machine that evaluates an expression once. What is evaluated often becomes a program. */
+/* The stack machine that evaluates an expression once. What is evaluated often becomes a program.
+ */
 #include <math.h>
 
 #include "scene/formula/expr.h"

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The functions of expressions. A NaN argument gives NaN, also where libm's fmin and fmax would drop it. */
+/* The functions of expressions. A NaN argument gives NaN, also where libm's fmin and fmax would
+ * drop it. */
 #include <math.h>
 
 #include "scene/formula/expr.h"
@@ -40,7 +41,7 @@ double function_power(double x, double n)
 {
     if (!power_is_short(n))
         return pow(x, n);
-    int whole = (int)fabs(n), bit = POWER_MOST;
+    int whole = (int)fabs(n), bit = POWER_MAX;
     while (bit > whole)
         bit /= 2;
     double power = whole > 0 ? x : 1;
@@ -61,7 +62,8 @@ static const struct function rows[] = {
     {{"asin", "", "asin(x): angle whose sine is x, -pi/2 to pi/2", "", "arcsin"}, .one = asin},
     {{"acos", "", "acos(x): angle whose cosine is x, 0 to pi", "", "arccos"}, .one = acos},
     {{"atan", "", "atan(x): angle whose tangent is x, -pi/2 to pi/2", "", "arctan"}, .one = atan},
-    {{"atan2", "", "atan2(y, x): angle of the point (x, y), -pi to pi", "", "arctan2"}, .two = atan2},
+    {{"atan2", "", "atan2(y, x): angle of the point (x, y), -pi to pi", "", "arctan2"},
+     .two = atan2},
     {{"sinh", "", "sinh(x): hyperbolic sine", "", NULL}, .one = sinh},
     {{"cosh", "", "cosh(x): hyperbolic cosine", "", NULL}, .one = cosh},
     {{"tanh", "", "tanh(x): hyperbolic tangent", "", NULL}, .one = tanh},
@@ -77,11 +79,13 @@ static const struct function rows[] = {
     {{"step", "", "step(x): 0 for x < 0, else 1", "", "heaviside heav"}, .one = function_step},
     {{"min", "", "min(a, b): the smaller of two", "", NULL}, .two = function_least},
     {{"max", "", "max(a, b): the larger of two", "", NULL}, .two = function_most},
-    {{"mod", "", "mod(a, b): what a leaves when divided by b, between 0 and b", "", NULL}, .two = function_mod},
+    {{"mod", "", "mod(a, b): what a leaves when divided by b, between 0 and b", "", NULL},
+     .two = function_mod},
     {{"floor", "", "floor(x): largest integer <= x", "", NULL}, .one = floor},
     {{"ceil", "", "ceil(x): smallest integer >= x", "", NULL}, .one = ceil},
     {{"round", "", "round(x): nearest integer, halves away from 0", "", NULL}, .one = round},
-    {{"if", "", "if(c, a, b): a where c > 0 or holds (x < 1), else b", "", NULL}, .three = function_choose},
+    {{"if", "", "if(c, a, b): a where c > 0 or holds (x < 1), else b", "", NULL},
+     .three = function_choose},
 };
 
 const struct catalog function_catalog = CATALOG("function", rows);

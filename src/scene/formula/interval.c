@@ -60,8 +60,10 @@ struct interval interval_mul(struct interval a, struct interval b)
         return interval_none;
     if (exact(a) || exact(b))
         return interval_point(0);
-    const double p = times(a.lo, b.lo), q = times(a.lo, b.hi), r = times(a.hi, b.lo), s = times(a.hi, b.hi);
-    const double pq = p < q ? p : q, rs = r < s ? r : s, most_pq = p < q ? q : p, most_rs = r < s ? s : r;
+    const double p = times(a.lo, b.lo), q = times(a.lo, b.hi), r = times(a.hi, b.lo),
+                 s = times(a.hi, b.hi);
+    const double pq = p < q ? p : q, rs = r < s ? r : s, most_pq = p < q ? q : p,
+                 most_rs = r < s ? s : r;
     return interval_wide(pq < rs ? pq : rs, most_pq < most_rs ? most_rs : most_pq, 1);
 }
 

@@ -60,8 +60,8 @@ struct jet jet_div(struct jet a, struct jet b)
     const struct interval rise = interval_sub(a.slope, interval_mul(q.value, b.slope));
     q.slope = interval_div(rise, b.value);
     const struct interval both = interval_mul(q.slope, b.slope);
-    const struct interval bend = interval_sub(interval_sub(a.bend, interval_add(both, both)),
-                                              interval_mul(q.value, b.bend));
+    const struct interval bend =
+        interval_sub(interval_sub(a.bend, interval_add(both, both)), interval_mul(q.value, b.bend));
     q.bend = interval_div(bend, b.value);
     return q;
 }
@@ -98,7 +98,7 @@ static struct jet either(const struct jet *a, const struct jet *b, double lo, do
     return (struct jet){{lo, hi}, interval_hull(a->slope, b->slope), interval_all};
 }
 
-static struct jet least(struct jet a, struct jet b)
+static struct jet min(struct jet a, struct jet b)
 {
     if (interval_empty(a.value) || interval_empty(b.value))
         return jet_jump(NAN, NAN);
@@ -125,7 +125,8 @@ static struct jet length(struct jet a, struct jet b)
     return out;
 }
 
-/* The angle of (x, y): its slope is (x y' - y x')/(x^2 + y^2) wherever it does not jump, at y = 0 with x < 0. */
+/* The angle of (x, y): its slope is (x y' - y x')/(x^2 + y^2) wherever it does not jump, at y = 0
+ * with x < 0. */
 static struct jet angle(struct jet y, struct jet x)
 {
     if (interval_empty(y.value) || interval_empty(x.value))
@@ -169,8 +170,9 @@ static struct jet to_number(struct jet x, double n)
     const struct interval two = k == 1 ? interval_point(0) : interval_power(x.value, k - 2);
     const struct interval once = interval_mul(factor, one);
     const struct interval twice = interval_mul(interval_point(n * (n - 1)), two);
-    return (struct jet){interval_power(x.value, k), interval_mul(once, x.slope),
-                        interval_add(interval_mul(twice, interval_square(x.slope)), interval_mul(once, x.bend))};
+    return (struct jet){
+        interval_power(x.value, k), interval_mul(once, x.slope),
+        interval_add(interval_mul(twice, interval_square(x.slope)), interval_mul(once, x.bend))};
 }
 
 /* In general exp(n log x), for which x has to be above 0. */
@@ -182,8 +184,9 @@ static struct jet to_power(struct jet x, struct jet n)
         return to_number(x, n.value.lo);
     if (!(x.value.lo > 0)) {
         const bool whole = is_number(&n) && n.value.lo == floor(n.value.lo);
-        const double least = !whole ? 0 : -HUGE_VAL;
-        return x.value.hi < 0 && is_number(&n) && !whole ? jet_jump(NAN, NAN) : jet_jump(least, HUGE_VAL);
+        const double min = !whole ? 0 : -HUGE_VAL;
+        return x.value.hi < 0 && is_number(&n) && !whole ? jet_jump(NAN, NAN)
+                                                         : jet_jump(min, HUGE_VAL);
     }
     return jet_one(exp, jet_mul(n, jet_one(log, x)));
 }
@@ -193,9 +196,9 @@ struct jet jet_two(double (*function)(double, double), struct jet a, struct jet 
     if (function == function_power)
         return to_power(a, b);
     if (function == function_least)
-        return least(a, b);
+        return min(a, b);
     if (function == function_most)
-        return jet_neg(least(jet_neg(a), jet_neg(b)));
+        return jet_neg(min(jet_neg(a), jet_neg(b)));
     if (function == function_mod)
         return modulo(a, b);
     if (function == (double (*)(double, double))hypot)
@@ -266,7 +269,8 @@ static void narrow(struct jet *a, struct interval centre, double half)
     a->value.hi = fmin(a->value.hi, about.hi);
 }
 
-struct jet expr_jet_about(const struct expr *expr, const struct jet *jet, const struct jet *centre, double half)
+struct jet expr_jet_about(const struct expr *expr, const struct jet *jet, const struct jet *centre,
+                          double half)
 {
     struct jet stack[2][LIMIT_EXPR_DEPTH];
     int top = 0;
@@ -285,13 +289,14 @@ struct jet expr_jet_about(const struct expr *expr, const struct jet *jet, const 
 }
 
 const struct expr *expr_settle(const struct expr *expr, const struct expr_scope *scope,
-                               int (*slot)(void *context, int slot), void *context, struct arena *arena)
+                               int (*slot)(void *context, int slot), void *context,
+                               struct arena *arena)
 {
     struct expr *settled = arena_alloc(arena, sizeof *settled);
     struct op *op = arena_array(arena, expr->count, sizeof *op);
     if (!settled || !op)
         return NULL;
-    *settled = (struct expr){.op = op, .count = expr->count, .room = expr->count};
+    *settled = (struct expr){.op = op, .count = expr->count, .capacity = expr->count};
     for (size_t i = 0; i < expr->count; i++) {
         op[i] = expr->op[i];
         if (op[i].kind != OP_NAME)
@@ -300,7 +305,8 @@ const struct expr *expr_settle(const struct expr *expr, const struct expr_scope 
         if (moves >= 0)
             op[i].slot = moves;
         else
-            op[i] = (struct op){.kind = OP_NUMBER, .number = scope->load(scope->context, op[i].slot)};
+            op[i] =
+                (struct op){.kind = OP_NUMBER, .number = scope->load(scope->context, op[i].slot)};
     }
     return settled;
 }

@@ -17,7 +17,8 @@ struct jet jet_if(struct jet condition, struct jet yes, struct jet no);
 struct jet jet_one(double (*function)(double), struct jet x); /* of expressions (functions.c) */
 struct jet jet_two(double (*function)(double, double), struct jet a, struct jet b);
 
-/* Of a branch that is not known: in between, with any slope; of one that may not be a number, the same. */
+/* Of a branch that is not known: in between, with any slope; of one that may not be a number, the
+ * same. */
 struct jet jet_jump(double lo, double hi);
 
 #endif

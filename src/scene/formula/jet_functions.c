@@ -44,11 +44,13 @@ static struct series somewhere(struct interval f)
 
 /* ---- circular ---- */
 
-/* Is there a k with (k + shift) pi in x, even k (odd, or any for part 2)? Too near to tell counts. */
+/* Is there a k with (k + shift) pi in x, even k (odd, or any for part 2)? Too near to tell counts.
+ */
 static bool meets(struct interval x, double shift, int part)
 {
     const double near = 4 * 0x1p-52 * fmax(fabs(x.lo), fabs(x.hi));
-    const double period = part == 2 ? M_PI : 2 * M_PI, first = (part == 1 ? shift + 1 : shift) * M_PI;
+    const double period = part == 2 ? M_PI : 2 * M_PI,
+                 first = (part == 1 ? shift + 1 : shift) * M_PI;
     return floor((x.hi + near - first) / period) >= ceil((x.lo - near - first) / period);
 }
 
@@ -111,7 +113,8 @@ static struct series series_acos(struct interval x)
 static struct series series_atan(struct interval x)
 {
     const struct interval first = interval_div(one(), interval_add(one(), interval_square(x)));
-    return (struct series){rising(atan, x), first, times(-2, interval_mul(x, interval_square(first)))};
+    return (struct series){rising(atan, x), first,
+                           times(-2, interval_mul(x, interval_square(first)))};
 }
 
 /* ---- exponential ---- */
@@ -136,7 +139,8 @@ static struct series series_cosh(struct interval x)
 
 static struct series series_tanh(struct interval x)
 {
-    const struct interval f = rising(tanh, x), first = interval_div(one(), interval_square(cosh_of(x)));
+    const struct interval f = rising(tanh, x),
+                          first = interval_div(one(), interval_square(cosh_of(x)));
     return (struct series){f, first, times(-2, interval_mul(f, first))};
 }
 
@@ -189,7 +193,8 @@ static struct series series_cbrt(struct interval x)
 {
     const struct interval f = rising(cbrt, x);
     const struct interval first = interval_div(one(), times(3, interval_square(f)));
-    return (struct series){f, first, interval_div(times(-2. / 3, interval_wide(first.lo, first.hi, 2)), x)};
+    return (struct series){f, first,
+                           interval_div(times(-2. / 3, interval_wide(first.lo, first.hi, 2)), x)};
 }
 
 /* ---- corners and jumps ---- */
@@ -213,10 +218,10 @@ static struct series stairs(double (*function)(double), struct interval x)
     return f.lo == f.hi ? straight(f, 0) : somewhere(f);
 }
 
-#define STAIRS(name, function)                                                                                         \
-    static struct series name(struct interval x)                                                                       \
-    {                                                                                                                  \
-        return stairs(function, x);                                                                                    \
+#define STAIRS(name, function)                                                                     \
+    static struct series name(struct interval x)                                                   \
+    {                                                                                              \
+        return stairs(function, x);                                                                \
     }
 STAIRS(series_sign, function_sign)
 STAIRS(series_step, function_step)
@@ -230,11 +235,26 @@ static const struct {
     double (*function)(double);
     struct series (*series)(struct interval x);
 } rows[] = {
-    {sin, series_sin},     {cos, series_cos},     {tan, series_tan},      {asin, series_asin},
-    {acos, series_acos},   {atan, series_atan},   {sinh, series_sinh},    {cosh, series_cosh},
-    {tanh, series_tanh},   {sqrt, series_sqrt},   {cbrt, series_cbrt},    {exp, series_exp},
-    {log, series_log},     {log10, series_log10}, {fabs, series_abs},     {function_sign, series_sign},
-    {floor, series_floor}, {ceil, series_ceil},   {function_step, series_step}, {round, series_round},
+    {sin, series_sin},
+    {cos, series_cos},
+    {tan, series_tan},
+    {asin, series_asin},
+    {acos, series_acos},
+    {atan, series_atan},
+    {sinh, series_sinh},
+    {cosh, series_cosh},
+    {tanh, series_tanh},
+    {sqrt, series_sqrt},
+    {cbrt, series_cbrt},
+    {exp, series_exp},
+    {log, series_log},
+    {log10, series_log10},
+    {fabs, series_abs},
+    {function_sign, series_sign},
+    {floor, series_floor},
+    {ceil, series_ceil},
+    {function_step, series_step},
+    {round, series_round},
 };
 
 struct jet jet_one(double (*function)(double), struct jet x)

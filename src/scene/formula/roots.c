@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Where a function passes through 0: a stretch is halved until its bounds exclude 0, or a bound of the slope leaves one
- * sign change at most, or one of the second derivative at most two (Moore 1966, Interval Analysis; Hansen, Walster
- * 2004, Global Optimization Using Interval Analysis, chapter 9).
+ * Where a function passes through 0: a stretch is halved until its bounds exclude 0, or a bound of
+ * the slope leaves one sign change at most, or one of the second derivative at most two (Moore
+ * 1966, Interval Analysis; Hansen, Walster 2004, Global Optimization Using Interval Analysis,
+ * chapter 9).
  */
 #include "scene/formula/interval.h"
 
@@ -34,8 +35,8 @@ static void found(struct root_search *roots, double x, int sign)
     roots->stopped = !roots->found(roots->context, x, sign) || roots->stopped;
 }
 
-double root_between(double (*value)(void *context, double x), void *context, double a, double fa, double b, double fb,
-                    double least)
+double root_between(double (*value)(void *context, double x), void *context, double a, double fa,
+                    double b, double fb, double min)
 {
     double x = b, f = fb, other = a, f_other = fa, t = 0.5; /* the root is between x and other */
     for (int i = 0; i < 200 && f != 0; i++) {
@@ -51,15 +52,15 @@ double root_between(double (*value)(void *context, double x), void *context, dou
         }
         x = at;
         f = now;
-        const double width = fabs(other - x), share = width > 0 ? least / (2 * width) : 1;
-        if (share > 0.5)
+        const double width = fabs(other - x), fraction = width > 0 ? min / (2 * width) : 1;
+        if (fraction > 0.5)
             break;
         const double xi = (x - other) / (last - other), phi = (f - f_other) / (f_last - f_other);
         t = 0.5;
         if (1 - sqrt(1 - xi) < phi && phi < sqrt(xi))
             t = f / (f_other - f) * (f_last / (f_other - f_last)) +
                 (last - x) / (other - x) * (f / (f_last - f)) * (f_other / (f_last - f_other));
-        t = fmin(fmax(t, share), 1 - share);
+        t = fmin(fmax(t, fraction), 1 - fraction);
     }
     return f == 0 || (f < 0) == (fb < 0) ? x : other;
 }
@@ -67,7 +68,9 @@ double root_between(double (*value)(void *context, double x), void *context, dou
 /* The point beyond the sign change of s. */
 static double locate(const struct root_search *roots, const struct stretch *s)
 {
-    return s->fa == 0 ? s->a : root_between(roots->value, roots->context, s->a, s->fa, s->b, s->fb, roots->least);
+    return s->fa == 0
+               ? s->a
+               : root_between(roots->value, roots->context, s->a, s->fa, s->b, s->fb, roots->min);
 }
 
 /* Its sign changes once at most. */
@@ -101,19 +104,21 @@ static double slope_at(const struct root_search *roots, double x)
 #define GOLDEN 0.3819660112501051
 
 /*
- * Slopes are known within their bounds only (of a step without a polynomial of its own): the extreme value, about *x,
- * may be farther, with a second derivative of at least `bend`. By values alone then (golden section; Kiefer 1953).
+ * Slopes are known within their bounds only (of a step without a polynomial of its own): the
+ * extreme value, about *x, may be farther, with a second derivative of at least `bend`. By values
+ * alone then (golden section; Kiefer 1953).
  */
-static bool reaches_near(const struct root_search *roots, const struct stretch *s, double bend, double *x)
+static bool reaches_near(const struct root_search *roots, const struct stretch *s, double bend,
+                         double *x)
 {
     const struct interval slope = roots->bounds(roots->context, *x, *x).slope;
-    const double most = fmax(fabs(slope.lo), fabs(slope.hi)), off = 2 * most / bend;
+    const double max = fmax(fabs(slope.lo), fabs(slope.hi)), off = 2 * max / bend;
     double a = fmax(s->a, *x - off), b = fmin(s->b, *x + off);
     double p = a + GOLDEN * (b - a), q = b - GOLDEN * (b - a);
     double fp = roots->sign * value_at(roots, p), fq = roots->sign * value_at(roots, q);
-    if (roots->sign * value_at(roots, *x) > most * most / bend)
+    if (roots->sign * value_at(roots, *x) > max * max / bend)
         return false;
-    for (int i = 0; i < 100 && p > a && q > p && b > q && b - a > roots->least; i++) {
+    for (int i = 0; i < 100 && p > a && q > p && b > q && b - a > roots->min; i++) {
         *x = fp < fq ? p : q;
         if (fmin(fp, fq) < 0)
             return true;
@@ -135,16 +140,17 @@ static bool reaches_near(const struct root_search *roots, const struct stretch *
 }
 
 /*
- * Bent away from 0, with ends on one side of it: is the extreme value on the other? *x is where it was found to be, or
- * where the value is nearest to 0.
+ * Bent away from 0, with ends on one side of it: is the extreme value on the other? *x is where it
+ * was found to be, or where the value is nearest to 0.
  */
 static bool reaches(const struct root_search *roots, const struct stretch *s, double *x)
 {
-    double a = s->a, b = s->b, ga = roots->sign * slope_at(roots, a), gb = roots->sign * slope_at(roots, b);
+    double a = s->a, b = s->b, ga = roots->sign * slope_at(roots, a),
+           gb = roots->sign * slope_at(roots, b);
     *x = ga >= 0 ? a : b;
     if (ga >= 0 || gb <= 0)
         return roots->sign * value_at(roots, *x) < 0;
-    for (int i = 0; i < 100 && b - a > roots->least; i++) {
+    for (int i = 0; i < 100 && b - a > roots->min; i++) {
         double at = i % 3 == 2 ? a + (b - a) / 2 : a + (b - a) * (ga / (ga - gb));
         if (!(at > a && at < b))
             at = a + (b - a) / 2;
@@ -181,7 +187,8 @@ static void bent(struct root_search *roots, const struct stretch *s, const struc
         return;
     }
     double x;
-    const bool beyond = reaches(roots, s, &x) || reaches_near(roots, s, fmin(fabs(second->lo), fabs(second->hi)), &x);
+    const bool beyond = reaches(roots, s, &x) ||
+                        reaches_near(roots, s, fmin(fabs(second->lo), fabs(second->hi)), &x);
     if (!beyond) {
         touch(roots, x);
         return;
@@ -202,9 +209,10 @@ static struct interval value_of(const struct jet *jet, const struct stretch *s)
     const double w = s->b - s->a, down = -jet->slope.lo, up = jet->slope.hi;
     if (!(down > 0 && up > 0 && down + up < HUGE_VAL))
         return value;
-    const double sum = down + up, most = down * up * w;
-    const double lo = (s->fa * up + s->fb * down - most) / sum, hi = (s->fa * down + s->fb * up + most) / sum;
-    const double slack = SLACK * (fabs(s->fa) + fabs(s->fb) + most / sum);
+    const double sum = down + up, max = down * up * w;
+    const double lo = (s->fa * up + s->fb * down - max) / sum,
+                 hi = (s->fa * down + s->fb * up + max) / sum;
+    const double slack = SLACK * (fabs(s->fa) + fabs(s->fb) + max / sum);
     if (lo - slack > value.lo)
         value.lo = lo - slack;
     if (hi + slack < value.hi)
@@ -246,7 +254,7 @@ void roots_find(struct root_search *roots, double a, double fa, double b, double
         if (decided(roots, &s))
             continue;
         const double middle = s.a + (s.b - s.a) / 2;
-        if (s.b - s.a <= roots->least || !(middle > s.a && middle < s.b) || depth + 2 > DEPTH) {
+        if (s.b - s.a <= roots->min || !(middle > s.a && middle < s.b) || depth + 2 > DEPTH) {
             const int before = roots->sign;
             pass(roots, &s);
             if (roots->sign == before)

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Quantities that follow from the parameters, with the uncertainty that the parameters give them. */
+/* Quantities that follow from the parameters, with the uncertainty that the parameters give them.
+ */
 #include "scene/model/params.h"
 
 #include <string.h>
@@ -29,9 +30,9 @@ static bool typed_motion(const struct scene *scene, struct system *system)
 }
 
 /* A parameter of the oscillator, which this is or what was typed rests on. */
-static double own(const struct scene *scene, enum param place)
+static double own(const struct scene *scene, enum param index)
 {
-    return typed_base(scene->model) == &oscillator_model ? scene->value[place] : NAN;
+    return typed_base(scene->model) == &oscillator_model ? scene->value[index] : NAN;
 }
 
 static double omega0(const struct scene *scene)
@@ -91,9 +92,12 @@ static double equilibrium(const struct scene *scene)
 {
     struct system system;
     if (typed_motion(scene, &system))
-        return system.oscillator.stiffness != 0 ? -system.oscillator.gravity / system.oscillator.stiffness : NAN;
+        return system.oscillator.stiffness != 0
+                   ? -system.oscillator.gravity / system.oscillator.stiffness
+                   : NAN;
     double k = own(scene, P_k), weight = own(scene, P_m) * own(scene, P_g);
-    return k != 0 && (weight == 0 || own(scene, P_k3) == 0) ? -weight / k : NAN; /* or the root of a cubic */
+    return k != 0 && (weight == 0 || own(scene, P_k3) == 0) ? -weight / k
+                                                            : NAN; /* or the root of a cubic */
 }
 
 /* hypot neither overflows nor underflows on the way. */
@@ -125,8 +129,9 @@ static double Re(const struct scene *scene)
 }
 
 /*
- * First-order propagation of independent uncertainties (GUM 5.1.2), each sensitivity a central difference over a step
- * small enough for its truncation and large enough for its rounding to be invisible in an uncertainty.
+ * First-order propagation of independent uncertainties (GUM 5.1.2), each sensitivity a central
+ * difference over a step small enough for its truncation and large enough for its rounding to be
+ * invisible in an uncertainty.
  */
 struct measured scene_propagate(const struct scene *scene, double (*value)(const struct scene *))
 {
@@ -145,22 +150,23 @@ struct measured scene_propagate(const struct scene *scene, double (*value)(const
     return (struct measured){value(scene), sqrt(variance)};
 }
 
-/* ---- inverses: the value of `target` that gives the quantity this value; NaN for values it cannot take ---- */
+/* ---- inverses: the value of `target` that gives the quantity this value; NaN for values it cannot
+ * take ---- */
 
 /*
- * The parameter where the scene alone would need `target`: what was typed adds its share to the coefficient `total`, as
- * long as that does not depend on the parameter.
+ * The parameter where the scene alone would need `target`: what was typed adds its share to the
+ * coefficient `total`, as long as that does not depend on the parameter.
  */
-static double without_typed(const struct scene *scene, enum param place, double target,
+static double without_typed(const struct scene *scene, enum param index, double target,
                             double (*total)(const struct system *))
 {
     struct system system;
     if (!typed_motion(scene, &system))
         return target;
     struct scene other = *scene;
-    other.value[place] += target - total(&system);
+    other.value[index] += target - total(&system);
     const double reached = typed_motion(&other, &system) ? total(&system) : NAN;
-    return fabs(reached - target) <= 1e-9 * fabs(target) ? other.value[place] : NAN;
+    return fabs(reached - target) <= 1e-9 * fabs(target) ? other.value[index] : NAN;
 }
 
 static double whole_stiffness(const struct system *system)
@@ -175,7 +181,8 @@ static double whole_damping(const struct system *system)
 
 static double omega0_inverse(const struct scene *scene, double value)
 {
-    return value > 0 ? without_typed(scene, P_k, scene->value[P_m] * value * value, whole_stiffness) : NAN;
+    return value > 0 ? without_typed(scene, P_k, scene->value[P_m] * value * value, whole_stiffness)
+                     : NAN;
 }
 
 static double T0_inverse(const struct scene *scene, double value)
@@ -204,20 +211,24 @@ static double tau_inverse(const struct scene *scene, double value)
 }
 
 /* name, unit, quantity, brief, citation, inverse and target parameter (or NULL). */
-#define DERIVED_ROWS(ROW)                                                                                              \
-    ROW(omega0, "rad/s", ANGULAR_FREQUENCY, "angular frequency without damping, sqrt(k/m)", "", omega0_inverse, "k")   \
-    ROW(T0, "s", TIME, "period without damping, 2 pi/omega0", "", T0_inverse, "k")                                     \
-    ROW(f0, "Hz", FREQUENCY, "frequency without damping, omega0/(2 pi)", "", f0_inverse, "k")                          \
-    ROW(zeta, "", NUMBER, "damping ratio gamma/(2 omega0): 1 is critical", "", zeta_inverse, "gamma")                  \
-    ROW(Q, "", NUMBER, "quality factor omega0/gamma", "", Q_inverse, "gamma")                                          \
-    ROW(tau, "s", TIME, "time in which the amplitude falls to 1/e, 2/gamma", "", tau_inverse, "gamma")                 \
-    ROW(omega_d, "rad/s", ANGULAR_FREQUENCY, "angular frequency with damping, sqrt(omega0^2 - gamma^2/4)", "", NULL,   \
-        NULL)                                                                                                          \
-    ROW(T_d, "s", TIME, "period with damping, 2 pi/omega_d", "", NULL, NULL)                                           \
-    ROW(equilibrium, "m", LENGTH, "position of rest, -m g/k", "", NULL, NULL)                                          \
-    ROW(amplitude, "m", LENGTH, "initial amplitude about the position of rest", "", NULL, NULL)                        \
-    ROW(E0, "J", ENERGY, "energy at the start", "", NULL, NULL)                                                        \
-    ROW(Re, "", NUMBER, "Reynolds number at the largest speed, amplitude * omega0", "Reynolds 1883", NULL, NULL)
+#define DERIVED_ROWS(ROW)                                                                          \
+    ROW(omega0, "rad/s", ANGULAR_FREQUENCY, "angular frequency without damping, sqrt(k/m)", "",    \
+        omega0_inverse, "k")                                                                       \
+    ROW(T0, "s", TIME, "period without damping, 2 pi/omega0", "", T0_inverse, "k")                 \
+    ROW(f0, "Hz", FREQUENCY, "frequency without damping, omega0/(2 pi)", "", f0_inverse, "k")      \
+    ROW(zeta, "", NUMBER, "damping ratio gamma/(2 omega0): 1 is critical", "", zeta_inverse,       \
+        "gamma")                                                                                   \
+    ROW(Q, "", NUMBER, "quality factor omega0/gamma", "", Q_inverse, "gamma")                      \
+    ROW(tau, "s", TIME, "time in which the amplitude falls to 1/e, 2/gamma", "", tau_inverse,      \
+        "gamma")                                                                                   \
+    ROW(omega_d, "rad/s", ANGULAR_FREQUENCY,                                                       \
+        "angular frequency with damping, sqrt(omega0^2 - gamma^2/4)", "", NULL, NULL)              \
+    ROW(T_d, "s", TIME, "period with damping, 2 pi/omega_d", "", NULL, NULL)                       \
+    ROW(equilibrium, "m", LENGTH, "position of rest, -m g/k", "", NULL, NULL)                      \
+    ROW(amplitude, "m", LENGTH, "initial amplitude about the position of rest", "", NULL, NULL)    \
+    ROW(E0, "J", ENERGY, "energy at the start", "", NULL, NULL)                                    \
+    ROW(Re, "", NUMBER, "Reynolds number at the largest speed, amplitude * omega0",                \
+        "Reynolds 1883", NULL, NULL)
 
 DERIVED_ROWS(MEASURED)
 static const struct derived_row rows[] = {DERIVED_ROWS(DERIVED_ROW)};
@@ -230,7 +241,8 @@ bool derived_for_typed(const struct model *model, struct arena *arena, struct ca
     size_t count = 0;
     for (size_t i = 0; made && i < COUNT_OF(rows); i++) {
         const struct text name = text_of(rows[i].row.name);
-        if (catalog_find(model->params, name) || model_state(model, name) >= 0 || text_is(name, "Re"))
+        if (catalog_find(model->params, name) || model_state(model, name) >= 0 ||
+            text_is(name, "Re"))
             continue;
         struct derived_row *row = &made[count++];
         *row = rows[i];
@@ -247,21 +259,26 @@ bool derived_for_typed(const struct model *model, struct arena *arena, struct ca
     return made;
 }
 
-bool scene_set_derived(struct scene *scene, const struct derived_row *row, struct measured value, struct error *error)
+bool scene_set_derived(struct scene *scene, const struct derived_row *row, struct measured value,
+                       struct error *error)
 {
     char got[REAL_TEXT_SIZE];
     real_format(value.value, got);
     if (!row->inverse)
-        return error_set(error, ERROR_COMMAND, "%s follows from the parameters and cannot be set", row->row.name);
+        return error_set(error, ERROR_COMMAND, "%s follows from the parameters and cannot be set",
+                         row->row.name);
     double target = row->inverse(scene, value.value);
     if (!isfinite(target))
-        return error_set(error, ERROR_COMMAND, "%s cannot be %s%s%s here: no finite %s gives it", row->row.name, got,
-                         *row->row.unit ? " " : "", row->row.unit, row->target);
+        return error_set(error, ERROR_COMMAND, "%s cannot be %s%s%s here: no finite %s gives it",
+                         row->row.name, got, *row->row.unit ? " " : "", row->row.unit, row->target);
     double uncertainty = 0;
     if (value.uncertainty > 0) {
         double step = 1e-5 * fmax(fabs(value.value), value.uncertainty);
-        double slope = (row->inverse(scene, value.value + step) - row->inverse(scene, value.value - step)) / (2 * step);
+        double slope =
+            (row->inverse(scene, value.value + step) - row->inverse(scene, value.value - step)) /
+            (2 * step);
         uncertainty = fabs(slope) * value.uncertainty;
     }
-    return scene_set(scene, scene_param(scene, row->target), (struct measured){target, uncertainty}, error);
+    return scene_set(scene, scene_param(scene, row->target), (struct measured){target, uncertainty},
+                     error);
 }

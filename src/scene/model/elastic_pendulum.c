@@ -1,19 +1,20 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * The elastic pendulum: a bob on a spring that swings, in Cartesian coordinates from the pivot, y up. With a stiff
- * spring the fast vibration along it is what limits explicit methods, while the swing is what one wants to see.
+ * The elastic pendulum: a bob on a spring that swings, in Cartesian coordinates from the pivot, y
+ * up. With a stiff spring the fast vibration along it is what limits explicit methods, while the
+ * swing is what one wants to see.
  */
 #include "scene/model/model.h"
 
-#define PARAMS(P)                                                                                                      \
-    P(m, "kg", MASS, 1, ABOVE(0), "mass of the bob")                                                                   \
-    P(k, "N/m", STIFFNESS, 100, AT_LEAST(0), "spring constant")                                                        \
-    P(length, "m", LENGTH, 1, AT_LEAST(0), "length of the spring at rest")                                             \
-    P(g, "m/s^2", ACCELERATION, 9.81, ANY, "gravity")                                                                  \
-    P(gamma, "1/s", RATE, 0, ANY, "linear damping F = -m gamma v")                                                     \
-    P(theta0, "rad", ANGLE, 1, ANY, "angle from the vertical at t0")                                                   \
-    P(stretch0, "m", LENGTH, 0, ANY, "how much longer than at rest the spring is at t0")                               \
-    P(rate0, "rad/s", ANGULAR_FREQUENCY, 0, ANY, "angular velocity at t0")                                             \
+#define PARAMS(P)                                                                                  \
+    P(m, "kg", MASS, 1, ABOVE(0), "mass of the bob")                                               \
+    P(k, "N/m", STIFFNESS, 100, AT_LEAST(0), "spring constant")                                    \
+    P(length, "m", LENGTH, 1, AT_LEAST(0), "length of the spring at rest")                         \
+    P(g, "m/s^2", ACCELERATION, 9.81, ANY, "gravity")                                              \
+    P(gamma, "1/s", RATE, 0, ANY, "linear damping F = -m gamma v")                                 \
+    P(theta0, "rad", ANGLE, 1, ANY, "angle from the vertical at t0")                               \
+    P(stretch0, "m", LENGTH, 0, ANY, "how much longer than at rest the spring is at t0")           \
+    P(rate0, "rad/s", ANGULAR_FREQUENCY, 0, ANY, "angular velocity at t0")                         \
     P(t0, "s", TIME, 0, ANY, "time at the start")
 
 PARAM_PLACES(PARAMS);
@@ -36,7 +37,8 @@ TERM_ADD(spring)
 }
 TERM_JACOBIAN(spring)
 {
-    double r = hypot(y[0], y[1]), ratio = c[1] / r, pull = c[0] * (1 - ratio), x = y[0] / r, z = y[1] / r;
+    double r = hypot(y[0], y[1]), ratio = c[1] / r, pull = c[0] * (1 - ratio), x = y[0] / r,
+           z = y[1] / r;
     jac[0] -= pull + c[0] * ratio * x * x;
     jac[1] -= c[0] * ratio * x * z;
     jac[4] -= c[0] * ratio * x * z;
@@ -110,15 +112,18 @@ static bool coherent(const double *param, struct error *error)
 {
     if (isfinite(param[P_k] / param[P_m]) && param[P_m] >= DBL_MIN)
         return true;
-    return error_set(error, ERROR_COMMAND, "k/m overflows: k = %g N/m, m = %g kg", param[P_k], param[P_m]);
+    return error_set(error, ERROR_COMMAND, "k/m overflows: k = %g N/m, m = %g kg", param[P_k],
+                     param[P_m]);
 }
 
 static void begin(const double *param, struct system *system)
 {
-    double r = param[P_length] + param[P_stretch0], s = sin(param[P_theta0]), c = cos(param[P_theta0]);
+    double r = param[P_length] + param[P_stretch0], s = sin(param[P_theta0]),
+           c = cos(param[P_theta0]);
     double speed = r * param[P_rate0], reach = fmax(fabs(r), param[P_length]);
     double stiffness = param[P_k] / param[P_m];
-    double sag = stiffness > 0 ? fabs(param[P_g]) / stiffness : 0; /* how far the weight stretches the spring */
+    double sag = stiffness > 0 ? fabs(param[P_g]) / stiffness
+                               : 0; /* how far the weight stretches the spring */
     reach = scale_clamp(fmax(reach, sag));
     system->t0 = param[P_t0];
     system->mass = param[P_m];
@@ -133,11 +138,14 @@ static void begin(const double *param, struct system *system)
     system->scale[2] = system->scale[3] = speed;
 }
 
-static const struct variable variables[] = {
-    {"x", QUANTITY_LENGTH}, {"y", QUANTITY_LENGTH}, {"vx", QUANTITY_VELOCITY}, {"vy", QUANTITY_VELOCITY}};
+static const struct variable variables[] = {{"x", QUANTITY_LENGTH},
+                                            {"y", QUANTITY_LENGTH},
+                                            {"vx", QUANTITY_VELOCITY},
+                                            {"vy", QUANTITY_VELOCITY}};
 
 const struct model elastic_pendulum_model = {
-    .row = {"elastic-pendulum", "", "a bob that swings on a spring: two time scales", "Vitt, Gorelik 1933", NULL},
+    .row = {"elastic-pendulum", "", "a bob that swings on a spring: two time scales",
+            "Vitt, Gorelik 1933", NULL},
     .order = 2,
     .n = 4,
     .variable = variables,

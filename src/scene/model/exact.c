@@ -1,21 +1,23 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Exact solutions of q'' + gamma q' + w2 q = -g + f cos(omega t + phase), w2 and gamma of any sign. Other linear
- * systems: exact_linear.c.
+ * Exact solutions of q'' + gamma q' + w2 q = -g + f cos(omega t + phase), w2 and gamma of any sign.
+ * Other linear systems: exact_linear.c.
  *
- * With the roots a, b of z^2 + gamma z + w2 every part of the solution is a divided difference of z -> exp(z t):
+ * With the roots a, b of z^2 + gamma z + w2 every part of the solution is a divided difference of z
+ * -> exp(z t):
  *
  *   impulse response                 h(t) = E[a, b]
  *   from rest under exp(c t)         E[a, b, c]              (c = 0: constant, i omega: a drive)
  *   its velocity                     a E[a, b, c] + E[b, c]  (Leibniz)
  *
- * so that critical damping (a = b), resonance (c = a) and k = 0 (a = 0) are nothing but nodes that meet, for which
- * divided differences have a limit: close nodes take the Taylor series, distant ones the quotient, and neither cancels.
- * The idea is that of McCurdy, Ng, Parlett, Math. Comp. 43 (1984) 501.
+ * so that critical damping (a = b), resonance (c = a) and k = 0 (a = 0) are nothing but nodes that
+ * meet, for which divided differences have a limit: close nodes take the Taylor series, distant
+ * ones the quotient, and neither cancels. The idea is that of McCurdy, Ng, Parlett, Math. Comp. 43
+ * (1984) 501.
  *
- * Everything is evaluated in long double: where it has 64 bits of mantissa and 15 of exponent (x86, and more elsewhere)
- * the result is good to half an ulp of the amplitude for phases up to 1000 and grows by 1e-19 per radian, and
- * amplitudes near both ends of double need no scaling.
+ * Everything is evaluated in long double: where it has 64 bits of mantissa and 15 of exponent (x86,
+ * and more elsewhere) the result is good to half an ulp of the amplitude for phases up to 1000 and
+ * grows by 1e-19 per radian, and amplitudes near both ends of double need no scaling.
  */
 #include <complex.h>
 #include <float.h>
@@ -27,19 +29,21 @@
 typedef long double real; /* private to this file, for the width of the formulas */
 typedef complex long double node;
 
-/* exp(z), held below overflow, still growing with the real part: growth ends as inf and not as a difference of two. */
+/* exp(z), held below overflow, still growing with the real part: growth ends as inf and not as a
+ * difference of two. */
 static node exponential(node z)
 {
-    const real most = LDBL_MAX_EXP / 2;
+    const real max = LDBL_MAX_EXP / 2;
     real x = creall(z);
-    if (x > most)
-        z += most * (1.1L - 0.1L * most / x) - x;
+    if (x > max)
+        z += max * (1.1L - 0.1L * max / x) - x;
     return cexpl(z);
 }
 
 /*
- * Sum over k of h_k / (k + n)!, h_k the complete homogeneous symmetric polynomials of nodes whose sum is 0 and whose
- * other elementary symmetric polynomials are e2 and e3: h_k = -e2 h_(k-2) + e3 h_(k-3). For nodes within 1 of 0.
+ * Sum over k of h_k / (k + n)!, h_k the complete homogeneous symmetric polynomials of nodes whose
+ * sum is 0 and whose other elementary symmetric polynomials are e2 and e3: h_k = -e2 h_(k-2) + e3
+ * h_(k-3). For nodes within 1 of 0.
  */
 static node taylor(node e2, node e3, int n)
 {
@@ -63,7 +67,8 @@ static node divided2(node a, node b, real t)
     return t * exponential((a + b) / 2 * t) * taylor(-x * x, 0, 1);
 }
 
-/* E[a, b, c], divided along the longer way to c: if that is short, all three are near each other. */
+/* E[a, b, c], divided along the longer way to c: if that is short, all three are near each other.
+ */
 static node divided3(node a, node b, node c, real t)
 {
     if (cabsl(b - c) > cabsl(a - c)) {
@@ -84,8 +89,8 @@ static bool is_oscillator(const struct system *system)
 
 bool system_has_exact(const struct system *system)
 {
-    return (system->model && system->model->exact) || is_oscillator(system) || dry_has_exact(system) ||
-           linear_has_exact(system);
+    return (system->model && system->model->exact) || is_oscillator(system) ||
+           dry_has_exact(system) || linear_has_exact(system);
 }
 
 /* The roots; a is the one of lesser magnitude where they are real. */
@@ -98,7 +103,8 @@ static struct roots roots_of(const struct oscillator *o)
 {
     struct roots z = {.w2 = (real)o->stiffness, .gamma = (real)o->damping};
     const real s = z.gamma / 2;
-    const real discriminant = fmal(-s, s, z.w2); /* one rounding: exact however near critical damping */
+    const real discriminant =
+        fmal(-s, s, z.w2); /* one rounding: exact however near critical damping */
     z.r = sqrtl(fabsl(discriminant));
     if (discriminant > 0) {
         z.a = -s + z.r * (node)I;
@@ -118,7 +124,8 @@ struct flow {
 static struct flow flow_over(const struct roots *z, real time)
 {
     const real h = creall(divided2(z->a, z->b, time)), a = creall(z->a);
-    return (struct flow){creall(exponential(z->a * time)) - a * h, h, creall(exponential(z->b * time)) + a * h};
+    return (struct flow){creall(exponential(z->a * time)) - a * h, h,
+                         creall(exponential(z->b * time)) + a * h};
 }
 
 /* The answer to a drive exp(c t) from rest, and its rate. */
@@ -136,9 +143,11 @@ struct parts {
     node p, p_rate, drive; /* complex envelopes of the driven part; the drive at that time */
 };
 
-static struct parts solve(const struct oscillator *o, const struct roots *z, double t0, const double *start, double t)
+static struct parts solve(const struct oscillator *o, const struct roots *z, double t0,
+                          const double *start, double t)
 {
-    const real q0 = (real)start[0], v0 = (real)start[1], begin = (real)t0, elapsed = (real)t - begin;
+    const real q0 = (real)start[0], v0 = (real)start[1], begin = (real)t0,
+               elapsed = (real)t - begin;
     const real gravity = (real)o->gravity;
     struct parts made = {.flow = flow_over(z, elapsed)};
     made.q = q0 * made.flow.g + v0 * made.flow.h;
@@ -147,7 +156,8 @@ static struct parts solve(const struct oscillator *o, const struct roots *z, dou
     made.v = v0 * made.flow.h_rate - (z->w2 * q0 + gravity) * made.flow.h;
     if (o->drive != 0) {
         const node c = (real)o->omega * (node)I;
-        const node drive = (real)o->drive * cexpl(((real)o->omega * begin + (real)o->phase) * (node)I);
+        const node drive =
+            (real)o->drive * cexpl(((real)o->omega * begin + (real)o->phase) * (node)I);
         made.p = drive * answer(z, c, elapsed, &made.p_rate);
         made.p_rate *= drive;
         made.drive = drive * cexpl(c * elapsed);
@@ -155,7 +165,8 @@ static struct parts solve(const struct oscillator *o, const struct roots *z, dou
     return made;
 }
 
-void system_exact(const struct system *system, double t0, const double *start, double t, double *y, double *floor)
+void system_exact(const struct system *system, double t0, const double *start, double t, double *y,
+                  double *floor)
 {
     if (system->model && system->model->exact) {
         system->model->exact(system, t0, start, t, y, floor);
@@ -169,7 +180,8 @@ void system_exact(const struct system *system, double t0, const double *start, d
         linear_exact(system, t0, start, t, y, floor);
 }
 
-void oscillator_exact(const struct oscillator *o, double t0, const double *start, double t, double *y, double *floor)
+void oscillator_exact(const struct oscillator *o, double t0, const double *start, double t,
+                      double *y, double *floor)
 {
     const struct roots z = roots_of(o);
     const struct parts made = solve(o, &z, t0, start, t);
@@ -179,27 +191,36 @@ void oscillator_exact(const struct oscillator *o, double t0, const double *start
         return;
 
     /*
-     * A relative change eps of the time scale moves q by eps |t| v, v without the cancellation between its parts; where
-     * v happens to be 0 the acceleration over a rate stands in, where that is 0 the velocity: together an envelope. A
-     * change of one coefficient alone moves roots that nearly meet by more: by a factor |b| / 2r, and never by more
-     * than |b t| / 6.
+     * A relative change eps of the time scale moves q by eps |t| v, v without the cancellation
+     * between its parts; where v happens to be 0 the acceleration over a rate stands in, where that
+     * is 0 the velocity: together an envelope. A change of one coefficient alone moves roots that
+     * nearly meet by more: by a factor |b| / 2r, and never by more than |b t| / 6.
      */
-    const real eps = (real)DBL_EPSILON, time = fabsl((real)t - (real)t0), fast = cabsl(z.b), gravity = (real)o->gravity;
-    const real q = made.q, v = made.v, v0 = (real)start[1], forced = (z.w2 * (real)start[0] + gravity) * made.flow.h;
-    real a_free = -z.w2 * q - z.gamma * v - gravity, v_free = fabsl(v0 * made.flow.h_rate) + fabsl(forced);
-    real v_top = hypotl(v_free, a_free * fminl(1 / fast, time)), a_top = hypotl(a_free, cabsl(z.a) * v_free);
+    const real eps = (real)DBL_EPSILON, time = fabsl((real)t - (real)t0), fast = cabsl(z.b),
+               gravity = (real)o->gravity;
+    const real q = made.q, v = made.v, v0 = (real)start[1],
+               forced = (z.w2 * (real)start[0] + gravity) * made.flow.h;
+    real a_free = -z.w2 * q - z.gamma * v - gravity,
+         v_free = fabsl(v0 * made.flow.h_rate) + fabsl(forced);
+    real v_top = hypotl(v_free, a_free * fminl(1 / fast, time)),
+         a_top = hypotl(a_free, cabsl(z.a) * v_free);
     real stretch = 1 + fast * fminl(0.5L / z.r, time / 6);
-    real v_drive = cabsl(made.p_rate), a_drive = cabsl(made.drive - z.w2 * made.p - z.gamma * made.p_rate);
+    real v_drive = cabsl(made.p_rate),
+         a_drive = cabsl(made.drive - z.w2 * made.p - z.gamma * made.p_rate);
     floor[0] = (double)(eps * (fabsl(q) + cabsl(made.p) + time * stretch * (v_top + v_drive)));
     floor[1] = (double)(eps * (fabsl(v) + v_drive + time * stretch * (a_top + a_drive)));
 }
 
 /* ---- at many times, a step apart ---- */
 
-#define TABLE_MOST 64  /* steps from one time where the solution is found anew to the next */
-#define TABLE_TURN 4.0 /* |b t| over all of them, at most: what rounding adds does not grow by more than exp(4) */
-#define TABLE_LEAST 8  /* fewer are not worth it */
-#define TABLE_OFF 1e-9 /* |b dt| that a time may be off its multiple: terms in dt^2 are below half an ulp of y */
+#define TABLE_MAX 64 /* steps from one time where the solution is found anew to the next */
+#define TABLE_TURN                                                                                 \
+    4.0 /* |b t| over all of them, at most: what rounding adds does not grow by more than exp(4)   \
+         */
+#define TABLE_MIN 8 /* fewer are not worth it */
+#define TABLE_OFF                                                                                  \
+    1e-9 /* |b dt| that a time may be off its multiple: terms in dt^2 are below half an ulp of y   \
+          */
 
 struct exact_table {
     const struct system *system;
@@ -209,16 +230,17 @@ struct exact_table {
     int count;
     struct {
         struct flow flow;
-        real response; /* to a constant force from rest */
+        real response;        /* to a constant force from rest */
         node p, p_rate, turn; /* of a drive that is 1 at the base; how it has turned */
-    } at[TABLE_MOST];
+    } at[TABLE_MAX];
     bool known; /* the base */
     double t;
     real q, v;
     node drive;
 };
 
-struct exact_table *exact_table_create(const struct system *system, double t0, const double *start, double h)
+struct exact_table *exact_table_create(const struct system *system, double t0, const double *start,
+                                       double h)
 {
     const struct oscillator *o = &system->oscillator;
     if ((system->model && system->model->exact) || !is_oscillator(system) || h == 0)
@@ -227,11 +249,16 @@ struct exact_table *exact_table_create(const struct system *system, double t0, c
     const node c = (real)o->omega * (node)I;
     const real fast = fmaxl(cabsl(z.b), o->drive != 0 ? cabsl(c) : 0);
     const double steps = TABLE_TURN / (double)(fast * fabsl((real)h));
-    struct exact_table *table = steps >= TABLE_LEAST ? calloc(1, sizeof *table) : NULL;
+    struct exact_table *table = steps >= TABLE_MIN ? calloc(1, sizeof *table) : NULL;
     if (!table)
         return NULL;
-    *table = (struct exact_table){.system = system, .t0 = t0, .start = {start[0], start[1]}, .h = h, .roots = z, .fast = fast};
-    table->count = steps < TABLE_MOST ? (int)steps : TABLE_MOST;
+    *table = (struct exact_table){.system = system,
+                                  .t0 = t0,
+                                  .start = {start[0], start[1]},
+                                  .h = h,
+                                  .roots = z,
+                                  .fast = fast};
+    table->count = steps < TABLE_MAX ? (int)steps : TABLE_MAX;
     for (int i = 0; i < table->count; i++) {
         const real time = (real)i * (real)h;
         table->at[i].flow = flow_over(&z, time);
@@ -274,7 +301,8 @@ void exact_table_at(struct exact_table *table, double t, double *y)
     /* As solve() from the base, and to first order in the rounding of t. */
     const struct flow *flow = &table->at[i].flow;
     const real w2 = table->roots.w2, gravity = (real)o->gravity;
-    real q = table->q * flow->g + table->v * flow->h - gravity * table->at[i].response, force = -gravity;
+    real q = table->q * flow->g + table->v * flow->h - gravity * table->at[i].response,
+         force = -gravity;
     real v = table->v * flow->h_rate - (w2 * table->q + gravity) * flow->h;
     if (o->drive != 0) {
         q += creall(table->drive * table->at[i].p);

@@ -1,24 +1,27 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Exact solutions by kinds of systems: the oscillator (exact.c), with dry friction (exact_dry.c), other linear systems with
- * constant coefficients (exact_linear.c). */
+/* Exact solutions by kinds of systems: the oscillator (exact.c), with dry friction (exact_dry.c),
+ * other linear systems with constant coefficients (exact_linear.c). */
 #ifndef HOOKE_SCENE_MODEL_EXACT_H
 #define HOOKE_SCENE_MODEL_EXACT_H
 
 #include <hooke/scene.h>
 
 /* Without quadratic drag and friction, whatever they are. */
-void oscillator_exact(const struct oscillator *o, double t0, const double *start, double t, double *y, double *floor);
+void oscillator_exact(const struct oscillator *o, double t0, const double *start, double t,
+                      double *y, double *floor);
 
 bool dry_has_exact(const struct system *system);
-void dry_exact(const struct system *system, double t0, const double *start, double t, double *y, double *floor);
+void dry_exact(const struct system *system, double t0, const double *start, double t, double *y,
+               double *floor);
 
 bool linear_has_exact(const struct system *system);
-void linear_exact(const struct system *system, double t0, const double *start, double t, double *y, double *floor);
+void linear_exact(const struct system *system, double t0, const double *start, double t, double *y,
+                  double *floor);
 /* A motion that becomes so many times as large as after one time constant just grows. */
 #define GROWN 32
 
-/* Raises most [n] to what |state| reaches in some hundred time constants, as long as it does not just grow. rate [1/s]:
- * of the fastest motion, 0: none. */
-void linear_sizes(const struct system *system, double rate, double *most);
+/* Raises most [n] to what |state| reaches in some hundred time constants, as long as it does not
+ * just grow. rate [1/s]: of the fastest motion, 0: none. */
+void linear_sizes(const struct system *system, double rate, double *max);
 
 #endif

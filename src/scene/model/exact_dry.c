@@ -1,13 +1,15 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * The oscillator with dry friction and no drive: between turning points a damped oscillation about a centre that is
- * shifted by phi = friction / w2 against the motion (den Hartog 1931, Trans. ASME 53:107). All half swings last
- * pi / omega, and with rho = exp(-gamma pi / (2 omega)) the distances from the middle at turning points follow
+ * The oscillator with dry friction and no drive: between turning points a damped oscillation about
+ * a centre that is shifted by phi = friction / w2 against the motion (den Hartog 1931, Trans. ASME
+ * 53:107). All half swings last pi / omega, and with rho = exp(-gamma pi / (2 omega)) the distances
+ * from the middle at turning points follow
  *
  *   A_(n+1) = rho A_n - (1 + rho) phi,   A_n = rho^n A_0 - (1 + rho) phi (rho^n - 1)/(rho - 1),
  *
- * until one is at most phi: there the body stays. So any time is reached at once, before the start as well as after it;
- * from rest there is no way back. With roots that are real a body turns at most once.
+ * until one is at most phi: there the body stays. So any time is reached at once, before the start
+ * as well as after it; from rest there is no way back. With roots that are real a body turns at
+ * most once.
  */
 #include "scene/model/exact.h"
 
@@ -21,7 +23,8 @@ typedef long double real; /* as in exact.c */
 bool dry_has_exact(const struct system *system)
 {
     const struct oscillator *o = &system->oscillator;
-    bool fine = system->order == 2 && system->n == 2 && o->whole && o->friction > 0 && o->drive == 0;
+    bool fine =
+        system->order == 2 && system->n == 2 && o->whole && o->friction > 0 && o->drive == 0;
     for (int i = 0; fine && i < system->terms; i++)
         fine = system->term[i].row->flags & (TERM_LINEAR | TERM_DRY);
     return fine && o->quadratic == 0;
@@ -36,7 +39,8 @@ static void move(const struct oscillator *o, double side, const double *start, r
     oscillator_exact(&branch, 0, start, (double)time, y, NULL);
 }
 
-/* Angular frequency of the swings; below 0: minus half the distance of the roots, which are real. */
+/* Angular frequency of the swings; below 0: minus half the distance of the roots, which are real.
+ */
 static real frequency(const struct oscillator *o)
 {
     const real s = (real)o->damping / 2, discriminant = fmal(-s, s, (real)o->stiffness);
@@ -44,13 +48,15 @@ static real frequency(const struct oscillator *o)
 }
 
 /*
- * The time to where a body that moves comes to rest, or back (forward < 0) to where it set out: the root of
- * |v0| cos(omega t) = (pull / omega) sin(omega t), or the same with hyperbolic functions. Infinite: there is none.
+ * The time to where a body that moves comes to rest, or back (forward < 0) to where it set out: the
+ * root of |v0| cos(omega t) = (pull / omega) sin(omega t), or the same with hyperbolic functions.
+ * Infinite: there is none.
  */
 static real turning_time(const struct oscillator *o, real omega, const double *start, real forward)
 {
     const real speed = fabsl((real)start[1]), side = start[1] > 0 ? 1 : -1;
-    const real force = (real)o->stiffness * (real)start[0] + (real)o->gravity + side * (real)o->friction;
+    const real force =
+        (real)o->stiffness * (real)start[0] + (real)o->gravity + side * (real)o->friction;
     const real pull = side * (force + (real)o->damping * (real)start[1] / 2);
     if (omega > 0)
         return (atan2l(speed * omega, pull) - (forward < 0 ? PI : 0)) / omega;
@@ -63,18 +69,20 @@ static real turning_time(const struct oscillator *o, real omega, const double *s
 /* A_n */
 static real amplitude(const struct oscillator *o, real omega, real first, real n)
 {
-    const real log_rho = -(real)o->damping * PI / (2 * omega), phi = (real)o->friction / (real)o->stiffness;
+    const real log_rho = -(real)o->damping * PI / (2 * omega),
+               phi = (real)o->friction / (real)o->stiffness;
     const real sum = log_rho != 0 ? expm1l(n * log_rho) / expm1l(log_rho) : n;
     return expl(n * log_rho) * first - (1 + expl(log_rho)) * phi * sum;
 }
 
-/* The first n up to `most` where the body stays; most + 1: none. Up to there A_n falls, or it grows for ever. */
-static real sticking(const struct oscillator *o, real omega, real first, real most)
+/* The first n up to `most` where the body stays; most + 1: none. Up to there A_n falls, or it grows
+ * for ever. */
+static real sticking(const struct oscillator *o, real omega, real first, real max)
 {
     const real phi = (real)o->friction / (real)o->stiffness;
-    if (!(most >= 1) || amplitude(o, omega, first, most) > phi)
-        return most + 1;
-    real above = 0, below = most;
+    if (!(max >= 1) || amplitude(o, omega, first, max) > phi)
+        return max + 1;
+    real above = 0, below = max;
     while (below - above > 1) {
         const real middle = floorl((above + below) / 2);
         if (amplitude(o, omega, first, middle) > phi)
@@ -100,8 +108,10 @@ static void swing(const struct oscillator *o, real omega, double q, real time, d
         move(o, time < 0 ? -away : away, start, time, y);
         return;
     }
-    const real middle = -(real)o->gravity / (real)o->stiffness, half = PI / omega, first = fabsl((real)q - middle);
-    const real whole = floorl(fabsl(time) / half), stuck = time > 0 ? sticking(o, omega, first, whole) : whole + 1;
+    const real middle = -(real)o->gravity / (real)o->stiffness, half = PI / omega,
+               first = fabsl((real)q - middle);
+    const real whole = floorl(fabsl(time) / half),
+               stuck = time > 0 ? sticking(o, omega, first, whole) : whole + 1;
     const real n = time > 0 ? fminl(whole, stuck) : -whole;
     const real side = (fmodl(fabsl(n), 2) == 1 ? -1 : 1) * ((real)q > middle ? 1 : -1);
     const double at[2] = {(double)(middle + side * amplitude(o, omega, first, n)), 0};
@@ -111,7 +121,8 @@ static void swing(const struct oscillator *o, real omega, double q, real time, d
         move(o, (double)(time > 0 ? -side : side), n == 0 ? start : at, time - n * half, y);
 }
 
-void dry_exact(const struct system *system, double t0, const double *start, double t, double *y, double *floor)
+void dry_exact(const struct system *system, double t0, const double *start, double t, double *y,
+               double *floor)
 {
     const struct oscillator *o = &system->oscillator;
     const real omega = frequency(o), time = (real)t - (real)t0, forward = time < 0 ? -1 : 1;
@@ -123,7 +134,8 @@ void dry_exact(const struct system *system, double t0, const double *start, doub
         double at[2] = {first[0], 0};
         if (start[1] != 0)
             move(o, start[1] > 0 ? 1 : -1, first, turn, at);
-        if (fabs(o->stiffness * at[0] + o->gravity) <= o->friction && (forward > 0 || start[1] == 0))
+        if (fabs(o->stiffness * at[0] + o->gravity) <= o->friction &&
+            (forward > 0 || start[1] == 0))
             stay(at[0], y);
         else
             swing(o, omega, at[0], time - turn, y);

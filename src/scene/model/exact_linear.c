@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * The exact solution of y' = A y + b: exp(X) of X = [A b; 0 0] t on the state with a 1 below it, by scaling and
- * squaring (Higham, Functions of Matrices, 2008, 10.3). What is squared is E = exp(X/2^s) - 1, E <- 2 E + E E: so slow
- * motion keeps its digits beside a fast one that is over soon, where exp(X/2^s) would round it away s times. The series
- * of E is that of Taylor, with X/2^s small enough for ten terms; balancing (Parlett, Reinsch 1969, Numer. Math. 13:293)
- * makes X small where units are far apart.
+ * The exact solution of y' = A y + b: exp(X) of X = [A b; 0 0] t on the state with a 1 below it, by
+ * scaling and squaring (Higham, Functions of Matrices, 2008, 10.3). What is squared is E =
+ * exp(X/2^s) - 1, E <- 2 E + E E: so slow motion keeps its digits beside a fast one that is over
+ * soon, where exp(X/2^s) would round it away s times. The series of E is that of Taylor, with X/2^s
+ * small enough for ten terms; balancing (Parlett, Reinsch 1969, Numer. Math. 13:293) makes X small
+ * where units are far apart.
  */
 #include <float.h>
 #include <math.h>
@@ -12,8 +13,8 @@
 
 #include "scene/model/exact.h"
 
-#define LINEAR_MOST 16 /* variables: a matrix product of more is slow for each row of a run */
-#define SIDE (LINEAR_MOST + 1)
+#define LINEAR_MAX 16 /* variables: a matrix product of more is slow for each row of a run */
+#define SIDE (LINEAR_MAX + 1)
 #define TERMS 10
 #define SMALL (1. / 16) /* (1/16)^10/11! is below the rounding of long double */
 
@@ -42,7 +43,7 @@ static void coefficients(const struct system *system, struct matrix *x)
 bool linear_has_exact(const struct system *system)
 {
     struct matrix x;
-    bool fine = system->linear && system->autonomous && system->n <= LINEAR_MOST;
+    bool fine = system->linear && system->autonomous && system->n <= LINEAR_MAX;
     if (fine)
         coefficients(system, &x);
     for (int i = 0; fine && i < x.n; i++)
@@ -51,7 +52,8 @@ bool linear_has_exact(const struct system *system)
     return fine;
 }
 
-/* Makes it D^-1 X D, rows and columns of which are about the same size; d: the diagonal of D, powers of two. */
+/* Makes it D^-1 X D, rows and columns of which are about the same size; d: the diagonal of D,
+ * powers of two. */
 static void balance(struct matrix *x, real *d)
 {
     const int n = x->n - 1;
@@ -76,13 +78,13 @@ static void balance(struct matrix *x, real *d)
         }
     }
     /* The 1 below the state comes from nowhere: any size will do. */
-    real most = 0, shift = 0;
+    real max = 0, shift = 0;
     for (int i = 0; i < n; i++) {
         for (int j = 0; j < n; j++)
-            most = fmaxl(most, fabsl(x->at[i][j]));
+            max = fmaxl(max, fabsl(x->at[i][j]));
         shift = fmaxl(shift, fabsl(x->at[i][n]));
     }
-    const int power = most > 0 && shift > 0 ? ilogbl(most) - ilogbl(shift) : 0;
+    const int power = max > 0 && shift > 0 ? ilogbl(max) - ilogbl(shift) : 0;
     d[n] = scalbnl(1, power);
     for (int i = 0; i < n; i++)
         x->at[i][n] = scalbnl(x->at[i][n], power);
@@ -90,33 +92,35 @@ static void balance(struct matrix *x, real *d)
 
 static real norm(const struct matrix *x)
 {
-    real most = 0;
+    real max = 0;
     for (int i = 0; i < x->n; i++) {
         real sum = 0;
         for (int j = 0; j < x->n; j++)
             sum += fabsl(x->at[i][j]);
-        most = fmaxl(most, sum);
+        max = fmaxl(max, sum);
     }
-    return most;
+    return max;
 }
 
-/* c = part (share a + b e), held where its square does not overflow: growth ends as a large number, not as NaN. */
-static void multiply_add(real part, real share, const struct matrix *a, const struct matrix *b, const struct matrix *e,
-                         struct matrix *c)
+/* c = part (share a + b e), held where its square does not overflow: growth ends as a large number,
+ * not as NaN. */
+static void multiply_add(real part, real fraction, const struct matrix *a, const struct matrix *b,
+                         const struct matrix *e, struct matrix *c)
 {
-    const real most = scalbnl(1, LDBL_MAX_EXP / 2 - 8);
+    const real max = scalbnl(1, LDBL_MAX_EXP / 2 - 8);
     const int n = c->n = a->n;
     for (int i = 0; i < n; i++)
         for (int j = 0; j < n; j++) {
-            real sum = share * a->at[i][j];
+            real sum = fraction * a->at[i][j];
             for (int k = 0; k < n; k++)
                 sum += b->at[i][k] * e->at[k][j];
-            c->at[i][j] = fabsl(sum) <= most ? part * sum : copysignl(most, sum);
+            c->at[i][j] = fabsl(sum) <= max ? part * sum : copysignl(max, sum);
         }
 }
 
 /* exp(x t) - 1 and, where it is wanted, the integral of exp(x t) over t, to a few per cent. */
-static void exponential(const struct matrix *x, real t, struct matrix *made, struct matrix *integral)
+static void exponential(const struct matrix *x, real t, struct matrix *made,
+                        struct matrix *integral)
 {
     struct matrix e[2], scaled = {.n = x->n}, before;
     const real size = norm(x) * fabsl(t) / (real)SMALL;
@@ -159,18 +163,20 @@ static void dependence(const struct matrix *x, unsigned *on)
 }
 
 /*
- * What one ulp does. In the time scale it moves the state by eps |t| y'. A rate passes through 0 where another of the
- * same motion is largest, so the largest of all that the variable depends on stands for it, in units of the natural
- * sizes. In a coefficient it moves the rate by eps |A| |y|, more than y' where fast motion has come to rest, and the
- * state by the integral of exp(A t) times that; where motion grows it was small while exp(A t) had far to go, so that
- * |t| bounds what takes its place. What has decayed is the difference of 1 and -E: rounding of long double stays.
+ * What one ulp does. In the time scale it moves the state by eps |t| y'. A rate passes through 0
+ * where another of the same motion is largest, so the largest of all that the variable depends on
+ * stands for it, in units of the natural sizes. In a coefficient it moves the rate by eps |A| |y|,
+ * more than y' where fast motion has come to rest, and the state by the integral of exp(A t) times
+ * that; where motion grows it was small while exp(A t) had far to go, so that |t| bounds what takes
+ * its place. What has decayed is the difference of 1 and -E: rounding of long double stays.
  */
 static void find_floor(const struct system *system, const struct matrix *x, const real *d,
-                       const struct matrix *integral, const double *start, real t, const real *y, double *floor)
+                       const struct matrix *integral, const double *start, real t, const real *y,
+                       double *floor)
 {
     const int n = system->n;
-    unsigned on[LINEAR_MOST];
-    real rate[LINEAR_MOST], parts[LINEAR_MOST];
+    unsigned on[LINEAR_MAX];
+    real rate[LINEAR_MAX], parts[LINEAR_MAX];
     dependence(x, on);
     for (int i = 0; i < n; i++) {
         rate[i] = x->at[i][n];
@@ -182,13 +188,14 @@ static void find_floor(const struct system *system, const struct matrix *x, cons
         rate[i] = fabsl(rate[i]) / (real)system->scale[i];
     }
     for (int i = 0; i < n; i++) {
-        real most = 0, moved = 0, begun = 0;
+        real max = 0, moved = 0, begun = 0;
         for (int j = 0; j < n; j++) {
-            most = on[i] >> j & 1 ? fmaxl(most, rate[j]) : most;
+            max = on[i] >> j & 1 ? fmaxl(max, rate[j]) : max;
             begun = on[i] >> j & 1 ? fmaxl(begun, d[i] * fabsl((real)start[j]) / d[j]) : begun;
             moved += d[i] * fminl(fabsl(integral->at[i][j]), fabsl(t)) / d[j] * parts[j];
         }
-        floor[i] = (double)((real)DBL_EPSILON * (fabsl(y[i]) + fabsl(t) * most * (real)system->scale[i] + moved) +
+        floor[i] = (double)((real)DBL_EPSILON *
+                                (fabsl(y[i]) + fabsl(t) * max * (real)system->scale[i] + moved) +
                             16 * LDBL_EPSILON * begun);
     }
 }
@@ -211,7 +218,8 @@ static void go(const struct matrix *e, real *z)
         z[i] += by[i];
 }
 
-void linear_exact(const struct system *system, double t0, const double *start, double t, double *y, double *floor)
+void linear_exact(const struct system *system, double t0, const double *start, double t, double *y,
+                  double *floor)
 {
     const int n = system->n;
     const real elapsed = (real)t - (real)t0;
@@ -231,7 +239,7 @@ void linear_exact(const struct system *system, double t0, const double *start, d
         find_floor(system, &x, d, &integral, start, elapsed, z, floor);
 }
 
-void linear_sizes(const struct system *system, double rate, double *most)
+void linear_sizes(const struct system *system, double rate, double *max)
 {
     enum { STAGES = 6, STEPS = 16 }; /* each stage takes twice the time of the one before */
     const int n = system->n;
@@ -249,13 +257,15 @@ void linear_sizes(const struct system *system, double rate, double *most)
             go(&e, z);
             for (int i = 0; i < n; i++)
                 last = fmaxl(last, fabsl(z[i]));
-            for (int i = 0; i < n && (stage == 0 || last <= 4 * first); i++) /* later it may only have grown */
-                most[i] = fmax(most[i], fabs((double)(d[i] * z[i])));
+            for (int i = 0; i < n && (stage == 0 || last <= 4 * first);
+                 i++) /* later it may only have grown */
+                max[i] = fmax(max[i], fabs((double)(d[i] * z[i])));
             if (stage == 0 && step == STEPS / 8 - 1) {
                 constant = last;
-                memcpy(early, most, (size_t)n * sizeof *early);
-            } else if (stage == 0 && constant > 0 && last > GROWN * constant) { /* a run may be too short for this */
-                memcpy(most, early, (size_t)n * sizeof *early);
+                memcpy(early, max, (size_t)n * sizeof *early);
+            } else if (stage == 0 && constant > 0 &&
+                       last > GROWN * constant) { /* a run may be too short for this */
+                memcpy(max, early, (size_t)n * sizeof *early);
                 return;
             }
         }

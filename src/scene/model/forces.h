@@ -1,14 +1,17 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Forces of models that kernels compile in once more, as those of terms.def: one text, so both give the same bits. */
+/* Forces of models that kernels compile in once more, as those of terms.def: one text, so both give
+ * the same bits. */
 #ifndef HOOKE_SCENE_MODEL_FORCES_H
 #define HOOKE_SCENE_MODEL_FORCES_H
 
 #include "scene/model/model.h"
 
-#define MODEL_FORCE(name) static inline void name##_add(const double *c, UNUSED double t, const double *y, double *a)
+#define MODEL_FORCE(name)                                                                          \
+    static inline void name##_add(const double *c, UNUSED double t, const double *y, double *a)
 
-#define MODEL_SLOPES(name)                                                                                             \
-    static inline void name##_jacobian(const double *c, UNUSED double t, const double *y, double *jac)
+#define MODEL_SLOPES(name)                                                                         \
+    static inline void name##_jacobian(const double *c, UNUSED double t, const double *y,          \
+                                       double *jac)
 
 /* pendulum */
 #include "scene/model/weight.def"

@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Henon and Heiles' star in a galaxy: orderly at low energy, chaotic towards the escape energy 1/6. No units. */
+/* Henon and Heiles' star in a galaxy: orderly at low energy, chaotic towards the escape energy 1/6.
+ * No units. */
 #include "scene/model/forces.h"
 
-#define PARAMS(P)                                                                                                      \
-    P(x0, "", NUMBER, 0, ANY, "x at t0")                                                                               \
-    P(y0, "", NUMBER, 0, ANY, "y at t0")                                                                               \
-    P(vx0, "", NUMBER, 0.24, ANY, "velocity along x at t0")                                                            \
-    P(vy0, "", NUMBER, 0.32, ANY, "velocity along y at t0")                                                            \
+#define PARAMS(P)                                                                                  \
+    P(x0, "", NUMBER, 0, ANY, "x at t0")                                                           \
+    P(y0, "", NUMBER, 0, ANY, "y at t0")                                                           \
+    P(vx0, "", NUMBER, 0.24, ANY, "velocity along x at t0")                                        \
+    P(vy0, "", NUMBER, 0.32, ANY, "velocity along y at t0")                                        \
     P(t0, "s", TIME, 0, ANY, "time at the start")
 
 PARAM_PLACES(PARAMS);
@@ -42,10 +43,10 @@ static const struct catalog term_table = CATALOG("force term", terms);
 
 static void begin(const double *param, struct system *system)
 {
-    static const int place[] = {P_x0, P_y0, P_vx0, P_vy0};
+    static const int index[] = {P_x0, P_y0, P_vx0, P_vy0};
     double size = 0;
     for (int i = 0; i < 4; i++) {
-        system->start[i] = param[place[i]];
+        system->start[i] = param[index[i]];
         size = hypot(size, system->start[i]);
     }
     for (int i = 0; i < 4; i++)
@@ -54,11 +55,14 @@ static void begin(const double *param, struct system *system)
     system->mass = 1;
 }
 
-static const struct variable variables[] = {
-    {"x", QUANTITY_NUMBER}, {"y", QUANTITY_NUMBER}, {"vx", QUANTITY_NUMBER}, {"vy", QUANTITY_NUMBER}};
+static const struct variable variables[] = {{"x", QUANTITY_NUMBER},
+                                            {"y", QUANTITY_NUMBER},
+                                            {"vx", QUANTITY_NUMBER},
+                                            {"vy", QUANTITY_NUMBER}};
 
 const struct model henon_heiles_model = {
-    .row = {"henon-heiles", "", "a star in a galaxy: two springs and a cubic coupling", "Henon, Heiles 1964", NULL},
+    .row = {"henon-heiles", "", "a star in a galaxy: two springs and a cubic coupling",
+            "Henon, Heiles 1964", NULL},
     .order = 2,
     .n = 4,
     .variable = variables,

@@ -1,20 +1,22 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Two bodies: r'' = -gm r/|r|^3, from the pericentre of an ellipse with semi-major axis 1. No units.
+ * Two bodies: r'' = -gm r/|r|^3, from the pericentre of an ellipse with semi-major axis 1. No
+ * units.
  *
- * The exact solution goes by Kepler's equation in the universal variable s (ds = sqrt(gm) dt/r), which is the same for
- * ellipses, parabolas and hyperbolas (Battin 1987, 4.5 and 4.6): with alpha = 2/r0 - v0^2/gm = 1/a and
- * sigma = r0.v0/sqrt(gm),
+ * The exact solution goes by Kepler's equation in the universal variable s (ds = sqrt(gm) dt/r),
+ * which is the same for ellipses, parabolas and hyperbolas (Battin 1987, 4.5 and 4.6): with alpha =
+ * 2/r0 - v0^2/gm = 1/a and sigma = r0.v0/sqrt(gm),
  *
  *   sqrt(gm) (t - t0) = r0 U1 + sigma U2 + U3,  r = r0 U0 + sigma U1 + U2
  *
- * where U0 … U3 are cos, sin, … of sqrt(alpha) s over powers of sqrt(alpha), free of cancellation for small alpha s^2.
+ * where U0 … U3 are cos, sin, … of sqrt(alpha) s over powers of sqrt(alpha), free of cancellation
+ * for small alpha s^2.
  */
 #include "scene/model/forces.h"
 
-#define PARAMS(P)                                                                                                      \
-    P(e, "", NUMBER, 0.5, AT_LEAST(0), "eccentricity of the orbit: 0 a circle, below 1")                               \
-    P(gm, "", NUMBER, 1, ABOVE(0), "strength of the attraction")                                                       \
+#define PARAMS(P)                                                                                  \
+    P(e, "", NUMBER, 0.5, AT_LEAST(0), "eccentricity of the orbit: 0 a circle, below 1")           \
+    P(gm, "", NUMBER, 1, ABOVE(0), "strength of the attraction")                                   \
     P(t0, "s", TIME, 0, ANY, "time at the start")
 
 PARAM_PLACES(PARAMS);
@@ -59,8 +61,8 @@ static double E0(const struct scene *scene)
     return scene_start_energy(scene);
 }
 
-#define DERIVED_ROWS(ROW)                                                                                              \
-    ROW(period, "s", TIME, "time of a turn, 2 pi/sqrt(gm)", "Kepler 1619", NULL, NULL)                                 \
+#define DERIVED_ROWS(ROW)                                                                          \
+    ROW(period, "s", TIME, "time of a turn, 2 pi/sqrt(gm)", "Kepler 1619", NULL, NULL)             \
     ROW(E0, "", NUMBER, "energy, -gm/2", "", NULL, NULL)
 
 DERIVED_ROWS(MEASURED)
@@ -71,7 +73,8 @@ static bool coherent(const double *param, struct error *error)
 {
     if (param[P_e] < 1)
         return true;
-    return error_set(error, ERROR_COMMAND, "e must be < 1 (got %g): the orbit is an ellipse", param[P_e]);
+    return error_set(error, ERROR_COMMAND, "e must be < 1 (got %g): the orbit is an ellipse",
+                     param[P_e]);
 }
 
 static void begin(const double *param, struct system *system)
@@ -90,7 +93,8 @@ typedef long double real; /* private to this file, as in exact.c */
 /* U0 … U3 at s. The last by its series where s - sin s would cancel. */
 static void universal(real alpha, real s, real u[4])
 {
-    real x = alpha * s * s, root = sqrtl(fabsl(alpha)), angle = root * s, half, term = s * s * s / 6;
+    real x = alpha * s * s, root = sqrtl(fabsl(alpha)), angle = root * s, half,
+         term = s * s * s / 6;
     if (fabsl(x) < 1) {
         real sum[2] = {0, 0}, next = s * s / 2;
         for (int k = 0; k < 16; k++) {
@@ -144,11 +148,13 @@ static real kepler_equation(real alpha, real r0, real sigma, real time, real u[4
     return s;
 }
 
-static void exact(const struct system *system, double t0, const double *start, double t, double *y, double *floor)
+static void exact(const struct system *system, double t0, const double *start, double t, double *y,
+                  double *floor)
 {
-    const real gm = (real)system->term[0].c[0], x0 = (real)start[0], y0 = (real)start[1], root = sqrtl(gm),
-               vx = (real)start[2] / root, vy = (real)start[3] / root, r0 = hypotl(x0, y0), v2 = vx * vx + vy * vy,
-               alpha = 2 / r0 - v2, sigma = x0 * vx + y0 * vy, elapsed = (real)t - (real)t0;
+    const real gm = (real)system->term[0].c[0], x0 = (real)start[0], y0 = (real)start[1],
+               root = sqrtl(gm), vx = (real)start[2] / root, vy = (real)start[3] / root,
+               r0 = hypotl(x0, y0), v2 = vx * vx + vy * vy, alpha = 2 / r0 - v2,
+               sigma = x0 * vx + y0 * vy, elapsed = (real)t - (real)t0;
     real time = root * elapsed, u[4];
     if (alpha > 0) { /* whole turns change nothing */
         const real turn = 2 * acosl(-1) / (alpha * sqrtl(alpha));
@@ -170,8 +176,9 @@ static void exact(const struct system *system, double t0, const double *start, d
     if (!floor)
         return;
     /*
-     * An ulp in the start changes alpha by 2 eps (1/r0 + v0^2), alpha/a of it the period by 3/2 as much, and so shifts
-     * the time along the orbit; it turns and stretches the orbit by a few ulp, too.
+     * An ulp in the start changes alpha by 2 eps (1/r0 + v0^2), alpha/a of it the period by 3/2 as
+     * much, and so shifts the time along the orbit; it turns and stretches the orbit by a few ulp,
+     * too.
      */
     const real eps = (real)DBL_EPSILON, stretch = alpha > 0 ? 3 * (1 / r0 + v2) / alpha : 4;
     const real shift = eps * stretch * fabsl(elapsed), turned = eps * (alpha > 0 ? stretch : 4);
@@ -182,8 +189,10 @@ static void exact(const struct system *system, double t0, const double *start, d
     }
 }
 
-static const struct variable variables[] = {
-    {"x", QUANTITY_NUMBER}, {"y", QUANTITY_NUMBER}, {"vx", QUANTITY_NUMBER}, {"vy", QUANTITY_NUMBER}};
+static const struct variable variables[] = {{"x", QUANTITY_NUMBER},
+                                            {"y", QUANTITY_NUMBER},
+                                            {"vx", QUANTITY_NUMBER},
+                                            {"vy", QUANTITY_NUMBER}};
 
 const struct model kepler_model = {
     .row = {"kepler", "", "a planet around its sun", "Kepler 1609", NULL},

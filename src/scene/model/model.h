@@ -2,8 +2,8 @@
 /*
  * What a model's file needs. A new model is a file model_NAME.c and its name below and in models.c.
  *
- * Its parameters are a macro PARAMS(P) with a line P(name, unit, quantity, default [SI], range, brief) each:
- * PARAM_PLACES makes the places P_name of it, PARAM_ROWS the table.
+ * Its parameters are a macro PARAMS(P) with a line P(name, unit, quantity, default [SI], range,
+ * brief) each: PARAM_PLACES makes the places P_name of it, PARAM_ROWS the table.
  */
 #ifndef HOOKE_SCENE_MODEL_MODEL_H
 #define HOOKE_SCENE_MODEL_MODEL_H
@@ -20,14 +20,17 @@ extern const struct catalog no_derived; /* of a model without derived quantities
 
 /* ---- parameters ---- */
 
-#define ANY .least = -HUGE_VAL
-#define AT_LEAST(limit) .least = (limit)
-#define ABOVE(limit) .least = (limit), .least_excluded = true
+#define ANY .min = -HUGE_VAL
+#define AT_LEAST(limit) .min = (limit)
+#define ABOVE(limit) .min = (limit), .least_excluded = true
 
 #define PARAM_PLACE(name, ...) P_##name,
 #define PARAM_PLACES(PARAMS) enum { PARAMS(PARAM_PLACE) P_COUNT }
-#define PARAM_ROW(name, unit, kind, value, range, brief)                                                               \
-    {.row = {#name, (unit), (brief), "", NULL}, .quantity = QUANTITY_##kind, .initial = (value), range},
+#define PARAM_ROW(name, unit, kind, value, range, brief)                                           \
+    {.row = {#name, (unit), (brief), "", NULL},                                                    \
+     .quantity = QUANTITY_##kind,                                                                  \
+     .initial = (value),                                                                           \
+     range},
 
 /* ---- derived quantities: rows as in derived.c, name(scene) gives the value ---- */
 
@@ -36,30 +39,36 @@ extern const struct catalog no_derived; /* of a model without derived quantities
 struct measured scene_propagate(const struct scene *scene, double (*value)(const struct scene *));
 double scene_start_energy(const struct scene *scene); /* [J] */
 
-#define MEASURED(name, ...)                                                                                            \
-    static struct measured name##_measured(const struct scene *scene)                                                  \
-    {                                                                                                                  \
-        return scene_propagate(scene, name);                                                                           \
+#define MEASURED(name, ...)                                                                        \
+    static struct measured name##_measured(const struct scene *scene)                              \
+    {                                                                                              \
+        return scene_propagate(scene, name);                                                       \
     }
-#define DERIVED_ROW(name, unit, kind, brief, citation, back, param)                                                    \
+#define DERIVED_ROW(name, unit, kind, brief, citation, back, param)                                \
     {{#name, unit, brief, citation, NULL}, QUANTITY_##kind, name##_measured, back, param},
 
-/* Those of the oscillator for one whose equation was typed, but where the name is taken. False: no memory. */
+/* Those of the oscillator for one whose equation was typed, but where the name is taken. False: no
+ * memory. */
 bool derived_for_typed(const struct model *model, struct arena *arena, struct catalog *derived);
 
 /* ---- terms: not each needs all that a row's function is given ---- */
 
 #define UNUSED __attribute__((__unused__))
-#define TERM_BIND(name)                                                                                                \
-    static bool name##_bind(UNUSED const double *param, UNUSED double *c, UNUSED struct oscillator *oscillator)
-#define TERM_ADD(name)                                                                                                 \
-    static void name##_add(UNUSED const double *c, UNUSED double t, UNUSED const double *y, double *a)
-#define TERM_JACOBIAN(name)                                                                                            \
-    static void name##_jacobian(UNUSED const double *c, UNUSED double t, UNUSED const double *y, double *jac)
+#define TERM_BIND(name)                                                                            \
+    static bool name##_bind(UNUSED const double *param, UNUSED double *c,                          \
+                            UNUSED struct oscillator *oscillator)
+#define TERM_ADD(name)                                                                             \
+    static void name##_add(UNUSED const double *c, UNUSED double t, UNUSED const double *y,        \
+                           double *a)
+#define TERM_JACOBIAN(name)                                                                        \
+    static void name##_jacobian(UNUSED const double *c, UNUSED double t, UNUSED const double *y,   \
+                                double *jac)
 #define TERM_POTENTIAL(name) static double name##_potential(const double *c, const double *y)
-#define TERM_POWER(name) static double name##_power(const double *c, UNUSED double t, const double *y)
+#define TERM_POWER(name)                                                                           \
+    static double name##_power(const double *c, UNUSED double t, const double *y)
 
-/* What dry friction f [m/s^2] makes of the acceleration by all other forces: at rest as much as it takes, up to f. */
+/* What dry friction f [m/s^2] makes of the acceleration by all other forces: at rest as much as it
+ * takes, up to f. */
 static inline double dry_acceleration(double f, double v, double a)
 {
     if (v != 0)
@@ -67,7 +76,8 @@ static inline double dry_acceleration(double f, double v, double a)
     return fabs(a) <= f ? 0 : a - copysign(f, a);
 }
 
-/* Natural sizes of one oscillator, with cubic y^3 [1/(m^2 s^2)] and van der Pol's force beside it. */
+/* Natural sizes of one oscillator, with cubic y^3 [1/(m^2 s^2)] and van der Pol's force beside it.
+ */
 void oscillator_scale(struct system *system, double cubic, double mu, double width);
 
 /* A natural size that error norms can divide by. */

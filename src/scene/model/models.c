@@ -8,4 +8,5 @@ const struct model *const scene_models[] = {
     &robertson_model,  &orego_model,        NULL,
 };
 
-const struct catalog no_derived = {"derived quantity", NULL, 0, sizeof(struct derived_row), NULL, 0};
+const struct catalog no_derived = {"derived quantity",         NULL, 0,
+                                   sizeof(struct derived_row), NULL, 0};

@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The Oregonator of Field and Noyes: a chemical clock whose concentrations jump over five powers of ten. */
+/* The Oregonator of Field and Noyes: a chemical clock whose concentrations jump over five powers of
+ * ten. */
 #include "scene/model/model.h"
 
-#define PARAMS(P)                                                                                                      \
-    P(s, "1/s", RATE, 77.27, ABOVE(0), "fast rate, also 1/s of the second equation")                                   \
-    P(q, "", NUMBER, 8.375e-6, AT_LEAST(0), "what limits the first concentration")                                     \
-    P(w, "1/s", RATE, 0.161, AT_LEAST(0), "slow rate")                                                                 \
+#define PARAMS(P)                                                                                  \
+    P(s, "1/s", RATE, 77.27, ABOVE(0), "fast rate, also 1/s of the second equation")               \
+    P(q, "", NUMBER, 8.375e-6, AT_LEAST(0), "what limits the first concentration")                 \
+    P(w, "1/s", RATE, 0.161, AT_LEAST(0), "slow rate")                                             \
     P(t0, "s", TIME, 0, ANY, "time at the start")
 
 PARAM_PLACES(PARAMS);
@@ -37,14 +38,16 @@ TERM_JACOBIAN(reaction)
 }
 
 static const struct term_row terms[] = {
-    {.row = {"reaction", "1/s", "three of the steps of the Belousov-Zhabotinskii reaction", "Field, Noyes 1974", NULL},
+    {.row = {"reaction", "1/s", "three of the steps of the Belousov-Zhabotinskii reaction",
+             "Field, Noyes 1974", NULL},
      .bind = reaction_bind,
      .add = reaction_add,
      .jacobian = reaction_jacobian},
 };
 static const struct catalog term_table = CATALOG("term", terms);
 
-/* Between its spikes of up to 1e5 everything is near 1, and that is when the next one is decided. */
+/* Between its spikes of up to 1e5 everything is near 1, and that is when the next one is decided.
+ */
 static void begin(const double *param, struct system *system)
 {
     system->t0 = param[P_t0];
@@ -55,7 +58,8 @@ static void begin(const double *param, struct system *system)
     }
 }
 
-static const struct variable variables[] = {{"y1", QUANTITY_NUMBER}, {"y2", QUANTITY_NUMBER}, {"y3", QUANTITY_NUMBER}};
+static const struct variable variables[] = {
+    {"y1", QUANTITY_NUMBER}, {"y2", QUANTITY_NUMBER}, {"y3", QUANTITY_NUMBER}};
 
 const struct model orego_model = {
     .row = {"orego", "", "the Oregonator: a chemical clock", "Field, Noyes 1974", NULL},

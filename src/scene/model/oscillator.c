@@ -1,16 +1,19 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The oscillator: the spring and all that can be hung on it. Its parameters and terms are terms.def. */
+/* The oscillator: the spring and all that can be hung on it. Its parameters and terms are
+ * terms.def. */
 #include "scene/model/params.h"
 
 /*
- * Natural sizes, for error norms. `rate` is 1/time: sqrt|k/m| where there is a spring, else what the other forces set.
- * The answer to a drive is taken no closer to resonance than a tenth of the spring's own frequency squared. Two wells
- * and a limit cycle are sizes too; the limit cycle of a strong van der Pol term mostly creeps, and its speed is that.
+ * Natural sizes, for error norms. `rate` is 1/time: sqrt|k/m| where there is a spring, else what
+ * the other forces set. The answer to a drive is taken no closer to resonance than a tenth of the
+ * spring's own frequency squared. Two wells and a limit cycle are sizes too; the limit cycle of a
+ * strong van der Pol term mostly creeps, and its speed is that.
  */
 void oscillator_scale(struct system *system, double cubic, double mu, double width)
 {
     const struct oscillator *o = &system->oscillator;
-    double y0 = fabs(system->start[0]), v0 = fabs(system->start[1]), g = fabs(o->gravity), f = fabs(o->drive);
+    double y0 = fabs(system->start[0]), v0 = fabs(system->start[1]), g = fabs(o->gravity),
+           f = fabs(o->drive);
     if (cubic > 0 && o->stiffness < 0)
         y0 = fmax(y0, sqrt(-o->stiffness / cubic));
     if (mu > 0 && o->stiffness > 0)
@@ -21,7 +24,8 @@ void oscillator_scale(struct system *system, double cubic, double mu, double wid
         rate = sqrt(fabs(cubic)) * y0;
     }
     if (rate == 0)
-        rate = fmax(fmax(fabs(o->damping), sqrt(fabs(o->quadratic)) * fmax(sqrt(fabs(o->quadratic)) * v0, sqrt(g))),
+        rate = fmax(fmax(fabs(o->damping),
+                         sqrt(fabs(o->quadratic)) * fmax(sqrt(fabs(o->quadratic)) * v0, sqrt(g))),
                     f > 0 ? o->omega : 0);
     if (rate == 0 && v0 > 0)
         rate = o->friction / v0;

@@ -14,14 +14,16 @@ const struct catalog param_catalog = CATALOG("parameter", rows);
 static int place_of(const struct catalog *catalog, const char *name)
 {
     const struct row *found = catalog_find(catalog, text_of(name));
-    return found ? (int)((size_t)((const char *)found - (const char *)catalog->rows) / catalog->stride) : -1;
+    return found ? (int)((size_t)((const char *)found - (const char *)catalog->rows) /
+                         catalog->stride)
+                 : -1;
 }
 
 int param_index(const char *name)
 {
-    int place = place_of(&param_catalog, name);
-    assert(place >= 0);
-    return place;
+    int index = place_of(&param_catalog, name);
+    assert(index >= 0);
+    return index;
 }
 
 const struct catalog *scene_params(const struct scene *scene)
@@ -56,8 +58,9 @@ static double preset_value(const struct scene *scene, int param)
 
 void scene_init(struct scene *scene, const struct preset *preset)
 {
-    *scene = (struct scene){.preset =
-                                preset ? preset : (const struct preset *)(const void *)catalog_row(&preset_catalog, 0)};
+    *scene = (struct scene){
+        .preset =
+            preset ? preset : (const struct preset *)(const void *)catalog_row(&preset_catalog, 0)};
     scene->model = scene->preset->model ? scene->preset->model : &oscillator_model;
     for (size_t i = 0; i < scene->model->params->count; i++)
         scene_unset(scene, (int)i);
@@ -77,16 +80,17 @@ void scene_unset(struct scene *scene, int param)
 
 static bool in_range(const struct param_row *row, double value, struct error *error)
 {
-    if (isfinite(value) && (row->least_excluded ? value > row->least : value >= row->least))
+    if (isfinite(value) && (row->least_excluded ? value > row->min : value >= row->min))
         return true;
-    char got[REAL_TEXT_SIZE], least[REAL_TEXT_SIZE];
+    char got[REAL_TEXT_SIZE], min[REAL_TEXT_SIZE];
     const char *unit = row->row.unit;
     real_format(value, got);
     if (!isfinite(value))
-        return error_set(error, ERROR_COMMAND, "%s must be a finite number (got %s)", row->row.name, got);
-    real_format(row->least, least);
+        return error_set(error, ERROR_COMMAND, "%s must be a finite number (got %s)", row->row.name,
+                         got);
+    real_format(row->min, min);
     return error_set(error, ERROR_COMMAND, "%s must be %s %s (got %s%s%s)", row->row.name,
-                     row->least_excluded ? ">" : ">=", least, got, *unit ? " " : "", unit);
+                     row->least_excluded ? ">" : ">=", min, got, *unit ? " " : "", unit);
 }
 
 bool params_coherent(const double *param, struct error *error)

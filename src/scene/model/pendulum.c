@@ -1,18 +1,21 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The pendulum: a bob on a rigid rod, swinging or turning over, with damping and a driving force along its path. */
+/* The pendulum: a bob on a rigid rod, swinging or turning over, with damping and a driving force
+ * along its path. */
 #include "scene/model/forces.h"
 
-#define PARAMS(P)                                                                                                      \
-    P(m, "kg", MASS, 0.2, ABOVE(0), "mass of the bob")                                                                 \
-    P(length, "m", LENGTH, 1, ABOVE(0), "length of the rod")                                                           \
-    P(g, "m/s^2", ACCELERATION, 9.81, ANY, "gravity")                                                                  \
-    P(gamma, "1/s", RATE, 0, ANY, "linear damping of theta'' + gamma theta' + (g/length) sin theta = 0")               \
-    P(F0, "N", FORCE, 0, ANY, "driving force F0 cos(omega t + phase) along the path of the bob")                       \
-    P(omega, "rad/s", ANGULAR_FREQUENCY, 2, AT_LEAST(0), "angular frequency of the driving force")                     \
-    P(phase, "rad", ANGLE, 0, ANY, "phase of the driving force at t = 0")                                              \
-    P(friction, "N", FORCE, 0, AT_LEAST(0), "dry friction along the path of the bob, against the motion")              \
-    P(theta0, "rad", ANGLE, 1, ANY, "angle from the vertical at t0")                                                   \
-    P(rate0, "rad/s", ANGULAR_FREQUENCY, 0, ANY, "angular velocity at t0")                                             \
+#define PARAMS(P)                                                                                  \
+    P(m, "kg", MASS, 0.2, ABOVE(0), "mass of the bob")                                             \
+    P(length, "m", LENGTH, 1, ABOVE(0), "length of the rod")                                       \
+    P(g, "m/s^2", ACCELERATION, 9.81, ANY, "gravity")                                              \
+    P(gamma, "1/s", RATE, 0, ANY,                                                                  \
+      "linear damping of theta'' + gamma theta' + (g/length) sin theta = 0")                       \
+    P(F0, "N", FORCE, 0, ANY, "driving force F0 cos(omega t + phase) along the path of the bob")   \
+    P(omega, "rad/s", ANGULAR_FREQUENCY, 2, AT_LEAST(0), "angular frequency of the driving force") \
+    P(phase, "rad", ANGLE, 0, ANY, "phase of the driving force at t = 0")                          \
+    P(friction, "N", FORCE, 0, AT_LEAST(0),                                                        \
+      "dry friction along the path of the bob, against the motion")                                \
+    P(theta0, "rad", ANGLE, 1, ANY, "angle from the vertical at t0")                               \
+    P(rate0, "rad/s", ANGULAR_FREQUENCY, 0, ANY, "angular velocity at t0")                         \
     P(t0, "s", TIME, 0, ANY, "time at the start")
 
 PARAM_PLACES(PARAMS);
@@ -85,7 +88,8 @@ TERM_POWER(friction)
 }
 
 static const struct term_row terms[] = {
-    {.row = {"weight", "rad/s^2", "weight, pulling back by (g/length) sin theta", "Huygens 1673", NULL},
+    {.row = {"weight", "rad/s^2", "weight, pulling back by (g/length) sin theta", "Huygens 1673",
+             NULL},
      .flags = TERM_CONSERVATIVE,
      .bind = weight_bind,
      .add = weight_add,
@@ -97,12 +101,14 @@ static const struct term_row terms[] = {
      .add = damping_add,
      .jacobian = damping_jacobian,
      .power = damping_power},
-    {.row = {"drive", "rad/s^2", "driving force F = F0 cos(omega t + phase) along the path", "", NULL},
+    {.row = {"drive", "rad/s^2", "driving force F = F0 cos(omega t + phase) along the path", "",
+             NULL},
      .flags = TERM_LINEAR | TERM_TIME,
      .bind = drive_bind,
      .add = drive_add,
      .power = drive_power},
-    {.row = {"friction", "rad/s^2", "dry friction F = -friction sign(theta') along the path", "Coulomb 1785", NULL},
+    {.row = {"friction", "rad/s^2", "dry friction F = -friction sign(theta') along the path",
+             "Coulomb 1785", NULL},
      .flags = TERM_VELOCITY | TERM_KINK | TERM_DRY,
      .bind = friction_bind,
      .add = friction_add,
@@ -121,11 +127,14 @@ static double T0(const struct scene *scene)
     return TWO_PI / omega0(scene);
 }
 
-/* T0 over the arithmetic-geometric mean of 1 and cos(a/2), a the largest angle (Gauss); turning over it has none. */
+/* T0 over the arithmetic-geometric mean of 1 and cos(a/2), a the largest angle (Gauss); turning
+ * over it has none. */
 static double period(const struct scene *scene)
 {
     double s = sin(scene->value[P_theta0] / 2), turn = scene->value[P_rate0] / (2 * omega0(scene));
-    double a = 1, b = sqrt(1 - s * s - turn * turn); /* energy: sin^2 of half the largest angle is s^2 + turn^2 */
+    double a = 1,
+           b = sqrt(1 - s * s -
+                    turn * turn); /* energy: sin^2 of half the largest angle is s^2 + turn^2 */
     while (b > 0 && a - b > 4 * DBL_EPSILON * a) {
         double mean = (a + b) / 2;
         b = sqrt(a * b);
@@ -149,12 +158,13 @@ static double T0_inverse(const struct scene *scene, double value)
     return omega0_inverse(scene, TWO_PI / value);
 }
 
-#define DERIVED_ROWS(ROW)                                                                                              \
-    ROW(omega0, "rad/s", ANGULAR_FREQUENCY, "angular frequency of small swings, sqrt(g/length)", "", omega0_inverse,   \
-        "length")                                                                                                      \
-    ROW(T0, "s", TIME, "period of small swings, 2 pi/omega0", "Huygens 1673", T0_inverse, "length")                    \
-    ROW(period, "s", TIME, "period of swings as wide as at the start, without damping and drive", "Gauss 1799", NULL,  \
-        NULL)                                                                                                          \
+#define DERIVED_ROWS(ROW)                                                                          \
+    ROW(omega0, "rad/s", ANGULAR_FREQUENCY, "angular frequency of small swings, sqrt(g/length)",   \
+        "", omega0_inverse, "length")                                                              \
+    ROW(T0, "s", TIME, "period of small swings, 2 pi/omega0", "Huygens 1673", T0_inverse,          \
+        "length")                                                                                  \
+    ROW(period, "s", TIME, "period of swings as wide as at the start, without damping and drive",  \
+        "Gauss 1799", NULL, NULL)                                                                  \
     ROW(E0, "J", ENERGY, "energy at the start, from the bottom", "", NULL, NULL)
 
 DERIVED_ROWS(MEASURED)
@@ -166,14 +176,17 @@ static bool coherent(const double *param, struct error *error)
     double inertia = param[P_m] * param[P_length] * param[P_length];
     if (isfinite(param[P_g] / param[P_length]) && isfinite(inertia) && inertia >= DBL_MIN)
         return true;
-    return error_set(error, ERROR_COMMAND, "g/length or m length^2 overflows: m = %g kg, length = %g m, g = %g m/s^2",
+    return error_set(error, ERROR_COMMAND,
+                     "g/length or m length^2 overflows: m = %g kg, length = %g m, g = %g m/s^2",
                      param[P_m], param[P_length], param[P_g]);
 }
 
-/* A radian is a natural angle as soon as the swing is not small; the drive's answer is at most a turn or so. */
+/* A radian is a natural angle as soon as the swing is not small; the drive's answer is at most a
+ * turn or so. */
 static void begin(const double *param, struct system *system)
 {
-    double rate = sqrt(fabs(param[P_g] / param[P_length])), drive = fabs(param[P_F0]) / (param[P_m] * param[P_length]);
+    double rate = sqrt(fabs(param[P_g] / param[P_length])),
+           drive = fabs(param[P_F0]) / (param[P_m] * param[P_length]);
     rate = rate > 0 ? rate : fmax(fabs(param[P_gamma]), param[P_omega]);
     rate = rate > 0 ? rate : 1;
     double angle = fmax(fabs(param[P_theta0]), fabs(param[P_rate0]) / rate);
@@ -186,10 +199,12 @@ static void begin(const double *param, struct system *system)
     system->scale[1] = scale_clamp(fmax(angle * rate, fabs(param[P_rate0])));
 }
 
-static const struct variable variables[] = {{"theta", QUANTITY_ANGLE}, {"rate", QUANTITY_ANGULAR_FREQUENCY}};
+static const struct variable variables[] = {{"theta", QUANTITY_ANGLE},
+                                            {"rate", QUANTITY_ANGULAR_FREQUENCY}};
 
 const struct model pendulum_model = {
-    .row = {"pendulum", "", "theta'' = -(g/length) sin theta, damped and driven if asked for", "Huygens 1673", NULL},
+    .row = {"pendulum", "", "theta'' = -(g/length) sin theta, damped and driven if asked for",
+            "Huygens 1673", NULL},
     .order = 2,
     .n = 2,
     .variable = variables,

@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* y' = lambda (y - cos t) - sin t: the solution is cos t however stiff the pull towards it. Order reduction shows here.
+/* y' = lambda (y - cos t) - sin t: the solution is cos t however stiff the pull towards it. Order
+ * reduction shows here.
  */
 #include "scene/model/model.h"
 
-#define PARAMS(P)                                                                                                      \
-    P(lambda, "1/s", RATE, -1e6, ANY, "rate of the pull towards cos t (< 0: stable)")                                  \
-    P(y0, "", NUMBER, 1, ANY, "y at t0; cos t0 is on the smooth solution")                                             \
+#define PARAMS(P)                                                                                  \
+    P(lambda, "1/s", RATE, -1e6, ANY, "rate of the pull towards cos t (< 0: stable)")              \
+    P(y0, "", NUMBER, 1, ANY, "y at t0; cos t0 is on the smooth solution")                         \
     P(t0, "s", TIME, 0, ANY, "time at the start")
 
 PARAM_PLACES(PARAMS);
@@ -44,13 +45,16 @@ static void begin(const double *param, struct system *system)
 }
 
 /* y = cos t + (y0 - cos t0) exp(lambda (t - t0)) */
-static void exact(const struct system *system, double t0, const double *start, double t, double *y, double *floor)
+static void exact(const struct system *system, double t0, const double *start, double t, double *y,
+                  double *floor)
 {
     double lambda = system->term[0].c[0], x = lambda * (t - t0), away = start[0] - cos(t0);
     double transient = away != 0 ? away * exp(x) : 0;
     y[0] = cos(t) + transient;
-    if (floor) /* an ulp in the start decays or grows with what it is an ulp of, an ulp of t moves cos t */
-        floor[0] = DBL_EPSILON * (fabs(y[0]) + fabs(t * sin(t)) + fabs(x * transient) + fabs(start[0]) * exp(x));
+    if (floor) /* an ulp in the start decays or grows with what it is an ulp of, an ulp of t moves
+                  cos t */
+        floor[0] = DBL_EPSILON *
+                   (fabs(y[0]) + fabs(t * sin(t)) + fabs(x * transient) + fabs(start[0]) * exp(x));
 }
 
 static const struct variable variables[] = {{"y", QUANTITY_NUMBER}};

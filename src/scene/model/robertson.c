@@ -2,10 +2,10 @@
 /* Robertson's autocatalytic reaction: rates from 0.04 to 3e7, over times from 1e-5 to 1e11. */
 #include "scene/model/forces.h"
 
-#define PARAMS(P)                                                                                                      \
-    P(k1, "1/s", RATE, 0.04, AT_LEAST(0), "rate of A -> B")                                                            \
-    P(k2, "1/s", RATE, 3e7, AT_LEAST(0), "rate of B + B -> C + B")                                                     \
-    P(k3, "1/s", RATE, 1e4, AT_LEAST(0), "rate of B + C -> A + C")                                                     \
+#define PARAMS(P)                                                                                  \
+    P(k1, "1/s", RATE, 0.04, AT_LEAST(0), "rate of A -> B")                                        \
+    P(k2, "1/s", RATE, 3e7, AT_LEAST(0), "rate of B + B -> C + B")                                 \
+    P(k3, "1/s", RATE, 1e4, AT_LEAST(0), "rate of B + C -> A + C")                                 \
     P(t0, "s", TIME, 0, ANY, "time at the start")
 
 PARAM_PLACES(PARAMS);
@@ -38,10 +38,12 @@ static void begin(const double *param, struct system *system)
     system->scale[1] = param[P_k2] > param[P_k1] ? scale_clamp(sqrt(param[P_k1] / param[P_k2])) : 1;
 }
 
-static const struct variable variables[] = {{"y1", QUANTITY_NUMBER}, {"y2", QUANTITY_NUMBER}, {"y3", QUANTITY_NUMBER}};
+static const struct variable variables[] = {
+    {"y1", QUANTITY_NUMBER}, {"y2", QUANTITY_NUMBER}, {"y3", QUANTITY_NUMBER}};
 
 const struct model robertson_model = {
-    .row = {"robertson", "", "a chemical reaction with very different rates", "Robertson 1966", NULL},
+    .row = {"robertson", "", "a chemical reaction with very different rates", "Robertson 1966",
+            NULL},
     .order = 1,
     .n = 3,
     .variable = variables,

@@ -6,14 +6,15 @@
 #include "scene/model/terms.def"
 #undef TERM_BODIES
 
-#define TERM_ROW(term, term_flags, text, source)                                                                       \
-    .row = {#term, "m/s^2", (text), (source), NULL}, .flags = (term_flags), .bind = term##_bind, .add = term##_add,    \
-    .jacobian = term##_jacobian
+#define TERM_ROW(term, term_flags, text, source)                                                   \
+    .row = {#term, "m/s^2", (text), (source), NULL}, .flags = (term_flags), .bind = term##_bind,   \
+    .add = term##_add, .jacobian = term##_jacobian
 
 static const struct term_row rows[] = {
-#define CONSERVATIVE_TERM(name, flags, brief, citation)                                                                \
+#define CONSERVATIVE_TERM(name, flags, brief, citation)                                            \
     {TERM_ROW(name, (flags) | TERM_CONSERVATIVE, brief, citation), .potential = name##_potential},
-#define POWERED_TERM(name, flags, brief, citation) {TERM_ROW(name, flags, brief, citation), .power = name##_power},
+#define POWERED_TERM(name, flags, brief, citation)                                                 \
+    {TERM_ROW(name, flags, brief, citation), .power = name##_power},
 #include "scene/model/terms.def"
 };
 

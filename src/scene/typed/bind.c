@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Binding a typed scene. Programs are made once for each set of parameters that are 0 and kept with the model; threads
- * may bind at the same time: whoever comes second throws its own away.
+ * Binding a typed scene. Programs are made once for each set of parameters that are 0 and kept with
+ * the model; threads may bind at the same time: whoever comes second throws its own away.
  */
 #include "scene/typed/typed.h"
 
@@ -33,7 +33,8 @@ void typed_parts_destroy(struct typed_parts *parts)
     free(parts);
 }
 
-static struct typed_part *find(struct typed_part *from, const struct typed_part *end, uint64_t zeros)
+static struct typed_part *find(struct typed_part *from, const struct typed_part *end,
+                               uint64_t zeros)
 {
     while (from != end && from->zeros != zeros)
         from = from->next;
@@ -47,7 +48,8 @@ static struct typed_part *part_for(const struct typed *typed, uint64_t zeros, st
     if (found)
         return found;
     if (atomic_load(&parts->count) >= PARTS_MOST) {
-        error_set(error, ERROR_COMMAND, "more than %d different sets of parameters were 0 in this scene", PARTS_MOST);
+        error_set(error, ERROR_COMMAND,
+                  "more than %d different sets of parameters were 0 in this scene", PARTS_MOST);
         return NULL;
     }
     struct typed_part *made = typed_part_create(typed, zeros, error);
@@ -78,7 +80,8 @@ static bool complete(const struct typed *typed, struct error *error)
         return true;
     const struct text name = typed->line[typed->incomplete].name;
     error_set(error, ERROR_COMMAND, "%.*s has no equation", (int)name.len, name.at);
-    return error_hint(error, "type %.*s' = EXPR or %.*s'' = EXPR", (int)name.len, name.at, (int)name.len, name.at);
+    return error_hint(error, "type %.*s' = EXPR or %.*s'' = EXPR", (int)name.len, name.at,
+                      (int)name.len, name.at);
 }
 
 /* The same for all terms of a part, but for the first. */
@@ -105,7 +108,8 @@ static struct bound_term bind_term(const struct typed_term *term, const double *
     return bound;
 }
 
-bool typed_bind(const struct typed *typed, const double *param, struct system *system, struct error *error)
+bool typed_bind(const struct typed *typed, const double *param, struct system *system,
+                struct error *error)
 {
     if (!complete(typed, error))
         return false;
@@ -151,8 +155,8 @@ const struct program *term_program(const struct bound_term *term, int *values)
 
 /* ---- force and potential ---- */
 
-static bool disagree(const struct system *system, const double *y, int i, double slope, double force,
-                     struct error *error)
+static bool disagree(const struct system *system, const double *y, int i, double slope,
+                     double force, struct error *error)
 {
     struct buffer at = {0};
     for (int k = 0; k < system->n / 2; k++) {
@@ -163,11 +167,14 @@ static bool disagree(const struct system *system, const double *y, int i, double
     char got[REAL_TEXT_SIZE], wanted[REAL_TEXT_SIZE];
     real_format(slope, got);
     real_format(force, wanted);
-    error_set(error, ERROR_COMMAND, "the potential is not that of the force: at %s -dV/d%s is %s and the force %s",
+    error_set(error, ERROR_COMMAND,
+              "the potential is not that of the force: at %s -dV/d%s is %s and the force %s",
               at.data ? at.data : "?", name, got, wanted);
     buffer_free(&at);
-    return error_hint(error, "V has to be in joules, with -dV/dx the force that depends on positions only; without a "
-                             "potential forces count as work");
+    return error_hint(
+        error,
+        "V has to be in joules, with -dV/dx the force that depends on positions only; without a "
+        "potential forces count as work");
 }
 
 bool typed_check(const struct system *system, struct error *error)

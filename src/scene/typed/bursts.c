@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Bursts of typed equations: stretches so short that samples miss them. What bounds of the equations (interval
- * arithmetic, Moore 1966) allow between samples is compared with what the samples show; where they allow more, a
- * stretch is cut in two, until it is seen, or until nothing that matters can hide in it.
+ * Bursts of typed equations: stretches so short that samples miss them. What bounds of the
+ * equations (interval arithmetic, Moore 1966) allow between samples is compared with what the
+ * samples show; where they allow more, a stretch is cut in two, until it is seen, or until nothing
+ * that matters can hide in it.
  */
 #include "scene/typed/typed.h"
 
@@ -12,15 +13,15 @@
 #include "scene/formula/jet.h"
 
 #define SAMPLES 7
-#define SEEN 8.0      /* times what samples show: bounds are wider than the truth */
-#define TINY 1e-13    /* of a variable's size: what a stretch may add to it unseen */
-#define DEPTH_LEAST 6 /* halvings: longer stretches are no bursts */
+#define SEEN 8.0    /* times what samples show: bounds are wider than the truth */
+#define TINY 1e-13  /* of a variable's size: what a stretch may add to it unseen */
+#define DEPTH_MIN 6 /* halvings: longer stretches are no bursts */
 #define DEPTH_MOST 50
 #define ROUNDING 1e-12
 #define AT_ENDS 1e-6 /* of a way: where a step ended at a switch, what follows is not on it; */
 #define ULPS 16      /* of t, at least */
-#define LOOKS 3000 /* bounds of a row */
-#define STEEP 4    /* times the change: a derivative at an end that is no part of a smooth way */
+#define LOOKS 3000   /* bounds of a row */
+#define STEEP 4      /* times the change: a derivative at an end that is no part of a smooth way */
 
 /* The way, as bounds of all names on a part of it. */
 struct way {
@@ -33,7 +34,8 @@ struct way {
     struct jet name[1 + LIMIT_VARIABLES + TERM_VALUES], centre[1 + LIMIT_VARIABLES + TERM_VALUES];
 };
 
-/* Hermite's cubic, which knows the derivatives at the ends; straight where they say little about what is between. */
+/* Hermite's cubic, which knows the derivatives at the ends; straight where they say little about
+ * what is between. */
 static void bend_way(const struct system *system, struct way *way)
 {
     const double h = way->t[1] - way->t[0];
@@ -51,20 +53,24 @@ static void bend_way(const struct system *system, struct way *way)
 
 static struct jet along(const struct way *way, int i, double a, double b)
 {
-    const double c = way->rate[i], d = way->bend[0][i], e = way->bend[1][i], length2 = (b - a) * (b - a) / 8;
+    const double c = way->rate[i], d = way->bend[0][i], e = way->bend[1][i],
+                 length2 = (b - a) * (b - a) / 8;
     const double bend[] = {2 * d + 6 * e * a, 2 * d + 6 * e * b};
     const double slope[] = {c + a * (2 * d + 3 * e * a), c + b * (2 * d + 3 * e * b)};
-    const double value[] = {way->from[i] + a * (c + a * (d + a * e)), way->from[i] + b * (c + b * (d + b * e))};
+    const double value[] = {way->from[i] + a * (c + a * (d + a * e)),
+                            way->from[i] + b * (c + b * (d + b * e))};
     const double off = fmax(fabs(bend[0]), fabs(bend[1])) * length2, turn = fabs(6 * e) * length2;
-    return (struct jet){interval_wide(fmin(value[0], value[1]) - off, fmax(value[0], value[1]) + off, 2),
-                        interval_wide(fmin(slope[0], slope[1]) - turn, fmax(slope[0], slope[1]) + turn, 2),
-                        interval_wide(fmin(bend[0], bend[1]), fmax(bend[0], bend[1]), 2)};
+    return (struct jet){
+        interval_wide(fmin(value[0], value[1]) - off, fmax(value[0], value[1]) + off, 2),
+        interval_wide(fmin(slope[0], slope[1]) - turn, fmax(slope[0], slope[1]) + turn, 2),
+        interval_wide(fmin(bend[0], bend[1]), fmax(bend[0], bend[1]), 2)};
 }
 
 static struct jet between(double from, double to, double a, double b)
 {
     const double at = from + (to - from) * a, end = from + (to - from) * b;
-    return (struct jet){interval_wide(fmin(at, end), fmax(at, end), 2), interval_point(to - from), interval_point(0)};
+    return (struct jet){interval_wide(fmin(at, end), fmax(at, end), 2), interval_point(to - from),
+                        interval_point(0)};
 }
 
 /* a < b in [0, 1]; a == b: a point. */
@@ -126,68 +132,77 @@ static struct stretch_look look(struct way *way, int row, double a, double b)
 {
     const struct jet bounds = row_bounds(way, row, a, b);
     const double width = bounds.value.hi - bounds.value.lo, length = b - a;
-    const double bent = largest(bounds.bend) * length * length / 8; /* from the straight line between the ends */
+    const double bent =
+        largest(bounds.bend) * length * length / 8; /* from the straight line between the ends */
     const double first = row_value(way, row, a), last = row_value(way, row, b);
     double low = fmin(first, last), high = fmax(first, last), off = 0;
     for (int i = 1; i < SAMPLES; i++) {
-        const double share = (double)i / SAMPLES, value = row_value(way, row, a + length * share);
+        const double fraction = (double)i / SAMPLES,
+                     value = row_value(way, row, a + length * fraction);
         low = fmin(low, value);
         high = fmax(high, value);
-        off = fmax(off, fabs(value - first - (last - first) * share));
+        off = fmax(off, fabs(value - first - (last - first) * fraction));
     }
     const double hidden = fmin(bent, width);
-    if (isnan(width) || hidden < ROUNDING * largest(bounds.value)) /* no number there, or rounding */
+    if (isnan(width) ||
+        hidden < ROUNDING * largest(bounds.value)) /* no number there, or rounding */
         return (struct stretch_look){0, 0};
-    return bent < width ? (struct stretch_look){bent, off} : (struct stretch_look){width, high - low};
+    return bent < width ? (struct stretch_look){bent, off}
+                        : (struct stretch_look){width, high - low};
 }
 
 /*
- * Do the samples differ from what lies around? Where a smooth force turns from one bend to the other its samples see
- * little of what bounds allow, too (1/8 of it with the best of bounds): there the polynomial through points on
- * either side (Lagrange) says what is between, and samples that agree with it are no burst.
+ * Do the samples differ from what lies around? Where a smooth force turns from one bend to the
+ * other its samples see little of what bounds allow, too (1/8 of it with the best of bounds): there
+ * the polynomial through points on either side (Lagrange) says what is between, and samples that
+ * agree with it are no burst.
  */
 static bool stands_out(struct way *way, int row, double a, double b, double seen)
 {
     enum { POINTS = 6 };
     static const double around_it[3][POINTS] = {
         {-1, -0.5, 0, 1, 1.5, 2}, {0, 1, 1.5, 2, 2.5, 3}, {-2, -1.5, -1, -0.5, 0, 1}};
-    const double *at = around_it[a < b - a ? 1 : b + (b - a) > 1 ? 2 : 0]; /* there may be a switch at an end */
+    const double *at = around_it[a < b - a         ? 1
+                                 : b + (b - a) > 1 ? 2
+                                                   : 0]; /* there may be a switch at an end */
     double value[POINTS], off = 0;
     for (int k = 0; k < POINTS; k++)
         value[k] = row_value(way, row, a + at[k] * (b - a));
     for (int i = 1; i < SAMPLES; i++) {
-        const double share = (double)i / SAMPLES;
+        const double fraction = (double)i / SAMPLES;
         double around = 0;
         for (int k = 0; k < POINTS; k++) {
             double weight = 1;
             for (int j = 0; j < POINTS; j++)
-                weight *= j == k ? 1 : (share - at[j]) / (at[k] - at[j]);
+                weight *= j == k ? 1 : (fraction - at[j]) / (at[k] - at[j]);
             around += weight * value[k];
         }
-        const double difference = fabs(row_value(way, row, a + share * (b - a)) - around);
+        const double difference = fabs(row_value(way, row, a + fraction * (b - a)) - around);
         off = isnan(difference) ? INFINITY : fmax(off, difference);
     }
     return off * SEEN > seen;
 }
 
 /* Appends [a, b] as times, to the burst before where they meet. */
-static int keep(const struct way *way, double a, double b, struct burst *burst, int count, int most)
+static int keep(const struct way *way, double a, double b, struct burst *burst, int count, int max)
 {
-    const double from = way->t[0] + (way->t[1] - way->t[0]) * a, to = way->t[0] + (way->t[1] - way->t[0]) * b;
+    const double from = way->t[0] + (way->t[1] - way->t[0]) * a,
+                 to = way->t[0] + (way->t[1] - way->t[0]) * b;
     for (int i = 0; i < count; i++)
-        if (fmin(from, to) <= fmax(burst[i].from, burst[i].to) && fmax(from, to) >= fmin(burst[i].from, burst[i].to)) {
+        if (fmin(from, to) <= fmax(burst[i].from, burst[i].to) &&
+            fmax(from, to) >= fmin(burst[i].from, burst[i].to)) {
             const bool forward = way->t[1] > way->t[0];
             burst[i].from = forward ? fmin(burst[i].from, from) : fmax(burst[i].from, from);
             burst[i].to = forward ? fmax(burst[i].to, to) : fmin(burst[i].to, to);
             return count;
         }
-    if (count < most)
+    if (count < max)
         burst[count++] = (struct burst){from, to};
     return count;
 }
 
 static int search_row(struct way *way, int row, double size, bool sure, struct burst *burst,
-                      int count, int most)
+                      int count, int max)
 {
     const double length = fabs(way->t[1] - way->t[0]);
     const double ulps = ULPS * DBL_EPSILON * fmax(fabs(way->t[0]), fabs(way->t[1])) / length;
@@ -207,9 +222,9 @@ static int search_row(struct way *way, int row, double size, bool sure, struct b
         if (!(at.hidden * (b - a) * fabs(way->t[1] - way->t[0]) > TINY * size))
             continue;
         const bool seen = at.hidden <= SEEN * at.seen;
-        if (seen && depth >= DEPTH_LEAST && (!sure || stands_out(way, row, a, b, at.seen)))
-            count = keep(way, a == ends ? 0 : a, b == 1 - ends ? 1 : b, burst, count, most);
-        if (seen && (depth >= DEPTH_LEAST || !stands_out(way, row, a, b, at.seen)))
+        if (seen && depth >= DEPTH_MIN && (!sure || stands_out(way, row, a, b, at.seen)))
+            count = keep(way, a == ends ? 0 : a, b == 1 - ends ? 1 : b, burst, count, max);
+        if (seen && (depth >= DEPTH_MIN || !stands_out(way, row, a, b, at.seen)))
             continue; /* of a long stretch one sample may have met a burst by chance */
         if (depth == DEPTH_MOST)
             continue; /* a jump, or no number */
@@ -223,16 +238,17 @@ static int search_row(struct way *way, int row, double size, bool sure, struct b
     return count;
 }
 
-int system_bursts(const struct system *system, const double t[2], const double *from, const double *to, bool sure,
-                  struct burst *burst, int count, int most)
+int system_bursts(const struct system *system, const double t[2], const double *from,
+                  const double *to, bool sure, struct burst *burst, int count, int max)
 {
     const struct typed *typed = system->model->typed;
     if (!typed)
         return count;
-    struct way way = {.typed = typed, .c = system->typed.c, .t = {t[0], t[1]}, .from = from, .to = to};
+    struct way way = {
+        .typed = typed, .c = system->typed.c, .t = {t[0], t[1]}, .from = from, .to = to};
     const int rows = typed_rows(typed);
     bend_way(system, &way);
     for (int i = 0; i < rows; i++)
-        count = search_row(&way, i, system->scale[system->n - rows + i], sure, burst, count, most);
+        count = search_row(&way, i, system->scale[system->n - rows + i], sure, burst, count, max);
     return count;
 }

@@ -21,8 +21,10 @@ static bool read_expr(struct compile *c, const struct typed_line *line, const st
         return true;
     error_at(c->error, rest, "the expression ends before '%.*s'", (int)rest.len, rest.at);
     if (unit_match(rest))
-        return error_hint(c->error, "units stand with values: param NAME = 0.2 N/m, then NAME here");
-    return !strchr(")=,;'", rest.at[0]) ? error_hint(c->error, "a product is written with *: 2*x") : false;
+        return error_hint(c->error,
+                          "units stand with values: param NAME = 0.2 N/m, then NAME here");
+    return !strchr(")=,;'", rest.at[0]) ? error_hint(c->error, "a product is written with *: 2*x")
+                                        : false;
 }
 
 /* What is observed first: each knows those above, equations know all. */
@@ -34,7 +36,8 @@ static bool read_all(struct compile *c)
         if (line->kind != TYPED_OBSERVE)
             continue;
         if (typed->observes == LIMIT_OBSERVED)
-            return error_at(c->error, line->name, "a scene has at most %d observed quantities", LIMIT_OBSERVED);
+            return error_at(c->error, line->name, "a scene has at most %d observed quantities",
+                            LIMIT_OBSERVED);
         if (!read_expr(c, line, &typed->observe[typed->observes]) ||
             typed_symbol(c, line->name, SYMBOL_OBSERVED, typed->observes, line->name) < 0)
             return false;
@@ -58,7 +61,7 @@ static bool read_all(struct compile *c)
 
 static enum quantity rate_of(enum quantity quantity)
 {
-    return quantity == QUANTITY_LENGTH ? QUANTITY_VELOCITY
+    return quantity == QUANTITY_LENGTH  ? QUANTITY_VELOCITY
            : quantity == QUANTITY_ANGLE ? QUANTITY_ANGULAR_FREQUENCY
                                         : QUANTITY_NUMBER;
 }
@@ -79,13 +82,16 @@ static bool lay_out(struct compile *c)
     int second = 0;
     for (int i = 0; i < c->unknowns; i++) {
         struct unknown *u = &c->unknown[i];
-        u->order = u->equation ? u->equation->order : u->speed || c->symbol[u->velocity].used ? 2 : 1;
+        u->order = u->equation                               ? u->equation->order
+                   : u->speed || c->symbol[u->velocity].used ? 2
+                                                             : 1;
         second += u->order == 2;
     }
     model->order = c->unknowns > 0 && second == c->unknowns ? 2 : 1;
     model->n = c->unknowns + second;
     if (model->n > LIMIT_VARIABLES)
-        return error_set(c->error, ERROR_COMMAND, "a scene has at most %d variables, velocities among them",
+        return error_set(c->error, ERROR_COMMAND,
+                         "a scene has at most %d variables, velocities among them",
                          LIMIT_VARIABLES);
     struct variable *variable = arena_array(&typed->arena, (size_t)model->n + 1, sizeof *variable);
     if (!variable)
@@ -110,7 +116,8 @@ static bool lay_out(struct compile *c)
         memcpy(variable[velocity].name, symbol->name, sizeof symbol->name);
         variable[velocity].quantity = rate_of(u->line->quantity);
         typed->initial[velocity] = c->bases + c->owns;
-        if (!typed_initial(c, text_of(symbol->name), u->speed, variable[velocity].quantity, u->line->name))
+        if (!typed_initial(c, text_of(symbol->name), u->speed, variable[velocity].quantity,
+                           u->line->name))
             return false;
         velocity++;
     }
@@ -127,21 +134,22 @@ static bool number_names(struct compile *c)
     for (int i = 0; i < c->symbols; i++) {
         struct symbol *symbol = &c->symbol[i];
         if (symbol->kind == SYMBOL_STATE)
-            symbol->slot = 1 + symbol->place;
+            symbol->slot = 1 + symbol->index;
         if (symbol->kind != SYMBOL_PARAM)
             continue;
         if (!typed->base && text_is(symbol_text(symbol), "m"))
-            typed->mass = symbol->place;
+            typed->mass = symbol->index;
         if (!symbol->used)
             continue;
         if (typed->reads == TYPED_READS)
-            return error_set(c->error, ERROR_COMMAND, "the equations use more than %d parameters", TYPED_READS);
-        typed->read[typed->reads] = symbol->place;
+            return error_set(c->error, ERROR_COMMAND, "the equations use more than %d parameters",
+                             TYPED_READS);
+        typed->read[typed->reads] = symbol->index;
         symbol->slot = n + 2 + typed->reads++;
     }
     for (int i = 0; i < c->symbols; i++)
         if (c->symbol[i].kind == SYMBOL_OBSERVED)
-            c->symbol[i].slot = n + 2 + typed->reads + c->symbol[i].place;
+            c->symbol[i].slot = n + 2 + typed->reads + c->symbol[i].index;
     return true;
 }
 
@@ -171,7 +179,8 @@ static void find_dependence(const struct compile *c, unsigned *depends)
     const int n = typed->model.n;
     depends[0] = DEPENDS_TIME;
     for (int i = 0; i < n; i++)
-        depends[1 + i] = typed->model.order == 2 && i >= n / 2 ? DEPENDS_VELOCITY : DEPENDS_POSITION;
+        depends[1 + i] =
+            typed->model.order == 2 && i >= n / 2 ? DEPENDS_VELOCITY : DEPENDS_POSITION;
     for (int i = 0; i < typed->observes; i++)
         depends[n + 2 + typed->reads + i] = typed_depends(typed->observe[i], depends);
 }
@@ -187,13 +196,16 @@ static const struct typed_line *first_line(const struct typed *typed, enum typed
 static bool check_mechanics(const struct compile *c, const unsigned *depends)
 {
     const struct typed *typed = c->typed;
-    const struct typed_line *force = first_line(typed, TYPED_FORCE), *potential = first_line(typed, TYPED_POTENTIAL);
+    const struct typed_line *force = first_line(typed, TYPED_FORCE),
+                            *potential = first_line(typed, TYPED_POTENTIAL);
     if ((force || potential) && typed->model.order != 2 && typed->incomplete < 0) {
-        error_set(c->error, ERROR_COMMAND, "a %s is for scenes of second order", force ? "force" : "potential");
+        error_set(c->error, ERROR_COMMAND, "a %s is for scenes of second order",
+                  force ? "force" : "potential");
         return error_hint(c->error, "every variable x needs x'' = EXPR");
     }
     if (potential && typed_depends(typed->potential, depends) & (DEPENDS_TIME | DEPENDS_VELOCITY))
-        return error_at(c->error, potential->expr, "a potential depends on positions only, not on time or velocities");
+        return error_at(c->error, potential->expr,
+                        "a potential depends on positions only, not on time or velocities");
     return true;
 }
 
@@ -225,9 +237,11 @@ static bool whole_row(struct compile *c, int row, const struct expr **whole)
             continue;
         const struct op mass = {.kind = OP_NAME, .slot = typed_mass_name(typed)};
         const struct expr *divisor = typed_value(arena, mass);
-        const struct expr *share =
-            divisor ? typed_join(arena, c->force[i], divisor, OP_DIV, c->error) : (error_memory(c->error), NULL);
-        if (!share || !(*whole = *whole ? typed_join(arena, *whole, share, OP_ADD, c->error) : share))
+        const struct expr *fraction =
+            divisor ? typed_join(arena, c->force[i], divisor, OP_DIV, c->error)
+                    : (error_memory(c->error), NULL);
+        if (!fraction ||
+            !(*whole = *whole ? typed_join(arena, *whole, fraction, OP_ADD, c->error) : fraction))
             return false;
     }
     return true;
@@ -237,7 +251,8 @@ static bool group_rows(struct compile *c, const unsigned *depends)
 {
     struct typed *typed = c->typed;
     const int rows = typed_rows(typed);
-    const struct typed_sort sort = {&typed->arena, c->error, depends, typed->potential || (typed->model.order == 2 && !typed->base)};
+    const struct typed_sort sort = {&typed->arena, c->error, depends,
+                                    typed->potential || (typed->model.order == 2 && !typed->base)};
     for (int row = 0; row < rows; row++) {
         const struct expr *whole, *group[GROUPS] = {NULL, NULL, NULL};
         if (!whole_row(c, row, &whole) || (whole && !typed_sort(&sort, whole, group)))
@@ -260,8 +275,8 @@ static bool group_rows(struct compile *c, const unsigned *depends)
 static bool make_tables(struct compile *c)
 {
     static const char *const name[GROUPS] = {"typed force", "typed force", "typed drag"};
-    static const char *const brief[GROUPS] = {"depends on positions only", "depends on positions and time",
-                                              "depends on velocities"};
+    static const char *const brief[GROUPS] = {
+        "depends on positions only", "depends on positions and time", "depends on velocities"};
     struct typed *typed = c->typed;
     const struct model *base = typed->base;
     const size_t terms = base ? base->terms->count : 0, params = (size_t)c->bases + (size_t)c->owns;
@@ -270,18 +285,21 @@ static bool make_tables(struct compile *c)
     if (!param || !typed->row)
         return error_memory(c->error);
     for (size_t i = 0; i < params; i++)
-        param[i] = i < (size_t)c->bases ? *(const struct param_row *)(const void *)catalog_row(base->params, i)
-                                        : c->own[i - (size_t)c->bases];
+        param[i] = i < (size_t)c->bases
+                       ? *(const struct param_row *)(const void *)catalog_row(base->params, i)
+                       : c->own[i - (size_t)c->bases];
     size_t count = 0;
     for (; count < terms; count++)
         typed->row[count] = *(const struct term_row *)(const void *)catalog_row(base->terms, count);
     for (int g = 0; g < GROUPS; g++)
         if (typed->group[g])
-            typed->row[count++].row = typed->model.order == 2
-                                          ? (struct row){name[g], base ? "m/s^2" : "", brief[g], "", NULL}
-                                          : (struct row){"equations", "", "typed by the user", "", NULL};
+            typed->row[count++].row =
+                typed->model.order == 2
+                    ? (struct row){name[g], base ? "m/s^2" : "", brief[g], "", NULL}
+                    : (struct row){"equations", "", "typed by the user", "", NULL};
     typed->params = (struct catalog){"parameter", param, params, sizeof *param, NULL, 0};
-    typed->terms = (struct catalog){base ? base->terms->kind : "term", typed->row, count, sizeof *typed->row, NULL, 0};
+    typed->terms = (struct catalog){
+        base ? base->terms->kind : "term", typed->row, count, sizeof *typed->row, NULL, 0};
     return true;
 }
 
@@ -333,8 +351,10 @@ bool typed_compile(struct typed *typed, struct error *error)
     c.force = calloc(lines + 1, sizeof *c.force);
     typed->observe = arena_array(&typed->arena, lines + 1, sizeof *typed->observe);
     typed->observed = arena_array(&typed->arena, lines + 1, sizeof *typed->observed);
-    const bool room = c.symbol && c.unknown && c.own && c.force && typed->observe && typed->observed;
-    const bool fine = room ? typed_declare(&c) && read_all(&c) && make_model(&c) : error_memory(error);
+    const bool capacity =
+        c.symbol && c.unknown && c.own && c.force && typed->observe && typed->observed;
+    const bool fine =
+        capacity ? typed_declare(&c) && read_all(&c) && make_model(&c) : error_memory(error);
     free(c.symbol);
     free(c.unknown);
     free(c.own);

@@ -1,16 +1,24 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What the makers of typed models share: names while expressions are read, before it is known what they stand for. */
+/* What the makers of typed models share: names while expressions are read, before it is known what
+ * they stand for. */
 #ifndef HOOKE_SCENE_TYPED_COMPILE_H
 #define HOOKE_SCENE_TYPED_COMPILE_H
 
 #include "scene/typed/typed.h"
 
-enum symbol_kind { SYMBOL_TIME, SYMBOL_VARIABLE, SYMBOL_VELOCITY, SYMBOL_STATE, SYMBOL_PARAM, SYMBOL_OBSERVED };
+enum symbol_kind {
+    SYMBOL_TIME,
+    SYMBOL_VARIABLE,
+    SYMBOL_VELOCITY,
+    SYMBOL_STATE,
+    SYMBOL_PARAM,
+    SYMBOL_OBSERVED
+};
 
 struct symbol {
     char name[LIMIT_SYMBOL + 1];
     enum symbol_kind kind;
-    int place;   /* among its kind */
+    int index;   /* among its kind */
     int primed;  /* of a velocity: the symbol that it belongs to with a ' */
     bool hidden; /* not to be used in expressions */
     bool used;
@@ -46,14 +54,17 @@ static inline struct text symbol_text(const struct symbol *symbol)
 }
 
 /* The line of that kind and name; NULL: none. */
-const struct typed_line *typed_line_of(const struct typed *typed, enum typed_kind kind, struct text name);
+const struct typed_line *typed_line_of(const struct typed *typed, enum typed_kind kind,
+                                       struct text name);
 /* All names but those of observed quantities. */
 bool typed_declare(struct compile *c);
 /* -1: the name is taken. */
-int typed_symbol(struct compile *c, struct text name, enum symbol_kind kind, int place, struct text where);
-/* The parameter that is a variable's value at the start (line NULL: 0), and t0; not for expressions. */
-bool typed_initial(struct compile *c, struct text variable, const struct typed_line *line, enum quantity quantity,
-                   struct text where);
+int typed_symbol(struct compile *c, struct text name, enum symbol_kind kind, int index,
+                 struct text where);
+/* The parameter that is a variable's value at the start (line NULL: 0), and t0; not for
+ * expressions. */
+bool typed_initial(struct compile *c, struct text variable, const struct typed_line *line,
+                   enum quantity quantity, struct text where);
 bool typed_start_time(struct compile *c);
 /* The scope of expressions. */
 bool typed_find(const void *context, struct text name, int *slot);

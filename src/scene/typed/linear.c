@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * What typed equations are, read off their graph: linear in the state as they are written; one oscillator with these
- * coefficients. A graph says more than derivatives: sign(v) has the derivative 0 and is not linear.
+ * What typed equations are, read off their graph: linear in the state as they are written; one
+ * oscillator with these coefficients. A graph says more than derivatives: sign(v) has the
+ * derivative 0 and is not linear.
  */
 #include <math.h>
 #include <stdlib.h>
@@ -11,7 +12,8 @@
 
 /* ---- linearity ---- */
 
-/* Degree of an operation in the state from those of its operands: 0, 1, or 2 for anything that is not linear. */
+/* Degree of an operation in the state from those of its operands: 0, 1, or 2 for anything that is
+ * not linear. */
 static int degree(enum node_kind kind, int a, int b, int c)
 {
     switch (kind) {
@@ -48,26 +50,27 @@ bool typed_look(const struct typed *typed, const struct program *program, bool *
     const size_t nodes = (size_t)program->nodes;
     signed char *of = malloc(nodes);
     bool *needed = calloc(nodes, sizeof *needed); /* others were made on the way */
-    const bool room = of && needed;
+    const bool capacity = of && needed;
     *affine = true;
     *kinks = false;
-    for (int i = 0; room && i < program->outputs; i++)
+    for (int i = 0; capacity && i < program->outputs; i++)
         needed[program->result[i]] = true;
-    if (room)
+    if (capacity)
         graph_reach(program->node, program->nodes, needed);
-    for (int i = 0; room && i < program->nodes; i++) {
+    for (int i = 0; capacity && i < program->nodes; i++) {
         const struct node *node = &program->node[i];
         const int arity = node_arity(node->kind), *x = node->operand;
-        of[i] = (signed char)(node->kind == NODE_NAME ? x[0] >= 1 && x[0] <= typed->model.n
-                                                      : degree(node->kind, arity > 0 ? of[x[0]] : 0,
-                                                               arity > 1 ? of[x[1]] : 0, arity > 2 ? of[x[2]] : 0));
+        of[i] = (signed char)(node->kind == NODE_NAME
+                                  ? x[0] >= 1 && x[0] <= typed->model.n
+                                  : degree(node->kind, arity > 0 ? of[x[0]] : 0,
+                                           arity > 1 ? of[x[1]] : 0, arity > 2 ? of[x[2]] : 0));
         *kinks = *kinks || (needed[i] && arity > 0 && has_kink(program->node, node, 2));
     }
-    for (int i = 0; room && i < program->outputs; i++)
+    for (int i = 0; capacity && i < program->outputs; i++)
         *affine = *affine && of[program->result[i]] < 2;
     free(of);
     free(needed);
-    return room || error_memory(error);
+    return capacity || error_memory(error);
 }
 
 /* ---- one oscillator ---- */
@@ -78,14 +81,15 @@ enum part { CONSTANT, BY_T, BY_Q, BY_V, BY_SPEED, BY_SQUARE, DRIVE, PARTS };
 
 /*
  * The sum of part[CONSTANT], [BY_T] t, [BY_Q] q, [BY_V] v, [BY_SPEED] |v|, [BY_SQUARE] |v| v and
- * [DRIVE] cos(omega t + phase), as numbers: t only on its way into a cosine, |v| on its way to |v| v.
+ * [DRIVE] cos(omega t + phase), as numbers: t only on its way into a cosine, |v| on its way to |v|
+ * v.
  */
 struct form {
     double part[PARTS], omega, phase;
     bool known; /* it is of this kind */
 };
 
-#define NODES_MOST 256 /* an oscillator with more operations is not one that anybody types */
+#define NODES_MAX 256 /* an oscillator with more operations is not one that anybody types */
 
 static const struct form unknown;
 
@@ -172,7 +176,8 @@ static struct form number(double value)
     return (struct form){.part = {[CONSTANT] = value}, .known = true};
 }
 
-static struct form apply(const struct node *node, const struct form *a, const struct form *b, const struct form *c)
+static struct form apply(const struct node *node, const struct form *a, const struct form *b,
+                         const struct form *c)
 {
     static const double quarter = 1.57079632679489661923;
     const unsigned constant = BIT(CONSTANT);
@@ -181,12 +186,15 @@ static struct form apply(const struct node *node, const struct form *a, const st
     if (!a->known || !b->known || !c->known)
         return unknown;
     if (only(a, constant) && only(b, constant) && only(c, constant))
-        return number(node_value(node->kind, node, a->part[CONSTANT], b->part[CONSTANT], c->part[CONSTANT]));
+        return number(
+            node_value(node->kind, node, a->part[CONSTANT], b->part[CONSTANT], c->part[CONSTANT]));
     switch (node->kind) {
     case NODE_NEG:
         return scaled(*a, -1, 1);
     case NODE_ABS:
-        return only(a, BIT(BY_V)) ? (struct form){.part = {[BY_SPEED] = fabs(a->part[BY_V])}, .known = true} : unknown;
+        return only(a, BIT(BY_V))
+                   ? (struct form){.part = {[BY_SPEED] = fabs(a->part[BY_V])}, .known = true}
+                   : unknown;
     case NODE_ADD:
         return sum(a, 1, b);
     case NODE_SUB:
@@ -204,8 +212,8 @@ static struct form apply(const struct node *node, const struct form *a, const st
 
 static struct form form_of(const struct program *program, const double *c)
 {
-    struct form form[NODES_MOST], one = number(1);
-    if (program->nodes > NODES_MOST)
+    struct form form[NODES_MAX], one = number(1);
+    if (program->nodes > NODES_MAX)
         return unknown;
     for (int i = 0; i < program->nodes; i++) {
         const struct node *node = &program->node[i];
@@ -218,7 +226,8 @@ static struct form form_of(const struct program *program, const double *c)
         else if (node->kind == NODE_NAME) /* the mass and what is read */
             form[i].part[CONSTANT] = c[x[0] - 2];
         else
-            form[i] = apply(node, &form[x[0]], arity > 1 ? &form[x[1]] : &one, arity > 2 ? &form[x[2]] : &one);
+            form[i] = apply(node, &form[x[0]], arity > 1 ? &form[x[1]] : &one,
+                            arity > 2 ? &form[x[2]] : &one);
     }
     return form[program->result[0]];
 }
@@ -227,13 +236,15 @@ static void add_line(const struct typed_term *term, const double *c, struct osci
 {
     const bool drag = term->row.flags & TERM_VELOCITY;
     const struct form f = form_of(term->add, c);
-    const unsigned velocity = BIT(BY_V) | BIT(BY_SQUARE), rest = BIT(CONSTANT) | BIT(BY_Q) | BIT(DRIVE);
+    const unsigned velocity = BIT(BY_V) | BIT(BY_SQUARE),
+                   rest = BIT(CONSTANT) | BIT(BY_Q) | BIT(DRIVE);
     struct oscillator with = *o;
     with.stiffness -= f.part[BY_Q];
     with.damping -= f.part[BY_V];
     with.quadratic -= f.part[BY_SQUARE];
     with.gravity -= f.part[CONSTANT];
-    const double coefficient[] = {with.stiffness, with.damping, with.quadratic, with.gravity, f.omega, f.phase};
+    const double coefficient[] = {with.stiffness, with.damping, with.quadratic,
+                                  with.gravity,   f.omega,      f.phase};
     bool fits = only(&f, drag ? velocity : rest) && !(f.part[BY_SQUARE] > 0) &&
                 add_drive(&with, f.part[DRIVE], f.omega, f.phase) && isfinite(with.drive);
     for (size_t i = 0; i < COUNT_OF(coefficient); i++)

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The names of a typed scene: variables, their velocities, parameters, and those of the scene below. */
+/* The names of a typed scene: variables, their velocities, parameters, and those of the scene
+ * below. */
 #include <string.h>
 
 #include "scene/typed/compile.h"
@@ -22,7 +23,8 @@ static bool symbol_matches(const struct compile *c, const struct symbol *symbol,
     return text_equal(name, symbol_text(symbol));
 }
 
-const struct typed_line *typed_line_of(const struct typed *typed, enum typed_kind kind, struct text name)
+const struct typed_line *typed_line_of(const struct typed *typed, enum typed_kind kind,
+                                       struct text name)
 {
     for (int i = 0; i < typed->lines; i++)
         if (typed->line[i].kind == kind && text_equal(typed->line[i].name, name))
@@ -58,16 +60,21 @@ bool typed_explain(struct compile *c, const struct typed_line *line)
         return false;
     const struct typed_line *below = typed_line_of(c->typed, TYPED_OBSERVE, name);
     if (below == line)
-        return error_at(c->error, name, "%.*s cannot be observed by itself", (int)name.len, name.at);
+        return error_at(c->error, name, "%.*s cannot be observed by itself", (int)name.len,
+                        name.at);
     if (below) {
-        error_at(c->error, name, "%.*s comes after %.*s", (int)name.len, name.at, (int)line->name.len, line->name.at);
-        return error_hint(c->error, "what is observed can use what was typed before it ('scene' shows the order)");
+        error_at(c->error, name, "%.*s comes after %.*s", (int)name.len, name.at,
+                 (int)line->name.len, line->name.at);
+        return error_hint(
+            c->error,
+            "what is observed can use what was typed before it ('scene' shows the order)");
     }
     if (!is_primed(name) || !typed_line_of(c->typed, TYPED_VAR, unprimed(name)))
         return false;
-    error_at(c->error, name, "%.*s is not known: %.*s has an equation of first order", (int)name.len, name.at,
-             (int)name.len - 1, name.at);
-    return error_hint(c->error, "in scenes of second order (%.*s' = EXPR) it is the velocity", (int)name.len, name.at);
+    error_at(c->error, name, "%.*s is not known: %.*s has an equation of first order",
+             (int)name.len, name.at, (int)name.len - 1, name.at);
+    return error_hint(c->error, "in scenes of second order (%.*s' = EXPR) it is the velocity",
+                      (int)name.len, name.at);
 }
 
 bool typed_name_fits(struct text name, struct error *error)
@@ -75,26 +82,29 @@ bool typed_name_fits(struct text name, struct error *error)
     bool fine = name.len > 0;
     for (size_t i = 0; i < name.len; i++) {
         const char at = name.at[i];
-        const bool letter = (at >= 'a' && at <= 'z') || (at >= 'A' && at <= 'Z') || (at == '_' && i > 0);
+        const bool letter =
+            (at >= 'a' && at <= 'z') || (at >= 'A' && at <= 'Z') || (at == '_' && i > 0);
         fine = fine && (letter || (i > 0 && at >= '0' && at <= '9'));
     }
     if (!fine)
         return error_at(error, name, "a name is letters, digits and underscores, a letter first");
-    if (name.len > TYPED_NAME_MOST)
-        return error_at(error, name, "a name has at most %d letters", TYPED_NAME_MOST);
+    if (name.len > TYPED_NAME_MAX)
+        return error_at(error, name, "a name has at most %d letters", TYPED_NAME_MAX);
     if (text_is(name, "pi") || text_is(name, "t") || catalog_find(&function_catalog, name))
         return error_at(error, name, "'%.*s' already means something", (int)name.len, name.at);
     return true;
 }
 
-int typed_symbol(struct compile *c, struct text name, enum symbol_kind kind, int place, struct text where)
+int typed_symbol(struct compile *c, struct text name, enum symbol_kind kind, int index,
+                 struct text where)
 {
     struct symbol *symbol = &c->symbol[c->symbols];
     for (int i = 0; i < c->symbols; i++) {
         if (!text_equal(name, symbol_text(&c->symbol[i])))
             continue;
         if (i <= c->state + c->bases && c->typed->base) {
-            error_at(c->error, where, "%s has '%.*s' already", c->typed->base->row.name, (int)name.len, name.at);
+            error_at(c->error, where, "%s has '%.*s' already", c->typed->base->row.name,
+                     (int)name.len, name.at);
             error_hint(c->error, "var NAME = VALUE begins an empty scene");
             return -1;
         }
@@ -104,27 +114,28 @@ int typed_symbol(struct compile *c, struct text name, enum symbol_kind kind, int
                                                       : "choose another name");
         return -1;
     }
-    *symbol = (struct symbol){.kind = kind, .place = place, .primed = -1};
+    *symbol = (struct symbol){.kind = kind, .index = index, .primed = -1};
     memcpy(symbol->name, name.at, name.len < LIMIT_SYMBOL ? name.len : LIMIT_SYMBOL);
     return c->symbols++;
 }
 
 /* ---- parameters ---- */
 
-static bool add_param(struct compile *c, struct text name, double value, enum quantity quantity, const char *brief,
-                      bool positive, struct text where)
+static bool add_param(struct compile *c, struct text name, double value, enum quantity quantity,
+                      const char *brief, bool positive, struct text where)
 {
     if (c->bases + c->owns >= PARAM_MAX)
-        return error_at(c->error, where, "a scene has at most %d parameters, initial values among them", PARAM_MAX);
+        return error_at(c->error, where,
+                        "a scene has at most %d parameters, initial values among them", PARAM_MAX);
     const int symbol = typed_symbol(c, name, SYMBOL_PARAM, c->bases + c->owns, where);
     if (symbol < 0)
         return false;
-    c->own[c->owns++] =
-        (struct param_row){.row = {arena_text(&c->typed->arena, name), quantity_unit(quantity), brief, "", NULL},
-                           .quantity = quantity,
-                           .initial = value,
-                           .least = positive ? 0 : -HUGE_VAL,
-                           .least_excluded = positive};
+    c->own[c->owns++] = (struct param_row){
+        .row = {arena_text(&c->typed->arena, name), quantity_unit(quantity), brief, "", NULL},
+        .quantity = quantity,
+        .initial = value,
+        .min = positive ? 0 : -HUGE_VAL,
+        .least_excluded = positive};
     return c->own[c->owns - 1].row.name || error_memory(c->error);
 }
 
@@ -137,19 +148,21 @@ static bool symbol_named(const struct compile *c, struct text name)
 }
 
 /* Its name is taken by another line, which can have another one. */
-static bool refuse_initial(const struct compile *c, struct text name, struct text variable, struct text where)
+static bool refuse_initial(const struct compile *c, struct text name, struct text variable,
+                           struct text where)
 {
     const struct typed_line *param = typed_line_of(c->typed, TYPED_PARAM, name),
                             *var = typed_line_of(c->typed, TYPED_VAR, name);
     const struct typed_line *line = param ? param : var;
     return error_at(c->error, line ? line->name : where,
-                    "%.*s is the initial value of %.*s: the %s %.*s needs another name", (int)name.len, name.at,
-                    (int)variable.len, variable.at, param ? "parameter" : "variable", (int)name.len, name.at);
+                    "%.*s is the initial value of %.*s: the %s %.*s needs another name",
+                    (int)name.len, name.at, (int)variable.len, variable.at,
+                    param ? "parameter" : "variable", (int)name.len, name.at);
 }
 
 /* y0 of y, x1_0 of x1. */
-bool typed_initial(struct compile *c, struct text variable, const struct typed_line *line, enum quantity quantity,
-                   struct text where)
+bool typed_initial(struct compile *c, struct text variable, const struct typed_line *line,
+                   enum quantity quantity, struct text where)
 {
     struct buffer name = {0}, brief = {0};
     const char last = variable.at[variable.len - 1];
@@ -157,11 +170,13 @@ bool typed_initial(struct compile *c, struct text variable, const struct typed_l
     buffer_put(&name, last >= '0' && last <= '9' ? TEXT("_0") : TEXT("0"));
     buffer_put(&brief, variable);
     buffer_put(&brief, TEXT(" at t0"));
-    const char *const about = brief.failed ? NULL : arena_text(&c->typed->arena, buffer_text(&brief));
+    const char *const about =
+        brief.failed ? NULL : arena_text(&c->typed->arena, buffer_text(&brief));
     const bool taken = symbol_named(c, buffer_text(&name));
     const bool fine = taken ? refuse_initial(c, buffer_text(&name), variable, where)
                       : !name.failed && about
-                          ? add_param(c, buffer_text(&name), line ? line->value : 0, quantity, about, false, where)
+                          ? add_param(c, buffer_text(&name), line ? line->value : 0, quantity,
+                                      about, false, where)
                           : error_memory(c->error);
     buffer_free(&name);
     buffer_free(&brief);
@@ -186,13 +201,15 @@ static bool declare_base(struct compile *c)
     const int half = base->n / 2;
     c->state = base->n;
     for (int i = 0; i < base->n; i++) {
-        const int symbol = typed_symbol(c, text_of(base->variable[i].name), SYMBOL_STATE, i, (struct text){0});
+        const int symbol =
+            typed_symbol(c, text_of(base->variable[i].name), SYMBOL_STATE, i, (struct text){0});
         if (symbol >= 0 && base->order == 2 && i >= half)
             c->symbol[symbol].primed = symbol - half;
     }
     c->bases = (int)base->params->count;
     for (int i = 0; i < c->bases; i++)
-        if (typed_symbol(c, text_of(catalog_row(base->params, (size_t)i)->name), SYMBOL_PARAM, i, (struct text){0}) < 0)
+        if (typed_symbol(c, text_of(catalog_row(base->params, (size_t)i)->name), SYMBOL_PARAM, i,
+                         (struct text){0}) < 0)
             return false;
     return true;
 }
@@ -207,17 +224,22 @@ static bool declare_unknown(struct compile *c, const struct typed_line *line)
         return false;
     for (int i = 0; i < c->typed->lines; i++) {
         const struct typed_line *other = &c->typed->line[i];
-        if (other->kind == TYPED_VAR && is_primed(other->name) && text_equal(unprimed(other->name), line->name))
+        if (other->kind == TYPED_VAR && is_primed(other->name) &&
+            text_equal(unprimed(other->name), line->name))
             u->speed = other;
     }
     c->unknowns++;
     if (u->equation && u->equation->order == 1)
-        return !u->speed || error_at(c->error, u->equation->expr, "%.*s has an initial velocity: it needs %.*s'' = …",
-                                     (int)line->name.len, line->name.at, (int)line->name.len, line->name.at);
+        return !u->speed ||
+               error_at(c->error, u->equation->expr,
+                        "%.*s has an initial velocity: it needs %.*s'' = …", (int)line->name.len,
+                        line->name.at, (int)line->name.len, line->name.at);
     struct buffer name = {0};
     buffer_char(&name, 'v');
     buffer_put(&name, line->name);
-    u->velocity = name.failed ? -1 : typed_symbol(c, buffer_text(&name), SYMBOL_VELOCITY, c->unknowns - 1, line->name);
+    u->velocity = name.failed ? -1
+                              : typed_symbol(c, buffer_text(&name), SYMBOL_VELOCITY,
+                                             c->unknowns - 1, line->name);
     if (name.failed)
         error_memory(c->error);
     buffer_free(&name);
@@ -230,14 +252,16 @@ static bool declare_unknown(struct compile *c, const struct typed_line *line)
 bool typed_declare(struct compile *c)
 {
     const struct typed *typed = c->typed;
-    if (typed_symbol(c, TEXT("t"), SYMBOL_TIME, 0, (struct text){0}) < 0 || (typed->base && !declare_base(c)))
+    if (typed_symbol(c, TEXT("t"), SYMBOL_TIME, 0, (struct text){0}) < 0 ||
+        (typed->base && !declare_base(c)))
         return false;
     for (int i = 0; i < typed->lines; i++) {
         const struct typed_line *line = &typed->line[i];
         if (line->kind == TYPED_VAR && !is_primed(line->name) && !declare_unknown(c, line))
             return false;
-        if (line->kind == TYPED_PARAM && !add_param(c, line->name, line->value, line->quantity, "typed by the user",
-                                                    !typed->base && text_is(line->name, "m"), line->name))
+        if (line->kind == TYPED_PARAM &&
+            !add_param(c, line->name, line->value, line->quantity, "typed by the user",
+                       !typed->base && text_is(line->name, "m"), line->name))
             return false;
     }
     return true;

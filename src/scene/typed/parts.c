@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Typed terms as programs: making them of the expressions, and the functions of a term's row that run them. */
+/* Typed terms as programs: making them of the expressions, and the functions of a term's row that
+ * run them. */
 #include "scene/typed/typed.h"
 
 #include <stdlib.h>
 #include <string.h>
 
 #define FRAME_SMALL 128
-#define FRAME_MOST 16384 /* doubles on the stack */
+#define FRAME_MAX 16384 /* doubles on the stack */
 
 /* ---- evaluation ---- */
 
@@ -17,21 +18,22 @@ const struct typed_term *typed_term_of(const double *c)
     return term;
 }
 
-static inline void run(const struct program *program, const double *c, double t, const double *y, double *out,
-                       double *frame)
+static inline void run(const struct program *program, const double *c, double t, const double *y,
+                       double *out, double *frame)
 {
     program_prepare(program, frame);
     program_run(program, t, y, c + 1, out, frame);
 }
 
-static __attribute__((__noinline__)) void run_large(const struct program *program, const double *c, double t,
-                                                    const double *y, double *out)
+static __attribute__((__noinline__)) void run_large(const struct program *program, const double *c,
+                                                    double t, const double *y, double *out)
 {
-    double frame[FRAME_MOST];
+    double frame[FRAME_MAX];
     run(program, c, t, y, out, frame);
 }
 
-void typed_evaluate(const struct program *program, const double *c, double t, const double *y, double *out)
+void typed_evaluate(const struct program *program, const double *c, double t, const double *y,
+                    double *out)
 {
     double frame[FRAME_SMALL];
     if (program_frame(program) <= FRAME_SMALL)
@@ -108,16 +110,18 @@ enum use { STEPS, LOOKS, RARELY };
 /* The last `count` outputs as a program. */
 static struct program *make(const struct making *m, int count, enum use use)
 {
-    const struct given given = {1 + m->typed->model.n, m->part->given,
-                                use == STEPS ? TERM_VALUES - 1 - m->part->given : 0};
-    struct program *program = program_create_given(m->equations, equations_count(m->equations) - count, count, m->bound,
-                                                   m->value, &given, use != RARELY, m->error);
+    const struct given_argument given = {1 + m->typed->model.n, m->part->given,
+                                         use == STEPS ? TERM_VALUES - 1 - m->part->given : 0};
+    struct program *program =
+        program_create_given(m->equations, equations_count(m->equations) - count, count, m->bound,
+                             m->value, &given, use != RARELY, m->error);
     if (program)
         m->part->given += program->keeps;
-    if (!program || program_frame(program) <= FRAME_MOST)
+    if (!program || program_frame(program) <= FRAME_MAX)
         return program;
-    error_set(m->error, ERROR_COMMAND, "the equations are too large: they need %zu numbers at once, %d are possible",
-              program_frame(program), FRAME_MOST);
+    error_set(m->error, ERROR_COMMAND,
+              "the equations are too large: they need %zu numbers at once, %d are possible",
+              program_frame(program), FRAME_MAX);
     program_destroy(program);
     return NULL;
 }
@@ -147,8 +151,10 @@ static unsigned flags_of(const struct typed_term *term, bool affine, bool kinks)
     return flags;
 }
 
-/* What is added, of the expressions [rows]; nothing if it is 0. *first: its place among the equations. */
-static bool make_add(const struct making *m, struct typed_term *term, const struct expr *const *expr, int *first)
+/* What is added, of the expressions [rows]; nothing if it is 0. *first: its place among the
+ * equations. */
+static bool make_add(const struct making *m, struct typed_term *term,
+                     const struct expr *const *expr, int *first)
 {
     static const struct op zero = {.kind = OP_NUMBER, .number = 0};
     const struct expr nothing = {.op = (struct op *)(uintptr_t)&zero, .count = 1};
@@ -252,7 +258,8 @@ static bool make_looks(const struct making *m, struct typed_part *part)
     const int rows = typed_rows(typed), first = equations_count(m->equations);
     for (int i = 0; i < rows; i++)
         position[i] = 1 + i;
-    if (!equations_add(m->equations, typed->potential, m->error) || !(force->potential = make(m, 1, LOOKS)) ||
+    if (!equations_add(m->equations, typed->potential, m->error) ||
+        !(force->potential = make(m, 1, LOOKS)) ||
         !equations_derive(m->equations, first, 1, position, rows, m->error) ||
         !(part->all.slope = make(m, rows, RARELY)))
         return false;
@@ -265,7 +272,8 @@ static bool make_looks(const struct making *m, struct typed_part *part)
 
 static void term_free(struct typed_term *term)
 {
-    struct program *const program[] = {term->add, term->jacobian, term->potential, term->slope, term->observe};
+    struct program *const program[] = {term->add, term->jacobian, term->potential, term->slope,
+                                       term->observe};
     for (size_t i = 0; i < COUNT_OF(program); i++)
         program_destroy(program[i]);
 }
@@ -298,7 +306,8 @@ struct typed_part *typed_part_create(const struct typed *typed, uint64_t zeros, 
         bound[first + i] = zeros >> i & 1;
     for (int i = 0; fine && i < typed->observes; i++)
         fine = equations_let(m.equations, first + typed->reads + i, typed->observe[i], error);
-    fine = fine && make_groups(&m, part) && make_looks(&m, part) && typed_freeze(typed, zeros, part, error);
+    fine = fine && make_groups(&m, part) && make_looks(&m, part) &&
+           typed_freeze(typed, zeros, part, error);
     equations_destroy(m.equations);
     free(bound);
     free(value);

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * The potential of typed forces for which nobody typed one: minus the integral of the force along a path, by adaptive
- * Gauss-Kronrod quadrature. In one coordinate there always is one. In several the Jacobian has to be symmetric, which masses of their own
- * may make it (x2'' = (x1 - 2*x2)/3); and the integral between pairs of points has to be the difference of their potentials, which a whirl about a pole or a force
- * with a jump has not.
+ * The potential of typed forces for which nobody typed one: minus the integral of the force along a
+ * path, by adaptive Gauss-Kronrod quadrature. In one coordinate there always is one. In several the
+ * Jacobian has to be symmetric, which masses of their own may make it (x2'' = (x1 - 2*x2)/3); and
+ * the integral between pairs of points has to be the difference of their potentials, which a whirl
+ * about a pole or a force with a jump has not.
  */
 #include <math.h>
 #include <stdlib.h>
@@ -13,26 +14,31 @@
 
 /* ---- quadrature ---- */
 
-/* Seven and fifteen points (Piessens et al. 1983, QUADPACK, qk15). Odd places and the last are Gauss's, too. */
+/* Seven and fifteen points (Piessens et al. 1983, QUADPACK, qk15). Odd places and the last are
+ * Gauss's, too. */
 #define NODES 8
-static const double node[NODES] = {0.991455371120812639206854697526329, 0.949107912342758524526189684047851,
-                                   0.864864423359769072789712788640926, 0.741531185599394439863864773280788,
-                                   0.586087235467691130294144691693312, 0.405845151377397166906606412076961,
-                                   0.207784955007898467600689403773245, 0};
-static const double kronrod[NODES] = {0.022935322010529224963732008058970, 0.063092092629978553290700663189204,
-                                      0.104790010322250183839876322541518, 0.140653259715525918745189590510238,
-                                      0.169004726639267902826583426598550, 0.190350578064785409913256402421014,
-                                      0.204432940075298892414161999234649, 0.209482141084727828012999174891714};
-static const double gauss[NODES / 2] = {0.129484966168869693270611432679082, 0.279705391489276667901467771423780,
-                                        0.381830050505118944950369775488975, 0.417959183673469387755102040816327};
+static const double node[NODES] = {
+    0.991455371120812639206854697526329, 0.949107912342758524526189684047851,
+    0.864864423359769072789712788640926, 0.741531185599394439863864773280788,
+    0.586087235467691130294144691693312, 0.405845151377397166906606412076961,
+    0.207784955007898467600689403773245, 0};
+static const double kronrod[NODES] = {
+    0.022935322010529224963732008058970, 0.063092092629978553290700663189204,
+    0.104790010322250183839876322541518, 0.140653259715525918745189590510238,
+    0.169004726639267902826583426598550, 0.190350578064785409913256402421014,
+    0.204432940075298892414161999234649, 0.209482141084727828012999174891714};
+static const double gauss[NODES / 2] = {
+    0.129484966168869693270611432679082, 0.279705391489276667901467771423780,
+    0.381830050505118944950369775488975, 0.417959183673469387755102040816327};
 
 /* The force along a path q(s), 0 <= s <= 1. */
 struct path {
     const struct typed_term *term;
     const double *c;
     int rows;
-    const double *mass, *from, *to;                                          /* [rows] */
-    void (*at)(const struct path *path, double s, double *q, double *along); /* q and dq/ds [rows] */
+    const double *mass, *from, *to; /* [rows] */
+    void (*at)(const struct path *path, double s, double *q,
+               double *along); /* q and dq/ds [rows] */
 };
 
 static double force_along(const struct path *path, double s)
@@ -64,8 +70,10 @@ static double piece(const struct path *path, double from, double to, double *siz
     return half * fine;
 }
 
-#define ACCURACY 1e-11 /* of the difference between both rules, which is that of the coarser one */
-#define DEPTH 48       /* halvings of a stretch: a jump that nobody located is enclosed that closely */
+#define ACCURACY                                                                                   \
+    1e-11        /* of the difference between both rules, which is that of the coarser one         \
+                  */
+#define DEPTH 48 /* halvings of a stretch: a jump that nobody located is enclosed that closely */
 #define PIECES 400
 #define LOOKS 32     /* at switches, at even parts of what is left of a path */
 #define BEHIND 1e-12 /* of it: where a branch is told that begins at a switch */
@@ -112,7 +120,8 @@ struct sums {
     int pieces;
 };
 
-/* Adds the integral from `from` to `to`, between which the force is smooth. False: it does not converge. */
+/* Adds the integral from `from` to `to`, between which the force is smooth. False: it does not
+ * converge. */
 static bool add_smooth(const struct path *path, double from, double to, struct sums *sums)
 {
     double ends[DEPTH + 1] = {to}, part, error;
@@ -185,14 +194,17 @@ static double length(const double *q, int rows)
 }
 
 /*
- * About 0 and not through it, from (1, 0, ...) or, in one coordinate, from the 1 of the same sign: the logarithm of the
- * radius and the angle grow evenly. With q = r (cos, sin u) the unit vector u is across the first axis.
+ * About 0 and not through it, from (1, 0, ...) or, in one coordinate, from the 1 of the same sign:
+ * the logarithm of the radius and the angle grow evenly. With q = r (cos, sin u) the unit vector u
+ * is across the first axis.
  */
 static void around_origin(const struct path *path, double s, double *q, double *along)
 {
     const int rows = path->rows;
-    const double r = length(path->to, rows), across = length(path->to + 1, rows - 1), rate = log(r), at = pow(r, s);
-    const double turn = rows > 1 ? atan2(across, path->to[0]) : 0, sign = rows == 1 && path->to[0] < 0 ? -1 : 1;
+    const double r = length(path->to, rows), across = length(path->to + 1, rows - 1), rate = log(r),
+                 at = pow(r, s);
+    const double turn = rows > 1 ? atan2(across, path->to[0]) : 0,
+                 sign = rows == 1 && path->to[0] < 0 ? -1 : 1;
     q[0] = sign * at * cos(s * turn);
     along[0] = rate * q[0] - sign * at * turn * sin(s * turn);
     for (int i = 1; i < rows; i++) {
@@ -205,7 +217,8 @@ static void around_origin(const struct path *path, double s, double *q, double *
 /* ---- potentials ---- */
 
 static double along_path(const double *c, const double *y,
-                         void (*at)(const struct path *path, double s, double *q, double *along), double *size)
+                         void (*at)(const struct path *path, double s, double *q, double *along),
+                         double *size)
 {
     const struct typed_term *term = typed_term_of(c);
     double mass[LIMIT_VARIABLES];
@@ -219,7 +232,8 @@ static double linear_potential(const double *c, const double *y)
 {
     const struct typed_term *term = typed_term_of(c);
     const int rows = typed_rows(term->typed);
-    double q[LIMIT_VARIABLES] = {0}, at0[LIMIT_VARIABLES], a[LIMIT_VARIABLES], mass[LIMIT_VARIABLES], sum = 0;
+    double q[LIMIT_VARIABLES] = {0}, at0[LIMIT_VARIABLES], a[LIMIT_VARIABLES],
+           mass[LIMIT_VARIABLES], sum = 0;
     typed_masses(c, mass);
     typed_evaluate(term->add, c, 0, q, at0);
     memcpy(q, y, (size_t)rows * sizeof *q);
@@ -266,7 +280,9 @@ void typed_found_rows(struct typed_part *part)
 #define POINTS 8
 #define REACH 3.0 /* natural sizes */
 
-#define SIDE 1.0  /* of the largest: a coordinate that the trial run did not reach is tried so far */
+#define SIDE                                                                                       \
+    1.0 /* of the largest: a coordinate that the trial run did not reach is tried so far           \
+         */
 
 static double largest_scale(const struct system *system)
 {
@@ -277,8 +293,8 @@ static double largest_scale(const struct system *system)
 }
 
 /* Points where the force is finite. Returns how many were found. */
-static int choose_points(const struct system *system, const struct typed_term *term, const double *c,
-                         double point[][LIMIT_VARIABLES])
+static int choose_points(const struct system *system, const struct typed_term *term,
+                         const double *c, double point[][LIMIT_VARIABLES])
 {
     const int rows = system->n / 2;
     const double side = SIDE * largest_scale(system);
@@ -290,7 +306,8 @@ static int choose_points(const struct system *system, const struct typed_term *t
         memset(point[count], 0, sizeof point[count]);
         for (int i = 0; i < rows; i++) {
             random = random * 6364136223846793005u + 1442695040888963407u;
-            point[count][i] = REACH * fmax(system->scale[i], side) * ldexp((double)(int64_t)random, -63);
+            point[count][i] =
+                REACH * fmax(system->scale[i], side) * ldexp((double)(int64_t)random, -63);
         }
         typed_evaluate(term->add, c, 0, point[count], a);
         for (int i = 0; i < rows; i++)
@@ -314,8 +331,8 @@ static bool is_symmetric(int rows, int n, const double *jac, const double *ratio
 }
 
 /*
- * Ratios of masses from pairs that act on each other, from the first coordinate on; the first of those that nothing
- * connects to it has its mass.
+ * Ratios of masses from pairs that act on each other, from the first coordinate on; the first of
+ * those that nothing connects to it has its mass.
  */
 static void find_ratios(int rows, int n, const double *jac, int count, double *ratio)
 {
@@ -330,7 +347,8 @@ static void find_ratios(int rows, int n, const double *jac, int count, double *r
         for (int next = known - 1; next < known; next++)
             for (int j = 0, i = queue[next]; j < rows; j++)
                 for (int k = 0; k < count && ratio[j] == 0; k++) {
-                    const double *at = jac + (size_t)k * (size_t)(rows * n), forth = at[i * n + j], back = at[j * n + i];
+                    const double *at = jac + (size_t)k * (size_t)(rows * n), forth = at[i * n + j],
+                                 back = at[j * n + i];
                     if (forth / back > 0 && isfinite(forth / back)) {
                         ratio[j] = ratio[i] * (forth / back);
                         queue[known++] = j;
@@ -340,8 +358,8 @@ static void find_ratios(int rows, int n, const double *jac, int count, double *r
 }
 
 /* Masses with which the Jacobian is symmetric at all points; true, and 1: it is so without. */
-static bool find_masses(const struct typed_term *term, const double *c, double point[][LIMIT_VARIABLES], int count,
-                        double *ratio)
+static bool find_masses(const struct typed_term *term, const double *c,
+                        double point[][LIMIT_VARIABLES], int count, double *ratio)
 {
     const int rows = typed_rows(term->typed), n = term->typed->model.n, size = rows * n;
     double *jac = malloc((size_t)(count * size + 1) * sizeof *jac);
@@ -377,8 +395,8 @@ static void set_masses(struct system *system, const double *ratio)
 }
 
 /* Is the integral from a to b what the potential says? */
-static bool fits_between(const struct typed_term *term, const double *c, const double *a, const double *b,
-                         double potential_a, double potential_b)
+static bool fits_between(const struct typed_term *term, const double *c, const double *a,
+                         const double *b, double potential_a, double potential_b)
 {
     const double tolerated = 1e-8;
     double mass[LIMIT_VARIABLES];
@@ -386,11 +404,13 @@ static bool fits_between(const struct typed_term *term, const double *c, const d
     const struct path path = {term, c, typed_rows(term->typed), mass, a, b, straight};
     double size;
     const double fall = integral(&path, &size);
-    return fabs(potential_a - potential_b - fall) <= tolerated * (fabs(potential_a) + fabs(potential_b) + size);
+    return fabs(potential_a - potential_b - fall) <=
+           tolerated * (fabs(potential_a) + fabs(potential_b) + size);
 }
 
-static bool is_potential(double (*potential)(const double *c, const double *y), const struct typed_term *term,
-                         const double *c, double point[][LIMIT_VARIABLES], int count)
+static bool is_potential(double (*potential)(const double *c, const double *y),
+                         const struct typed_term *term, const double *c,
+                         double point[][LIMIT_VARIABLES], int count)
 {
     double value[POINTS];
     for (int k = 0; k < count; k++) {
@@ -399,7 +419,8 @@ static bool is_potential(double (*potential)(const double *c, const double *y), 
             return false;
     }
     for (int k = 0; typed_rows(term->typed) > 1 && k < count; k++)
-        if (!fits_between(term, c, point[k], point[(k + 1) % count], value[k], value[(k + 1) % count]))
+        if (!fits_between(term, c, point[k], point[(k + 1) % count], value[k],
+                          value[(k + 1) % count]))
             return false;
     return true;
 }

@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Natural sizes of what a typed scene moves: the largest |value| at the start and on a short trial run, by Heun's
- * method with the step that Euler's allows. It goes over about a period or time constant, as far as the Jacobian at the
- * start knows it, and ends early where it meets something faster. Where that is a pole, sizes are those of the first
- * half of the way to it: near the pole they have no limit. What grows away is of the size it has after one time
- * constant: a run may be short, and then nothing in it is of any later size. What a linear system with constant
+ * Natural sizes of what a typed scene moves: the largest |value| at the start and on a short trial
+ * run, by Heun's method with the step that Euler's allows. It goes over about a period or time
+ * constant, as far as the Jacobian at the start knows it, and ends early where it meets something
+ * faster. Where that is a pole, sizes are those of the first half of the way to it: near the pole
+ * they have no limit. What grows away is of the size it has after one time constant: a run may be
+ * short, and then nothing in it is of any later size. What a linear system with constant
  * coefficients reaches is known without a trial.
  */
 #include <string.h>
@@ -17,10 +18,12 @@
 #define SPAN 8.0      /* time constants */
 #define FIRST 1e-6    /* step, of the span */
 #define ACCURACY 0.02 /* of a step, relative to the largest values so far */
-#define POWERS 16      /* applications of the Jacobian */
-#define POLE 1e-6      /* steps that have become as short as this part of the way go to a pole */
-#define UNSEEN 1e-20   /* of the largest size: what stays below this in the trial has not been reached by it, */
-#define FLOOR 1e-12    /* and is given this, because a size of nothing makes every error infinite */
+#define POWERS 16     /* applications of the Jacobian */
+#define POLE 1e-6     /* steps that have become as short as this part of the way go to a pole */
+#define UNSEEN                                                                                     \
+    1e-20 /* of the largest size: what stays below this in the trial has not been reached by it,   \
+           */
+#define FLOOR 1e-12 /* and is given this, because a size of nothing makes every error infinite */
 
 /* |J^16 v|^(1/16): about the largest |eigenvalue| [1/s]. */
 static double fastest_rate(const struct system *system)
@@ -56,27 +59,28 @@ static bool all_finite(const double *y, int n)
 }
 
 /* Has it grown away from the sizes it had after one time constant, `early`? */
-static bool grown(int n, const double *early, const double *most)
+static bool grown(int n, const double *early, const double *max)
 {
     double then = 0, now = 0;
     for (int i = 0; i < n; i++) {
         then = fmax(then, early[i]);
-        now = fmax(now, most[i]);
+        now = fmax(now, max[i]);
     }
     return then > 0 && now > GROWN * then;
 }
 
 /*
- * How far it got, if its steps became shorter and shorter there; 0: it found no pole. *there: it came to the end, or
- * grew away.
+ * How far it got, if its steps became shorter and shorter there; 0: it found no pole. *there: it
+ * came to the end, or grew away.
  */
-static double try_out(const struct system *system, double span, double *most, bool *there)
+static double try_out(const struct system *system, double span, double *max, bool *there)
 {
     const int n = system->n;
-    double y[LIMIT_VARIABLES], f[LIMIT_VARIABLES], g[LIMIT_VARIABLES], next[LIMIT_VARIABLES], early[LIMIT_VARIABLES];
+    double y[LIMIT_VARIABLES], f[LIMIT_VARIABLES], g[LIMIT_VARIABLES], next[LIMIT_VARIABLES],
+        early[LIMIT_VARIABLES];
     double t = system->t0, h = FIRST * span, end = t + span;
     memcpy(y, system->start, sizeof y);
-    memcpy(early, most, (size_t)n * sizeof *early);
+    memcpy(early, max, (size_t)n * sizeof *early);
     system_derivative(system, t, y, f);
     for (int step = 0; step < STEPS && t < end && t + h > t; step++) {
         double error = 0;
@@ -84,8 +88,8 @@ static double try_out(const struct system *system, double span, double *most, bo
             next[i] = y[i] + h * f[i];
         system_derivative(system, t + h, next, g);
         for (int i = 0; i < n; i++) {
-            if (most[i] > 0) /* else it has just left 0 */
-                error = fmax(error, fabs(h * (g[i] - f[i]) / 2) / fmax(most[i], fabs(next[i])));
+            if (max[i] > 0) /* else it has just left 0 */
+                error = fmax(error, fabs(h * (g[i] - f[i]) / 2) / fmax(max[i], fabs(next[i])));
             next[i] = y[i] + h * (f[i] + g[i]) / 2;
         }
         if (!all_finite(next, n) || !(error <= 4 * ACCURACY)) {
@@ -95,11 +99,11 @@ static double try_out(const struct system *system, double span, double *most, bo
         t += h;
         memcpy(y, next, sizeof y);
         for (int i = 0; i < n; i++)
-            most[i] = fmax(most[i], fabs(y[i]));
+            max[i] = fmax(max[i], fabs(y[i]));
         if (t - system->t0 <= span / SPAN) {
-            memcpy(early, most, (size_t)n * sizeof *early);
-        } else if (grown(n, early, most)) {
-            memcpy(most, early, (size_t)n * sizeof *early);
+            memcpy(early, max, (size_t)n * sizeof *early);
+        } else if (grown(n, early, max)) {
+            memcpy(max, early, (size_t)n * sizeof *early);
             *there = true;
             return 0;
         }
@@ -111,8 +115,9 @@ static double try_out(const struct system *system, double span, double *most, bo
     return t < end && h < POLE * (t - system->t0) ? t - system->t0 : 0;
 }
 
-/* What sticks to a switch shakes about it in ever shorter steps: then sizes are those on the branches of the start. */
-static bool try_frozen(const struct system *system, double span, const double *start, double *most)
+/* What sticks to a switch shakes about it in ever shorter steps: then sizes are those on the
+ * branches of the start. */
+static bool try_frozen(const struct system *system, double span, const double *start, double *max)
 {
     struct system frozen;
     double branch[LIMIT_SWITCHES], size[LIMIT_VARIABLES];
@@ -124,43 +129,44 @@ static bool try_frozen(const struct system *system, double span, const double *s
     memcpy(size, start, (size_t)system->n * sizeof *size);
     if (try_out(&frozen, span, size, &there) > 0 || !there)
         return false;
-    memcpy(most, size, (size_t)system->n * sizeof *size);
+    memcpy(max, size, (size_t)system->n * sizeof *size);
     return true;
 }
 
-static void try_sizes(const struct system *system, double span, double *most)
+static void try_sizes(const struct system *system, double span, double *max)
 {
     double start[LIMIT_VARIABLES];
     bool there;
-    memcpy(start, most, sizeof start);
-    const double pole = try_out(system, span, most, &there);
-    if (!there && try_frozen(system, span, start, most))
+    memcpy(start, max, sizeof start);
+    const double pole = try_out(system, span, max, &there);
+    if (!there && try_frozen(system, span, start, max))
         return;
     if (pole > 0) {
-        memcpy(most, start, sizeof start);
-        try_out(system, pole / 2, most, &there);
+        memcpy(max, start, sizeof start);
+        try_out(system, pole / 2, max, &there);
     }
 }
 
-/* Sizes of what the trial did not reach, such as the far end of a chain, from those of what it did. */
-static void size_unseen(int n, double *most)
+/* Sizes of what the trial did not reach, such as the far end of a chain, from those of what it did.
+ */
+static void size_unseen(int n, double *max)
 {
     double largest = 0;
     for (int i = 0; i < n; i++)
-        largest = isfinite(most[i]) ? fmax(largest, most[i]) : largest;
+        largest = isfinite(max[i]) ? fmax(largest, max[i]) : largest;
     for (int i = 0; i < n; i++)
-        if (!(most[i] >= UNSEEN * largest))
-            most[i] = FLOOR * largest;
+        if (!(max[i] >= UNSEEN * largest))
+            max[i] = FLOOR * largest;
 }
 
 void typed_begin(const double *param, struct system *system)
 {
     const struct typed *typed = system->model->typed;
-    double most[LIMIT_VARIABLES];
+    double max[LIMIT_VARIABLES];
     system->t0 = param[typed->t0];
     for (int i = 0; i < system->n; i++) {
         system->start[i] = param[typed->initial[i]];
-        most[i] = fabs(system->start[i]);
+        max[i] = fabs(system->start[i]);
     }
     if (system->oscillator.whole) {
         oscillator_scale(system, 0, 0, 0);
@@ -168,10 +174,10 @@ void typed_begin(const double *param, struct system *system)
     }
     const double rate = fastest_rate(system);
     if (linear_has_exact(system))
-        linear_sizes(system, rate, most);
+        linear_sizes(system, rate, max);
     else
-        try_sizes(system, rate > 0 ? SPAN / rate : 1, most);
-    size_unseen(system->n, most);
+        try_sizes(system, rate > 0 ? SPAN / rate : 1, max);
+    size_unseen(system->n, max);
     for (int i = 0; i < system->n; i++)
-        system->scale[i] = scale_clamp(most[i]);
+        system->scale[i] = scale_clamp(max[i]);
 }

@@ -1,16 +1,18 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Sliding along switches: between the fields on their two sides, in the shares that keep every argument where it is
- * (Filippov 1988, Differential Equations with Discontinuous Righthand Sides, 4; where several switches add up, the
- * equivalent control of Utkin 1992, Sliding Modes in Control and Optimization, 2).
+ * Sliding along switches: between the fields on their two sides, in the shares that keep every
+ * argument where it is (Filippov 1988, Differential Equations with Discontinuous Righthand Sides,
+ * 4; where several switches add up, the equivalent control of Utkin 1992, Sliding Modes in Control
+ * and Optimization, 2).
  */
 #include <math.h>
 #include <string.h>
 
 #include "scene/typed/typed.h"
 
-#define DEPENDENT 1e-12 /* a row that adds this part of its square to those before says nothing new */
-#define BESIDE 1e-5     /* of a variable's size: for differences */
+#define DEPENDENT                                                                                  \
+    1e-12           /* a row that adds this part of its square to those before says nothing new */
+#define BESIDE 1e-5 /* of a variable's size: for differences */
 #define RETURNS                                                                                    \
     3 /* steps to where rates have to be 0, too: from there the motion is to go on at rest */
 #define FAR                                                                                        \
@@ -107,7 +109,7 @@ struct around {
     double field[LIMIT_VARIABLES];               /* below all switches */
     double jump[LIMIT_SLIDING][LIMIT_VARIABLES]; /* what each adds above */
     double rate[LIMIT_SLIDING];                  /* of the arguments along `field`, */
-    double by[LIMIT_SLIDING][LIMIT_SLIDING];     /* and what each jump adds to that of argument [i] */
+    double by[LIMIT_SLIDING][LIMIT_SLIDING]; /* and what each jump adds to that of argument [i] */
     bool second[LIMIT_SLIDING];
     double first[LIMIT_SLIDING]; /* rate of those whose second derivative it is */
 };
@@ -183,15 +185,16 @@ static void solve(int count, double (*by)[LIMIT_SLIDING], const double *right, d
 }
 
 /* The share of the side above each switch. */
-static void shares(const struct sliding *s, double t, const double *y, struct around *around, double *share)
+static void fractions(const struct sliding *s, double t, const double *y, struct around *around,
+                      double *fraction)
 {
     double right[LIMIT_SLIDING];
     look_around(s, t, y, around);
     for (int i = 0; i < s->count; i++) {
-        share[i] = 0.5;
+        fraction[i] = 0.5;
         right[i] = -around->rate[i];
     }
-    solve(s->count, around->by, right, share);
+    solve(s->count, around->by, right, fraction);
 }
 
 static void add(const double *c, double t, const double *y, double *a)
@@ -200,12 +203,12 @@ static void add(const double *c, double t, const double *y, double *a)
     const struct system *system = &s->side[0];
     const int rows = system->order == 2 ? system->n / 2 : system->n, first = system->n - rows;
     struct around around;
-    double share[LIMIT_SLIDING];
-    shares(s, t, y, &around, share);
+    double fraction[LIMIT_SLIDING];
+    fractions(s, t, y, &around, fraction);
     for (int i = 0; i < rows; i++) {
         double sum = around.field[first + i];
         for (int j = 0; j < s->count; j++)
-            sum += share[j] * around.jump[j][first + i];
+            sum += fraction[j] * around.jump[j][first + i];
         a[i] += sum;
     }
 }
@@ -230,10 +233,12 @@ static void jacobian(const double *c, double t, const double *y, double *jac)
 }
 
 static const struct term_row sliding_row = {
-    .row = {"sliding", "", "along switches", "Filippov 1988", NULL}, .add = add, .jacobian = jacobian};
+    .row = {"sliding", "", "along switches", "Filippov 1988", NULL},
+    .add = add,
+    .jacobian = jacobian};
 
-bool system_slide(const struct system *system, const double *branch, const bool *slides, double near,
-                  struct sliding *sliding, struct system *frozen)
+bool system_slide(const struct system *system, const double *branch, const bool *slides,
+                  double near, struct sliding *sliding, struct system *frozen)
 {
     double below[LIMIT_SWITCHES];
     memcpy(below, branch, (size_t)system->switches * sizeof *below);
@@ -375,11 +380,11 @@ bool sliding_passes(const struct sliding *s, int i, double t, const double *y, d
         return false;
     look_around(s, t, y, &around);
     for (int k = 0; k < s->count; k++) {
-        double most = 0;
+        double max = 0;
         for (int j = 0; j < s->count; j++)
-            most = fmax(most, fabs(around.by[k][j]));
+            max = fmax(max, fabs(around.by[k][j]));
         if (s->at[k] == i && around.second[k])
-            return !(fabs(around.first[k]) <= most * within);
+            return !(fabs(around.first[k]) <= max * within);
     }
     return false;
 }
@@ -388,19 +393,20 @@ bool sliding_passes(const struct sliding *s, int i, double t, const double *y, d
 void sliding_guards(const struct sliding *s, double t, const double *y, double *guard)
 {
     struct around around;
-    double share[LIMIT_SLIDING];
-    shares(s, t, y, &around, share);
+    double fraction[LIMIT_SLIDING];
+    fractions(s, t, y, &around, fraction);
     for (int k = 0; k < s->count; k++)
-        guard[s->at[k]] = share[k] * (1 - share[k]);
+        guard[s->at[k]] = fraction[k] * (1 - fraction[k]);
 }
 
 double sliding_leaves(const struct sliding *s, int i, double t, const double *y)
 {
     struct around around;
-    double share[LIMIT_SLIDING];
-    shares(s, t, y, &around, share);
+    double fraction[LIMIT_SLIDING];
+    fractions(s, t, y, &around, fraction);
     for (int k = 0; k < s->count; k++)
         if (s->at[k] == i)
-            return s->level[k] - (switch_kind_of(&s->side[0], i) == SWITCH_WHOLE) + (share[k] > 0.5);
+            return s->level[k] - (switch_kind_of(&s->side[0], i) == SWITCH_WHOLE) +
+                   (fraction[k] > 0.5);
     return NAN;
 }

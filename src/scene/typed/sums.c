@@ -15,12 +15,12 @@ static bool is_value(const struct op *op)
 /* Evaluators have a stack of LIMIT_EXPR_DEPTH values. */
 static bool too_deep(const struct expr *expr)
 {
-    int values = 0, most = 0;
+    int values = 0, max = 0;
     for (size_t i = 0; i < expr->count; i++) {
         values += is_value(&expr->op[i]) ? 1 : 1 - op_arity(&expr->op[i]);
-        most = values > most ? values : most;
+        max = values > max ? values : max;
     }
-    return most > LIMIT_EXPR_DEPTH;
+    return max > LIMIT_EXPR_DEPTH;
 }
 
 const struct expr *typed_value(struct arena *arena, struct op op)
@@ -30,22 +30,22 @@ const struct expr *typed_value(struct arena *arena, struct op op)
     if (!made || !copy)
         return NULL;
     *copy = op;
-    *made = (struct expr){.op = copy, .count = 1, .room = 1};
+    *made = (struct expr){.op = copy, .count = 1, .capacity = 1};
     return made;
 }
 
 /* Behind what is there already. */
 static bool append(struct arena *arena, struct expr *to, const struct op *op, size_t count)
 {
-    if (to->count + count > to->room) {
-        const size_t room = 2 * to->room + count;
-        struct op *more = arena_array(arena, room, sizeof *more);
+    if (to->count + count > to->capacity) {
+        const size_t capacity = 2 * to->capacity + count;
+        struct op *more = arena_array(arena, capacity, sizeof *more);
         if (!more)
             return false;
         if (to->count)
             memcpy(more, to->op, to->count * sizeof *more);
         to->op = more;
-        to->room = room;
+        to->capacity = capacity;
     }
     if (count)
         memcpy(to->op + to->count, op, count * sizeof *op);
@@ -53,16 +53,17 @@ static bool append(struct arena *arena, struct expr *to, const struct op *op, si
     return true;
 }
 
-const struct expr *typed_join(struct arena *arena, const struct expr *a, const struct expr *b, enum op_kind op,
-                              struct error *error)
+const struct expr *typed_join(struct arena *arena, const struct expr *a, const struct expr *b,
+                              enum op_kind op, struct error *error)
 {
     const struct op last = {.kind = op};
     struct expr *made = arena_alloc(arena, sizeof *made);
-    if (made && append(arena, made, a->op, a->count) && (!b || append(arena, made, b->op, b->count)) &&
-        append(arena, made, &last, 1)) {
+    if (made && append(arena, made, a->op, a->count) &&
+        (!b || append(arena, made, b->op, b->count)) && append(arena, made, &last, 1)) {
         if (!too_deep(made))
             return made;
-        error_set(error, ERROR_COMMAND, "the forces together are nested deeper than %d levels", LIMIT_EXPR_DEPTH);
+        error_set(error, ERROR_COMMAND, "the forces together are nested deeper than %d levels",
+                  LIMIT_EXPR_DEPTH);
         return NULL;
     }
     error_memory(error);
@@ -88,7 +89,7 @@ static enum typed_group group_of(const struct typed_sort *sort, unsigned mask)
 }
 
 /* The expression that ends at an operation. */
-struct place {
+struct index {
     size_t begin;
     unsigned depends, groups; /* bits of the groups that its summands belong to */
 };
@@ -96,7 +97,7 @@ struct place {
 struct sorting {
     const struct typed_sort *sort;
     const struct expr *expr;
-    struct place *place;
+    struct index *index;
 };
 
 /* What is done with a summand, from the inside out. */
@@ -107,7 +108,8 @@ struct wrap {
     const struct wrap *outer;
 };
 
-/* How an operation treats sums: its operands that are cut up, and its other one, a factor that is constant in time. */
+/* How an operation treats sums: its operands that are cut up, and its other one, a factor that is
+ * constant in time. */
 struct parting {
     size_t side[2]; /* where they end */
     int sides;
@@ -126,7 +128,7 @@ static void part(const struct sorting *s, size_t at, struct parting *p)
     }
     if (top->kind < OP_ADD || top->kind > OP_DIV)
         return;
-    const size_t right = at - 1, left = s->place[right].begin - 1;
+    const size_t right = at - 1, left = s->index[right].begin - 1;
     p->side[0] = left;
     p->side[1] = right;
     if (top->kind == OP_ADD || top->kind == OP_SUB) {
@@ -134,8 +136,8 @@ static void part(const struct sorting *s, size_t at, struct parting *p)
         p->wrap[1].op = top->kind == OP_SUB ? OP_NEG : OP_NUMBER;
         return;
     }
-    const bool divisor = s->place[right].depends == 0;
-    p->sides = divisor || (top->kind == OP_MUL && s->place[left].depends == 0);
+    const bool divisor = s->index[right].depends == 0;
+    p->sides = divisor || (top->kind == OP_MUL && s->index[left].depends == 0);
     p->side[0] = divisor ? left : right;
     p->factor = divisor ? right : left;
     p->wrap[0] = (struct wrap){.op = top->kind, .before = !divisor};
@@ -147,25 +149,26 @@ static void look(struct sorting *s)
     const struct expr *expr = s->expr;
     for (size_t i = 0; i < expr->count; i++) {
         const struct op *op = &expr->op[i];
-        struct place *place = &s->place[i];
-        *place = (struct place){.begin = i, .depends = op->kind == OP_NAME ? s->sort->depends[op->slot] : 0};
+        struct index *index = &s->index[i];
+        *index = (struct index){.begin = i,
+                                .depends = op->kind == OP_NAME ? s->sort->depends[op->slot] : 0};
         for (int k = is_value(op) ? 0 : op_arity(op); k > 0; k--) {
-            place->depends |= s->place[place->begin - 1].depends;
-            place->begin = s->place[place->begin - 1].begin;
+            index->depends |= s->index[index->begin - 1].depends;
+            index->begin = s->index[index->begin - 1].begin;
         }
-        const enum typed_group group = group_of(s->sort, place->depends);
+        const enum typed_group group = group_of(s->sort, index->depends);
         struct parting p = {.sides = 0};
         if (group != group_of(s->sort, 0))
             part(s, i, &p);
-        place->groups = p.sides ? 0 : 1u << group;
+        index->groups = p.sides ? 0 : 1u << group;
         for (int k = 0; k < p.sides; k++)
-            place->groups |= s->place[p.side[k]].groups;
+            index->groups |= s->index[p.side[k]].groups;
     }
 }
 
 static struct expr ending(const struct sorting *s, size_t at)
 {
-    const size_t begin = s->place[at].begin;
+    const size_t begin = s->index[at].begin;
     return (struct expr){.op = s->expr->op + begin, .count = at + 1 - begin};
 }
 
@@ -180,20 +183,23 @@ static bool put(const struct sorting *s, size_t at, const struct wrap *wrap, str
     if (!made)
         return false;
     const bool first = group->count == 0;
-    if (append(sort->arena, group, made->op, made->count) && (first || append(sort->arena, group, &plus, 1)))
+    if (append(sort->arena, group, made->op, made->count) &&
+        (first || append(sort->arena, group, &plus, 1)))
         return true;
     return error_memory(sort->error);
 }
 
 /* Summands of one group stay together as they were written. */
-static bool sort_ending(const struct sorting *s, size_t at, const struct wrap *wrap, struct expr *group)
+static bool sort_ending(const struct sorting *s, size_t at, const struct wrap *wrap,
+                        struct expr *group)
 {
     for (int g = 0; g < GROUPS; g++)
-        if (s->place[at].groups == 1u << g)
+        if (s->index[at].groups == 1u << g)
             return put(s, at, wrap, &group[g]);
     struct parting p;
     part(s, at, &p);
-    const struct expr factor = p.sides == 1 && p.wrap[0].op != OP_NEG ? ending(s, p.factor) : (struct expr){0};
+    const struct expr factor =
+        p.sides == 1 && p.wrap[0].op != OP_NEG ? ending(s, p.factor) : (struct expr){0};
     p.wrap[0].other = factor.count ? &factor : NULL;
     for (int i = 0; i < p.sides; i++) {
         p.wrap[i].outer = wrap;
@@ -203,22 +209,23 @@ static bool sort_ending(const struct sorting *s, size_t at, const struct wrap *w
     return true;
 }
 
-bool typed_sort(const struct typed_sort *sort, const struct expr *expr, const struct expr *group[GROUPS])
+bool typed_sort(const struct typed_sort *sort, const struct expr *expr,
+                const struct expr *group[GROUPS])
 {
-    struct sorting s = {.sort = sort, .expr = expr, .place = malloc(expr->count * sizeof *s.place)};
+    struct sorting s = {.sort = sort, .expr = expr, .index = malloc(expr->count * sizeof *s.index)};
     struct expr *sum = arena_array(sort->arena, GROUPS, sizeof *sum);
-    bool fine = s.place && sum;
+    bool fine = s.index && sum;
     if (!fine)
         error_memory(sort->error);
     if (fine)
         look(&s);
     fine = fine && sort_ending(&s, expr->count - 1, NULL, sum);
-    free(s.place);
+    free(s.index);
     for (int g = 0; fine && g < GROUPS; g++) {
         group[g] = sum[g].count > 0 ? &sum[g] : NULL;
         if (too_deep(&sum[g]))
-            fine = error_set(sort->error, ERROR_COMMAND, "the forces are nested deeper than %d levels",
-                             LIMIT_EXPR_DEPTH);
+            fine = error_set(sort->error, ERROR_COMMAND,
+                             "the forces are nested deeper than %d levels", LIMIT_EXPR_DEPTH);
     }
     return fine;
 }

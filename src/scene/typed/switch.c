@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Typed scenes on frozen branches: the equations without their switches, and the arguments whose signs say when a branch ends. A
- * frozen term's values from 1 on are the mass, the parameters that are read, room for what is observed, the branches,
- * and what its programs keep.
+ * Typed scenes on frozen branches: the equations without their switches, and the arguments whose
+ * signs say when a branch ends. A frozen term's values from 1 on are the mass, the parameters that
+ * are read, room for what is observed, the branches, and what its programs keep.
  */
 #include <math.h>
 #include <stdlib.h>
@@ -47,9 +47,10 @@ struct making {
 
 static struct program *make(struct making *m, int first, int count, bool steps)
 {
-    const struct given given = {1 + m->typed->model.n, m->values, steps ? TERM_VALUES - 1 - m->values : 0};
-    struct program *program =
-        program_create_given(m->equations, first, count, m->bound, m->value, &given, steps, m->error);
+    const struct given_argument given = {1 + m->typed->model.n, m->values,
+                                         steps ? TERM_VALUES - 1 - m->values : 0};
+    struct program *program = program_create_given(m->equations, first, count, m->bound, m->value,
+                                                   &given, steps, m->error);
     m->values += program ? program->keeps : 0;
     return program;
 }
@@ -130,8 +131,8 @@ static bool turns_only(const struct typed_part *part)
     const struct typed *typed = part->frozen.typed;
     double c[TERM_VALUES] = {0}, at[2], speed[1], force[2][2];
     const struct typed_term *term = &part->frozen;
-    if (part->switches.count != 1 || part->switches.kind[0] != SWITCH_SIGN || typed->model.order != 2 ||
-        typed->model.n != 2)
+    if (part->switches.count != 1 || part->switches.kind[0] != SWITCH_SIGN ||
+        typed->model.order != 2 || typed->model.n != 2)
         return false;
     memcpy(c, &term, sizeof term);
     for (int k = 0; k < TRIALS; k++) {
@@ -152,14 +153,17 @@ static bool turns_only(const struct typed_part *part)
     return true;
 }
 
-bool typed_freeze(const struct typed *typed, uint64_t zeros, struct typed_part *part, struct error *error)
+bool typed_freeze(const struct typed *typed, uint64_t zeros, struct typed_part *part,
+                  struct error *error)
 {
-    const int first = typed->model.n + 2, names = 1 + typed->model.n + first_branch(typed) + LIMIT_TYPED_SWITCHES;
+    const int first = typed->model.n + 2,
+              names = 1 + typed->model.n + first_branch(typed) + LIMIT_TYPED_SWITCHES;
     if (!any_switches(typed))
         return true;
     bool *bound = calloc((size_t)names, sizeof *bound);
     double *value = calloc((size_t)names, sizeof *value);
-    struct making m = {typed, NULL, bound, value, first_branch(typed) + LIMIT_TYPED_SWITCHES, error};
+    struct making m = {typed, NULL, bound, value, first_branch(typed) + LIMIT_TYPED_SWITCHES,
+                       error};
     bool fine = bound && value;
     if (!fine)
         error_memory(error);
@@ -169,8 +173,8 @@ bool typed_freeze(const struct typed *typed, uint64_t zeros, struct typed_part *
         bound[first + i] = zeros >> i & 1;
     part->frozen.typed = typed;
     part->frozen.part = part;
-    part->frozen.row = (struct term_row){.row = {"equations", "", "on frozen branches", "", NULL}, .add = add,
-                                         .jacobian = jacobian};
+    part->frozen.row = (struct term_row){
+        .row = {"equations", "", "on frozen branches", "", NULL}, .add = add, .jacobian = jacobian};
     fine = fine && (!m.equations || make_programs(&m, part));
     part->turns_only = fine && turns_only(part);
     equations_destroy(m.equations);
@@ -206,9 +210,11 @@ int typed_switches(const struct system *system)
     return system->oscillator.whole ? 0 : part->switches.count;
 }
 
-/* The arguments of switches, and into c, of a frozen term, their branches, on which the arguments that follow depend.
+/* The arguments of switches, and into c, of a frozen term, their branches, on which the arguments
+ * that follow depend.
  */
-static void find_branches(const struct typed_part *part, double t, const double *y, double *c, double *argument)
+static void find_branches(const struct typed_part *part, double t, const double *y, double *c,
+                          double *argument)
 {
     bool settled = false;
     for (int k = 0; k < part->switches.count && !settled; k++) {
@@ -223,7 +229,8 @@ static void find_branches(const struct typed_part *part, double t, const double 
     }
 }
 
-void typed_unfrozen_arguments(const struct system *system, double t, const double *y, double *argument)
+void typed_unfrozen_arguments(const struct system *system, double t, const double *y,
+                              double *argument)
 {
     const struct typed_part *part = part_of(system);
     double c[TERM_VALUES];
@@ -231,15 +238,18 @@ void typed_unfrozen_arguments(const struct system *system, double t, const doubl
     find_branches(part, t, y, c, argument);
 }
 
-void typed_branches_at(const struct typed_part *part, const double *bound, const double *y, double *branch)
+void typed_branches_at(const struct typed_part *part, const double *bound, const double *y,
+                       double *branch)
 {
     double c[TERM_VALUES], argument[LIMIT_TYPED_SWITCHES];
     frozen_values(part, bound, c);
     find_branches(part, 0, y, c, argument);
-    memcpy(branch, c + 1 + first_branch(part->frozen.typed), (size_t)part->switches.count * sizeof *branch);
+    memcpy(branch, c + 1 + first_branch(part->frozen.typed),
+           (size_t)part->switches.count * sizeof *branch);
 }
 
-void typed_branches_take(const struct system *system, const double *branch, int count, struct system *frozen)
+void typed_branches_take(const struct system *system, const double *branch, int count,
+                         struct system *frozen)
 {
     const struct typed_part *part = part_of(system);
     frozen->linear = frozen->oscillator.whole = frozen->oscillator.drag_whole = false;

@@ -59,16 +59,17 @@ const struct preset *typed_preset(const struct model *model)
 
 void typed_describe(const struct typed_line *line, struct buffer *text)
 {
-    static const char *const word[] = {[TYPED_VAR] = "var ",     [TYPED_PARAM] = "param ",
-                                       [TYPED_EQUATION] = "",    [TYPED_FORCE] = "force",
-                                       [TYPED_POTENTIAL] = "potential", [TYPED_OBSERVE] = "observe "};
+    static const char *const word[] = {
+        [TYPED_VAR] = "var ",    [TYPED_PARAM] = "param ",        [TYPED_EQUATION] = "",
+        [TYPED_FORCE] = "force", [TYPED_POTENTIAL] = "potential", [TYPED_OBSERVE] = "observe "};
     buffer_put(text, text_of(word[line->kind]));
     if (line->kind == TYPED_FORCE && line->name.len > 0)
         buffer_char(text, ' ');
     buffer_put(text, line->name);
     if (line->kind == TYPED_EQUATION)
         buffer_put(text, line->order == 2 ? TEXT("''") : TEXT("'"));
-    const bool bare = line->kind == TYPED_POTENTIAL || (line->kind == TYPED_FORCE && line->name.len == 0);
+    const bool bare =
+        line->kind == TYPED_POTENTIAL || (line->kind == TYPED_FORCE && line->name.len == 0);
     buffer_put(text, bare ? TEXT(" ") : TEXT(" = "));
     if (line->kind != TYPED_VAR && line->kind != TYPED_PARAM) {
         buffer_put(text, line->expr);
@@ -94,7 +95,8 @@ static struct typed *begin(const struct model *from, bool empty, struct error *e
     const int lines = empty ? 0 : typed_lines(from);
     if (typed) {
         typed->base = empty ? NULL : typed_base(from);
-        snprintf(typed->name, sizeof typed->name, "%s", empty || !from->typed ? "typed" : from->typed->name);
+        snprintf(typed->name, sizeof typed->name, "%s",
+                 empty || !from->typed ? "typed" : from->typed->name);
         typed->parts = typed_parts_create();
         typed->line = arena_array(&typed->arena, (size_t)lines + 1, sizeof *typed->line);
     }
@@ -120,21 +122,26 @@ static const struct model *keep(struct typed_models *models, struct typed *typed
 }
 
 /* Compiles it; what an error points to in the copy of `given` it then points to in the original. */
-static const struct model *finish(struct typed_models *models, struct typed *typed, const struct typed_line *copy,
-                                  const struct typed_line *given, struct error *error)
+static const struct model *finish(struct typed_models *models, struct typed *typed,
+                                  const struct typed_line *copy, const struct typed_line *given,
+                                  struct error *error)
 {
     if (typed_compile(typed, error))
         return keep(models, typed);
     bool found = false;
     for (int i = 0; copy && error->where.at && !found && i < 2; i++) {
-        const struct text text = i == 0 ? copy->expr : copy->name, original = i == 0 ? given->expr : given->name;
+        const struct text text = i == 0 ? copy->expr : copy->name,
+                          original = i == 0 ? given->expr : given->name;
         found = error->where.at >= text.at && error->where.at <= text.at + text.len;
         if (found)
             error->where.at = original.at + (error->where.at - text.at);
     }
-    /* Else it lies in another line, or nowhere: then it is this one that does not go with the others. */
+    /* Else it lies in another line, or nowhere: then it is this one that does not go with the
+     * others. */
     if (!found)
-        error->where = !given ? (struct text){NULL, 0} : given->name.len > 0 ? given->name : given->expr;
+        error->where = !given                ? (struct text){NULL, 0}
+                       : given->name.len > 0 ? given->name
+                                             : given->expr;
     destroy(typed);
     return NULL;
 }
@@ -153,7 +160,8 @@ const struct model *typed_new(struct typed_models *models, struct text name, str
 
 static void drop(struct typed *typed, int i)
 {
-    memmove(&typed->line[i], &typed->line[i + 1], (size_t)(typed->lines - i - 1) * sizeof *typed->line);
+    memmove(&typed->line[i], &typed->line[i + 1],
+            (size_t)(typed->lines - i - 1) * sizeof *typed->line);
     typed->lines--;
 }
 
@@ -200,36 +208,39 @@ static bool fits(const struct typed *typed, const struct typed_line *line, struc
         return false;
     if (line->kind == TYPED_FORCE || line->kind == TYPED_POTENTIAL) {
         if (typed->base && typed->base->order != 2)
-            return error_at(error, line->expr, "%s has no positions and velocities for a %s to act on",
-                            typed->base->row.name, line->kind == TYPED_FORCE ? "force" : "potential");
+            return error_at(
+                error, line->expr, "%s has no positions and velocities for a %s to act on",
+                typed->base->row.name, line->kind == TYPED_FORCE ? "force" : "potential");
         return is_coordinate(typed, line->kind == TYPED_FORCE ? name : TEXT(""), error);
     }
     return line->kind == TYPED_EQUATION || primed || typed_name_fits(name, error);
 }
 
-const struct model *typed_add(struct typed_models *models, const struct model *from, const struct typed_line *line,
-                              struct error *error)
+const struct model *typed_add(struct typed_models *models, const struct model *from,
+                              const struct typed_line *line, struct error *error)
 {
     const bool moves = line->kind == TYPED_VAR || line->kind == TYPED_EQUATION;
     struct typed *typed = begin(from, moves && typed_base(from), error);
     if (!typed)
         return NULL;
     if (!fits(typed, line, error)) {
-        if (error->where.at && !(error->where.at >= line->name.at && error->where.at <= line->name.at + line->name.len))
+        if (error->where.at && !(error->where.at >= line->name.at &&
+                                 error->where.at <= line->name.at + line->name.len))
             error->where = line->expr;
         destroy(typed);
         return NULL;
     }
-    const int old = find_line(typed, line->kind, line->name), potential = find_line(typed, TYPED_POTENTIAL, TEXT(""));
-    int place = old >= 0 ? old : typed->lines++;
-    typed->line[place] = *line;
+    const int old = find_line(typed, line->kind, line->name),
+              potential = find_line(typed, TYPED_POTENTIAL, TEXT(""));
+    int index = old >= 0 ? old : typed->lines++;
+    typed->line[index] = *line;
     if (line->kind == TYPED_POTENTIAL)
-        typed->line[place].name = TEXT("");
+        typed->line[index].name = TEXT("");
     if (line->kind == TYPED_FORCE && potential >= 0) { /* it was that of the forces before */
         drop(typed, potential);
-        place -= potential < place;
+        index -= potential < index;
     }
-    struct typed_line *copy = &typed->line[place];
+    struct typed_line *copy = &typed->line[index];
     if (!copy_text(&typed->arena, &copy->name) || !copy_text(&typed->arena, &copy->expr)) {
         error_memory(error);
         destroy(typed);
@@ -251,12 +262,13 @@ static const struct typed_line *user_of(const struct typed *typed, const struct 
 
 static void drop_line(struct typed *typed, enum typed_kind kind, struct text name)
 {
-    const int place = find_line(typed, kind, name);
-    if (place >= 0)
-        drop(typed, place);
+    const int index = find_line(typed, kind, name);
+    if (index >= 0)
+        drop(typed, index);
 }
 
-/* What is left of the lines without it; a variable takes its equation and its initial velocity along. */
+/* What is left of the lines without it; a variable takes its equation and its initial velocity
+ * along. */
 static void drop_with(struct typed *typed, enum typed_kind kind, struct text name)
 {
     char primed[LIMIT_SYMBOL + 2];
@@ -279,8 +291,9 @@ static void refuse_used(const struct typed_line *line, struct text name, struct 
     buffer_free(&text);
 }
 
-static const struct model *finish_without(struct typed_models *models, struct typed *typed, enum typed_kind kind,
-                                          struct text name, struct error *error)
+static const struct model *finish_without(struct typed_models *models, struct typed *typed,
+                                          enum typed_kind kind, struct text name,
+                                          struct error *error)
 {
     const int force = kind == TYPED_VAR ? find_line(typed, TYPED_FORCE, name) : -1;
     const struct typed_line *user = force >= 0 ? &typed->line[force] : NULL;
@@ -294,13 +307,14 @@ static const struct model *finish_without(struct typed_models *models, struct ty
     return NULL;
 }
 
-const struct model *typed_remove(struct typed_models *models, const struct model *from, enum typed_kind kind,
-                                 struct text name, struct error *error)
+const struct model *typed_remove(struct typed_models *models, const struct model *from,
+                                 enum typed_kind kind, struct text name, struct error *error)
 {
-    static const char *const word[] = {"variable", "parameter", "equation", "force", "potential", "observed quantity"};
+    static const char *const word[] = {"variable", "parameter", "equation",
+                                       "force",    "potential", "observed quantity"};
     if (!from->typed || find_line(from->typed, kind, name) < 0) {
-        error_set(error, ERROR_COMMAND, "there is no typed %s%s%.*s", word[kind], name.len > 0 ? " " : "",
-                  (int)name.len, name.at);
+        error_set(error, ERROR_COMMAND, "there is no typed %s%s%.*s", word[kind],
+                  name.len > 0 ? " " : "", (int)name.len, name.at);
         if (name.len > 0)
             error->where = name;
         return NULL;
@@ -334,19 +348,20 @@ void scene_remodel(struct scene *scene, const struct model *model)
         scene->preset = typed_preset(model);
     for (size_t i = 0; i < model->params->count; i++) {
         const struct param_row *row = param_row(model, i);
-        const int place = scene_param(&was, row->row.name);
+        const int index = scene_param(&was, row->row.name);
         scene->value[i] = row->initial;
         scene->uncertainty[i] = 0;
         scene->given[i] = false;
-        if (place < 0 || param_row(was.model, (size_t)place)->initial != row->initial)
+        if (index < 0 || param_row(was.model, (size_t)index)->initial != row->initial)
             continue;
-        scene->value[i] = was.value[place];
-        scene->uncertainty[i] = was.uncertainty[place];
-        scene->given[i] = was.given[place];
+        scene->value[i] = was.value[index];
+        scene->uncertainty[i] = was.uncertainty[index];
+        scene->given[i] = was.given[index];
     }
     for (int i = 0; i < LIMIT_VARIABLES; i++) {
-        const int place = i < model->n ? model_state(was.model, text_of(model->variable[i].name)) : -1;
-        scene->atol[i] = place < 0 ? 0 : was.atol[place];
+        const int index =
+            i < model->n ? model_state(was.model, text_of(model->variable[i].name)) : -1;
+        scene->atol[i] = index < 0 ? 0 : was.atol[index];
     }
 }
 

@@ -5,39 +5,44 @@
 
 #include "scene/formula/program/program.h"
 
-#define TYPED_NAME_MOST (LIMIT_SYMBOL - 3) /* so that there is room for vNAME_0 */
-#define TYPED_READS (TERM_VALUES - 2)      /* parameters that expressions may read */
+#define TYPED_NAME_MAX (LIMIT_SYMBOL - 3) /* so that there is room for vNAME_0 */
+#define TYPED_READS (TERM_VALUES - 2)     /* parameters that expressions may read */
 
 /*
- * Forces by what they depend on: FORCE on positions only, WORK on time, too, DRAG on velocities. A scene of first order
- * has all in WORK, and so have forces on a built-in scene without a typed potential.
+ * Forces by what they depend on: FORCE on positions only, WORK on time, too, DRAG on velocities. A
+ * scene of first order has all in WORK, and so have forces on a built-in scene without a typed
+ * potential.
  */
 enum typed_group { GROUP_FORCE, GROUP_WORK, GROUP_DRAG, GROUPS };
 
 /*
- * Names of the expressions, as equations count them: t, the state, the mass, the parameters that are read, what is
- * observed. A bound term's values from 1 on are the mass, the parameters that are read, and what programs keep of them.
+ * Names of the expressions, as equations count them: t, the state, the mass, the parameters that
+ * are read, what is observed. A bound term's values from 1 on are the mass, the parameters that are
+ * read, and what programs keep of them.
  */
 struct typed {
     struct typed *next; /* of all models */
     struct arena arena;
     struct model model;
-    struct preset preset;      /* settings under the name of the model */
+    struct preset preset; /* settings under the name of the model */
     char name[LIMIT_SYMBOL + 1];
-    const struct model *base;  /* NULL: all is typed */
-    struct typed_line *line;   /* in the order of typing */
+    const struct model *base; /* NULL: all is typed */
+    struct typed_line *line;  /* in the order of typing */
     int lines;
-    struct term_row *row;      /* [terms of the base + GROUPS] the groups that are there */
+    struct term_row *row; /* [terms of the base + GROUPS] the groups that are there */
     struct catalog params, terms, derived;
-    int initial[LIMIT_VARIABLES]; /* parameter of each state variable; where all is typed, like the next two */
-    int velocity[LIMIT_VARIABLES]; /* places in the state of a variable and of its velocity, -1: none */
-    int t0, mass;                 /* parameters, mass -1: it is 1 */
-    int incomplete;               /* line of a variable without an equation, -1: none */
-    int read[TYPED_READS], reads; /* parameters */
+    int initial[LIMIT_VARIABLES];  /* parameter of each state variable; where all is typed, like the
+                                      next two */
+    int velocity[LIMIT_VARIABLES]; /* places in the state of a variable and of its velocity, -1:
+                                      none */
+    int t0, mass;                  /* parameters, mass -1: it is 1 */
+    int incomplete;                /* line of a variable without an equation, -1: none */
+    int read[TYPED_READS], reads;  /* parameters */
     struct variable *observed;
     const struct expr **observe;
     int observes;
-    const struct expr **group[GROUPS]; /* [rows] each with NULL where there is nothing; NULL: nothing at all */
+    const struct expr *
+        *group[GROUPS]; /* [rows] each with NULL where there is nothing; NULL: nothing at all */
     const struct expr *potential;
     struct typed_parts *parts;
 };
@@ -59,22 +64,25 @@ bool typed_name_fits(struct text name, struct error *error);
 
 /* ---- sums (typed_sums.c) ---- */
 
-/* a, b in this order, then the operation; b NULL: it has one operand. NULL: out of memory, too deep. */
-const struct expr *typed_join(struct arena *arena, const struct expr *a, const struct expr *b, enum op_kind op,
-                              struct error *error);
+/* a, b in this order, then the operation; b NULL: it has one operand. NULL: out of memory, too
+ * deep. */
+const struct expr *typed_join(struct arena *arena, const struct expr *a, const struct expr *b,
+                              enum op_kind op, struct error *error);
 const struct expr *typed_value(struct arena *arena, struct op op);
 struct typed_sort {
     struct arena *arena;
     struct error *error;
     const unsigned *depends; /* of each name: bits of enum typed_dependence */
-    bool positions; /* what depends on them only is a group of its own */
+    bool positions;          /* what depends on them only is a group of its own */
 };
 
 enum typed_dependence { DEPENDS_TIME = 1, DEPENDS_POSITION = 2, DEPENDS_VELOCITY = 4 };
 
 unsigned typed_depends(const struct expr *expr, const unsigned *depends);
-/* The summands of an expression by groups, each group in the order of writing; NULL where there are none. */
-bool typed_sort(const struct typed_sort *sort, const struct expr *expr, const struct expr *group[GROUPS]);
+/* The summands of an expression by groups, each group in the order of writing; NULL where there are
+ * none. */
+bool typed_sort(const struct typed_sort *sort, const struct expr *expr,
+                const struct expr *group[GROUPS]);
 
 /* ---- programs (typed_parts.c) ---- */
 
@@ -91,49 +99,62 @@ struct typed_term {
 
 struct typed_part {
     struct typed_part *next;
-    uint64_t zeros;             /* bits of the parameters that are 0 */
+    uint64_t zeros; /* bits of the parameters that are 0 */
     struct typed_term term[GROUPS], all;
-    struct typed_term frozen;      /* all, with the branches of switches as given values; add NULL: no switches */
-    struct program *argument;      /* of each switch */
+    struct typed_term
+        frozen; /* all, with the branches of switches as given values; add NULL: no switches */
+    struct program *argument; /* of each switch */
     struct switches switches;
     bool turns_only; /* as typed_turns_only() says */
-    struct term_row found[TYPED_FOUND]; /* of GROUP_FORCE with a potential that was found, by the way to it */
-    int given; /* values of a bound term behind the first: the mass, the parameters, what its programs keep */
+    struct term_row
+        found[TYPED_FOUND]; /* of GROUP_FORCE with a potential that was found, by the way to it */
+    int given; /* values of a bound term behind the first: the mass, the parameters, what its
+                  programs keep */
     atomic_bool checked; /* force and potential agree */
 };
 
 /* By a program of the part that c is from. */
-void typed_evaluate(const struct program *program, const double *c, double t, const double *y, double *out);
+void typed_evaluate(const struct program *program, const double *c, double t, const double *y,
+                    double *out);
 const struct typed_term *typed_term_of(const double *c);
-/* Is there room for ratios of masses behind the values of a bound term? The last is that of the first coordinate. */
+/* Is there room for ratios of masses behind the values of a bound term? The last is that of the
+ * first coordinate. */
 static inline bool typed_ratios_fit(const struct typed_term *term)
 {
     return term->part && 1 + term->part->given <= TERM_VALUES - typed_rows(term->typed);
 }
-/* The mass of each coordinate [rows]: that of the scene, unless typed_find_potential() found that they differ. */
+/* The mass of each coordinate [rows]: that of the scene, unless typed_find_potential() found that
+ * they differ. */
 void typed_masses(const double *c, double *mass);
 
-struct typed_part *typed_part_create(const struct typed *typed, uint64_t zeros, struct error *error);
+struct typed_part *typed_part_create(const struct typed *typed, uint64_t zeros,
+                                     struct error *error);
 void typed_part_destroy(struct typed_part *part);
 
 /* ---- switches (typed_switch.c) ---- */
 
-bool typed_freeze(const struct typed *typed, uint64_t zeros, struct typed_part *part, struct error *error);
+bool typed_freeze(const struct typed *typed, uint64_t zeros, struct typed_part *part,
+                  struct error *error);
 enum switch_kind typed_switch_kind(const struct system *system, int i);
 /* Of those that were typed; of a frozen system, not one that slides. */
 void typed_arguments(const struct system *system, double t, const double *y, double *argument);
-void typed_unfrozen_arguments(const struct system *system, double t, const double *y, double *argument);
+void typed_unfrozen_arguments(const struct system *system, double t, const double *y,
+                              double *argument);
 double typed_branch(const struct system *frozen, int i);
 /* The branches [switches] of a bound term's part at time 0, of the whole equations. */
-void typed_branches_at(const struct typed_part *part, const double *bound, const double *y, double *branch);
+void typed_branches_at(const struct typed_part *part, const double *bound, const double *y,
+                       double *branch);
 /* Puts the terms on these branches; the rest of *frozen is a copy of *system already. */
-void typed_branches_take(const struct system *system, const double *branch, int count, struct system *frozen);
-/* Guards of the switches along which it slides, into those of all; the branch that switch i goes to, NAN: not one. */
+void typed_branches_take(const struct system *system, const double *branch, int count,
+                         struct system *frozen);
+/* Guards of the switches along which it slides, into those of all; the branch that switch i goes
+ * to, NAN: not one. */
 void sliding_guards(const struct sliding *s, double t, const double *y, double *guard);
 double sliding_leaves(const struct sliding *s, int i, double t, const double *y);
 /* Is the only switch that of a speed, across which the force is continuous? */
 bool typed_turns_only(const struct system *system);
-int typed_switches(const struct system *system); /* that are located: 0 for an oscillator, which has turning points */
+int typed_switches(const struct system *system); /* that are located: 0 for an oscillator, which has
+                                                    turning points */
 
 /* ---- switches of all kinds (switches.c) ---- */
 
@@ -151,26 +172,29 @@ void system_sum_up(struct system *system); /* what its terms say together (syste
 struct typed_parts *typed_parts_create(void); /* NULL: no memory */
 void typed_parts_destroy(struct typed_parts *parts);
 /* Adds what is typed to a system whose mass is set. */
-bool typed_bind(const struct typed *typed, const double *param, struct system *system, struct error *error);
+bool typed_bind(const struct typed *typed, const double *param, struct system *system,
+                struct error *error);
 /* Once start and scale are known: is the force the slope of the potential? */
 bool typed_check(const struct system *system, struct error *error);
 
 /* ---- potentials that were not typed (typed_potential.c) ---- */
 
 void typed_found_rows(struct typed_part *part); /* once its terms are made */
-/* Once start and scale are known: forces that depend on positions only get a potential where there is one. False: there
- * is none, or nothing to look for. */
+/* Once start and scale are known: forces that depend on positions only get a potential where there
+ * is one. False: there is none, or nothing to look for. */
 bool typed_find_potential(struct system *system);
-/* Then: is there nothing but forces with a potential, drag, and drives that depend on time alone? */
+/* Then: is there nothing but forces with a potential, drag, and drives that depend on time alone?
+ */
 bool typed_has_energy(const struct system *system);
 
 /* ---- what they are (typed_linear.c) ---- */
 
-/* Are all outputs linear in the state, as they are written? The coefficients may still depend on time. Do some have a
- * kink where the second variable, a velocity, is 0? */
+/* Are all outputs linear in the state, as they are written? The coefficients may still depend on
+ * time. Do some have a kink where the second variable, a velocity, is 0? */
 bool typed_look(const struct typed *typed, const struct program *program, bool *affine, bool *kinks,
                 struct error *error);
-/* Adds what the term is, with its values, to the oscillator, or notes that it is nothing of that kind. */
+/* Adds what the term is, with its values, to the oscillator, or notes that it is nothing of that
+ * kind. */
 void typed_recognise(const struct typed_term *term, const double *c, struct oscillator *oscillator);
 
 /* ---- natural sizes (typed_scale.c) ---- */

@@ -15,13 +15,15 @@ void history_add(struct session *session, struct text line)
     if (line.len == 0)
         return;
     /* The list only helps people: without memory the line is just not listed. */
-    if (session->histories == HISTORY_MOST) {
+    if (session->histories == HISTORY_MAX) {
         free(session->history[0]);
-        memmove(session->history, session->history + 1, (HISTORY_MOST - 1) * sizeof *session->history);
+        memmove(session->history, session->history + 1,
+                (HISTORY_MAX - 1) * sizeof *session->history);
         session->histories--;
-    } else if ((session->histories & (session->histories - 1)) == 0) { /* full at every power of two */
-        const size_t room = session->histories ? 2 * (size_t)session->histories : 1;
-        char **larger = realloc(session->history, room * sizeof *larger);
+    } else if ((session->histories & (session->histories - 1)) ==
+               0) { /* full at every power of two */
+        const size_t capacity = session->histories ? 2 * (size_t)session->histories : 1;
+        char **larger = realloc(session->history, capacity * sizeof *larger);
         if (!larger)
             return;
         session->history = larger;
@@ -33,13 +35,15 @@ void history_add(struct session *session, struct text line)
 
 bool history_open(struct session *session, const char *path, struct error *error)
 {
-    /* The writer knows which targets are allowed: no link, no device, nothing outside with --safe. */
+    /* The writer knows which targets are allowed: no link, no device, nothing outside with --safe.
+     */
     struct writer check;
     if (!writer_open(&check, path, session_policy(session, true), error))
         return false;
     writer_abandon(&check);
     struct stat st;
-    const int fd = open(path, O_WRONLY | O_APPEND | O_CREAT | O_NOFOLLOW | O_CLOEXEC | O_NONBLOCK, 0666);
+    const int fd =
+        open(path, O_WRONLY | O_APPEND | O_CREAT | O_NOFOLLOW | O_CLOEXEC | O_NONBLOCK, 0666);
     char *copy = strdup(path);
     if (fd < 0 || fstat(fd, &st) != 0 || !S_ISREG(st.st_mode) || !copy) {
         if (fd >= 0)
@@ -83,10 +87,12 @@ bool history_record(struct session *session, struct text statement, struct error
     struct buffer line = {0};
     buffer_put(&line, statement);
     buffer_char(&line, '\n');
-    const bool ok = !line.failed && append(session->record_fd, buffer_text(&line)) && fsync(session->record_fd) == 0;
+    const bool ok = !line.failed && append(session->record_fd, buffer_text(&line)) &&
+                    fsync(session->record_fd) == 0;
     buffer_free(&line);
     if (!ok) {
-        error_set(error, ERROR_IO, "cannot append to %s: the recording of commands ends here", session->record_path);
+        error_set(error, ERROR_IO, "cannot append to %s: the recording of commands ends here",
+                  session->record_path);
         history_close(session);
     }
     return ok;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The set-up as commands: only what differs from a new session, numbers that read back to the same doubles. */
+/* The set-up as commands: only what differs from a new session, numbers that read back to the same
+ * doubles. */
 #include <hooke/session/events.h>
 #include <hooke/session/log.h>
 #include <hooke/session/subject.h>
@@ -8,7 +9,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define SECONDS_MOST 2.0 /* [s] of computing: what takes longer is not done again when a session is resumed */
+#define SECONDS_MAX                                                                                \
+    2.0 /* [s] of computing: what takes longer is not done again when a session is resumed */
 
 static void save_scene(const struct scene *scene, bool always, struct buffer *text)
 {
@@ -23,7 +25,8 @@ static void save_scene(const struct scene *scene, bool always, struct buffer *te
         if (!scene->given[i])
             continue;
         buffer_format(text, "%s = ", param->row.name);
-        buffer_exact(text, (struct measured){scene->value[i], scene->uncertainty[i]}, param->quantity);
+        buffer_exact(text, (struct measured){scene->value[i], scene->uncertainty[i]},
+                     param->quantity);
         buffer_char(text, '\n');
     }
     atol_script(scene, "\n", text);
@@ -31,7 +34,8 @@ static void save_scene(const struct scene *scene, bool always, struct buffer *te
 
 static void save_method(const struct setup *setup, bool always, struct buffer *text)
 {
-    if (!always && strcmp(setup->method->row.name, "euler") == 0 && !setup->fixed && setup->drag == DRAG_DEFAULT)
+    if (!always && strcmp(setup->method->row.name, "euler") == 0 && !setup->fixed &&
+        setup->drag == DRAG_DEFAULT)
         return;
     buffer_format(text, "method %s", setup->method->row.name);
     if (setup->fixed) {
@@ -48,14 +52,16 @@ static void save_settings(const struct settings *settings, bool always, struct b
     struct settings defaults;
     session_default_settings(&defaults);
     for (size_t i = 0; i < setting_catalog.count; i++) {
-        const struct setting *setting = (const struct setting *)(const void *)catalog_row(&setting_catalog, i);
+        const struct setting *setting =
+            (const struct setting *)(const void *)catalog_row(&setting_catalog, i);
         struct buffer now = {0}, before = {0};
         setting_exact(setting, settings, &now);
         setting_exact(setting, &defaults, &before);
         const bool given = setting_is_given(setting, settings);
         if (!given && always)
             buffer_format(text, "unset %s\n", setting->row.name);
-        else if (!setting->display && given && (always || setting->given || !text_equal(buffer_text(&now), buffer_text(&before))))
+        else if (!setting->display && given &&
+                 (always || setting->given || !text_equal(buffer_text(&now), buffer_text(&before))))
             buffer_format(text, "set %s %s\n", setting->row.name, buffer_view(&now));
         text->failed |= now.failed || before.failed;
         buffer_free(&now);
@@ -73,14 +79,14 @@ static void save_let(const struct setup *setup, struct buffer *text)
     }
 }
 
-static void save_recording(const struct held_recording *held, bool absolute, struct buffer *text)
+static void save_recording(const struct recording_slot *slot, bool absolute, struct buffer *text)
 {
-    const struct recording *recording = held->recording;
+    const struct recording *recording = slot->recording;
     char *path = absolute ? realpath(recording->path, NULL) : NULL;
     buffer_put(text, TEXT("load "));
     buffer_word(text, text_of(path ? path : recording->path));
     free(path);
-    buffer_put(text, text_of(held->options));
+    buffer_put(text, text_of(slot->options));
     buffer_char(text, '\n');
     if (recording->cleaned)
         buffer_put(text, TEXT("data clean apply\n"));
@@ -104,7 +110,8 @@ static void save_recording(const struct held_recording *held, bool absolute, str
     }
 }
 
-/* How the screen looks, where it differs from a new session. Cursors are not kept: they belong to runs. */
+/* How the screen looks, where it differs from a new session. Cursors are not kept: they belong to
+ * runs. */
 static void save_view(const struct view *view, struct buffer *text)
 {
     const struct {
@@ -112,7 +119,8 @@ static void save_view(const struct view *view, struct buffer *text)
         const double *range;
     } ranges[] = {{"x", view->x}, {"y", view->y}};
     if (view->layout != LAYOUT_TRIO)
-        buffer_format(text, "layout %s\n", catalog_row(&layout_catalog, (size_t)view->layout)->name);
+        buffer_format(text, "layout %s\n",
+                      catalog_row(&layout_catalog, (size_t)view->layout)->name);
     if (view->window > 0) {
         buffer_put(text, TEXT("window "));
         buffer_exact(text, (struct measured){view->window, 0}, QUANTITY_TIME);
@@ -146,7 +154,8 @@ static void save_recordings(const struct session *session, bool absolute, struct
     for (int i = 0; i < session->recordings; i++) {
         const struct recording *recording = session->recording[i]->recording;
         if (session_find_recording(session, text_of(recording->velocity)) >= 0)
-            buffer_format(text, "data use %s\ndata join %s\n", recording->name, recording->velocity);
+            buffer_format(text, "data use %s\ndata join %s\n", recording->name,
+                          recording->velocity);
     }
 }
 
@@ -182,14 +191,15 @@ void session_save(const struct session *session, struct buffer *text)
 /* ---- with the runs ---- */
 
 /* The run as commands; a comment where it is left out. True if it is there. */
-static bool save_run(const struct session *session, const struct held_run *held, struct buffer *text)
+static bool save_run(const struct session *session, const struct run_slot *slot,
+                     struct buffer *text)
 {
-    const struct run *run = held->run;
+    const struct run *run = slot->run;
     const struct setup setup = {.method = run->method, .drag = run->settings.drag};
     const size_t before = text->len;
     save_scene(&run->scene, true, text);
     buffer_put(text, TEXT("event off\n"));
-    events_save(held->events, true, text); /* what they execute is in the journal */
+    events_save(slot->events, true, text); /* what they execute is in the journal */
     buffer_format(text, "method %s dt=", setup.method->row.name);
     buffer_exact(text, (struct measured){run->settings.dt, 0}, QUANTITY_TIME);
     if (run->plan.adaptive) {
@@ -212,20 +222,20 @@ static bool save_run(const struct session *session, const struct held_run *held,
     }
     buffer_char(text, '\n');
     const char *why = NULL;
-    if (run->seconds >= SECONDS_MOST)
+    if (run->seconds >= SECONDS_MAX)
         why = "it took too long to compute";
-    else if (!journal_write(session, held, 0, -1, run->number, true, text))
+    else if (!journal_write(session, slot, 0, -1, run->number, true, text))
         why = "it stopped at a condition on a variable or a result";
     if (why) {
         text->len = before;
-        buffer_format(text, "# run %d (%s, to t = %.6g s) is left out: %s\n", run->number, run->method->row.name,
-                      run->t, why);
+        buffer_format(text, "# run %d (%s, to t = %.6g s) is left out: %s\n", run->number,
+                      run->method->row.name, run->t, why);
         return false;
     }
     if (run->name[0])
         buffer_format(text, "rename %d %s\n", run->number, run->name);
-    if (held->note)
-        buffer_format(text, "note %s\n", held->note);
+    if (slot->note)
+        buffer_format(text, "note %s\n", slot->note);
     return true;
 }
 

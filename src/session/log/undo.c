@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Undo, redo and checkpoints: copies of the set-up, and the lists of runs and recordings as they were. A run that has
- * gone on since is taken back to its step by dropping rows; one that was taken back is advanced again, which gives the
- * same bits.
+ * Undo, redo and checkpoints: copies of the set-up, and the lists of runs and recordings as they
+ * were. A run that has gone on since is taken back to its step by dropping rows; one that was taken
+ * back is advanced again, which gives the same bits.
  */
 #include <hooke/session/log.h>
 #include <hooke/session/subject.h>
@@ -20,11 +20,11 @@ struct run_mark {
     enum stop stop;
     struct controller controller; /* of an adaptive method: what the next step would be */
     char name[LIMIT_NAME + 1];
-    struct leg *last; /* of its journal then */
+    struct request *last; /* of its journal then */
 };
 
 struct marked_run {
-    struct held_run *held;
+    struct run_slot *slot;
     struct run_mark *mark;
 };
 
@@ -35,7 +35,7 @@ struct shared_setup {
 };
 
 struct recording_mark {
-    struct held_recording *held;
+    struct recording_slot *slot;
     double window[2], zero;
     struct measured mass;
     char velocity[LIMIT_NAME + 1];
@@ -52,10 +52,10 @@ struct snapshot {
     struct recording_mark *recording;
 };
 
-static bool same_run(const struct run *run, const struct leg *last, const struct run_mark *mark)
+static bool same_run(const struct run *run, const struct request *last, const struct run_mark *mark)
 {
-    return run->steps == mark->steps && run->t == mark->t && run->stop == mark->stop && last == mark->last &&
-           strcmp(run->name, mark->name) == 0;
+    return run->steps == mark->steps && run->t == mark->t && run->stop == mark->stop &&
+           last == mark->last && strcmp(run->name, mark->name) == 0;
 }
 
 static void release_mark(struct run_mark *mark)
@@ -66,38 +66,42 @@ static void release_mark(struct run_mark *mark)
     free(mark);
 }
 
-void run_unmark(struct held_run *held)
+void run_unmark(struct run_slot *slot)
 {
-    release_mark(held->mark);
-    held->mark = NULL;
+    release_mark(slot->mark);
+    slot->mark = NULL;
 }
 
-/* Sizes and switches change in adaptive steps and at switches alone: other runs, of which there may be many, have none. */
+/* Sizes and switches change in adaptive steps and at switches alone: other runs, of which there may
+ * be many, have none. */
 static bool same_controller(const struct run *run, const struct controller *then)
 {
-    const size_t from = offsetof(struct controller, elapsed), to = offsetof(struct controller, switches);
+    const size_t from = offsetof(struct controller, elapsed),
+                 to = offsetof(struct controller, switches);
     const struct controller *now = &run->controller;
     if (run->plan.adaptive || run->system.switches > 0)
         return memcmp(now, then, sizeof *now) == 0;
-    return now->tol == then->tol && memcmp((const char *)now + from, (const char *)then + from, to - from) == 0;
+    return now->tol == then->tol &&
+           memcmp((const char *)now + from, (const char *)then + from, to - from) == 0;
 }
 
 /* NULL: no memory. */
-static struct run_mark *mark_run(struct held_run *held)
+static struct run_mark *mark_run(struct run_slot *slot)
 {
-    const struct run *run = held->run;
-    if (!held->mark || !same_run(run, held->last, held->mark) ||
-        !same_controller(run, &held->mark->controller)) {
-        run_unmark(held);
-        if (!(held->mark = malloc(sizeof *held->mark)))
+    const struct run *run = slot->run;
+    if (!slot->mark || !same_run(run, slot->last, slot->mark) ||
+        !same_controller(run, &slot->mark->controller)) {
+        run_unmark(slot);
+        if (!(slot->mark = malloc(sizeof *slot->mark)))
             return NULL;
-        *held->mark = (struct run_mark){.references = 1, .steps = run->steps, .t = run->t, .stop = run->stop};
-        held->mark->controller = run->controller;
-        memcpy(held->mark->name, run->name, sizeof held->mark->name);
-        held->mark->last = journal_share(held->last);
+        *slot->mark =
+            (struct run_mark){.references = 1, .steps = run->steps, .t = run->t, .stop = run->stop};
+        slot->mark->controller = run->controller;
+        memcpy(slot->mark->name, run->name, sizeof slot->mark->name);
+        slot->mark->last = journal_share(slot->last);
     }
-    held->mark->references++;
-    return held->mark;
+    slot->mark->references++;
+    return slot->mark;
 }
 
 static void release_setup(struct shared_setup *setup)
@@ -109,7 +113,8 @@ static void release_setup(struct shared_setup *setup)
 /* That of the latest entry, where nothing was set since. NULL: no memory. */
 static struct shared_setup *share_setup(const struct session *session)
 {
-    struct shared_setup *setup = session->undos > 0 ? session->undo[session->undos - 1]->setup : NULL;
+    struct shared_setup *setup =
+        session->undos > 0 ? session->undo[session->undos - 1]->setup : NULL;
     if (setup && memcmp(&setup->setup, &session->setup, sizeof setup->setup) == 0) {
         setup->references++;
         return setup;
@@ -149,7 +154,7 @@ struct snapshot *snapshot_take(const struct session *session, const char *label)
     for (int i = 0; i < session->recordings; i++) {
         const struct recording *recording = session->recording[i]->recording;
         struct recording_mark *mark = &snapshot->recording[snapshot->recordings++];
-        *mark = (struct recording_mark){.held = session->recording[i],
+        *mark = (struct recording_mark){.slot = session->recording[i],
                                         .window = {recording->window[0], recording->window[1]},
                                         .zero = recording->zero,
                                         .mass = recording->mass,
@@ -166,10 +171,10 @@ void snapshot_free(struct snapshot *snapshot)
         return;
     for (int i = 0; i < snapshot->runs; i++) {
         release_mark(snapshot->run[i].mark);
-        held_run_release(snapshot->run[i].held);
+        run_slot_release(snapshot->run[i].slot);
     }
     for (int i = 0; i < snapshot->recordings; i++)
-        held_recording_release(snapshot->recording[i].held);
+        recording_slot_release(snapshot->recording[i].slot);
     release_setup(snapshot->setup);
     free(snapshot->run);
     free(snapshot->recording);
@@ -182,32 +187,34 @@ const char *snapshot_label(const struct snapshot *snapshot)
 }
 
 /* Without memory for its journal a run stays where it is. */
-static void return_run(struct session *session, struct held_run *held, const struct run_mark *mark)
+static void return_run(struct session *session, struct run_slot *slot, const struct run_mark *mark)
 {
-    struct run *run = held->run;
-    if (journal_restore(session, held, mark->last, mark->steps, mark->t)) {
+    struct run *run = slot->run;
+    if (journal_restore(session, slot, mark->last, mark->steps, mark->t)) {
         run->stop = mark->stop;
         run->controller = mark->controller;
     }
     memcpy(run->name, mark->name, sizeof run->name);
 }
 
-static bool same_recording(const struct held_recording *held, const struct recording_mark *mark)
+static bool same_recording(const struct recording_slot *slot, const struct recording_mark *mark)
 {
-    const struct recording *now = held->recording;
-    return held == mark->held && memcmp(now->window, mark->window, sizeof mark->window) == 0 &&
-           now->zero == mark->zero && now->cleaned == mark->cleaned && now->mass.value == mark->mass.value &&
-           now->mass.uncertainty == mark->mass.uncertainty && strcmp(now->velocity, mark->velocity) == 0;
+    const struct recording *now = slot->recording;
+    return slot == mark->slot && memcmp(now->window, mark->window, sizeof mark->window) == 0 &&
+           now->zero == mark->zero && now->cleaned == mark->cleaned &&
+           now->mass.value == mark->mass.value && now->mass.uncertainty == mark->mass.uncertainty &&
+           strcmp(now->velocity, mark->velocity) == 0;
 }
 
 bool undo_matters(const struct session *session, const struct snapshot *before)
 {
     if (session->runs != before->runs || session->recordings != before->recordings ||
-        session->current_run != before->current_run || session->current_recording != before->current_recording ||
+        session->current_run != before->current_run ||
+        session->current_recording != before->current_recording ||
         session->data_is_latest != before->data_is_latest)
         return true;
     for (int i = 0; i < session->runs; i++)
-        if (session->run[i] != before->run[i].held ||
+        if (session->run[i] != before->run[i].slot ||
             !same_run(session->run[i]->run, session->run[i]->last, before->run[i].mark))
             return true;
     for (int i = 0; i < session->recordings; i++)
@@ -217,27 +224,28 @@ bool undo_matters(const struct session *session, const struct snapshot *before)
         return false;
     struct setup setup = before->setup->setup;
     settings_display(&setup.settings, &session->setup.settings);
-    return memcmp(&setup, &session->setup, sizeof setup) != 0; /* padding was copied with the rest */
+    return memcmp(&setup, &session->setup, sizeof setup) !=
+           0; /* padding was copied with the rest */
 }
 
 /* Puts the session into the state of the snapshot, which stays valid. */
 static void go_to(struct session *session, const struct snapshot *snapshot)
 {
     for (int i = 0; i < snapshot->runs; i++)
-        snapshot->run[i].held->references++;
+        snapshot->run[i].slot->references++;
     for (int i = 0; i < snapshot->recordings; i++)
-        snapshot->recording[i].held->references++;
+        snapshot->recording[i].slot->references++;
     while (session->runs > 0)
         session_drop_run(session, session->runs - 1);
     while (session->recordings > 0)
         session_drop_recording(session, session->recordings - 1);
     for (int i = 0; i < snapshot->runs; i++) {
-        session->run[i] = snapshot->run[i].held;
+        session->run[i] = snapshot->run[i].slot;
     }
     for (int i = 0; i < snapshot->recordings; i++) {
         const struct recording_mark *mark = &snapshot->recording[i];
-        session->recording[i] = mark->held;
-        struct recording *recording = mark->held->recording;
+        session->recording[i] = mark->slot;
+        struct recording *recording = mark->slot->recording;
         memcpy(recording->window, mark->window, sizeof mark->window);
         memcpy(recording->velocity, mark->velocity, sizeof mark->velocity);
         recording->zero = mark->zero;
@@ -255,7 +263,7 @@ static void go_to(struct session *session, const struct snapshot *snapshot)
     memcpy(&session->setup, &snapshot->setup->setup, sizeof session->setup);
     settings_display(&session->setup.settings, &now);
     for (int i = 0; i < snapshot->runs; i++)
-        return_run(session, snapshot->run[i].held, snapshot->run[i].mark);
+        return_run(session, snapshot->run[i].slot, snapshot->run[i].mark);
     session_changed(session);
 }
 
@@ -289,11 +297,14 @@ void undo_clear(struct session *session)
 
 bool undo_move(struct session *session, bool back, char label[LIMIT_NAME + 1], struct error *error)
 {
-    struct snapshot **from = back ? session->undo : session->redo, **to = back ? session->redo : session->undo;
-    int *count = back ? &session->undos : &session->redos, *other = back ? &session->redos : &session->undos;
+    struct snapshot **from = back ? session->undo : session->redo,
+                    **to = back ? session->redo : session->undo;
+    int *count = back ? &session->undos : &session->redos,
+        *other = back ? &session->redos : &session->undos;
     if (*count == 0) {
         error_set(error, ERROR_COMMAND, "nothing to %s", back ? "undo" : "redo");
-        return error_hint(error, "settings that only show are not undone: 'unset NAME' gives one its default");
+        return error_hint(
+            error, "settings that only show are not undone: 'unset NAME' gives one its default");
     }
     struct snapshot *target = from[*count - 1];
     struct snapshot *now = snapshot_take(session, target->label);
@@ -309,25 +320,27 @@ bool undo_move(struct session *session, bool back, char label[LIMIT_NAME + 1], s
 
 bool checkpoint_make(struct session *session, const char *name, struct error *error)
 {
-    int place = 0;
-    while (place < session->checkpoints && strcmp(session->checkpoint[place]->label, name) != 0)
-        place++;
-    if (place == LIMIT_CHECKPOINTS)
-        return error_set(error, ERROR_COMMAND, "%d checkpoints are kept already", LIMIT_CHECKPOINTS);
+    int index = 0;
+    while (index < session->checkpoints && strcmp(session->checkpoint[index]->label, name) != 0)
+        index++;
+    if (index == LIMIT_CHECKPOINTS)
+        return error_set(error, ERROR_COMMAND, "%d checkpoints are kept already",
+                         LIMIT_CHECKPOINTS);
     struct snapshot *snapshot = snapshot_take(session, name);
     if (!snapshot)
         return error_memory(error);
-    if (place < session->checkpoints) {
-        snapshot_free(session->checkpoint[place]);
-        memmove(&session->checkpoint[place], &session->checkpoint[place + 1],
-                (size_t)(session->checkpoints - place - 1) * sizeof(session->checkpoint[0]));
+    if (index < session->checkpoints) {
+        snapshot_free(session->checkpoint[index]);
+        memmove(&session->checkpoint[index], &session->checkpoint[index + 1],
+                (size_t)(session->checkpoints - index - 1) * sizeof(session->checkpoint[0]));
         session->checkpoints--;
     }
     session->checkpoint[session->checkpoints++] = snapshot; /* the latest is the last */
     return true;
 }
 
-bool checkpoint_restore(struct session *session, struct text name, const char **label, struct error *error)
+bool checkpoint_restore(struct session *session, struct text name, const char **label,
+                        struct error *error)
 {
     if (session->checkpoints == 0) {
         error_set(error, ERROR_COMMAND, "there is no checkpoint");
@@ -343,7 +356,8 @@ bool checkpoint_restore(struct session *session, struct text name, const char **
         }
         suggestion_offer(&near, snapshot->label);
     }
-    error_at(error, name, "there is no checkpoint '%.*s'", (int)(name.len < 64 ? name.len : 64), name.at);
+    error_at(error, name, "there is no checkpoint '%.*s'", (int)(name.len < 64 ? name.len : 64),
+             name.at);
     suggestion_hint(&near, error);
     return false;
 }

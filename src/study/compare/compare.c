@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* compare: the same scene integrated by several methods and step sizes, with error, energy, cost and a verdict in
- * words. */
+/* compare: the same scene integrated by several methods and step sizes, with error, energy, cost
+ * and a verdict in words. */
 #include "study/compare/solve.h"
 
 #include <float.h>
@@ -8,20 +8,22 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* What the one-step matrix (or the growth factor) of the method says of the energy of one undriven linear oscillator.
+/* What the one-step matrix (or the growth factor) of the method says of the energy of one undriven
+ * linear oscillator.
  */
 struct prediction {
     bool known;
-    double growth; /* spectral radius: amplitude factor a step */
-    double amplitude; /* ln of the amplitude factor after the run; the last step may be a shorter one */
+    double growth;    /* spectral radius: amplitude factor a step */
+    double amplitude; /* ln of the amplitude factor after the run; the last step may be a shorter
+                         one */
     double factor;    /* E/E0 after the run: the energy is quadratic in the state */
     double exact;     /* the same for the exact solution */
-    double swing;  /* largest |E - E0|/E0 of a method that only turns the state round an ellipse */
+    double swing; /* largest |E - E0|/E0 of a method that only turns the state round an ellipse */
 };
 
 /*
- * A matrix [a b; c d] of determinant 1 with complex eigenvalues keeps -c q^2 + (a - d) q p + b p^2 constant. The energy
- * q^2 + p^2 then stays within the ratio of that form's eigenvalues.
+ * A matrix [a b; c d] of determinant 1 with complex eigenvalues keeps -c q^2 + (a - d) q p + b p^2
+ * constant. The energy q^2 + p^2 then stays within the ratio of that form's eigenvalues.
  */
 static double ellipse_swing(const double matrix[4])
 {
@@ -46,33 +48,38 @@ static double exact_factor(const struct run *run, double omega)
     const double *start = trace_state(run->trace, 0);
     double y[LIMIT_VARIABLES], floor[LIMIT_VARIABLES];
     system_exact(&run->system, run->system.t0, start, run->t, y, floor);
-    const double ratio = hypot(y[0], y[1] / omega) / hypot(start[0], start[1] / omega); /* no square underflows */
+    const double ratio =
+        hypot(y[0], y[1] / omega) / hypot(start[0], start[1] / omega); /* no square underflows */
     return ratio * ratio;
 }
 
 static struct prediction predict(const struct run *run)
 {
     const struct oscillator *o = &run->system.oscillator;
-    struct prediction prediction = {.growth = run->plan.growth, .factor = NAN, .exact = NAN, .swing = NAN};
+    struct prediction prediction = {
+        .growth = run->plan.growth, .factor = NAN, .exact = NAN, .swing = NAN};
     bool oscillates = o->stiffness > 0 && fabs(o->damping) < 2 * sqrt(o->stiffness);
-    if (!o->whole || !run->system.linear || !run->system.autonomous || o->gravity != 0 || !oscillates ||
-        run->plan.adaptive || !system_has_potential(&run->system)) {
+    if (!o->whole || !run->system.linear || !run->system.autonomous || o->gravity != 0 ||
+        !oscillates || run->plan.adaptive || !system_has_potential(&run->system)) {
         return prediction;
     }
-    double omega = sqrt(o->stiffness), x = omega * run->settings.dt, zeta = o->damping / (2 * omega);
+    double omega = sqrt(o->stiffness), x = omega * run->settings.dt,
+           zeta = o->damping / (2 * omega);
     double matrix[4];
     bool one_step = method_amplification(run->method, run->settings.drag, x, zeta, matrix);
     if (isnan(prediction.growth)) { /* a method of several steps */
         prediction.growth = method_growth(run->method, run->settings.drag, x, zeta);
     }
     prediction.known = !isnan(prediction.growth);
-    const double dt = fabs(run->settings.dt), last = fabs(run->t - run->system.t0) - (double)(run->steps - 1) * dt;
+    const double dt = fabs(run->settings.dt),
+                 last = fabs(run->t - run->system.t0) - (double)(run->steps - 1) * dt;
     if (last > 0 && last < (1 - SHORTER) * dt) {
         const double end = method_growth(run->method, run->settings.drag, omega * last, zeta);
         prediction.amplitude = (double)(run->steps - 1) * log(prediction.growth) + log(end);
         if (run->steps == 1) {
             prediction.growth = end;
-            one_step = method_amplification(run->method, run->settings.drag, omega * last, zeta, matrix);
+            one_step =
+                method_amplification(run->method, run->settings.drag, omega * last, zeta, matrix);
         }
     } else {
         prediction.amplitude = (double)run->steps * log(prediction.growth);
@@ -100,30 +107,32 @@ static const char *span_text(double seconds, char out[48])
 /* max |energy-error| over the last quarter of the rows / over the first; NAN: not known. */
 static double energy_trend(const struct run *run)
 {
-    const struct observable *missing =
-        (const struct observable *)(const void *)catalog_find(&observable_catalog, TEXT("energy-error"));
+    const struct observable *missing = (const struct observable *)(const void *)catalog_find(
+        &observable_catalog, TEXT("energy-error"));
     const size_t n = trace_count(run->trace);
-    double *value = malloc(n * sizeof *value), most[4] = {0};
+    double *value = malloc(n * sizeof *value), max[4] = {0};
     struct error ignored;
     const bool known = value && run_column(run, missing, value, &ignored);
     for (size_t i = 0; known && i < n; i++)
-        most[4 * i / n] = fmax(most[4 * i / n], fabs(value[i]));
+        max[4 * i / n] = fmax(max[4 * i / n], fabs(value[i]));
     free(value);
-    return known ? most[3] / most[0] : NAN;
+    return known ? max[3] / max[0] : NAN;
 }
 
 #define ADAPTIVE_STEPS 2000000 /* of one method: a stiff scene makes explicit ones creep */
-#define ROUNDING 1e-12 /* energy errors below are rounding */
+#define ROUNDING 1e-12         /* energy errors below are rounding */
 #define KEEPS_ENERGY (METHOD_SYMPLECTIC | METHOD_SYMMETRIC | METHOD_ENERGY)
-#define STEADY 1.5     /* a drift makes it four times as large, what is bounded stays */
+#define STEADY 1.5 /* a drift makes it four times as large, what is bounded stays */
 
-static void balance_text(const struct run *run, const struct ledger *ledger, const char *span, char *out, size_t size)
+static void balance_text(const struct run *run, const struct ledger *ledger, const char *span,
+                         char *out, size_t size)
 {
     const double peak = run_energy_peak(run, ledger);
     if (isnan(peak))
         snprintf(out, size, "energy balance within %.2g of E0 in %s", ledger->error_max, span);
     else
-        snprintf(out, size, "energy balance within %.2g of the largest energy in %s, which is %.2g E0",
+        snprintf(out, size,
+                 "energy balance within %.2g of the largest energy in %s, which is %.2g E0",
                  ledger->error_max / peak, span, peak);
 }
 
@@ -141,14 +150,18 @@ static void observe(struct comparison *row, const char *span)
         snprintf(out, size, "vanished: the energy is below the smallest number in %s", span);
     else if (!row->run->system.conservative)
         balance_text(row->run, ledger, span, out, size);
-    else if (energy_trend(row->run) <= STEADY) /* after an orbit or two, of others too: they still drift */
+    else if (energy_trend(row->run) <=
+             STEADY) /* after an orbit or two, of others too: they still drift */
         snprintf(out, size, "energy %swithin %.2g of E0 in %s",
-                 row->run->method->flags & KEEPS_ENERGY && !row->run->plan.adaptive ? "bounded: " : "",
+                 row->run->method->flags & KEEPS_ENERGY && !row->run->plan.adaptive ? "bounded: "
+                                                                                    : "",
                  ledger->error_max, span);
     else if (row->energy_factor < 0.5 && row->energy_factor >= 0)
-        snprintf(out, size, "damped away by the method: energy x %.2g in %s", row->energy_factor, span);
+        snprintf(out, size, "damped away by the method: energy x %.2g in %s", row->energy_factor,
+                 span);
     else if (row->energy_factor > 2)
-        snprintf(out, size, "driven up by the method: energy x %.4g in %s", row->energy_factor, span);
+        snprintf(out, size, "driven up by the method: energy x %.4g in %s", row->energy_factor,
+                 span);
     else
         snprintf(out, size, "energy drifts: by %.2g of E0 in %s", ledger->error, span);
     const size_t used = strlen(out);
@@ -162,17 +175,20 @@ static void judge(struct comparison *row)
     char span[48];
     span_text(fabs(run->t - run->system.t0), span);
     if (run->stop == STOP_GIVEN_UP) {
-        const double share = fabs((run->t - run->system.t0) / row->duration);
+        const double fraction = fabs((run->t - run->system.t0) / row->duration);
         snprintf(row->verdict, sizeof row->verdict,
-                 "given up at t = %.4g s after %lld steps: %.2g s would take about %.1g of them%s", run->t,
-                 (long long)run->steps, row->duration, (double)run->steps / share,
-                 run->method->flags & METHOD_IMPLICIT ? "" : "; try an implicit method that adapts, as radau5");
+                 "given up at t = %.4g s after %lld steps: %.2g s would take about %.1g of them%s",
+                 run->t, (long long)run->steps, row->duration, (double)run->steps / fraction,
+                 run->method->flags & METHOD_IMPLICIT
+                     ? ""
+                     : "; try an implicit method that adapts, as radau5");
         return;
     }
     if (run->stop != STOP_END) {
         struct buffer why = {0};
         run_explain(run, &why);
-        snprintf(row->verdict, sizeof row->verdict, "%s", why.data ? why.data : stop_name(run->stop));
+        snprintf(row->verdict, sizeof row->verdict, "%s",
+                 why.data ? why.data : stop_name(run->stop));
         buffer_free(&why);
         return;
     }
@@ -183,22 +199,28 @@ static void judge(struct comparison *row)
         double swing = isnan(prediction.swing) ? 0 : prediction.swing;
         if (run->system.conservative && fabs(predicted) <= BOUNDED) {
             bool agrees = row->ledger.error_max <= 1.001 * swing + BOUNDED;
-            snprintf(row->verdict, sizeof row->verdict, "energy bounded, %s: within %.2g of E0 in %s",
+            snprintf(row->verdict, sizeof row->verdict,
+                     "energy bounded, %s: within %.2g of E0 in %s",
                      agrees ? "as predicted" : "but NOT as predicted", row->ledger.error_max, span);
         } else if (row->energy_factor == 0) {
-            const bool agrees = 0.9 * predicted <= log(DBL_TRUE_MIN) - log(row->ledger.initial) + swing + BOUNDED;
+            const bool agrees =
+                0.9 * predicted <= log(DBL_TRUE_MIN) - log(row->ledger.initial) + swing + BOUNDED;
             snprintf(row->verdict, sizeof row->verdict,
-                     "vanished, %s: the energy is below the smallest number in %s, amplitude x %.6g a step (exact: "
+                     "vanished, %s: the energy is below the smallest number in %s, amplitude x "
+                     "%.6g a step (exact: "
                      "energy x %.4g)",
-                     agrees ? "as predicted" : "NOT as predicted", span, prediction.growth, prediction.exact);
+                     agrees ? "as predicted" : "NOT as predicted", span, prediction.growth,
+                     prediction.exact);
         } else {
-            bool agrees = fabs(predicted - log(row->energy_factor)) <= 0.1 * fabs(predicted) + BOUNDED + swing;
+            bool agrees = fabs(predicted - log(row->energy_factor)) <=
+                          0.1 * fabs(predicted) + BOUNDED + swing;
             int used =
-                snprintf(row->verdict, sizeof row->verdict, "energy x %.4g in %s, %s: amplitude x %.6g a step",
-                         row->energy_factor, span, agrees ? "as predicted" : "NOT as predicted", prediction.growth);
+                snprintf(row->verdict, sizeof row->verdict,
+                         "energy x %.4g in %s, %s: amplitude x %.6g a step", row->energy_factor,
+                         span, agrees ? "as predicted" : "NOT as predicted", prediction.growth);
             if (!run->system.conservative && used > 0 && (size_t)used < sizeof row->verdict) {
-                snprintf(row->verdict + used, sizeof row->verdict - (size_t)used, " (exact: energy x %.4g)",
-                         prediction.exact);
+                snprintf(row->verdict + used, sizeof row->verdict - (size_t)used,
+                         " (exact: energy x %.4g)", prediction.exact);
             }
         }
     } else {
@@ -207,7 +229,8 @@ static void judge(struct comparison *row)
 }
 
 /* Without a closed form: the same solve again on the common grid, against the reference. */
-static void measure(struct comparison *row, const struct reference *reference, const struct cancel *cancel)
+static void measure(struct comparison *row, const struct reference *reference,
+                    const struct cancel *cancel)
 {
     const struct run *run = row->run;
     const size_t size = (size_t)STUDY_TIMES * (size_t)run->system.n;
@@ -225,20 +248,23 @@ static void measure(struct comparison *row, const struct reference *reference, c
     free(grid);
 }
 
-static bool compare_one(const struct compare_request *request, const struct contender *contender, double dt, double tol,
-                        const struct reference *reference, struct comparison *row, struct error *error)
+static bool compare_one(const struct compare_request *request, const struct method_choice *choice,
+                        double dt, double tol, const struct reference *reference,
+                        struct comparison *row, struct error *error)
 {
-    *row = (struct comparison){.duration = request->duration, .order = NAN, .predicted_factor = NAN, .energy_factor = NAN};
-    const bool adapts = contender->method->flags & METHOD_ADAPTIVE && tol > 0;
+    *row = (struct comparison){
+        .duration = request->duration, .order = NAN, .predicted_factor = NAN, .energy_factor = NAN};
+    const bool adapts = choice->method->flags & METHOD_ADAPTIVE && tol > 0;
     struct run_settings settings = {
         .dt = adapts && request->first > 0 ? request->first : dt,
         .tol = adapts ? tol : 0,
-        .drag = contender->drag,
-        .kernel = KERNEL_SPECIALISED, /* methods are compared, not powers of their matrices: evaluations are counted */
+        .drag = choice->drag,
+        .kernel = KERNEL_SPECIALISED, /* methods are compared, not powers of their matrices:
+                                         evaluations are counted */
         .compensated = request->compensated,
         .record = request->record,
     };
-    row->run = run_create(request->scene, contender->method, &settings, request->duration, error);
+    row->run = run_create(request->scene, choice->method, &settings, request->duration, error);
     if (!row->run) {
         return false;
     }
@@ -259,14 +285,14 @@ static bool compare_one(const struct compare_request *request, const struct cont
     run_errors(row->run, &row->errors);
     if (reference->y) {
         memcpy(row->reference, reference->by, sizeof row->reference);
-        row->reference_kept = reference->kept;
+        row->reference_stored = reference->kept;
         row->errors.floor = reference->accuracy;
         if (row->run->stop == STOP_END)
             measure(row, reference, request->cancel);
     }
     run_ledger(row->run, &row->ledger);
     row->energy_factor = row->ledger.factor;
-    row->path = study_path(&row->run->system, contender->method, &row->run->settings);
+    row->path = study_path(&row->run->system, choice->method, &row->run->settings);
     row->time = (struct timing_result){.minimum = NAN, .median = NAN, .spread = NAN};
     judge(row);
     return true;
@@ -277,10 +303,12 @@ static double observed_order(const struct comparison *coarse, const struct compa
 {
     double ratio = log(coarse->run->settings.dt / fine->run->settings.dt);
     double order = log(coarse->errors.max / fine->errors.max) / ratio;
-    return fine->run->stop == STOP_END && coarse->run->stop == STOP_END && isfinite(order) ? order : NAN;
+    return fine->run->stop == STOP_END && coarse->run->stop == STOP_END && isfinite(order) ? order
+                                                                                           : NAN;
 }
 
-bool study_compare_plan(const struct compare_request *request, double *steps, double *seconds, struct error *error)
+bool study_compare_plan(const struct compare_request *request, double *steps, double *seconds,
+                        struct error *error)
 {
     const bool by_tol = request->tols > 0;
     struct system system;
@@ -288,18 +316,20 @@ bool study_compare_plan(const struct compare_request *request, double *steps, do
     if (!scene_bind(request->scene, &system, error)) {
         return false;
     }
-    for (int c = 0; c < request->contenders; c++) {
-        enum drag drag = request->contender[c].drag;
-        if (!method_applies(request->contender[c].method, &system, &drag, error)) {
+    for (int c = 0; c < request->choices; c++) {
+        enum drag drag = request->choice[c].drag;
+        if (!method_applies(request->choice[c].method, &system, &drag, error)) {
             return false;
         }
         for (int s = 0; s < (by_tol ? request->tols : request->dts); s++) {
-            struct run_settings each = {.dt = request->dt[by_tol ? 0 : s], .drag = drag, .record = request->record};
-            if (by_tol && (request->contender[c].method->flags & METHOD_ADAPTIVE)) {
+            struct run_settings each = {
+                .dt = request->dt[by_tol ? 0 : s], .drag = drag, .record = request->record};
+            if (by_tol && (request->choice[c].method->flags & METHOD_ADAPTIVE)) {
                 each.tol = request->tol[s];
             }
             struct plan plan;
-            if (!plan_make(&system, request->contender[c].method, &each, request->duration, &plan, error)) {
+            if (!plan_make(&system, request->choice[c].method, &each, request->duration, &plan,
+                           error)) {
                 return false;
             }
             if (isnan(plan.steps)) /* adaptive: not known, and no reason to forget the others */
@@ -316,21 +346,21 @@ static bool compare_all(const struct compare_request *request, const struct refe
 {
     bool by_tol = request->tols > 0;
     int settings = by_tol ? request->tols : request->dts;
-    for (int c = 0; c < request->contenders; c++) {
+    for (int c = 0; c < request->choices; c++) {
         for (int s = 0; s < settings; s++) {
-            bool adaptive = by_tol && (request->contender[c].method->flags & METHOD_ADAPTIVE);
+            bool adaptive = by_tol && (request->choice[c].method->flags & METHOD_ADAPTIVE);
             if (by_tol && !adaptive && s > 0) {
                 break; /* tolerances mean nothing to a fixed-step method: one row */
             }
             struct comparison *row = &rows[*count];
-            if (!compare_one(request, &request->contender[c], request->dt[by_tol ? 0 : s],
+            if (!compare_one(request, &request->choice[c], request->dt[by_tol ? 0 : s],
                              adaptive ? request->tol[s] : 0, reference, row, error)) {
                 return false;
             }
             if (cancelled(request->cancel)) {
                 comparison_free(row);
                 return error_set(error, ERROR_CANCELLED, "stopped: %d of %d finished", *count,
-                                 request->contenders * settings);
+                                 request->choices * settings);
             }
             if (!by_tol && s > 0) {
                 row->order = observed_order(row - 1, row);
@@ -342,51 +372,57 @@ static bool compare_all(const struct compare_request *request, const struct refe
 }
 
 /* Side by side, so that whatever disturbs the machine meets all of them alike. */
-static bool time_rows(const struct compare_request *request, struct comparison *rows, int count, struct error *error)
+static bool time_rows(const struct compare_request *request, struct comparison *rows, int count,
+                      struct error *error)
 {
     struct solver *solver = calloc((size_t)count + 1, sizeof *solver);
     struct timing_result *result = calloc((size_t)count + 1, sizeof *result);
-    int *place = calloc((size_t)count + 1, sizeof *place), timed = 0;
-    bool ok = solver && result && place;
+    int *index = calloc((size_t)count + 1, sizeof *index), timed = 0;
+    bool ok = solver && result && index;
     for (int i = 0; i < count && ok; i++) {
         const struct run *run = rows[i].run;
         if (run->stop != STOP_END)
             continue;
-        ok = solver_init(&solver[timed], &run->system, run->method, &run->settings, request->duration);
-        place[timed] = i;
+        ok = solver_init(&solver[timed], &run->system, run->method, &run->settings,
+                         request->duration);
+        index[timed] = i;
         timed += ok;
     }
     if (ok)
         time_solvers(solver, result, timed, request->timing, 0, request->cancel);
     for (int i = 0; i < timed; i++) {
         if (ok)
-            rows[place[i]].time = result[i];
+            rows[index[i]].time = result[i];
         solver_free(&solver[i]);
     }
     free(solver);
     free(result);
-    free(place);
+    free(index);
     if (!ok)
         return error_memory(error);
     return !cancelled(request->cancel) ||
-           error_set(error, ERROR_CANCELLED, "stopped: all runs are finished, not all times are taken");
+           error_set(error, ERROR_CANCELLED,
+                     "stopped: all runs are finished, not all times are taken");
 }
 
-bool study_compare(const struct compare_request *request, struct comparison *rows, int *count, struct error *error)
+bool study_compare(const struct compare_request *request, struct comparison *rows, int *count,
+                   struct error *error)
 {
     *count = 0;
-    /* All refusals before any work: a setting that cannot be run would otherwise waste the ones before it. */
+    /* All refusals before any work: a setting that cannot be run would otherwise waste the ones
+     * before it. */
     double steps, seconds;
     struct system system;
     struct error none = {0};
     struct reference reference = {.singular = {.t = NAN}};
-    if (!study_compare_plan(request, &steps, &seconds, error) || !scene_bind(request->scene, &system, error)) {
+    if (!study_compare_plan(request, &steps, &seconds, error) ||
+        !scene_bind(request->scene, &system, error)) {
         return false;
     }
     /* Without a reference there are no errors; that is no reason not to compare. */
     if (!system_has_exact(&system) &&
-        !references_get(request->references, request->scene, &system, request->duration, request->cancel, &reference,
-                        &none) &&
+        !references_get(request->references, request->scene, &system, request->duration,
+                        request->cancel, &reference, &none) &&
         none.code != ERROR_NUMERICAL) {
         *error = none;
         return false;

@@ -14,17 +14,18 @@
 #define NOISE 10           /* times the error there: with less rounding bends the line */
 #define WINDOW 4           /* points in the fit, one more where the steps are closer together */
 #define LEAST 3
-#define ALIKE 0.05    /* a guard band that narrow is that of one power */
-#define ERRATIC 0.35  /* a guard band wider than that is no order at all */
-#define COST_MOST 6e6 /* of one solve */
-#define HIGH 6        /* from this order on the steps of the sweep are closer together */
+#define ALIKE 0.05   /* a guard band that narrow is that of one power */
+#define ERRATIC 0.35 /* a guard band wider than that is no order at all */
+#define COST_MAX 6e6 /* of one solve */
+#define HIGH 6       /* from this order on the steps of the sweep are closer together */
 
 static const struct row verdicts[] = {
     [ORDER_AGREES] = {"as claimed", "", "the slope is that of the claimed order", "", NULL},
     [ORDER_LOWER] = {"lower", "", "the error falls more slowly than claimed", "", NULL},
     [ORDER_HIGHER] = {"higher", "", "the error falls faster than claimed", "", NULL},
     [ORDER_ERRATIC] = {"erratic", "", "the slope changes from step to step: no order", "", NULL},
-    [ORDER_NO_RANGE] = {"no range", "", "no asymptotic part between the largest step that works and rounding", "",
+    [ORDER_NO_RANGE] = {"no range", "",
+                        "no asymptotic part between the largest step that works and rounding", "",
                         NULL},
     [ORDER_EXACT] = {"exact", "", "no error but rounding", "", NULL},
 };
@@ -35,17 +36,17 @@ const struct catalog order_verdict_catalog = CATALOG("verdict", verdicts);
 
 static double state_distance(const struct sweep_target *target, const double *y)
 {
-    double most = 0;
+    double max = 0;
     for (int i = 0; i < target->system->n; i++) {
         const double distance = fabs(y[i] - target->end[i]) / target->size[i];
-        if (!(distance <= most))
-            most = distance;
+        if (!(distance <= max))
+            max = distance;
     }
-    return most;
+    return max;
 }
 
-static bool solve_point(const struct sweep_target *target, const struct contender *by, struct order_point *point,
-                        int64_t *cost)
+static bool solve_point(const struct sweep_target *target, const struct method_choice *by,
+                        struct order_point *point, int64_t *cost)
 {
     const struct run_settings settings = {.dt = point->dt, .drag = by->drag, .compensated = true};
     struct error ignored;
@@ -58,7 +59,7 @@ static bool solve_point(const struct sweep_target *target, const struct contende
     }
     if (!solver_init(&solver, target->system, by->method, &settings, target->span))
         return false;
-    solver.most = target->most;
+    solver.max = target->max;
     point->stop = solver_run(&solver, NULL, target->cancel);
     point->steps = solver.steps;
     point->turns = solver.step.cost.turns;
@@ -69,7 +70,8 @@ static bool solve_point(const struct sweep_target *target, const struct contende
     return true;
 }
 
-/* Whole numbers of steps, by factors of 2, of sqrt 2 where an error falls by 64 and more each time. */
+/* Whole numbers of steps, by factors of 2, of sqrt 2 where an error falls by 64 and more each time.
+ */
 static bool steps_at(const struct sweep_target *target, int order, int i, double *steps)
 {
     const double each = order >= HIGH ? sqrt(2) : 2, span = fabs(target->span);
@@ -85,7 +87,8 @@ static double log_slope(const struct order_point *coarse, const struct order_poi
     return log(coarse->error / fine->error) / log(coarse->dt / fine->dt);
 }
 
-/* Errors below this have rounding in them: far above the level from which on a smaller step gains nothing. */
+/* Errors below this have rounding in them: far above the level from which on a smaller step gains
+ * nothing. */
 static double rounding_level(const struct order *order)
 {
     double level = fmax(ROUNDING, ACCURACIES * order->floor);
@@ -102,8 +105,9 @@ struct line {
 };
 
 /*
- * Least squares of log error = a + p log dt + c dt, the last term for what comes after the leading one; with three
- * points c = 0. guard: the standard error, half of what that term changes, or how far local slopes are from a line.
+ * Least squares of log error = a + p log dt + c dt, the last term for what comes after the leading
+ * one; with three points c = 0. guard: the standard error, half of what that term changes, or how
+ * far local slopes are from a line.
  */
 static struct line fit(const struct order_point *point, int n)
 {
@@ -114,7 +118,8 @@ static struct line fit(const struct order_point *point, int n)
         h += point[i].dt / point[0].dt / n;
     }
     for (int i = 0; i < n; i++) {
-        const double dx = log(point[i].dt) - x, dy = log(point[i].error) - y, dh = point[i].dt / point[0].dt - h;
+        const double dx = log(point[i].dt) - x, dy = log(point[i].error) - y,
+                     dh = point[i].dt / point[0].dt - h;
         xx += dx * dx;
         xy += dx * dy;
         yy += dy * dy;
@@ -134,7 +139,8 @@ static struct line fit(const struct order_point *point, int n)
     return line;
 }
 
-/* From the fine end the first window that lies on a line; if there is none, the one that does best. */
+/* From the fine end the first window that lies on a line; if there is none, the one that does best.
+ */
 static bool choose_window(struct order *order, int size)
 {
     const double level = rounding_level(order);
@@ -143,7 +149,8 @@ static bool choose_window(struct order *order, int size)
         bool all = true;
         for (int i = first; i < first + size; i++)
             all &= order->point[i].error < TOP && order->point[i].error > level;
-        const struct line line = all ? fit(order->point + first, size) : (struct line){NAN, NAN, NAN};
+        const struct line line =
+            all ? fit(order->point + first, size) : (struct line){NAN, NAN, NAN};
         if (!all || !(line.slope > IDLE) || !(line.guard < best))
             continue;
         best = line.guard;
@@ -182,7 +189,8 @@ bool order_sweep(const struct sweep_target *target, struct order *order, struct 
     int low = 0;
     order->points = order->fitted = 0;
     order->slope = order->guard = order->r2 = NAN;
-    for (int i = 0; order->points < ORDER_POINTS && steps_at(target, order->claimed, i, &steps); i++) {
+    for (int i = 0; order->points < ORDER_POINTS && steps_at(target, order->claimed, i, &steps);
+         i++) {
         struct order_point point = {.dt = fabs(target->span) / steps};
         int64_t cost;
         if (!solve_point(target, &order->by, &point, &cost))
@@ -197,11 +205,11 @@ bool order_sweep(const struct sweep_target *target, struct order *order, struct 
         order->point[instead ? order->points - 1 : order->points] = point;
         order->points += !instead;
         low += point.error <= fmax(ROUNDING, ACCURACIES * order->floor);
-        if (!asked && (low > 1 || point.stop == STOP_FULL || 2 * cost > target->most))
+        if (!asked && (low > 1 || point.stop == STOP_FULL || 2 * cost > target->max))
             break;
     }
-    for (int size = order->claimed >= HIGH ? WINDOW + 1 : WINDOW; size >= LEAST && !choose_window(order, size);
-         size--) {
+    for (int size = order->claimed >= HIGH ? WINDOW + 1 : WINDOW;
+         size >= LEAST && !choose_window(order, size); size--) {
     }
     order->verdict = judge(order);
     return true;
@@ -214,17 +222,18 @@ static double fastest(const struct system *system)
 {
     struct mode mode[STABILITY_MODES];
     int count = 0;
-    double most = 0;
+    double max = 0;
     modes_at(system, system->t0, system->start, mode, &count, STABILITY_MODES);
     for (int i = 0; i < count; i++)
-        most = fmax(most, mode[i].omega * fmax(1, 2 * mode[i].zeta));
-    return most;
+        max = fmax(max, mode[i].omega * fmax(1, 2 * mode[i].zeta));
+    return max;
 }
 
 static void explain(const struct system *system, bool rests, struct order *order)
 {
     const bool beside = order->verdict == ORDER_LOWER || order->verdict == ORDER_ERRATIC;
-    const bool none = order->verdict == ORDER_NO_RANGE, over = none && !(order->by.method->flags & METHOD_IMPLICIT);
+    const bool none = order->verdict == ORDER_NO_RANGE,
+               over = none && !(order->by.method->flags & METHOD_IMPLICIT);
     double dt = NAN, best = HUGE_VAL, rate = fastest(system);
     order->switches = system->switches > system->dry;
     for (int i = 0; i < order->points; i++) {
@@ -234,57 +243,74 @@ static void explain(const struct system *system, bool rests, struct order *order
     const double last = order->points ? order->point[order->points - 1].dt : NAN;
     char *out = order->words;
     const size_t size = sizeof order->words;
-    if (order->by.drag == DRAG_EXPLICIT && order->by.method->drag != DRAG_EXPLICIT && system->velocity)
-        snprintf(out, size, "with drag=explicit %s is of first order, not %d", order->by.method->row.name,
-                 order->by.method->order);
+    if (order->by.drag == DRAG_EXPLICIT && order->by.method->drag != DRAG_EXPLICIT &&
+        system->velocity)
+        snprintf(out, size, "with drag=explicit %s is of first order, not %d",
+                 order->by.method->row.name, order->by.method->order);
     else if (order->verdict != ORDER_AGREES && rests)
         snprintf(out, size,
-                 "the body is at rest at the end: all that is left is the error of where, which may be of another "
+                 "the body is at rest at the end: all that is left is the error of where, which "
+                 "may be of another "
                  "order; a duration that ends before shows that of the motion");
     else if ((beside || none) && system->oscillator.friction != 0 && system->across)
         snprintf(out, size,
-                 "dry friction jumps where the velocity is 0: each turning point that is crossed spoils the order");
-    else if ((beside || none) && system->switches > 0 && !method_meets_switches(order->by.method, system) &&
+                 "dry friction jumps where the velocity is 0: each turning point that is crossed "
+                 "spoils the order");
+    else if ((beside || none) && system->switches > 0 &&
+             !method_meets_switches(order->by.method, system) &&
              !method_turns(order->by.method, system))
-        snprintf(out, size, "the forces switch (if, abs, sign, ...), and each switch that is crossed spoils the order");
+        snprintf(out, size,
+                 "the forces switch (if, abs, sign, ...), and each switch that is crossed spoils "
+                 "the order");
     else if (order->verdict == ORDER_AGREES && system->switches > system->dry && system->pieces &&
              method_meets_switches(order->by.method, system))
         snprintf(out, size,
-                 "the forces switch (if, abs, sign, ...): the order holds because steps end at the switches");
+                 "the forces switch (if, abs, sign, ...): the order holds because steps end at the "
+                 "switches");
     else if (order->verdict == ORDER_AGREES && system->pieces && system->dry)
         snprintf(out, size,
-                 "dry friction jumps where the velocity is 0: the order holds because steps end at the turning points");
+                 "dry friction jumps where the velocity is 0: the order holds because steps end at "
+                 "the turning points");
     else if ((beside || none) && system->oscillator.quadratic != 0 && order->claimed > 2)
         snprintf(out, size,
-                 "quadratic drag is smooth only up to its first derivative where the velocity is 0: each "
+                 "quadratic drag is smooth only up to its first derivative where the velocity is "
+                 "0: each "
                  "turning point spoils higher orders");
     else if (order->verdict == ORDER_AGREES && method_turns(order->by.method, system))
         snprintf(out, size,
-                 "drag has a kink where the velocity is 0: the order holds because steps end at the turning "
+                 "drag has a kink where the velocity is 0: the order holds because steps end at "
+                 "the turning "
                  "points");
     else if (over && !(best < TOP) && rate * last > 0.5)
         snprintf(out, size,
-                 "the scene's fastest rate is %.2g 1/s: steps that %s survives are too many to afford; an "
+                 "the scene's fastest rate is %.2g 1/s: steps that %s survives are too many to "
+                 "afford; an "
                  "implicit method would do",
                  rate, order->by.method->row.name);
     else if ((beside || none) && rate * dt > 1)
         snprintf(out, size,
-                 "stiff: these steps leave the fastest motion (%.2g 1/s) unresolved, where methods lose order "
+                 "stiff: these steps leave the fastest motion (%.2g 1/s) unresolved, where methods "
+                 "lose order "
                  "(order reduction)",
                  rate);
     else if (none && best < TOP && ACCURACIES * order->floor > ROUNDING_FAR)
         snprintf(out, size,
-                 "the solution that errors are measured against is good to %.1g only: nothing is left above that",
+                 "the solution that errors are measured against is good to %.1g only: nothing is "
+                 "left above that",
                  order->floor);
     else if (none && best < TOP)
         snprintf(out, size,
-                 "double precision leaves no asymptotic part on this scene, even with compensated sums: the "
-                 "error falls from above %.1g to rounding within two step sizes; a longer duration may help",
+                 "double precision leaves no asymptotic part on this scene, even with compensated "
+                 "sums: the "
+                 "error falls from above %.1g to rounding within two step sizes; a longer duration "
+                 "may help",
                  TOP);
     else if (none)
         snprintf(out, size, "no step that could be afforded gave an error below %.1g", TOP);
     else if (beside)
-        snprintf(out, size, "the scene is not smooth enough, or these steps are still too coarse; try dt=RANGE");
+        snprintf(
+            out, size,
+            "the scene is not smooth enough, or these steps are still too coarse; try dt=RANGE");
 }
 
 bool study_order(const struct order_request *request, struct order *order, struct error *error)
@@ -292,25 +318,26 @@ bool study_order(const struct order_request *request, struct order *order, struc
     struct system system;
     struct reference reference;
     *order = (struct order){.by = request->by, .slope = NAN, .guard = NAN, .r2 = NAN};
-    if (request->by.method->flags & METHOD_YARDSTICK)
+    if (request->by.method->flags & METHOD_EXTERNAL)
         return error_set(error, ERROR_COMMAND, "%s chooses its steps itself: it has no order in dt",
                          request->by.method->row.name);
     if (!(request->duration > 0) || !isfinite(request->duration))
-        return error_set(error, ERROR_COMMAND, "the duration must be > 0 (got %.6g s)", request->duration);
+        return error_set(error, ERROR_COMMAND, "the duration must be > 0 (got %.6g s)",
+                         request->duration);
     if (!scene_bind(request->scene, &system, error) ||
         !method_applies(request->by.method, &system, &order->by.drag, error) ||
-        !references_get(request->references, request->scene, &system, request->duration, request->cancel, &reference,
-                        error))
+        !references_get(request->references, request->scene, &system, request->duration,
+                        request->cancel, &reference, error))
         return false;
     const bool first = order->by.drag == DRAG_EXPLICIT && system.velocity;
     order->claimed = first && request->by.method->order > 1 ? 1 : request->by.method->order;
     order->floor = reference.accuracy;
-    order->reference_kept = reference.kept;
+    order->reference_stored = reference.kept;
     struct sweep_target target = {.system = &system,
                                   .span = request->duration,
                                   .end = reference.y + (STUDY_TIMES - 1) * system.n,
                                   .dt = {request->dt[0], request->dt[1]},
-                                  .most = (int64_t)(COST_MOST / system.n),
+                                  .max = (int64_t)(COST_MAX / system.n),
                                   .cancel = request->cancel};
     for (int i = 0; i < system.n; i++) {
         for (int k = 0; k < STUDY_TIMES; k++)
@@ -318,7 +345,8 @@ bool study_order(const struct order_request *request, struct order *order, struc
         if (!(target.size[i] > 1e-18 * system.scale[i]))
             target.size[i] = system.scale[i];
     }
-    const bool ok = order_sweep(&target, order, error), rests = system.oscillator.friction != 0 && target.end[1] == 0;
+    const bool ok = order_sweep(&target, order, error),
+               rests = system.oscillator.friction != 0 && target.end[1] == 0;
     reference_free(&reference);
     if (ok)
         explain(&system, rests, order);

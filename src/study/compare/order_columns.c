@@ -4,7 +4,7 @@
 
 #include <math.h>
 
-const char *contender_drag(const struct contender *by)
+const char *contender_drag(const struct method_choice *by)
 {
     return by->drag == DRAG_DEFAULT ? NULL : catalog_row(&drag_catalog, (size_t)by->drag - 1)->name;
 }
@@ -38,7 +38,7 @@ static const struct result_column of_order[] = {
     {.name = "points", .kind = COLUMN_INT, AT(fitted)},
     {.name = "verdict", .kind = COLUMN_NAME, .text = verdict_of},
     {.name = "floor", AT(floor)},
-    {.name = "reference_kept", .kind = COLUMN_BOOL, AT(reference_kept)},
+    {.name = "reference_kept", .kind = COLUMN_BOOL, AT(reference_stored)},
     {.name = "note", .kind = COLUMN_CHARS, AT(words)},
 };
 
@@ -66,14 +66,14 @@ static void state_cell(struct text_table *table, const void *row)
 
 /* clang-format off */
 static const struct result_column of_point[] = {
-    {.name = "dt", IN(dt), .quantity = QUANTITY_TIME, .place = 1, .heading = "dt", .digits = 4},
-    {.name = "steps", .kind = COLUMN_COUNT, IN(steps), .place = 2, .heading = "steps"},
+    {.name = "dt", IN(dt), .quantity = QUANTITY_TIME, .index = 1, .heading = "dt", .digits = 4},
+    {.name = "steps", .kind = COLUMN_COUNT, IN(steps), .index = 2, .heading = "steps"},
     {.name = "turning_steps", .kind = COLUMN_COUNT, IN(turns)},
-    {.name = "error", IN(error), .place = 3, .heading = "error", .look = cell_error},
-    {.name = "slope", IN(slope), .place = 4, .heading = "slope", .digits = 4},
+    {.name = "error", IN(error), .index = 3, .heading = "error", .look = cell_error},
+    {.name = "slope", IN(slope), .index = 4, .heading = "slope", .digits = 4},
     {.name = "fitted", .kind = COLUMN_BOOL, IN(fitted)},
     {.name = "status", .kind = COLUMN_NAME, .text = status_of,
-     .place = 5, .heading = "", .cell = state_cell},
+     .index = 5, .heading = "", .cell = state_cell},
 };
 /* clang-format on */
 

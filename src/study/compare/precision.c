@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* precision: each method swept from coarse steps to the floor of rounding, its errors measured, everything timed. */
+/* precision: each method swept from coarse steps to the floor of rounding, its errors measured,
+ * everything timed. */
 #include "study/compare/suspect.h"
 
 #include <stdlib.h>
@@ -12,18 +13,21 @@
 #define LONG 0.02          /* [s] a solve; no second one is made for its time then */
 #define PART 30000         /* steps that are timed of a longer solve of fixed steps */
 #define PART_OFF 0.15
-#define LOG2_FIRST 0       /* the coarsest step is duration/2^this */
+#define LOG2_FIRST 0 /* the coarsest step is duration/2^this */
 #define LOG2_LAST 27
 #define TOL_FIRST 1e-2
 #define TOL_LAST 1e-14
-#define COST_USUAL 2.1e6 /* a solve's evaluations, Jacobians and solves, once a curve has ENOUGH points */
-#define COST_MOST 6e6    /* before that */
-#define COST_TRIAL 2e5   /* of an adaptive solve, before what all of it would cost is known */
+#define COST_USUAL                                                                                 \
+    2.1e6 /* a solve's evaluations, Jacobians and solves, once a curve has ENOUGH points */
+#define COST_MAX 6e6   /* before that */
+#define COST_TRIAL 2e5 /* of an adaptive solve, before what all of it would cost is known */
 #define ENOUGH 4
-#define FLOOR_ERROR 1e-9 /* errors that stop falling are rounding only below this, or near the reference's accuracy */
-#define SETTLED 0.05     /* once an error was this small, */
-#define FAILURES 3       /* so many failures in a row end a sweep: one may be bad luck on the way */
-#define FLOOR_POINTS 2   /* that many without gain end a sweep */
+#define FLOOR_ERROR                                                                                \
+    1e-9 /* errors that stop falling are rounding only below this, or near the reference's         \
+            accuracy */
+#define SETTLED 0.05   /* once an error was this small, */
+#define FAILURES 3     /* so many failures in a row end a sweep: one may be bad luck on the way */
+#define FLOOR_POINTS 2 /* that many without gain end a sweep */
 
 bool precision_meaningful(const struct precision_point *point)
 {
@@ -36,9 +40,9 @@ struct sweeping {
     struct precision_curve *curve;
     double *grid;
     struct witnesses witnesses;
-    int hardest;   /* grid time before the interval where the motion goes furthest */
-    size_t room;   /* points allocated */
-    int64_t begin; /* clock */
+    int hardest;     /* grid time before the interval where the motion goes furthest */
+    size_t capacity; /* points allocated */
+    int64_t begin;   /* clock */
     int meaningful;
     double best; /* error so far */
     int stale, failures;
@@ -49,12 +53,14 @@ static double seconds_since(int64_t begin)
     return (double)(clock_ns() - begin) * 1e-9;
 }
 
-static struct run_settings settings_of(const struct precision *precision, const struct precision_point *point)
+static struct run_settings settings_of(const struct precision *precision,
+                                       const struct precision_point *point)
 {
     return (struct run_settings){.dt = point->dt,
                                  .tol = point->tol,
                                  .drag = precision->curve[point->curve].by.drag,
-                                 .kernel = KERNEL_SPECIALISED, /* methods are compared, not matrices */
+                                 .kernel =
+                                     KERNEL_SPECIALISED, /* methods are compared, not matrices */
                                  .compensated = precision->compensated};
 }
 
@@ -62,13 +68,13 @@ static struct run_settings settings_of(const struct precision *precision, const 
 static struct precision_point *add_point(struct sweeping *sweep)
 {
     struct precision *precision = sweep->precision;
-    if ((size_t)precision->points == sweep->room) {
-        const size_t room = sweep->room ? 2 * sweep->room : 64;
-        void *grown = realloc(precision->point, room * sizeof *precision->point);
+    if ((size_t)precision->points == sweep->capacity) {
+        const size_t capacity = sweep->capacity ? 2 * sweep->capacity : 64;
+        void *grown = realloc(precision->point, capacity * sizeof *precision->point);
         if (!grown)
             return NULL;
         precision->point = grown;
-        sweep->room = room;
+        sweep->capacity = capacity;
     }
     sweep->curve->count++;
     return &precision->point[precision->points++];
@@ -78,7 +84,8 @@ static double local_order(const struct precision_point *coarse, const struct pre
 {
     const double ratio = fine->tol > 0 ? coarse->tol / fine->tol : coarse->dt / fine->dt;
     const double order = log(coarse->errors.max / fine->errors.max) / log(ratio);
-    return precision_meaningful(coarse) && precision_meaningful(fine) && isfinite(order) ? order : NAN;
+    return precision_meaningful(coarse) && precision_meaningful(fine) && isfinite(order) ? order
+                                                                                         : NAN;
 }
 
 static double work_of(const struct cost *cost, int64_t steps)
@@ -89,13 +96,13 @@ static double work_of(const struct cost *cost, int64_t steps)
 static int hardest_interval(const struct precision *precision)
 {
     const struct reference *reference = &precision->reference;
-    double most = 0;
+    double max = 0;
     int found = 0;
     for (int k = 0; k + 1 < STUDY_TIMES; k++) {
         const double *y = reference->y + k * reference->n;
         const double distance = grid_distance(reference, y, y + reference->n);
-        if (distance > most) {
-            most = distance;
+        if (distance > max) {
+            max = distance;
             found = k;
         }
     }
@@ -103,8 +110,9 @@ static int hardest_interval(const struct precision *precision)
 }
 
 /*
- * Steps that already lose the motion in the one of 256 intervals where it goes furthest, started on the solution, lose
- * all of it: 1/256 of the cost finds that out. False: nothing is lost there, or the steps are longer than the interval.
+ * Steps that already lose the motion in the one of 256 intervals where it goes furthest, started on
+ * the solution, lose all of it: 1/256 of the cost finds that out. False: nothing is lost there, or
+ * the steps are longer than the interval.
  */
 static bool lost_in_probe(const struct sweeping *sweep, struct precision_point *point, bool *memory)
 {
@@ -132,23 +140,25 @@ static bool lost_in_probe(const struct sweeping *sweep, struct precision_point *
     return point->probed;
 }
 
-/* An adaptive solve, given up where the part that COST_TRIAL reaches says that all of it costs too much. */
+/* An adaptive solve, given up where the part that COST_TRIAL reaches says that all of it costs too
+ * much. */
 static enum stop solve(const struct sweeping *sweep, struct solver *solver, bool asked)
 {
     const struct cancel *cancel = sweep->request->cancel;
     if (solver->tol > 0 && !asked) {
-        solver->most = (int64_t)COST_TRIAL;
+        solver->max = (int64_t)COST_TRIAL;
         const enum stop stop = solver_run(solver, sweep->grid, cancel);
         const double part = (solver->step.t - solver->system->t0) / solver->span;
-        if (stop != STOP_FULL || work_of(&solver->step.cost, solver->steps) > part * COST_MOST)
+        if (stop != STOP_FULL || work_of(&solver->step.cost, solver->steps) > part * COST_MAX)
             return stop;
         solver_start(solver);
     }
-    solver->most = (int64_t)(4 * COST_MOST);
+    solver->max = (int64_t)(4 * COST_MAX);
     return solver_run(solver, sweep->grid, cancel);
 }
 
-/* Solves and measures; false without memory. asked: this very setting, so it is solved whatever a probe would say. */
+/* Solves and measures; false without memory. asked: this very setting, so it is solved whatever a
+ * probe would say. */
 static bool measure(struct sweeping *sweep, struct precision_point *point, bool asked)
 {
     const struct precision *precision = sweep->precision;
@@ -160,7 +170,8 @@ static bool measure(struct sweeping *sweep, struct precision_point *point, bool 
     point->time = (struct timing_result){.minimum = NAN, .median = NAN, .spread = NAN};
     point->recording = point->order = NAN;
     point->errors = (struct study_errors){NAN, NAN, NAN, NAN, NAN};
-    if (point->tol == 0 && !method_fits(curve->by.method, &precision->system, curve->by.drag, point->dt, &ignored)) {
+    if (point->tol == 0 &&
+        !method_fits(curve->by.method, &precision->system, curve->by.drag, point->dt, &ignored)) {
         point->refused = true;
         return true;
     }
@@ -178,34 +189,38 @@ static bool measure(struct sweeping *sweep, struct precision_point *point, bool 
     solver_free(&solver);
     if (point->stop == STOP_END) {
         grid_errors(&precision->system, &precision->reference, sweep->grid, &point->errors);
-        witness_tell(&sweep->witnesses, precision->curves, &precision->reference, curve->by.method, point->steps,
-                     sweep->grid);
+        witness_tell(&sweep->witnesses, precision->curves, &precision->reference, curve->by.method,
+                     point->steps, sweep->grid);
     }
     point->below = point->errors.max <= precision->reference.accuracy;
     return true;
 }
 
 /* Whether the point just measured ends the sweep. */
-static bool finished(struct sweeping *sweep, const struct precision_point *point, double share)
+static bool finished(struct sweeping *sweep, const struct precision_point *point, double fraction)
 {
     struct precision_curve *curve = sweep->curve;
     const double error = point->errors.max, accuracy = sweep->precision->reference.accuracy;
     const double each = curve->adaptive ? pow(10, 1.0 / curve->by.method->order) : 2;
-    const double next = each * work_of(&point->cost, point->steps) * (point->probed ? STUDY_TIMES - 1 : 1);
+    const double next =
+        each * work_of(&point->cost, point->steps) * (point->probed ? STUDY_TIMES - 1 : 1);
     if (!precision_meaningful(point)) {
-        curve->cut = seconds_since(sweep->begin) > 2 * share;
+        curve->cut = seconds_since(sweep->begin) > 2 * fraction;
         sweep->failures++;
-        return curve->cut || next > COST_MOST || (sweep->best < SETTLED && sweep->failures == FAILURES) || point->stop == STOP_FULL;
+        return curve->cut || next > COST_MAX ||
+               (sweep->best < SETTLED && sweep->failures == FAILURES) || point->stop == STOP_FULL;
     }
     sweep->meaningful++;
     sweep->failures = 0;
-    sweep->stale = error > 0.6 * sweep->best && error < fmax(FLOOR_ERROR, 100 * accuracy) ? sweep->stale + 1 : 0;
+    sweep->stale = error > 0.6 * sweep->best && error < fmax(FLOOR_ERROR, 100 * accuracy)
+                       ? sweep->stale + 1
+                       : 0;
     sweep->best = fmin(sweep->best, error);
     if (sweep->stale == FLOOR_POINTS || error == 0)
         return true;
-    if (next > (sweep->meaningful >= ENOUGH ? COST_USUAL : COST_MOST))
+    if (next > (sweep->meaningful >= ENOUGH ? COST_USUAL : COST_MAX))
         return true;
-    curve->cut = seconds_since(sweep->begin) > share;
+    curve->cut = seconds_since(sweep->begin) > fraction;
     return curve->cut;
 }
 
@@ -215,8 +230,10 @@ static bool setting_at(const struct sweeping *sweep, int i, struct precision_poi
     const struct precision_request *request = sweep->request;
     const double duration = sweep->precision->duration;
     if (sweep->curve->adaptive) {
-        const double first = isnan(request->tol[0]) ? TOL_FIRST : fmax(request->tol[0], request->tol[1]);
-        const double last = isnan(request->tol[0]) ? TOL_LAST : fmin(request->tol[0], request->tol[1]);
+        const double first =
+            isnan(request->tol[0]) ? TOL_FIRST : fmax(request->tol[0], request->tol[1]);
+        const double last =
+            isnan(request->tol[0]) ? TOL_LAST : fmin(request->tol[0], request->tol[1]);
         /* A division by an exact power of ten rounds to the decade itself. */
         point->tol = first / pow(10, i);
         point->dt = 0;
@@ -224,7 +241,8 @@ static bool setting_at(const struct sweeping *sweep, int i, struct precision_poi
     }
     int first = LOG2_FIRST, last = LOG2_LAST;
     if (!isnan(request->dt[0])) {
-        const double coarse = fmax(request->dt[0], request->dt[1]), fine = fmin(request->dt[0], request->dt[1]);
+        const double coarse = fmax(request->dt[0], request->dt[1]),
+                     fine = fmin(request->dt[0], request->dt[1]);
         first = (int)ceil(log2(duration / coarse) - 1e-9);
         last = (int)floor(log2(duration / fine) + 1e-9);
         if (last < first) /* no power of two between them: the nearest */
@@ -234,7 +252,7 @@ static bool setting_at(const struct sweeping *sweep, int i, struct precision_poi
     return first + i <= last;
 }
 
-static bool sweep_curve(struct sweeping *sweep, double share, struct error *error)
+static bool sweep_curve(struct sweeping *sweep, double fraction, struct error *error)
 {
     struct precision *precision = sweep->precision;
     struct precision_curve *curve = sweep->curve;
@@ -249,16 +267,18 @@ static bool sweep_curve(struct sweeping *sweep, double share, struct error *erro
             return error_memory(error);
         if (cancelled(sweep->request->cancel))
             return error_set(error, ERROR_CANCELLED, "stopped");
-        struct precision_point *before = curve->count ? &precision->point[precision->points - 1] : NULL;
+        struct precision_point *before =
+            curve->count ? &precision->point[precision->points - 1] : NULL;
         if (before)
             point.order = local_order(before, &point);
         /* Of settings in a row that say nothing only the last is of interest. */
-        const bool instead = before && !asked && !precision_meaningful(before) && !precision_meaningful(&point);
-        struct precision_point *place = instead ? before : add_point(sweep);
-        if (!place)
+        const bool instead =
+            before && !asked && !precision_meaningful(before) && !precision_meaningful(&point);
+        struct precision_point *index = instead ? before : add_point(sweep);
+        if (!index)
             return error_memory(error);
-        *place = point;
-        const bool over = finished(sweep, &point, share);
+        *index = point;
+        const bool over = finished(sweep, &point, fraction);
         if (over && (!asked || curve->cut))
             break;
     }
@@ -266,18 +286,18 @@ static bool sweep_curve(struct sweeping *sweep, double share, struct error *erro
     return true;
 }
 
-static double time_recording(const struct precision_request *request, const struct precision *precision,
-                             const struct precision_point *point)
+static double time_recording(const struct precision_request *request,
+                             const struct precision *precision, const struct precision_point *point)
 {
     struct run_settings settings = settings_of(precision, point);
     double shortest = NAN;
     settings.unbalanced = true; /* recording alone is timed */
-    if (point->tol > 0) /* a run wants a first guess */
+    if (point->tol > 0)         /* a run wants a first guess */
         settings.dt = precision->duration / (STUDY_TIMES - 1);
     for (int i = 0; i < 3 && !(shortest > 0.1); i++) {
         struct error ignored;
-        struct run *run = run_create(request->scene, precision->curve[point->curve].by.method, &settings,
-                                     precision->duration, &ignored);
+        struct run *run = run_create(request->scene, precision->curve[point->curve].by.method,
+                                     &settings, precision->duration, &ignored);
         if (!run)
             return NAN;
         const struct run_target target = {.t = run->system.t0 + precision->duration, .steps = -1};
@@ -301,10 +321,11 @@ static bool taken_as_timed(struct precision_point *point)
 }
 
 /* Of fixed steps PART are timed: what one costs does not depend on how many there are. */
-static void shorten(const struct precision *precision, struct solver *solver, const int *place, int count)
+static void shorten(const struct precision *precision, struct solver *solver, const int *index,
+                    int count)
 {
     for (int i = 0; i < count; i++)
-        if (solver[i].tol == 0 && precision->point[place[i]].steps > PART)
+        if (solver[i].tol == 0 && precision->point[index[i]].steps > PART)
             solver[i].part = PART;
 }
 
@@ -315,21 +336,23 @@ static void multiply(struct timing_result *time, double factor)
 }
 
 /*
- * Times of parts become those of whole solves, in proportion to what was evaluated. The first of each curve is timed
- * whole, too: where that differs by more than PART_OFF, the steps do not all cost the same, and what it says holds.
+ * Times of parts become those of whole solves, in proportion to what was evaluated. The first of
+ * each curve is timed whole, too: where that differs by more than PART_OFF, the steps do not all
+ * cost the same, and what it says holds.
  */
-static void scale_up(struct precision *precision, struct solver *solver, const int *place, int count,
-                     const struct cancel *cancel)
+static void scale_up(struct precision *precision, struct solver *solver, const int *index,
+                     int count, const struct cancel *cancel)
 {
     double factor = 1;
     int curve = -1;
     for (int i = 0; i < count; i++) {
-        struct precision_point *point = &precision->point[place[i]];
+        struct precision_point *point = &precision->point[index[i]];
         const struct solver *s = &solver[i];
         if (s->part == 0 || isnan(point->time.minimum))
             continue;
         point->timed_steps = s->steps;
-        multiply(&point->time, work_of(&point->cost, point->steps) / work_of(&s->step.cost, s->steps));
+        multiply(&point->time,
+                 work_of(&point->cost, point->steps) / work_of(&s->step.cost, s->steps));
         if (point->curve != curve) {
             struct timing_result whole;
             solver[i].part = 0;
@@ -342,14 +365,14 @@ static void scale_up(struct precision *precision, struct solver *solver, const i
     }
 }
 
-static bool time_points(const struct precision_request *request, struct precision *precision, double seconds,
-                        struct error *error)
+static bool time_points(const struct precision_request *request, struct precision *precision,
+                        double seconds, struct error *error)
 {
-    const size_t room = (size_t)precision->points + 1;
-    struct solver *solver = calloc(room, sizeof *solver);
-    struct timing_result *result = calloc(room, sizeof *result);
-    int *place = calloc(room, sizeof *place), count = 0;
-    bool ok = solver && result && place;
+    const size_t capacity = (size_t)precision->points + 1;
+    struct solver *solver = calloc(capacity, sizeof *solver);
+    struct timing_result *result = calloc(capacity, sizeof *result);
+    int *index = calloc(capacity, sizeof *index), count = 0;
+    bool ok = solver && result && index;
     for (int i = 0; ok && i < precision->points; i++) {
         const struct precision_point *point = &precision->point[i];
         const struct run_settings settings = settings_of(precision, point);
@@ -357,49 +380,54 @@ static bool time_points(const struct precision_request *request, struct precisio
             continue;
         if (request->timing == TIMING_QUICK && taken_as_timed(&precision->point[i]))
             continue;
-        ok = solver_init(&solver[count], &precision->system, precision->curve[point->curve].by.method, &settings,
-                         precision->duration);
-        place[count++] = i;
+        ok = solver_init(&solver[count], &precision->system,
+                         precision->curve[point->curve].by.method, &settings, precision->duration);
+        index[count++] = i;
     }
     if (ok) {
         if (request->timing == TIMING_QUICK)
-            shorten(precision, solver, place, count);
+            shorten(precision, solver, index, count);
         time_solvers(solver, result, count, request->timing, seconds, request->cancel);
         for (int i = 0; i < count; i++)
-            precision->point[place[i]].time = result[i];
+            precision->point[index[i]].time = result[i];
         if (request->timing == TIMING_QUICK)
-            scale_up(precision, solver, place, count, request->cancel);
+            scale_up(precision, solver, index, count, request->cancel);
         for (int i = 0; i < count && request->recording && !cancelled(request->cancel); i++)
-            precision->point[place[i]].recording = time_recording(request, precision, &precision->point[place[i]]);
+            precision->point[index[i]].recording =
+                time_recording(request, precision, &precision->point[index[i]]);
     }
     for (int i = 0; i < count; i++)
         solver_free(&solver[i]);
     free(solver);
     free(result);
-    free(place);
+    free(index);
     return ok || error_memory(error);
 }
 
-static bool prepare(const struct precision_request *request, struct precision *precision, struct error *error)
+static bool prepare(const struct precision_request *request, struct precision *precision,
+                    struct error *error)
 {
     const bool fixed = !isnan(request->dt[0]) && isnan(request->tol[0]);
     if (!(request->duration > 0) || !isfinite(request->duration))
-        return error_set(error, ERROR_COMMAND, "the duration must be > 0 (got %.6g s)", request->duration);
+        return error_set(error, ERROR_COMMAND, "the duration must be > 0 (got %.6g s)",
+                         request->duration);
     for (int i = 0; i < 2; i++)
-        if (request->dt[i] <= 0 || request->tol[i] <= 0 || isnan(request->dt[i]) != isnan(request->dt[0]) ||
+        if (request->dt[i] <= 0 || request->tol[i] <= 0 ||
+            isnan(request->dt[i]) != isnan(request->dt[0]) ||
             isnan(request->tol[i]) != isnan(request->tol[0]))
-            return error_set(error, ERROR_COMMAND, "a sweep needs two ends above 0, as in dt=1ms:100ms");
+            return error_set(error, ERROR_COMMAND,
+                             "a sweep needs two ends above 0, as in dt=1ms:100ms");
     precision->scene = *request->scene;
     precision->duration = request->duration;
     precision->compensated = request->compensated;
-    precision->curve = calloc((size_t)request->contenders + 1, sizeof *precision->curve);
+    precision->curve = calloc((size_t)request->choices + 1, sizeof *precision->curve);
     if (!precision->curve)
         return error_memory(error);
     if (!scene_bind(request->scene, &precision->system, error))
         return false;
-    for (int c = 0; c < request->contenders; c++) {
+    for (int c = 0; c < request->choices; c++) {
         struct precision_curve *curve = &precision->curve[c];
-        curve->by = request->contender[c];
+        curve->by = request->choice[c];
         curve->adaptive = curve->by.method->flags & METHOD_ADAPTIVE && !fixed;
         curve->slope = curve->r2 = NAN;
         if (!method_applies(curve->by.method, &precision->system, &curve->by.drag, error))
@@ -412,37 +440,39 @@ static bool prepare(const struct precision_request *request, struct precision *p
 static bool sweep_once(struct sweeping *sweep, int64_t begin, double seconds, struct error *error)
 {
     struct precision *precision = sweep->precision;
-    const int contenders = sweep->request->contenders;
+    const int choices = sweep->request->choices;
     bool ok = true;
     precision->points = precision->curves = 0;
-    for (int c = 0; c < contenders; c++)
+    for (int c = 0; c < choices; c++)
         sweep->witnesses.one[c].by = NULL;
     sweep->hardest = hardest_interval(precision);
-    for (int c = 0; c < contenders && ok; c++) {
+    for (int c = 0; c < choices && ok; c++) {
         const double left = SWEEP_SHARE * seconds - seconds_since(begin);
         sweep->curve = &precision->curve[c];
         sweep->curve->first = precision->points;
         sweep->curve->count = 0;
-        ok = sweep_curve(sweep, fmax(left, 0.02 * seconds) / (contenders - c), error);
+        ok = sweep_curve(sweep, fmax(left, 0.02 * seconds) / (choices - c), error);
     }
     return ok;
 }
 
-/* A reference that they contradict is computed again, so that it sees what they see, and all is measured anew. */
-static bool sweep_all(const struct precision_request *request, struct precision *precision, int64_t begin,
-                      double seconds, struct error *error)
+/* A reference that they contradict is computed again, so that it sees what they see, and all is
+ * measured anew. */
+static bool sweep_all(const struct precision_request *request, struct precision *precision,
+                      int64_t begin, double seconds, struct error *error)
 {
     struct sweeping sweep = {.request = request, .precision = precision};
     struct reference *reference = &precision->reference;
     double step;
     sweep.grid = malloc((size_t)STUDY_TIMES * (size_t)precision->system.n * sizeof *sweep.grid);
-    bool ok = (sweep.grid && witnesses_init(&sweep.witnesses, &precision->system, request->contenders)) ||
-              error_memory(error);
+    bool ok =
+        (sweep.grid && witnesses_init(&sweep.witnesses, &precision->system, request->choices)) ||
+        error_memory(error);
     ok = ok && sweep_once(&sweep, begin, seconds, error);
     if (ok && reference_suspect(reference, &sweep.witnesses, &step) && !reference->again) {
         struct error none;
-        if (references_again(request->references, request->scene, &precision->system, request->duration, step,
-                             request->cancel, reference, &none)) {
+        if (references_again(request->references, request->scene, &precision->system,
+                             request->duration, step, request->cancel, reference, &none)) {
             ok = sweep_once(&sweep, begin, 2 * seconds, error);
             if (ok)
                 reference_suspect(reference, &sweep.witnesses, &step);
@@ -453,15 +483,17 @@ static bool sweep_all(const struct precision_request *request, struct precision 
     return ok;
 }
 
-bool study_precision(const struct precision_request *request, struct precision *precision, struct error *error)
+bool study_precision(const struct precision_request *request, struct precision *precision,
+                     struct error *error)
 {
     *precision = (struct precision){0};
     if (!prepare(request, precision, error) ||
-        !references_get(request->references, request->scene, &precision->system, request->duration, request->cancel,
-                        &precision->reference, error))
+        !references_get(request->references, request->scene, &precision->system, request->duration,
+                        request->cancel, &precision->reference, error))
         return false;
     const int64_t begin = clock_ns();
-    const double usual = precision_is_stiff(&precision->system, request->duration) ? SECONDS_STIFF : SECONDS;
+    const double usual =
+        precision_is_stiff(&precision->system, request->duration) ? SECONDS_STIFF : SECONDS;
     const double seconds = request->seconds > 0 ? request->seconds : usual;
     bool ok = sweep_all(request, precision, begin, seconds, error);
     if (!ok) /* the one that was under way */
@@ -469,16 +501,18 @@ bool study_precision(const struct precision_request *request, struct precision *
     for (int c = 0; c < precision->curves; c++)
         precision_fit(precision, c);
     if (!ok && error->code == ERROR_CANCELLED)
-        return error_set(error, ERROR_CANCELLED, "stopped: %d of %d methods finished, nothing timed", precision->curves,
-                         request->contenders);
+        return error_set(error, ERROR_CANCELLED,
+                         "stopped: %d of %d methods finished, nothing timed", precision->curves,
+                         request->choices);
     if (ok && request->timing != TIMING_OFF)
         ok = time_points(request, precision,
                          request->timing == TIMING_QUICK && !(request->seconds > 0)
                              ? SECONDS_QUICK
                              : fmax(seconds - seconds_since(begin), 0.1 * seconds),
                          error);
-    return ok && (!cancelled(request->cancel) ||
-                  error_set(error, ERROR_CANCELLED, "stopped: all errors are measured, not all times"));
+    return ok &&
+           (!cancelled(request->cancel) ||
+            error_set(error, ERROR_CANCELLED, "stopped: all errors are measured, not all times"));
 }
 
 void precision_free(struct precision *precision)

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What the points of a precision study say: slopes, the fastest for an error, predicted against measured cost. */
+/* What the points of a precision study say: slopes, the fastest for an error, predicted against
+ * measured cost. */
 #include "study/compare/solve.h"
 
 #include <stdlib.h>
@@ -45,11 +46,12 @@ static bool mostly_started(const struct precision_curve *curve, const struct pre
 }
 
 /*
- * The points between the guard bands: from the last error above the top (or failure) to the last above the bottom;
- * below ROUNDING ended where the error falls less than half as fast as it typically does, and the point before that
- * left out too: it has some of the rounding already.
+ * The points between the guard bands: from the last error above the top (or failure) to the last
+ * above the bottom; below ROUNDING ended where the error falls less than half as fast as it
+ * typically does, and the point before that left out too: it has some of the rounding already.
  */
-static int asymptotic(const struct precision *precision, const struct precision_curve *curve, int *first)
+static int asymptotic(const struct precision *precision, const struct precision_curve *curve,
+                      int *first)
 {
     const struct precision_point *point = precision->point + curve->first;
     const double bottom = fmax(BAND_BOTTOM * precision->reference.accuracy, 1e-13);
@@ -59,7 +61,8 @@ static int asymptotic(const struct precision *precision, const struct precision_
             !(precision_meaningful(&point[best]) && point[best].errors.max <= point[i].errors.max))
             best = i;
     for (int i = 0; i < curve->count && i <= best; i++)
-        if (!precision_meaningful(&point[i]) || point[i].errors.max >= BAND_TOP || mostly_started(curve, &point[i]))
+        if (!precision_meaningful(&point[i]) || point[i].errors.max >= BAND_TOP ||
+            mostly_started(curve, &point[i]))
             begin = i + 1;
     for (end = begin; end < curve->count; end++)
         if (!precision_meaningful(&point[end]) || point[end].errors.max < bottom)
@@ -90,14 +93,16 @@ void precision_fit(struct precision *precision, int c)
     curve->differs = false;
     for (int i = 0; i < curve->count; i++) {
         struct precision_point *point = &precision->point[curve->first + i];
-        point->asymptotic = curve->fitted > 0 && curve->first + i >= first && curve->first + i < first + n;
+        point->asymptotic =
+            curve->fitted > 0 && curve->first + i >= first && curve->first + i < first + n;
         if (!point->asymptotic)
             continue;
         x += abscissa(point) / n;
         y += log(point->errors.max) / n;
     }
     for (int i = first; i < first + curve->fitted; i++) {
-        const double dx = abscissa(&precision->point[i]) - x, dy = log(precision->point[i].errors.max) - y;
+        const double dx = abscissa(&precision->point[i]) - x,
+                     dy = log(precision->point[i].errors.max) - y;
         xx += dx * dx;
         xy += dx * dy;
         yy += dy * dy;
@@ -106,7 +111,8 @@ void precision_fit(struct precision *precision, int c)
         return;
     curve->slope = xy / xx;
     curve->r2 = xy * xy / (xx * yy);
-    curve->differs = fabs(curve->slope - curve->expected) > PRECISION_SLOPE * fmax(1, curve->expected / 6);
+    curve->differs =
+        fabs(curve->slope - curve->expected) > PRECISION_SLOPE * fmax(1, curve->expected / 6);
 }
 
 /* ---- the fastest for an error ---- */
@@ -116,7 +122,8 @@ static double between(double a, double b, double part)
     return a > 0 && b > 0 ? exp(log(a) + part * (log(b) - log(a))) : b;
 }
 
-bool precision_cost_at(const struct precision *precision, int c, double error, struct precision_cost *cost)
+bool precision_cost_at(const struct precision *precision, int c, double error,
+                       struct precision_cost *cost)
 {
     const struct precision_curve *curve = &precision->curve[c];
     const struct precision_point *coarse = NULL;
@@ -127,9 +134,10 @@ bool precision_cost_at(const struct precision *precision, int c, double error, s
             continue;
         }
         if (fine->errors.max <= error) {
-            const double part = coarse && fine->errors.max > 0
-                                    ? log(coarse->errors.max / error) / log(coarse->errors.max / fine->errors.max)
-                                    : 1;
+            const double part =
+                coarse && fine->errors.max > 0
+                    ? log(coarse->errors.max / error) / log(coarse->errors.max / fine->errors.max)
+                    : 1;
             coarse = coarse ? coarse : fine;
             *cost = (struct precision_cost){
                 .curve = c,
@@ -166,17 +174,18 @@ static int set_apart(struct precision_cost *costs, int count)
     return ranked;
 }
 
-int precision_fastest(const struct precision *precision, double error, struct precision_cost *costs, int *others)
+int precision_fastest(const struct precision *precision, double error, struct precision_cost *costs,
+                      int *others)
 {
     int count = 0;
     for (int c = 0; c < precision->curves; c++) {
         struct precision_cost cost;
         if (!precision_cost_at(precision, c, error, &cost))
             continue;
-        int place = count++;
-        for (; place > 0 && cheaper(&cost, &costs[place - 1]); place--)
-            costs[place] = costs[place - 1];
-        costs[place] = cost;
+        int index = count++;
+        for (; index > 0 && cheaper(&cost, &costs[index - 1]); index--)
+            costs[index] = costs[index - 1];
+        costs[index] = cost;
     }
     const bool timed = count > 0 && !isnan(costs[0].minimum);
     const int ranked = timed ? set_apart(costs, count) : count;
@@ -192,14 +201,15 @@ int precision_fastest(const struct precision *precision, double error, struct pr
 bool precision_predicts(const struct system *system)
 {
     const struct oscillator *o = &system->oscillator;
-    return system->order == 2 && system->n == 2 && system->linear && o->whole && o->stiffness > 0 && o->damping == 0 &&
-           o->drive == 0;
+    return system->order == 2 && system->n == 2 && system->linear && o->whole && o->stiffness > 0 &&
+           o->damping == 0 && o->drive == 0;
 }
 
 /*
- * M^n = r^n (cos n theta + sin n theta B) against the rotation by n x, from (q, p) of length 1. To first order the
- * position is wrong by cos(.) (a q + f p) + sin(.) (a p - f q + d): a the growth, f the phase gained, d what the shape
- * of B (not that of a rotation) adds. The largest of start and end.
+ * M^n = r^n (cos n theta + sin n theta B) against the rotation by n x, from (q, p) of length 1. To
+ * first order the position is wrong by cos(.) (a q + f p) + sin(.) (a p - f q + d): a the growth, f
+ * the phase gained, d what the shape of B (not that of a rotation) adds. The largest of start and
+ * end.
  */
 static double predicted_error(const double matrix[4], double x, double radians, double q, double p)
 {
@@ -225,8 +235,8 @@ double precision_predict(const struct precision *precision, int c, double error)
     double before = NAN, before_x = NAN, slope = NAN, found = NAN;
     if (!(size > 0))
         return NAN;
-    /* From coarse to fine, until the matrix's own rounding shows: the last crossing counts, one before it is luck.
-     * Smaller errors lie on along the last slope. */
+    /* From coarse to fine, until the matrix's own rounding shows: the last crossing counts, one
+     * before it is luck. Smaller errors lie on along the last slope. */
     for (double x = 3; x > 1e-6; x /= 1.09) {
         double matrix[4];
         if (!method_amplification(curve->by.method, curve->by.drag, x, 0, matrix))
@@ -267,9 +277,9 @@ static const char *const usual[] = {"euler",
                                     "heun",
                                     "midpoint",
                                     "backward-euler"};
-static const char *const stiff[] = {"backward-euler", "trapezoid",        "tr-bdf2", "bdf2",   "gauss4", "radau5",
-                                    "ros3p",          "rodas4",           "rodas5p", "dopri5", "dop853", "cvode-bdf",
-                                    "sdirk2",         "implicit-midpoint"};
+static const char *const stiff[] = {
+    "backward-euler", "trapezoid", "tr-bdf2", "bdf2",   "gauss4",    "radau5", "ros3p",
+    "rodas4",         "rodas5p",   "dopri5",  "dop853", "cvode-bdf", "sdirk2", "implicit-midpoint"};
 
 #define STIFF 2e4 /* |J| duration, J in units of the natural sizes */
 
@@ -287,21 +297,23 @@ bool precision_is_stiff(const struct system *system, double duration)
     return norm * duration > STIFF;
 }
 
-int precision_defaults(const struct system *system, double duration, struct contender *contender,
-                       void (*absent)(void *context, const char *method, const char *reason), void *context)
+int precision_defaults(const struct system *system, double duration, struct method_choice *choice,
+                       void (*absent)(void *context, const char *method, const char *reason),
+                       void *context)
 {
     const bool hard = precision_is_stiff(system, duration);
     const char *const *names = hard ? stiff : usual;
-    const size_t most = hard ? COUNT_OF(stiff) : COUNT_OF(usual);
+    const size_t max = hard ? COUNT_OF(stiff) : COUNT_OF(usual);
     int count = 0;
-    for (size_t i = 0; i < most && count < PRECISION_DEFAULTS; i++) {
+    for (size_t i = 0; i < max && count < PRECISION_DEFAULTS; i++) {
         struct error reason;
-        struct contender by = {(const struct method *)(const void *)catalog_find(&method_catalog, text_of(names[i])),
-                               DRAG_DEFAULT};
+        struct method_choice by = {
+            (const struct method *)(const void *)catalog_find(&method_catalog, text_of(names[i])),
+            DRAG_DEFAULT};
         if (!by.method)
             continue;
         if (method_applies(by.method, system, &by.drag, &reason))
-            contender[count++] = by;
+            choice[count++] = by;
         else if (absent)
             absent(context, names[i], reason.text);
     }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * The solution that errors are measured against: the closed form, or two integrations by methods of different kinds
- * that agree. What they agree to is all that can be claimed.
+ * The solution that errors are measured against: the closed form, or two integrations by methods of
+ * different kinds that agree. What they agree to is all that can be claimed.
  */
 #include "study/compare/solve.h"
 
@@ -12,32 +12,36 @@
 enum kind { KIND_EXPLICIT, KIND_SPLITTING, KIND_IMPLICIT, KIND_ROSENBROCK, KIND_COUNT };
 
 /*
- * In the order tried, looked up by name: a method that is not there or does not apply is passed over. tol: of an
- * adaptive method, the next try takes ten times as much; 0: fixed steps, halved until the result does not move.
+ * In the order tried, looked up by name: a method that is not there or does not apply is passed
+ * over. tol: of an adaptive method, the next try takes ten times as much; 0: fixed steps, halved
+ * until the result does not move.
  */
 static const struct candidate {
     const char *name;
     enum kind kind;
     double tol;
 } candidates[] = {
-    {"dop853", KIND_EXPLICIT, 1e-14},    {"odex", KIND_EXPLICIT, 1e-14},          {"kahan-li8", KIND_SPLITTING, 0},
-    {"radau5", KIND_IMPLICIT, 1e-13},    {"rodas5p", KIND_ROSENBROCK, 1e-13},     {"gauss6", KIND_IMPLICIT, 0},
-    {"blanes-moan6", KIND_SPLITTING, 0}, {"tsit5", KIND_EXPLICIT, 1e-14},         {"dopri5", KIND_EXPLICIT, 1e-14},
-    {"gauss4", KIND_IMPLICIT, 0},        {"implicit-midpoint", KIND_IMPLICIT, 0},
+    {"dop853", KIND_EXPLICIT, 1e-14},        {"odex", KIND_EXPLICIT, 1e-14},
+    {"kahan-li8", KIND_SPLITTING, 0},        {"radau5", KIND_IMPLICIT, 1e-13},
+    {"rodas5p", KIND_ROSENBROCK, 1e-13},     {"gauss6", KIND_IMPLICIT, 0},
+    {"blanes-moan6", KIND_SPLITTING, 0},     {"tsit5", KIND_EXPLICIT, 1e-14},
+    {"dopri5", KIND_EXPLICIT, 1e-14},        {"gauss4", KIND_IMPLICIT, 0},
+    {"implicit-midpoint", KIND_IMPLICIT, 0},
 };
 
-#define ENOUGH 1e-12   /* agreement with which the search ends */
-#define STILL 1e-13    /* change on halving that is taken for rounding */
-#define SUDDEN 1e4     /* times as far apart as one time of the grid before */
-#define FIRST 3        /* grid times: growth from rounding to MEANING within so many is not told from a jump */
-#define MEANING 1e-3   /* where two references differ by more, neither means anything */
-#define COST_MOST 40e6 /* evaluations, Jacobians and solves of one solution, over n */
-#define COST_ALL 80e6  /* of all of them, over n: some seconds */
+#define ENOUGH 1e-12 /* agreement with which the search ends */
+#define STILL 1e-13  /* change on halving that is taken for rounding */
+#define SUDDEN 1e4   /* times as far apart as one time of the grid before */
+#define FIRST                                                                                      \
+    3 /* grid times: growth from rounding to MEANING within so many is not told from a jump */
+#define MEANING 1e-3  /* where two references differ by more, neither means anything */
+#define COST_MAX 40e6 /* evaluations, Jacobians and solves of one solution, over n */
+#define COST_ALL 80e6 /* of all of them, over n: some seconds */
 #define TRIES 3
 #define TRIES_BURST 8
 #define SAME 1e-9 /* by which solutions may part that step otherwise */
 #define SHRINKS 1e4
-#define PARTS 4          /* of all but the first: no step is longer than a thousandth of the span, */
+#define PARTS 4 /* of all but the first: no step is longer than a thousandth of the span, */
 #define PARTS_IN_TIME 32 /* where the law changes with time than an 8000th: there may be pulses */
 
 #define BURSTS 4096
@@ -54,14 +58,15 @@ struct search {
     size_t size;                         /* [double] of one solution */
     bool failed;                         /* no memory */
     int64_t left;                        /* of COST_ALL */
-    bool stiff;                          /* an explicit method became too dear: the others will, too */
-    int parts;                           /* adaptive steps end at so many parts of each grid interval, */
-    struct burst *burst;                 /* [BURSTS] and at so many parts of each of these, in the order of the way */
+    bool stiff; /* an explicit method became too dear: the others will, too */
+    int parts;  /* adaptive steps end at so many parts of each grid interval, */
+    struct burst
+        *burst; /* [BURSTS] and at so many parts of each of these, in the order of the way */
     int bursts;
     bool looked; /* for them */
     struct node {
         double t, y[LIMIT_VARIABLES];
-    } *node; /* [NODES] where bursts begin and end in an interval, and its ends */
+    } * node; /* [NODES] where bursts begin and end in an interval, and its ends */
     int nodes;
 };
 
@@ -71,30 +76,31 @@ static double *solution(const struct search *search, enum kind kind)
 }
 
 /* max |y_i| over the grid; next to nothing counts as a thousandth of a natural size's rounding. */
-static void set_amplitudes(struct reference *reference, const struct system *system, const double *grid)
+static void set_amplitudes(struct reference *reference, const struct system *system,
+                           const double *grid)
 {
     for (int i = 0; i < system->n; i++) {
-        double most = 0;
+        double max = 0;
         for (int k = 0; k < STUDY_TIMES; k++)
-            most = fmax(most, fabs(grid[k * system->n + i]));
-        reference->amplitude[i] = most > 1e-18 * system->scale[i] ? most : system->scale[i];
+            max = fmax(max, fabs(grid[k * system->n + i]));
+        reference->amplitude[i] = max > 1e-18 * system->scale[i] ? max : system->scale[i];
     }
 }
 
 static double largest_distance(const struct search *search, const double *a, const double *b)
 {
     const int n = search->system->n;
-    double most = 0;
+    double max = 0;
     for (int k = 0; k < STUDY_TIMES; k++) {
         const double distance = grid_distance(search->reference, a + k * n, b + k * n);
-        if (!(distance <= most))
-            most = distance;
+        if (!(distance <= max))
+            max = distance;
     }
-    return most;
+    return max;
 }
 
-/* Where the next adaptive step ends at the latest, on the way from t to `to`; shift: of the clock; *at: the burst that
- * is ahead. */
+/* Where the next adaptive step ends at the latest, on the way from t to `to`; shift: of the clock;
+ * *at: the burst that is ahead. */
 static double next_stop(const struct search *search, int *at, double t, double to, double shift)
 {
     const double way = to > t ? 1 : -1;
@@ -124,8 +130,8 @@ struct interval_of_grid {
     double from, to, shift;
 };
 
-static enum stop cross_fixed(const struct search *search, struct solver *s, const struct interval_of_grid *interval,
-                             int64_t steps)
+static enum stop cross_fixed(const struct search *search, struct solver *s,
+                             const struct interval_of_grid *interval, int64_t steps)
 {
     for (int64_t i = 0; i < steps; i++) {
         const double h = (interval->to - interval->from) / (double)steps;
@@ -134,7 +140,7 @@ static enum stop cross_fixed(const struct search *search, struct solver *s, cons
         const enum step_status status = method_turning_step(s->method, &s->step);
         if (status != STEP_OK)
             return solver_stop(status);
-        if (solver_cost(s) > s->most)
+        if (solver_cost(s) > s->max)
             return STOP_FULL;
         if ((i & 63) == 63 && cancelled(search->cancel))
             return STOP_CANCELLED;
@@ -143,7 +149,8 @@ static enum stop cross_fixed(const struct search *search, struct solver *s, cons
 }
 
 /* No step across the ends of `parts` equal parts of it, nor across a burst. */
-static enum stop cross_adaptive(struct search *search, struct solver *s, struct controller *controller,
+static enum stop cross_adaptive(struct search *search, struct solver *s,
+                                struct controller *controller,
                                 const struct interval_of_grid *interval)
 {
     const int parts = search->parts;
@@ -160,7 +167,7 @@ static enum stop cross_adaptive(struct search *search, struct solver *s, struct 
             return solver_stop(status);
         if (s->step.t == stop && stop != next)
             add_node(search, stop + interval->shift, s->y);
-        if (solver_cost(s) > s->most)
+        if (solver_cost(s) > s->max)
             return STOP_FULL;
         if ((i & 63) == 63 && cancelled(search->cancel))
             return STOP_CANCELLED;
@@ -181,7 +188,8 @@ static int by_time_back(const void *a, const void *b)
     return by_time(b, a);
 }
 
-/* Bursts of the interval that was just crossed, from those before it on; false: none that are new. */
+/* Bursts of the interval that was just crossed, from those before it on; false: none that are new.
+ */
 static bool look_for_bursts(struct search *search, int before)
 {
     const bool forward = search->reference->span > 0;
@@ -191,7 +199,8 @@ static bool look_for_bursts(struct search *search, int before)
         const double t[2] = {node[0].t, node[1].t};
         if (t[0] != t[1])
             search->bursts = before + system_bursts(search->system, t, node[0].y, node[1].y, false,
-                                                    search->burst + before, search->bursts - before, BURSTS - before);
+                                                    search->burst + before, search->bursts - before,
+                                                    BURSTS - before);
     }
     qsort(search->burst + before, (size_t)(search->bursts - before), sizeof *search->burst,
           forward ? by_time : by_time_back);
@@ -200,17 +209,19 @@ static bool look_for_bursts(struct search *search, int before)
 
 static double moved_by(const struct system *system, const double *a, const double *b)
 {
-    double most = 0;
+    double max = 0;
     for (int i = 0; i < system->n; i++)
-        most = fmax(most, fabs(a[i] - b[i]) / fmax(system->scale[i], fmax(fabs(a[i]), fabs(b[i]))));
-    return most;
+        max = fmax(max, fabs(a[i] - b[i]) / fmax(system->scale[i], fmax(fabs(a[i]), fabs(b[i]))));
+    return max;
 }
 
 /*
- * The interval again, with steps that end at what was found along the way through it, until that changes nothing: what
- * happens there may lead elsewhere. Where the first round changes nothing it had been seen, and is forgotten.
+ * The interval again, with steps that end at what was found along the way through it, until that
+ * changes nothing: what happens there may lead elsewhere. Where the first round changes nothing it
+ * had been seen, and is forgotten.
  */
-static enum stop cross_bursts(struct search *search, struct solver *s, struct controller *controller,
+static enum stop cross_bursts(struct search *search, struct solver *s,
+                              struct controller *controller,
                               const struct interval_of_grid *interval)
 {
     const size_t size = (size_t)search->system->n * sizeof(double);
@@ -220,7 +231,8 @@ static enum stop cross_bursts(struct search *search, struct solver *s, struct co
     memcpy(y, s->y, size);
     memcpy(low, s->low, size);
     enum stop stop = cross_adaptive(search, s, controller, interval);
-    for (int round = 0; round < ROUNDS && stop == STOP_END && look_for_bursts(search, before); round++) {
+    for (int round = 0; round < ROUNDS && stop == STOP_END && look_for_bursts(search, before);
+         round++) {
         memcpy(last, s->y, size);
         memcpy(s->y, y, size);
         memcpy(s->low, low, size);
@@ -237,8 +249,8 @@ static enum stop cross_bursts(struct search *search, struct solver *s, struct co
 }
 
 /*
- * Every grid time is hit. Where the laws do not depend on time the clock starts anew at each of them, so that rounding
- * of the time does not add up. steps: in an interval, 0: adaptive.
+ * Every grid time is hit. Where the laws do not depend on time the clock starts anew at each of
+ * them, so that rounding of the time does not add up. steps: in an interval, 0: adaptive.
  */
 static enum stop walk_grid(struct search *search, struct solver *s, int64_t steps, double *grid)
 {
@@ -253,8 +265,8 @@ static enum stop walk_grid(struct search *search, struct solver *s, int64_t step
     for (int k = 1; k < STUDY_TIMES; k++) {
         const double begin = s->system->t0 + s->span * (k - 1) / (STUDY_TIMES - 1);
         const double end = s->system->t0 + s->span * k / (STUDY_TIMES - 1);
-        const struct interval_of_grid interval = {anew ? 0 : begin, anew ? s->span / (STUDY_TIMES - 1) : end,
-                                                  anew ? begin : 0};
+        const struct interval_of_grid interval = {
+            anew ? 0 : begin, anew ? s->span / (STUDY_TIMES - 1) : end, anew ? begin : 0};
         s->step.t = interval.from;
         s->step.warm = s->step.again = false;
         const enum stop stop = steps > 0 ? cross_fixed(search, s, &interval, steps)
@@ -273,20 +285,21 @@ static enum stop walk_grid(struct search *search, struct solver *s, int64_t step
 /* Within what is left of the cost of all of them. */
 static enum stop walk(struct search *search, struct solver *s, int64_t steps, double *grid)
 {
-    const int64_t most = s->most;
-    s->most = search->left < most ? search->left : most;
+    const int64_t max = s->max;
+    s->max = search->left < max ? search->left : max;
     const enum stop stop = walk_grid(search, s, steps, grid);
     search->left -= solver_cost(s);
-    s->most = most;
+    s->max = max;
     return stop;
 }
 
-/* Inside of a burst that is short the clock has few digits left: what is found there is as good as it can be. */
+/* Inside of a burst that is short the clock has few digits left: what is found there is as good as
+ * it can be. */
 static bool solve_adaptive(struct search *search, struct solver *s, bool explicit, double *grid)
 {
-    const int64_t most = s->most;
+    const int64_t max = s->max;
     for (int try = 0; try < (search->bursts > 0 ? TRIES_BURST : TRIES); try++, s->tol *= 10) {
-        s->most = search->bursts > 0 ? most / TRIES_BURST : most;
+        s->max = search->bursts > 0 ? max / TRIES_BURST : max;
         const enum stop stop = walk(search, s, 0, grid);
         const bool bursts = search->bursts > 0;
         search->stiff |= stop == STOP_FULL && explicit && !bursts;
@@ -296,14 +309,15 @@ static bool solve_adaptive(struct search *search, struct solver *s, bool explici
     return false;
 }
 
-/* Halves the step until the result stands still, moves more than before (rounding), or becomes too dear. */
+/* Halves the step until the result stands still, moves more than before (rounding), or becomes too
+ * dear. */
 static bool solve_fixed(struct search *search, struct solver *s, double *grid)
 {
     double *finer = solution(search, KIND_COUNT), moved = HUGE_VAL;
     bool have = false;
     for (int64_t steps = search->parts; steps <= 1 << 20; steps *= 2) {
         if (walk(search, s, steps, finer) != STOP_END) {
-            if (have || solver_cost(s) > s->most || cancelled(search->cancel))
+            if (have || solver_cost(s) > s->max || cancelled(search->cancel))
                 break;
             continue;
         }
@@ -314,7 +328,7 @@ static bool solve_fixed(struct search *search, struct solver *s, double *grid)
         memcpy(grid, finer, search->size * sizeof *grid);
         have = true;
         moved = change;
-        if (change < STILL || solver_cost(s) > s->most / 2)
+        if (change < STILL || solver_cost(s) > s->max / 2)
             break;
     }
     return have && moved < MEANING;
@@ -322,22 +336,22 @@ static bool solve_fixed(struct search *search, struct solver *s, double *grid)
 
 static bool try_candidate(struct search *search, const struct candidate *candidate)
 {
-    const struct method *method =
-        (const struct method *)(const void *)catalog_find(&method_catalog, text_of(candidate->name));
+    const struct method *method = (const struct method *)(const void *)catalog_find(
+        &method_catalog, text_of(candidate->name));
     struct error ignored;
     struct run_settings settings = {.dt = fabs(search->reference->span), .tol = candidate->tol};
-    if (search->by[candidate->kind] || (search->stiff && candidate->kind == KIND_EXPLICIT) || !method ||
-        !method_applies(method, search->system, &settings.drag, &ignored))
+    if (search->by[candidate->kind] || (search->stiff && candidate->kind == KIND_EXPLICIT) ||
+        !method || !method_applies(method, search->system, &settings.drag, &ignored))
         return false;
     struct solver s;
     if (!solver_init(&s, search->system, method, &settings, search->reference->span)) {
         search->failed = true;
         return false;
     }
-    s.most = (int64_t)(COST_MOST / search->system->n);
+    s.max = (int64_t)(COST_MAX / search->system->n);
     double *grid = solution(search, candidate->kind);
-    const bool ok =
-        s.tol > 0 ? solve_adaptive(search, &s, candidate->kind == KIND_EXPLICIT, grid) : solve_fixed(search, &s, grid);
+    const bool ok = s.tol > 0 ? solve_adaptive(search, &s, candidate->kind == KIND_EXPLICIT, grid)
+                              : solve_fixed(search, &s, grid);
     solver_free(&s);
     if (ok)
         search->by[candidate->kind] = method;
@@ -345,8 +359,8 @@ static bool try_candidate(struct search *search, const struct candidate *candida
 }
 
 /*
- * Where two of them part for the first time. Rounding that grows takes its time from one power of ten to the next;
- * what is a jump has another reason.
+ * Where two of them part for the first time. Rounding that grows takes its time from one power of
+ * ten to the next; what is a jump has another reason.
  */
 static void set_meaning(const struct search *search, const double *a, const double *b)
 {
@@ -390,22 +404,22 @@ static void confront(struct search *search, enum kind kind)
 static void take_closed_form(const struct system *system, struct reference *reference)
 {
     const int n = system->n;
-    double floor[LIMIT_VARIABLES], most[LIMIT_VARIABLES] = {0};
+    double floor[LIMIT_VARIABLES], max[LIMIT_VARIABLES] = {0};
     reference->exact = true;
     for (int k = 0; k < STUDY_TIMES; k++) {
         const double t = system->t0 + reference->span * k / (STUDY_TIMES - 1);
         system_exact(system, system->t0, system->start, t, reference->y + k * n, floor);
         for (int i = 0; i < reference->scored; i++)
-            most[i] = fmax(most[i], floor[i]);
+            max[i] = fmax(max[i], floor[i]);
     }
     set_amplitudes(reference, system, reference->y);
     for (int i = 0; i < reference->scored; i++)
-        reference->accuracy = fmax(reference->accuracy, most[i] / reference->amplitude[i]);
+        reference->accuracy = fmax(reference->accuracy, max[i] / reference->amplitude[i]);
 }
 
 /*
- * Damped much faster than the motion lasts: the rate at which volumes of the state space shrink at the start, times the
- * span. There explicit methods take their steps for stability alone.
+ * Damped much faster than the motion lasts: the rate at which volumes of the state space shrink at
+ * the start, times the span. There explicit methods take their steps for stability alone.
  */
 static bool shrinks_fast(const struct system *system, double span)
 {
@@ -416,11 +430,13 @@ static bool shrinks_fast(const struct system *system, double span)
     return -trace * span > SHRINKS;
 }
 
-/* All but the first take steps of a bounded size: a pulse that long ones step over does not escape both. */
+/* All but the first take steps of a bounded size: a pulse that long ones step over does not escape
+ * both. */
 static void search_kinds(struct search *search, bool explicit_ones, bool others)
 {
     struct reference *reference = search->reference;
-    for (size_t i = 0; i < COUNT_OF(candidates) && !cancelled(search->cancel) && !search->failed; i++) {
+    for (size_t i = 0; i < COUNT_OF(candidates) && !cancelled(search->cancel) && !search->failed;
+         i++) {
         const bool explicit = candidates[i].kind == KIND_EXPLICIT;
         if ((explicit ? !explicit_ones : !others) || (search->bursts > 0 && candidates[i].tol == 0))
             continue; /* steps of one size, short enough for a burst, would be too many */
@@ -435,18 +451,20 @@ static void search_kinds(struct search *search, bool explicit_ones, bool others)
     }
 }
 
-bool study_reference(const struct system *system, double span, const struct cancel *cancel, struct reference *reference,
-                     struct error *error)
+bool study_reference(const struct system *system, double span, const struct cancel *cancel,
+                     struct reference *reference, struct error *error)
 {
     return study_reference_again(system, span, fabs(span), cancel, reference, error);
 }
 
-bool study_reference_again(const struct system *system, double span, double step, const struct cancel *cancel,
-                           struct reference *reference, struct error *error)
+bool study_reference_again(const struct system *system, double span, double step,
+                           const struct cancel *cancel, struct reference *reference,
+                           struct error *error)
 {
-    const double least = ceil(fmin(fabs(span) / (STUDY_TIMES - 1) / step, 1 << 16));
+    const double min = ceil(fmin(fabs(span) / (STUDY_TIMES - 1) / step, 1 << 16));
     const size_t size = (size_t)STUDY_TIMES * (size_t)system->n;
-    *reference = (struct reference){.span = span, .meaning = span, .singular = {.t = NAN}, .n = system->n};
+    *reference =
+        (struct reference){.span = span, .meaning = span, .singular = {.t = NAN}, .n = system->n};
     reference->scored = system->order == 2 ? system->n / 2 : system->n;
     reference->y = calloc(size, sizeof *reference->y);
     if (!reference->y)
@@ -457,10 +475,12 @@ bool study_reference_again(const struct system *system, double span, double step
     }
     if (!reference_exists(system, reference, error))
         return false;
-    struct system smooth = *system; /* the reference keeps its order, whatever is compared with it */
+    struct system smooth =
+        *system; /* the reference keeps its order, whatever is compared with it */
     system_turn_at_kinks(&smooth);
-    struct search search = {.system = &smooth, .reference = reference, .cancel = cancel, .size = size};
-    search.parts = (int)fmax(least, 1);
+    struct search search = {
+        .system = &smooth, .reference = reference, .cancel = cancel, .size = size};
+    search.parts = (int)fmax(min, 1);
     search.left = (int64_t)(COST_ALL / system->n);
     search.grid = calloc((KIND_COUNT + 1) * size, sizeof *search.grid);
     search.burst = calloc(BURSTS, sizeof *search.burst);
@@ -478,23 +498,26 @@ bool study_reference_again(const struct system *system, double span, double step
         search_kinds(&search, true, false);
     reference->shortest = search.bursts > 0 ? HUGE_VAL : 0;
     for (int i = 0; i < search.bursts; i++)
-        reference->shortest = fmin(reference->shortest, fabs(search.burst[i].to - search.burst[i].from));
+        reference->shortest =
+            fmin(reference->shortest, fabs(search.burst[i].to - search.burst[i].from));
     free(search.grid);
     free(search.burst);
     free(search.node);
     if (cancelled(cancel) || search.failed || !reference->by[1]) {
         reference_free(reference);
-        return search.failed ? error_memory(error)
-               : cancelled(cancel)
-                   ? error_set(error, ERROR_CANCELLED, "stopped while the reference solution was computed")
-                   : search.left <= 0
-                   ? error_set(error, ERROR_NUMERICAL,
-                               "no two methods of different kinds reach the end of this scene within %.0e evaluations: "
-                               "there is nothing to measure errors against; a shorter duration can be studied",
-                               COST_ALL / system->n)
-                   : error_set(error, ERROR_NUMERICAL,
-                               "no two methods of different kinds reach the end of this scene: there is nothing to "
-                               "measure errors against");
+        return search.failed       ? error_memory(error)
+               : cancelled(cancel) ? error_set(error, ERROR_CANCELLED,
+                                               "stopped while the reference solution was computed")
+               : search.left <= 0  ? error_set(error, ERROR_NUMERICAL,
+                                               "no two methods of different kinds reach the end of "
+                                                "this scene within %.0e evaluations: "
+                                                "there is nothing to measure errors against; a "
+                                                "shorter duration can be studied",
+                                               COST_ALL / system->n)
+                                   : error_set(error, ERROR_NUMERICAL,
+                                               "no two methods of different kinds reach the end of "
+                                                "this scene: there is nothing to "
+                                                "measure errors against");
     }
     return true;
 }

@@ -21,7 +21,8 @@ bool reference_exists(const struct system *system, struct reference *reference, 
     error_set(error, ERROR_NUMERICAL,
               "the solution %s at t = %.6g s: beyond there is nothing to measure errors against",
               singularity_text(&reference->singular), reference->singular.t);
-    return error_hint(error, "a shorter one can be studied: duration = %.3g s", 0.9 * fabs(reference->singular.t - t0));
+    return error_hint(error, "a shorter one can be studied: duration = %.3g s",
+                      0.9 * fabs(reference->singular.t - t0));
 }
 
 void reference_describe(const struct reference *reference, struct buffer *text)
@@ -31,21 +32,25 @@ void reference_describe(const struct reference *reference, struct buffer *text)
         buffer_short(text, reference->accuracy, 2);
         return;
     }
-    buffer_format(text, "%s and %s, which agree to ", reference->by[0]->row.name, reference->by[1]->row.name);
+    buffer_format(text, "%s and %s, which agree to ", reference->by[0]->row.name,
+                  reference->by[1]->row.name);
     buffer_short(text, reference->accuracy, 2);
     if (reference->against[0]) {
-        buffer_format(text, ", but %s and %s agree with each other and are ", reference->against[0]->row.name,
-                      reference->against[1]->row.name);
+        buffer_format(text, ", but %s and %s agree with each other and are ",
+                      reference->against[0]->row.name, reference->against[1]->row.name);
         buffer_short(text, reference->apart, 2);
-        buffer_put(text, TEXT(" from it, also after it was computed again in shorter steps: which is right is not "
+        buffer_put(text, TEXT(" from it, also after it was computed again in shorter steps: which "
+                              "is right is not "
                               "resolved"));
     }
     if (reference->meaning != reference->span) {
         buffer_put(text, TEXT(" only: they part at "));
         buffer_quantity(text, fabs(reference->meaning), QUANTITY_TIME, 3);
-        buffer_put(text, reference->sudden ? TEXT(", beyond it no number means anything (at once: one of them missed "
-                                                  "something, or something there is not resolved)")
-                                           : TEXT(", beyond it no number means anything (rounding grows: chaos)"));
+        buffer_put(text,
+                   reference->sudden
+                       ? TEXT(", beyond it no number means anything (at once: one of them missed "
+                              "something, or something there is not resolved)")
+                       : TEXT(", beyond it no number means anything (rounding grows: chaos)"));
     }
 }
 
@@ -56,11 +61,11 @@ static bool same_scene(const struct scene *a, const struct scene *b)
            memcmp(a->atol, b->atol, sizeof a->atol) == 0;
 }
 
-static struct kept_reference *find(struct references *references, const struct scene *scene,
-                                   double span)
+static struct stored_reference *find(struct references *references, const struct scene *scene,
+                                     double span)
 {
     for (size_t i = 0; references && i < REFERENCES; i++) {
-        struct kept_reference *kept = &references->kept[i];
+        struct stored_reference *kept = &references->kept[i];
         if (kept->used > 0 && kept->span == span && same_scene(&kept->scene, scene))
             return kept;
     }
@@ -71,7 +76,7 @@ const struct reference *references_find(const struct references *references,
                                         const struct scene *scene, double span)
 {
     for (size_t i = 0; i < REFERENCES; i++) {
-        const struct kept_reference *kept = &references->kept[i];
+        const struct stored_reference *kept = &references->kept[i];
         if (kept->used > 0 && kept->reference.y && kept->span == span &&
             same_scene(&kept->scene, scene))
             return &kept->reference;
@@ -93,12 +98,12 @@ static bool copy(const struct reference *from, struct reference *to)
 static void keep(struct references *references, const struct scene *scene, double span,
                  const struct reference *reference, const struct error *why)
 {
-    struct kept_reference *oldest = &references->kept[0];
+    struct stored_reference *oldest = &references->kept[0];
     for (size_t i = 1; i < REFERENCES; i++)
         if (references->kept[i].used < oldest->used)
             oldest = &references->kept[i];
     reference_free(&oldest->reference);
-    *oldest = (struct kept_reference){.scene = *scene, .span = span, .used = ++references->uses};
+    *oldest = (struct stored_reference){.scene = *scene, .span = span, .used = ++references->uses};
     if (why) {
         oldest->why = *why;
         oldest->reference.singular = reference->singular;
@@ -111,7 +116,7 @@ bool references_get(struct references *references, const struct scene *scene,
                     const struct system *system, double span, const struct cancel *cancel,
                     struct reference *reference, struct error *error)
 {
-    struct kept_reference *kept = find(references, scene, span);
+    struct stored_reference *kept = find(references, scene, span);
     if (kept) {
         kept->used = ++references->uses;
         *reference = (struct reference){.singular = {.t = NAN}};
@@ -131,17 +136,18 @@ bool references_get(struct references *references, const struct scene *scene,
     return ok;
 }
 
-bool references_again(struct references *references, const struct scene *scene, const struct system *system,
-                      double span, double step, const struct cancel *cancel, struct reference *reference,
-                      struct error *error)
+bool references_again(struct references *references, const struct scene *scene,
+                      const struct system *system, double span, double step,
+                      const struct cancel *cancel, struct reference *reference, struct error *error)
 {
     struct reference anew;
-    if (!study_reference_again(system, span, fmin(step, reference->bound / 2), cancel, &anew, error))
+    if (!study_reference_again(system, span, fmin(step, reference->bound / 2), cancel, &anew,
+                               error))
         return false;
     anew.again = true;
     reference_free(reference);
     *reference = anew;
-    struct kept_reference *kept = find(references, scene, span);
+    struct stored_reference *kept = find(references, scene, span);
     if (kept) {
         reference_free(&kept->reference);
         kept->used = copy(reference, &kept->reference) ? kept->used : 0;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* selftest: what a method's row claims, measured on the machine at hand in a few hundredths of a second. */
+/* selftest: what a method's row claims, measured on the machine at hand in a few hundredths of a
+ * second. */
 #include "study/compare/verify.h"
 
 #include <stdlib.h>
@@ -7,17 +8,22 @@
 
 #define ORDER_COST 250000 /* evaluations of one solve */
 #define ORDER_NEAR 0.15   /* of the claim */
-#define HIGH 8            /* above it so few steps lie between the largest and rounding that later terms still add */
-#define AREA_MOST 1e-10
-#define RETURN_MOST 1e-9
+#define HIGH                                                                                       \
+    8 /* above it so few steps lie between the largest and rounding that later terms still add */
+#define AREA_MAX 1e-10
+#define RETURN_MAX 1e-9
 #define RETURN_STEPS 200
 
 static const struct row checks[] = {
-    [SELFTEST_ORDER] = {"order", "", "the slope of the error on a Kepler orbit is the claimed order", "", NULL},
-    [SELFTEST_AREA] = {"area", "", "symplectic: a step keeps areas (its determinant is 1)", "", NULL},
-    [SELFTEST_REVERSAL] = {"reversal", "", "symmetric: steps of h, then of -h, lead back", "", NULL},
-    [SELFTEST_STABILITY] = {"stability", "", "runs below the stability limit stay, runs above it grow as predicted", "",
-                            NULL},
+    [SELFTEST_ORDER] = {"order", "",
+                        "the slope of the error on a Kepler orbit is the claimed order", "", NULL},
+    [SELFTEST_AREA] = {"area", "", "symplectic: a step keeps areas (its determinant is 1)", "",
+                       NULL},
+    [SELFTEST_REVERSAL] = {"reversal", "", "symmetric: steps of h, then of -h, lead back", "",
+                           NULL},
+    [SELFTEST_STABILITY] = {"stability", "",
+                            "runs below the stability limit stay, runs above it grow as predicted",
+                            "", NULL},
 };
 
 const struct catalog selftest_catalog = CATALOG("check", checks);
@@ -31,16 +37,20 @@ static bool bind(const char *preset, const struct setting *set, int count, struc
 {
     struct scene scene;
     struct error ignored;
-    scene_init(&scene, (const struct preset *)(const void *)catalog_find(&preset_catalog, text_of(preset)));
+    scene_init(&scene,
+               (const struct preset *)(const void *)catalog_find(&preset_catalog, text_of(preset)));
     for (int i = 0; i < count; i++)
-        if (!scene_set(&scene, scene_param(&scene, set[i].param), (struct measured){set[i].value, 0}, &ignored))
+        if (!scene_set(&scene, scene_param(&scene, set[i].param),
+                       (struct measured){set[i].value, 0}, &ignored))
             return false;
     return scene_bind(&scene, system, &ignored);
 }
 
-/* ---- order: most of an orbit of eccentricity 0.1, where every order condition counts and the answer is known ---- */
+/* ---- order: most of an orbit of eccentricity 0.1, where every order condition counts and the
+ * answer is known ---- */
 
-static bool check_order(const struct method *method, const struct cancel *cancel, struct selftest_row *row)
+static bool check_order(const struct method *method, const struct cancel *cancel,
+                        struct selftest_row *row)
 {
     const struct setting set[] = {{"e", 0.1}};
     struct system system;
@@ -50,8 +60,12 @@ static bool check_order(const struct method *method, const struct cancel *cancel
     if (method->order == 0 || !bind("kepler", set, 1, &system) ||
         !method_applies(method, &system, &order.by.drag, &error))
         return true;
-    struct sweep_target target = {
-        .system = &system, .span = 5, .end = end, .dt = {NAN, NAN}, .most = ORDER_COST, .cancel = cancel};
+    struct sweep_target target = {.system = &system,
+                                  .span = 5,
+                                  .end = end,
+                                  .dt = {NAN, NAN},
+                                  .max = ORDER_COST,
+                                  .cancel = cancel};
     system_exact(&system, system.t0, system.start, system.t0 + target.span, end, NULL);
     for (int i = 0; i < system.n; i++)
         target.size[i] = 1;
@@ -61,8 +75,9 @@ static bool check_order(const struct method *method, const struct cancel *cancel
     row->check[SELFTEST_ORDER].asked = true;
     row->check[SELFTEST_ORDER].value = order.slope;
     row->check[SELFTEST_ORDER].wanted = method->order;
-    row->check[SELFTEST_ORDER].passed = order.slope > method->order - ORDER_NEAR &&
-                                        order.slope < method->order + (method->order > HIGH ? 2 : ORDER_NEAR);
+    row->check[SELFTEST_ORDER].passed =
+        order.slope > method->order - ORDER_NEAR &&
+        order.slope < method->order + (method->order > HIGH ? 2 : ORDER_NEAR);
     return true;
 }
 
@@ -79,8 +94,8 @@ static bool swing(const struct method *method, struct system *system, enum drag 
     return bind("spring", unit, 3, system) && method_applies(method, system, drag, &ignored);
 }
 
-static bool advance(const struct method *method, const struct system *system, enum drag drag, double h, int steps,
-                    double *work, double *y)
+static bool advance(const struct method *method, const struct system *system, enum drag drag,
+                    double h, int steps, double *work, double *y)
 {
     struct step step = {.system = system, .drag = drag, .h = h, .y = y, .work = work};
     for (int i = 0; i < steps; i++)
@@ -90,8 +105,8 @@ static bool advance(const struct method *method, const struct system *system, en
 }
 
 /* Determinant of one step's Jacobian, by central differences of sixth order. */
-static double area_factor(const struct method *method, const struct system *system, enum drag drag, double h,
-                          double *work)
+static double area_factor(const struct method *method, const struct system *system, enum drag drag,
+                          double h, double *work)
 {
     static const double weight[] = {45. / 60, -9. / 60, 1. / 60};
     const double delta = 0.01;
@@ -105,8 +120,8 @@ static double area_factor(const struct method *method, const struct system *syst
             if (!advance(method, system, drag, h, 1, work, y))
                 return NAN;
             for (int r = 0; r < 2; r++)
-                jac[2 * r + column] +=
-                    copysign(weight[abs(k) - 1], weight[abs(k) - 1] * k) * y[r] / (delta * system->scale[column]);
+                jac[2 * r + column] += copysign(weight[abs(k) - 1], weight[abs(k) - 1] * k) * y[r] /
+                                       (delta * system->scale[column]);
         }
     return jac[0] * jac[3] - jac[1] * jac[2];
 }
@@ -124,17 +139,17 @@ static bool check_geometry(const struct method *method, struct selftest_row *row
     if (method->flags & METHOD_SYMPLECTIC) {
         row->check[SELFTEST_AREA].asked = true;
         row->check[SELFTEST_AREA].value = area_factor(method, &system, drag, h, work) - 1;
-        row->check[SELFTEST_AREA].passed = fabs(row->check[SELFTEST_AREA].value) <= AREA_MOST;
+        row->check[SELFTEST_AREA].passed = fabs(row->check[SELFTEST_AREA].value) <= AREA_MAX;
     }
     if (method->flags & METHOD_SYMMETRIC) {
         double y[2] = {system.start[0], system.start[1]};
         const bool there = advance(method, &system, drag, h, RETURN_STEPS, work, y);
         const bool back = there && advance(method, &system, drag, -h, RETURN_STEPS, work, y);
-        const double away =
-            fmax(fabs(y[0] - system.start[0]) / system.scale[0], fabs(y[1] - system.start[1]) / system.scale[1]);
+        const double away = fmax(fabs(y[0] - system.start[0]) / system.scale[0],
+                                 fabs(y[1] - system.start[1]) / system.scale[1]);
         row->check[SELFTEST_REVERSAL].asked = true;
         row->check[SELFTEST_REVERSAL].value = back ? away : NAN;
-        row->check[SELFTEST_REVERSAL].passed = back && away <= RETURN_MOST;
+        row->check[SELFTEST_REVERSAL].passed = back && away <= RETURN_MAX;
     }
     free(work);
     return true;
@@ -144,7 +159,7 @@ static bool check_geometry(const struct method *method, struct selftest_row *row
 
 static void check_stability(const struct method *method, struct selftest_row *row)
 {
-    struct contender by = {method, DRAG_DEFAULT};
+    struct method_choice by = {method, DRAG_DEFAULT};
     struct mode mode = {.omega = 1};
     struct stability_check below, above;
     double limit = method->flags & METHOD_A_STABLE ? HUGE_VAL : mode_limit(&by, &mode);
@@ -157,7 +172,8 @@ static void check_stability(const struct method *method, struct selftest_row *ro
     row->check[SELFTEST_STABILITY].asked = true;
     if (isinf(limit) || limit == 0) { /* a step of 30 is far beyond any limit, and below none */
         mode_check(&by, &mode, 30, &above);
-        row->check[SELFTEST_STABILITY].passed = above.agrees && (above.measured > 1 + 1e-4) == (limit == 0);
+        row->check[SELFTEST_STABILITY].passed =
+            above.agrees && (above.measured > 1 + 1e-4) == (limit == 0);
     } else {
         const double aside = mode_aside(&by, &mode, limit);
         mode_check(&by, &mode, limit * (1 - aside), &below);
@@ -169,7 +185,8 @@ static void check_stability(const struct method *method, struct selftest_row *ro
     row->check[SELFTEST_STABILITY].wanted = above.predicted;
 }
 
-bool selftest_method(const struct method *method, const struct cancel *cancel, struct selftest_row *row)
+bool selftest_method(const struct method *method, const struct cancel *cancel,
+                     struct selftest_row *row)
 {
     *row = (struct selftest_row){.method = method, .passed = true};
     if (!check_order(method, cancel, row) || !check_geometry(method, row) || cancelled(cancel))

@@ -14,15 +14,17 @@ static bool is_adaptive(const struct method *method, const struct run_settings *
 static march_function *march_of(const struct system *system, const struct method *method,
                                 const struct run_settings *settings)
 {
-    const bool plain = settings->kernel != KERNEL_GENERAL && !is_adaptive(method, settings) && !settings->compensated;
+    const bool plain = settings->kernel != KERNEL_GENERAL && !is_adaptive(method, settings) &&
+                       !settings->compensated;
     return plain ? method_kernel(method, system, settings->drag) : NULL;
 }
 
-enum kernel study_path(const struct system *system, const struct method *method, const struct run_settings *settings)
+enum kernel study_path(const struct system *system, const struct method *method,
+                       const struct run_settings *settings)
 {
-    const bool special = is_adaptive(method, settings)
-                             ? settings->kernel != KERNEL_GENERAL && method_step_kernel(method, system)
-                             : march_of(system, method, settings) != NULL;
+    const bool special = is_adaptive(method, settings) ? settings->kernel != KERNEL_GENERAL &&
+                                                             method_step_kernel(method, system)
+                                                       : march_of(system, method, settings) != NULL;
     return special ? KERNEL_SPECIALISED : KERNEL_GENERAL;
 }
 
@@ -44,7 +46,8 @@ bool solver_init(struct solver *solver, const struct system *system, const struc
     double *work = malloc(2 * size * sizeof *work);
     if (!work)
         return false;
-    solver->turns = solver->tol == 0 && (method_turns(method, system) || method_meets_switches(method, system));
+    solver->turns =
+        solver->tol == 0 && (method_turns(method, system) || method_meets_switches(method, system));
     solver->kernel = march_of(system, method, settings);
     solver->side = work + size;
     solver->step = (struct step){.system = system, .drag = settings->drag, .work = work};
@@ -99,8 +102,10 @@ static double grid_time(const struct solver *solver, int k)
     return solver->system->t0 + solver->span * k / (STUDY_TIMES - 1);
 }
 
-/* A multistep method without an output of its own leaves the grid time out: an interpolation would be the error. */
-static void sample_inside(const struct solver *s, const double *before, double from, double h, double t, double *y)
+/* A multistep method without an output of its own leaves the grid time out: an interpolation would
+ * be the error. */
+static void sample_inside(const struct solver *s, const double *before, double from, double h,
+                          double t, double *y)
 {
     const int n = s->system->n;
     if (s->method->dense && !s->turns) {
@@ -142,25 +147,27 @@ static void sample(struct sampler *sampler, const double *before, double from, d
 
 static bool spent(const struct solver *s)
 {
-    return s->most > 0 && (solver_cost(s) > s->most || s->steps > s->most);
+    return s->max > 0 && (solver_cost(s) > s->max || s->steps > s->max);
 }
 
 /* One step more; with a grid, sampled. */
-static enum step_status advance(struct solver *s, struct controller *controller, double end, struct sampler *sampler)
+static enum step_status advance(struct solver *s, struct controller *controller, double end,
+                                struct sampler *sampler)
 {
     double before[LIMIT_VARIABLES];
     const double from = s->step.t;
     if (sampler->grid)
         memcpy(before, s->y, (size_t)s->system->n * sizeof *before);
-    const enum step_status status =
-        controller ? method_adapt(s->method, &s->step, controller, end) : method_turning_step(s->method, &s->step);
+    const enum step_status status = controller ? method_adapt(s->method, &s->step, controller, end)
+                                               : method_turning_step(s->method, &s->step);
     s->steps += status == STEP_OK;
     if (status == STEP_OK && sampler->grid)
         sample(sampler, before, from, s->step.h);
     return status;
 }
 
-static enum stop run_adaptive(struct solver *s, struct sampler *sampler, const struct cancel *cancel)
+static enum stop run_adaptive(struct solver *s, struct sampler *sampler,
+                              const struct cancel *cancel)
 {
     struct controller controller = {.tol = s->tol, .h = copysign(s->dt, s->span)};
     const double end = s->system->t0 + s->span;
@@ -181,11 +188,11 @@ static enum stop run_kernel(struct solver *s, int64_t steps, int64_t each, struc
                             const struct cancel *cancel)
 {
     const int n = s->system->n;
-    const int64_t most = ROOM / n;
+    const int64_t max = ROOM / n;
     double row[ROOM];
     for (int64_t i = 0; i < steps;) {
         const int64_t to = each > 0 ? each * sampler->next : steps;
-        const struct march march = {&s->step, s->system->t0, i, to - i < most ? to - i : most, row};
+        const struct march march = {&s->step, s->system->t0, i, to - i < max ? to - i : max, row};
         enum step_status status;
         if (method_turning_march(s->method, s->kernel, &march, &status) < march.count)
             return solver_stop(status);
@@ -208,11 +215,13 @@ static enum stop run_fixed(struct solver *s, struct sampler *sampler, const stru
     const bool whole = fabs(ratio - nearbyint(ratio)) <= 4 * DBL_EPSILON * ratio;
     const int64_t all = (int64_t)(whole ? nearbyint(ratio) : floor(ratio));
     const int64_t steps = s->part > 0 && s->part < all ? s->part : all;
-    const bool met = whole && steps == all && all % (STUDY_TIMES - 1) == 0; /* every grid time, by a step's end */
+    const bool met = whole && steps == all &&
+                     all % (STUDY_TIMES - 1) == 0; /* every grid time, by a step's end */
     const bool bulk = s->kernel && (!sampler->grid || met);
     s->step.h = h;
     const enum stop stop =
-        bulk ? run_kernel(s, steps, sampler->grid ? all / (STUDY_TIMES - 1) : 0, sampler, cancel) : STOP_END;
+        bulk ? run_kernel(s, steps, sampler->grid ? all / (STUDY_TIMES - 1) : 0, sampler, cancel)
+             : STOP_END;
     for (int64_t i = 0; i < steps && !bulk; i++) {
         s->step.t = t0 + (double)i * h;
         const enum step_status status = advance(s, NULL, 0, sampler);
@@ -247,13 +256,13 @@ enum stop solver_run(struct solver *solver, double *grid, const struct cancel *c
 
 double grid_distance(const struct reference *reference, const double *a, const double *b)
 {
-    double most = 0;
+    double max = 0;
     for (int i = 0; i < reference->scored; i++) {
         const double distance = fabs(a[i] - b[i]) / reference->amplitude[i];
-        if (!(distance <= most)) /* NAN too */
-            most = distance;
+        if (!(distance <= max)) /* NAN too */
+            max = distance;
     }
-    return most;
+    return max;
 }
 
 /* Amplitude and phase, as a turn of the plane (q - centre, v/omega) that grows with time. */
@@ -277,14 +286,15 @@ void grid_errors(const struct system *system, const struct reference *reference,
 {
     const int n = system->n, last = STUDY_TIMES - 1;
     const struct oscillator *o = &system->oscillator;
-    const bool turns = system->order == 2 && n == 2 && o->whole && o->stiffness > 0, mechanics = system->order == 2;
+    const bool turns = system->order == 2 && n == 2 && o->whole && o->stiffness > 0,
+               mechanics = system->order == 2;
     const double start = mechanics ? energy(system, system->start) : NAN;
-    double most = 0, missing = 0, scale = 0, phase = 0, amplitude = NAN;
+    double max = 0, missing = 0, scale = 0, phase = 0, amplitude = NAN;
     for (int k = 0; k <= last; k++) {
         const double *y = grid + k * n, *exact = reference->y + k * n;
         if (isnan(y[0]))
             continue;
-        most = fmax(most, grid_distance(reference, y, exact));
+        max = fmax(max, grid_distance(reference, y, exact));
         if (mechanics) {
             const double wanted = system->conservative ? start : energy(system, exact);
             missing = fmax(missing, fabs(energy(system, y) - wanted));
@@ -298,9 +308,10 @@ void grid_errors(const struct system *system, const struct reference *reference,
             amplitude = b.size > 0 ? a.size / b.size - 1 : NAN;
         }
     }
-    *errors = (struct study_errors){.max = most,
-                                    .end = grid_distance(reference, grid + last * n, reference->y + last * n),
-                                    .energy = mechanics && scale > 0 ? missing / scale : NAN,
-                                    .phase = turns ? phase : NAN,
-                                    .amplitude = amplitude};
+    *errors = (struct study_errors){
+        .max = max,
+        .end = grid_distance(reference, grid + last * n, reference->y + last * n),
+        .energy = mechanics && scale > 0 ? missing / scale : NAN,
+        .phase = turns ? phase : NAN,
+        .amplitude = amplitude};
 }

@@ -9,15 +9,15 @@
     100 /* times what the runs, and the reference, are known to: then they contradict each other   \
          */
 
-bool witnesses_init(struct witnesses *witnesses, const struct system *system, int most)
+bool witnesses_init(struct witnesses *witnesses, const struct system *system, int max)
 {
     *witnesses = (struct witnesses){.size = (size_t)STUDY_TIMES * (size_t)system->n};
-    witnesses->one = calloc((size_t)most + 1, sizeof *witnesses->one);
-    witnesses->grid = calloc(((size_t)most + 1) * witnesses->size, sizeof *witnesses->grid);
-    for (int i = 0; i < most && witnesses->one && witnesses->grid; i++)
+    witnesses->one = calloc((size_t)max + 1, sizeof *witnesses->one);
+    witnesses->grid = calloc(((size_t)max + 1) * witnesses->size, sizeof *witnesses->grid);
+    for (int i = 0; i < max && witnesses->one && witnesses->grid; i++)
         witnesses->one[i] =
             (struct witness){.grid = witnesses->grid + (size_t)i * witnesses->size, .moved = NAN};
-    witnesses->count = most;
+    witnesses->count = max;
     if (witnesses->one && witnesses->grid)
         return true;
     witnesses_free(witnesses);
@@ -35,11 +35,11 @@ void witnesses_free(struct witnesses *witnesses)
 static double largest(const struct reference *reference, const double *a, const double *b)
 {
     const int n = reference->n;
-    double most = 0;
+    double max = 0;
     for (int k = 0; k < STUDY_TIMES; k++)
         if (!isnan(a[k * n]) && !isnan(b[k * n]))
-            most = fmax(most, grid_distance(reference, a + k * n, b + k * n));
-    return most;
+            max = fmax(max, grid_distance(reference, a + k * n, b + k * n));
+    return max;
 }
 
 void witness_tell(struct witnesses *witnesses, int i, const struct reference *reference,

@@ -25,7 +25,7 @@ struct witnesses {
 };
 
 bool witnesses_init(struct witnesses *witnesses, const struct system *system,
-                    int most); /* false: no memory */
+                    int max); /* false: no memory */
 void witnesses_free(struct witnesses *witnesses);
 /* A finer run of contender i has arrived, in so many steps. */
 void witness_tell(struct witnesses *witnesses, int i, const struct reference *reference,

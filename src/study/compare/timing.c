@@ -43,7 +43,8 @@ struct bench {
     int samples;
 };
 
-/* Seconds for `batch` solves, each starting from a state that depends on the result of the one before. */
+/* Seconds for `batch` solves, each starting from a state that depends on the result of the one
+ * before. */
 static double time_batch(struct solver *s, int64_t batch, const struct cancel *cancel)
 {
     double first = s->system->start[0];
@@ -73,12 +74,14 @@ static double median_of(double *values, int count)
 
 static int quota(const struct protocol *protocol, double each, double seconds)
 {
-    const double most = fmin(each, protocol->budget_seconds) / seconds;
-    return most >= protocol->samples ? protocol->samples : most > 1 ? (int)most : 1;
+    const double max = fmin(each, protocol->budget_seconds) / seconds;
+    return max >= protocol->samples ? protocol->samples : max > 1 ? (int)max : 1;
 }
 
-/* The same share of time for all, as large as the budget allows: only solves that take long lose samples. */
-static void share_out(struct bench *bench, int count, const struct protocol *protocol, double budget)
+/* The same share of time for all, as large as the budget allows: only solves that take long lose
+ * samples. */
+static void share_out(struct bench *bench, int count, const struct protocol *protocol,
+                      double budget)
 {
     double low = 0, high = protocol->budget_seconds;
     for (int turn = 0; turn < 40; turn++) {
@@ -113,7 +116,8 @@ static void shuffle(int *order, int count, uint64_t *state)
     }
 }
 
-static void summarize(struct bench *bench, const struct protocol *protocol, struct timing_result *result)
+static void summarize(struct bench *bench, const struct protocol *protocol,
+                      struct timing_result *result)
 {
     if (bench->samples == 0)
         return;
@@ -134,15 +138,16 @@ static void run_rounds(struct bench *bench, int *order, int count, const struct 
         shuffle(order, count, &state);
         for (int i = 0; i < count && !cancelled(cancel); i++) {
             struct bench *b = &bench[order[i]];
-            const double seconds = b->samples < b->quota ? time_batch(b->solver, b->batch, cancel) : NAN;
+            const double seconds =
+                b->samples < b->quota ? time_batch(b->solver, b->batch, cancel) : NAN;
             if (!isnan(seconds))
                 b->sample[b->samples++] = seconds / (double)b->batch;
         }
     }
 }
 
-void time_solvers(struct solver *solver, struct timing_result *result, int count, enum timing timing, double seconds,
-                  const struct cancel *cancel)
+void time_solvers(struct solver *solver, struct timing_result *result, int count,
+                  enum timing timing, double seconds, const struct cancel *cancel)
 {
     const struct protocol *protocol = &protocols[timing];
     for (int i = 0; i < count; i++)
@@ -155,7 +160,8 @@ void time_solvers(struct solver *solver, struct timing_result *result, int count
             const double once = time_batch(&solver[i], 1, cancel); /* warm-up */
             const bool short_one = once < protocol->sample_seconds;
             bench[i].solver = &solver[i];
-            bench[i].batch = short_one ? (int64_t)(protocol->sample_seconds / fmax(once, 1e-8)) + 1 : 1;
+            bench[i].batch =
+                short_one ? (int64_t)(protocol->sample_seconds / fmax(once, 1e-8)) + 1 : 1;
             bench[i].seconds = fmax(once, 1e-8) * (double)bench[i].batch;
             warming += isnan(once) ? 0 : once;
             order[i] = i;
@@ -169,8 +175,9 @@ void time_solvers(struct solver *solver, struct timing_result *result, int count
     free(order);
 }
 
-void time_solve(const struct system *system, const struct method *method, const struct run_settings *settings,
-                double span, enum timing timing, const struct cancel *cancel, struct timing_result *result)
+void time_solve(const struct system *system, const struct method *method,
+                const struct run_settings *settings, double span, enum timing timing,
+                const struct cancel *cancel, struct timing_result *result)
 {
     struct solver solver;
     *result = (struct timing_result){.minimum = NAN, .median = NAN, .spread = NAN};

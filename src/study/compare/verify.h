@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What order, stability, stress and selftest share: sweeps of fixed steps, growth measured by running, modes. */
+/* What order, stability, stress and selftest share: sweeps of fixed steps, growth measured by
+ * running, modes. */
 #ifndef HOOKE_STUDY_COMPARE_VERIFY_H
 #define HOOKE_STUDY_COMPARE_VERIFY_H
 
@@ -12,11 +13,12 @@ struct sweep_target {
     const double *end;            /* [n] state there */
     double size[LIMIT_VARIABLES]; /* unit of each variable's error */
     double dt[2];                 /* [s] ends, NAN: choose */
-    int64_t most;                 /* evaluations, Jacobians and solves of one solve */
+    int64_t max;                  /* evaluations, Jacobians and solves of one solve */
     const struct cancel *cancel;
 };
 
-/* Fills points, slope, guard, r2, fitted and verdict; by, claimed and floor are given. False: no memory or cancelled.
+/* Fills points, slope, guard, r2, fitted and verdict; by, claimed and floor are given. False: no
+ * memory or cancelled.
  */
 bool order_sweep(const struct sweep_target *target, struct order *order, struct error *error);
 
@@ -27,14 +29,17 @@ struct eigenvalue {
 /* [n] eigenvalues of a row-major matrix; false: not finite, no memory, no convergence. */
 bool matrix_eigenvalues(int n, const double *matrix, struct eigenvalue *value);
 
-/* The scene's eigenvalues at one state, appended as modes; returns how many of them grow by themselves. */
-int modes_at(const struct system *system, double t, const double *y, struct mode *mode, int *count, int most);
-double mode_growth(const struct contender *by, const struct mode *mode, double dt);
+/* The scene's eigenvalues at one state, appended as modes; returns how many of them grow by
+ * themselves. */
+int modes_at(const struct system *system, double t, const double *y, struct mode *mode, int *count,
+             int max);
+double mode_growth(const struct method_choice *by, const struct mode *mode, double dt);
 /* [s], as in struct stability */
-double mode_limit(const struct contender *by, const struct mode *mode);
+double mode_limit(const struct method_choice *by, const struct mode *mode);
 /* Relative distance from the limit at which running tells the two sides apart. */
-double mode_aside(const struct contender *by, const struct mode *mode, double limit);
+double mode_aside(const struct method_choice *by, const struct mode *mode, double limit);
 /* Runs the oscillator of this mode. */
-void mode_check(const struct contender *by, const struct mode *mode, double dt, struct stability_check *check);
+void mode_check(const struct method_choice *by, const struct mode *mode, double dt,
+                struct stability_check *check);
 
 #endif

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * The steps are chosen once and then stay where they are: the curve is then a smooth function of the parameters, and
- * the same steps of the variational equations give its derivatives exactly (internal numerical differentiation: Bock
- * 1981). The samples are read off the dense output, one polynomial a step. A linear scene needs no steps.
+ * The steps are chosen once and then stay where they are: the curve is then a smooth function of
+ * the parameters, and the same steps of the variational equations give its derivatives exactly
+ * (internal numerical differentiation: Bock 1981). The samples are read off the dense output, one
+ * polynomial a step. A linear scene needs no steps.
  */
 #include "study/fit/curve.h"
 
@@ -11,12 +12,12 @@
 
 #define TOLERANCE_STIFF 1e-8 /* of rodas5p, at least */
 #define STEPS_MOST 2000000
-#define REMEMBERED_MOST 65536 /* samples: of more the memory is not worth it */
+#define REMEMBERED_MAX 65536 /* samples: of more the memory is not worth it */
 /* ---- the curve ---- */
 
 /* One sample from the state there; `system` has the curve's variables first. */
-static void take_sample(const struct scene_curve *c, const struct system *system, double t, const double *y,
-                        double offset, double *value, double *derivative)
+static void take_sample(const struct scene_curve *c, const struct system *system, double t,
+                        const double *y, double offset, double *value, double *derivative)
 {
     double rate[LIMIT_VARIABLES];
     const int n = c->variation->base.n;
@@ -31,7 +32,8 @@ static void take_sample(const struct scene_curve *c, const struct system *system
         derivative[c->frees] = 1;
 }
 
-/* What samples are made of: the series' variable and its derivatives, or all where the rate is asked for. */
+/* What samples are made of: the series' variable and its derivatives, or all where the rate is
+ * asked for. */
 struct wanted {
     int count, index[LIMIT_VARIABLES];
 };
@@ -46,13 +48,15 @@ static struct wanted wanted_of(const struct scene_curve *c, const struct system 
     return w;
 }
 
-static void put_sample(const struct scene_curve *c, const struct system *system, const struct sampling *s, size_t i,
-                       const double *y)
+static void put_sample(const struct scene_curve *c, const struct system *system,
+                       const struct sampling *s, size_t i, const double *y)
 {
-    take_sample(c, system, s->t[i], y, s->offset, &s->value[i], s->derivative ? s->derivative + i * s->columns : NULL);
+    take_sample(c, system, s->t[i], y, s->offset, &s->value[i],
+                s->derivative ? s->derivative + i * s->columns : NULL);
 }
 
-bool scene_curve_first(const struct scene_curve *c, const struct system *system, const struct sampling *s, size_t *i)
+bool scene_curve_first(const struct scene_curve *c, const struct system *system,
+                       const struct sampling *s, size_t *i)
 {
     for (*i = 0; *i < s->n && s->t[*i] <= system->t0; ++*i) {
         if (s->t[*i] < system->t0)
@@ -62,8 +66,8 @@ bool scene_curve_first(const struct scene_curve *c, const struct system *system,
     return true;
 }
 
-void scene_curve_inside(const struct scene_curve *c, const struct step *step, const struct sampling *s, double from,
-                        size_t *i)
+void scene_curve_inside(const struct scene_curve *c, const struct step *step,
+                        const struct sampling *s, double from, size_t *i)
 {
     const struct wanted w = wanted_of(c, step->system);
     struct dense_polynomial polynomial[LIMIT_VARIABLES];
@@ -82,7 +86,8 @@ void scene_curve_inside(const struct scene_curve *c, const struct step *step, co
 }
 
 /* Along the mesh. False: a step failed, the start lies behind a sample, or it was cancelled. */
-static bool march_curve(const struct scene_curve *c, const struct system *system, const struct sampling *s)
+static bool march_curve(const struct scene_curve *c, const struct system *system,
+                        const struct sampling *s)
 {
     double y[LIMIT_VARIABLES], low[LIMIT_VARIABLES] = {0};
     struct step step = {.system = system, .t = system->t0, .y = y, .low = low, .work = c->work};
@@ -104,7 +109,8 @@ static bool march_curve(const struct scene_curve *c, const struct system *system
 }
 
 /* Exactly, sample by sample. */
-static bool follow_linear(const struct scene_curve *c, const struct system *system, const struct sampling *s)
+static bool follow_linear(const struct scene_curve *c, const struct system *system,
+                          const struct sampling *s)
 {
     double y[LIMIT_VARIABLES], at = system->t0;
     size_t i;
@@ -126,23 +132,25 @@ static bool scene_at(const struct scene_curve *c, const double *parameter, struc
     struct error ignored;
     *scene = c->scene;
     for (int j = 0; j < c->frees; j++)
-        if (!scene_set(scene, c->place[j], (struct measured){parameter[j], 0}, &ignored))
+        if (!scene_set(scene, c->index[j], (struct measured){parameter[j], 0}, &ignored))
             return false;
     return true;
 }
 
-static bool compute(struct scene_curve *c, const double *parameter, const double *t, size_t n, double *value,
-                    double *derivative)
+static bool compute(struct scene_curve *c, const double *parameter, const double *t, size_t n,
+                    double *value, double *derivative)
 {
     struct scene scene;
     struct error ignored;
-    const struct sampling sampling = {t, n, c->offset ? parameter[c->frees] : 0, value, derivative,
-                                      (size_t)(c->frees + c->offset)};
-    if (!scene_at(c, parameter, &scene) || !scene_bind_motion(&scene, &c->variation->base, &ignored) ||
-        (derivative && !variation_bind(c->variation, &scene, c->place, c->frees)))
+    const struct sampling sampling = {t,     n,          c->offset ? parameter[c->frees] : 0,
+                                      value, derivative, (size_t)(c->frees + c->offset)};
+    if (!scene_at(c, parameter, &scene) ||
+        !scene_bind_motion(&scene, &c->variation->base, &ignored) ||
+        (derivative && !variation_bind(c->variation, &scene, c->index, c->frees)))
         return false;
     const struct system *system = derivative ? &c->variation->whole : &c->variation->base;
-    const bool dry = c->variation->base.dry && c->variation->base.switches == 1 && c->variation->base.n == 2;
+    const bool dry =
+        c->variation->base.dry && c->variation->base.switches == 1 && c->variation->base.n == 2;
     if (!(c->linear ? follow_linear : dry ? scene_dry_march : march_curve)(c, system, &sampling))
         return false;
     for (size_t i = 0; i < n; i++)
@@ -152,14 +160,15 @@ static bool compute(struct scene_curve *c, const double *parameter, const double
 }
 
 /*
- * Fits ask for the same point again and again: at the end of an iteration, when they judge it, at the start of the
- * next.
+ * Fits ask for the same point again and again: at the end of an iteration, when they judge it, at
+ * the start of the next.
  */
-static bool recall(const struct scene_curve *c, const double *parameter, const double *t, size_t n, double *value,
-                   double *derivative)
+static bool recall(const struct scene_curve *c, const double *parameter, const double *t, size_t n,
+                   double *value, double *derivative)
 {
     const size_t columns = (size_t)(c->frees + c->offset);
-    if (c->last.n < n || c->last.t != t || memcmp(c->last.at, parameter, columns * sizeof *parameter) != 0)
+    if (c->last.n < n || c->last.t != t ||
+        memcmp(c->last.at, parameter, columns * sizeof *parameter) != 0)
         return false;
     memcpy(value, c->last.value, n * sizeof *value);
     if (derivative)
@@ -168,21 +177,21 @@ static bool recall(const struct scene_curve *c, const double *parameter, const d
 }
 
 /* Without memory for it nothing is remembered. */
-static void remember(struct scene_curve *c, const double *parameter, const double *t, size_t n, const double *value,
-                     const double *derivative)
+static void remember(struct scene_curve *c, const double *parameter, const double *t, size_t n,
+                     const double *value, const double *derivative)
 {
     const size_t columns = (size_t)(c->frees + c->offset);
     c->last.n = 0;
-    if (n > REMEMBERED_MOST)
+    if (n > REMEMBERED_MAX)
         return;
-    if (n > c->last.room) {
+    if (n > c->last.capacity) {
         free(c->last.value);
         free(c->last.slope);
         c->last.value = calloc(n, sizeof *value);
         c->last.slope = calloc(n * columns, sizeof *derivative);
-        c->last.room = c->last.value && c->last.slope ? n : 0;
+        c->last.capacity = c->last.value && c->last.slope ? n : 0;
     }
-    if (n > c->last.room)
+    if (n > c->last.capacity)
         return;
     memcpy(c->last.value, value, n * sizeof *value);
     memcpy(c->last.slope, derivative, n * columns * sizeof *derivative);
@@ -191,8 +200,8 @@ static void remember(struct scene_curve *c, const double *parameter, const doubl
     c->last.n = n;
 }
 
-bool scene_curve_evaluate(void *context, const double *parameter, const double *t, size_t n, double *value,
-                          double *derivative)
+bool scene_curve_evaluate(void *context, const double *parameter, const double *t, size_t n,
+                          double *value, double *derivative)
 {
     struct scene_curve *c = context;
     if (recall(c, parameter, t, n, value, derivative))
@@ -229,8 +238,8 @@ static bool mesh_add(struct scene_curve *c, double t)
 
 enum meshing { MESH_DONE, MESH_FAILED, MESH_MEMORY };
 
-static enum meshing try_mesh(struct scene_curve *c, const struct system *system, const char *name, double tol,
-                             size_t most, double end)
+static enum meshing try_mesh(struct scene_curve *c, const struct system *system, const char *name,
+                             double tol, size_t max, double end)
 {
     double y[LIMIT_VARIABLES];
     struct step step = {.system = system, .t = system->t0, .y = y};
@@ -244,7 +253,8 @@ static enum meshing try_mesh(struct scene_curve *c, const struct system *system,
         return MESH_MEMORY;
     memcpy(y, system->start, (size_t)system->n * sizeof *y);
     while (step.t < end) {
-        if (c->points == most || cancelled(c->cancel) || method_adapt(c->method, &step, &controller, end) != STEP_OK)
+        if (c->points == max || cancelled(c->cancel) ||
+            method_adapt(c->method, &step, &controller, end) != STEP_OK)
             return MESH_FAILED;
         if (!mesh_add(c, step.t))
             return MESH_MEMORY;
@@ -252,14 +262,15 @@ static enum meshing try_mesh(struct scene_curve *c, const struct system *system,
     return MESH_DONE;
 }
 
-bool scene_curve_mesh(struct scene_curve *c, const double *parameter, const struct series *series, struct error *error)
+bool scene_curve_mesh(struct scene_curve *c, const double *parameter, const struct series *series,
+                      struct error *error)
 {
     struct scene scene = c->scene;
     struct system system;
     const double end = series->t[series->n - 1];
     c->last.n = 0;
     for (int j = 0; j < c->frees; j++)
-        if (!scene_set(&scene, c->place[j], (struct measured){parameter[j], 0}, error))
+        if (!scene_set(&scene, c->index[j], (struct measured){parameter[j], 0}, error))
             return false;
     if (!scene_bind_motion(&scene, &system, error))
         return false;
@@ -268,7 +279,8 @@ bool scene_curve_mesh(struct scene_curve *c, const double *parameter, const stru
                     ? linear_motion_create(system.t0, series->t, series->n)
                     : NULL;
     if (c->linear) {
-        c->method = (const struct method *)(const void *)catalog_find(&method_catalog, TEXT("exact"));
+        c->method =
+            (const struct method *)(const void *)catalog_find(&method_catalog, TEXT("exact"));
         c->points = series->n;
         return true;
     }

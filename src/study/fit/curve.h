@@ -7,7 +7,7 @@
 
 struct scene_curve {
     struct scene scene;
-    int place[CURVE_PARAMETERS], frees; /* the curve's parameters; the offset comes after them */
+    int index[CURVE_PARAMETERS], frees; /* the curve's parameters; the offset comes after them */
     bool offset;
     int variable; /* what the series is: this state variable, */
     bool rate;    /* or its derivative */
@@ -22,9 +22,9 @@ struct scene_curve {
         double *value, *slope; /* [n] [n][parameters], owned */
         double at[CURVE_PARAMETERS];
         const double *t; /* [n] of which samples */
-        size_t n;    /* 0: nothing is known */
-        size_t room; /* samples */
-    } last;          /* evaluation with derivatives */
+        size_t n;        /* 0: nothing is known */
+        size_t capacity; /* samples */
+    } last;              /* evaluation with derivatives */
     const struct cancel *cancel;
 };
 
@@ -37,24 +37,26 @@ struct sampling {
 };
 
 /* Of the samples from *i on those at the start; false: the start lies behind one of them. */
-bool scene_curve_first(const struct scene_curve *curve, const struct system *system, const struct sampling *sampling,
-                       size_t *i);
-/* Those within the step that began at `from`, by its polynomials, and those at its end. `system` of the step has the
- * curve's variables first. */
-void scene_curve_inside(const struct scene_curve *curve, const struct step *step, const struct sampling *sampling,
-                        double from, size_t *i);
+bool scene_curve_first(const struct scene_curve *curve, const struct system *system,
+                       const struct sampling *sampling, size_t *i);
+/* Those within the step that began at `from`, by its polynomials, and those at its end. `system` of
+ * the step has the curve's variables first. */
+void scene_curve_inside(const struct scene_curve *curve, const struct step *step,
+                        const struct sampling *sampling, double from, size_t *i);
 
-/* scene_dry.c: along the mesh through the turning points and rests of dry friction. The variation, whose base is `system`
- * or that of it, is left frozen. False: a step failed, or it was cancelled. */
-bool scene_dry_march(const struct scene_curve *curve, const struct system *system, const struct sampling *sampling);
+/* scene_dry.c: along the mesh through the turning points and rests of dry friction. The variation,
+ * whose base is `system` or that of it, is left frozen. False: a step failed, or it was cancelled.
+ */
+bool scene_dry_march(const struct scene_curve *curve, const struct system *system,
+                     const struct sampling *sampling);
 
 void scene_curve_free(struct scene_curve *curve);
 /* As struct fit_curve wants it, the curve being the context. */
-bool scene_curve_evaluate(void *context, const double *parameter, const double *t, size_t n, double *value,
-                          double *derivative);
-/* Chooses the steps for these parameters, as far as the last sample: explicit unless these would be very many; none
- * where the scene is linear and the samples come at few different intervals. */
-bool scene_curve_mesh(struct scene_curve *curve, const double *parameter, const struct series *series,
-                      struct error *error);
+bool scene_curve_evaluate(void *context, const double *parameter, const double *t, size_t n,
+                          double *value, double *derivative);
+/* Chooses the steps for these parameters, as far as the last sample: explicit unless these would be
+ * very many; none where the scene is linear and the samples come at few different intervals. */
+bool scene_curve_mesh(struct scene_curve *curve, const double *parameter,
+                      const struct series *series, struct error *error);
 
 #endif

@@ -1,19 +1,20 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * A curve with dry friction, turning point by turning point. Between two of them friction is a constant force and the
- * motion is smooth; at one, where v = 0, the force and with it the derivatives by the parameters jump: a parameter
- * moves the time of the turn by dt = -S_v/a, on which the acceleration is that of the other side, so that S_v becomes
- * S_v a_after/a_before, and S_y stays (saltation matrix I + (f_after - f_before) n^T/(n^T f_before) with n = (0, 1):
- * Filippov 1988; Leine & Nijmeijer 2004, Dynamics and Bifurcations of Non-Smooth Mechanical Systems, ch. 7). Where the
- * body sticks a_after is 0.
+ * A curve with dry friction, turning point by turning point. Between two of them friction is a
+ * constant force and the motion is smooth; at one, where v = 0, the force and with it the
+ * derivatives by the parameters jump: a parameter moves the time of the turn by dt = -S_v/a, on
+ * which the acceleration is that of the other side, so that S_v becomes S_v a_after/a_before, and
+ * S_y stays (saltation matrix I + (f_after - f_before) n^T/(n^T f_before) with n = (0, 1): Filippov
+ * 1988; Leine & Nijmeijer 2004, Dynamics and Bifurcations of Non-Smooth Mechanical Systems, ch. 7).
+ * Where the body sticks a_after is 0.
  */
 #include "study/fit/curve.h"
 
 #include <math.h>
 #include <string.h>
 
-#define TURNS_MOST 64 /* within a step of the mesh: it was chosen with at most one */
-#define LOOKS 32      /* parts of a step in which the last moment before a turn is looked for */
+#define TURNS_MAX 64 /* within a step of the mesh: it was chosen with at most one */
+#define LOOKS 32     /* parts of a step in which the last moment before a turn is looked for */
 #define HALVINGS 60
 #define CORRECTIONS 3
 #define NEAR 1e-13 /* of the time: a turn that is known so well is there */
@@ -84,14 +85,14 @@ static double release(const struct walk *w, double end)
     const double from = w->step->t;
     double a[2];
     for (int k = 1; k <= LOOKS; k++) {
-        double free = from + (end - from) * k / LOOKS, held = from + (end - from) * (k - 1) / LOOKS;
+        double free = from + (end - from) * k / LOOKS, slot = from + (end - from) * (k - 1) / LOOKS;
         accelerations(w, free, w->step->y, a);
         if (onward(a) == 0)
             continue;
         for (int j = 0; j < HALVINGS; j++) {
-            const double middle = 0.5 * (held + free);
+            const double middle = 0.5 * (slot + free);
             accelerations(w, middle, w->step->y, a);
-            *(onward(a) != 0 ? &free : &held) = middle;
+            *(onward(a) != 0 ? &free : &slot) = middle;
         }
         return free;
     }
@@ -105,7 +106,8 @@ static void put_resting(struct walk *w, double until)
     for (; w->i < s->n && s->t[w->i] <= until; w->i++) {
         s->value[w->i] = (w->c->rate ? 0 : w->step->y[variable]) + s->offset;
         for (int j = 0; j < w->c->frees && s->derivative; j++)
-            s->derivative[w->i * s->columns + (size_t)j] = w->c->rate ? 0 : w->step->y[2 * (j + 1) + variable];
+            s->derivative[w->i * s->columns + (size_t)j] =
+                w->c->rate ? 0 : w->step->y[2 * (j + 1) + variable];
         if (w->c->offset && s->derivative)
             s->derivative[w->i * s->columns + (size_t)w->c->frees] = 1;
     }
@@ -187,7 +189,8 @@ static bool move(struct walk *w, double end)
     return true;
 }
 
-bool scene_dry_march(const struct scene_curve *c, const struct system *system, const struct sampling *s)
+bool scene_dry_march(const struct scene_curve *c, const struct system *system,
+                     const struct sampling *s)
 {
     double y[LIMIT_VARIABLES], low[LIMIT_VARIABLES] = {0}, a[2];
     struct step step = {.system = system, .t = system->t0, .y = y, .low = low, .work = c->work};
@@ -201,7 +204,7 @@ bool scene_dry_march(const struct scene_curve *c, const struct system *system, c
         if (k == c->points || ((k & 63) == 0 && cancelled(c->cancel)))
             return false;
         for (int turns = 0; step.t < c->mesh[k]; turns++) {
-            if (turns == TURNS_MOST)
+            if (turns == TURNS_MAX)
                 return false;
             if (w.branch == 0)
                 rest(&w, c->mesh[k]);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Exact propagators and their derivatives: exponentials of block matrices (Van Loan 1978, IEEE Trans. AC-23:395). */
+/* Exact propagators and their derivatives: exponentials of block matrices (Van Loan 1978, IEEE
+ * Trans. AC-23:395). */
 #include "study/fit/linear.h"
 
 #include <math.h>
@@ -9,7 +10,7 @@
 enum { STEPS_MOST = 24, TERMS = 14, BLOCK = LIMIT_VARIABLES / 2, AUGMENTED = 2 * BLOCK + 1 };
 
 #define SAME 1e-9        /* of a step: nearer ones are the same */
-#define NORM_MOST 0.25   /* where the series is summed: the term left out is below rounding */
+#define NORM_MAX 0.25    /* where the series is summed: the term left out is below rounding */
 #define ROUNDING 4.4e-16 /* of a time */
 
 struct propagator {
@@ -26,7 +27,7 @@ struct linear_motion {
     const struct variation *variation;
     double a[BLOCK * BLOCK], b[BLOCK];
     double by[LIMIT_VARIABLES * BLOCK], c[LIMIT_VARIABLES]; /* B_j, c_j one below the other */
-    double room[];                                          /* of the propagators */
+    double capacity[];                                      /* of the propagators */
 };
 
 /* Of a propagator with all that it may hold. */
@@ -52,7 +53,7 @@ static void place_step(struct linear_motion *m, int k, double dt)
 {
     struct propagator *p = &m->step[k];
     p->dt = dt;
-    p->base = m->room + (size_t)k * room_each;
+    p->base = m->capacity + (size_t)k * room_each;
     p->direction = p->base + m->n * (m->n + 1);
     p->ready = false;
 }
@@ -125,7 +126,8 @@ static void multiply(int n, const double *x, const double *y, double *out)
     }
 }
 
-/* In place: the series of a matrix made small by halving, squared as often (Moler & Van Loan 2003, method 3). */
+/* In place: the series of a matrix made small by halving, squared as often (Moler & Van Loan 2003,
+ * method 3). */
 static void exponential(int n, double *x, double work[2][AUGMENTED * AUGMENTED])
 {
     const size_t size = (size_t)(n * n) * sizeof *x;
@@ -137,7 +139,7 @@ static void exponential(int n, double *x, double work[2][AUGMENTED * AUGMENTED])
             sum += fabs(x[i * n + j]);
         norm = fmax(norm, sum);
     }
-    while (ldexp(norm, -halvings) > NORM_MOST && halvings < 200)
+    while (ldexp(norm, -halvings) > NORM_MAX && halvings < 200)
         halvings++;
     for (int i = 0; i < n * n; i++)
         x[i] = ldexp(x[i], -halvings);
@@ -162,7 +164,8 @@ static void exponential(int n, double *x, double work[2][AUGMENTED * AUGMENTED])
 static void prepare(struct linear_motion *m, struct propagator *p)
 {
     double x[AUGMENTED * AUGMENTED], work[2][AUGMENTED * AUGMENTED];
-    const int n = m->n, blocks = m->directions > 0 ? m->directions : 1, all = m->directions > 0 ? 2 * n + 1 : n + 1;
+    const int n = m->n, blocks = m->directions > 0 ? m->directions : 1,
+              all = m->directions > 0 ? 2 * n + 1 : n + 1;
     for (int block = 0; block < blocks; block++) {
         memset(x, 0, sizeof x);
         for (int i = 0; i < n; i++) {
@@ -193,11 +196,12 @@ static void prepare(struct linear_motion *m, struct propagator *p)
 
 /* ---- the motion ---- */
 
-static inline __attribute__((always_inline)) void propagate(int n, int directions, const struct propagator *p,
-                                                            double *state)
+static inline __attribute__((always_inline)) void
+propagate(int n, int directions, const struct propagator *p, double *state)
 {
     double next[BLOCK];
-    for (int block = directions; block >= 0; block--) { /* those by parameters first: they need y as it was */
+    for (int block = directions; block >= 0;
+         block--) { /* those by parameters first: they need y as it was */
         const double *f = p->direction + (block - 1) * n * (n + 1);
         double *s = state + block * n;
         for (int i = 0; i < n; i++) {

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The scene's own equation of motion fitted to a series: where the search begins, how it goes on, what it is worth. */
+/* The scene's own equation of motion fitted to a series: where the search begins, how it goes on,
+ * what it is worth. */
 #include "study/fit/curve.h"
 
 #include <stdio.h>
@@ -7,14 +8,17 @@
 #include <string.h>
 
 #define LEFT 1.5 /* times the noise: so much left has a reason */
-#define PHASE_LOST 0.5     /* residuals of that share of the series' spread: curve and data are not in phase */
+#define PHASE_LOST                                                                                 \
+    0.5 /* residuals of that share of the series' spread: curve and data are not in phase */
 #define FIRST_PERIODS 1.25 /* of the first part that a lost fit begins with */
 #define FIRST_SHARE 0.02   /* of the series, where its period is not known */
 #define LARGER 1.7         /* by which the part grows */
 #define ITERATIONS 40
-#define NOTHING 1e-6 /* residuals of that share are no sensor's: of a simulation, without spikes but not random */
-#define TOLERANCE_LEAST 1e-11 /* of the integration */
-#define TOLERANCE_MOST 1e-7
+#define NOTHING                                                                                    \
+    1e-6 /* residuals of that share are no sensor's: of a simulation, without spikes but not       \
+            random */
+#define TOLERANCE_MIN 1e-11 /* of the integration */
+#define TOLERANCE_MAX 1e-7
 
 /* ---- the start ---- */
 
@@ -25,7 +29,7 @@ static bool start_is_free(const struct scene_curve *c)
         struct direction d;
         bool fitted = i == scene_param(&c->scene, "t0");
         for (int j = 0; j < c->frees; j++)
-            fitted = fitted || c->place[j] == i;
+            fitted = fitted || c->index[j] == i;
         if (!fitted && direction_find(&c->scene, i, &d) && d.starts && d.changes == 0)
             return false;
     }
@@ -34,14 +38,14 @@ static bool start_is_free(const struct scene_curve *c)
 
 static double value_of(const struct scene *scene, const char *name)
 {
-    const int place = scene_param(scene, name);
-    return place >= 0 ? scene->value[place] : 0;
+    const int index = scene_param(scene, name);
+    return index >= 0 ? scene->value[index] : 0;
 }
 
-static int free_place(const struct scene_curve *c, const char *name)
+static int free_index(const struct scene_curve *c, const char *name)
 {
     for (int j = 0; j < c->frees; j++)
-        if (c->place[j] == scene_param(&c->scene, name))
+        if (c->index[j] == scene_param(&c->scene, name))
             return j;
     return -1;
 }
@@ -50,7 +54,8 @@ static void propose(struct scene_curve *c, int j, double value, double *start)
 {
     struct scene trial = c->scene;
     struct error ignored;
-    if (j < 0 || !isfinite(value) || !scene_set(&trial, c->place[j], (struct measured){value, 0}, &ignored))
+    if (j < 0 || !isfinite(value) ||
+        !scene_set(&trial, c->index[j], (struct measured){value, 0}, &ignored))
         return;
     start[j] = value;
     c->scene = trial;
@@ -61,19 +66,22 @@ static void improve_start(struct scene_curve *c, const struct fit *fit, double *
 {
     struct system system;
     struct error ignored;
-    const double gamma = isfinite(fit->gamma.value) ? fit->gamma.value : 0, omega = fit->omega.value;
+    const double gamma = isfinite(fit->gamma.value) ? fit->gamma.value : 0,
+                 omega = fit->omega.value;
     if (c->scene.model == &oscillator_model && value_of(&c->scene, "k") > 0) {
         const struct measured mass = {value_of(&c->scene, "m"), 0};
         const bool other_drag = value_of(&c->scene, "C") > 0 || value_of(&c->scene, "mu") != 0;
         if (value_of(&c->scene, "k3") == 0)
-            propose(c, free_place(c, "k"), fit_stiffness(fit, mass).value, start);
-        propose(c, free_place(c, "gamma"), other_drag ? 0.5 * gamma : gamma, start);
+            propose(c, free_index(c, "k"), fit_stiffness(fit, mass).value, start);
+        propose(c, free_index(c, "gamma"), other_drag ? 0.5 * gamma : gamma, start);
     }
     if (!scene_bind(&c->scene, &system, &ignored) || system.order != 2)
         return;
-    /* Each derivative of A exp(-gamma t/2) cos(omega t + phi) is the same, larger by `growth`, earlier by `turn`. */
+    /* Each derivative of A exp(-gamma t/2) cos(omega t + phi) is the same, larger by `growth`,
+     * earlier by `turn`. */
     const int order = c->rate ? 2 : c->variable > 0;
-    const double growth = hypot(0.5 * gamma, omega), turn = atan2(omega, -0.5 * gamma), t = system.t0 - fit->t0;
+    const double growth = hypot(0.5 * gamma, omega), turn = atan2(omega, -0.5 * gamma),
+                 t = system.t0 - fit->t0;
     const double A = fit->amplitude.value * exp(-0.5 * gamma * t) / pow(growth, order);
     const double phi = fit->phase.value + omega * t - order * turn;
     const struct oscillator *o = &system.oscillator;
@@ -82,7 +90,7 @@ static void improve_start(struct scene_curve *c, const struct fit *fit, double *
                               A * (-0.5 * gamma * cos(phi) - omega * sin(phi))};
     for (int j = 0; j < c->frees; j++) {
         struct direction d;
-        if (!direction_find(&c->scene, c->place[j], &d) || d.changes > 0 || d.t0 != 0)
+        if (!direction_find(&c->scene, c->index[j], &d) || d.changes > 0 || d.t0 != 0)
             continue;
         for (int half = 0; half < 2; half++) {
             const int i = half * system.n / 2;
@@ -97,14 +105,14 @@ static void improve_start(struct scene_curve *c, const struct fit *fit, double *
 static void bounds(const struct scene_curve *c, const double *start, double *low, double *high)
 {
     for (int j = 0; j < c->frees + c->offset; j++) {
-        const struct param_row *row =
-            j < c->frees
-                ? (const struct param_row *)(const void *)catalog_row(scene_params(&c->scene), (size_t)c->place[j])
-                : NULL;
+        const struct param_row *row = j < c->frees
+                                          ? (const struct param_row *)(const void *)catalog_row(
+                                                scene_params(&c->scene), (size_t)c->index[j])
+                                          : NULL;
         high[j] = INFINITY;
-        low[j] = row && row->least > -HUGE_VAL ? row->least : -INFINITY;
+        low[j] = row && row->min > -HUGE_VAL ? row->min : -INFINITY;
         if (row && row->least_excluded)
-            low[j] += 1e-9 * fabs(start[j] - row->least);
+            low[j] += 1e-9 * fabs(start[j] - row->min);
     }
 }
 
@@ -116,9 +124,9 @@ struct fitting {
     struct fit_curve as_curve;
     struct curve_options options;
     struct arena *arena;
-    double spread; /* standard deviation of the series */
-    double sigma;  /* the same of the residuals of the last fit */
-    double *at;    /* [parameters] */
+    double spread;  /* standard deviation of the series */
+    double sigma;   /* the same of the residuals of the last fit */
+    double *at;     /* [parameters] */
     size_t stretch; /* samples that are judged together, see struct curve_options */
 };
 
@@ -133,7 +141,8 @@ static double spread_of(const struct series *series)
 }
 
 /* One fit of a part from f->at, where it then stays if that is an answer. */
-static bool fit_part(struct fitting *f, size_t n, bool last, struct curve_fit *fit, struct error *error)
+static bool fit_part(struct fitting *f, size_t n, bool last, struct curve_fit *fit,
+                     struct error *error)
 {
     struct series part = *f->request->series;
     struct curve_options options = f->options;
@@ -145,8 +154,9 @@ static bool fit_part(struct fitting *f, size_t n, bool last, struct curve_fit *f
     options.bootstrap = last ? f->request->bootstrap : 0;
     options.iterations = ITERATIONS;
     struct arena scratch = {0}; /* nothing but values is wanted of what is not the last */
-    const bool ok = scene_curve_mesh(f->curve, f->at, &part, error) &&
-                    curve_fit(&f->as_curve, &part, f->at, &options, last ? f->arena : &scratch, fit, error);
+    const bool ok =
+        scene_curve_mesh(f->curve, f->at, &part, error) &&
+        curve_fit(&f->as_curve, &part, f->at, &options, last ? f->arena : &scratch, fit, error);
     arena_reset(&scratch);
     if (!ok)
         return false;
@@ -157,8 +167,8 @@ static bool fit_part(struct fitting *f, size_t n, bool last, struct curve_fit *f
 }
 
 /*
- * The whole at once where the start is good enough; else a few periods first, then more and more, so that the phase is
- * never lost.
+ * The whole at once where the start is good enough; else a few periods first, then more and more,
+ * so that the phase is never lost.
  */
 static bool approach(struct fitting *f, double period, struct error *error)
 {
@@ -178,10 +188,10 @@ static bool approach(struct fitting *f, double period, struct error *error)
     const double sigma = fit.sigma;
     memcpy(direct, f->at, bytes);
     memcpy(f->at, start, bytes);
-    const size_t least = 4 * (size_t)f->as_curve.parameters;
+    const size_t min = 4 * (size_t)f->as_curve.parameters;
     const double span = series->t[series->n - 1] - series->t[0];
     const double first = isfinite(period) ? FIRST_PERIODS * period : FIRST_SHARE * span;
-    size_t n = least;
+    size_t n = min;
     while (n < series->n && series->t[n] < series->t[0] + first)
         n++;
     for (bool all = false; !all; n = (size_t)(LARGER * (double)n)) {
@@ -201,7 +211,8 @@ static bool approach(struct fitting *f, double period, struct error *error)
 }
 
 /*
- * What the uncertainties of held values (the mass …) add: a change dq moves the answer by (J^T W J)^-1 J^T W dF/dq dq.
+ * What the uncertainties of held values (the mass …) add: a change dq moves the answer by (J^T W
+ * J)^-1 J^T W dF/dq dq.
  */
 static bool add_held(struct fitting *f, struct scene_fit *fit, struct error *error)
 {
@@ -209,13 +220,14 @@ static bool add_held(struct fitting *f, struct scene_fit *fit, struct error *err
     struct scene_curve both = *f->curve;
     struct curve_fit *curve = &fit->curve;
     const int own = f->curve->frees;
-    for (int i = 0; i < (int)scene_params(&both.scene)->count && both.frees < CURVE_PARAMETERS - 1; i++) {
+    for (int i = 0; i < (int)scene_params(&both.scene)->count && both.frees < CURVE_PARAMETERS - 1;
+         i++) {
         struct direction d;
         bool is_free = both.scene.uncertainty[i] == 0;
         for (int j = 0; j < own; j++)
-            is_free = is_free || both.place[j] == i;
+            is_free = is_free || both.index[j] == i;
         if (!is_free && direction_find(&both.scene, i, &d) && (d.changes > 0 || d.starts))
-            both.place[both.frees++] = i;
+            both.index[both.frees++] = i;
     }
     if (both.frees == own || both.variation->base.n * (both.frees + 1) > LIMIT_VARIABLES)
         return true;
@@ -223,16 +235,17 @@ static bool add_held(struct fitting *f, struct scene_fit *fit, struct error *err
     const size_t columns = (size_t)total;
     double at[CURVE_PARAMETERS], *value = arena_array(f->arena, series->n, sizeof *value),
                                  *slope = arena_array(f->arena, series->n * columns, sizeof *slope);
-    both.work = calloc(method_work_size(both.method, both.variation->base.n * (both.frees + 1)) + 1, sizeof *both.work);
+    both.work = calloc(method_work_size(both.method, both.variation->base.n * (both.frees + 1)) + 1,
+                       sizeof *both.work);
     if (!value || !slope || !both.work) {
         free(both.work);
         return error_memory(error);
     }
     for (int j = 0; j < both.frees; j++)
-        at[j] = j < own ? curve->value[j].value : both.scene.value[both.place[j]];
+        at[j] = j < own ? curve->value[j].value : both.scene.value[both.index[j]];
     at[both.frees] = both.offset ? curve->value[own].value : 0;
     both.last.n = 0;
-    both.last.room = 0;
+    both.last.capacity = 0;
     both.last.value = both.last.slope = NULL;
     const bool there = scene_curve_evaluate(&both, at, series->t, series->n, value, slope);
     both.mesh = NULL; /* the other's */
@@ -242,30 +255,35 @@ static bool add_held(struct fitting *f, struct scene_fit *fit, struct error *err
         double pull[CURVE_PARAMETERS] = {0}, moved[CURVE_PARAMETERS] = {0};
         for (size_t i = 0; i < series->n; i++)
             for (int j = 0; j < curve->parameters; j++) /* the offset stands behind what is held */
-                pull[j] += curve->weight[i] * slope[i * columns + (size_t)(j < own ? j : both.frees)] *
+                pull[j] += curve->weight[i] *
+                           slope[i * columns + (size_t)(j < own ? j : both.frees)] *
                            slope[i * columns + (size_t)q];
-        /* The covariance is that inverse times the variance, widened: formal^2/variance is on its diagonal. */
+        /* The covariance is that inverse times the variance, widened: formal^2/variance is on its
+         * diagonal. */
         for (int j = 0; j < curve->parameters; j++) {
             const double wide = curve->value[j].uncertainty / curve->formal[j];
             for (int l = 0; l < curve->parameters && wide > 0; l++)
-                moved[j] -= curve->covariance[j][l] / (wide * wide * curve->sigma * curve->sigma) * pull[l];
+                moved[j] -=
+                    curve->covariance[j][l] / (wide * wide * curve->sigma * curve->sigma) * pull[l];
         }
         for (int j = 0; j < curve->parameters; j++) {
             struct measured *p = &curve->value[j];
-            const double before = p->uncertainty, more = moved[j] * both.scene.uncertainty[both.place[q]];
+            const double before = p->uncertainty,
+                         more = moved[j] * both.scene.uncertainty[both.index[q]];
             if (!(before > 0))
                 continue;
             p->uncertainty = hypot(before, more);
             for (int side = 0; side < 2; side++)
-                curve->interval[j][side] = p->value + (curve->interval[j][side] - p->value) * p->uncertainty / before;
+                curve->interval[j][side] =
+                    p->value + (curve->interval[j][side] - p->value) * p->uncertainty / before;
         }
     }
     return true;
 }
 
 /* Which variable, or rate of one, a series of this quantity is. */
-static bool choose_variable(struct scene_curve *c, const struct system *system, enum quantity quantity,
-                            struct error *error)
+static bool choose_variable(struct scene_curve *c, const struct system *system,
+                            enum quantity quantity, struct error *error)
 {
     const enum quantity first = system->model->variable[0].quantity;
     if (quantity == first || quantity == QUANTITY_OTHER || first == QUANTITY_NUMBER)
@@ -279,15 +297,16 @@ static bool choose_variable(struct scene_curve *c, const struct system *system, 
         c->rate = true;
         return true;
     }
-    error_set(error, ERROR_COMMAND, "the series is one of %s, the scene moves in %s", quantity_name(quantity),
-              quantity_name(first));
-    return error_hint(error, quantity == QUANTITY_VOLTAGE || quantity == QUANTITY_FORCE
-                                 ? "fit, fit drag and fit law take it as it is; adopt then says in which scale"
-                                 : "choose another scene, or another column of the file");
+    error_set(error, ERROR_COMMAND, "the series is one of %s, the scene moves in %s",
+              quantity_name(quantity), quantity_name(first));
+    return error_hint(
+        error, quantity == QUANTITY_VOLTAGE || quantity == QUANTITY_FORCE
+                   ? "fit, fit drag and fit law take it as it is; adopt then says in which scale"
+                   : "choose another scene, or another column of the file");
 }
 
-static bool set_up(const struct scene_fit_request *request, struct scene_curve *c, struct arena *arena,
-                   struct error *error)
+static bool set_up(const struct scene_fit_request *request, struct scene_curve *c,
+                   struct arena *arena, struct error *error)
 {
     struct system system;
     const double first = request->series->t[0];
@@ -295,58 +314,67 @@ static bool set_up(const struct scene_fit_request *request, struct scene_curve *
     c->frees = request->frees;
     c->offset = request->offset;
     c->cancel = request->cancel;
-    memcpy(c->place, request->free, (size_t)c->frees * sizeof *c->place);
+    memcpy(c->index, request->free, (size_t)c->frees * sizeof *c->index);
     c->variation = arena_alloc(arena, sizeof *c->variation);
     if (!c->variation)
         return error_memory(error);
     const int t0 = scene_param(&c->scene, "t0");
-    if (t0 >= 0 && free_place(c, "t0") < 0 && start_is_free(c) &&
+    if (t0 >= 0 && free_index(c, "t0") < 0 && start_is_free(c) &&
         !scene_set(&c->scene, t0, (struct measured){first, 0}, error))
         return false;
-    if (!scene_bind(&c->scene, &system, error) || !choose_variable(c, &system, request->series->quantity, error))
+    if (!scene_bind(&c->scene, &system, error) ||
+        !choose_variable(c, &system, request->series->quantity, error))
         return false;
-    if (system.n * (c->frees + 1) > LIMIT_VARIABLES || c->frees + c->offset > CURVE_PARAMETERS || c->frees < 1)
-        return error_set(error, ERROR_COMMAND, "from 1 to %d parameters of this scene can be free, not %d",
-                         LIMIT_VARIABLES / system.n - 1 < CURVE_PARAMETERS - 1 ? LIMIT_VARIABLES / system.n - 1
-                                                                               : CURVE_PARAMETERS - 1,
-                         c->frees);
+    if (system.n * (c->frees + 1) > LIMIT_VARIABLES || c->frees + c->offset > CURVE_PARAMETERS ||
+        c->frees < 1)
+        return error_set(
+            error, ERROR_COMMAND, "from 1 to %d parameters of this scene can be free, not %d",
+            LIMIT_VARIABLES / system.n - 1 < CURVE_PARAMETERS - 1 ? LIMIT_VARIABLES / system.n - 1
+                                                                  : CURVE_PARAMETERS - 1,
+            c->frees);
     if (first >= system.t0)
         return true;
-    error_set(error, ERROR_COMMAND, "the first sample, at %g s, lies before the scene's start t0 = %g s", first,
+    error_set(error, ERROR_COMMAND,
+              "the first sample, at %g s, lies before the scene's start t0 = %g s", first,
               system.t0);
     return error_hint(error, "set t0, or choose a window");
 }
 
-/* Errors of the integration add up to a tenth, at most, of what the noise of the recording leaves of the phase. */
+/* Errors of the integration add up to a tenth, at most, of what the noise of the recording leaves
+ * of the phase. */
 static double tolerance(const struct fitting *f, const struct overview *overview)
 {
     const double periods = isfinite(overview->period) ? fmax(overview->periods, 1) : 100;
     const double known = overview->noise / (f->spread * sqrt((double)f->request->series->n));
-    return fmin(fmax(0.1 * known / periods, TOLERANCE_LEAST), TOLERANCE_MOST);
+    return fmin(fmax(0.1 * known / periods, TOLERANCE_MIN), TOLERANCE_MAX);
 }
 
 /*
- * Of a simulation only errors of two integrations are left, where the sum of squares is too rough for the last digits:
- * a curve that is so close, with parameters that are all determined, has arrived.
+ * Of a simulation only errors of two integrations are left, where the sum of squares is too rough
+ * for the last digits: a curve that is so close, with parameters that are all determined, has
+ * arrived.
  */
 static void accept_simulation(const struct fitting *f, struct curve_fit *fit)
 {
     bool determined = fit->sigma < NOTHING * f->spread;
     for (int j = 0; j < fit->parameters; j++) {
-        determined = determined && (fit->bound[j] || (fit->determined[j] && isfinite(fit->value[j].uncertainty)));
+        determined = determined &&
+                     (fit->bound[j] || (fit->determined[j] && isfinite(fit->value[j].uncertainty)));
         for (int i = 0; i < j; i++)
             determined = determined && fabs(fit->correlation[j][i]) < 1 - NOTHING;
     }
-    if (fit->converged || !determined || fit_discards_much(fit->rejected, fit->used + fit->rejected))
+    if (fit->converged || !determined ||
+        fit_discards_much(fit->rejected, fit->used + fit->rejected))
         return;
     fit->converged = true;
-    snprintf(fit->said, sizeof fit->said, "converged in %d iterations: what is left is %.1e of the motion",
-             fit->iterations, fit->sigma / f->spread);
+    snprintf(fit->said, sizeof fit->said,
+             "converged in %d iterations: what is left is %.1e of the motion", fit->iterations,
+             fit->sigma / f->spread);
 }
 
 /*
- * Two periods: what the scene's law misses there for long, as in a loud start, is no outlier. Bad echoes are few among
- * so many samples.
+ * Two periods: what the scene's law misses there for long, as in a loud start, is no outlier. Bad
+ * echoes are few among so many samples.
  */
 static size_t stretch_of(const struct series *series, const struct overview *overview)
 {
@@ -356,14 +384,15 @@ static size_t stretch_of(const struct series *series, const struct overview *ove
 }
 
 /*
- * A body that sticks after so many half swings rests elsewhere than after one more: with dry friction the sum of squares
- * has a minimum for each number. Where more than noise is left others are tried: from the asked start, and with friction
- * changed by about a half swing more or less.
+ * A body that sticks after so many half swings rests elsewhere than after one more: with dry
+ * friction the sum of squares has a minimum for each number. Where more than noise is left others
+ * are tried: from the asked start, and with friction changed by about a half swing more or less.
  */
-static bool try_other_swings(struct fitting *f, const double *asked, double noise, struct error *error)
+static bool try_other_swings(struct fitting *f, const double *asked, double noise,
+                             struct error *error)
 {
     static const double factors[] = {0, 0.85, 0.93, 1.08, 1.18}; /* 0: as asked */
-    const int friction = free_place(f->curve, "friction");
+    const int friction = free_index(f->curve, "friction");
     const size_t bytes = (size_t)f->as_curve.parameters * sizeof *asked;
     double best[CURVE_PARAMETERS], found[CURVE_PARAMETERS], sigma = f->sigma;
     memcpy(found, f->at, bytes);
@@ -393,7 +422,8 @@ static bool fit_all(struct fitting *f, struct scene_fit *fit, struct error *erro
     struct overview overview;
     struct fit motion = {.model = NULL};
     struct error ignored = {0};
-    struct arena scratch = {0}; /* of what is known of the motion beforehand: large, and not needed any more */
+    struct arena scratch = {
+        0}; /* of what is known of the motion beforehand: large, and not needed any more */
     double asked[CURVE_PARAMETERS];
     memcpy(asked, f->at, (size_t)f->as_curve.parameters * sizeof *asked);
     series_overview(series, &scratch, &overview);
@@ -414,8 +444,8 @@ static bool fit_all(struct fitting *f, struct scene_fit *fit, struct error *erro
     return add_held(f, fit, error);
 }
 
-bool study_fit_scene(const struct scene_fit_request *request, struct arena *arena, struct scene_fit *fit,
-                     struct error *error)
+bool study_fit_scene(const struct scene_fit_request *request, struct arena *arena,
+                     struct scene_fit *fit, struct error *error)
 {
     double low[CURVE_PARAMETERS], high[CURVE_PARAMETERS], at[CURVE_PARAMETERS] = {0};
     struct scene_curve curve = {.frees = 0};
@@ -424,18 +454,20 @@ bool study_fit_scene(const struct scene_fit_request *request, struct arena *aren
         return false;
     const int count = curve.frees + curve.offset;
     for (int j = 0; j < count; j++) {
-        fit->place[j] = j < curve.frees ? curve.place[j] : -1;
-        fit->name[j] =
-            j < curve.frees ? catalog_row(scene_params(&curve.scene), (size_t)curve.place[j])->name : "offset";
-        at[j] = j < curve.frees ? curve.scene.value[curve.place[j]] : 0;
+        fit->index[j] = j < curve.frees ? curve.index[j] : -1;
+        fit->name[j] = j < curve.frees
+                           ? catalog_row(scene_params(&curve.scene), (size_t)curve.index[j])->name
+                           : "offset";
+        at[j] = j < curve.frees ? curve.scene.value[curve.index[j]] : 0;
     }
-    struct fitting f = {.request = request,
-                        .curve = &curve,
-                        .as_curve = {count, fit->name, &curve, scene_curve_evaluate},
-                        .options = {.low = low, .high = high, .seed = request->seed, .cancel = request->cancel},
-                        .arena = arena,
-                        .spread = spread_of(request->series),
-                        .at = at};
+    struct fitting f = {
+        .request = request,
+        .curve = &curve,
+        .as_curve = {count, fit->name, &curve, scene_curve_evaluate},
+        .options = {.low = low, .high = high, .seed = request->seed, .cancel = request->cancel},
+        .arena = arena,
+        .spread = spread_of(request->series),
+        .at = at};
     bounds(&curve, at, low, high);
     const bool ok = fit_all(&f, fit, error);
     scene_curve_free(&curve);
@@ -445,10 +477,10 @@ bool study_fit_scene(const struct scene_fit_request *request, struct arena *aren
     fit->steps = curve.points;
     fit->scene = curve.scene;
     for (int j = 0; j < curve.frees; j++) {
-        fit->scene.value[fit->place[j]] = fit->curve.value[j].value;
-        fit->scene.uncertainty[fit->place[j]] =
+        fit->scene.value[fit->index[j]] = fit->curve.value[j].value;
+        fit->scene.uncertainty[fit->index[j]] =
             fit->curve.value[j].uncertainty > 0 ? fit->curve.value[j].uncertainty : 0;
-        fit->scene.given[fit->place[j]] = true;
+        fit->scene.given[fit->index[j]] = true;
     }
     return true;
 }

@@ -25,24 +25,24 @@ static double quadratic(const double *slope, const double *covariance, int count
 
 #define SHIFT 0.1 /* standard deviations that a parameter is moved */
 #define ROWS 100  /* recorded in a radian: their cubic is good to 1e-11 */
-#define ROWS_MOST 1e6
+#define ROWS_MAX 1e6
 
-static struct run *run_with(const struct spread_request *request, int place, double by)
+static struct run *run_with(const struct spread_request *request, int index, double by)
 {
     struct scene scene = *request->scene;
-    const double end = request->t[request->n - 1], value = scene.value[place] + by;
+    const double end = request->t[request->n - 1], value = scene.value[index] + by;
     const struct method *method =
         (const struct method *)(const void *)catalog_find(&method_catalog, TEXT("dop853"));
     struct system system;
     struct error ignored;
-    if (!scene_set(&scene, place, (struct measured){value, 0}, &ignored) ||
+    if (!scene_set(&scene, index, (struct measured){value, 0}, &ignored) ||
         !scene_bind(&scene, &system, &ignored))
         return NULL;
     const double span = end - system.t0, natural = system.scale[0] / (ROWS * system.scale[1]);
     struct run_settings settings = {.dt = span / 1e4, .tol = TOLERANCE};
     settings.record = (struct recording_rule){RECORD_TIMES, 1, natural};
-    if (system.order != 2 || !(natural > span / ROWS_MOST))
-        settings.record.interval = span / ROWS_MOST;
+    if (system.order != 2 || !(natural > span / ROWS_MAX))
+        settings.record.interval = span / ROWS_MAX;
     struct run *run = span > 0 ? run_create(&scene, method, &settings, span, &ignored) : NULL;
     const struct run_target target = {.t = end, .steps = -1};
     while (run && run_advance(run, &target, 0, request->cancel))
@@ -84,12 +84,12 @@ static bool differences(const struct spread_request *request, double *slope, str
     memset(slope, 0, request->n * (size_t)request->count * sizeof *slope);
     for (int j = 0; j < request->count; j++) {
         const double by = SHIFT * sqrt(request->covariance[j * request->count + j]);
-        struct run *side[2] = {run_with(request, request->place[j], -by),
-                               run_with(request, request->place[j], by)};
+        struct run *side[2] = {run_with(request, request->index[j], -by),
+                               run_with(request, request->index[j], by)};
         double ends[2] = {-1, 1};
         for (int s = 0; s < 2 && by > 0; s++)
             if (!side[s] && side[1 - s]) {
-                side[s] = run_with(request, request->place[j], 0);
+                side[s] = run_with(request, request->index[j], 0);
                 ends[s] = 0;
             }
         const bool ok = side[0] && side[1];
@@ -115,7 +115,7 @@ static bool slopes(struct scene_curve *c, const struct spread_request *request, 
     const struct series series = {.t = request->t, .y = request->t, .n = request->n};
     double at[CURVE_PARAMETERS];
     for (int j = 0; j < c->frees; j++)
-        at[j] = c->scene.value[c->place[j]];
+        at[j] = c->scene.value[c->index[j]];
     return scene_curve_mesh(c, at, &series, error) &&
            (scene_curve_evaluate(c, at, request->t, request->n, value, slope) ||
             (cancelled(request->cancel)
@@ -145,7 +145,7 @@ bool study_spread(const struct spread_request *request, struct arena *arena, dou
     c.variation = arena_alloc(arena, sizeof *c.variation);
     if (!value || !slope || !c.variation)
         return error_memory(error);
-    memcpy(c.place, request->place, count * sizeof *c.place);
+    memcpy(c.index, request->index, count * sizeof *c.index);
     const bool ok = system.switches > 0 ? differences(request, slope, error)
                                         : slopes(&c, request, value, slope, error);
     scene_curve_free(&c);

@@ -4,8 +4,8 @@
 
 #include <string.h>
 
-/* In oscillators and pendulums, unless held: what a recording can tell. The others of the same model only shift between
- * these (m, g, area …). */
+/* In oscillators and pendulums, unless held: what a recording can tell. The others of the same
+ * model only shift between these (m, g, area …). */
 static const struct {
     const char *name, *with, *without; /* only where the parameter `with` is not 0, `without` is */
 } usual[] = {{"k", NULL, NULL},     {"gamma", NULL, "mu"}, {"length", NULL, NULL},
@@ -14,8 +14,8 @@ static const struct {
 
 static double value_of(const struct scene *scene, const char *name)
 {
-    const int place = scene_param(scene, name);
-    return place >= 0 ? scene->value[place] : 0;
+    const int index = scene_param(scene, name);
+    return index >= 0 ? scene->value[index] : 0;
 }
 
 static bool is_usual(const struct scene *scene, const char *name)
@@ -29,21 +29,22 @@ static bool is_usual(const struct scene *scene, const char *name)
     return false;
 }
 
-int scene_fit_usual(const struct scene *scene, int *place, int *held, int *helds)
+int scene_fit_usual(const struct scene *scene, int *index, int *slot, int *slots)
 {
     int count = 0;
-    *helds = 0;
+    *slots = 0;
     for (int i = 0; i < (int)scene_params(scene)->count && count < CURVE_PARAMETERS - 1; i++) {
         const char *name = catalog_row(scene_params(scene), (size_t)i)->name;
         struct direction d;
-        if (strcmp(name, "t0") == 0 || !direction_find(scene, i, &d) || (d.changes == 0 && !d.starts))
+        if (strcmp(name, "t0") == 0 || !direction_find(scene, i, &d) ||
+            (d.changes == 0 && !d.starts))
             continue;
         if (d.changes > 0 && !is_usual(scene, name))
             continue;
         if (d.changes > 0 && scene->given[i] && scene->uncertainty[i] == 0)
-            held[(*helds)++] = i;
+            slot[(*slots)++] = i;
         else
-            place[count++] = i;
+            index[count++] = i;
     }
     return count;
 }

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * The variational equations as one more system. df/dp is a central difference of the terms that the parameter changes,
- * each term for itself: where these are linear in the parameter it is exact but for rounding, and rounding of the other
- * terms does not come in.
+ * The variational equations as one more system. df/dp is a central difference of the terms that the
+ * parameter changes, each term for itself: where these are linear in the parameter it is exact but
+ * for rounding, and rounding of the other terms does not come in.
  */
 #include "study/fit/variation.h"
 
@@ -24,7 +24,8 @@ static void find_changes(const struct system side[2], struct direction *d)
 {
     for (int s = 0; s < 2; s++) {
         for (int i = 0; i < side[s].terms; i++) {
-            const struct bound_term *term = &side[s].term[i], *other = term_of(&side[1 - s], term->row);
+            const struct bound_term *term = &side[s].term[i],
+                                    *other = term_of(&side[1 - s], term->row);
             if (other && (s == 1 || bound_term_equal(term, other)))
                 continue;
             struct term_change *change = &d->change[d->changes++];
@@ -39,20 +40,21 @@ static void find_changes(const struct system side[2], struct direction *d)
     }
 }
 
-bool direction_find(const struct scene *scene, int place, struct direction *d)
+bool direction_find(const struct scene *scene, int index, struct direction *d)
 {
     const struct param_row *row =
-        (const struct param_row *)(const void *)catalog_row(scene_params(scene), (size_t)place);
-    const double value = scene->value[place], size = row->least_excluded ? fabs(value) : fmax(fabs(value), SMALL);
+        (const struct param_row *)(const void *)catalog_row(scene_params(scene), (size_t)index);
+    const double value = scene->value[index],
+                 size = row->least_excluded ? fabs(value) : fmax(fabs(value), SMALL);
     struct scene trial = *scene;
     struct system side[2];
     struct error ignored;
     double at[2];
     for (int s = 0; s < 2; s++) {
-        trial.value[place] = at[s] = value + (s == 0 ? DELTA : -DELTA) * size;
+        trial.value[index] = at[s] = value + (s == 0 ? DELTA : -DELTA) * size;
         if (scene_bind_motion(&trial, &side[s], &ignored))
             continue;
-        trial.value[place] = at[s] = value; /* beyond a bound: a difference to one side */
+        trial.value[index] = at[s] = value; /* beyond a bound: a difference to one side */
         if (!scene_bind_motion(&trial, &side[s], &ignored))
             return false;
     }
@@ -70,8 +72,8 @@ bool direction_find(const struct scene *scene, int place, struct direction *d)
 }
 
 /* df/dp, zero but for the rows that terms add to. */
-static void slope_by_parameter(const struct variation *v, const struct direction *d, double t, const double *y,
-                               double *slope)
+static void slope_by_parameter(const struct variation *v, const struct direction *d, double t,
+                               const double *y, double *slope)
 {
     const struct system *base = &v->base;
     double sum[2][LIMIT_VARIABLES / 2];
@@ -103,7 +105,8 @@ static void vary(const struct variation *v, const struct direction *d, double t,
 
 /* ---- as a term of a system ----
  *
- * All that a bound term sees of its surroundings are its coefficients: here they hold the variation's address.
+ * All that a bound term sees of its surroundings are its coefficients: here they hold the
+ * variation's address.
  */
 
 static const struct variation *variation_of(const double *c)
@@ -113,13 +116,13 @@ static const struct variation *variation_of(const double *c)
     return variation;
 }
 
-#define BASE_MOST (LIMIT_VARIABLES / 2)
+#define BASE_MAX (LIMIT_VARIABLES / 2)
 
 static void variation_add(const double *c, double t, const double *y, double *a)
 {
     const struct variation *v = variation_of(c);
     const int n = v->base.n;
-    double jacobian[BASE_MOST * BASE_MOST], rate[LIMIT_VARIABLES];
+    double jacobian[BASE_MAX * BASE_MAX], rate[LIMIT_VARIABLES];
     system_derivative(&v->base, t, y, rate);
     system_jacobian(&v->base, t, y, jacobian);
     for (int j = 0; j < v->directions; j++)
@@ -128,13 +131,13 @@ static void variation_add(const double *c, double t, const double *y, double *a)
         a[i] += rate[i];
 }
 
-/* For stiff scenes, whose methods want it: blocks df/dy on the diagonal, below y the derivatives of S' by y, which are
- * differences. */
+/* For stiff scenes, whose methods want it: blocks df/dy on the diagonal, below y the derivatives of
+ * S' by y, which are differences. */
 static void variation_jacobian(const double *c, double t, const double *y, double *jac)
 {
     const struct variation *v = variation_of(c);
     const int n = v->base.n, all = v->whole.n;
-    double jacobian[2][BASE_MOST * BASE_MOST], at[BASE_MOST], out[2][BASE_MOST];
+    double jacobian[2][BASE_MAX * BASE_MAX], at[BASE_MAX], out[2][BASE_MAX];
     system_jacobian(&v->base, t, y, jacobian[0]);
     for (int block = 0; block <= v->directions; block++)
         for (int i = 0; i < n; i++)
@@ -165,7 +168,7 @@ static const struct term_row variation_row = {
     .add = variation_add,
     .jacobian = variation_jacobian};
 
-bool variation_bind(struct variation *v, const struct scene *scene, const int *place, int count)
+bool variation_bind(struct variation *v, const struct scene *scene, const int *index, int count)
 {
     struct error ignored;
     double rate[LIMIT_VARIABLES];
@@ -191,7 +194,7 @@ bool variation_bind(struct variation *v, const struct scene *scene, const int *p
     memcpy(v->whole.start, base->start, (size_t)base->n * sizeof *rate);
     for (int j = 0; j < count; j++) {
         const struct direction *d = &v->direction[j];
-        if (!direction_find(scene, place[j], &v->direction[j]))
+        if (!direction_find(scene, index[j], &v->direction[j]))
             return false;
         for (int i = 0; i < base->n; i++)
             v->whole.start[base->n * (j + 1) + i] = d->start[i] - rate[i] * d->t0;

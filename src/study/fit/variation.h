@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* How the motion of a scene changes with its parameters: the variational equations S' = (df/dy) S + df/dp. */
+/* How the motion of a scene changes with its parameters: the variational equations S' = (df/dy) S +
+ * df/dp. */
 #ifndef HOOKE_STUDY_FIT_VARIATION_H
 #define HOOKE_STUDY_FIT_VARIATION_H
 
@@ -21,17 +22,21 @@ struct direction { /* one parameter */
 };
 
 /* False: the scene has no motion on both sides of the value. */
-bool direction_find(const struct scene *scene, int place, struct direction *direction);
+bool direction_find(const struct scene *scene, int index, struct direction *direction);
 
 struct variation {
     struct system base;  /* the scene */
-    struct system whole; /* base and its derivatives by each direction: n (1 + directions) variables of first order */
+    struct system whole; /* base and its derivatives by each direction: n (1 + directions) variables
+                            of first order */
     int directions;
     struct direction direction[CURVE_PARAMETERS];
-    double dry; /* 1, -1: the base is frozen on the branch of dry friction on which the velocity has this sign; 0: not */
+    double dry; /* 1, -1: the base is frozen on the branch of dry friction on which the velocity has
+                   this sign; 0: not */
 };
 
-/* n (1 + count) <= LIMIT_VARIABLES. The variation must stay where it is: its system points to it. */
-bool variation_bind(struct variation *variation, const struct scene *scene, const int *place, int count);
+/* n (1 + count) <= LIMIT_VARIABLES. The variation must stay where it is: its system points to it.
+ */
+bool variation_bind(struct variation *variation, const struct scene *scene, const int *index,
+                    int count);
 
 #endif

@@ -1,14 +1,18 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* stability: growth a step and the largest stable step, from the method's own formulas, then verified by running. */
+/* stability: growth a step and the largest stable step, from the method's own formulas, then
+ * verified by running. */
 #include "study/compare/verify.h"
 
 #include <stdlib.h>
 #include <string.h>
 
 #define ROUNDING 1e-12 /* growth above 1 that is rounding */
-#define ON_AXIS 1e-7   /* the same at a double eigenvalue, whose growth is known to the root of rounding only */
+#define ON_AXIS                                                                                    \
+    1e-7 /* the same at a double eigenvalue, whose growth is known to the root of rounding only */
 #define FOLLOWS 1e-2 /* relative error of the rate of what grows by itself */
-#define WEAK 1e-3 /* growth - 1 below: the amplitude doubles after 700 steps or more, which looks stable for long */
+#define WEAK                                                                                       \
+    1e-3 /* growth - 1 below: the amplitude doubles after 700 steps or more, which looks stable    \
+            for long */
 #define STEPS_MOST 16384  /* of a check */
 #define PAST 8            /* steps: more than any method remembers */
 #define EXTREME 1e20      /* [1/s] */
@@ -17,11 +21,13 @@
 #define ASIDE 1e-2        /* how far from the limit the checks on both sides stand, relative */
 #define ASIDE_NARROW 1e-4 /* the same where a narrow resonance begins */
 #define ALONG 16          /* states along the run whose eigenvalues are looked at */
-#define WINDOW_MOST 0.02  /* relative width of a resonance that is called narrow */
+#define WINDOW_MAX 0.02   /* relative width of a resonance that is called narrow */
 
 static const struct row verdicts[] = {
     [STABILITY_STABLE] = {"stable", "", "no growth that the scene does not have itself", "", NULL},
-    [STABILITY_MARGINAL] = {"marginal", "", "so slow a growth that it shows only after hundreds of steps", "", NULL},
+    [STABILITY_MARGINAL] = {"marginal", "",
+                            "so slow a growth that it shows only after hundreds of steps", "",
+                            NULL},
     [STABILITY_UNSTABLE] = {"unstable", "", "every step multiplies the amplitude", "", NULL},
 };
 
@@ -30,18 +36,19 @@ const struct catalog stability_verdict_catalog = CATALOG("verdict", verdicts);
 /* ---- growth of one mode ---- */
 
 /* A step so large that it overflows grows beyond all bounds. */
-double mode_growth(const struct contender *by, const struct mode *mode, double dt)
+double mode_growth(const struct method_choice *by, const struct mode *mode, double dt)
 {
-    const double x = mode->omega * dt, growth = method_growth_signed(by->method, by->drag, x, mode->zeta, mode->sign);
+    const double x = mode->omega * dt,
+                 growth = method_growth_signed(by->method, by->drag, x, mode->zeta, mode->sign);
     return isnan(growth) && x > HUGE_STEP ? HUGE_VAL : growth;
 }
 
-double mode_limit(const struct contender *by, const struct mode *mode)
+double mode_limit(const struct method_choice *by, const struct mode *mode)
 {
     return method_stable_limit_signed(by->method, by->drag, mode->zeta, mode->sign) / mode->omega;
 }
 
-double stability_growth(const struct contender *by, double re, double im)
+double stability_growth(const struct method_choice *by, double re, double im)
 {
     const double size = hypot(re, im);
     return size > 0 ? method_growth(by->method, by->drag, size, fmax(-1, fmin(1, -re / size))) : 1;
@@ -56,7 +63,8 @@ void mode_eigenvalues(const struct mode *mode, double re[2], double *im)
     if (split <= 0)
         return;
     /* The larger one first; their product gives the other without cancellation. */
-    const double fast = -copysign(fabs(zeta) + sqrt(split), zeta), slow = product / fast + 0.0; /* no -0 */
+    const double fast = -copysign(fabs(zeta) + sqrt(split), zeta),
+                 slow = product / fast + 0.0; /* no -0 */
     re[0] = mode->omega * fmax(fast, slow);
     re[1] = mode->omega * fmin(fast, slow);
 }
@@ -88,25 +96,29 @@ static bool mode_system(const struct mode *mode, double omega, struct system *sy
     struct error ignored;
     scene_init(&scene, NULL);
     for (size_t i = 0; i < COUNT_OF(set); i++)
-        if (!scene_set(&scene, param_index(set[i].name), (struct measured){set[i].value, 0}, &ignored))
+        if (!scene_set(&scene, param_index(set[i].name), (struct measured){set[i].value, 0},
+                       &ignored))
             return false;
     return scene_bind(&scene, system, &ignored);
 }
 
 /*
- * Largest amplitude in the last quarter of the steps over that in the second: the turning of the phase, what a skew
- * pair of eigenvectors does to the norm, and what dies out at the start drop out. As many steps as numbers have room.
+ * Largest amplitude in the last quarter of the steps over that in the second: the turning of the
+ * phase, what a skew pair of eigenvectors does to the norm, and what dies out at the start drop
+ * out. As many steps as numbers have room.
  */
-void mode_check(const struct contender *by, const struct mode *mode, double dt, struct stability_check *check)
+void mode_check(const struct method_choice *by, const struct mode *mode, double dt,
+                struct stability_check *check)
 {
     struct system system;
     /* Extremes of scale leave no room for growth: then in units of the frequency. */
     const double unit = mode->omega > EXTREME || mode->omega < 1 / EXTREME ? mode->omega : 1,
                  omega = mode->omega / unit;
     const double expected = log(mode_growth(by, mode, dt));
-    const double room = expected == 0 ? STEPS_MOST : LOG_ROOM / fabs(expected);
-    const int64_t quarter = (int64_t)fmax(4, fmin(STEPS_MOST, room) / 4);
-    *check = (struct stability_check){.dt = dt, .predicted = exp(expected), .measured = NAN, .steps = 4 * quarter};
+    const double capacity = expected == 0 ? STEPS_MOST : LOG_ROOM / fabs(expected);
+    const int64_t quarter = (int64_t)fmax(4, fmin(STEPS_MOST, capacity) / 4);
+    *check = (struct stability_check){
+        .dt = dt, .predicted = exp(expected), .measured = NAN, .steps = 4 * quarter};
     if (isnan(expected) || !mode_system(mode, omega, &system))
         return;
     double *work = malloc((method_work_size(by->method, system.n) + 1) * sizeof *work);
@@ -114,43 +126,47 @@ void mode_check(const struct contender *by, const struct mode *mode, double dt, 
         return;
     /* Both eigenvectors take part; what grows starts small, what decays starts large. */
     const double start = expected > 0 ? exp(-LOG_ROOM / 2) : exp(LOG_ROOM / 2);
-    double y[2] = {start, 0.5 * omega * start}, most[4] = {0};
+    double y[2] = {start, 0.5 * omega * start}, max[4] = {0};
     struct step step = {.system = &system, .drag = by->drag, .h = dt * unit, .y = y, .work = work};
     enum step_status status = STEP_OK;
     for (int64_t i = 0; i < 4 * quarter && status == STEP_OK; i++) {
-        /* A method that remembers must not only see its own start: a jump that the past knows nothing of sets off the
-         * parasitic solutions too. */
+        /* A method that remembers must not only see its own start: a jump that the past knows
+         * nothing of sets off the parasitic solutions too. */
         if (i == PAST && by->method->flags & METHOD_MULTISTEP)
             y[0] += 0.5 * start;
         status = method_step(by->method, &step);
         if (isnan(y[0]) || isnan(y[1]))
             status = STEP_NONFINITE;
-        most[i / quarter] = fmax(most[i / quarter], hypot(y[0], y[1] / omega));
+        max[i / quarter] = fmax(max[i / quarter], hypot(y[0], y[1] / omega));
     }
     free(work);
     check->measured = status != STEP_OK ? HUGE_VAL
-                      : most[3] > 0     ? exp(log(most[3] / most[1]) / (double)(2 * quarter))
+                      : max[3] > 0      ? exp(log(max[3] / max[1]) / (double)(2 * quarter))
                                         : 0;
-    if (isinf(check->measured) || check->measured == 0) { /* so few steps that the numbers do not hold them */
-        check->agrees = fabs(expected) * (double)(4 * quarter) >= LOG_ROOM && (expected > 0) == (check->measured > 0);
+    if (isinf(check->measured) ||
+        check->measured == 0) { /* so few steps that the numbers do not hold them */
+        check->agrees = fabs(expected) * (double)(4 * quarter) >= LOG_ROOM &&
+                        (expected > 0) == (check->measured > 0);
         return;
     }
-    /* Envelopes are sampled to a few per cent; a double root grows like n mu^n, which shows as log 2 / (2 quarter). */
+    /* Envelopes are sampled to a few per cent; a double root grows like n mu^n, which shows as log
+     * 2 / (2 quarter). */
     const double root = fabs(fabs(mode->zeta) - 1) < 1e-3 ? 1 : 0.1;
-    check->agrees = fabs(log(check->measured) - expected) <= 0.1 * fabs(expected) + root / (double)(2 * quarter);
+    check->agrees = fabs(log(check->measured) - expected) <=
+                    0.1 * fabs(expected) + root / (double)(2 * quarter);
 }
 
-double mode_aside(const struct contender *by, const struct mode *mode, double limit)
+double mode_aside(const struct method_choice *by, const struct mode *mode, double limit)
 {
     return mode_growth(by, mode, limit * (1 + ASIDE)) > 1 + ROUNDING ? ASIDE : ASIDE_NARROW;
 }
 
 /* ---- the scene's modes ---- */
 
-static void add_mode(struct mode *mode, int *count, int most, double omega, double zeta, double t,
+static void add_mode(struct mode *mode, int *count, int max, double omega, double zeta, double t,
                      enum stiffness_sign sign)
 {
-    if (*count < most && omega > 0 && isfinite(omega) && isfinite(zeta))
+    if (*count < max && omega > 0 && isfinite(omega) && isfinite(zeta))
         mode[(*count)++] = (struct mode){omega, zeta, t, sign};
 }
 
@@ -161,8 +177,8 @@ static double damping_ratio(double zeta)
 }
 
 /* Rounding leaves zeros of the order of eps times the largest; they are no rates of their own. */
-static int modes_of_matrix(const struct system *system, double t, const double *jac, struct mode *mode, int *count,
-                           int most)
+static int modes_of_matrix(const struct system *system, double t, const double *jac,
+                           struct mode *mode, int *count, int max)
 {
     const int n = system->n;
     struct eigenvalue value[LIMIT_VARIABLES];
@@ -179,41 +195,45 @@ static int modes_of_matrix(const struct system *system, double t, const double *
         if (value[i].re > rounding) {
             grows++;
             if (system->linear)
-                add_mode(mode, count, most, size, fmax(-1, -value[i].re / size), t, STIFFNESS_POSITIVE);
+                add_mode(mode, count, max, size, fmax(-1, -value[i].re / size), t,
+                         STIFFNESS_POSITIVE);
         } else
-            add_mode(mode, count, most, size, damping_ratio(-value[i].re / size), t, STIFFNESS_POSITIVE);
+            add_mode(mode, count, max, size, damping_ratio(-value[i].re / size), t,
+                     STIFFNESS_POSITIVE);
     }
     return grows;
 }
 
-int modes_at(const struct system *system, double t, const double *y, struct mode *mode, int *count, int most)
+int modes_at(const struct system *system, double t, const double *y, struct mode *mode, int *count,
+             int max)
 {
     double jac[LIMIT_VARIABLES * LIMIT_VARIABLES];
     system_jacobian(system, t, y, jac);
     if (system->order != 2 || system->n != 2)
-        return modes_of_matrix(system, t, jac, mode, count, most);
+        return modes_of_matrix(system, t, jac, mode, count, max);
     const double stiffness = 0 - jac[2], damping = 0 - jac[3], omega = sqrt(fabs(stiffness));
     if (stiffness > 0 && (damping >= 0 || system->linear)) {
-        add_mode(mode, count, most, omega, damping / (2 * omega), t, STIFFNESS_POSITIVE);
+        add_mode(mode, count, max, omega, damping / (2 * omega), t, STIFFNESS_POSITIVE);
         return damping < 0;
     }
     if (system->linear) {
         if (stiffness < 0)
-            add_mode(mode, count, most, omega, damping / (2 * omega), t, STIFFNESS_NEGATIVE);
+            add_mode(mode, count, max, omega, damping / (2 * omega), t, STIFFNESS_NEGATIVE);
         else
-            add_mode(mode, count, most, fabs(damping), copysign(0.5, damping), t, STIFFNESS_ZERO);
+            add_mode(mode, count, max, fabs(damping), copysign(0.5, damping), t, STIFFNESS_ZERO);
         return stiffness < 0 || damping < 0;
     }
     /* y'' = - damping y' + |stiffness| y: a part that grows, and one that decays. */
     const double s = damping / 2, root = hypot(s, omega), fast = s + root;
     if (stiffness <= 0 && fast > 0)
-        add_mode(mode, count, most, fast, 1, t, STIFFNESS_POSITIVE);
+        add_mode(mode, count, max, fast, 1, t, STIFFNESS_POSITIVE);
     return stiffness < 0 || damping < 0;
 }
 
 /* ---- along the run ---- */
 
-/* Nothing arrives: what grew beyond this many natural sizes may be on its way to nowhere, and says nothing of the rest. */
+/* Nothing arrives: what grew beyond this many natural sizes may be on its way to nowhere, and says
+ * nothing of the rest. */
 #define SOUND 10
 
 static bool is_sound(const struct system *system, const double *y)
@@ -238,18 +258,20 @@ static void modes_along(const struct system *system, const struct stability_requ
         struct solver solver;
         if (!method || !solver_init(&solver, system, method, &settings, request->duration))
             continue;
-        solver.most = 300000;
+        solver.max = 300000;
         const enum stop stop = solver_run(&solver, grid, request->cancel);
         solver_free(&solver);
         if (stop == STOP_CANCELLED)
             break;
-        for (int k = stride; k < STUDY_TIMES && (stop == STOP_END || i + 1 == COUNT_OF(able)); k += stride) {
+        for (int k = stride; k < STUDY_TIMES && (stop == STOP_END || i + 1 == COUNT_OF(able));
+             k += stride) {
             struct mode here[LIMIT_VARIABLES];
             int count = 0;
             if (isnan(grid[k * n]) || (stop != STOP_END && !is_sound(system, grid + k * n)))
                 break;
             const double t = system->t0 + request->duration * k / (STUDY_TIMES - 1);
-            stability->grows |= modes_at(system, t, grid + k * n, here, &count, LIMIT_VARIABLES) > 0;
+            stability->grows |=
+                modes_at(system, t, grid + k * n, here, &count, LIMIT_VARIABLES) > 0;
             for (int m = 0; m < count && stability->modes < STABILITY_MODES; m++)
                 stability->mode[stability->modes++] = here[m];
         }
@@ -261,8 +283,9 @@ static void modes_along(const struct system *system, const struct stability_requ
 
 /* ---- the limit ---- */
 
-/* Whether a step up to dt may be unstable for this mode: a look at a few sizes, the exact search is dear. */
-static bool may_limit(const struct contender *by, const struct mode *mode, double dt)
+/* Whether a step up to dt may be unstable for this mode: a look at a few sizes, the exact search is
+ * dear. */
+static bool may_limit(const struct method_choice *by, const struct mode *mode, double dt)
 {
     static const double part[] = {1. / 64, 0.125, 0.25, 0.5, 0.75, 0.9, 0.99, 0.9999};
     for (size_t i = 0; i < COUNT_OF(part); i++)
@@ -278,7 +301,8 @@ static void find_limit(struct stability *s)
         if (grows(&s->mode[i]))
             continue;
         if (!isnan(s->dt_max) &&
-            (s->dt_max == 0 || !may_limit(&s->by, &s->mode[i], fmin(s->dt_max, 1e4 / s->mode[i].omega))))
+            (s->dt_max == 0 ||
+             !may_limit(&s->by, &s->mode[i], fmin(s->dt_max, 1e4 / s->mode[i].omega))))
             continue;
         const double limit = mode_limit(&s->by, &s->mode[i]);
         if (isnan(s->dt_max) || limit < s->dt_max) {
@@ -319,16 +343,16 @@ static void name_weakness(struct stability *s)
     }
     if (!(s->dt_max > 0) || isinf(s->dt_max))
         return;
-    double most = 0;
-    for (double part = 0; part < WINDOW_MOST; part += WINDOW_MOST / 2000) {
+    double max = 0;
+    for (double part = 0; part < WINDOW_MAX; part += WINDOW_MAX / 2000) {
         const double growth = mode_growth(&s->by, &s->tightest, s->dt_max * (1 + part));
-        if (most > 0 && growth <= 1 + ROUNDING) {
+        if (max > 0 && growth <= 1 + ROUNDING) {
             s->window[0] = s->dt_max;
             s->window[1] = s->dt_max * (1 + part);
-            s->window[2] = most;
+            s->window[2] = max;
             return;
         }
-        most = growth > 1 + ROUNDING ? fmax(most, growth) : most;
+        max = growth > 1 + ROUNDING ? fmax(max, growth) : max;
     }
 }
 
@@ -344,7 +368,8 @@ static void verify(struct stability *s)
 }
 
 /* The scene itself, where its eigenvalues are only an estimate. */
-static bool run_scene(const struct system *system, const struct stability_request *request, struct stability *s)
+static bool run_scene(const struct system *system, const struct stability_request *request,
+                      struct stability *s)
 {
     const struct run_settings settings = {.dt = request->dt, .drag = s->by.drag};
     const int n = system->n;
@@ -354,12 +379,13 @@ static bool run_scene(const struct system *system, const struct stability_reques
         free(grid);
         return false;
     }
-    solver.most = 3000000;
+    solver.max = 3000000;
     s->stop = solver_run(&solver, grid, request->cancel);
     s->reached = solver.step.t;
     struct singularity singular = {.t = NAN};
     if (stop_is_failure(s->stop))
-        singular = system_singularity(system, system->t0, system->start, s->reached + 16 * request->dt);
+        singular =
+            system_singularity(system, system->t0, system->start, s->reached + 16 * request->dt);
     if (!isnan(singular.t)) {
         s->stop = STOP_SINGULAR;
         s->reached = singular.t;
@@ -377,12 +403,12 @@ static bool run_scene(const struct system *system, const struct stability_reques
 static enum stability_verdict judge(const struct stability *s, const struct mode *mode)
 {
     const double growth = mode_growth(&s->by, mode, s->dt), rate = growth_rate(mode) * s->dt,
-                 margin = rate > 0                           ? exp((1 + FOLLOWS) * rate)
+                 margin = rate > 0                      ? exp((1 + FOLLOWS) * rate)
                           : fabs(mode->zeta - 1) < 1e-3 ? 1 + ON_AXIS
-                                                             : 1 + ROUNDING;
-    return growth <= margin                                  ? STABILITY_STABLE
+                                                        : 1 + ROUNDING;
+    return growth <= margin                             ? STABILITY_STABLE
            : growth < (rate > 0 ? exp(rate) : 1) + WEAK ? STABILITY_MARGINAL
-                                                             : STABILITY_UNSTABLE;
+                                                        : STABILITY_UNSTABLE;
 }
 
 static enum stability_verdict judge_all(const struct stability *s)
@@ -395,7 +421,8 @@ static enum stability_verdict judge_all(const struct stability *s)
     return s->modes || !s->grows ? worst : STABILITY_UNSTABLE;
 }
 
-bool study_stability(const struct stability_request *request, struct stability *s, struct error *error)
+bool study_stability(const struct stability_request *request, struct stability *s,
+                     struct error *error)
 {
     struct system system;
     *s = (struct stability){.by = request->by,
@@ -432,8 +459,8 @@ bool study_stability(const struct stability_request *request, struct stability *
     if (!s->linear && !cancelled(request->cancel)) {
         if (!run_scene(&system, request, s))
             return error_memory(error);
-        s->agrees &= s->verdict == STABILITY_UNSTABLE || s->stop == STOP_END || s->stop == STOP_FULL ||
-                     s->stop == STOP_SINGULAR;
+        s->agrees &= s->verdict == STABILITY_UNSTABLE || s->stop == STOP_END ||
+                     s->stop == STOP_FULL || s->stop == STOP_SINGULAR;
     }
     return !cancelled(request->cancel) || error_set(error, ERROR_CANCELLED, "stopped");
 }

@@ -6,10 +6,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define COST_MOST 1000000 /* evaluations, Jacobians and solves of one case */
+#define COST_MAX 1000000 /* evaluations, Jacobians and solves of one case */
 #define STEPS_MOST 100000
-#define REFERENCE_MOST 4000000
-#define SCENE_MOST 400000 /* the same where many cases are made of one scene */
+#define REFERENCE_MAX 4000000
+#define SCENE_MAX 400000 /* the same where many cases are made of one scene */
 #define REFERENCE_TOL 1e-10
 #define TOL 1e-6
 #define SPAN 10.0   /* [s] */
@@ -22,12 +22,16 @@
 static const struct row verdicts[] = {
     [STRESS_EXACT] = {"exact", "E", "the error is rounding, or below what can be known", "", NULL},
     [STRESS_ACCURATE] = {"accurate", "a", "error below 1 % of the amplitude all the way", "", NULL},
-    [STRESS_BOUNDED] = {"bounded", "b", "wrong in phase or shape, but no larger than the motion", "", NULL},
+    [STRESS_BOUNDED] = {"bounded", "b", "wrong in phase or shape, but no larger than the motion",
+                        "", NULL},
     [STRESS_DAMPED] = {"damped away", "d", "what should swing is gone", "", NULL},
-    [STRESS_SINGULAR] = {"singular", "s", "the solution itself ends before the end, or goes to infinity", "", NULL},
+    [STRESS_SINGULAR] = {"singular", "s",
+                         "the solution itself ends before the end, or goes to infinity", "", NULL},
     [STRESS_REFUSED] = {"refused", "r", "not computed, with the reason", "", NULL},
-    [STRESS_DIVERGED] = {"diverged", "X", "grew beyond the motion, or out of the range of numbers", "", NULL},
-    [STRESS_UNKNOWN] = {"unknown", "u", "arrived, but no two references do: its error is not known", "", NULL},
+    [STRESS_DIVERGED] = {"diverged", "X", "grew beyond the motion, or out of the range of numbers",
+                         "", NULL},
+    [STRESS_UNKNOWN] = {"unknown", "u", "arrived, but no two references do: its error is not known",
+                        "", NULL},
     [STRESS_UNEXPLAINED] = {"unexplained", "?", "none of these: a fault of the program", "", NULL},
 };
 
@@ -100,10 +104,10 @@ static void collect(struct stress *stress)
 {
     for (size_t i = 0; i < COUNT_OF(cases); i++)
         stress->cases[stress->count++] = cases[i];
-    for (size_t i = 0; i < preset_catalog.count && stress->count < STRESS_MOST; i++) {
+    for (size_t i = 0; i < preset_catalog.count && stress->count < STRESS_MAX; i++) {
         const struct row *row = catalog_row(&preset_catalog, i);
-        const bool named =
-            text_starts(text_of(row->name), TEXT("stiff-")) || text_starts(text_of(row->name), TEXT("extreme-"));
+        const bool named = text_starts(text_of(row->name), TEXT("stiff-")) ||
+                           text_starts(text_of(row->name), TEXT("extreme-"));
         if (named && !listed(row->name))
             stress->cases[stress->count++] =
                 (struct stress_case){.name = row->name, .brief = row->brief, .preset = row->name};
@@ -118,10 +122,10 @@ struct bench {
     struct system system;
     double span, tol, dt;
     struct reference reference;
-    char refused[200]; /* the scene itself is refused: why */
+    char refused[200];           /* the scene itself is refused: why */
     struct singularity singular; /* looked for when one fails */
     bool looked;
-    double *grid;      /* [STUDY_TIMES][n] */
+    double *grid; /* [STUDY_TIMES][n] */
     const struct cancel *cancel;
 };
 
@@ -136,13 +140,14 @@ static bool set_scene(const struct stress_case *what, struct system *system, str
         return error_set(error, ERROR_COMMAND, "there is no scene '%s'", what->preset);
     scene_init(&scene, preset);
     for (size_t i = 0; i < COUNT_OF(what->set) && what->set[i].param; i++)
-        if (!scene_set(&scene, scene_param(&scene, what->set[i].param), (struct measured){what->set[i].value, 0},
-                       error))
+        if (!scene_set(&scene, scene_param(&scene, what->set[i].param),
+                       (struct measured){what->set[i].value, 0}, error))
             return false;
     return scene_bind(&scene, system, error);
 }
 
-/* Two implicit or explicit integrations of different kinds that agree; the closed form where there is one. */
+/* Two implicit or explicit integrations of different kinds that agree; the closed form where there
+ * is one. */
 static void find_reference(struct bench *bench)
 {
     static const char *const able[] = {"rodas5p", "radau5", "dop853", "odex"};
@@ -166,7 +171,7 @@ static void find_reference(struct bench *bench)
         struct solver solver;
         if (!method || !solver_init(&solver, system, method, &settings, bench->span))
             continue;
-        solver.most = bench->what->of ? SCENE_MOST : REFERENCE_MOST;
+        solver.max = bench->what->of ? SCENE_MAX : REFERENCE_MAX;
         const enum stop stop = solver_run(&solver, bench->grid, bench->cancel);
         solver_free(&solver);
         if (stop != STOP_END)
@@ -177,18 +182,21 @@ static void find_reference(struct bench *bench)
     }
     for (int i = 0; reference->y && i < system->n; i++) {
         for (int k = 0; k < STUDY_TIMES; k++)
-            reference->amplitude[i] = fmax(reference->amplitude[i], fabs(reference->y[k * system->n + i]));
+            reference->amplitude[i] =
+                fmax(reference->amplitude[i], fabs(reference->y[k * system->n + i]));
         if (!(reference->amplitude[i] > 1e-18 * system->scale[i]))
             reference->amplitude[i] = system->scale[i];
     }
     for (int k = 0; reference->by[1] && k < STUDY_TIMES; k++)
-        reference->accuracy = fmax(reference->accuracy,
-                                   grid_distance(reference, bench->grid + k * system->n, reference->y + k * system->n));
+        reference->accuracy =
+            fmax(reference->accuracy, grid_distance(reference, bench->grid + k * system->n,
+                                                    reference->y + k * system->n));
     if (!reference->by[1])
         reference_free(reference);
 }
 
-static bool bench_init(struct bench *bench, const struct stress_case *what, const struct cancel *cancel)
+static bool bench_init(struct bench *bench, const struct stress_case *what,
+                       const struct cancel *cancel)
 {
     struct error error = {0};
     *bench = (struct bench){.what = what, .cancel = cancel};
@@ -213,14 +221,15 @@ static void bench_free(struct bench *bench)
         reference_free(&bench->reference);
 }
 
-/* Largest position on the grid in units of the motion, from grid time `from` on; NAN states left out. */
+/* Largest position on the grid in units of the motion, from grid time `from` on; NAN states left
+ * out. */
 static double largest(const struct bench *bench, const double *grid, int from, int i)
 {
-    double most = 0;
+    double max = 0;
     for (int k = from; k < STUDY_TIMES; k++)
         if (!isnan(grid[k * bench->system.n + i]))
-            most = fmax(most, fabs(grid[k * bench->system.n + i]) / bench->reference.amplitude[i]);
-    return most;
+            max = fmax(max, fabs(grid[k * bench->system.n + i]) / bench->reference.amplitude[i]);
+    return max;
 }
 
 /* The run reached its end: what is it worth? */
@@ -254,29 +263,33 @@ static void judge_end(const struct bench *bench, struct stress_row *row)
         snprintf(row->reason, sizeof row->reason, "grew to %.2g times the motion", size);
     } else if (gone) {
         row->verdict = STRESS_DAMPED;
-        snprintf(row->reason, sizeof row->reason, "numerical damping takes out what these steps do not resolve");
+        snprintf(row->reason, sizeof row->reason,
+                 "numerical damping takes out what these steps do not resolve");
     } else if (size <= BOUNDED) {
         row->verdict = STRESS_BOUNDED;
         if (known)
-            snprintf(row->reason, sizeof row->reason, "these steps do not resolve the motion: phase or shape is wrong");
+            snprintf(row->reason, sizeof row->reason,
+                     "these steps do not resolve the motion: phase or shape is wrong");
         else
-            snprintf(
-                row->reason, sizeof row->reason,
-                "the phase is lost whatever computes it: an ulp of the parameters moves it by %.2g of the amplitude",
-                reference->accuracy);
+            snprintf(row->reason, sizeof row->reason,
+                     "the phase is lost whatever computes it: an ulp of the parameters moves it by "
+                     "%.2g of the amplitude",
+                     reference->accuracy);
     }
     if (isnan(row->error))
         row->verdict = STRESS_UNEXPLAINED;
 }
 
-/* Also of a method that went on past it, where there is nothing to measure against: what it gives is no solution. */
+/* Also of a method that went on past it, where there is nothing to measure against: what it gives
+ * is no solution. */
 static bool judge_singular(struct bench *bench, enum stop stop, struct stress_row *row)
 {
     const struct system *system = &bench->system;
     if (!stop_is_failure(stop) && !(stop == STOP_END && !bench->reference.y))
         return false;
     if (!bench->looked)
-        bench->singular = system_singularity(system, system->t0, system->start, system->t0 + bench->span);
+        bench->singular =
+            system_singularity(system, system->t0, system->start, system->t0 + bench->span);
     bench->looked = true;
     if (isnan(bench->singular.t))
         return false;
@@ -287,8 +300,9 @@ static bool judge_singular(struct bench *bench, enum stop stop, struct stress_ro
     return true;
 }
 
-static void judge_stop(const struct bench *bench, const struct solver *solver, const struct run_settings *settings,
-                       const struct plan *plan, enum stop stop, struct stress_row *row)
+static void judge_stop(const struct bench *bench, const struct solver *solver,
+                       const struct run_settings *settings, const struct plan *plan, enum stop stop,
+                       struct stress_row *row)
 {
     if (stop == STOP_FULL) {
         const double part = (solver->step.t - bench->system.t0) / bench->span;
@@ -305,10 +319,12 @@ static void judge_stop(const struct bench *bench, const struct solver *solver, c
                       .steps = solver->steps,
                       .t = solver->step.t,
                       .stop = stop};
-    memcpy(run.y, bench->system.start, sizeof run.y); /* rates are those of the scene, not of what it blew up to */
+    memcpy(run.y, bench->system.start,
+           sizeof run.y); /* rates are those of the scene, not of what it blew up to */
     run_explain(&run, &why);
     row->verdict = stop == STOP_DIVERGED ? STRESS_DIVERGED : STRESS_REFUSED;
-    snprintf(row->reason, sizeof row->reason, "%s", why.data && !why.failed ? why.data : stop_name(stop));
+    snprintf(row->reason, sizeof row->reason, "%s",
+             why.data && !why.failed ? why.data : stop_name(stop));
     buffer_free(&why);
 }
 
@@ -325,7 +341,8 @@ static bool run_case(struct bench *bench, int method, struct stress_row *row)
     double *limit = &bench->limit[method];
     if (bench->what->change == STRESS_STEP && isnan(*limit) && !bench->refused[0])
         *limit = bench->reference.y
-                     ? stress_limit(&bench->system, bench->reference.y, STUDY_TIMES, STUDY_TIMES / 32, row->method)
+                     ? stress_limit(&bench->system, bench->reference.y, STUDY_TIMES,
+                                    STUDY_TIMES / 32, row->method)
                      : stress_limit(&bench->system, bench->system.start, 1, 1, row->method);
     const double dt = bench->what->change != STRESS_STEP ? bench->dt
                       : isfinite(*limit)                 ? bench->what->value * *limit
@@ -355,7 +372,7 @@ static bool run_case(struct bench *bench, int method, struct stress_row *row)
         return false;
     if (adaptive)
         solver.dt = 0; /* chooses its first step */
-    solver.most = COST_MOST;
+    solver.max = COST_MAX;
     const enum stop stop = solver_run(&solver, bench->grid, bench->cancel);
     row->steps = solver.steps;
     if (judge_singular(bench, stop, row))
@@ -378,9 +395,9 @@ bool study_stress(const struct stress_scene *scene, const struct method *const *
     if (!scene)
         collect(stress);
     else if (!stress_scene_cases(stress, scene))
-        return stress->count == STRESS_MOST
-                   ? error_set(error, ERROR_COMMAND, "the scene has too many parameters: more than %d cases",
-                               STRESS_MOST)
+        return stress->count == STRESS_MAX
+                   ? error_set(error, ERROR_COMMAND,
+                               "the scene has too many parameters: more than %d cases", STRESS_MAX)
                    : error_memory(error);
     double *limit = malloc(((size_t)count + 1) * sizeof *limit);
     stress->row = calloc((size_t)(stress->count * count) + 1, sizeof *stress->row);
@@ -392,7 +409,7 @@ bool study_stress(const struct stress_scene *scene, const struct method *const *
         ok = bench_init(&bench, &stress->cases[c], cancel);
         bench.limit = limit;
         for (int m = 0; m < count && ok && !cancelled(cancel); m++) {
-            struct stress_row row = {.place = c, .method = methods[m]};
+            struct stress_row row = {.index = c, .method = methods[m]};
             const int64_t start = clock_ns();
             ok = run_case(&bench, m, &row);
             row.seconds = (double)(clock_ns() - start) * 1e-9;
@@ -408,7 +425,8 @@ bool study_stress(const struct stress_scene *scene, const struct method *const *
     if (!ok)
         return error_memory(error);
     return !cancelled(cancel) ||
-           error_set(error, ERROR_CANCELLED, "stopped: %d of %d cases finished", stress->rows, stress->count * count);
+           error_set(error, ERROR_CANCELLED, "stopped: %d of %d cases finished", stress->rows,
+                     stress->count * count);
 }
 
 void stress_free(struct stress *stress)

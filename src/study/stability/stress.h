@@ -5,12 +5,14 @@
 
 #include "study/compare/verify.h"
 
-/* Appends them. False: no memory, or more than STRESS_MOST. */
+/* Appends them. False: no memory, or more than STRESS_MAX. */
 bool stress_scene_cases(struct stress *stress, const struct stress_scene *of);
 /* The scene as the case has it; false: a parameter cannot be that. */
 bool stress_scene_set(const struct stress_case *what, struct scene *scene, struct error *error);
-/* [s] largest stable step of the fastest of these states [states][n], else its time constant; infinite: they have none.
+/* [s] largest stable step of the fastest of these states [states][n], else its time constant;
+ * infinite: they have none.
  */
-double stress_limit(const struct system *system, const double *y, int states, int every, const struct method *method);
+double stress_limit(const struct system *system, const double *y, int states, int every,
+                    const struct method *method);
 
 #endif

@@ -5,10 +5,10 @@
 #include <math.h>
 #include <string.h>
 
-static struct stress_case *add(struct stress *stress, const struct stress_scene *of, const char *name,
-                               const struct buffer *brief)
+static struct stress_case *add(struct stress *stress, const struct stress_scene *of,
+                               const char *name, const struct buffer *brief)
 {
-    if (stress->count == STRESS_MOST)
+    if (stress->count == STRESS_MAX)
         return NULL;
     struct stress_case *what = &stress->cases[stress->count];
     *what = (struct stress_case){.name = arena_text(&stress->text, text_of(name)),
@@ -29,7 +29,8 @@ static void add_steps(struct stress *stress, const struct stress_scene *of)
         buffer_put(&name, TEXT("dt x "));
         buffer_short(&name, factors[i], 4);
         buffer_put(&brief, TEXT("of the method's limit, or of the fastest time constant"));
-        struct stress_case *what = name.failed || brief.failed ? NULL : add(stress, of, name.data, &brief);
+        struct stress_case *what =
+            name.failed || brief.failed ? NULL : add(stress, of, name.data, &brief);
         if (what) {
             what->change = STRESS_STEP;
             what->fixed = true;
@@ -40,25 +41,26 @@ static void add_steps(struct stress *stress, const struct stress_scene *of)
     }
 }
 
-static void add_param(struct stress *stress, const struct stress_scene *of, int place)
+static void add_param(struct stress *stress, const struct stress_scene *of, int index)
 {
     static const struct {
         const char *sign;
         double factor;
     } change[] = {{" x 1e-6", 1e-6}, {" x 1e6", 1e6}, {" = 0", 0}, {" x -1", -1}};
-    const struct row *row = catalog_row(scene_params(of->scene), (size_t)place);
+    const struct row *row = catalog_row(scene_params(of->scene), (size_t)index);
     for (size_t i = 0; i < COUNT_OF(change); i++) {
-        const double value = of->scene->value[place] * change[i].factor;
+        const double value = of->scene->value[index] * change[i].factor;
         struct buffer name = {0}, brief = {0};
         buffer_format(&name, "%s%s", row->name, change[i].sign);
         buffer_format(&brief, "%s = ", row->name);
         buffer_short(&brief, value, 6);
         if (*row->unit)
             buffer_format(&brief, " %s", row->unit);
-        struct stress_case *what = name.failed || brief.failed ? NULL : add(stress, of, name.data, &brief);
+        struct stress_case *what =
+            name.failed || brief.failed ? NULL : add(stress, of, name.data, &brief);
         if (what) {
             what->change = STRESS_PARAM;
-            what->param = place;
+            what->param = index;
             what->value = value;
         }
         buffer_free(&name);
@@ -112,15 +114,18 @@ bool stress_scene_set(const struct stress_case *what, struct scene *scene, struc
         if (!of->start[i])
             continue;
         first = i;
-        if (scene->value[i] != 0 && ++moved && !scene_set(scene, i, (struct measured){what->value, 0}, error))
+        if (scene->value[i] != 0 && ++moved &&
+            !scene_set(scene, i, (struct measured){what->value, 0}, error))
             return false;
     }
-    return moved > 0 || first < 0 || scene_set(scene, first, (struct measured){what->value, 0}, error);
+    return moved > 0 || first < 0 ||
+           scene_set(scene, first, (struct measured){what->value, 0}, error);
 }
 
-double stress_limit(const struct system *system, const double *y, int states, int every, const struct method *method)
+double stress_limit(const struct system *system, const double *y, int states, int every,
+                    const struct method *method)
 {
-    const struct contender by = {.method = method};
+    const struct method_choice by = {.method = method};
     struct mode fastest = {0};
     for (int k = 0; k < states; k += every) {
         struct mode mode[LIMIT_VARIABLES];
@@ -131,5 +136,7 @@ double stress_limit(const struct system *system, const double *y, int states, in
                 fastest = mode[i];
     }
     const double limit = fastest.omega > 0 ? mode_limit(&by, &fastest) : HUGE_VAL;
-    return limit > 0 && isfinite(limit) ? limit : 1 / fastest.omega; /* 0, NaN: no step is better than another */
+    return limit > 0 && isfinite(limit)
+               ? limit
+               : 1 / fastest.omega; /* 0, NaN: no step is better than another */
 }

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Points of a sweep in lanes: gathered until they are as many as there are lanes, stepped and watched side by side. */
+/* Points of a sweep in lanes: gathered until they are as many as there are lanes, stepped and
+ * watched side by side. */
 #include "study/sweep/sweep.h"
 
 #include <string.h>
@@ -24,8 +25,8 @@ static bool finish_lane(const struct sweep_worker *worker, int lane, double *y, 
     return ok;
 }
 
-static double lane_measure(const struct sweep_worker *worker, int lane, const struct sweep_measure *measure,
-                           const double *y, int64_t evals)
+static double lane_measure(const struct sweep_worker *worker, int lane,
+                           const struct sweep_measure *measure, const double *y, int64_t evals)
 {
     const struct sweep_job *job = worker->job;
     const struct system *system = &worker->system[lane];
@@ -39,7 +40,8 @@ static double lane_measure(const struct sweep_worker *worker, int lane, const st
         return (double)evals;
     case SWEEP_OBSERVABLE:
         return observable_defined(measure->observable, system, false)
-                   ? measure->observable->value(&(struct sample){.t = end, .y = y, .system = system})
+                   ? measure->observable->value(
+                         &(struct sample){.t = end, .y = y, .system = system})
                    : NAN;
     default:
         return sweep_measured(measure, system, end, y);
@@ -76,12 +78,14 @@ static void speeds_at_end(const struct sweep_worker *worker, double end, double 
 }
 
 /* One row after another: whose velocity has changed its sign? before: the row before these. */
-static void watch_lanes(struct sweep_worker *worker, const double *before, int64_t first, int64_t count)
+static void watch_lanes(struct sweep_worker *worker, const double *before, int64_t first,
+                        int64_t count)
 {
     const double t0 = worker->system[0].t0, h = worker->job->request->settings.dt;
     const bool ends = first + count == worker->job->whole && worker->job->rest == 0;
     if (ends && worker->system[0].order == 1)
-        speeds_at_end(worker, t0 + worker->job->request->duration, worker->row + (2 * count - 1) * LANES);
+        speeds_at_end(worker, t0 + worker->job->request->duration,
+                      worker->row + (2 * count - 1) * LANES);
     for (int64_t i = 0; i < count; i++) {
         const double *row = worker->row + i * 2 * LANES;
         uint64_t turned = 0;
@@ -92,12 +96,12 @@ static void watch_lanes(struct sweep_worker *worker, const double *before, int64
             turned |= a ^ b;
         }
         const double from = t0 + (double)(first + i) * h;
-        const double to =
-            ends && i == count - 1 ? t0 + worker->job->request->duration : t0 + (double)(first + i + 1) * h;
+        const double to = ends && i == count - 1 ? t0 + worker->job->request->duration
+                                                 : t0 + (double)(first + i + 1) * h;
         for (int lane = 0; lane < worker->used && turned >> 63; lane++)
             if (watch_turns(before[LANES + lane], row[LANES + lane]))
-                watch_turn(&worker->watch[lane], from, before[lane], before[LANES + lane], to, row[lane],
-                           row[LANES + lane]);
+                watch_turn(&worker->watch[lane], from, before[lane], before[LANES + lane], to,
+                           row[lane], row[LANES + lane]);
         before = row;
     }
 }
@@ -105,7 +109,8 @@ static void watch_lanes(struct sweep_worker *worker, const double *before, int64
 /* The first step at whose end the window is open. */
 static int64_t opening_step(const struct sweep_worker *worker)
 {
-    const double t0 = worker->system[0].t0, h = worker->job->request->settings.dt, opens = t0 + worker->job->opens;
+    const double t0 = worker->system[0].t0, h = worker->job->request->settings.dt,
+                 opens = t0 + worker->job->opens;
     int64_t i = (int64_t)floor(worker->job->opens / h);
     while (i > 0 && t0 + (double)i * h >= opens)
         i--;
@@ -114,7 +119,7 @@ static int64_t opening_step(const struct sweep_worker *worker)
     return i < worker->job->whole ? i : worker->job->whole;
 }
 
-static int64_t least(int64_t a, int64_t b)
+static int64_t min(int64_t a, int64_t b)
 {
     return a < b ? a : b;
 }
@@ -129,8 +134,8 @@ static bool march(struct sweep_worker *worker)
         watch_begin(&worker->watch[lane], worker->system[lane].start[0]);
     for (int64_t i = 0; i < job->whole;) {
         const bool watching = job->tops || (job->watches && i >= opening);
-        const int64_t count =
-            least(i < opening ? opening - i : job->whole - i, watching ? SWEEP_ROWS : 16 * SWEEP_ROWS);
+        const int64_t count = min(i < opening ? opening - i : job->whole - i,
+                                  watching ? SWEEP_ROWS : 16 * SWEEP_ROWS);
         if (watching)
             lanes_row(worker->lanes, before);
         for (int lane = 0; lane < worker->used && watching && i == opening; lane++)
@@ -168,7 +173,8 @@ static void finish_lanes(struct sweep_worker *worker)
                          end = system->t0 + request->duration;
             if (!watch->open && (job->rest == 0 ? end : from) >= system->t0 + job->opens)
                 watch_open(watch, was[0]);
-            const double speed0 = watch_speed(system, 0, from, was), speed1 = watch_speed(system, 0, end, y);
+            const double speed0 = watch_speed(system, 0, from, was),
+                         speed1 = watch_speed(system, 0, end, y);
             if (job->rest != 0 && watch_turns(speed0, speed1))
                 watch_turn(watch, from, was[0], speed0, end, y[0], speed1);
             if (!watch->open)
@@ -183,7 +189,8 @@ static void finish_lanes(struct sweep_worker *worker)
     }
 }
 
-/* So many points take less time alone, as measured: forces of oscillators fill a vector, sines go one by one. */
+/* So many points take less time alone, as measured: forces of oscillators fill a vector, sines go
+ * one by one. */
 static int few(const struct system *system)
 {
     return system->model->typed ? 5 : system->model == &oscillator_model ? SWEEP_FEW : 20;
@@ -195,10 +202,12 @@ void sweep_flush(struct sweep_worker *worker)
     const struct system *first = &worker->system[0];
     if (worker->used == 0)
         return;
-    const bool begun = worker->used > few(first) &&
-                       lanes_begin(worker->lanes, request->method, worker->drag, first, request->settings.dt);
+    const bool begun =
+        worker->used > few(first) &&
+        lanes_begin(worker->lanes, request->method, worker->drag, first, request->settings.dt);
     for (int lane = 0; begun && lane < LANES; lane++)
-        lanes_set(worker->lanes, lane, &worker->system[lane < worker->used ? lane : worker->used - 1]);
+        lanes_set(worker->lanes, lane,
+                  &worker->system[lane < worker->used ? lane : worker->used - 1]);
     for (int lane = 0; !begun && lane < worker->used; lane++) /* few, or no memory */
         sweep_alone(worker, worker->point[lane]);
     if (begun && march(worker))
@@ -207,12 +216,13 @@ void sweep_flush(struct sweep_worker *worker)
 }
 
 /* The potential of typed forces is looked for only where somebody asks for an energy. */
-static bool bind_point(const struct sweep_request *request, const struct scene *scene, struct system *system,
-                       struct error *error)
+static bool bind_point(const struct sweep_request *request, const struct scene *scene,
+                       struct system *system, struct error *error)
 {
     bool energy = request->method->flags & METHOD_POTENTIAL;
     for (int m = 0; m < request->measures; m++)
-        energy |= request->measure[m].kind == SWEEP_OBSERVABLE && request->measure[m].observable->needs & NEED_ENERGY;
+        energy |= request->measure[m].kind == SWEEP_OBSERVABLE &&
+                  request->measure[m].observable->needs & NEED_ENERGY;
     return energy ? scene_bind(scene, system, error) : scene_bind_motion(scene, system, error);
 }
 
@@ -225,7 +235,8 @@ void sweep_gather(struct sweep_worker *worker, int64_t i)
     struct system *system = &worker->system[worker->used];
     enum drag drag = request->settings.drag;
     if (!sweep_point(request, job->sweep, i, &worker->scene, &worker->settings, &error) ||
-        !bind_point(request, &worker->scene, system, &error) || !method_applies(request->method, system, &drag, &error) ||
+        !bind_point(request, &worker->scene, system, &error) ||
+        !method_applies(request->method, system, &drag, &error) ||
         !method_fits(request->method, system, drag, h, &error)) {
         sweep_refuse(worker, i, &error);
         return;

@@ -18,11 +18,13 @@ bool sweep_axis_find(const struct scene *scene, struct text name, struct sweep_a
     } else if ((row = catalog_find(params, name))) {
         const struct param_row *param = (const struct param_row *)(const void *)row;
         axis->target = SWEEP_PARAM;
-        axis->place = (int)(param - (const struct param_row *)params->rows);
+        axis->index = (int)(param - (const struct param_row *)params->rows);
         axis->quantity = param->quantity;
-    } else if ((row = catalog_find(derived, name)) && ((const struct derived_row *)(const void *)row)->inverse) {
+    } else if ((row = catalog_find(derived, name)) &&
+               ((const struct derived_row *)(const void *)row)->inverse) {
         axis->target = SWEEP_DERIVED;
-        axis->place = (int)((const struct derived_row *)(const void *)row - (const struct derived_row *)derived->rows);
+        axis->index = (int)((const struct derived_row *)(const void *)row -
+                            (const struct derived_row *)derived->rows);
         axis->quantity = ((const struct derived_row *)(const void *)row)->quantity;
     } else {
         return false;
@@ -35,23 +37,28 @@ double sweep_axis_value(const struct sweep_axis *axis, int i)
 {
     if (i == 0 || axis->count < 2)
         return axis->from;
-    const double share = (double)i / (axis->count - 1);
+    const double fraction = (double)i / (axis->count - 1);
     if (i == axis->count - 1)
         return axis->to;
-    return axis->log ? axis->from * pow(axis->to / axis->from, share) : axis->from + (axis->to - axis->from) * share;
+    return axis->log ? axis->from * pow(axis->to / axis->from, fraction)
+                     : axis->from + (axis->to - axis->from) * fraction;
 }
 
 /* ---- measures ---- */
 
 static const struct row rows[] = {
-    [SWEEP_AMPLITUDE] = {"amplitude", "", "half the swing of the first variable in the last third of the duration", "",
-                         NULL},
+    [SWEEP_AMPLITUDE] = {"amplitude", "",
+                         "half the swing of the first variable in the last third of the duration",
+                         "", NULL},
     [SWEEP_PERIOD] = {"period", "", "mean time between its maxima there", "", NULL},
     [SWEEP_MEAN] = {"mean", "", "its mean over that time", "", NULL},
-    [SWEEP_MAX] = {"max", "", "its largest value from the start on; max(z) of z, and so on", "", NULL},
+    [SWEEP_MAX] = {"max", "", "its largest value from the start on; max(z) of z, and so on", "",
+                   NULL},
     [SWEEP_MIN] = {"min", "", "its smallest", "", NULL},
-    [SWEEP_ERROR] = {"error", "", "largest distance from the exact solution, over the amplitude", "", NULL},
-    [SWEEP_ENERGY_ERROR] = {"energy_error", "", "largest error of the energy balance", "", "energy-error"},
+    [SWEEP_ERROR] = {"error", "", "largest distance from the exact solution, over the amplitude",
+                     "", NULL},
+    [SWEEP_ENERGY_ERROR] = {"energy_error", "", "largest error of the energy balance", "",
+                            "energy-error"},
     [SWEEP_STEPS] = {"steps", "", "steps taken", "", NULL},
     [SWEEP_EVALS] = {"evals", "", "force evaluations", "", NULL},
     [SWEEP_REACHED] = {"reached", "", "the time reached: of what diverges, when it did", "", NULL},
@@ -71,7 +78,8 @@ static bool find_column(const struct model *model, struct text name, struct swee
         if (text_is(name, model_observed_variable(model, measure->variable).name))
             return true;
     measure->column = SWEEP_OBSERVABLE;
-    measure->observable = (const struct observable *)(const void *)catalog_find(&observable_catalog, name);
+    measure->observable =
+        (const struct observable *)(const void *)catalog_find(&observable_catalog, name);
     return measure->observable;
 }
 
@@ -86,13 +94,15 @@ static bool unknown(const struct model *model, struct text name, bool column, st
         suggestion_offer(&near, model->variable[i].name);
     for (int i = 0; i < model_observed(model); i++)
         suggestion_offer(&near, model_observed_variable(model, i).name);
-    error_at(error, name, "'%.*s' is nothing that a sweep measures", (int)(name.len < 64 ? name.len : 64), name.at);
+    error_at(error, name, "'%.*s' is nothing that a sweep measures",
+             (int)(name.len < 64 ? name.len : 64), name.at);
     suggestion_hint(&near, error);
     if (column)
-        return error_hint(error, "in parentheses stands what 'print' knows of a run: y, energy ...");
-    return error_hint(error,
-                      "measures are amplitude, period, mean, max, min (of z: max(z)), error, energy_error, steps, "
-                      "evals, reached, and what 'print' knows of a run: y, energy ...");
+        return error_hint(error,
+                          "in parentheses stands what 'print' knows of a run: y, energy ...");
+    return error_hint(error, "measures are amplitude, period, mean, max, min (of z: max(z)), "
+                             "error, energy_error, steps, "
+                             "evals, reached, and what 'print' knows of a run: y, energy ...");
 }
 
 /* max(z): the name before the parenthesis is a row that is watched. */
@@ -109,7 +119,8 @@ static bool split_watched(struct text name, const struct row **row, struct text 
     return true;
 }
 
-bool sweep_measure_find(const struct model *model, struct text name, struct sweep_measure *measure, struct error *error)
+bool sweep_measure_find(const struct model *model, struct text name, struct sweep_measure *measure,
+                        struct error *error)
 {
     const struct row *own = catalog_find(&sweep_measure_catalog, name);
     struct text of = name;
@@ -122,8 +133,10 @@ bool sweep_measure_find(const struct model *model, struct text name, struct swee
     const bool watched = split_watched(name, &own, &of);
     if (!find_column(model, of, measure))
         return unknown(model, of, watched, error);
-    if (measure->column == SWEEP_OBSERVABLE && model->order != 2 && measure->observable->needs & NEED_MECHANICS)
-        return error_at(error, of, "%.*s needs a scene with positions and velocities", (int)of.len, of.at);
+    if (measure->column == SWEEP_OBSERVABLE && model->order != 2 &&
+        measure->observable->needs & NEED_MECHANICS)
+        return error_at(error, of, "%.*s needs a scene with positions and velocities", (int)of.len,
+                        of.at);
     measure->kind = watched ? (enum sweep_kind)(own - rows) : measure->column;
     if (watched)
         snprintf(measure->name, sizeof measure->name, "%s(%.*s)", own->name, (int)of.len, of.at);

@@ -1,12 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The points of a sweep, each as a run of its own; those that go in lanes (sweep_lanes.c) get the same bits. */
+/* The points of a sweep, each as a run of its own; those that go in lanes (sweep_lanes.c) get the
+ * same bits. */
 #include "study/sweep/sweep.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-void sweep_common(const struct sweep_request *request, struct scene *scene, struct run_settings *settings)
+void sweep_common(const struct sweep_request *request, struct scene *scene,
+                  struct run_settings *settings)
 {
     *scene = *request->scene;
     *settings = request->settings;
@@ -23,7 +25,8 @@ bool sweep_worker_init(struct sweep_worker *worker, struct sweep_job *job)
         worker->lanes = lanes_create();
         worker->row = malloc((size_t)SWEEP_ROWS * 2 * LANES * sizeof *worker->row);
         worker->work =
-            malloc(method_work_size(job->request->method, job->request->scene->model->n) * sizeof *worker->work);
+            malloc(method_work_size(job->request->method, job->request->scene->model->n) *
+                   sizeof *worker->work);
     }
     if (worker->system && (!job->in_lanes || (worker->lanes && worker->row && worker->work)))
         return true;
@@ -39,17 +42,18 @@ void sweep_worker_free(struct sweep_worker *worker)
     lanes_destroy(worker->lanes);
 }
 
-static bool set_axis(const struct sweep_axis *axis, double value, struct scene *scene, struct run_settings *settings,
-                     struct error *error)
+static bool set_axis(const struct sweep_axis *axis, double value, struct scene *scene,
+                     struct run_settings *settings, struct error *error)
 {
     const struct catalog *derived = scene_derived(scene);
     switch (axis->target) {
     case SWEEP_PARAM:
-        return scene_set(scene, axis->place, (struct measured){value, 0}, error);
+        return scene_set(scene, axis->index, (struct measured){value, 0}, error);
     case SWEEP_DERIVED:
-        return scene_set_derived(scene,
-                                 (const struct derived_row *)(const void *)catalog_row(derived, (size_t)axis->place),
-                                 (struct measured){value, 0}, error);
+        return scene_set_derived(
+            scene,
+            (const struct derived_row *)(const void *)catalog_row(derived, (size_t)axis->index),
+            (struct measured){value, 0}, error);
     case SWEEP_DT:
         settings->dt = value;
         return value > 0 || error_set(error, ERROR_COMMAND, "dt must be > 0 (got %.6g s)", value);
@@ -60,12 +64,13 @@ static bool set_axis(const struct sweep_axis *axis, double value, struct scene *
     return false;
 }
 
-bool sweep_point(const struct sweep_request *request, const struct sweep *sweep, int64_t i, struct scene *scene,
-                 struct run_settings *settings, struct error *error)
+bool sweep_point(const struct sweep_request *request, const struct sweep *sweep, int64_t i,
+                 struct scene *scene, struct run_settings *settings, struct error *error)
 {
     memcpy(scene->value, request->scene->value, scene_params(scene)->count * sizeof *scene->value);
     for (int a = 0; a < request->axes; a++)
-        if (!set_axis(&request->axis[a], sweep_axis_value(&request->axis[a], (int)sweep_number(sweep, a, i)), scene,
+        if (!set_axis(&request->axis[a],
+                      sweep_axis_value(&request->axis[a], (int)sweep_number(sweep, a, i)), scene,
                       settings, error))
             return false;
     return true;
@@ -85,7 +90,8 @@ double *sweep_values(const struct sweep_worker *worker, int64_t i)
     return worker->job->sweep->value + i * worker->job->sweep->measures;
 }
 
-double sweep_measured(const struct sweep_measure *measure, const struct system *system, double t, const double *y)
+double sweep_measured(const struct sweep_measure *measure, const struct system *system, double t,
+                      const double *y)
 {
     switch (measure->kind) {
     case SWEEP_REACHED:
@@ -145,8 +151,10 @@ static bool needs_work(const struct sweep_job *job)
     bool needed = false;
     for (int m = 0; m < job->request->measures; m++) {
         const struct sweep_measure *measure = &job->request->measure[m];
-        const bool observes = measure->kind == SWEEP_OBSERVABLE || measure->column == SWEEP_OBSERVABLE;
-        needed |= measure->kind == SWEEP_ENERGY_ERROR || (observes && measure->observable->needs & NEED_WORK);
+        const bool observes =
+            measure->kind == SWEEP_OBSERVABLE || measure->column == SWEEP_OBSERVABLE;
+        needed |= measure->kind == SWEEP_ENERGY_ERROR ||
+                  (observes && measure->observable->needs & NEED_WORK);
     }
     return needed;
 }
@@ -159,8 +167,9 @@ void sweep_alone(struct sweep_worker *worker, int64_t i)
     struct run *run = NULL;
     if (sweep_point(request, job->sweep, i, &worker->scene, &worker->settings, &error)) {
         struct run_settings settings = worker->settings;
-        settings.record = needs_trace(job) ? (struct recording_rule){.rule = RECORD_AUTO, .every = 1}
-                                           : (struct recording_rule){.rule = RECORD_EVERY, .every = INT64_MAX};
+        settings.record = needs_trace(job)
+                              ? (struct recording_rule){.rule = RECORD_AUTO, .every = 1}
+                              : (struct recording_rule){.rule = RECORD_EVERY, .every = INT64_MAX};
         settings.balanced = false;
         settings.unbalanced = !needs_work(job);
         run = run_create(&worker->scene, request->method, &settings, request->duration, &error);
@@ -176,7 +185,8 @@ void sweep_alone(struct sweep_worker *worker, int64_t i)
         for (int m = 0; m < request->measures; m++) {
             const struct sweep_measure *measure = &request->measure[m];
             const bool there = run->stop == STOP_END || holds_when_failed(measure->kind);
-            sweep_values(worker, i)[m] = there ? run_measure(run, measure, run->system.t0 + job->opens) : NAN;
+            sweep_values(worker, i)[m] =
+                there ? run_measure(run, measure, run->system.t0 + job->opens) : NAN;
         }
         job->sweep->status[i] = (signed char)run->stop;
     }
@@ -188,9 +198,12 @@ void sweep_task(struct sweep_worker *worker, int64_t line, int64_t block)
 {
     const struct sweep_job *job = worker->job;
     const struct sweep *sweep = job->sweep;
-    const int64_t along = sweep->axis[job->along].count, last = sweep->axes > 1 ? sweep->axis[1].count : 1;
+    const int64_t along = sweep->axis[job->along].count,
+                  last = sweep->axes > 1 ? sweep->axis[1].count : 1;
     for (int64_t k = block * LANES; k < along && k < (block + 1) * LANES; k++) {
-        const int64_t number = sweep->axes < 2 ? k : job->along == 1 ? line * last + k : k * last + line;
+        const int64_t number = sweep->axes < 2   ? k
+                               : job->along == 1 ? line * last + k
+                                                 : k * last + line;
         const int64_t i = number - sweep->first;
         if (i < 0 || i >= sweep->count)
             continue;

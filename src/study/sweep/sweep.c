@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * A sweep over threads. Points are gathered into tasks of up to LANES neighbours; each result goes to its own place, so
- * nothing depends on who computes what. Only results are kept.
+ * A sweep over threads. Points are gathered into tasks of up to LANES neighbours; each result goes
+ * to its own place, so nothing depends on who computes what. Only results are kept.
  */
 #include "study/sweep/sweep.h"
 
@@ -11,8 +11,8 @@
 #include <time.h>
 #include <unistd.h>
 
-#define RESULTS_MOST ((size_t)1 << 30) /* [byte] */
-#define LOOK_NS 100000000              /* between calls of progress */
+#define RESULTS_MAX ((size_t)1 << 30) /* [byte] */
+#define LOOK_NS 100000000             /* between calls of progress */
 
 int64_t sweep_number(const struct sweep *sweep, int axis, int64_t i)
 {
@@ -43,20 +43,25 @@ static void place_shard(const struct sweep_request *request, struct sweep *sweep
         sweep->total *= request->axis[a].count;
     }
     /* Multiplied in double: total * shards may be more than an int64_t holds. */
-    sweep->first = (int64_t)floor((double)sweep->total * ((double)(request->shard - 1) / (double)request->shards));
+    sweep->first = (int64_t)floor((double)sweep->total *
+                                  ((double)(request->shard - 1) / (double)request->shards));
     const int64_t end = request->shard == request->shards
                             ? sweep->total
-                            : (int64_t)floor((double)sweep->total * ((double)request->shard / (double)request->shards));
+                            : (int64_t)floor((double)sweep->total *
+                                             ((double)request->shard / (double)request->shards));
     sweep->count = end - sweep->first;
 }
 
 static bool results_create(struct sweep *sweep, struct error *error)
 {
     const double bytes = (double)sweep->count * ((double)sweep->measures * sizeof(double) + 1);
-    if (bytes > (double)RESULTS_MOST) {
-        error_set(error, ERROR_COMMAND, "%lld points with %d result%s each need %.3g bytes, %zu are the most",
-                  (long long)sweep->count, sweep->measures, sweep->measures > 1 ? "s" : "", bytes, RESULTS_MOST);
-        return error_hint(error, "take fewer points, or a part: --shard 1/%.0f", ceil(bytes / (double)RESULTS_MOST));
+    if (bytes > (double)RESULTS_MAX) {
+        error_set(error, ERROR_COMMAND,
+                  "%lld points with %d result%s each need %.3g bytes, %zu are the most",
+                  (long long)sweep->count, sweep->measures, sweep->measures > 1 ? "s" : "", bytes,
+                  RESULTS_MAX);
+        return error_hint(error, "take fewer points, or a part: --shard 1/%.0f",
+                          ceil(bytes / (double)RESULTS_MAX));
     }
     const size_t n = (size_t)sweep->count;
     sweep->value = malloc((n * (size_t)sweep->measures + 1) * sizeof *sweep->value);
@@ -70,14 +75,17 @@ static bool results_create(struct sweep *sweep, struct error *error)
     return true;
 }
 
-/* Whether lanes can measure this: what they show on the way is the first variable where its velocity changes sign. */
+/* Whether lanes can measure this: what they show on the way is the first variable where its
+ * velocity changes sign. */
 static bool lane_measures(const struct sweep_measure *measure)
 {
     if (sweep_watches(measure))
-        return measure->kind != SWEEP_MEAN && measure->column == SWEEP_VARIABLE && measure->variable == 0;
+        return measure->kind != SWEEP_MEAN && measure->column == SWEEP_VARIABLE &&
+               measure->variable == 0;
     return measure->kind != SWEEP_ERROR && measure->kind != SWEEP_ENERGY_ERROR &&
            (measure->kind != SWEEP_OBSERVABLE ||
-            !(measure->observable->needs & ~(unsigned)(NEED_MECHANICS | NEED_LINE | NEED_POWER | NEED_ENERGY)));
+            !(measure->observable->needs &
+              ~(unsigned)(NEED_MECHANICS | NEED_LINE | NEED_POWER | NEED_ENERGY)));
 }
 
 /* The system at one end of an axis; false: it is refused there. */
@@ -96,20 +104,22 @@ static bool bind_end(const struct sweep_request *request, const struct sweep *sw
 static bool drives(const struct sweep_request *request, const struct sweep *sweep, int64_t end)
 {
     struct system *a = malloc(sizeof *a), *b = malloc(sizeof *b);
-    const bool differs = a && b && bind_end(request, sweep, 0, a) && bind_end(request, sweep, end, b) &&
-                         (a->oscillator.omega != b->oscillator.omega || a->oscillator.phase != b->oscillator.phase);
+    const bool differs =
+        a && b && bind_end(request, sweep, 0, a) && bind_end(request, sweep, end, b) &&
+        (a->oscillator.omega != b->oscillator.omega || a->oscillator.phase != b->oscillator.phase);
     free(a);
     free(b);
     return differs;
 }
 
-/* Along the axis that leaves the drive as it is: what depends on time alone is then computed once for many. Else along
- * the longer one. */
+/* Along the axis that leaves the drive as it is: what depends on time alone is then computed once
+ * for many. Else along the longer one. */
 static int choose_along(const struct sweep_request *request, const struct sweep *sweep)
 {
     if (request->axes < 2)
         return 0;
-    const int count[] = {request->axis[0].count, request->axis[1].count}, longer = count[0] <= count[1];
+    const int count[] = {request->axis[0].count, request->axis[1].count},
+              longer = count[0] <= count[1];
     const bool first = drives(request, sweep, (int64_t)(count[0] - 1) * count[1]);
     const bool second = drives(request, sweep, count[1] - 1);
     return first == second || count[first] <= SWEEP_FEW ? longer : first;
@@ -135,8 +145,9 @@ static void choose_lanes(struct sweep_job *job, struct plan *plan)
     struct system *system = malloc(sizeof *system);
     struct error ignored = {0};
     *plan = (struct plan){.steps = NAN, .seconds = NAN};
-    const bool planned = system && bind_end(request, job->sweep, job->sweep->first, system) &&
-                         plan_make(system, request->method, settings, request->duration, plan, &ignored);
+    const bool planned =
+        system && bind_end(request, job->sweep, job->sweep->first, system) &&
+        plan_make(system, request->method, settings, request->duration, plan, &ignored);
     bool possible = planned && !settings->compensated && settings->kernel != KERNEL_GENERAL &&
                     !(settings->tol > 0 && request->method->flags & METHOD_ADAPTIVE);
     for (int a = 0; a < request->axes; a++)
@@ -238,7 +249,8 @@ static bool run_workers(struct sweep_job *job, struct error *error)
     if (!helper)
         return error_memory(error);
     for (; ready < count && sweep_worker_init(&helper[ready].worker, job); ready++)
-        helper[ready].running = pthread_create(&helper[ready].thread, NULL, help, &helper[ready]) == 0;
+        helper[ready].running =
+            pthread_create(&helper[ready].thread, NULL, help, &helper[ready]) == 0;
     for (int i = 0; i < ready; i++)
         sweep->threads += helper[i].running;
     if (sweep->threads > 0)
@@ -255,9 +267,11 @@ static bool run_workers(struct sweep_job *job, struct error *error)
     return ready > 0 || error_memory(error);
 }
 
-static struct sweep_job job_of(const struct sweep_request *request, struct sweep *sweep, struct plan *plan)
+static struct sweep_job job_of(const struct sweep_request *request, struct sweep *sweep,
+                               struct plan *plan)
 {
-    struct sweep_job job = {.request = request, .sweep = sweep, .opens = request->duration * (2.0 / 3)};
+    struct sweep_job job = {
+        .request = request, .sweep = sweep, .opens = request->duration * (2.0 / 3)};
     for (int m = 0; m < request->measures; m++) {
         job.tops |= request->measure[m].kind == SWEEP_MAX || request->measure[m].kind == SWEEP_MIN;
         job.watches |= sweep_watches(&request->measure[m]);
@@ -278,7 +292,8 @@ void study_sweep_predict(const struct sweep_request *request, double *steps, dou
     place_shard(request, &sweep);
     const struct sweep_job job = job_of(request, &sweep, &plan);
     const bool lanes = job.in_lanes && sweep.count > SWEEP_FEW && lanes_go(request, &sweep);
-    const double each = lanes ? plan.seconds / LANES_GAIN + NS_IN_LANES * 1e-9 : plan.seconds + NS_ALONE * 1e-9;
+    const double each =
+        lanes ? plan.seconds / LANES_GAIN + NS_IN_LANES * 1e-9 : plan.seconds + NS_ALONE * 1e-9;
     *steps = plan.steps * (double)sweep.count;
     *seconds = each * (double)sweep.count / thread_count(request, sweep.count);
 }

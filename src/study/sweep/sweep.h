@@ -7,8 +7,8 @@
 
 /* ---- watching a trajectory go by (sweep_watch.c) ----
  *
- * Extremes of a column are where its velocity changes sign: placed by a line through the velocities, their value by the
- * cubic through both ends.
+ * Extremes of a column are where its velocity changes sign: placed by a line through the
+ * velocities, their value by the cubic through both ends.
  */
 struct watch {
     double top, bottom; /* largest and smallest value so far */
@@ -22,7 +22,8 @@ struct watch {
 void watch_begin(struct watch *watch, double y);
 void watch_open(struct watch *watch, double y);
 /* The velocity changed its sign between two states. */
-void watch_turn(struct watch *watch, double t0, double y0, double v0, double t1, double y1, double v1);
+void watch_turn(struct watch *watch, double t0, double y0, double v0, double t1, double y1,
+                double v1);
 void watch_end(struct watch *watch, double y);
 double watch_value(const struct watch *watch, enum sweep_kind kind);
 double watch_speed(const struct system *system, int variable, double t, const double *y);
@@ -38,7 +39,8 @@ static inline bool watch_turns(double v0, double v1)
 
 enum {
     SWEEP_ROWS = 64, /* steps between looks at what the lanes do */
-    SWEEP_FEW = 3    /* so many points take less time alone than in lanes, most of which would stand empty */
+    SWEEP_FEW =
+        3 /* so many points take less time alone than in lanes, most of which would stand empty */
 };
 
 struct sweep_job {
@@ -78,14 +80,18 @@ bool sweep_worker_init(struct sweep_worker *worker, struct sweep_job *job);
 void sweep_worker_free(struct sweep_worker *worker);
 void sweep_task(struct sweep_worker *worker, int64_t line, int64_t block);
 /* What all points have in common. */
-void sweep_common(const struct sweep_request *request, struct scene *scene, struct run_settings *settings);
-/* Makes that, or another point's, the scene and the settings of this point; false: refused, with the reason. */
-bool sweep_point(const struct sweep_request *request, const struct sweep *sweep, int64_t i, struct scene *scene,
-                 struct run_settings *settings, struct error *error);
+void sweep_common(const struct sweep_request *request, struct scene *scene,
+                  struct run_settings *settings);
+/* Makes that, or another point's, the scene and the settings of this point; false: refused, with
+ * the reason. */
+bool sweep_point(const struct sweep_request *request, const struct sweep *sweep, int64_t i,
+                 struct scene *scene, struct run_settings *settings, struct error *error);
 void sweep_refuse(struct sweep_worker *worker, int64_t i, const struct error *error);
-double *sweep_values(const struct sweep_worker *worker, int64_t i); /* [measures] results of point i */
+double *sweep_values(const struct sweep_worker *worker,
+                     int64_t i); /* [measures] results of point i */
 /* What depends on the state at the end only; of other kinds NAN. */
-double sweep_measured(const struct sweep_measure *measure, const struct system *system, double t, const double *y);
+double sweep_measured(const struct sweep_measure *measure, const struct system *system, double t,
+                      const double *y);
 void sweep_alone(struct sweep_worker *worker, int64_t i); /* point i, as a run of its own */
 
 /* ---- in lanes (sweep_lanes.c) ---- */

@@ -19,10 +19,12 @@ void watch_open(struct watch *watch, double y)
 static double between(double h, double y0, double v0, double y1, double v1, double theta)
 {
     const double rise = y1 - y0, rest = 1 - theta;
-    return rest * y0 + theta * y1 + theta * rest * ((1 - 2 * theta) * -rise + rest * h * v0 - theta * h * v1);
+    return rest * y0 + theta * y1 +
+           theta * rest * ((1 - 2 * theta) * -rise + rest * h * v0 - theta * h * v1);
 }
 
-void watch_turn(struct watch *watch, double t0, double y0, double v0, double t1, double y1, double v1)
+void watch_turn(struct watch *watch, double t0, double y0, double v0, double t1, double y1,
+                double v1)
 {
     if (v0 == v1) /* both 0 */
         return;
@@ -125,8 +127,8 @@ double watch_run(const struct run *run, const struct sweep_measure *measure, dou
     for (size_t i = 0; there && i < n; i++) {
         const double *state = trace_state(trace, i);
         const double t1 = trace_time(trace, i), y1 = column ? column[i] : state[measure->variable];
-        const double v1 =
-            column ? column_speed(trace, column, n, i) : watch_speed(&run->system, measure->variable, t1, state);
+        const double v1 = column ? column_speed(trace, column, n, i)
+                                 : watch_speed(&run->system, measure->variable, t1, state);
         if (i == 0)
             watch_begin(&watch, y1);
         else if (watch_turns(v0, v1))

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * The NIST Statistical Reference Datasets for nonlinear regression, both starts of each, typed as formulas: correct
- * digits of the worst parameter (log relative error against the certified values), and standard deviations. HOOKE_NIST
- * says where the files are.
+ * The NIST Statistical Reference Datasets for nonlinear regression, both starts of each, typed as
+ * formulas: correct digits of the worst parameter (log relative error against the certified
+ * values), and standard deviations. HOOKE_NIST says where the files are.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -27,8 +27,9 @@ static const struct {
     {"Chwirut1", "exp(-b1*t)/(b2+b3*t)"},
     {"Chwirut2", "exp(-b1*t)/(b2+b3*t)"},
     {"DanWood", "b1*t^b2"},
-    {"ENSO", "b1+b2*cos(2*pi*t/12)+b3*sin(2*pi*t/12)+b5*cos(2*pi*t/b4)+b6*sin(2*pi*t/b4)+b8*cos(2*pi*t/b7)"
-             "+b9*sin(2*pi*t/b7)"},
+    {"ENSO",
+     "b1+b2*cos(2*pi*t/12)+b3*sin(2*pi*t/12)+b5*cos(2*pi*t/b4)+b6*sin(2*pi*t/b4)+b8*cos(2*pi*t/b7)"
+     "+b9*sin(2*pi*t/b7)"},
     {"Eckerle4", "b1/b2*exp(-0.5*((t-b3)/b2)^2)"},
     {"Gauss1", "b1*exp(-b2*t)+b3*exp(-(t-b4)^2/b5^2)+b6*exp(-(t-b7)^2/b8^2)"},
     {"Gauss2", "b1*exp(-b2*t)+b3*exp(-(t-b4)^2/b5^2)+b6*exp(-(t-b7)^2/b8^2)"},
@@ -52,12 +53,12 @@ static const struct {
     {"Thurber", "(b1+b2*t+b3*t^2+b4*t^3)/(1+b5*t+b6*t^2+b7*t^3)"},
 };
 
-enum { ROWS_MOST = 300, FIRST_PARAMETER_LINE = 41, FIRST_DATA_LINE = 61 };
+enum { ROWS_MAX = 300, FIRST_PARAMETER_LINE = 41, FIRST_DATA_LINE = 61 };
 
 struct dataset {
     int parameters;
     double start[2][CURVE_PARAMETERS], certified[CURVE_PARAMETERS], deviation[CURVE_PARAMETERS];
-    double y[ROWS_MOST], t[ROWS_MOST], x2[ROWS_MOST];
+    double y[ROWS_MAX], t[ROWS_MAX], x2[ROWS_MAX];
     size_t n;
 };
 
@@ -68,10 +69,10 @@ static const char *folder(void)
 }
 
 /* The numbers of a line, after what is not one. */
-static int numbers(struct text line, double *out, int room)
+static int numbers(struct text line, double *out, int capacity)
 {
     int count = 0;
-    while (line.len > 0 && count < room) {
+    while (line.len > 0 && count < capacity) {
         size_t used = 0;
         double value;
         struct text rest = text_trim(line);
@@ -137,7 +138,8 @@ static struct outcome fit_dataset(size_t k, const struct dataset *set, int from,
     size_t used;
     const struct formula_column column = {"x2", set->x2};
     struct series series = {.t = set->t, .y = set->y, .n = set->n};
-    if (!formula_compile(text_of(models[k].formula), NULL, &column, 1, &arena, &formula, &used, &error))
+    if (!formula_compile(text_of(models[k].formula), NULL, &column, 1, &arena, &formula, &used,
+                         &error))
         fail_msg("%s: %s", models[k].name, error.text);
     assert_int_equal(used, strlen(models[k].formula));
     assert_int_equal(formula.parameters, set->parameters);
@@ -178,17 +180,20 @@ static void certified_values_from_both_starts(void **state)
         assert_true(set.n > 5 && set.parameters >= 2);
         for (int from = 0; from < 2; from++) {
             struct outcome o = fit_dataset(k, &set, from, 0);
-            print_message("%-9s start %d: %4.1f digits, deviations to %.1e, %s\n", models[k].name, from + 1, o.digits,
-                          o.deviation, o.said);
+            print_message("%-9s start %d: %4.1f digits, deviations to %.1e, %s\n", models[k].name,
+                          from + 1, o.digits, o.deviation, o.said);
             if (o.converged != (o.digits >= 6))
-                fail_msg("%s start %d: %.1f digits, yet: %s", models[k].name, from + 1, o.digits, o.said);
-            if (strcmp(models[k].name, "Lanczos1") != 0) /* whose residuals are the rounding of its data */
+                fail_msg("%s start %d: %.1f digits, yet: %s", models[k].name, from + 1, o.digits,
+                         o.said);
+            if (strcmp(models[k].name, "Lanczos1") !=
+                0) /* whose residuals are the rounding of its data */
                 assert_true(o.deviation < 1e-4);
             good += o.digits >= 8;
             poor += o.digits < 6;
         }
     }
-    print_message("8 digits or more: %d of %zu; fewer than 6: %d\n", good, 2 * COUNT_OF(models), poor);
+    print_message("8 digits or more: %d of %zu; fewer than 6: %d\n", good, 2 * COUNT_OF(models),
+                  poor);
     assert_true(good >= 40);
     assert_int_equal(poor, 0);
 }
@@ -207,8 +212,8 @@ static void nothing_wrong_is_called_converged(void **state)
             struct outcome o = fit_dataset(k, &set, run % 2, limits[run / 2]);
             unfinished += !o.converged;
             if (o.converged && o.digits < 6)
-                fail_msg("%s start %d, %d iterations: %.1f digits, yet: %s", models[k].name, run % 2 + 1,
-                         limits[run / 2], o.digits, o.said);
+                fail_msg("%s start %d, %d iterations: %.1f digits, yet: %s", models[k].name,
+                         run % 2 + 1, limits[run / 2], o.digits, o.said);
         }
     }
     assert_true(unfinished > 50);

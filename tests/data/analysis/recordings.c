@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Real recordings of the experiment against their reference values (found independently; the uncertainty is the largest
- * of formal error, disagreement of methods and drift between halves). The files are other people's and not part of the
- * project: HOOKE_DATA says where they are.
+ * Real recordings of the experiment against their reference values (found independently; the
+ * uncertainty is the largest of formal error, disagreement of methods and drift between halves).
+ * The files are other people's and not part of the project: HOOKE_DATA says where they are.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -21,17 +21,19 @@
 
 struct reference {
     const char *file;
-    const char *time, *value;      /* columns by number, "": choose */
-    double rate;                   /* [Hz] 0: the file has times */
-    const char *unit;              /* NULL: the file says it */
-    double mass;                   /* [kg] 0: not stated */
-    struct measured period, gamma; /* uncertainty 0: not stated (gamma: not compared where value is 0 as well) */
-    double amplitude, offset;      /* [cm] 0: not compared */
-    double halves[2];              /* gamma, 0: not stated */
-    double stiffness;              /* [N/m] 0: not stated */
+    const char *time, *value; /* columns by number, "": choose */
+    double rate;              /* [Hz] 0: the file has times */
+    const char *unit;         /* NULL: the file says it */
+    double mass;              /* [kg] 0: not stated */
+    struct measured period,
+        gamma; /* uncertainty 0: not stated (gamma: not compared where value is 0 as well) */
+    double amplitude, offset; /* [cm] 0: not compared */
+    double halves[2];         /* gamma, 0: not stated */
+    double stiffness;         /* [N/m] 0: not stated */
 };
 
-/* Amplitude and offset of the two long disk recordings are not compared: their decay is not one exponential. */
+/* Amplitude and offset of the two long disk recordings are not compared: their decay is not one
+ * exponential. */
 static const struct reference references[] = {
     {"uoft-pandhi/position data.txt",
      "",
@@ -141,16 +143,115 @@ static const struct reference references[] = {
      32.59,
      {0, 0},
      0},
-    {"phyphox-facufer9/Dinam_190g.csv", "1", "3", 0, NULL, 0, {0.44057, 2e-4}, {0, 0}, 0, 0, {0, 0}, 0},
-    {"phyphox-facufer9/Dinam_253g.csv", "1", "3", 0, NULL, 0, {0.50637, 2e-4}, {0, 0}, 0, 0, {0, 0}, 0},
-    {"phyphox-facufer9/Dinam_278g.csv", "1", "3", 0, NULL, 0, {0.52899, 2e-4}, {0, 0}, 0, 0, {0, 0}, 0},
-    {"phyphox-facufer9/Dinam_342g.csv", "1", "3", 0, NULL, 0, {0.58435, 2e-4}, {0, 0}, 0, 0, {0, 0}, 0},
-    {"tracker-jiarui/8047.txt", "1", "2", 0, "m", 0, {2.4197, 1e-3}, {0.0123, 3e-4}, 0, 0, {0, 0}, 0},
+    {"phyphox-facufer9/Dinam_190g.csv",
+     "1",
+     "3",
+     0,
+     NULL,
+     0,
+     {0.44057, 2e-4},
+     {0, 0},
+     0,
+     0,
+     {0, 0},
+     0},
+    {"phyphox-facufer9/Dinam_253g.csv",
+     "1",
+     "3",
+     0,
+     NULL,
+     0,
+     {0.50637, 2e-4},
+     {0, 0},
+     0,
+     0,
+     {0, 0},
+     0},
+    {"phyphox-facufer9/Dinam_278g.csv",
+     "1",
+     "3",
+     0,
+     NULL,
+     0,
+     {0.52899, 2e-4},
+     {0, 0},
+     0,
+     0,
+     {0, 0},
+     0},
+    {"phyphox-facufer9/Dinam_342g.csv",
+     "1",
+     "3",
+     0,
+     NULL,
+     0,
+     {0.58435, 2e-4},
+     {0, 0},
+     0,
+     0,
+     {0, 0},
+     0},
+    {"tracker-jiarui/8047.txt",
+     "1",
+     "2",
+     0,
+     "m",
+     0,
+     {2.4197, 1e-3},
+     {0.0123, 3e-4},
+     0,
+     0,
+     {0, 0},
+     0},
     {"tracker-jiarui/8055.txt", "1", "2", 0, "m", 0, {1.4276, 5e-4}, {0.0104, 0}, 0, 0, {0, 0}, 0},
-    {"semicolon-stecu/experiment_1.csv", "1", "2", 0, "mm", 0, {0.338, 4e-3}, {6.3, 0.5}, 0, 0, {0, 0}, 0},
-    {"semicolon-stecu/experiment_2.csv", "1", "2", 0, "mm", 0, {0.302, 4e-3}, {19, 0}, 0, 0, {0, 0}, 0},
-    {"semicolon-stecu/experiment_3.csv", "1", "2", 0, "mm", 0, {0.376, 4e-3}, {6.4, 0}, 0, 0, {0, 0}, 0},
-    {"vernierformat-amellinger/test1.txt", "1", "2", 0, "m", 0, {0.7366, 3.5e-3}, {0, 0}, 0, 0, {0, 0}, 0},
+    {"semicolon-stecu/experiment_1.csv",
+     "1",
+     "2",
+     0,
+     "mm",
+     0,
+     {0.338, 4e-3},
+     {6.3, 0.5},
+     0,
+     0,
+     {0, 0},
+     0},
+    {"semicolon-stecu/experiment_2.csv",
+     "1",
+     "2",
+     0,
+     "mm",
+     0,
+     {0.302, 4e-3},
+     {19, 0},
+     0,
+     0,
+     {0, 0},
+     0},
+    {"semicolon-stecu/experiment_3.csv",
+     "1",
+     "2",
+     0,
+     "mm",
+     0,
+     {0.376, 4e-3},
+     {6.4, 0},
+     0,
+     0,
+     {0, 0},
+     0},
+    {"vernierformat-amellinger/test1.txt",
+     "1",
+     "2",
+     0,
+     "m",
+     0,
+     {0.7366, 3.5e-3},
+     {0, 0},
+     0,
+     0,
+     {0, 0},
+     0},
     {"pasco-mattia04/Oscillazioni pretensionata_cd_5e7masse.csv",
      "",
      "1",
@@ -209,8 +310,9 @@ static bool present(const char *file, char *path, size_t size)
 }
 
 /* The file as a series; NULL with the error's text where it cannot be read. */
-static struct recording *read_series(const struct reference *r, const char *path, struct arena *arena,
-                                     struct series *series, struct error *error)
+static struct recording *read_series(const struct reference *r, const char *path,
+                                     struct arena *arena, struct series *series,
+                                     struct error *error)
 {
     struct load_options options = {.time = text_of(r->time),
                                    .value = text_of(r->value),
@@ -224,16 +326,18 @@ static struct recording *read_series(const struct reference *r, const char *path
     return recording;
 }
 
-static bool fit_series(const char *model, const struct series *series, struct arena *arena, struct fit *fit,
-                       struct error *error)
+static bool fit_series(const char *model, const struct series *series, struct arena *arena,
+                       struct fit *fit, struct error *error)
 {
-    const struct fit_model *row = (const struct fit_model *)(const void *)catalog_find(&fit_catalog, text_of(model));
+    const struct fit_model *row =
+        (const struct fit_model *)(const void *)catalog_find(&fit_catalog, text_of(model));
     return row && row->fit(series, arena, NULL, fit, error);
 }
 
 static int failures;
 
-static void compare(const char *file, const char *what, double value, double wanted, double tolerance)
+static void compare(const char *file, const char *what, double value, double wanted,
+                    double tolerance)
 {
     if (!(fabs(value - wanted) <= tolerance)) {
         print_error("%s: %s is %g, wanted %g +- %g\n", file, what, value, wanted, tolerance);
@@ -252,11 +356,13 @@ static void check_fit(const struct reference *r, const struct series *series, st
         return;
     }
     struct measured k = fit_stiffness(&fit, (struct measured){r->mass, 0});
-    print_message(
-        "%s: T %.6f(%.0e) gamma %.5f(%.0e) halves %.4f %.4f A %.4f c %.4f cm k %.3f, %zu of %zu rejected, %s\n",
-        r->file, fit.period.value, fit.period.uncertainty, fit.gamma.value, fit.gamma.uncertainty, fit.halves[0].value,
-        fit.halves[1].value, 100 * fit.amplitude.value, 100 * fit.offset.value, k.value, fit.rejected, series->n,
-        drag_law_name(fit.preferred) ? drag_law_name(fit.preferred) : "no law");
+    print_message("%s: T %.6f(%.0e) gamma %.5f(%.0e) halves %.4f %.4f A %.4f c %.4f cm k %.3f, %zu "
+                  "of %zu rejected, %s\n",
+                  r->file, fit.period.value, fit.period.uncertainty, fit.gamma.value,
+                  fit.gamma.uncertainty, fit.halves[0].value, fit.halves[1].value,
+                  100 * fit.amplitude.value, 100 * fit.offset.value, k.value, fit.rejected,
+                  series->n,
+                  drag_law_name(fit.preferred) ? drag_law_name(fit.preferred) : "no law");
     for (int i = 0; i < fit.warnings; i++) {
         print_message("  warning: %s\n", fit.warning[i]);
     }
@@ -366,14 +472,18 @@ static void what_the_fit_says_about_them(void **state)
         {"semicolon-stecu/experiment_1.csv", "2", 0, "mm", "model is poor"},
         {"semicolon-stecu/experiment_2.csv", "2", 0, "mm", "model is poor"},
         {"semicolon-stecu/experiment_3.csv", "2", 0, "mm", "model is poor"},
-        {"pasco-mattia04/Misure k statiche non_pretensionata.csv", "1", 100, NULL, "does not oscillate"},
+        {"pasco-mattia04/Misure k statiche non_pretensionata.csv", "1", 100, NULL,
+         "does not oscillate"},
     };
     int seen = 0;
     failures = 0;
     for (size_t i = 0; i < COUNT_OF(cases); i++) {
         char path[1024];
-        struct reference r = {
-            .file = cases[i].file, .time = "", .value = cases[i].value, .rate = cases[i].rate, .unit = cases[i].unit};
+        struct reference r = {.file = cases[i].file,
+                              .time = "",
+                              .value = cases[i].value,
+                              .rate = cases[i].rate,
+                              .unit = cases[i].unit};
         struct arena arena = {0};
         struct series series;
         struct error error = {0};
@@ -383,8 +493,8 @@ static void what_the_fit_says_about_them(void **state)
         }
         seen++;
         struct recording *recording = read_series(&r, path, &arena, &series, &error);
-        bool said =
-            recording && !fit_series("damped", &series, &arena, &fit, &error) && strstr(error.text, cases[i].says);
+        bool said = recording && !fit_series("damped", &series, &arena, &fit, &error) &&
+                    strstr(error.text, cases[i].says);
         for (int k = 0; k < fit.warnings; k++) {
             said |= strstr(fit.warning[k], cases[i].says) != NULL;
         }
@@ -403,10 +513,11 @@ static void what_the_fit_says_about_them(void **state)
 }
 
 /*
- * With the disk the decay is no single exponential: linear drag alone is refuted wherever the record is long. The
- * period falls with the amplitude, so that a spring that softens (the same in both long recordings) explains what a
- * linear one leaves; under it the longest names its law. In the others a further term may take a fifth of the loss or
- * more: what is known is which laws remain.
+ * With the disk the decay is no single exponential: linear drag alone is refuted wherever the
+ * record is long. The period falls with the amplitude, so that a spring that softens (the same in
+ * both long recordings) explains what a linear one leaves; under it the longest names its law. In
+ * the others a further term may take a fifth of the loss or more: what is known is which laws
+ * remain.
  */
 static void long_recordings_show_the_law(void **state)
 {
@@ -415,10 +526,15 @@ static void long_recordings_show_the_law(void **state)
         const char *file;
         enum drag_law preferred, remains;
         double beta[2]; /* [1/(s m)^2] */
-    } cases[] = {
-        {"uoft-pandhi/damped position.txt", LAW_LINEAR | LAW_QUADRATIC, LAW_LINEAR | LAW_QUADRATIC, {-110, -75}},
-        {"uoft-travelwithwind/position_damped.txt", LAW_UNDECIDED, LAW_LINEAR | LAW_QUADRATIC, {-90, -55}},
-        {"uoft-pankaj/damped_point_data.txt", LAW_UNDECIDED, LAW_QUADRATIC, {-700, -50}}};
+    } cases[] = {{"uoft-pandhi/damped position.txt",
+                  LAW_LINEAR | LAW_QUADRATIC,
+                  LAW_LINEAR | LAW_QUADRATIC,
+                  {-110, -75}},
+                 {"uoft-travelwithwind/position_damped.txt",
+                  LAW_UNDECIDED,
+                  LAW_LINEAR | LAW_QUADRATIC,
+                  {-90, -55}},
+                 {"uoft-pankaj/damped_point_data.txt", LAW_UNDECIDED, LAW_QUADRATIC, {-700, -50}}};
     int found = 0;
     for (size_t i = 0; i < COUNT_OF(cases); i++) {
         char path[4096];
@@ -431,7 +547,8 @@ static void long_recordings_show_the_law(void **state)
         struct fit fit;
         const struct reference any = {.time = "", .value = ""};
         struct recording *recording = read_series(&any, path, &arena, &series, &error);
-        const struct fit_model *row = (const struct fit_model *)(const void *)catalog_find(&fit_catalog, TEXT("law"));
+        const struct fit_model *row =
+            (const struct fit_model *)(const void *)catalog_find(&fit_catalog, TEXT("law"));
         if (!recording || !row->fit(&series, &arena, NULL, &fit, &error)) {
             fail_msg("%s: %s", cases[i].file, error.text);
         }
@@ -439,8 +556,11 @@ static void long_recordings_show_the_law(void **state)
         assert_int_equal(fit.preferred, cases[i].preferred);
         assert_true(fit.drag.remaining >> (cases[i].remains - 1) & 1);
         assert_int_equal(fit.drag.forces_remaining, 1u << RESTORING_CUBIC);
-        assert_in_range(1000 + (int)fit.drag.cubic.value, 1000 + (int)cases[i].beta[0], 1000 + (int)cases[i].beta[1]);
-        assert_true(fit.drag.candidate[0].bic - fmin(fit.drag.candidate[1].bic, fit.drag.candidate[2].bic) > 20);
+        assert_in_range(1000 + (int)fit.drag.cubic.value, 1000 + (int)cases[i].beta[0],
+                        1000 + (int)cases[i].beta[1]);
+        assert_true(fit.drag.candidate[0].bic -
+                        fmin(fit.drag.candidate[1].bic, fit.drag.candidate[2].bic) >
+                    20);
         found++;
         arena_reset(&arena);
         recording_destroy(recording);

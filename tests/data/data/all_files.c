@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * The real recordings, where HOOKE_DATA has them: each is read with the right columns, units, rows and rate, or refused
- * for the right reason. They belong to others and are not part of the project.
+ * The real recordings, where HOOKE_DATA has them: each is read with the right columns, units, rows
+ * and rate, or refused for the right reason. They belong to others and are not part of the project.
  */
 #include <unit/data/fixture.h>
 
@@ -35,99 +35,114 @@ static const struct expected {
     char separator, decimal;
     int header_lines;
 } readable[] = {
-    {"uoft-pandhi/position data.txt", "", "motion-sensor", "Distance", "cm", 724, 0, 0, 0.43, 7.66, 100, '\t', '.', 2},
-    {"uoft-pandhi/velocity data.txt", "", "motion-sensor", "Velocity", "cm/s", 724, 0, 1, 0.43, 7.66, 100, '\t', '.',
-     2},
-    {"uoft-pandhi/damped position.txt", "", "motion-sensor", "Distance", "cm", 12172, 0, 0, 0, 121.71, 100, '\t', '.',
-     2},
-    {"uoft-pandhi/damped velocity.txt", "", "motion-sensor", "Velocity", "cm/s", 12172, 0, 1, 0, 121.71, 100, '\t', '.',
-     2},
-    {"uoft-travelwithwind/position.txt", "", "motion-sensor", "Distance", "cm", 523, 0, 0, 0, 8.7, 60, '\t', '.', 2},
-    {"uoft-travelwithwind/velocity.txt", "", "motion-sensor", "Velocity", "cm/s", 523, 0, 1, 0, 8.7, 60, '\t', '.', 2},
-    {"uoft-travelwithwind/position_damped.txt", "", "motion-sensor", "Distance", "cm", 6479, 0, 0, 0, 107.967, 60, '\t',
-     '.', 2},
-    {"uoft-travelwithwind/velocity_damped.txt", "", "motion-sensor", "Velocity", "cm/s", 6481, 0, 1, 0, 108, 60, '\t',
-     '.', 2},
-    {"uoft-pankaj/undamped_point_data.txt", "", "motion-sensor", "Distance", "cm", 1451, 0, 0, 5.04, 19.54, 100, '\t',
-     '.', 2},
-    {"uoft-pankaj/undamped_point_data_set2.txt", "", "motion-sensor", "Distance", "cm", 978, 0, 0, 0.49, 10.26, 100,
-     '\t', '.', 2},
-    {"uoft-pankaj/damped_point_data.txt", "", "motion-sensor", "Distance", "cm", 4241, 0, 0, 6.63, 49.03, 100, '\t',
-     '.', 2},
-    {"uoft-kamjha/position_osc.txt", "", "motion-sensor", "Distance", "cm", 690, 0, 0, 1.27, 8.16, 100, '\t', '.', 2},
-    {"uoft-kamjha/velocity_osc.txt", "", "motion-sensor", "Velocity", "cm/s", 690, 0, 1, 1.27, 8.16, 100, '\t', '.', 2},
-    {"uoft-kamjha/position_drag_osc2[3835].txt", "", "motion-sensor", "Distance", "cm", 1372, 0, 0, 11.888, 22.856, 125,
-     '\t', '.', 2},
-    {"uoft-kamjha/velocity_drag_osc2[3836].txt", "", "motion-sensor", "Velocity", "cm/s", 947, 0, 1, 56.28, 63.848, 125,
-     '\t', '.', 2},
-    {"pasco-mattia04/Oscillazioni pretensionata_cd_5e7masse.csv", "rate=100", "capstone", "Position Run #1", "mm", 1875,
-     0, 0, 0, 18.74, 100, ';', ',', 1},
-    {"pasco-mattia04/Oscillazioni pretensionata_cd_5e7masse.csv", "rate=100 run=2", "capstone", "Position Run #2", "mm",
-     2384, 0, 0, 0, 23.83, 100, ';', ',', 1},
-    {"pasco-mattia04/Oscillazioni pretensionata_cd_5e7masse.csv", "rate=100 y=2", "capstone", "Position Run #2", "mm",
-     2384, 0, 0, 0, 23.83, 100, ';', ',', 1},
-    {"pasco-mattia04/Oscillazioni pretensionata_rete_5e7masse.csv", "rate=100", "capstone", "Position Run #1", "mm",
-     1993, 0, 0, 0, 19.92, 100, ';', ',', 1},
-    {"pasco-mattia04/Oscillazioni non_pretensionata_cd_3e1masse.csv", "rate=100", "capstone", "Position Run #1", "mm",
-     3058, 0, 0, 0, 30.57, 100, ';', ',', 1},
-    {"pasco-mattia04/Oscillazioni non_pretensionata_cd_3e1masse.csv", "rate=100 run=2", "capstone", "Position Run #2",
-     "mm", 2558, 0, 0, 0, 25.57, 100, ';', ',', 1},
-    {"pasco-mattia04/Oscillazioni non_pretensionata_rete_3e1masse.csv", "rate=100", "capstone", "Position Run #1", "mm",
-     3457, 0, 0, 0, 34.56, 100, ';', ',', 1},
-    {"pasco-mattia04/Forzante ad omega potenza 10e16.csv", "rate=100", "capstone", "Position Run #2", "mm", 9408, 0, 0,
-     0, 94.07, 100, ';', ',', 1},
-    {"pasco-mattia04/Forzante ad omega potenza 10e16.csv", "rate=100 run=3", "capstone", "Position Run #3", "mm", 12088,
-     0, 0, 0, 120.87, 100, ';', ',', 1},
-    {"pasco-mattia04/stima tempo caratteristico.csv", "rate=100", "capstone", "Position Run #1", "mm", 3039, 0, 0, 0,
-     30.38, 100, '\n', ',', 1},
-    {"pasco-mattia04/Misure k statiche pretensionata.csv", "rate=100", "capstone", "Position Run #1", "mm", 1048, 0, 0,
-     0, 10.47, 100, ';', ',', 1},
-    {"pasco-mattia04/Misure k statiche pretensionata.csv", "rate=100 run=3", "capstone", "Position Run #3", "mm", 1854,
-     0, 0, 0, 18.53, 100, ';', ',', 1},
-    {"pasco-mattia04/Misure k statiche non_pretensionata.csv", "rate=100", "capstone", "Position Run #1", "mm", 1275, 0,
-     0, 0, 12.74, 100, ';', ',', 1},
-    {"phyphox-facufer9/Dinam_190g.csv", "", "phyphox", "Acceleration y", "m/s^2", 500, 0, 0, 18.02134299, 30.34013492,
-     40.5, ',', '.', 1},
-    {"phyphox-facufer9/Dinam_253g.csv", "", "phyphox", "Acceleration y", "m/s^2", 500, 0, 0, 13.15808854, 25.4768881,
-     40.5, ',', '.', 1},
-    {"phyphox-facufer9/Dinam_278g.csv", "", "phyphox", "Acceleration y", "m/s^2", 500, 0, 0, 16.36748167, 28.68628289,
-     40.5, ',', '.', 1},
-    {"phyphox-facufer9/Dinam_342g.csv", "", "phyphox", "Acceleration y", "m/s^2", 500, 0, 0, 14.07157102, 26.39043075,
-     40.5, ',', '.', 1},
-    {"phyphox-facufer9/Datos_Resorte.csv", "", "phyphox", "Acceleration y", "m/s^2", 500, 0, 0, 25.35961318,
-     37.68150324, 40.5, ',', '.', 1},
-    {"phyphox-facufer9/Raw Data.csv", "", "phyphox", "Acceleration z", "m/s^2", 424, 0, 0, 0, 10.4434988, 40.5, ',',
+    {"uoft-pandhi/position data.txt", "", "motion-sensor", "Distance", "cm", 724, 0, 0, 0.43, 7.66,
+     100, '\t', '.', 2},
+    {"uoft-pandhi/velocity data.txt", "", "motion-sensor", "Velocity", "cm/s", 724, 0, 1, 0.43,
+     7.66, 100, '\t', '.', 2},
+    {"uoft-pandhi/damped position.txt", "", "motion-sensor", "Distance", "cm", 12172, 0, 0, 0,
+     121.71, 100, '\t', '.', 2},
+    {"uoft-pandhi/damped velocity.txt", "", "motion-sensor", "Velocity", "cm/s", 12172, 0, 1, 0,
+     121.71, 100, '\t', '.', 2},
+    {"uoft-travelwithwind/position.txt", "", "motion-sensor", "Distance", "cm", 523, 0, 0, 0, 8.7,
+     60, '\t', '.', 2},
+    {"uoft-travelwithwind/velocity.txt", "", "motion-sensor", "Velocity", "cm/s", 523, 0, 1, 0, 8.7,
+     60, '\t', '.', 2},
+    {"uoft-travelwithwind/position_damped.txt", "", "motion-sensor", "Distance", "cm", 6479, 0, 0,
+     0, 107.967, 60, '\t', '.', 2},
+    {"uoft-travelwithwind/velocity_damped.txt", "", "motion-sensor", "Velocity", "cm/s", 6481, 0, 1,
+     0, 108, 60, '\t', '.', 2},
+    {"uoft-pankaj/undamped_point_data.txt", "", "motion-sensor", "Distance", "cm", 1451, 0, 0, 5.04,
+     19.54, 100, '\t', '.', 2},
+    {"uoft-pankaj/undamped_point_data_set2.txt", "", "motion-sensor", "Distance", "cm", 978, 0, 0,
+     0.49, 10.26, 100, '\t', '.', 2},
+    {"uoft-pankaj/damped_point_data.txt", "", "motion-sensor", "Distance", "cm", 4241, 0, 0, 6.63,
+     49.03, 100, '\t', '.', 2},
+    {"uoft-kamjha/position_osc.txt", "", "motion-sensor", "Distance", "cm", 690, 0, 0, 1.27, 8.16,
+     100, '\t', '.', 2},
+    {"uoft-kamjha/velocity_osc.txt", "", "motion-sensor", "Velocity", "cm/s", 690, 0, 1, 1.27, 8.16,
+     100, '\t', '.', 2},
+    {"uoft-kamjha/position_drag_osc2[3835].txt", "", "motion-sensor", "Distance", "cm", 1372, 0, 0,
+     11.888, 22.856, 125, '\t', '.', 2},
+    {"uoft-kamjha/velocity_drag_osc2[3836].txt", "", "motion-sensor", "Velocity", "cm/s", 947, 0, 1,
+     56.28, 63.848, 125, '\t', '.', 2},
+    {"pasco-mattia04/Oscillazioni pretensionata_cd_5e7masse.csv", "rate=100", "capstone",
+     "Position Run #1", "mm", 1875, 0, 0, 0, 18.74, 100, ';', ',', 1},
+    {"pasco-mattia04/Oscillazioni pretensionata_cd_5e7masse.csv", "rate=100 run=2", "capstone",
+     "Position Run #2", "mm", 2384, 0, 0, 0, 23.83, 100, ';', ',', 1},
+    {"pasco-mattia04/Oscillazioni pretensionata_cd_5e7masse.csv", "rate=100 y=2", "capstone",
+     "Position Run #2", "mm", 2384, 0, 0, 0, 23.83, 100, ';', ',', 1},
+    {"pasco-mattia04/Oscillazioni pretensionata_rete_5e7masse.csv", "rate=100", "capstone",
+     "Position Run #1", "mm", 1993, 0, 0, 0, 19.92, 100, ';', ',', 1},
+    {"pasco-mattia04/Oscillazioni non_pretensionata_cd_3e1masse.csv", "rate=100", "capstone",
+     "Position Run #1", "mm", 3058, 0, 0, 0, 30.57, 100, ';', ',', 1},
+    {"pasco-mattia04/Oscillazioni non_pretensionata_cd_3e1masse.csv", "rate=100 run=2", "capstone",
+     "Position Run #2", "mm", 2558, 0, 0, 0, 25.57, 100, ';', ',', 1},
+    {"pasco-mattia04/Oscillazioni non_pretensionata_rete_3e1masse.csv", "rate=100", "capstone",
+     "Position Run #1", "mm", 3457, 0, 0, 0, 34.56, 100, ';', ',', 1},
+    {"pasco-mattia04/Forzante ad omega potenza 10e16.csv", "rate=100", "capstone",
+     "Position Run #2", "mm", 9408, 0, 0, 0, 94.07, 100, ';', ',', 1},
+    {"pasco-mattia04/Forzante ad omega potenza 10e16.csv", "rate=100 run=3", "capstone",
+     "Position Run #3", "mm", 12088, 0, 0, 0, 120.87, 100, ';', ',', 1},
+    {"pasco-mattia04/stima tempo caratteristico.csv", "rate=100", "capstone", "Position Run #1",
+     "mm", 3039, 0, 0, 0, 30.38, 100, '\n', ',', 1},
+    {"pasco-mattia04/Misure k statiche pretensionata.csv", "rate=100", "capstone",
+     "Position Run #1", "mm", 1048, 0, 0, 0, 10.47, 100, ';', ',', 1},
+    {"pasco-mattia04/Misure k statiche pretensionata.csv", "rate=100 run=3", "capstone",
+     "Position Run #3", "mm", 1854, 0, 0, 0, 18.53, 100, ';', ',', 1},
+    {"pasco-mattia04/Misure k statiche non_pretensionata.csv", "rate=100", "capstone",
+     "Position Run #1", "mm", 1275, 0, 0, 0, 12.74, 100, ';', ',', 1},
+    {"phyphox-facufer9/Dinam_190g.csv", "", "phyphox", "Acceleration y", "m/s^2", 500, 0, 0,
+     18.02134299, 30.34013492, 40.5, ',', '.', 1},
+    {"phyphox-facufer9/Dinam_253g.csv", "", "phyphox", "Acceleration y", "m/s^2", 500, 0, 0,
+     13.15808854, 25.4768881, 40.5, ',', '.', 1},
+    {"phyphox-facufer9/Dinam_278g.csv", "", "phyphox", "Acceleration y", "m/s^2", 500, 0, 0,
+     16.36748167, 28.68628289, 40.5, ',', '.', 1},
+    {"phyphox-facufer9/Dinam_342g.csv", "", "phyphox", "Acceleration y", "m/s^2", 500, 0, 0,
+     14.07157102, 26.39043075, 40.5, ',', '.', 1},
+    {"phyphox-facufer9/Datos_Resorte.csv", "", "phyphox", "Acceleration y", "m/s^2", 500, 0, 0,
+     25.35961318, 37.68150324, 40.5, ',', '.', 1},
+    {"phyphox-facufer9/Raw Data.csv", "", "phyphox", "Acceleration z", "m/s^2", 424, 0, 0, 0,
+     10.4434988, 40.5, ',', '.', 1},
+    {"semicolon-stecu/experiment_1.csv", "unit=mm", "hand-made", "column 2", "mm", 250, 0, 0, 0,
+     2.49, 100, ';', ',', 0},
+    {"semicolon-stecu/experiment_1-dotdecimal.csv", "unit=mm", "hand-made", "column 2", "mm", 250,
+     0, 0, 0, 2.49, 100, ';', '.', 0},
+    {"semicolon-stecu/experiment_2.csv", "unit=mm", "hand-made", "column 2", "mm", 250, 0, 0, 0,
+     2.49, 100, ';', ',', 0},
+    {"semicolon-stecu/experiment_3.csv", "unit=mm", "hand-made", "column 2", "mm", 250, 0, 0, 0,
+     2.49, 100, ';', ',', 0},
+    {"tracker-jiarui/8047.txt", "", "tracker", "x", "", 4206, 0, 0, 0, 140.22500000000002, 30, '\t',
      '.', 1},
-    {"semicolon-stecu/experiment_1.csv", "unit=mm", "hand-made", "column 2", "mm", 250, 0, 0, 0, 2.49, 100, ';', ',',
-     0},
-    {"semicolon-stecu/experiment_1-dotdecimal.csv", "unit=mm", "hand-made", "column 2", "mm", 250, 0, 0, 0, 2.49, 100,
-     ';', '.', 0},
-    {"semicolon-stecu/experiment_2.csv", "unit=mm", "hand-made", "column 2", "mm", 250, 0, 0, 0, 2.49, 100, ';', ',',
-     0},
-    {"semicolon-stecu/experiment_3.csv", "unit=mm", "hand-made", "column 2", "mm", 250, 0, 0, 0, 2.49, 100, ';', ',',
-     0},
-    {"tracker-jiarui/8047.txt", "", "tracker", "x", "", 4206, 0, 0, 0, 140.22500000000002, 30, '\t', '.', 1},
-    {"tracker-jiarui/8048.txt", "", "tracker", "x_{1}", "", 4005, 0, 0, 0, 133.52333333333334, 30, '\t', '.', 1},
-    {"tracker-jiarui/8054.txt", "", "tracker", "x_{1}", "", 4100, 0, 0, 0, 136.69000000000003, 30, '\t', '.', 2},
-    {"tracker-jiarui/8055.txt", "", "tracker", "x", "", 4223, 0, 0, 0, 140.79166666666666, 30, '\t', '.', 2},
-    {"tracker-jiarui/AAAtAmp3.txt", "", "hand-made", "column 2", "", 9944, 0, 0, 0, 331.5733333333334, 30, '\t', '.',
-     0},
-    {"tracker-jiarui/8047peaks.txt", "", "table", "amplitude", "", 58, 0, 0, 1.2, 139.1, 0.413, ' ', '.', 1},
-    {"vernierformat-amellinger/test1.txt", "", "vernier-text", "Top", "m", 400, 0, 0, 0.021, 8.1, 49.4, '\t', '.', 6},
-    {"microbit-es2/data_697.txt", "tunit=ms", "hand-made", "column 2", "", 413, 2, 0, 0.01, 9.81, 42, '\t', '.', 0},
-    {"microbit-es2/data_913.txt", "tunit=ms", "hand-made", "column 2", "", 433, 6, 0, 0, 4.976, 86.8, '\t', '.', 0},
-    {"lvm-ladisk/multi_time_column.lvm", "y=Voltage", "labview", "Voltage", "Volts", 3, 0, 0, 0, 3.90625e-5, 51200,
-     '\t', '.', 23},
-    {"lvm-ladisk/no_decimal_separator.lvm", "", "labview", "ax", "g", 4, 0, 0, 0, 7.5e-4, 4000, '\t', '.', 22},
-    {"lvm-ladisk/with_comments.lvm", "y=Volume", "labview", "Volume (ml)", "ml", 9, 0, 0, 0, 9.723275, 0.823, '\t', '.',
-     23},
-    {"lvm-ladisk/with_empty_fields.lvm", "", "labview", "Dev0/Ai0", "", 7, 0, 0, 0, 0.006, 1000, '\t', '.', 23},
-    {"lvm-ladisk/short.lvm", "", "labview", "Response (Trigger)", "m/s^2", 10, 0, 0, 0, 3.515625e-4, 25600, '\t', ',',
-     23},
-    {"lvm-ladisk/short_new_line_end.lvm", "y=2", "labview", "Excitation (Trigger)", "Newtons", 10, 0, 0, 0, 3.515625e-4,
-     25600, '\t', ',', 23},
-    {"lvm-ladisk/long_single_header_multi_ch.lvm", "", "labview", "m_2", "m/s^2", 16384, 0, 0, 0, 16.006191, 1023.54,
+    {"tracker-jiarui/8048.txt", "", "tracker", "x_{1}", "", 4005, 0, 0, 0, 133.52333333333334, 30,
+     '\t', '.', 1},
+    {"tracker-jiarui/8054.txt", "", "tracker", "x_{1}", "", 4100, 0, 0, 0, 136.69000000000003, 30,
+     '\t', '.', 2},
+    {"tracker-jiarui/8055.txt", "", "tracker", "x", "", 4223, 0, 0, 0, 140.79166666666666, 30, '\t',
+     '.', 2},
+    {"tracker-jiarui/AAAtAmp3.txt", "", "hand-made", "column 2", "", 9944, 0, 0, 0,
+     331.5733333333334, 30, '\t', '.', 0},
+    {"tracker-jiarui/8047peaks.txt", "", "table", "amplitude", "", 58, 0, 0, 1.2, 139.1, 0.413, ' ',
+     '.', 1},
+    {"vernierformat-amellinger/test1.txt", "", "vernier-text", "Top", "m", 400, 0, 0, 0.021, 8.1,
+     49.4, '\t', '.', 6},
+    {"microbit-es2/data_697.txt", "tunit=ms", "hand-made", "column 2", "", 413, 2, 0, 0.01, 9.81,
+     42, '\t', '.', 0},
+    {"microbit-es2/data_913.txt", "tunit=ms", "hand-made", "column 2", "", 433, 6, 0, 0, 4.976,
+     86.8, '\t', '.', 0},
+    {"lvm-ladisk/multi_time_column.lvm", "y=Voltage", "labview", "Voltage", "Volts", 3, 0, 0, 0,
+     3.90625e-5, 51200, '\t', '.', 23},
+    {"lvm-ladisk/no_decimal_separator.lvm", "", "labview", "ax", "g", 4, 0, 0, 0, 7.5e-4, 4000,
      '\t', '.', 22},
+    {"lvm-ladisk/with_comments.lvm", "y=Volume", "labview", "Volume (ml)", "ml", 9, 0, 0, 0,
+     9.723275, 0.823, '\t', '.', 23},
+    {"lvm-ladisk/with_empty_fields.lvm", "", "labview", "Dev0/Ai0", "", 7, 0, 0, 0, 0.006, 1000,
+     '\t', '.', 23},
+    {"lvm-ladisk/short.lvm", "", "labview", "Response (Trigger)", "m/s^2", 10, 0, 0, 0, 3.515625e-4,
+     25600, '\t', ',', 23},
+    {"lvm-ladisk/short_new_line_end.lvm", "y=2", "labview", "Excitation (Trigger)", "Newtons", 10,
+     0, 0, 0, 3.515625e-4, 25600, '\t', ',', 23},
+    {"lvm-ladisk/long_single_header_multi_ch.lvm", "", "labview", "m_2", "m/s^2", 16384, 0, 0, 0,
+     16.006191, 1023.54, '\t', '.', 22},
 };
 
 static const struct {
@@ -155,16 +170,21 @@ static void recordings_are_read(void **state)
         size_t missing = 0;
         for (size_t row = 0; row < r->rows; row++)
             missing += isnan(r->y[row]) ? 1 : 0;
-        if (strcmp(r->format, e->format) || strcmp(value->name, e->value) || strcmp(value->unit, e->unit))
+        if (strcmp(r->format, e->format) || strcmp(value->name, e->value) ||
+            strcmp(value->unit, e->unit))
             fail_msg("%s: read as %s, %s [%s]", e->file, r->format, value->name, value->unit);
-        if (e->rows > 0 && (r->rows != e->rows || r->dropped != e->dropped || missing != e->missing))
-            fail_msg("%s: %zu rows, %zu dropped, %zu missing", e->file, r->rows, r->dropped, missing);
+        if (e->rows > 0 &&
+            (r->rows != e->rows || r->dropped != e->dropped || missing != e->missing))
+            fail_msg("%s: %zu rows, %zu dropped, %zu missing", e->file, r->rows, r->dropped,
+                     missing);
         if (e->rows > 0 && (!near(r->t[0], e->t0, 1e-9) || !near(r->t[r->rows - 1], e->t1, 1e-9)))
             fail_msg("%s: %.17g to %.17g s", e->file, r->t[0], r->t[r->rows - 1]);
         if (!near(r->rate, e->rate, 1e-3 * e->rate))
             fail_msg("%s: %.17g Hz", e->file, r->rate);
-        if (r->separator != e->separator || r->decimal != e->decimal || r->header_lines != e->header_lines)
-            fail_msg("%s: separator %d decimal %c header %d", e->file, r->separator, r->decimal, r->header_lines);
+        if (r->separator != e->separator || r->decimal != e->decimal ||
+            r->header_lines != e->header_lines)
+            fail_msg("%s: separator %d decimal %c header %d", e->file, r->separator, r->decimal,
+                     r->header_lines);
         recording_destroy(r);
     }
 }
@@ -185,7 +205,8 @@ static void the_rest_is_refused_with_a_reason(void **state)
     }
 }
 
-/* The lab's own files need nothing said but for the missing first velocity; the micro:bit's faults are all said. */
+/* The lab's own files need nothing said but for the missing first velocity; the micro:bit's faults
+ * are all said. */
 static void warnings_are_to_the_point(void **state)
 {
     (void)state;
@@ -222,7 +243,8 @@ static bool is_expected(const char *file)
     return false;
 }
 
-/* No file lies there that the tables above leave out, but for its provenance, which is prose and no table. */
+/* No file lies there that the tables above leave out, but for its provenance, which is prose and no
+ * table. */
 static void every_file_is_expected(void **state)
 {
     (void)state;
@@ -302,7 +324,8 @@ static void values_have_the_right_size(void **state)
             mean += series.y[k] / (double)series.n;
         for (size_t k = 0; k < series.n; k++)
             squares += (series.y[k] - mean) * (series.y[k] - mean) / (double)series.n;
-        /* The amplitude of a sine is sqrt 2 times its standard deviation; sway, decay and outliers make up 10 %. */
+        /* The amplitude of a sine is sqrt 2 times its standard deviation; sway, decay and outliers
+         * make up 10 %. */
         if (!near(mean, cases[i].offset, 0.1 * cases[i].amplitude) ||
             !near(sqrt(2 * squares), cases[i].amplitude, 0.1 * cases[i].amplitude))
             fail_msg("%s: offset %g m, amplitude %g m", cases[i].file, mean, sqrt(2 * squares));
@@ -314,9 +337,12 @@ static void values_have_the_right_size(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(recordings_are_read),          cmocka_unit_test(the_rest_is_refused_with_a_reason),
-        cmocka_unit_test(warnings_are_to_the_point),    cmocka_unit_test(every_file_is_expected),
-        cmocka_unit_test(both_forms_of_a_series_agree), cmocka_unit_test(values_have_the_right_size),
+        cmocka_unit_test(recordings_are_read),
+        cmocka_unit_test(the_rest_is_refused_with_a_reason),
+        cmocka_unit_test(warnings_are_to_the_point),
+        cmocka_unit_test(every_file_is_expected),
+        cmocka_unit_test(both_forms_of_a_series_agree),
+        cmocka_unit_test(values_have_the_right_size),
     };
     return cmocka_run_group_tests(tests, fixture_setup, fixture_teardown);
 }

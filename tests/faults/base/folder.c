@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * The promise of the folder writer, "the old folder or the new one, whole", while each of its system calls fails, is
- * cut short or is the last one that the program makes; and that it never removes what is not its own.
+ * The promise of the folder writer, "the old folder or the new one, whole", while each of its
+ * system calls fails, is cut short or is the last one that the program makes; and that it never
+ * removes what is not its own.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -95,7 +96,8 @@ static bool put(const char *path, char letter, struct write_policy policy, struc
     return folder_commit(&folder, error);
 }
 
-/* The one letter that all files of the folder consist of; 0: there is no folder. Anything else is a failure. */
+/* The one letter that all files of the folder consist of; 0: there is no folder. Anything else is a
+ * failure. */
 static char letter_of(const char *path)
 {
     char letter = '\0', name[64];
@@ -118,7 +120,8 @@ static char letter_of(const char *path)
 static const struct scenario {
     const char *name;
     bool replace, no_exchange;
-} scenarios[] = {{"create", false, false}, {"replace", true, false}, {"replace in turn", true, true}};
+} scenarios[] = {
+    {"create", false, false}, {"replace", true, false}, {"replace in turn", true, true}};
 
 static void prepare(const struct scenario *scenario, enum fault_kind kind, int at, int number)
 {
@@ -139,14 +142,16 @@ static void prepare(const struct scenario *scenario, enum fault_kind kind, int a
 static void every_call_fails(void **state)
 {
     (void)state;
-    static const int numbers[] = {ENOSPC, EIO, EDQUOT, EMFILE, EACCES, EINTR, EROFS, EEXIST, EINVAL};
+    static const int numbers[] = {ENOSPC, EIO,   EDQUOT, EMFILE, EACCES,
+                                  EINTR,  EROFS, EEXIST, EINVAL};
     for (size_t s = 0; s < COUNT_OF(scenarios); s++)
         for (size_t i = 0; i < COUNT_OF(numbers); i++) {
             int failures = 0;
             for (int at = 0;; at++) {
                 struct error error = {0};
                 prepare(&scenarios[s], FAULT_ERRNO, at, numbers[i]);
-                const bool done = put("target", 'n', (struct write_policy){scenarios[s].replace, true}, &error);
+                const bool done =
+                    put("target", 'n', (struct write_policy){scenarios[s].replace, true}, &error);
                 const bool over = fault.calls <= at;
                 fault.kind = FAULT_NONE;
                 const char now = letter_of("target"), before = scenarios[s].replace ? 'o' : '\0';
@@ -156,12 +161,14 @@ static void every_call_fails(void **state)
                 const bool torn = done ? now != 'n' : now != before && !published;
                 const bool silent = !done && (error.code != ERROR_IO || error.text[0] == '\0');
                 /* What cannot be listed, looked at or removed stays behind, hidden. */
-                const bool cleaning = strcmp(fault.struck, "unlinkat") == 0 || strcmp(fault.struck, "openat") == 0 ||
+                const bool cleaning = strcmp(fault.struck, "unlinkat") == 0 ||
+                                      strcmp(fault.struck, "openat") == 0 ||
                                       strcmp(fault.struck, "fstatat") == 0;
                 if (torn || silent || (strays > 0 && !cleaning) || strays > 1 || (over && !done))
-                    fail_msg("%s: %s (call %d) failing with %d: done %d, folder '%c', %d strays, '%s'",
-                             scenarios[s].name, fault.struck, at, numbers[i], done, now ? now : '-', strays,
-                             error.text);
+                    fail_msg(
+                        "%s: %s (call %d) failing with %d: done %d, folder '%c', %d strays, '%s'",
+                        scenarios[s].name, fault.struck, at, numbers[i], done, now ? now : '-',
+                        strays, error.text);
                 if (over) {
                     assert_true(at > 20); /* or the faults do not reach the writer */
                     break;
@@ -178,7 +185,8 @@ static void every_write_is_cut_short(void **state)
         for (int at = 0, over = 0; !over; at++) {
             struct error error = {0};
             prepare(&scenarios[s], FAULT_SHORT, at, 0);
-            assert_true(put("target", 'n', (struct write_policy){scenarios[s].replace, true}, &error));
+            assert_true(
+                put("target", 'n', (struct write_policy){scenarios[s].replace, true}, &error));
             over = fault.calls <= at;
             assert_int_equal(letter_of("target"), 'n');
         }
@@ -197,14 +205,18 @@ static void every_call_is_the_last(void **state)
                 if (child == 0) {
                     struct error error;
                     fault.kind = (enum fault_kind)kind;
-                    _exit(put("target", 'n', (struct write_policy){scenarios[s].replace, true}, &error) ? 0 : 1);
+                    _exit(put("target", 'n', (struct write_policy){scenarios[s].replace, true},
+                              &error)
+                              ? 0
+                              : 1);
                 }
                 int status;
                 assert_int_equal(waitpid(child, &status, 0), child);
                 killed = WIFSIGNALED(status);
                 assert_true(killed ? WTERMSIG(status) == SIGKILL : WEXITSTATUS(status) == 0);
                 const char now = letter_of("target"), before = scenarios[s].replace ? 'o' : '\0';
-                assert_true(now == before || now == 'n' || (now == '\0' && scenarios[s].no_exchange));
+                assert_true(now == before || now == 'n' ||
+                            (now == '\0' && scenarios[s].no_exchange));
                 assert_true(killed || now == 'n');
                 seen_old = seen_old || now == before;
                 seen_new = seen_new || (killed && now == 'n');

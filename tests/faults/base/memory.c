@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Each allocation of each kind of work fails once, and from there for ever: an error or a whole result, no leak, no
- * crash. */
+/* Each allocation of each kind of work fails once, and from there for ever: an error or a whole
+ * result, no leak, no crash. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -129,7 +129,8 @@ static void every_allocation_fails(void **state)
                 const bool done = works[i].work(&error);
                 malloc_fail_at = -1;
                 if (done || error.code != ERROR_COMMAND || !strstr(error.text, "out of memory"))
-                    fail_msg("%s: allocation %ld of %ld failed unnoticed: '%s'", works[i].name, n, calls, error.text);
+                    fail_msg("%s: allocation %ld of %ld failed unnoticed: '%s'", works[i].name, n,
+                             calls, error.text);
             }
     }
 }

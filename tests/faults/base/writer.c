@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * The promise of the writer, "the old file or the new one, whole", while each of its system calls fails, is cut short
- * or is the last one that the program makes; and against full disks, folders without permission and hostile names.
+ * The promise of the writer, "the old file or the new one, whole", while each of its system calls
+ * fails, is cut short or is the last one that the program makes; and against full disks, folders
+ * without permission and hostile names.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -47,7 +48,8 @@ static int enter_folder(void **state)
     return mkdtemp(folder) && chmod(folder, 0755) == 0 && chdir(folder) == 0 ? 0 : -1;
 }
 
-/* What is in the folder besides `target` and `victim`: how many, and removes it; none may be there under another name.
+/* What is in the folder besides `target` and `victim`: how many, and removes it; none may be there
+ * under another name.
  */
 static int sweep(void)
 {
@@ -85,7 +87,8 @@ static void make(const char *path, char letter)
     assert_int_equal(fclose(file), 0);
 }
 
-/* The one letter that the whole file consists of; 0: there is no file. Anything else is a failure. */
+/* The one letter that the whole file consists of; 0: there is no file. Anything else is a failure.
+ */
 static char letter_of(const char *path)
 {
     struct buffer b = {0};
@@ -141,13 +144,16 @@ static void prepare(const struct scenario *scenario, enum fault_kind kind, int a
     fault.kind = kind;
 }
 
-/* Runs with the fault at the first, second, … call until none is struck any more; returns how many calls there were. */
-static int strike_all(const struct scenario *scenario, enum fault_kind kind, int number, int *failures)
+/* Runs with the fault at the first, second, … call until none is struck any more; returns how many
+ * calls there were. */
+static int strike_all(const struct scenario *scenario, enum fault_kind kind, int number,
+                      int *failures)
 {
     for (int at = 0;; at++) {
         struct error error = {0};
         prepare(scenario, kind, at, number);
-        const bool done = put("target", 'n', (struct write_policy){scenario->replace, true}, &error);
+        const bool done =
+            put("target", 'n', (struct write_policy){scenario->replace, true}, &error);
         const bool over = fault.calls <= at;
         fault.kind = FAULT_NONE;
         const char now = letter_of("target"), before = scenario->replace ? 'o' : '\0';
@@ -157,14 +163,18 @@ static int strike_all(const struct scenario *scenario, enum fault_kind kind, int
         const bool published = strcmp(fault.struck, "fsync") == 0 && now == 'n';
         const bool torn = done ? now != 'n' : now != before && !published;
         /* Interruptions are no failures; a file or a folder that is not on the disk is. */
-        const bool stores = strcmp(fault.struck, "fsync") == 0 || strcmp(fault.struck, "write") == 0;
-        if (kind == FAULT_ERRNO && stores && done != (number == EINTR || (number == EINVAL && now == 'n')))
-            fail_msg("%s: %s (call %d) failing with %d: done %d", scenario->name, fault.struck, at, number, done);
+        const bool stores =
+            strcmp(fault.struck, "fsync") == 0 || strcmp(fault.struck, "write") == 0;
+        if (kind == FAULT_ERRNO && stores &&
+            done != (number == EINTR || (number == EINVAL && now == 'n')))
+            fail_msg("%s: %s (call %d) failing with %d: done %d", scenario->name, fault.struck, at,
+                     number, done);
         const bool silent = !done && (error.code != ERROR_IO || error.text[0] == '\0');
         const bool littered = strays > 0 && strcmp(fault.struck, "unlinkat") != 0;
         if (torn || silent || littered || (over && !done))
-            fail_msg("%s: %s (call %d) failing with %d: done %d, file '%c', %d strays, '%s'", scenario->name,
-                     fault.struck, at, number, done, now ? now : '-', strays, error.text);
+            fail_msg("%s: %s (call %d) failing with %d: done %d, file '%c', %d strays, '%s'",
+                     scenario->name, fault.struck, at, number, done, now ? now : '-', strays,
+                     error.text);
         if (over)
             return at;
     }
@@ -173,7 +183,8 @@ static int strike_all(const struct scenario *scenario, enum fault_kind kind, int
 static void every_call_fails(void **state)
 {
     (void)state;
-    static const int numbers[] = {ENOSPC, EIO, EDQUOT, EMFILE, EACCES, EINTR, EROFS, EEXIST, EINVAL};
+    static const int numbers[] = {ENOSPC, EIO,   EDQUOT, EMFILE, EACCES,
+                                  EINTR,  EROFS, EEXIST, EINVAL};
     for (size_t s = 0; s < COUNT_OF(scenarios); s++)
         for (size_t i = 0; i < COUNT_OF(numbers); i++) {
             int failures = 0;
@@ -206,7 +217,10 @@ static void every_call_is_the_last(void **state)
                 if (child == 0) {
                     struct error error;
                     fault.kind = (enum fault_kind)kind;
-                    _exit(put("target", 'n', (struct write_policy){scenarios[s].replace, true}, &error) ? 0 : 1);
+                    _exit(put("target", 'n', (struct write_policy){scenarios[s].replace, true},
+                              &error)
+                              ? 0
+                              : 1);
                 }
                 int status;
                 assert_int_equal(waitpid(child, &status, 0), child);
@@ -223,7 +237,8 @@ static void every_call_is_the_last(void **state)
                 assert_true(strays <= 1);
             }
             if (!seen_old || !seen_new)
-                fail_msg("%s, kind %d: never seen the %s file", scenarios[s].name, kind, seen_old ? "new" : "old");
+                fail_msg("%s, kind %d: never seen the %s file", scenarios[s].name, kind,
+                         seen_old ? "new" : "old");
         }
 }
 
@@ -268,7 +283,8 @@ static void a_full_disk_is_told(void **state)
             prepare(&scenarios[s], FAULT_NONE, 0, 0);
             small = (struct rlimit){sizes[i], old.rlim_max};
             assert_int_equal(setrlimit(RLIMIT_FSIZE, &small), 0);
-            const bool done = put("target", 'n', (struct write_policy){scenarios[s].replace, false}, &error);
+            const bool done =
+                put("target", 'n', (struct write_policy){scenarios[s].replace, false}, &error);
             assert_int_equal(setrlimit(RLIMIT_FSIZE, &old), 0);
             assert_false(done);
             assert_int_equal(error.code, ERROR_IO);
@@ -288,7 +304,8 @@ static void a_folder_without_permission_is_told(void **state)
     assert_true(child >= 0);
     if (child == 0) {
         struct error error = {0};
-        if (geteuid() == 0 && (setgid(65534) != 0 || setuid(65534) != 0)) /* root may write everywhere */
+        if (geteuid() == 0 &&
+            (setgid(65534) != 0 || setuid(65534) != 0)) /* root may write everywhere */
             _exit(3);
         if (put("other", 'n', (struct write_policy){false, false}, &error) ||
             strcmp(error.text, "cannot write other: Permission denied") != 0)
@@ -385,7 +402,8 @@ static void hostile_names(void **state)
                 assert_int_equal(symlink("victim", names[i]), 0);
                 assert_false(put(names[i], 'n', policy, &error));
                 assert_int_equal(unlink(names[i]), 0);
-                assert_int_equal(link("victim", names[i]), 0); /* a hard link: force replaces this name only */
+                assert_int_equal(link("victim", names[i]),
+                                 0); /* a hard link: force replaces this name only */
                 assert_int_equal(put(names[i], 'n', policy, &error), forced);
                 assert_int_equal(unlink(names[i]), 0);
             } else {

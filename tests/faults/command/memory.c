@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Running out of memory ends a command, not the session: allocations of a long script fail one by one, once and for
- * ever. */
+/* Running out of memory ends a command, not the session: allocations of a long script fail one by
+ * one, once and for ever. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
@@ -24,25 +24,33 @@ static const char *const lines[] = {
     "compare dopri5 tol=1e-5",
     "runs; use 1; rename 1 first; note a note; drop 2",
     "checkpoint a; k = 20; restore a",
-    "export x.csv --force; export y.tsv run all y,exact every=100ms --force; export t.json table --force",
+    "export x.csv --force; export y.tsv run all y,exact every=100ms --force; export t.json table "
+    "--force",
     "load x.csv as=x; data list; data window 0.5:2.5; data zero 1 mm",
     "fit to x; adopt; run 3 s",
-    "measure period; measure decay; measure amplitude windows=3; measure energy; measure k; measure reynolds",
+    "measure period; measure decay; measure amplitude windows=3; measure energy; measure k; "
+    "measure reynolds",
     "list measurements; export m.csv measurements --force",
     "plot position; plot phase run all; plot energy window=0:1; plot position > p.txt --force",
     "save s.hk --force; source s.hk",
     "record r.hk; echo 'one'; record off; history",
     "help; help run; help verlet; apropos Hairer; list methods; list commands",
-    "set format json; run 3 s; fit; measure period; data; show all; set format csv; run 1 s; runs; set format text",
+    "set format json; run 3 s; fit; measure period; data; show all; set format csv; run 1 s; runs; "
+    "set format text",
     "data drop x; drop all; undo; unset k; unset A",
-    "scene new decay; var x = 1 m; param rate = 0.5 1/s; x' = -rate*x; observe E = x^2; scene pendulum; scene decay",
+    "scene new decay; var x = 1 m; param rate = 0.5 1/s; x' = -rate*x; observe E = x^2; scene "
+    "pendulum; scene decay",
     "x' = -rate*xx",
     "var y = 2; y'' = -y - 0.1*y'; y'' = -y; observe E off",
     "scene new both; var x = 1; x'' = -x; force x = 1; force x = off",
-    "force -0.1*x^3 + 0.2*sin(t); potential x^2/2 + 0.025*x^4; force -0.1*x^3; potential x^2/2 + 0.025*x^4; plan; scene",
-    "event low when x falling do record; event top when x' falling do record; event low when x < -0.5 do stop; method dop853; run 5 s; continue",
-    "event low when x < -0.5 do \"x' = -x'; print t; continue\"; run 5 s; list events; undo 3; redo 2; step 3; back 4",
-    "change x 0.7; continue 1 s; export e.csv events --force; export f.csv --force; event top off; event off",
+    "force -0.1*x^3 + 0.2*sin(t); potential x^2/2 + 0.025*x^4; force -0.1*x^3; potential x^2/2 + "
+    "0.025*x^4; plan; scene",
+    "event low when x falling do record; event top when x' falling do record; event low when x < "
+    "-0.5 do stop; method dop853; run 5 s; continue",
+    "event low when x < -0.5 do \"x' = -x'; print t; continue\"; run 5 s; list events; undo 3; "
+    "redo 2; step 3; back 4",
+    "change x 0.7; continue 1 s; export e.csv events --force; export f.csv --force; event top off; "
+    "event off",
     "timing off; method rk4 dt=10ms; stability; order rk4; run 2 s; save t.hk --force; source t.hk",
     "param a = 2; x'' = -a*x; duration = 1 s; sweep a=1:3; stress scene rk4; undo 4; redo",
     "event e when x + do stop",

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Lanes of typed scenes without memory: refused, and good again afterwards; their steps never allocate. */
+/* Lanes of typed scenes without memory: refused, and good again afterwards; their steps never
+ * allocate. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
@@ -23,11 +24,14 @@ static void test_lanes(void **state)
     struct scene scene;
     struct system system;
     struct typed_models *models = typed_create(&error);
-    const struct method *rk4 = (const struct method *)(const void *)catalog_find(&method_catalog, TEXT("rk4"));
+    const struct method *rk4 =
+        (const struct method *)(const void *)catalog_find(&method_catalog, TEXT("rk4"));
     struct lanes *lanes = lanes_create();
     scene_init(&scene, NULL);
     assert_true(models && lanes);
-    assert_true(type_scene(models, &scene, (const char *const[]){"var y = 1", "param c = 2", "y'' = -y - c*y'*abs(y')", NULL}));
+    assert_true(type_scene(
+        models, &scene,
+        (const char *const[]){"var y = 1", "param c = 2", "y'' = -y - c*y'*abs(y')", NULL}));
     assert_true(scene_bind(&scene, &system, &error));
     malloc_calls = 0;
     assert_true(lanes_fit(rk4, &system, DRAG_DEFAULT, 0.01));

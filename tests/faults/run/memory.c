@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Memory of runs under an allocator that counts and fails: none inside a step, a bound, every failure survived. */
+/* Memory of runs under an allocator that counts and fails: none inside a step, a bound, every
+ * failure survived. */
 #include "unit/run/fixture.h"
 
 #include <malloc.h>
@@ -34,7 +35,8 @@ static bool failing(void)
 
 #define LARGE_PAGE ((size_t)1 << 21)
 
-/* For a block that is aligned to large pages the allocator also takes addresses that nobody touches: no memory. */
+/* For a block that is aligned to large pages the allocator also takes addresses that nobody
+ * touches: no memory. */
 static size_t size_of(void *memory)
 {
     const bool large = (uintptr_t)memory % LARGE_PAGE == 0;
@@ -81,10 +83,10 @@ void free(void *memory)
 
 #define NEEDS_ALLOCATOR()
 #else
-#define NEEDS_ALLOCATOR()                                                                                              \
-    do {                                                                                                               \
-        print_message("the sanitizer's allocator cannot be replaced\n");                                               \
-        skip();                                                                                                        \
+#define NEEDS_ALLOCATOR()                                                                          \
+    do {                                                                                           \
+        print_message("the sanitizer's allocator cannot be replaced\n");                           \
+        skip();                                                                                    \
     } while (0)
 #endif
 
@@ -119,11 +121,12 @@ static void test_peak_of_a_long_run(void **state)
     size_t before = live;
     struct scene scene = spring();
     peak = live;
-    struct run *run = start(&scene, "symplectic-euler", (struct run_settings){.dt = 1e-3}, HUGE_VAL);
+    struct run *run =
+        start(&scene, "symplectic-euler", (struct run_settings){.dt = 1e-3}, HUGE_VAL);
     go_steps(run, 5 * LIMIT_SAMPLES);
     assert_true(peak - before < 64000000);
-    size_t held = live - before;
-    assert_true(trace_bytes(run->trace) <= held && held < trace_bytes(run->trace) + 100000);
+    size_t slot = live - before;
+    assert_true(trace_bytes(run->trace) <= slot && slot < trace_bytes(run->trace) + 100000);
     run_destroy(run);
     assert_int_equal(live, before);
 }

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Each allocation on the way from text to program fails once, and from there for ever: an error, or a right result. */
+/* Each allocation on the way from text to program fails once, and from there for ever: an error, or
+ * a right result. */
 #include "unit/scene/testing.h"
 
 #include "faults/failing_malloc.h"
@@ -16,8 +17,9 @@ static bool find(const void *context, struct text name, int *slot)
 }
 
 /* Enough for the graph to grow several times. */
-static const char source[] = "k*(sin(x)*exp(x) - cos(x)/(1 + x^2) + hypot(x, 3)*tanh(x)^3 + min(x, k)*atan2(x, 2)"
-                             " + asin(x/5)*log(x + 2)*sqrt(x + 1)*cbrt(x + 7)*abs(x - 1) + mod(x, 3)^2.5)";
+static const char source[] =
+    "k*(sin(x)*exp(x) - cos(x)/(1 + x^2) + hypot(x, 3)*tanh(x)^3 + min(x, k)*atan2(x, 2)"
+    " + asin(x/5)*log(x + 2)*sqrt(x + 1)*cbrt(x + 7)*abs(x - 1) + mod(x, 3)^2.5)";
 
 static bool whole_way(double *output, struct error *error)
 {
@@ -31,7 +33,8 @@ static bool whole_way(double *output, struct error *error)
     const struct expr *expr = expr_compile(text_of(source), &scope, &arena, &used, error);
     if (expr)
         equations = equations_create(NAMES, error);
-    if (equations && equations_let(equations, 1, expr, error) && equations_add(equations, expr, error) &&
+    if (equations && equations_let(equations, 1, expr, error) &&
+        equations_add(equations, expr, error) &&
         equations_derive(equations, 0, 1, (const int[]){0, 1}, 2, error) &&
         equations_derive(equations, 1, 1, (const int[]){0}, 1, error))
         program = program_create(equations, 0, 4, bound, value, true, error);
@@ -71,7 +74,8 @@ static void test_each_allocation(void **state)
         if (done) /* without machine code */
             assert_memory_equal(output, right, sizeof right);
         else
-            assert_true(error.code == ERROR_COMMAND || error.code == ERROR_NUMERICAL || error.code == ERROR_IO);
+            assert_true(error.code == ERROR_COMMAND || error.code == ERROR_NUMERICAL ||
+                        error.code == ERROR_IO);
     }
 }
 
@@ -88,11 +92,12 @@ static void test_evaluation(void **state)
     size_t used;
     const struct expr_scope scope = {.find = find};
     struct equations *equations = equations_create(NAMES, &error);
-    assert_true(equations_add(equations, expr_compile(text_of(source), &scope, &arena, &used, &error), &error));
+    assert_true(equations_add(
+        equations, expr_compile(text_of(source), &scope, &arena, &used, &error), &error));
     struct program *program = program_create(equations, 0, 1, NULL, NULL, false, &error);
     assert_non_null(program);
-    double *frame = malloc(program_frame_lanes(program) * sizeof *frame), input[NAMES * PROGRAM_LANES],
-           output[PROGRAM_LANES];
+    double *frame = malloc(program_frame_lanes(program) * sizeof *frame),
+           input[NAMES * PROGRAM_LANES], output[PROGRAM_LANES];
     assert_non_null(frame);
     assert_true(program_frame(program) <= program_frame_lanes(program));
     malloc_calls = 0;

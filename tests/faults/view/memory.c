@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Every allocation of a frame fails once, and with all that follow it: a frame is drawn or the canvas is blank. */
+/* Every allocation of a frame fails once, and with all that follow it: a frame is drawn or the
+ * canvas is blank. */
 #include "faults/failing_malloc.h"
 #include "unit/view/testing.h"
 

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * The systems of references.csv, typed: each is a file of examples/problems that is executed here, line by line as a
- * user's would be, and what it makes is run by methods of at least two families to every row of the table. The other
- * files there have published digits of their own.
+ * The systems of references.csv, typed: each is a file of examples/problems that is executed here,
+ * line by line as a user's would be, and what it makes is run by methods of at least two families
+ * to every row of the table. The other files there have published digits of their own.
  */
 #include "numerics/references.h"
 
@@ -15,37 +15,40 @@
 struct problem {
     const char *problem, *parameters; /* a part of them */
     const char *file, *lines;         /* after the file: other parameters */
-    double least;                     /* errors are relative to this at least */
+    double min;                       /* errors are relative to this at least */
     struct attempt by[5];
 };
 
-/* Adaptive methods promise the tolerance for a step: at the end it is some ten to a hundred times that. */
-#define SMOOTH(bound)                                                                                                  \
-    1,                                                                                                                 \
-    {                                                                                                                  \
-        {"dop853", 1e-14, bound}, {"gauss6", 0.01, bound}, {"odex", 1e-14, bound}, {"rodas5p", 1e-13, 100 * (bound)},  \
-        {                                                                                                              \
-            "cvode-adams", 1e-13, 1000 * (bound)                                                                       \
-        }                                                                                                              \
+/* Adaptive methods promise the tolerance for a step: at the end it is some ten to a hundred times
+ * that. */
+#define SMOOTH(bound)                                                                              \
+    1,                                                                                             \
+    {                                                                                              \
+        {"dop853", 1e-14, bound}, {"gauss6", 0.01, bound}, {"odex", 1e-14, bound},                 \
+            {"rodas5p", 1e-13, 100 * (bound)},                                                     \
+        {                                                                                          \
+            "cvode-adams", 1e-13, 1000 * (bound)                                                   \
+        }                                                                                          \
     }
 /* Close encounters: by adaptive steps only. */
-#define CLOSE(bound)                                                                                                   \
-    1,                                                                                                                 \
-    {                                                                                                                  \
-        {"dop853", 1e-14, bound}, {"odex", 1e-14, bound}, {"radau5", 1e-14, bound},                                    \
-        {                                                                                                              \
-            "cvode-adams", 1e-13, 1000 * (bound)                                                                       \
-        }                                                                                                              \
+#define CLOSE(bound)                                                                               \
+    1,                                                                                             \
+    {                                                                                              \
+        {"dop853", 1e-14, bound}, {"odex", 1e-14, bound}, {"radau5", 1e-14, bound},                \
+        {                                                                                          \
+            "cvode-adams", 1e-13, 1000 * (bound)                                                   \
+        }                                                                                          \
     }
-/* By every method that is for them and adapts; by second order to a few digits, of values that decay to two. */
-#define STIFF(least, bound)                                                                                            \
-    least,                                                                                                             \
-    {                                                                                                                  \
-        {"radau5", 1e-13, bound}, {"rodas5p", 1e-13, bound}, {"rodas4", 1e-11, 20 * (bound)},                          \
-            {"tr-bdf2", 1e-6, (least) > 0 ? 2e-5 : 2e-2},                                                              \
-        {                                                                                                              \
-            "cvode-bdf", 1e-13, 100 * (bound)                                                                          \
-        }                                                                                                              \
+/* By every method that is for them and adapts; by second order to a few digits, of values that
+ * decay to two. */
+#define STIFF(min, bound)                                                                          \
+    min,                                                                                           \
+    {                                                                                              \
+        {"radau5", 1e-13, bound}, {"rodas5p", 1e-13, bound}, {"rodas4", 1e-11, 20 * (bound)},      \
+            {"tr-bdf2", 1e-6, (min) > 0 ? 2e-5 : 2e-2},                                            \
+        {                                                                                          \
+            "cvode-bdf", 1e-13, 100 * (bound)                                                      \
+        }                                                                                          \
     }
 
 /* clang-format off */
@@ -114,11 +117,11 @@ static void type_file(struct bench *bench, const char *file, const char *lines)
 
 static bool is_reached(const struct problem *p, const struct scene *scene, const struct attempt *by)
 {
-    const double worst = worst_of(table, rows, p->problem, p->parameters, scene, by, p->least);
+    const double worst = worst_of(table, rows, p->problem, p->parameters, scene, by, p->min);
     const bool good = worst >= 0 && worst <= by->error;
     if (!good || getenv("VERBOSE"))
-        print_message("%-25s %-16s %-12s %6.0e  %.1e (%.0e)%s\n", p->problem, p->parameters, by->method, by->by, worst,
-                      by->error, good ? "" : ": wrong");
+        print_message("%-25s %-16s %-12s %6.0e  %.1e (%.0e)%s\n", p->problem, p->parameters,
+                      by->method, by->by, worst, by->error, good ? "" : ": wrong");
     return good;
 }
 
@@ -179,14 +182,16 @@ static void test_errors_are_about_the_tolerance(void **state)
         const struct problem *p = &problems[i];
         struct bench bench;
         type_file(&bench, p->file, p->lines);
-        add_proportions(&proportions, table, rows, p->problem, p->parameters, &bench.session->setup.scene);
+        add_proportions(&proportions, table, rows, p->problem, p->parameters,
+                        &bench.session->setup.scene);
         bench_close(&bench);
     }
     add_oscillators(&proportions);
     assert_proportional(&proportions);
 }
 
-/* The pendulum's period from rest at 90 degrees: a quarter of it to the bottom, by commands all the way. */
+/* The pendulum's period from rest at 90 degrees: a quarter of it to the bottom, by commands all the
+ * way. */
 static void test_period_of_the_pendulum(void **state)
 {
     static const struct attempt by[] = {{"dop853", 1e-14, 1e-13}, {"odex", 1e-14, 1e-13}};
@@ -200,7 +205,8 @@ static void test_period_of_the_pendulum(void **state)
     for (size_t k = 0; k < COUNT_OF(by); k++) {
         struct bench bench;
         char line[200];
-        snprintf(line, sizeof line, "method %s tol=%g; reset; run until theta < 0", by[k].method, by[k].by);
+        snprintf(line, sizeof line, "method %s tol=%g; reset; run until theta < 0", by[k].method,
+                 by[k].by);
         type_file(&bench, "pendulum", line);
         const struct run *run = session_run(bench.session);
         assert_close(4 * run->t, table[row].value, by[k].error * table[row].value);
@@ -243,7 +249,10 @@ static const struct {
     {"brusselator",
      20,
      {{"y1", 0.49863707126834783}, {"y2", 4.5967803494520110}},
-     {{"dop853", 1e-14, 1e-11}, {"gauss6", 1e-2, 1e-11}, {"odex", 1e-14, 1e-11}, {"cvode-adams", 1e-13, 1e-8}}},
+     {{"dop853", 1e-14, 1e-11},
+      {"gauss6", 1e-2, 1e-11},
+      {"odex", 1e-14, 1e-11},
+      {"cvode-adams", 1e-13, 1e-8}}},
     {"pleiades",
      3,
      {{"x1", 0.3706139143970502e0},
@@ -260,7 +269,10 @@ static const struct {
       {"y5", 0.1198213693392275e1},
       {"y6", -0.2429682344935824e0},
       {"y7", 0.1091449240428980e1}},
-     {{"dop853", 1e-14, 1e-10}, {"odex", 1e-14, 1e-10}, {"radau5", 1e-13, 1e-9}, {"cvode-adams", 1e-13, 1e-6}}},
+     {{"dop853", 1e-14, 1e-10},
+      {"odex", 1e-14, 1e-10},
+      {"radau5", 1e-13, 1e-9},
+      {"cvode-adams", 1e-13, 1e-6}}},
 };
 
 static void test_published_digits_are_reached(void **state)
@@ -275,20 +287,22 @@ static void test_published_digits_are_reached(void **state)
             if (!is_there(by))
                 continue;
             type_file(&bench, published[i].file, "");
-            struct run *run = start(&bench.session->setup.scene, by->method, settings_of(by), HUGE_VAL);
+            struct run *run =
+                start(&bench.session->setup.scene, by->method, settings_of(by), HUGE_VAL);
             go_to(run, published[i].t);
             for (size_t k = 0; k < COUNT_OF(published[i].at) && published[i].at[k].name; k++) {
                 const double value = published[i].at[k].value;
                 int at = 0;
                 while (at < run->system.n &&
-                       !text_is(text_of(system_variable(&run->system, at).name), published[i].at[k].name))
+                       !text_is(text_of(system_variable(&run->system, at).name),
+                                published[i].at[k].name))
                     at++;
                 assert_true(at < run->system.n);
                 worst = fmax(worst, fabs(run->y[at] - value) / fabs(value));
             }
             if (worst > by->error || getenv("VERBOSE"))
-                print_message("%-12s %-12s %6.0e  %.1e (%.0e)\n", published[i].file, by->method, by->by, worst,
-                              by->error);
+                print_message("%-12s %-12s %6.0e  %.1e (%.0e)\n", published[i].file, by->method,
+                              by->by, worst, by->error);
             wrong += worst > by->error;
             run_destroy(run);
             bench_close(&bench);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Step-size control and dense output: accuracy follows the tolerance, nothing is lost when a step fails. */
+/* Step-size control and dense output: accuracy follows the tolerance, nothing is lost when a step
+ * fails. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
@@ -8,38 +9,40 @@
 
 #include "numerics/method/testing.h"
 
-struct journey {
-    double y[2], work[WORK_ROOM];
+struct advance {
+    double y[2], work[WORK_CAPACITY];
     struct step step;
     struct controller controller;
     int64_t accepted;
 };
 
-static void journey_begin(struct journey *journey, const struct system *system, double t, double tol)
+static void advance_begin(struct advance *advance, const struct system *system, double t,
+                          double tol)
 {
-    *journey = (struct journey){.y = {system->start[0], system->start[1]}, .controller = {.tol = tol}};
-    journey->step = step_begin(system, DRAG_DEFAULT, t, 0, journey->y, journey->work);
+    *advance =
+        (struct advance){.y = {system->start[0], system->start[1]}, .controller = {.tol = tol}};
+    advance->step = step_begin(system, DRAG_DEFAULT, t, 0, advance->y, advance->work);
 }
 
-static enum step_status travel(struct journey *journey, const struct method *method, double t_end)
+static enum step_status travel(struct advance *advance, const struct method *method, double t_end)
 {
-    while (journey->step.t != t_end) {
-        enum step_status status = method_adapt(method, &journey->step, &journey->controller, t_end);
+    while (advance->step.t != t_end) {
+        enum step_status status = method_adapt(method, &advance->step, &advance->controller, t_end);
         if (status != STEP_OK)
             return status;
-        assert_true(++journey->accepted < 10000000);
+        assert_true(++advance->accepted < 10000000);
     }
     return STEP_OK;
 }
 
-static struct journey shared;
+static struct advance shared;
 
 /* Largest distance from the exact solution at the end of each of `legs` equal parts. */
-static double journey_error(const struct method *method, const struct system *system, double tol, double t_end,
-                            int legs)
+static double advance_error(const struct method *method, const struct system *system, double tol,
+                            double t_end, int legs)
 {
     double largest = 0;
-    journey_begin(&shared, system, system->t0, tol);
+    advance_begin(&shared, system, system->t0, tol);
     for (int i = 1; i <= legs; i++) {
         double exact[2], t = i == legs ? t_end : system->t0 + (t_end - system->t0) * i / legs;
         assert_int_equal(travel(&shared, method, t), STEP_OK);
@@ -49,7 +52,10 @@ static double journey_error(const struct method *method, const struct system *sy
     return largest;
 }
 
-enum { TOLERANCES = 7, STEPS = 100000 }; /* 1e-4 … 1e-10, but not where rounding adds up over more steps than that */
+enum {
+    TOLERANCES = 7,
+    STEPS = 100000
+}; /* 1e-4 … 1e-10, but not where rounding adds up over more steps than that */
 
 /* log error = slope log tol + constant, up to a factor of scatter; ratio: error/tol midway */
 struct line {
@@ -58,7 +64,7 @@ struct line {
 
 static struct line fit_line(const double *error, const double *tol, int count)
 {
-    double x = 0, y = 0, xx = 0, xy = 0, most = 0;
+    double x = 0, y = 0, xx = 0, xy = 0, max = 0;
     for (int i = 0; i < count; i++) {
         x += log(tol[i]) / count;
         y += log(error[i]) / count;
@@ -68,13 +74,14 @@ static struct line fit_line(const double *error, const double *tol, int count)
         xy += (log(tol[i]) - x) * (log(error[i]) - y);
     }
     for (int i = 0; i < count; i++)
-        most = fmax(most, fabs(log(error[i]) - y - xy / xx * (log(tol[i]) - x)));
-    return (struct line){xy / xx, exp(most), exp(y - x)};
+        max = fmax(max, fabs(log(error[i]) - y - xy / xx * (log(tol[i]) - x)));
+    return (struct line){xy / xx, exp(max), exp(y - x)};
 }
 
 /*
- * The error is proportional to the tolerance, with little scatter, and at most ten times it for every method. On this
- * linear scene some are of an order more than they claim, which lifts the slope by up to a fifth.
+ * The error is proportional to the tolerance, with little scatter, and at most ten times it for
+ * every method. On this linear scene some are of an order more than they claim, which lifts the
+ * slope by up to a fifth.
  */
 static void test_error_follows_tolerance(void **state)
 {
@@ -85,26 +92,29 @@ static void test_error_follows_tolerance(void **state)
         const struct method *method = method_at(m);
         if (!(method->flags & METHOD_ADAPTIVE))
             continue;
-        double tol[TOLERANCES], error[TOLERANCES], most = 0;
+        double tol[TOLERANCES], error[TOLERANCES], max = 0;
         bool bad = false;
         int count = 0;
         for (int i = 0; i < TOLERANCES && (i == 0 || shared.accepted < STEPS); i++, count++) {
             tol[i] = pow(10, -4 - i);
-            error[i] = journey_error(method, &system, tol[i], 10, 1);
-            most = fmax(most, error[i] / tol[i]);
+            error[i] = advance_error(method, &system, tol[i], 10, 1);
+            max = fmax(max, error[i] / tol[i]);
             bad = bad || (double)shared.step.cost.rejected > 2 + 0.02 * (double)shared.accepted;
         }
         struct line line = fit_line(error, tol, count);
-        bad = bad || count < 4 || most > 10 || line.slope < 0.9 || line.slope > 1.2 || line.scatter > 2;
+        bad = bad || count < 4 || max > 10 || line.slope < 0.9 || line.slope > 1.2 ||
+              line.scatter > 2;
         if (bad || getenv("VERBOSE"))
-            print_message("%-18s slope %.3f, scatter %.2f, error/tol %.3g, at most %.3g%s\n", method->row.name,
-                          line.slope, line.scatter, line.ratio, most, bad ? ": wrong" : "");
+            print_message("%-18s slope %.3f, scatter %.2f, error/tol %.3g, at most %.3g%s\n",
+                          method->row.name, line.slope, line.scatter, line.ratio, max,
+                          bad ? ": wrong" : "");
         wrong += bad;
     }
     assert_int_equal(wrong, 0);
 }
 
-/* The error of a harmonic oscillation is the same in every step: once it is right, h stays as it is, bit for bit. */
+/* The error of a harmonic oscillation is the same in every step: once it is right, h stays as it
+ * is, bit for bit. */
 static void test_steps_settle(void **state)
 {
     (void)state;
@@ -115,7 +125,7 @@ static void test_steps_settle(void **state)
             continue;
         double settled = 0;
         int steps = 0;
-        journey_begin(&shared, &system, 0, 1e-7);
+        advance_begin(&shared, &system, 0, 1e-7);
         for (; steps < 60; steps++) {
             assert_int_equal(method_adapt(method, &shared.step, &shared.controller, 100), STEP_OK);
             if (steps == 20)
@@ -133,11 +143,11 @@ static void test_tolerance_has_no_unit(void **state)
     struct system metre = SPRING({"y0", 0.05}, {"gamma", 0.2}),
                   small = SPRING({"y0", ldexp(0.05, -40)}, {"gamma", 0.2});
     const struct method *dopri5 = method_named("dopri5");
-    journey_begin(&shared, &metre, 0, 1e-7);
+    advance_begin(&shared, &metre, 0, 1e-7);
     assert_int_equal(travel(&shared, dopri5, 10), STEP_OK);
     double y = shared.y[0], v = shared.y[1];
     int64_t evals = shared.step.cost.evals;
-    journey_begin(&shared, &small, 0, 1e-7);
+    advance_begin(&shared, &small, 0, 1e-7);
     assert_int_equal(travel(&shared, dopri5, 10), STEP_OK);
     assert_true(shared.y[0] == ldexp(y, -40) && shared.y[1] == ldexp(v, -40));
     assert_int_equal(shared.step.cost.evals, evals);
@@ -157,12 +167,13 @@ static void test_sizes_follow_the_solution(void **state)
         const double tol = method->order < 4 ? 1e-4 : 1e-8;
         if (method->begin)
             continue; /* a library's own control */
-        journey_begin(&shared, &known, 0, tol);
+        advance_begin(&shared, &known, 0, tol);
         assert_int_equal(travel(&shared, method, 20), STEP_OK);
         const double evals = (double)shared.step.cost.evals;
         for (int i = 0; i < 2; i++)
-            assert_near("as it was", shared.controller.scale[i], known.scale[i], 1e-3 * known.scale[i]);
-        journey_begin(&shared, &small, 0, tol);
+            assert_near("as it was", shared.controller.scale[i], known.scale[i],
+                        1e-3 * known.scale[i]);
+        advance_begin(&shared, &small, 0, tol);
         assert_int_equal(travel(&shared, method, 20), STEP_OK);
         assert_below(method->row.name, (double)shared.step.cost.evals, 1.6 * evals);
         for (int i = 0; i < 2; i++)
@@ -175,12 +186,13 @@ static void test_costs_are_counted(void **state)
 {
     (void)state;
     struct system system = SPRING({"F0", 0.3}, {"omega", 40}, {"gamma", 2});
-    journey_begin(&shared, &system, 0, 1e-8);
+    advance_begin(&shared, &system, 0, 1e-8);
     shared.controller.h = 1; /* far too long: must be rejected first */
     assert_int_equal(travel(&shared, method_named("dopri5"), 3), STEP_OK);
     struct cost cost = shared.step.cost;
     assert_true(cost.rejected > 0);
-    /* Six for each attempt, one more for the first: what was known at the start of a rejected step still holds. */
+    /* Six for each attempt, one more for the first: what was known at the start of a rejected step
+     * still holds. */
     assert_int_equal(cost.evals, 6 * (shared.accepted + cost.rejected) + 1);
 }
 
@@ -189,13 +201,14 @@ static void test_end_is_met_exactly(void **state)
     (void)state;
     struct system system = SPRING({"gamma", 0.2});
     const struct method *dopri5 = method_named("dopri5");
-    journey_begin(&shared, &system, 0, 1e-6);
+    advance_begin(&shared, &system, 0, 1e-6);
     assert_int_equal(travel(&shared, dopri5, 1.0 / 3), STEP_OK);
     assert_true(shared.step.t == 1.0 / 3);
     double planned = shared.controller.h;
     assert_above("natural step", planned, 0.01);
     /* A tiny leg neither shortens the plan nor confuses the error history. */
-    assert_int_equal(method_adapt(dopri5, &shared.step, &shared.controller, 1.0 / 3 + 1e-9), STEP_OK);
+    assert_int_equal(method_adapt(dopri5, &shared.step, &shared.controller, 1.0 / 3 + 1e-9),
+                     STEP_OK);
     assert_true(shared.step.t == 1.0 / 3 + 1e-9);
     assert_true(shared.controller.h == planned);
     int64_t rejected = shared.step.cost.rejected;
@@ -204,7 +217,8 @@ static void test_end_is_met_exactly(void **state)
     assert_int_equal(shared.step.cost.rejected, rejected);
     /* Nothing to do at the end. */
     struct cost cost = shared.step.cost;
-    assert_int_equal(method_adapt(dopri5, &shared.step, &shared.controller, shared.step.t), STEP_OK);
+    assert_int_equal(method_adapt(dopri5, &shared.step, &shared.controller, shared.step.t),
+                     STEP_OK);
     assert_int_equal(shared.step.cost.evals, cost.evals);
 }
 
@@ -215,9 +229,10 @@ static void test_end_is_met_in_spite_of_rounding(void **state)
     struct system system = SPRING({NULL, 0});
     for (int i = 1; i < 100; i++) {
         double t_end = 0.3 / i;
-        journey_begin(&shared, &system, -0.1 / i, 1);
+        advance_begin(&shared, &system, -0.1 / i, 1);
         shared.controller.h = 10;
-        assert_int_equal(method_adapt(method_named("dopri5"), &shared.step, &shared.controller, t_end), STEP_OK);
+        assert_int_equal(
+            method_adapt(method_named("dopri5"), &shared.step, &shared.controller, t_end), STEP_OK);
         assert_true(shared.step.t == t_end);
     }
 }
@@ -227,10 +242,11 @@ static void test_backwards(void **state)
     (void)state;
     struct system system = SPRING({"gamma", 0.2});
     const struct method *dopri5 = method_named("dopri5");
-    assert_below("from 0 to -5", journey_error(dopri5, &system, 1e-9, -5, 1), 1e-6);
-    journey_begin(&shared, &system, 0, 1e-10);
+    assert_below("from 0 to -5", advance_error(dopri5, &system, 1e-9, -5, 1), 1e-6);
+    advance_begin(&shared, &system, 0, 1e-10);
     assert_int_equal(travel(&shared, dopri5, 5), STEP_OK);
-    assert_int_equal(travel(&shared, dopri5, 0), STEP_OK); /* turns round with the same controller */
+    assert_int_equal(travel(&shared, dopri5, 0),
+                     STEP_OK); /* turns round with the same controller */
     assert_below("there and back", distance(&system, shared.y, system.start), 1e-7);
 }
 
@@ -239,9 +255,9 @@ static void test_starts_at_rest(void **state)
     (void)state;
     const struct method *dopri5 = method_named("dopri5");
     struct system driven = SPRING({"y0", 0}, {"F0", 0.02}, {"omega", 8.2}, {"gamma", 0.3});
-    assert_below("driven from rest", journey_error(dopri5, &driven, 1e-8, 10, 7), 1e-6);
+    assert_below("driven from rest", advance_error(dopri5, &driven, 1e-8, 10, 7), 1e-6);
     struct system nothing = SPRING({"y0", 0});
-    journey_begin(&shared, &nothing, 0, 1e-6);
+    advance_begin(&shared, &nothing, 0, 1e-6);
     assert_int_equal(travel(&shared, dopri5, 10), STEP_OK);
     assert_true(shared.y[0] == 0 && shared.y[1] == 0);
     assert_below("steps of nothing", (double)shared.accepted, 50);
@@ -251,7 +267,7 @@ static void test_tolerance_zero_is_clamped(void **state)
 {
     (void)state;
     struct system system = SPRING({NULL, 0});
-    assert_below("tol 0", journey_error(method_named("dopri5"), &system, 0, 1, 1), 1e-12);
+    assert_below("tol 0", advance_error(method_named("dopri5"), &system, 0, 1, 1), 1e-12);
 }
 
 /* Accelerations that are NaN beyond the wall at q = c. */
@@ -262,19 +278,22 @@ static void wall_add(const double *c, double t, const double *y, double *a)
 }
 static const struct term_row wall_row = {.row = {"wall", "m/s^2", "", "", NULL}, .add = wall_add};
 
-/* The motion before the wall is a parabola, which dopri5 follows without error: it would leap at the wall again. */
+/* The motion before the wall is a parabola, which dopri5 follows without error: it would leap at
+ * the wall again. */
 static void test_no_growth_after_a_rejection(void **state)
 {
     (void)state;
     struct system system = other_system(&wall_row, 1);
     system.start[1] = 1;
-    journey_begin(&shared, &system, 0, 1e-6);
+    advance_begin(&shared, &system, 0, 1e-6);
     shared.controller.h = 0.8;
-    assert_int_equal(method_adapt(method_named("dopri5"), &shared.step, &shared.controller, 100), STEP_OK);
+    assert_int_equal(method_adapt(method_named("dopri5"), &shared.step, &shared.controller, 100),
+                     STEP_OK);
     assert_int_equal(shared.step.cost.rejected, 1);
     assert_near("step", shared.step.h, 0.2, 0);
     assert_near("proposal", shared.controller.h, 0.2, 0);
-    assert_int_equal(method_adapt(method_named("dopri5"), &shared.step, &shared.controller, 0.4), STEP_OK);
+    assert_int_equal(method_adapt(method_named("dopri5"), &shared.step, &shared.controller, 0.4),
+                     STEP_OK);
     assert_above("then it grows again", shared.controller.h, 0.22);
 }
 
@@ -283,7 +302,7 @@ static void test_nan_is_a_rejected_step(void **state)
     (void)state;
     struct system system = other_system(&wall_row, 1);
     system.start[1] = 1;
-    journey_begin(&shared, &system, 0, 1e-6);
+    advance_begin(&shared, &system, 0, 1e-6);
     shared.controller.h = 0.5;
     const struct method *dopri5 = method_named("dopri5");
     enum step_status status = STEP_OK;
@@ -316,13 +335,14 @@ static void test_stall(void **state)
 {
     (void)state;
     struct system system = other_system(&noise_row, 1e20);
-    journey_begin(&shared, &system, 1, 1e-6);
+    advance_begin(&shared, &system, 1, 1e-6);
     enum step_status status = travel(&shared, method_named("dopri5"), 2);
     assert_int_equal(status, STEP_STALLED);
     assert_true(shared.step.t < 2 && isfinite(shared.y[0]) && isfinite(shared.y[1]));
 }
 
-/* A rejected step leaves nothing behind: the same path as with the step size that was accepted, bit for bit. */
+/* A rejected step leaves nothing behind: the same path as with the step size that was accepted, bit
+ * for bit. */
 static void test_rejection_leaves_no_trace(void **state)
 {
     (void)state;
@@ -332,13 +352,13 @@ static void test_rejection_leaves_no_trace(void **state)
         if (!(method->flags & METHOD_ADAPTIVE) || !(method->tableau || method->nystrom))
             continue;
         double low[2] = {1e-20, -1e-19}, direct_low[2] = {1e-20, -1e-19};
-        journey_begin(&shared, &system, 0, 1e-6);
+        advance_begin(&shared, &system, 0, 1e-6);
         shared.step.low = low;
         shared.controller.h = 3;
         assert_int_equal(method_adapt(method, &shared.step, &shared.controller, 100), STEP_OK);
         assert_true(shared.step.cost.rejected > 0);
         double h = shared.step.h, y[2] = {shared.y[0], shared.y[1]};
-        journey_begin(&shared, &system, 0, 1e-6);
+        advance_begin(&shared, &system, 0, 1e-6);
         shared.step.low = direct_low;
         shared.step.h = h;
         assert_int_equal(method_step(method, &shared.step), STEP_OK);
@@ -349,7 +369,8 @@ static void test_rejection_leaves_no_trace(void **state)
 
 /* ---- turning points (what they do for the order: run_kinks.c) ---- */
 
-/* Deceleration 1, not defined between two velocities: a step across may be, one of its pieces not. */
+/* Deceleration 1, not defined between two velocities: a step across may be, one of its pieces not.
+ */
 static void hole_add(const double *c, double t, const double *y, double *a)
 {
     (void)t;
@@ -376,7 +397,7 @@ static void test_a_piece_that_fails_leaves_nothing(void **state)
         system.term[0].c[1] = cases[i].to;
         memcpy(system.start, start, sizeof start);
         system.kinks = cases[i].kinks;
-        journey_begin(&shared, &system, 5, 0);
+        advance_begin(&shared, &system, 5, 0);
         shared.step.low = after;
         shared.step.h = 1.5;
         assert_int_equal(method_turns(rk4, &system), cases[i].kinks);
@@ -400,9 +421,10 @@ static void test_steps_end_at_turning_points(void **state)
         if (!(method->flags & METHOD_ADAPTIVE) || !method_turns(method, &system))
             continue;
         int turns = 0;
-        journey_begin(&shared, &system, 0, 1e-9);
+        advance_begin(&shared, &system, 0, 1e-9);
         while (shared.step.t < 5) {
-            const double before = shared.y[1], tiny = 2e-5 * system.scale[1], planned = shared.controller.h;
+            const double before = shared.y[1], tiny = 2e-5 * system.scale[1],
+                         planned = shared.controller.h;
             const int64_t rejected = shared.step.cost.rejected;
             assert_int_equal(method_adapt(method, &shared.step, &shared.controller, 5), STEP_OK);
             const bool turned = fabs(shared.y[1]) < tiny && fabs(before) > tiny;
@@ -410,7 +432,8 @@ static void test_steps_end_at_turning_points(void **state)
             if (turned && shared.step.cost.rejected == rejected)
                 assert_true(planned == 0 || shared.controller.h >= planned);
             if (fabs(before) > tiny && fabs(shared.y[1]) > tiny && before * shared.y[1] < 0)
-                fail_msg("%s goes across a turning point at t = %g", method->row.name, shared.step.t);
+                fail_msg("%s goes across a turning point at t = %g", method->row.name,
+                         shared.step.t);
         }
         assert_in_range(turns, 13, 14); /* half a period is 0.363 s */
     }
@@ -421,7 +444,7 @@ static void test_steps_end_at_turning_points(void **state)
 /* Largest error inside one step of h from the start. */
 static double dense_error(const struct method *method, const struct system *system, double h)
 {
-    static double work[WORK_ROOM];
+    static double work[WORK_CAPACITY];
     double y[2] = {system->start[0], system->start[1]}, largest = 0;
     enum drag drag = DRAG_DEFAULT;
     struct error error;
@@ -438,23 +461,26 @@ static double dense_error(const struct method *method, const struct system *syst
 }
 
 /*
- * Local order: h^p for own interpolants of methods above order 4 (not collocation, whose three stages give h^4), all
- * others h^4, never better than the step, h^(p+1).
+ * Local order: h^p for own interpolants of methods above order 4 (not collocation, whose three
+ * stages give h^4), all others h^4, never better than the step, h^(p+1).
  */
 static void test_dense_orders(void **state)
 {
     (void)state;
     const struct system systems[] = {SPRING({"gamma", 2}, {"v0", 0.3}, {"F0", 0.2}, {"omega", 5}),
-                                     SPRING({"v0", 0.3}, {"F0", 0.2}, {"omega", 5}), SPRING({"v0", 0.3})};
+                                     SPRING({"v0", 0.3}, {"F0", 0.2}, {"omega", 5}),
+                                     SPRING({"v0", 0.3})};
     for (size_t m = 0; m < own_methods(); m++) {
         const struct method *method = method_at(m);
         const struct system system = first_fit(method, systems, 3);
         const int p = method->order;
         if (method->growth)
-            continue; /* it remembers more than the state, so that the first step says nothing of the others */
+            continue; /* it remembers more than the state, so that the first step says nothing of
+                         the others */
         int want = p > 4 && method->dense && !method->implicit ? p : p == 0 || p > 3 ? 4 : p + 1;
         double h = want > 5 ? 2e-2 : 1e-3; /* an error far above rounding */
-        double coarse = dense_error(method, &system, 4 * h), middle = dense_error(method, &system, 2 * h);
+        double coarse = dense_error(method, &system, 4 * h),
+               middle = dense_error(method, &system, 2 * h);
         double fine = dense_error(method, &system, h);
         assert_near(method->row.name, 2 * log2(middle / fine) - log2(coarse / middle), want, 0.1);
     }
@@ -463,7 +489,7 @@ static void test_dense_orders(void **state)
 static void test_dense_meets_both_ends(void **state)
 {
     (void)state;
-    static double work[WORK_ROOM];
+    static double work[WORK_CAPACITY];
     const struct system systems[] = {SPRING({"gamma", 2}, {"v0", 0.3}), SPRING({"v0", 0.3})};
     for (size_t m = 0; m < own_methods(); m++) {
         const struct method *method = method_at(m);

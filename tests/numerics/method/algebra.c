@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * The order of every Runge-Kutta and Runge-Kutta-Nystrom row from its coefficients alone: rooted trees (trees.h) and
- * special Nystrom trees (Hairer, Norsett, Wanner I, II.14). An order must EQUAL the claim: the conditions one order
- * higher must fail.
+ * The order of every Runge-Kutta and Runge-Kutta-Nystrom row from its coefficients alone: rooted
+ * trees (trees.h) and special Nystrom trees (Hairer, Norsett, Wanner I, II.14). An order must EQUAL
+ * the claim: the conditions one order higher must fail.
  */
 #include <stdarg.h>
 #include <stddef.h>
@@ -30,13 +30,13 @@ static void test_number_of_trees(void **state)
     for (int order = 1; order <= TREE_ORDERS; order++)
         assert_int_equal(forest.first[order + 1] - forest.first[order], known[order]);
     /* The bushy tree of order p has density p, the tall one p!. */
-    double least = HUGE_VAL, most = 0;
+    double min = HUGE_VAL, max = 0;
     for (int t = forest.first[5]; t < forest.first[6]; t++) {
-        least = fmin(least, forest.tree[t].density);
-        most = fmax(most, forest.tree[t].density);
+        min = fmin(min, forest.tree[t].density);
+        max = fmax(max, forest.tree[t].density);
     }
-    assert_near("bushy", least, 5, 0);
-    assert_near("tall", most, 120, 0);
+    assert_near("bushy", min, 5, 0);
+    assert_near("tall", max, 120, 0);
 }
 
 /* The triangle of all stages as a full matrix. */
@@ -52,11 +52,12 @@ static void weigh(const struct tableau *tableau)
 }
 
 /* Weights of the stages, and none of the extra ones. */
-static const double *padded(const struct tableau *tableau, const double *b, double room[TREE_STAGES])
+static const double *padded(const struct tableau *tableau, const double *b,
+                            double capacity[TREE_STAGES])
 {
     for (int i = 0; i < tableau->stages + tableau->extra; i++)
-        room[i] = i < tableau->stages ? b[i] : 0;
-    return room;
+        capacity[i] = i < tableau->stages ? b[i] : 0;
+    return capacity;
 }
 
 static void test_tableau_orders(void **state)
@@ -71,19 +72,22 @@ static void test_tableau_orders(void **state)
         tableaus++;
         double b[TREE_STAGES];
         weigh(tableau);
-        assert_tree_order(method->row.name, &forest, &weights, padded(tableau, tableau->b, b), method->order, 1);
-        assert_int_equal(method->embedded > 0, tableau->companion != NULL);
+        assert_tree_order(method->row.name, &forest, &weights, padded(tableau, tableau->b, b),
+                          method->order, 1);
+        assert_int_equal(method->embedded > 0, tableau->b_hat != NULL);
         assert_int_equal(method->embedded > 0, !!(method->flags & METHOD_ADAPTIVE));
-        if (!tableau->companion)
+        if (!tableau->b_hat)
             continue;
         /* With a rough companion the estimate is e^2/e_rough: the order is that of the quotient. */
         int fine = method->embedded, rough = 3;
         if (tableau->rough) {
             fine = (method->embedded + 1 + (rough + 1)) / 2 - 1;
             assert_int_equal(2 * (fine + 1) - (rough + 1), method->embedded + 1);
-            assert_tree_order(method->row.name, &forest, &weights, padded(tableau, tableau->rough, b), rough, 1);
+            assert_tree_order(method->row.name, &forest, &weights,
+                              padded(tableau, tableau->rough, b), rough, 1);
         }
-        assert_tree_order(method->row.name, &forest, &weights, padded(tableau, tableau->companion, b), fine, 1);
+        assert_tree_order(method->row.name, &forest, &weights, padded(tableau, tableau->b_hat, b),
+                          fine, 1);
     }
     assert_true(tableaus >= 10);
 }
@@ -105,13 +109,16 @@ static void test_tableau_shape(void **state)
             }
             assert_near(method->row.name, sum, tableau->c[i], TREE_HOLDS * size);
         }
-        if (tableau->fsal) { /* the last stage is the new state, so the two must be the same numbers */
+        if (tableau
+                ->fsal) { /* the last stage is the new state, so the two must be the same numbers */
             assert_near(method->row.name, tableau->c[stages - 1], 1, 0);
             assert_near(method->row.name, tableau->b[stages - 1], 0, 0);
             for (int j = 0; j < stages - 1; j++)
-                assert_near(method->row.name, tableau_row(tableau, stages - 1)[j], tableau->b[j], 0);
+                assert_near(method->row.name, tableau_row(tableau, stages - 1)[j], tableau->b[j],
+                            0);
         }
-        assert_true(!method->dense || tableau->fsal); /* the interpolant takes the slope at the end from there */
+        assert_true(!method->dense ||
+                    tableau->fsal); /* the interpolant takes the slope at the end from there */
         assert_int_equal(method->evals, stages - tableau->fsal);
     }
 }
@@ -121,7 +128,8 @@ static void interpolant(const struct tableau *tableau, double theta, double weig
 {
     int all = tableau->stages + tableau->extra;
     for (int i = 0; i < all; i++) {
-        double b = i < tableau->stages ? tableau->b[i] : 0, first = i == 0, last = i == tableau->stages - 1;
+        double b = i < tableau->stages ? tableau->b[i] : 0, first = i == 0,
+               last = i == tableau->stages - 1;
         double power = theta * (1 - theta); /* theta (1 - theta) theta … */
         weight[i] = theta * b + power * (first - b);
         power *= theta;
@@ -150,21 +158,25 @@ static void test_dense_orders(void **state)
             interpolant(tableau, theta, b);
             int claim = method->order > 4 ? method->order - 1 : 3;
             for (int order = 1; order <= claim; order++)
-                assert_below(method->row.name, tree_violation(&forest, &weights, b, order, theta), TREE_HOLDS);
-            assert_above(method->row.name, tree_violation(&forest, &weights, b, claim + 1, theta), TREE_FAILS);
+                assert_below(method->row.name, tree_violation(&forest, &weights, b, order, theta),
+                             TREE_HOLDS);
+            assert_above(method->row.name, tree_violation(&forest, &weights, b, claim + 1, theta),
+                         TREE_FAILS);
         }
     }
     assert_true(interpolants >= 4);
 }
 
-/* Hairer, Norsett, Wanner, eq. II.10.17: |e5|^2 / sqrt(|e5|^2 + |e3|^2/100), in the direction of e5. */
+/* Hairer, Norsett, Wanner, eq. II.10.17: |e5|^2 / sqrt(|e5|^2 + |e3|^2/100), in the direction of
+ * e5. */
 static void test_rough_estimate(void **state)
 {
     (void)state;
     const struct method *dop853 = method_named("dop853");
     const struct tableau *tableau = dop853->tableau;
     const struct system system = SPRING({"v0", 0.3});
-    double y[2] = {system.start[0], system.start[1]}, error[2], e5[2], e3[2], work[256], fine = 0, rough = 0;
+    double y[2] = {system.start[0], system.start[1]}, error[2], e5[2], e3[2], work[256], fine = 0,
+           rough = 0;
     assert_true(method_work_size(dop853, 2) <= COUNT_OF(work));
     struct step step = step_begin(&system, DRAG_DEFAULT, 0, 0.1, y, work);
     step.error = error;
@@ -173,7 +185,7 @@ static void test_rough_estimate(void **state)
         double size = fmax(system.scale[i], fmax(fabs(y[i]), fabs(system.start[i])));
         e5[i] = e3[i] = 0;
         for (int s = 0; s < tableau->stages; s++) {
-            e5[i] += 0.1 * (tableau->b[s] - tableau->companion[s]) * work[2 * s + i];
+            e5[i] += 0.1 * (tableau->b[s] - tableau->b_hat[s]) * work[2 * s + i];
             e3[i] += 0.1 * (tableau->b[s] - tableau->rough[s]) * work[2 * s + i];
         }
         fine += e5[i] / size * (e5[i] / size);
@@ -196,8 +208,9 @@ static void test_a_typo_is_seen(void **state)
 
 /* ---- special Nystrom trees ----
  *
- * Derivatives of q'' = a(t, q): a node a, from which grow leaves (q' once, it becomes c) and nodes again (q'', which
- * becomes sum_j a_ij ...), the latter two edges up. Written as trunk and branch like rooted trees; branch -1: a leaf.
+ * Derivatives of q'' = a(t, q): a node a, from which grow leaves (q' once, it becomes c) and nodes
+ * again (q'', which becomes sum_j a_ij ...), the latter two edges up. Written as trunk and branch
+ * like rooted trees; branch -1: a leaf.
  */
 
 enum { NYSTROM_ORDERS = 7, NYSTROM_TREES = 128 };
@@ -222,14 +235,16 @@ static void nystrom_forest_grow(struct nystrom_forest *grown)
     for (int order = 2; order <= NYSTROM_ORDERS; order++) {
         for (int trunk = 0; trunk < grown->first[order]; trunk++)
             for (int branch = -1; branch < grown->first[order]; branch++) {
-                const struct nystrom_tree *t = &grown->tree[trunk], *b = branch < 0 ? NULL : &grown->tree[branch];
-                if (t->order + (b ? b->order + 1 : 1) != order || (t->trunk >= 0 && branch > t->branch))
+                const struct nystrom_tree *t = &grown->tree[trunk],
+                                          *b = branch < 0 ? NULL : &grown->tree[branch];
+                if (t->order + (b ? b->order + 1 : 1) != order ||
+                    (t->trunk >= 0 && branch > t->branch))
                     continue;
                 assert_true(grown->count < NYSTROM_TREES);
                 /* q = double integral of tau^(order - 1) */
                 double exact = t->exact * (b ? b->exact / (b->order * (b->order + 1)) : 1);
-                grown->tree[grown->count++] =
-                    (struct nystrom_tree){.order = order, .trunk = trunk, .branch = branch, .exact = exact};
+                grown->tree[grown->count++] = (struct nystrom_tree){
+                    .order = order, .trunk = trunk, .branch = branch, .exact = exact};
             }
         grown->first[order + 1] = grown->count;
     }
@@ -244,30 +259,35 @@ static void nystrom_weigh(struct nystrom_forest *grown, const struct nystrom *ny
             struct tree_weight factor = {nystrom->c[i], nystrom->c[i]};
             if (tree->branch >= 0)
                 factor = tree_branch(i, nystrom->a + i * (i - 1) / 2, grown->tree[tree->branch].at);
-            const struct tree_weight *trunk = tree->trunk < 0 ? NULL : &grown->tree[tree->trunk].at[i];
-            tree->at[i] = trunk ? (struct tree_weight){trunk->value * factor.value, trunk->size * factor.size}
-                                : (struct tree_weight){1, 1};
+            const struct tree_weight *trunk =
+                tree->trunk < 0 ? NULL : &grown->tree[tree->trunk].at[i];
+            tree->at[i] =
+                trunk ? (struct tree_weight){trunk->value * factor.value, trunk->size * factor.size}
+                      : (struct tree_weight){1, 1};
         }
 }
 
-/* Largest violation of the conditions of one order: that of v by trees of this order, of q by those one below. */
-static double nystrom_violation(const struct nystrom_forest *grown, int stages, const double *b, const double *d,
-                                int order)
+/* Largest violation of the conditions of one order: that of v by trees of this order, of q by those
+ * one below. */
+static double nystrom_violation(const struct nystrom_forest *grown, int stages, const double *b,
+                                const double *d, int order)
 {
     double largest = 0;
     for (int t = grown->first[order]; t < grown->first[order + 1]; t++) {
         struct tree_weight v = tree_branch(stages, d, grown->tree[t].at);
         largest = fmax(largest, fabs(v.value - grown->tree[t].exact / order) / fmax(1, v.size));
     }
-    for (int t = order > 1 ? grown->first[order - 1] : 0; order > 1 && t < grown->first[order]; t++) {
+    for (int t = order > 1 ? grown->first[order - 1] : 0; order > 1 && t < grown->first[order];
+         t++) {
         struct tree_weight q = tree_branch(stages, b, grown->tree[t].at);
-        largest = fmax(largest, fabs(q.value - grown->tree[t].exact / (order * (order - 1))) / fmax(1, q.size));
+        largest = fmax(largest, fabs(q.value - grown->tree[t].exact / (order * (order - 1))) /
+                                    fmax(1, q.size));
     }
     return largest;
 }
 
-static void assert_nystrom_order(const char *what, const struct nystrom_forest *grown, int stages, const double *b,
-                                 const double *d, int claim)
+static void assert_nystrom_order(const char *what, const struct nystrom_forest *grown, int stages,
+                                 const double *b, const double *d, int claim)
 {
     assert_in_range(claim, 1, NYSTROM_ORDERS - 1);
     for (int order = 1; order <= claim; order++)
@@ -294,10 +314,11 @@ static void test_nystrom_orders(void **state)
         int stages = nystrom->stages;
         nystrom_weigh(&grown, nystrom);
         assert_nystrom_order(name, &grown, stages, nystrom->b, nystrom->d, method->order);
-        assert_int_equal(method->embedded > 0, nystrom->companion_b && nystrom->companion_d);
+        assert_int_equal(method->embedded > 0, nystrom->embedded_b && nystrom->embedded_d);
         assert_int_equal(method->embedded > 0, !!(method->flags & METHOD_ADAPTIVE));
         if (method->embedded > 0)
-            assert_nystrom_order(name, &grown, stages, nystrom->companion_b, nystrom->companion_d, method->embedded);
+            assert_nystrom_order(name, &grown, stages, nystrom->embedded_b, nystrom->embedded_d,
+                                 method->embedded);
         for (int i = 0; i < stages; i++) /* q = c^2/2 with a constant acceleration */
             assert_near(name, tree_branch(i, nystrom->a + i * (i - 1) / 2, grown.tree[0].at).value,
                         nystrom->c[i] * nystrom->c[i] / 2, TREE_HOLDS);
@@ -305,7 +326,8 @@ static void test_nystrom_orders(void **state)
             assert_near(name, nystrom->c[stages - 1], 1, 0);
             assert_near(name, nystrom->b[stages - 1], 0, 0);
             for (int j = 0; j < stages - 1; j++)
-                assert_near(name, nystrom->a[(stages - 1) * (stages - 2) / 2 + j], nystrom->b[j], 0);
+                assert_near(name, nystrom->a[(stages - 1) * (stages - 2) / 2 + j], nystrom->b[j],
+                            0);
         }
         assert_int_equal(method->evals, stages - nystrom->fsal);
         assert_int_equal(method->flags & (METHOD_SECOND_ORDER | METHOD_NO_VELOCITY),

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Rounding in long runs. On the spring a splitting is a product of shears and keeps a quadratic form exactly; how far
- * the form drifts is what rounding did. It must do so like a random walk (Brouwer 1937, Astron. J. 46:149), and with
- * compensated sums with steps smaller by h (Hairer, McLachlan, Razakarivony 2008, BIT 48:231).
+ * Rounding in long runs. On the spring a splitting is a product of shears and keeps a quadratic
+ * form exactly; how far the form drifts is what rounding did. It must do so like a random walk
+ * (Brouwer 1937, Astron. J. 46:149), and with compensated sums with steps smaller by h (Hairer,
+ * McLachlan, Razakarivony 2008, BIT 48:231).
  */
 #include <stdarg.h>
 #include <stddef.h>
@@ -56,7 +57,8 @@ static struct system unit_spring(void)
 }
 
 /* RMS of the form's relative drift after FIRST, 2 FIRST, 4 FIRST … steps. */
-static void drift(const struct method *method, bool compensated, int conditions, int points, double *rms)
+static void drift(const struct method *method, bool compensated, int conditions, int points,
+                  double *rms)
 {
     struct system system = unit_spring();
     struct form form = form_of(method->splitting);
@@ -113,8 +115,8 @@ static void test_random_walk(void **state)
     drift(verlet, false, conditions, points, plain);
     drift(verlet, true, conditions, points, compensated);
     double slope = slope_of(compensated, points);
-    print_message("drift %.2g plain, %.2g compensated; slopes %.3f, %.3f\n", plain[points - 1], compensated[points - 1],
-                  slope_of(plain, points), slope);
+    print_message("drift %.2g plain, %.2g compensated; slopes %.3f, %.3f\n", plain[points - 1],
+                  compensated[points - 1], slope_of(plain, points), slope);
     assert_below("compensated", compensated[points - 1], 1.5e-15 * (long_form() ? 2 : 1));
     assert_above("plain", plain[points - 1], 50 * compensated[points - 1]);
     assert_near("slope", slope, 0.5, long_form() ? 0.15 : 0.3);

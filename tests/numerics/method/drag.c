@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Drag beside forces that no oscillator has: two coordinates of Henon and Heiles, or one of Duffing (order of every
- * splitting and drag variant), against RK4 in long double on forces written out here.
+ * Drag beside forces that no oscillator has: two coordinates of Henon and Heiles, or one of Duffing
+ * (order of every splitting and drag variant), against RK4 in long double on forces written out
+ * here.
  */
 #include <stdarg.h>
 #include <stddef.h>
@@ -40,7 +41,8 @@ static void pair_drag_add(const double *c, double t, const double *y, double *a)
 
 static const struct term_row pair_row = {
     .row = {"pair", "", "", "", NULL}, .flags = TERM_CONSERVATIVE, .add = pair_add};
-static const struct term_row drag_row = {.row = {"drag", "", "", "", NULL}, .flags = TERM_VELOCITY, .add = drag_add};
+static const struct term_row drag_row = {
+    .row = {"drag", "", "", "", NULL}, .flags = TERM_VELOCITY, .add = drag_add};
 static const struct term_row pair_drag_row = {
     .row = {"drag", "", "", "", NULL}, .flags = TERM_VELOCITY, .add = pair_drag_add};
 
@@ -49,11 +51,13 @@ static struct system damped(int coordinates, double quadratic)
     struct system system = other_system(coordinates == ONE ? &duffing_row : &pair_row, 0.5);
     system.n = 2 * coordinates;
     system.scale[2] = system.scale[3] = 1;
-    system.term[1] = (struct bound_term){coordinates == ONE ? &drag_row : &pair_drag_row, {GAMMA, quadratic}};
+    system.term[1] =
+        (struct bound_term){coordinates == ONE ? &drag_row : &pair_drag_row, {GAMMA, quadratic}};
     system.terms = 2;
     system.velocity = true;
     system.conservative = false;
-    system.oscillator = (struct oscillator){.damping = GAMMA, .quadratic = quadratic, .drag_whole = true};
+    system.oscillator =
+        (struct oscillator){.damping = GAMMA, .quadratic = quadratic, .drag_whole = true};
     return system;
 }
 
@@ -75,7 +79,7 @@ static void slope_at(int coordinates, real quadratic, const real *y, real *dy)
 static void reference(int coordinates, real quadratic, double span, double *y)
 {
     const int steps = 1 << 14, n = 2 * coordinates;
-    const real part[] = {0.5L, 0.5L, 1}, share[] = {1, 2, 2, 1}, h = (real)span / steps;
+    const real part[] = {0.5L, 0.5L, 1}, fraction[] = {1, 2, 2, 1}, h = (real)span / steps;
     real z[4];
     for (int i = 0; i < n; i++)
         z[i] = (real)y[i];
@@ -85,7 +89,7 @@ static void reference(int coordinates, real quadratic, double span, double *y)
         for (int stage = 0; stage < 4; stage++) {
             slope_at(coordinates, quadratic, at, k[stage]);
             for (int i = 0; i < n; i++) {
-                sum[i] += share[stage] * k[stage][i];
+                sum[i] += fraction[stage] * k[stage][i];
                 if (stage < 3)
                     at[i] = z[i] + h * part[stage] * k[stage][i];
             }
@@ -98,13 +102,15 @@ static void reference(int coordinates, real quadratic, double span, double *y)
 }
 
 /*
- * Of errors far above rounding: from the last three, extrapolated; of high orders, for which double leaves few, the
- * mean slope. (What their order is method_words.c proves, here it is not lost.)
+ * Of errors far above rounding: from the last three, extrapolated; of high orders, for which double
+ * leaves few, the mean slope. (What their order is method_words.c proves, here it is not lost.)
  */
-static double order_of(const struct method *method, enum drag drag, int coordinates, double quadratic)
+static double order_of(const struct method *method, enum drag drag, int coordinates,
+                       double quadratic)
 {
     const double start[4] = {0.4, -0.3, 0.2, 0.1};
-    const double span = quadratic != 0 ? 1.5 : 6; /* quadratic drag: without a turning point inside */
+    const double span =
+        quadratic != 0 ? 1.5 : 6; /* quadratic drag: without a turning point inside */
     struct system system = damped(coordinates, quadratic);
     double want[4], error[14] = {0};
     memcpy(want, start, sizeof want);
@@ -122,7 +128,8 @@ static double order_of(const struct method *method, enum drag drag, int coordina
     assert_in_range(count, method->order > 4 ? 2 : 3, COUNT_OF(error));
     if (method->order > 4)
         return log2(error[0] / error[count - 1]) / (count - 1);
-    return 2 * log2(error[count - 2] / error[count - 1]) - log2(error[count - 3] / error[count - 2]);
+    return 2 * log2(error[count - 2] / error[count - 1]) -
+           log2(error[count - 3] / error[count - 2]);
 }
 
 static void check(int coordinates, double quadratic, int *checked)
@@ -134,7 +141,8 @@ static void check(int coordinates, double quadratic, int *checked)
             if (!method->splitting || !applies(method, &system, (enum drag)drag))
                 continue;
             char what[80];
-            snprintf(what, sizeof what, "%s drag %d, %d coordinates", method->row.name, drag, coordinates);
+            snprintf(what, sizeof what, "%s drag %d, %d coordinates", method->row.name, drag,
+                     coordinates);
             double order = order_of(method, (enum drag)drag, coordinates, quadratic);
             if (method->order <= 4)
                 assert_near(what, order, drag == DRAG_EXPLICIT ? 1 : method->order, 0.05);

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Reversibility, area, symplectic form and energy: each flag of each row is verified both ways, so every method without
- * the flag is a negative control (at a larger step, where its error is not lost in rounding). The systems are the
- * undamped spring, Duffing's q'' = -q - q^3 / 2 (which `exact` cannot step) and that of Henon and Heiles.
+ * Reversibility, area, symplectic form and energy: each flag of each row is verified both ways, so
+ * every method without the flag is a negative control (at a larger step, where its error is not
+ * lost in rounding). The systems are the undamped spring, Duffing's q'' = -q - q^3 / 2 (which
+ * `exact` cannot step) and that of Henon and Heiles.
  */
 #include <stdarg.h>
 #include <stddef.h>
@@ -36,7 +37,8 @@ static bool has(const struct method *method, enum method_flag flag)
 }
 
 /* n steps of h, then n steps of -h: distance from the start. */
-static double return_error(const struct method *method, const struct system *system, double h, long n)
+static double return_error(const struct method *method, const struct system *system, double h,
+                           long n)
 {
     const double start[2] = {1, 0.2};
     double y[2] = {start[0], start[1]};
@@ -84,7 +86,8 @@ static struct system damped_duffing(double gamma)
     return system;
 }
 
-static void check_reversal_with_drag(const struct method *method, enum drag drag, const struct system *system)
+static void check_reversal_with_drag(const struct method *method, enum drag drag,
+                                     const struct system *system)
 {
     if (!applies(method, system, drag))
         return;
@@ -102,9 +105,10 @@ static void check_reversal_with_drag(const struct method *method, enum drag drag
 static void test_reversal_with_drag(void **state)
 {
     (void)state;
-    const struct system systems[] = {
-        SPRING({"m", 1}, {"k", 1}, {"gamma", 0.01}, {"C", 0.01}, {"rho", 1}, {"area", 1}, {"y0", 1}),
-        SPRING({"m", 1}, {"k", 1}, {"gamma", 0.02}, {"y0", 1}), damped_duffing(0.02)};
+    const struct system systems[] = {SPRING({"m", 1}, {"k", 1}, {"gamma", 0.01}, {"C", 0.01},
+                                            {"rho", 1}, {"area", 1}, {"y0", 1}),
+                                     SPRING({"m", 1}, {"k", 1}, {"gamma", 0.02}, {"y0", 1}),
+                                     damped_duffing(0.02)};
     for (size_t m = 0; m < method_catalog.count; m++)
         for (int drag = DRAG_EXACT; drag < DRAG_COUNT; drag++)
             for (size_t i = 0; i < COUNT_OF(systems); i++)
@@ -126,9 +130,10 @@ static int steps_of(const struct method *method)
     return has(method, METHOD_MULTISTEP) ? 8 : 1;
 }
 
-/* Jacobian of the map over one step (steps_of) at y by central differences of sixth order; false: a step failed. */
-static bool map_jacobian(const struct method *method, const struct system *system, double h, const double *y,
-                         double jacobian[4][4])
+/* Jacobian of the map over one step (steps_of) at y by central differences of sixth order; false: a
+ * step failed. */
+static bool map_jacobian(const struct method *method, const struct system *system, double h,
+                         const double *y, double jacobian[4][4])
 {
     static const double weight[] = {45. / 60, -9. / 60, 1. / 60};
     const double delta = 0.01;
@@ -149,16 +154,16 @@ static bool map_jacobian(const struct method *method, const struct system *syste
 }
 
 /*
- * Largest difference of J' Omega J from factor Omega at random places in a box; Omega pairs q_i with v_i. For n = 2
- * that is the determinant, the change of area.
+ * Largest difference of J' Omega J from factor Omega at random places in a box; Omega pairs q_i
+ * with v_i. For n = 2 that is the determinant, the change of area.
  */
-static double form_error(const struct method *method, const struct system *system, double h, double box, int places,
-                         double factor)
+static double form_error(const struct method *method, const struct system *system, double h,
+                         double box, int indices, double factor)
 {
     uint64_t seed = 88172645463325252u;
     int n = system->n, d = n / 2;
     double largest = 0;
-    for (int i = 0; i < places; i++) {
+    for (int i = 0; i < indices; i++) {
         double y[4], jacobian[4][4];
         for (int j = 0; j < n; j++)
             y[j] = box * next_random(&seed);
@@ -168,7 +173,8 @@ static double form_error(const struct method *method, const struct system *syste
             for (int column = row + 1; column < n; column++) {
                 double form = 0;
                 for (int j = 0; j < d; j++)
-                    form += jacobian[j][row] * jacobian[d + j][column] - jacobian[d + j][row] * jacobian[j][column];
+                    form += jacobian[j][row] * jacobian[d + j][column] -
+                            jacobian[d + j][row] * jacobian[j][column];
                 largest = fmax(largest, fabs(form - (column == row + d ? factor : 0)));
             }
     }
@@ -235,7 +241,8 @@ static void test_symplectic_form(void **state)
     }
 }
 
-/* Linear damping shrinks areas by exp(-gamma h): splittings with exact drag do exactly that, others do not. */
+/* Linear damping shrinks areas by exp(-gamma h): splittings with exact drag do exactly that, others
+ * do not. */
 static void test_area_with_damping(void **state)
 {
     (void)state;
@@ -257,10 +264,11 @@ static void test_area_with_damping(void **state)
 
 struct walk {
     struct step step;
-    double y[2], work[WORK_ROOM];
+    double y[2], work[WORK_CAPACITY];
 };
 
-static void walk_begin(struct walk *walk, const struct method *method, const struct system *system, double h)
+static void walk_begin(struct walk *walk, const struct method *method, const struct system *system,
+                       double h)
 {
     struct error error;
     enum drag drag = DRAG_DEFAULT;
@@ -297,7 +305,8 @@ static double telling_step(const struct method *method, const struct system *sys
     return 1;
 }
 
-/* The last 1000 steps are not worse than the first 1000; methods neither symplectic nor symmetric drift. */
+/* The last 1000 steps are not worse than the first 1000; methods neither symplectic nor symmetric
+ * drift. */
 static void test_energy_stays_bounded(void **state)
 {
     (void)state;
@@ -336,7 +345,8 @@ static void test_linear_energy_is_kept(void **state)
     }
 }
 
-/* The invariants of the discrete flows: v^2 + q^2 (1 - x^2/4) for Verlet, v^2 + q^2 -+ x q v for the symplectic Eulers.
+/* The invariants of the discrete flows: v^2 + q^2 (1 - x^2/4) for Verlet, v^2 + q^2 -+ x q v for
+ * the symplectic Eulers.
  */
 static void test_modified_invariants(void **state)
 {
@@ -344,13 +354,17 @@ static void test_modified_invariants(void **state)
     const struct {
         const char *name;
         double q2, qv;
-    } rows[] = {{"verlet", 1 - 0.16 / 4, 0}, {"symplectic-euler", 1, 0.4}, {"symplectic-euler-kick", 1, -0.4}};
+    } rows[] = {{"verlet", 1 - 0.16 / 4, 0},
+                {"symplectic-euler", 1, 0.4},
+                {"symplectic-euler-kick", 1, -0.4}};
     struct system system = unit_spring();
     for (size_t i = 0; i < COUNT_OF(rows); i++) {
         double y[2] = {1, 0.2}, first = 0.04 + rows[i].q2 + rows[i].qv * 0.2;
         for (int n = 0; n < 1000; n++) {
             assert_int_equal(advance(method_named(rows[i].name), &system, 0.4, 1, y), STEP_OK);
-            assert_near(rows[i].name, y[1] * y[1] + rows[i].q2 * y[0] * y[0] + rows[i].qv * y[0] * y[1], first, 1e-13);
+            assert_near(rows[i].name,
+                        y[1] * y[1] + rows[i].q2 * y[0] * y[0] + rows[i].qv * y[0] * y[1], first,
+                        1e-13);
         }
     }
 }

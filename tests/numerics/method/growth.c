@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Growth a step: every row run on both sides of its limit, the windows of instability of splittings and of backward
- * differentiation, and growth without damping to leading order, against independent values.
+ * Growth a step: every row run on both sides of its limit, the windows of instability of splittings
+ * and of backward differentiation, and growth without damping to leading order, against independent
+ * values.
  */
 #include <stdarg.h>
 #include <stddef.h>
@@ -19,17 +20,20 @@ static double amplitude(const struct method *method, enum drag drag, double x, d
     return advance_as(method, drag, &system, 0, x, n, y) == STEP_OK ? hypot(y[0], y[1]) : HUGE_VAL;
 }
 
-/* Steps that make of a mode 1e20 times what it was (a good start leaves little of it); 0: too many. */
-static long steps_to_grow(double growth, double most)
+/* Steps that make of a mode 1e20 times what it was (a good start leaves little of it); 0: too many.
+ */
+static long steps_to_grow(double growth, double max)
 {
     double n = log(1e20) / log(growth);
-    return n > 0 && n < most ? (long)ceil(n) + 10 : 0;
+    return n > 0 && n < max ? (long)ceil(n) + 10 : 0;
 }
 
 /* Grows, and by what is predicted. */
-static void check_growth(const char *what, const struct method *method, enum drag drag, double x, double zeta, long n)
+static void check_growth(const char *what, const struct method *method, enum drag drag, double x,
+                         double zeta, long n)
 {
-    double first = amplitude(method, drag, x, zeta, n / 2), last = amplitude(method, drag, x, zeta, n);
+    double first = amplitude(method, drag, x, zeta, n / 2),
+           last = amplitude(method, drag, x, zeta, n);
     assert_above(what, last, 1e6);
     double predicted = (double)(n - n / 2) * log(method_growth(method, drag, x, zeta));
     assert_near(what, log(last / first), predicted, 4);
@@ -68,7 +72,8 @@ static void test_both_sides_of_every_limit(void **state)
         for (int drag = DRAG_DEFAULT; drag < DRAG_COUNT; drag++)
             for (size_t z = 0; z < COUNT_OF(some); z++) {
                 const struct method *method = method_at(m);
-                if (method->flags & METHOD_YARDSTICK || isnan(method_growth(method, (enum drag)drag, 0.1, some[z])))
+                if (method->flags & METHOD_EXTERNAL ||
+                    isnan(method_growth(method, (enum drag)drag, 0.1, some[z])))
                     continue;
                 check_limit(method, (enum drag)drag, some[z]);
                 limits_checked++;
@@ -85,7 +90,7 @@ static double growth_of(const char *name, double x, double zeta)
 
 static const struct {
     const char *name;
-    double from, to, most; /* largest growth inside */
+    double from, to, max; /* largest growth inside */
 } windows[] = {
     {"blanes-moan6-11", 3.1414311, 3.1423200, 1.00044},
     {"blanes-moan6-14", 3.1409251, 3.1421128, 1.00059},
@@ -101,16 +106,16 @@ static void test_resonance_windows(void **state)
     (void)state;
     for (size_t i = 0; i < COUNT_OF(windows); i++) {
         const char *name = windows[i].name;
-        double width = windows[i].to - windows[i].from, most = 0;
+        double width = windows[i].to - windows[i].from, max = 0;
         for (int k = -20; k <= 1020; k++) {
             double x = windows[i].from + width * k / 1000, growth = growth_of(name, x, 0);
             if (k < -10 || k > 1010)
                 assert_near(name, growth, 1, 1e-12);
             else if (k > 10 && k < 990)
                 assert_above(name, growth, 1 + 1e-6);
-            most = fmax(most, growth);
+            max = fmax(max, growth);
         }
-        assert_near(name, most - 1, windows[i].most - 1, 0.02 * (windows[i].most - 1));
+        assert_near(name, max - 1, windows[i].max - 1, 0.02 * (windows[i].max - 1));
         double middle = windows[i].from + width / 2, below = windows[i].from - width / 10;
         long n = steps_to_grow(growth_of(name, middle, 0), 200000);
         check_growth(name, method_named(name), DRAG_DEFAULT, middle, 0, n);
@@ -158,7 +163,8 @@ static double worst_growth(const char *name, double zeta)
     return growth_of(name, (a + b) / 2, zeta);
 }
 
-/* Backward differentiation is stable at every step from a damping ratio on that is the cosine of its angle A(alpha). */
+/* Backward differentiation is stable at every step from a damping ratio on that is the cosine of
+ * its angle A(alpha). */
 static void test_damping_that_suffices(void **state)
 {
     (void)state;
@@ -217,8 +223,12 @@ static void test_leading_growth(void **state)
         {"bogacki-shampine", -1. / 24, 4},
     };
     for (size_t i = 0; i < COUNT_OF(rows); i++) {
-        double x = rows[i].q == 2 ? 1e-3 : rows[i].q == 4 ? 0.01 : 0.04, wanted = rows[i].c * pow(x, rows[i].q);
-        assert_near(rows[i].name, growth_of(rows[i].name, x, 0) - 1, wanted, 0.02 * fabs(wanted) + 1e-15);
+        double x = rows[i].q == 2   ? 1e-3
+                   : rows[i].q == 4 ? 0.01
+                                    : 0.04,
+               wanted = rows[i].c * pow(x, rows[i].q);
+        assert_near(rows[i].name, growth_of(rows[i].name, x, 0) - 1, wanted,
+                    0.02 * fabs(wanted) + 1e-15);
     }
 }
 

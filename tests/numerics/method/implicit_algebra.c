@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * What every implicit Runge-Kutta row claims, from its coefficients alone: order (also of the error estimate), row
- * sums, the transformation that its solver uses, symplecticity, symmetry, A- and L-stability, stiff accuracy.
+ * What every implicit Runge-Kutta row claims, from its coefficients alone: order (also of the error
+ * estimate), row sums, the transformation that its solver uses, symplecticity, symmetry, A- and
+ * L-stability, stiff accuracy.
  */
 #include <stdarg.h>
 #include <stddef.h>
@@ -30,7 +31,8 @@ static bool has(size_t i, enum method_flag flag)
     return method_at(i)->flags & flag;
 }
 
-/* The tableau with the start as a stage before the others: the error estimate of radau5 uses its slope. */
+/* The tableau with the start as a stage before the others: the error estimate of radau5 uses its
+ * slope. */
 static void with_start(const struct implicit_tableau *row, double *a)
 {
     int s = row->stages;
@@ -66,11 +68,13 @@ static void test_orders(void **state)
         tree_weigh(&forest, row->stages, row->a, row->a, &weights);
         int order = method_at(m)->order, embedded = method_at(m)->embedded;
         assert_tree_order(name, &forest, &weights, row->b, order, 1);
-        assert_int_equal(embedded > 0, row->companion || row->estimate);
+        assert_int_equal(embedded > 0, row->b_hat || row->estimate);
         assert_int_equal(embedded > 0, has(m, METHOD_ADAPTIVE));
-        /* Where the companion is of a higher order than the method, the estimate is that of the method's error. */
-        if (row->companion)
-            assert_tree_order(name, &forest, &weights, row->companion, embedded == order ? order + 1 : embedded, 1);
+        /* Where the companion is of a higher order than the method, the estimate is that of the
+         * method's error. */
+        if (row->b_hat)
+            assert_tree_order(name, &forest, &weights, row->b_hat,
+                              embedded == order ? order + 1 : embedded, 1);
         if (row->estimate) {
             double a[MOST * MOST], b[MOST];
             with_start(row, a);
@@ -92,15 +96,16 @@ static void test_a_typo_is_seen(void **state)
     a[4] += 1e-12;
     forest_grow(&forest);
     tree_weigh(&forest, 3, a, a, &weights);
-    double most = 0;
+    double max = 0;
     for (int order = 1; order <= 5; order++)
-        most = fmax(most, tree_violation(&forest, &weights, row->b, order, 1));
-    assert_above("typo", most, 5 * TREE_HOLDS);
+        max = fmax(max, tree_violation(&forest, &weights, row->b, order, 1));
+    assert_above("typo", max, 5 * TREE_HOLDS);
 }
 
 static bool same_last_row(const struct implicit_tableau *row)
 {
-    return memcmp(row->a + (row->stages - 1) * row->stages, row->b, (size_t)row->stages * sizeof *row->b) == 0;
+    return memcmp(row->a + (row->stages - 1) * row->stages, row->b,
+                  (size_t)row->stages * sizeof *row->b) == 0;
 }
 
 static void test_shape(void **state)
@@ -132,7 +137,8 @@ static void test_shape(void **state)
     }
 }
 
-/* d a = b; a T Lambda = T and left a T = 1, for the eigenvalues and vectors that the solver uses. */
+/* d a = b; a T Lambda = T and left a T = 1, for the eigenvalues and vectors that the solver uses.
+ */
 static void test_transformation(void **state)
 {
     (void)state;
@@ -175,7 +181,8 @@ static void test_transformation(void **state)
     assert_true(rows >= 4);
 }
 
-/* Symplectic: b_i a_ij + b_j a_ji = b_i b_j (HLW VI.4.3); symmetric: a_s+1-i,s+1-j + a_ij = b_j (HLW V.2.3). */
+/* Symplectic: b_i a_ij + b_j a_ji = b_i b_j (HLW VI.4.3); symmetric: a_s+1-i,s+1-j + a_ij = b_j
+ * (HLW V.2.3). */
 static void test_geometry(void **state)
 {
     (void)state;
@@ -188,12 +195,16 @@ static void test_geometry(void **state)
         double symplectic = 0, symmetric = 0;
         for (int i = 0; i < s; i++)
             for (int j = 0; j < s; j++) {
-                double ij = row->a[i * s + j], ji = row->a[j * s + i], mirror = row->a[(s - 1 - i) * s + s - 1 - j];
-                symplectic = fmax(symplectic, fabs(row->b[i] * ij + row->b[j] * ji - row->b[i] * row->b[j]));
+                double ij = row->a[i * s + j], ji = row->a[j * s + i],
+                       mirror = row->a[(s - 1 - i) * s + s - 1 - j];
+                symplectic =
+                    fmax(symplectic, fabs(row->b[i] * ij + row->b[j] * ji - row->b[i] * row->b[j]));
                 symmetric = fmax(symmetric, fabs(mirror + ij - row->b[j]));
             }
-        has(m, METHOD_SYMPLECTIC) ? assert_below(name, symplectic, 1e-15) : assert_above(name, symplectic, 1e-3);
-        has(m, METHOD_SYMMETRIC) ? assert_below(name, symmetric, 1e-15) : assert_above(name, symmetric, 1e-3);
+        has(m, METHOD_SYMPLECTIC) ? assert_below(name, symplectic, 1e-15)
+                                  : assert_above(name, symplectic, 1e-3);
+        has(m, METHOD_SYMMETRIC) ? assert_below(name, symmetric, 1e-15)
+                                 : assert_above(name, symmetric, 1e-3);
     }
 }
 
@@ -220,19 +231,20 @@ static double complex stability(int s, const double *a, const double *b, double 
     return value;
 }
 
-static double most_on_the_axis(int s, const double *a, const double *b, double *least)
+static double most_on_the_axis(int s, const double *a, const double *b, double *min)
 {
-    double most = 0;
-    *least = HUGE_VAL;
+    double max = 0;
+    *min = HUGE_VAL;
     for (double y = 1e-3; y < 1e5; y *= 1.01) {
         double size = cabs(stability(s, a, b, (double complex)I * y));
-        most = fmax(most, size);
-        *least = fmin(*least, size);
+        max = fmax(max, size);
+        *min = fmin(*min, size);
     }
-    return most;
+    return max;
 }
 
-/* No poles on the left: the rows' |R| has its maximum on the axis (all their eigenvalues have positive real parts). */
+/* No poles on the left: the rows' |R| has its maximum on the axis (all their eigenvalues have
+ * positive real parts). */
 static void test_stability(void **state)
 {
     (void)state;
@@ -241,14 +253,15 @@ static void test_stability(void **state)
         const struct implicit_tableau *row = tableau_at(m, &name);
         if (!row)
             continue;
-        double least, most = most_on_the_axis(row->stages, row->a, row->b, &least);
-        assert_int_equal(most <= 1 + 1e-9, has(m, METHOD_A_STABLE));
-        assert_int_equal(most - least < 1e-9, has(m, METHOD_ENERGY));
-        assert_int_equal(cabs(stability(row->stages, row->a, row->b, -1e9)) < 1e-6, has(m, METHOD_L_STABLE));
+        double min, max = most_on_the_axis(row->stages, row->a, row->b, &min);
+        assert_int_equal(max <= 1 + 1e-9, has(m, METHOD_A_STABLE));
+        assert_int_equal(max - min < 1e-9, has(m, METHOD_ENERGY));
+        assert_int_equal(cabs(stability(row->stages, row->a, row->b, -1e9)) < 1e-6,
+                         has(m, METHOD_L_STABLE));
     }
     const double rk4[16] = {[4] = 0.5, [9] = 0.5, [14] = 1}, b[] = {1. / 6, 1. / 3, 1. / 3, 1. / 6};
-    double least;
-    assert_above("rk4 is not A-stable", most_on_the_axis(4, rk4, b, &least), 2);
+    double min;
+    assert_above("rk4 is not A-stable", most_on_the_axis(4, rk4, b, &min), 2);
 }
 
 /* Leading terms of phase and amplitude error a step on the undamped oscillator. */
@@ -281,8 +294,9 @@ static void test_leading_errors(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_orders),         cmocka_unit_test(test_a_typo_is_seen), cmocka_unit_test(test_shape),
-        cmocka_unit_test(test_transformation), cmocka_unit_test(test_geometry),       cmocka_unit_test(test_stability),
+        cmocka_unit_test(test_orders),         cmocka_unit_test(test_a_typo_is_seen),
+        cmocka_unit_test(test_shape),          cmocka_unit_test(test_transformation),
+        cmocka_unit_test(test_geometry),       cmocka_unit_test(test_stability),
         cmocka_unit_test(test_leading_errors),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Many trajectories side by side: to the bit what each would do alone, for every method and kind that there is. */
+/* Many trajectories side by side: to the bit what each would do alone, for every method and kind
+ * that there is. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
@@ -18,7 +19,8 @@ static void lane_scene(unsigned which, int lane, bool alike, struct system *syst
     static const struct {
         const char *name;
         double value;
-    } terms[] = {{"gamma", 0.3}, {"C", 2}, {"k3", 200}, {"F0", 0.1}, {"mu", 2}, {"omega", 7}, {"phase", 0.4}};
+    } terms[] = {{"gamma", 0.3}, {"C", 2},     {"k3", 200},   {"F0", 0.1},
+                 {"mu", 2},      {"omega", 7}, {"phase", 0.4}};
     struct scene scene;
     struct error error = {0};
     scene_init(&scene, NULL);
@@ -26,10 +28,13 @@ static void lane_scene(unsigned which, int lane, bool alike, struct system *syst
         const bool time = i >= 5;
         const double value = terms[i].value * (time && alike ? 1 : 1 + 0.01 * lane);
         if (time || which & 1u << i)
-            assert_true(scene_set(&scene, scene_param(&scene, terms[i].name), (struct measured){value, 0}, &error));
+            assert_true(scene_set(&scene, scene_param(&scene, terms[i].name),
+                                  (struct measured){value, 0}, &error));
     }
-    assert_true(scene_set(&scene, scene_param(&scene, "k"), (struct measured){15 + 0.3 * lane, 0}, &error));
-    assert_true(scene_set(&scene, scene_param(&scene, "y0"), (struct measured){0.05 - 0.002 * lane, 0}, &error));
+    assert_true(
+        scene_set(&scene, scene_param(&scene, "k"), (struct measured){15 + 0.3 * lane, 0}, &error));
+    assert_true(scene_set(&scene, scene_param(&scene, "y0"),
+                          (struct measured){0.05 - 0.002 * lane, 0}, &error));
     assert_true(scene_set(&scene, scene_param(&scene, "t0"), (struct measured){0.7, 0}, &error));
     assert_true(scene_bind(&scene, system, &error));
 }
@@ -38,7 +43,8 @@ static struct system systems[LANES];
 static double rows[STEPS][2][LANES];
 
 /* False: this method and these forces do not go in lanes. */
-static bool compare(struct lanes *lanes, const struct method *method, unsigned which, enum drag drag, bool alike)
+static bool compare(struct lanes *lanes, const struct method *method, unsigned which,
+                    enum drag drag, bool alike)
 {
     struct error error;
     for (int lane = 0; lane < LANES; lane++)
@@ -77,8 +83,10 @@ static bool compare(struct lanes *lanes, const struct method *method, unsigned w
             const bool written = rows[i][0][0] != 0 || rows[i][1][0] != 0;
             if (written && (memcmp(&rows[i][0][lane], &row[i][0], sizeof(double)) != 0 ||
                             memcmp(&rows[i][1][lane], &row[i][1], sizeof(double)) != 0))
-                fail_msg("%s, forces %u, lane %d, step %d: %.17g, %.17g side by side, %.17g, %.17g alone",
-                         method->row.name, which, lane, i, rows[i][0][lane], rows[i][1][lane], row[i][0], row[i][1]);
+                fail_msg("%s, forces %u, lane %d, step %d: %.17g, %.17g side by side, %.17g, %.17g "
+                         "alone",
+                         method->row.name, which, lane, i, rows[i][0][lane], rows[i][1][lane],
+                         row[i][0], row[i][1]);
         }
         assert_int_equal(lanes_evals(lanes, lane), evals[lane]);
     }
@@ -95,8 +103,9 @@ static void test_lanes_give_the_same_bits(void **state)
         for (size_t m = 0; m < method_catalog.count; m++)
             for (enum drag drag = DRAG_DEFAULT; drag < DRAG_COUNT; drag++)
                 for (int alike = 0; alike < (which & 8 ? 2 : 1); alike++)
-                    compared += compare(lanes, (const struct method *)(const void *)catalog_row(&method_catalog, m),
-                                        which, drag, alike);
+                    compared += compare(
+                        lanes, (const struct method *)(const void *)catalog_row(&method_catalog, m),
+                        which, drag, alike);
     print_message("# %d combinations of method, drag and forces\n", compared);
     assert_true(compared > 150);
     lanes_destroy(lanes);
@@ -119,8 +128,10 @@ static void test_lanes_refuse(void **state)
         if (!row)
             continue;
         lane_scene(cases[i].which, 0, true, &system);
-        assert_true(method_applies((const struct method *)(const void *)row, &system, &drag, &error));
-        assert_false(lanes_fit((const struct method *)(const void *)row, &system, drag, cases[i].h));
+        assert_true(
+            method_applies((const struct method *)(const void *)row, &system, &drag, &error));
+        assert_false(
+            lanes_fit((const struct method *)(const void *)row, &system, drag, cases[i].h));
     }
 }
 

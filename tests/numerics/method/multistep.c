@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Linear multistep rows: order from the coefficients, each step against its own difference equation, the start, what a
- * changed step does, costs. (Measured orders are in method_order.c, stability in method_stability.c.)
+ * Linear multistep rows: order from the coefficients, each step against its own difference
+ * equation, the start, what a changed step does, costs. (Measured orders are in method_order.c,
+ * stability in method_stability.c.)
  */
 #include <stdarg.h>
 #include <stddef.h>
@@ -14,7 +15,7 @@
 
 enum { STEPS_MAX = 6 };
 
-static double work[2][WORK_ROOM];
+static double work[2][WORK_CAPACITY];
 
 /* Every multistep row, in turn. */
 static const struct method *next_row(size_t *i)
@@ -27,18 +28,20 @@ static const struct method *next_row(size_t *i)
     return NULL;
 }
 
-#define EACH_ROW(method)                                                                                               \
-    size_t row_index = 0;                                                                                              \
+#define EACH_ROW(method)                                                                           \
+    size_t row_index = 0;                                                                          \
     for (const struct method *method; (method = next_row(&row_index)) != NULL;)
 
-/* ---- order: exact on polynomials up to t^order, not on the next one (Hairer, Norsett, Wanner I, III.2) ---- */
+/* ---- order: exact on polynomials up to t^order, not on the next one (Hairer, Norsett, Wanner I,
+ * III.2) ---- */
 
 static double power(double t, int q)
 {
     return q == 0 ? 1 : pow(t, q);
 }
 
-/* 1/(q+1), the integral of t^q over the step from 0 to 1, minus what the weights of f at first, first - 1, … say */
+/* 1/(q+1), the integral of t^q over the step from 0 to 1, minus what the weights of f at first,
+ * first - 1, … say */
 static double quadrature_violation(const double *b, int count, int first, int q)
 {
     double sum = 0;
@@ -69,16 +72,19 @@ static void test_orders(void **state)
             if (m->values)
                 off = difference_violation(m->values, m->steps, q);
             else
-                off = quadrature_violation(m->correct ? m->correct : m->predict, m->steps, m->correct != NULL, q);
+                off = quadrature_violation(m->correct ? m->correct : m->predict, m->steps,
+                                           m->correct != NULL, q);
             if (q < method->order + (m->values != NULL))
                 assert_below(method->row.name, off, 1e-12);
             else
                 assert_above(method->row.name, off, 1e-3);
             if (m->correct && q < method->order) /* the predictor may be one order lower */
-                assert_below(method->row.name, quadrature_violation(m->predict, m->steps, 0, q), 1e-12);
+                assert_below(method->row.name, quadrature_violation(m->predict, m->steps, 0, q),
+                             1e-12);
         }
         if (m->values)
-            assert_above(method->row.name, difference_violation(m->values, m->steps, method->order + 1), 1e-3);
+            assert_above(method->row.name,
+                         difference_violation(m->values, m->steps, method->order + 1), 1e-3);
     }
     assert_true(rows >= 14);
 }
@@ -87,14 +93,15 @@ static void test_orders(void **state)
 
 static struct system pushed_spring(void)
 {
-    struct system system =
-        SPRING({"m", 1}, {"k", 1.5}, {"gamma", 0.5}, {"C", 0.75}, {"rho", 1}, {"area", 1}, {"F0", 0.75}, {"omega", 2});
+    struct system system = SPRING({"m", 1}, {"k", 1.5}, {"gamma", 0.5}, {"C", 0.75}, {"rho", 1},
+                                  {"area", 1}, {"F0", 0.75}, {"omega", 2});
     return system;
 }
 
-/* y_n+1 of the difference equation from the states before (the newest last), as it stands in the textbook. */
-static double equation_error(const struct multistep *m, const struct system *system, double t, double h, double y[][2],
-                             int n)
+/* y_n+1 of the difference equation from the states before (the newest last), as it stands in the
+ * textbook. */
+static double equation_error(const struct multistep *m, const struct system *system, double t,
+                             double h, double y[][2], int n)
 {
     double f[STEPS_MAX + 1][2], largest = 0;
     for (int j = 0; j <= m->steps; j++)
@@ -142,12 +149,15 @@ static void test_steps_solve_their_equation(void **state)
             assert_int_equal(method_step(method, &step), STEP_OK);
             memcpy(y[n + 1], now, sizeof now);
             if (n + 1 >= method->multistep->steps)
-                assert_below(method->row.name, equation_error(method->multistep, &system, 0.5 + n * h, h, y, n), 4e-15);
+                assert_below(method->row.name,
+                             equation_error(method->multistep, &system, 0.5 + n * h, h, y, n),
+                             4e-15);
         }
     }
 }
 
-/* The first steps - 1 steps come from a method of higher order: their error is far below the method's own. */
+/* The first steps - 1 steps come from a method of higher order: their error is far below the
+ * method's own. */
 static void test_start_is_accurate(void **state)
 {
     (void)state;
@@ -164,7 +174,8 @@ static void test_start_is_accurate(void **state)
     }
 }
 
-/* A step that is longer or shorter is taken alone, as the first one is; then the history begins anew. */
+/* A step that is longer or shorter is taken alone, as the first one is; then the history begins
+ * anew. */
 static void test_changed_step_starts_again(void **state)
 {
     (void)state;
@@ -198,7 +209,8 @@ static void test_costs(void **state)
         struct step one = step_begin(&system, DRAG_DEFAULT, 0, 0.03125, z, work[1]);
         one.error = (double[2]){0}; /* the start looks at the estimate */
         assert_int_equal(method_step(method_named(stiff ? "radau5" : "dop853"), &one), STEP_OK);
-        for (int i = 1; i < method->multistep->steps; i++) { /* the one-step method, and f of the history */
+        for (int i = 1; i < method->multistep->steps;
+             i++) { /* the one-step method, and f of the history */
             int64_t before = step.cost.evals;
             assert_int_equal(method_step(method, &step), STEP_OK);
             assert_int_equal(step.cost.evals - before, one.cost.evals + !stiff);
@@ -224,8 +236,10 @@ static void smooth_jacobian(const double *c, double t, const double *y, double *
     jac[0] -= c[0];
 }
 
-static const struct term_row smooth_row = {
-    .row = {"smooth", "1/s", "", "", NULL}, .flags = TERM_TIME, .add = smooth_add, .jacobian = smooth_jacobian};
+static const struct term_row smooth_row = {.row = {"smooth", "1/s", "", "", NULL},
+                                           .flags = TERM_TIME,
+                                           .add = smooth_add,
+                                           .jacobian = smooth_jacobian};
 
 static void test_stiff_start(void **state)
 {
@@ -243,7 +257,8 @@ static void test_stiff_start(void **state)
 }
 
 /* Steps of h that succeed, at most `count`, with states below `bound` natural sizes. */
-static int steps_taken(const struct method *method, const struct system *system, double h, int count, double bound)
+static int steps_taken(const struct method *method, const struct system *system, double h,
+                       int count, double bound)
 {
     double y[LIMIT_VARIABLES];
     enum drag drag = DRAG_DEFAULT;
@@ -265,26 +280,29 @@ static int steps_taken(const struct method *method, const struct system *system,
 #define SOUND 1e6 /* natural sizes; a companion that is beyond has not come as far */
 
 /*
- * Every row takes the steps of its start wherever one-step methods of its kind, implicit or explicit, come as far; in
- * the stiff scenes of first order, which backward differentiation is for, also its first own step, where its first
- * order takes it.
+ * Every row takes the steps of its start wherever one-step methods of its kind, implicit or
+ * explicit, come as far; in the stiff scenes of first order, which backward differentiation is for,
+ * also its first own step, where its first order takes it.
  */
 static int compare_starts(const char *scene, const struct system *system, double dt)
 {
-    static const char *const companions[2][2] = {{"rk4", "heun"}, {"bdf1", "trapezoid"}};
+    static const char *const embedded_weights[2][2] = {{"rk4", "heun"}, {"bdf1", "trapezoid"}};
     int compared = 0;
     EACH_ROW(method)
     {
         const bool implicit = method->multistep->values;
-        const int steps = method->multistep->steps, most = steps + 1;
-        const int first = steps_taken(method_named(companions[implicit][0]), system, dt, most, SOUND);
-        const int second = steps_taken(method_named(companions[implicit][1]), system, dt, most, SOUND);
-        const int wanted = implicit && system->order == 1 && first == most ? steps
-                           : first == most || second == most               ? steps - 1
-                                                                           : 0;
+        const int steps = method->multistep->steps, max = steps + 1;
+        const int first =
+            steps_taken(method_named(embedded_weights[implicit][0]), system, dt, max, SOUND);
+        const int second =
+            steps_taken(method_named(embedded_weights[implicit][1]), system, dt, max, SOUND);
+        const int wanted = implicit && system->order == 1 && first == max ? steps
+                           : first == max || second == max                ? steps - 1
+                                                                          : 0;
         const int own = steps_taken(method, system, dt, wanted, HUGE_VAL);
         if (own < wanted)
-            fail_msg("%s on %s with dt = %g s takes only %d steps", method->row.name, scene, dt, own);
+            fail_msg("%s on %s with dt = %g s takes only %d steps", method->row.name, scene, dt,
+                     own);
         compared += wanted > 0;
     }
     return compared;
@@ -295,7 +313,8 @@ static void test_starts_where_companions_do(void **state)
     (void)state;
     int compared = 0;
     for (size_t i = 0; i < preset_catalog.count; i++) {
-        const struct preset *preset = (const struct preset *)(const void *)catalog_row(&preset_catalog, i);
+        const struct preset *preset =
+            (const struct preset *)(const void *)catalog_row(&preset_catalog, i);
         struct scene scene;
         struct system system;
         struct error error;

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Measured order of every method and drag variant on seven problems, against a reference that shares no code with the
- * library: RK4 in long double, 2^16 steps, on forces written out here. |slope - claim| <= 0.05.
- * Compensated sums lower rounding far enough for order 8.
+ * Measured order of every method and drag variant on seven problems, against a reference that
+ * shares no code with the library: RK4 in long double, 2^16 steps, on forces written out here.
+ * |slope - claim| <= 0.05. Compensated sums lower rounding far enough for order 8.
  */
 #include <stdarg.h>
 #include <stddef.h>
@@ -77,8 +77,10 @@ static void pushed_jacobian(const double *c, double t, const double *y, double *
     jac[0] -= cos(y[0]);
 }
 
-static const struct term_row pushed_row = {
-    .row = {"pushed", "m/s^2", "", "", NULL}, .flags = TERM_TIME, .add = pushed_add, .jacobian = pushed_jacobian};
+static const struct term_row pushed_row = {.row = {"pushed", "m/s^2", "", "", NULL},
+                                           .flags = TERM_TIME,
+                                           .add = pushed_add,
+                                           .jacobian = pushed_jacobian};
 
 static void solve_reference(struct problem *problem)
 {
@@ -129,10 +131,12 @@ static int set_up(void **state)
 /* clang-format on */
 
 /* With compensated sums, where the method has them. NAN: this many steps cannot be taken. */
-static double error_of(const struct method *method, enum drag drag, const struct problem *problem, long n)
+static double error_of(const struct method *method, enum drag drag, const struct problem *problem,
+                       long n)
 {
-    static double work[WORK_ROOM];
-    double y[2] = {problem->start[0], problem->start[1]}, low[2] = {0, 0}, h = problem->span / (double)n;
+    static double work[WORK_CAPACITY];
+    double y[2] = {problem->start[0], problem->start[1]}, low[2] = {0, 0},
+           h = problem->span / (double)n;
     struct error error = {0};
     if (!method_applies(method, &problem->system, &drag, &error) ||
         !method_fits(method, &problem->system, drag, h, &error))
@@ -148,16 +152,18 @@ static double error_of(const struct method *method, enum drag drag, const struct
                  (double)((real)y[1] + (real)low[1] - problem->wanted[1]));
 }
 
-/* An observed order, and how much it may still change: more than the limit where double has no asymptotic range. */
+/* An observed order, and how much it may still change: more than the limit where double has no
+ * asymptotic range. */
 struct slope {
     double value, unrest;
 };
 
 /*
- * From n, 2n and 4n steps, the finest whose error is still far above rounding: there the leading term rules. The slope
- * deviates in proportion to h, so that extrapolation takes the deviation out.
+ * From n, 2n and 4n steps, the finest whose error is still far above rounding: there the leading
+ * term rules. The slope deviates in proportion to h, so that extrapolation takes the deviation out.
  */
-static struct slope slope(const struct method *method, enum drag drag, const struct problem *problem)
+static struct slope slope(const struct method *method, enum drag drag,
+                          const struct problem *problem)
 {
     enum { MOST = 16 };
     double error[MOST + 1] = {0};
@@ -171,9 +177,11 @@ static struct slope slope(const struct method *method, enum drag drag, const str
     }
     if (fine < 3)
         return (struct slope){NAN, HUGE_VAL};
-    double first = log2(error[fine - 3] / error[fine - 2]), coarse = log2(error[fine - 2] / error[fine - 1]);
+    double first = log2(error[fine - 3] / error[fine - 2]),
+           coarse = log2(error[fine - 2] / error[fine - 1]);
     double next = log2(error[fine - 1] / error[fine]);
-    return (struct slope){2 * next - coarse, 2 * fmax(fabs(next - coarse), fabs(coarse - first) / 2)};
+    return (struct slope){2 * next - coarse,
+                          2 * fmax(fabs(next - coarse), fabs(coarse - first) / 2)};
 }
 
 struct verdict {
@@ -181,8 +189,8 @@ struct verdict {
 };
 
 /* Says every row that fails, not only the first. */
-static void judge(const struct method *method, enum drag drag, const struct problem *problem, int claim,
-                  struct verdict *verdict)
+static void judge(const struct method *method, enum drag drag, const struct problem *problem,
+                  int claim, struct verdict *verdict)
 {
     struct slope got = slope(method, drag, problem);
     bool right = fabs(got.value - claim) <= LIMIT;
@@ -191,10 +199,11 @@ static void judge(const struct method *method, enum drag drag, const struct prob
                 (problem->system.linear && got.value > claim);
     const char *state = right ? "" : open ? " open" : " wrong";
     if (getenv("VERBOSE"))
-        print_message("%-22s %d %-16s %d %6.3f +- %.3f%s\n", method->row.name, drag, problem->name, claim, got.value,
-                      got.unrest, state);
+        print_message("%-22s %d %-16s %d %6.3f +- %.3f%s\n", method->row.name, drag, problem->name,
+                      claim, got.value, got.unrest, state);
     if (!right && !open)
-        print_error("%s drag %d on %s: order %.3f, want %d\n", method->row.name, drag, problem->name, got.value, claim);
+        print_error("%s drag %d on %s: order %.3f, want %d\n", method->row.name, drag,
+                    problem->name, got.value, claim);
     verdict->right += right;
     verdict->wrong += !right && !open;
 }
@@ -206,13 +215,14 @@ static void test_every_row(void **state)
     for (size_t m = 0; m < method_catalog.count; m++) {
         const struct method *method = method_at(m);
         struct verdict linear = {0, 0}, nonlinear = {0, 0};
-        if (method->order == 0 || method->flags & METHOD_YARDSTICK)
+        if (method->order == 0 || method->flags & METHOD_EXTERNAL)
             continue;
         for (int p = 0; p < PROBLEMS; p++)
             if (applies(method, &problems[p].system, DRAG_DEFAULT))
                 judge(method, DRAG_DEFAULT, &problems[p], method->order,
                       problems[p].system.linear ? &linear : &nonlinear);
-        bool shown = nonlinear.right > 0 || method->order > 8; /* of which double leaves no asymptotic range */
+        bool shown = nonlinear.right > 0 ||
+                     method->order > 8; /* of which double leaves no asymptotic range */
         if (!shown)
             print_error("%s: no nonlinear problem shows its order\n", method->row.name);
         wrong += linear.wrong + nonlinear.wrong + !shown;
@@ -233,7 +243,8 @@ static void test_drag_variants(void **state)
                 const struct problem *problem = &problems[with_drag[p]];
                 enum drag drag = (enum drag)variant;
                 if (applies(method, &problem->system, drag))
-                    judge(method, drag, problem, drag == DRAG_EXPLICIT ? 1 : method->order, &verdict);
+                    judge(method, drag, problem, drag == DRAG_EXPLICIT ? 1 : method->order,
+                          &verdict);
             }
     assert_int_equal(verdict.wrong, 0);
     assert_true(verdict.right >= 30);
@@ -274,7 +285,8 @@ static void test_exact_has_no_error(void **state)
     }
 }
 
-/* Through a turning point quadratic drag is only C^1: high order is lost there, which is why the arc above has none. */
+/* Through a turning point quadratic drag is only C^1: high order is lost there, which is why the
+ * arc above has none. */
 static void test_order_is_lost_at_turning_points(void **state)
 {
     (void)state;

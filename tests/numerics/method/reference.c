@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The lab's spring, 1000 steps of 10 ms, against independently computed values; and single steps against the formulas.
+/* The lab's spring, 1000 steps of 10 ms, against independently computed values; and single steps
+ * against the formulas.
  */
 #include <stdarg.h>
 #include <stddef.h>
@@ -46,7 +47,8 @@ static void test_spring_after_10_s(void **state)
         const struct reference *r = &references[i];
         struct system system = SPRING({"gamma", r->gamma});
         double y[2] = {system.start[0], system.start[1]};
-        assert_int_equal(advance_as(method_named(r->method), r->drag, &system, 0, 0.01, 1000, y), STEP_OK);
+        assert_int_equal(advance_as(method_named(r->method), r->drag, &system, 0, 0.01, 1000, y),
+                         STEP_OK);
         assert_near(r->method, y[0], r->y, digits9(r->y));
         assert_near(r->method, y[1], r->v, digits9(r->v));
     }
@@ -73,30 +75,41 @@ static void test_drag_variants_by_formula(void **state)
     assert_above("drag matters", C, 1);
 
     double y[2] = {q, v};
-    assert_int_equal(advance_as(method_named("symplectic-euler"), DRAG_EXPLICIT, &system, 0, h, 1, y), STEP_OK);
+    assert_int_equal(
+        advance_as(method_named("symplectic-euler"), DRAG_EXPLICIT, &system, 0, h, 1, y), STEP_OK);
     double q1 = q + h * v;
     assert_near("symplectic-euler explicit q", y[0], q1, 1e-16);
-    assert_near("symplectic-euler explicit v", y[1], v + h * (-W * q1 - G * v - C * fabs(v) * v), 1e-15);
+    assert_near("symplectic-euler explicit v", y[1], v + h * (-W * q1 - G * v - C * fabs(v) * v),
+                1e-15);
 
     memcpy(y, (double[]){q, v}, sizeof y);
-    assert_int_equal(advance_as(method_named("symplectic-euler"), DRAG_IMPLICIT, &system, 0, h, 1, y), STEP_OK);
-    assert_near("symplectic-euler implicit v", y[1], v + h * (-W * q1 - G * y[1] - C * fabs(y[1]) * y[1]), 1e-15);
+    assert_int_equal(
+        advance_as(method_named("symplectic-euler"), DRAG_IMPLICIT, &system, 0, h, 1, y), STEP_OK);
+    assert_near("symplectic-euler implicit v", y[1],
+                v + h * (-W * q1 - G * y[1] - C * fabs(y[1]) * y[1]), 1e-15);
 
     memcpy(y, (double[]){q, v}, sizeof y);
-    assert_int_equal(advance_as(method_named("symplectic-euler-kick"), DRAG_IMPLICIT, &system, 0, h, 1, y), STEP_OK);
-    assert_near("symplectic-euler-kick implicit v", y[1], v + h * (-W * q - G * y[1] - C * fabs(y[1]) * y[1]), 1e-15);
+    assert_int_equal(
+        advance_as(method_named("symplectic-euler-kick"), DRAG_IMPLICIT, &system, 0, h, 1, y),
+        STEP_OK);
+    assert_near("symplectic-euler-kick implicit v", y[1],
+                v + h * (-W * q - G * y[1] - C * fabs(y[1]) * y[1]), 1e-15);
     assert_near("symplectic-euler-kick implicit q", y[0], q + h * y[1], 1e-16);
 
     memcpy(y, (double[]){q, v}, sizeof y);
-    assert_int_equal(advance_as(method_named("verlet"), DRAG_EXPLICIT, &system, 0, h, 1, y), STEP_OK);
+    assert_int_equal(advance_as(method_named("verlet"), DRAG_EXPLICIT, &system, 0, h, 1, y),
+                     STEP_OK);
     double half = v + h / 2 * (-W * q - G * v - C * fabs(v) * v), q2 = q + h * half;
     assert_near("verlet explicit q", y[0], q2, 1e-16);
-    assert_near("verlet explicit v", y[1], half + h / 2 * (-W * q2 - G * half - C * fabs(half) * half), 1e-15);
+    assert_near("verlet explicit v", y[1],
+                half + h / 2 * (-W * q2 - G * half - C * fabs(half) * half), 1e-15);
 
     memcpy(y, (double[]){q, v}, sizeof y);
-    assert_int_equal(advance_as(method_named("verlet"), DRAG_IMPLICIT, &system, 0, h, 1, y), STEP_OK);
+    assert_int_equal(advance_as(method_named("verlet"), DRAG_IMPLICIT, &system, 0, h, 1, y),
+                     STEP_OK);
     assert_near("verlet implicit q", y[0], q2, 1e-16);
-    assert_near("verlet implicit v", y[1], half + h / 2 * (-W * q2 - G * y[1] - C * fabs(y[1]) * y[1]), 1e-15);
+    assert_near("verlet implicit v", y[1],
+                half + h / 2 * (-W * q2 - G * y[1] - C * fabs(y[1]) * y[1]), 1e-15);
 
     memcpy(y, (double[]){q, v}, sizeof y);
     assert_int_equal(advance_as(method_named("verlet"), DRAG_EXACT, &system, 0, h, 1, y), STEP_OK);
@@ -107,49 +120,58 @@ static void test_drag_variants_by_formula(void **state)
     assert_near("verlet exact v", y[1], flow_of(o, half - h / 2 * W * q2, h / 2), 1e-15);
 
     memcpy(y, (double[]){q, v}, sizeof y);
-    assert_int_equal(advance_as(method_named("position-verlet"), DRAG_EXACT, &system, 0, h, 1, y), STEP_OK);
+    assert_int_equal(advance_as(method_named("position-verlet"), DRAG_EXACT, &system, 0, h, 1, y),
+                     STEP_OK);
     q2 = q + h / 2 * u;
     u -= h * W * q2;
     assert_near("position-verlet exact q", y[0], q2 + h / 2 * u, 1e-16);
     assert_near("position-verlet exact v", y[1], flow_of(o, u, h / 2), 1e-15);
 
     memcpy(y, (double[]){q, v}, sizeof y);
-    assert_int_equal(advance_as(method_named("position-verlet"), DRAG_IMPLICIT, &system, 0, h, 1, y), STEP_OK);
+    assert_int_equal(
+        advance_as(method_named("position-verlet"), DRAG_IMPLICIT, &system, 0, h, 1, y), STEP_OK);
     q2 = q + h / 2 * v;
     double mid = (v + y[1]) / 2;
-    assert_near("position-verlet implicit v", y[1], v + h * (-W * q2 - G * mid - C * fabs(mid) * mid), 1e-15);
+    assert_near("position-verlet implicit v", y[1],
+                v + h * (-W * q2 - G * mid - C * fabs(mid) * mid), 1e-15);
     assert_near("position-verlet implicit q", y[0], q2 + h / 2 * y[1], 1e-16);
 
     struct system linear = SPRING({"gamma", 0.8});
     memcpy(y, (double[]){q, v}, sizeof y);
-    assert_int_equal(advance_as(method_named("symplectic-euler"), DRAG_EXACT, &linear, 0, h, 1, y), STEP_OK);
+    assert_int_equal(advance_as(method_named("symplectic-euler"), DRAG_EXACT, &linear, 0, h, 1, y),
+                     STEP_OK);
     double e = exp(-G * h);
     assert_near("symplectic-euler exact v", y[1], v * e - W * q1 * (1 - e) / G, 1e-15);
 }
 
-/* The implicit equations hold for what the closed forms return, with every term of the oscillator at once. */
+/* The implicit equations hold for what the closed forms return, with every term of the oscillator
+ * at once. */
 static void test_implicit_equations(void **state)
 {
     (void)state;
-    struct system system = SPRING({"gamma", 0.8}, {"C", 3}, {"area", 0.2}, {"g", 9.81}, {"F0", 0.3}, {"omega", 5});
+    struct system system =
+        SPRING({"gamma", 0.8}, {"C", 3}, {"area", 0.2}, {"g", 9.81}, {"F0", 0.3}, {"omega", 5});
     const double h = 0.07, t = 1.3, y0[2] = {0.04, -0.7};
     double f0[2], f[2], y[2];
     system_derivative(&system, t, y0, f0);
 
     memcpy(y, y0, sizeof y);
-    assert_int_equal(advance_as(method_named("backward-euler"), DRAG_DEFAULT, &system, t, h, 1, y), STEP_OK);
+    assert_int_equal(advance_as(method_named("backward-euler"), DRAG_DEFAULT, &system, t, h, 1, y),
+                     STEP_OK);
     system_derivative(&system, t + h, y, f);
     for (int i = 0; i < 2; i++)
         assert_near("backward-euler", y[i], y0[i] + h * f[i], 1e-15);
 
     memcpy(y, y0, sizeof y);
-    assert_int_equal(advance_as(method_named("implicit-midpoint"), DRAG_DEFAULT, &system, t, h, 1, y), STEP_OK);
+    assert_int_equal(
+        advance_as(method_named("implicit-midpoint"), DRAG_DEFAULT, &system, t, h, 1, y), STEP_OK);
     system_derivative(&system, t + h / 2, (double[]){(y0[0] + y[0]) / 2, (y0[1] + y[1]) / 2}, f);
     for (int i = 0; i < 2; i++)
         assert_near("implicit-midpoint", y[i], y0[i] + h * f[i], 1e-15);
 
     memcpy(y, y0, sizeof y);
-    assert_int_equal(advance_as(method_named("trapezoid"), DRAG_DEFAULT, &system, t, h, 1, y), STEP_OK);
+    assert_int_equal(advance_as(method_named("trapezoid"), DRAG_DEFAULT, &system, t, h, 1, y),
+                     STEP_OK);
     system_derivative(&system, t + h, y, f);
     for (int i = 0; i < 2; i++)
         assert_near("trapezoid", y[i], y0[i] + h / 2 * (f0[i] + f[i]), 1e-15);
@@ -160,7 +182,8 @@ static void test_newton_agrees_with_closed_form(void **state)
 {
     (void)state;
     static const char *const names[] = {"backward-euler", "implicit-midpoint", "trapezoid"};
-    struct system closed = SPRING({"gamma", 0.8}, {"C", 3}, {"area", 0.2}, {"F0", 0.3}), iterated = closed;
+    struct system closed = SPRING({"gamma", 0.8}, {"C", 3}, {"area", 0.2}, {"F0", 0.3}),
+                  iterated = closed;
     iterated.oscillator.whole = false;
     for (size_t i = 0; i < COUNT_OF(names); i++)
         for (double h = 1e-3; h < 100; h *= 7) {
@@ -182,7 +205,8 @@ static void test_extreme_stiffness(void **state)
     double ring[2] = {0.05, 0};
     assert_int_equal(advance(method_named("implicit-midpoint"), &system, 0.01, 1, ring), STEP_OK);
     assert_near("implicit midpoint rings", ring[0], -0.05, 1e-12);
-    double far[2] = {0.05, 0}; /* omega^2 h^2 overflows: a failure, not a spring that stands still */
+    double far[2] = {0.05,
+                     0}; /* omega^2 h^2 overflows: a failure, not a spring that stands still */
     assert_int_equal(advance(method_named("backward-euler"), &system, 1e5, 1, far), STEP_NONFINITE);
 }
 
@@ -204,7 +228,8 @@ static void test_rk4_agrees_with_gsl(void **state)
     assert_non_null(gsl);
     double theirs[2] = {0.05, 0.1}, ours[2] = {0.05, 0.1}, error[2];
     for (int i = 0; i < n; i++)
-        assert_int_equal(gsl_odeiv2_step_apply(gsl, i * h, h, theirs, error, NULL, NULL, &ode), GSL_SUCCESS);
+        assert_int_equal(gsl_odeiv2_step_apply(gsl, i * h, h, theirs, error, NULL, NULL, &ode),
+                         GSL_SUCCESS);
     gsl_odeiv2_step_free(gsl);
     assert_int_equal(advance(method_named("rk4"), &system, h / 2, 2 * n, ours), STEP_OK);
     assert_below("rk4 - GSL's", distance(&system, ours, theirs), 4 * DBL_EPSILON * n);
@@ -214,9 +239,12 @@ static void test_rk4_agrees_with_gsl(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_spring_after_10_s),  cmocka_unit_test(test_drag_variants_by_formula),
-        cmocka_unit_test(test_implicit_equations), cmocka_unit_test(test_newton_agrees_with_closed_form),
-        cmocka_unit_test(test_extreme_stiffness),  cmocka_unit_test(test_rk4_agrees_with_gsl),
+        cmocka_unit_test(test_spring_after_10_s),
+        cmocka_unit_test(test_drag_variants_by_formula),
+        cmocka_unit_test(test_implicit_equations),
+        cmocka_unit_test(test_newton_agrees_with_closed_form),
+        cmocka_unit_test(test_extreme_stiffness),
+        cmocka_unit_test(test_rk4_agrees_with_gsl),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Rosenbrock rows: the order from the coefficients alone, by conditions on rooted trees where a vertex with one branch
- * takes alpha + Gamma and one with more takes alpha (Hairer, Wanner II, IV.7, theorem 7.4); and what a step reuses.
+ * Rosenbrock rows: the order from the coefficients alone, by conditions on rooted trees where a
+ * vertex with one branch takes alpha + Gamma and one with more takes alpha (Hairer, Wanner II,
+ * IV.7, theorem 7.4); and what a step reuses.
  */
 #include <stdarg.h>
 #include <stddef.h>
@@ -20,7 +21,8 @@ static struct tree_weights weights;
 /* The textbook's matrices: Gamma^-1 = 1/gamma - C, alpha = A Gamma, b = m Gamma. */
 struct textbook {
     int stages;
-    double gamma[STAGES_MAX * STAGES_MAX], alpha[STAGES_MAX * STAGES_MAX], beta[STAGES_MAX * STAGES_MAX];
+    double gamma[STAGES_MAX * STAGES_MAX], alpha[STAGES_MAX * STAGES_MAX],
+        beta[STAGES_MAX * STAGES_MAX];
 };
 
 static double lower(const double *triangle, int i, int j)
@@ -90,11 +92,11 @@ static void test_orders(void **state)
         double b[STAGES_MAX];
         times_gamma(&book, row->m, b);
         assert_tree_order(name, &forest, &weights, b, method_at(i)->order, 1);
-        assert_int_equal(row->companion != NULL, method_at(i)->embedded > 0);
-        assert_int_equal(row->companion != NULL, !!(method_at(i)->flags & METHOD_ADAPTIVE));
-        if (!row->companion)
+        assert_int_equal(row->b_hat != NULL, method_at(i)->embedded > 0);
+        assert_int_equal(row->b_hat != NULL, !!(method_at(i)->flags & METHOD_ADAPTIVE));
+        if (!row->b_hat)
             continue;
-        times_gamma(&book, row->companion, b);
+        times_gamma(&book, row->b_hat, b);
         assert_tree_order(name, &forest, &weights, b, method_at(i)->embedded, 1);
     }
     assert_true(rows >= 4);
@@ -122,7 +124,8 @@ static void test_row_sums(void **state)
     }
 }
 
-/* R(infinity) = 1 - b beta^-1 1: 0 where the row says L-stable, and only there; inside the unit circle everywhere. */
+/* R(infinity) = 1 - b beta^-1 1: 0 where the row says L-stable, and only there; inside the unit
+ * circle everywhere. */
 static void test_damping_at_infinity(void **state)
 {
     (void)state;
@@ -146,19 +149,21 @@ static void test_damping_at_infinity(void **state)
     }
 }
 
-/* A companion with the same stability function sees no error at all on linear scenes, as that of ros3p does. */
+/* A companion with the same stability function sees no error at all on linear scenes, as that of
+ * ros3p does. */
 static void test_error_estimates_see_linear_motion(void **state)
 {
     (void)state;
     for (size_t i = 0; i < method_catalog.count; i++) {
         const char *name;
         const struct rosenbrock *row = rosenbrock_at(i, &name);
-        if (!row || !row->companion)
+        if (!row || !row->b_hat)
             continue;
         struct textbook book = textbook_of(row);
-        double w[STAGES_MAX], b[STAGES_MAX], power[STAGES_MAX], difference = 0; /* of the terms in z^(embedded + 1) */
+        double w[STAGES_MAX], b[STAGES_MAX], power[STAGES_MAX],
+            difference = 0; /* of the terms in z^(embedded + 1) */
         for (int s = 0; s < row->stages; s++) {
-            w[s] = row->m[s] - row->companion[s];
+            w[s] = row->m[s] - row->b_hat[s];
             power[s] = 1;
         }
         times_gamma(&book, w, b);
@@ -175,7 +180,8 @@ static void test_error_estimates_see_linear_motion(void **state)
     }
 }
 
-/* y(theta) = (1 - theta) y + theta y' + theta (1 - theta) sum_m theta^m D_m: of order p - 1 everywhere. */
+/* y(theta) = (1 - theta) y + theta y' + theta (1 - theta) sum_m theta^m D_m: of order p - 1
+ * everywhere. */
 static void test_dense_orders(void **state)
 {
     (void)state;
@@ -238,8 +244,10 @@ static void copies_jacobian(const double *c, double t, const double *y, double *
     }
 }
 
-static const struct term_row copies_row = {
-    .row = {"copies", "m/s^2", "", "", NULL}, .flags = TERM_VELOCITY, .add = copies_add, .jacobian = copies_jacobian};
+static const struct term_row copies_row = {.row = {"copies", "m/s^2", "", "", NULL},
+                                           .flags = TERM_VELOCITY,
+                                           .add = copies_add,
+                                           .jacobian = copies_jacobian};
 
 /* Few unknowns are solved in another way than many. */
 static void test_many_variables(void **state)
@@ -263,11 +271,12 @@ static void test_many_variables(void **state)
     }
 }
 
-/* A step that is tried again, shorter, takes f, J and df/dt from the work space, and comes out the same to the bit. */
+/* A step that is tried again, shorter, takes f, J and df/dt from the work space, and comes out the
+ * same to the bit. */
 static void test_again(void **state)
 {
     (void)state;
-    static double work[2][WORK_ROOM];
+    static double work[2][WORK_CAPACITY];
     const struct system systems[] = {SPRING({"gamma", 0.4}, {"F0", 0.1}), duffing(1)};
     for (size_t m = 0; m < method_catalog.count; m++)
         for (size_t s = 0; s < COUNT_OF(systems); s++) {

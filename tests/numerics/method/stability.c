@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Linear stability: limits against independent tables and closed forms, one-step matrices, and the A and L flags. */
+/* Linear stability: limits against independent tables and closed forms, one-step matrices, and the
+ * A and L flags. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
@@ -114,9 +115,11 @@ static void test_limits_table(void **state)
         for (size_t m = 0; m < 3 && limits[r].methods[m]; m++)
             for (size_t z = 0; z < COUNT_OF(zetas); z++) {
                 char what[80];
-                snprintf(what, sizeof what, "%s drag %d zeta %g", limits[r].methods[m], limits[r].drag, zetas[z]);
+                snprintf(what, sizeof what, "%s drag %d zeta %g", limits[r].methods[m],
+                         limits[r].drag, zetas[z]);
                 double want = limits[r].limit[z];
-                double got = method_stable_limit(method_named(limits[r].methods[m]), limits[r].drag, zetas[z]);
+                double got = method_stable_limit(method_named(limits[r].methods[m]), limits[r].drag,
+                                                 zetas[z]);
                 assert_near(what, got, want, 1e-6 * want);
             }
 }
@@ -172,12 +175,13 @@ static const struct {
 static void test_limits_on_the_axes(void **state)
 {
     (void)state;
-    const double zeta = 100, fast = zeta + sqrt((zeta - 1) * (zeta + 1)); /* the fast decay is exp(-fast t) */
+    const double zeta = 100,
+                 fast = zeta + sqrt((zeta - 1) * (zeta + 1)); /* the fast decay is exp(-fast t) */
     for (size_t i = 0; i < COUNT_OF(axes); i++) {
         const struct method *method = method_named(axes[i].name);
         if (!isnan(axes[i].imaginary))
-            assert_near(axes[i].name, method_stable_limit(method, DRAG_DEFAULT, 0), axes[i].imaginary,
-                        2e-9 * axes[i].imaginary);
+            assert_near(axes[i].name, method_stable_limit(method, DRAG_DEFAULT, 0),
+                        axes[i].imaginary, 2e-9 * axes[i].imaginary);
         double damped = method_stable_limit(method, DRAG_DEFAULT, zeta) * fast;
         if (!isnan(axes[i].real))
             assert_near(axes[i].name, damped, axes[i].real, 1e-9 * axes[i].real);
@@ -189,13 +193,18 @@ static void test_closed_forms(void **state)
     (void)state;
     for (double zeta = 0.03; zeta < 8; zeta *= 1.7) {
         double euler = zeta <= 1 ? 2 * zeta : 2 * (zeta - sqrt(zeta * zeta - 1));
-        assert_near("euler", method_stable_limit(method_named("euler"), DRAG_DEFAULT, zeta), euler, 1e-6 * euler);
+        assert_near("euler", method_stable_limit(method_named("euler"), DRAG_DEFAULT, zeta), euler,
+                    1e-6 * euler);
         const struct method *symplectic = method_named("symplectic-euler");
         double root = sqrt(1 + zeta * zeta);
-        assert_near("explicit", method_stable_limit(symplectic, DRAG_EXPLICIT, zeta), 2 * (root - zeta), 1e-6);
-        assert_near("default", method_stable_limit(symplectic, DRAG_DEFAULT, zeta), 2 * (root - zeta), 1e-6);
-        assert_near("implicit", method_stable_limit(symplectic, DRAG_IMPLICIT, zeta), 2 * (root + zeta), 1e-5 * root);
-        /* Kicks with explicit drag in both halves: the smallest root of a cubic, if it comes before 2/zeta. */
+        assert_near("explicit", method_stable_limit(symplectic, DRAG_EXPLICIT, zeta),
+                    2 * (root - zeta), 1e-6);
+        assert_near("default", method_stable_limit(symplectic, DRAG_DEFAULT, zeta),
+                    2 * (root - zeta), 1e-6);
+        assert_near("implicit", method_stable_limit(symplectic, DRAG_IMPLICIT, zeta),
+                    2 * (root + zeta), 1e-5 * root);
+        /* Kicks with explicit drag in both halves: the smallest root of a cubic, if it comes before
+         * 2/zeta. */
         double kick = method_stable_limit(method_named("verlet"), DRAG_EXPLICIT, zeta), x = kick;
         double cubic = zeta * x * x * x + (4 * zeta * zeta - 2) * x * x - 8 * zeta * x + 8;
         assert_near("two kicks", zeta <= 0.5 ? cubic : kick - 2 / zeta, 0, 1e-6);
@@ -203,7 +212,8 @@ static void test_closed_forms(void **state)
         assert_near("exact", exact * tanh(zeta * exact), 4 * zeta, 1e-5 * zeta);
     }
     assert_true(isnan(method_stable_limit(method_named("rk4"), DRAG_EXACT, 0.1)));
-    assert_near("negative damping", method_stable_limit(method_named("rk4"), DRAG_DEFAULT, -0.1), 0, 0);
+    assert_near("negative damping", method_stable_limit(method_named("rk4"), DRAG_DEFAULT, -0.1), 0,
+                0);
 }
 
 /* Stable for every step, also heavily damped ones. */
@@ -238,7 +248,8 @@ static void test_stability_flags(void **state)
     }
 }
 
-static void assert_matrix(const char *name, enum drag drag, double x, double zeta, const double want[4])
+static void assert_matrix(const char *name, enum drag drag, double x, double zeta,
+                          const double want[4])
 {
     double got[4];
     assert_true(method_amplification(method_named(name), drag, x, zeta, got));
@@ -253,16 +264,20 @@ static void test_one_step_matrices(void **state)
         for (double x = 0.01; x < 30; x *= 1.9) {
             double c = 2 * zeta * x, a = 1 + c + x * x, e = exp(-c), m = 1 + c / 2 + x * x / 4;
             assert_matrix("euler", DRAG_DEFAULT, x, zeta, (double[]){1, x, -x, 1 - c});
-            assert_matrix("backward-euler", DRAG_DEFAULT, x, zeta, (double[]){(1 + c) / a, x / a, -x / a, 1 / a});
+            assert_matrix("backward-euler", DRAG_DEFAULT, x, zeta,
+                          (double[]){(1 + c) / a, x / a, -x / a, 1 / a});
             assert_matrix("symplectic-euler-kick", DRAG_EXPLICIT, x, zeta,
                           (double[]){1 - x * x, x * (1 - c), -x, 1 - c});
-            double cayley[4] = {(1 + c / 2 - x * x / 4) / m, x / m, -x / m, (1 - c / 2 - x * x / 4) / m};
+            double cayley[4] = {(1 + c / 2 - x * x / 4) / m, x / m, -x / m,
+                                (1 - c / 2 - x * x / 4) / m};
             assert_matrix("implicit-midpoint", DRAG_DEFAULT, x, zeta, cayley);
             assert_matrix("trapezoid", DRAG_DEFAULT, x, zeta, cayley);
             double got[4];
             assert_true(method_amplification(method_named("verlet"), DRAG_EXACT, x, zeta, got));
-            assert_near("verlet det", got[0] * got[3] - got[1] * got[2], e, 1e-14 * (1 + x * x) * (1 + x * x));
-            assert_near("verlet trace", got[0] + got[3], (1 - x * x / 2) * (1 + e), 1e-14 * (1 + x * x));
+            assert_near("verlet det", got[0] * got[3] - got[1] * got[2], e,
+                        1e-14 * (1 + x * x) * (1 + x * x));
+            assert_near("verlet trace", got[0] + got[3], (1 - x * x / 2) * (1 + e),
+                        1e-14 * (1 + x * x));
         }
 }
 

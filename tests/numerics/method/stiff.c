@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Implicit methods at work: orders on a stiff problem, van der Pol, the dissipation of structural dynamics, the energy
- * of the average vector field, costs, and equations without a solution.
+ * Implicit methods at work: orders on a stiff problem, van der Pol, the dissipation of structural
+ * dynamics, the energy of the average vector field, costs, and equations without a solution.
  */
 #include <stdarg.h>
 #include <stddef.h>
@@ -52,18 +52,22 @@ static void test_stiff_orders(void **state)
         const char *name;
         double lambda, order, error;
     } known[] = {
-        {"backward-euler", -1e8, 1, 2.1e-11}, {"trapezoid", -1e8, 2, 4.3e-14}, {"implicit-midpoint", -1e8, 2, 3.5e-6},
-        {"gauss4", -1e8, 2, 7.8e-7},          {"gauss6", -1e8, 4, 1.8e-12},    {"radau3", -1e8, 2, 5.7e-14},
-        {"radau5", -1e5, 3, 3.2e-14},         {"sdirk2", -1e8, 1, 1.5e-11},    {"tr-bdf2", -1e8, 2, 3.5e-14},
+        {"backward-euler", -1e8, 1, 2.1e-11},   {"trapezoid", -1e8, 2, 4.3e-14},
+        {"implicit-midpoint", -1e8, 2, 3.5e-6}, {"gauss4", -1e8, 2, 7.8e-7},
+        {"gauss6", -1e8, 4, 1.8e-12},           {"radau3", -1e8, 2, 5.7e-14},
+        {"radau5", -1e5, 3, 3.2e-14},           {"sdirk2", -1e8, 1, 1.5e-11},
+        {"tr-bdf2", -1e8, 2, 3.5e-14},
     };
     for (size_t i = 0; i < COUNT_OF(known); i++)
         for (int linear = 0; linear <= 1; linear++) {
             const struct method *method = method_named(known[i].name);
             struct system system = first_order(&prothero_row, known[i].lambda);
             system.linear = linear; /* else Newton's iteration has to find out */
-            double coarse = prothero_error(method, &system, 64), fine = prothero_error(method, &system, 128);
+            double coarse = prothero_error(method, &system, 64),
+                   fine = prothero_error(method, &system, 128);
             if (getenv("VERBOSE"))
-                print_message("%-18s order %.3f, error %.3g\n", known[i].name, log2(coarse / fine), fine);
+                print_message("%-18s order %.3f, error %.3g\n", known[i].name, log2(coarse / fine),
+                              fine);
             assert_near(known[i].name, log2(coarse / fine), known[i].order, 0.1);
             assert_near(known[i].name, fine, known[i].error, 0.05 * known[i].error + 1e-15);
         }
@@ -92,7 +96,7 @@ static const struct term_row relaxation_row = {.row = {"van der Pol", "", "", ""
 /* Relative error of the position at t = 2000. */
 static double relaxation_error(const char *name, double tol, struct cost *cost)
 {
-    static double work[WORK_ROOM];
+    static double work[WORK_CAPACITY];
     struct system system = other_system(&relaxation_row, 1000);
     double y[2] = {2, 0};
     struct step step = step_begin(&system, DRAG_DEFAULT, 0, 0, y, work);
@@ -118,12 +122,12 @@ static void test_van_der_pol(void **state)
 /* ---- structural dynamics ---- */
 
 /*
- * Frequency and damping of the oscillation that is left when a method's own modes have died out: its sequence obeys
- * q_n+1 = trace q_n - determinant q_n-1.
+ * Frequency and damping of the oscillation that is left when a method's own modes have died out:
+ * its sequence obeys q_n+1 = trace q_n - determinant q_n-1.
  */
 static void measure(const struct method *method, double x, double *frequency, double *damping)
 {
-    static double work[WORK_ROOM];
+    static double work[WORK_CAPACITY];
     struct system system = SPRING({"m", 1}, {"k", 1}, {"y0", 1});
     double y[2] = {1, 0.3}, q[4];
     struct step step = step_begin(&system, DRAG_DEFAULT, 0, x, y, work);
@@ -133,7 +137,8 @@ static void measure(const struct method *method, double x, double *frequency, do
         assert_int_equal(method_step(method, &step), STEP_OK);
     }
     double below = q[1] * q[1] - q[0] * q[2];
-    double trace = (q[1] * q[2] - q[0] * q[3]) / below, determinant = (q[2] * q[2] - q[1] * q[3]) / below;
+    double trace = (q[1] * q[2] - q[0] * q[3]) / below,
+           determinant = (q[2] * q[2] - q[1] * q[3]) / below;
     *frequency = acos(trace / 2 / sqrt(determinant)) / x - 1;
     *damping = log(determinant) / 2;
 }
@@ -144,7 +149,7 @@ static void test_structural(void **state)
     const struct {
         const char *name;
         double frequency, damping, at_infinity; /* of x^2; of x^4; amplitude factor at x = 1e6 */
-        double off;                             /* of that: a triple root is only known to a cube root of 1/x^2 */
+        double off; /* of that: a triple root is only known to a cube root of 1/x^2 */
     } known[] = {
         {"newmark", -1. / 12, 0, 1, 1e-9},
         {"avf", -1. / 12, 0, 1, 1e-9},
@@ -154,14 +159,16 @@ static void test_structural(void **state)
     const double x = 0.1;
     for (size_t i = 0; i < COUNT_OF(known); i++) {
         const struct method *method = method_named(known[i].name);
-        double frequency, damping, coarse, rough; /* the next terms, of x^2 relative, are extrapolated away */
+        double frequency, damping, coarse,
+            rough; /* the next terms, of x^2 relative, are extrapolated away */
         measure(method, 2 * x, &coarse, &rough);
         measure(method, x, &frequency, &damping);
         frequency = (4 * frequency - coarse / 4) / 3 / (x * x);
         damping = (4 * damping - rough / 16) / 3 / (x * x * x * x);
         assert_near(known[i].name, frequency, known[i].frequency, 1e-4);
         assert_near(known[i].name, damping, known[i].damping, 2e-3 * fabs(known[i].damping) + 1e-8);
-        assert_near(known[i].name, method_growth(method, DRAG_DEFAULT, 1e6, 0), known[i].at_infinity, known[i].off);
+        assert_near(known[i].name, method_growth(method, DRAG_DEFAULT, 1e6, 0),
+                    known[i].at_infinity, known[i].off);
     }
     assert_near("hht", method_growth(method_named("hht"), DRAG_DEFAULT, 1e6, 0), 0.9 / 1.1, 1e-6);
 }
@@ -226,7 +233,8 @@ static double energy_change(const char *name, const struct system *system, doubl
     double begin = system_kinetic(system, y) + system_potential(system, y);
     for (int i = 0; i < 2000; i++) {
         assert_int_equal(advance(method_named(name), system, h, 1, y), STEP_OK);
-        largest = fmax(largest, fabs((system_kinetic(system, y) + system_potential(system, y)) / begin - 1));
+        largest = fmax(largest,
+                       fabs((system_kinetic(system, y) + system_potential(system, y)) / begin - 1));
     }
     return largest;
 }
@@ -234,12 +242,14 @@ static double energy_change(const char *name, const struct system *system, doubl
 static void test_energy_of_the_average_field(void **state)
 {
     (void)state;
-    struct system systems[] = {duffing(5), other_system(&pendulum_row, 4), other_system(&galaxy_row, 1)};
+    struct system systems[] = {duffing(5), other_system(&pendulum_row, 4),
+                               other_system(&galaxy_row, 1)};
     systems[2].n = 4;
     systems[2].scale[2] = systems[2].scale[3] = 1;
     for (size_t i = 0; i < COUNT_OF(systems); i++) {
         assert_below("avf", energy_change("avf", &systems[i], 0.3), 1e-12);
-        assert_above("implicit-midpoint", energy_change("implicit-midpoint", &systems[i], 0.3), 1e-6);
+        assert_above("implicit-midpoint", energy_change("implicit-midpoint", &systems[i], 0.3),
+                     1e-6);
     }
 }
 
@@ -261,14 +271,16 @@ static void test_potential_is_wanted(void **state)
 
 static bool family(const struct method *method)
 {
-    return method->implicit || !strcmp(method->row.name, "avf") || !strcmp(method->row.name, "newmark");
+    return method->implicit || !strcmp(method->row.name, "avf") ||
+           !strcmp(method->row.name, "newmark");
 }
 
-/* A linear system: one solve for each set of equations, and one Jacobian for all steps of one size. */
+/* A linear system: one solve for each set of equations, and one Jacobian for all steps of one size.
+ */
 static void test_linear_systems_take_one_solve(void **state)
 {
     (void)state;
-    static double work[WORK_ROOM];
+    static double work[WORK_CAPACITY];
     for (size_t m = 0; m < method_catalog.count; m++) {
         const struct method *method = method_at(m);
         if (!method->implicit)
@@ -304,7 +316,7 @@ static const struct term_row explosion_row = {
 static void test_no_solution(void **state)
 {
     (void)state;
-    static double work[WORK_ROOM];
+    static double work[WORK_CAPACITY];
     int failures = 0;
     for (size_t m = 0; m < method_catalog.count; m++) {
         const struct method *method = method_at(m);
@@ -326,9 +338,12 @@ static void test_no_solution(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_stiff_orders),        cmocka_unit_test(test_van_der_pol),
-        cmocka_unit_test(test_structural),          cmocka_unit_test(test_energy_of_the_average_field),
-        cmocka_unit_test(test_potential_is_wanted), cmocka_unit_test(test_linear_systems_take_one_solve),
+        cmocka_unit_test(test_stiff_orders),
+        cmocka_unit_test(test_van_der_pol),
+        cmocka_unit_test(test_structural),
+        cmocka_unit_test(test_energy_of_the_average_field),
+        cmocka_unit_test(test_potential_is_wanted),
+        cmocka_unit_test(test_linear_systems_take_one_solve),
         cmocka_unit_test(test_no_solution),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { WORK_ROOM = 8192 };
+enum { WORK_CAPACITY = 8192 };
 
 static inline const struct method *method_at(size_t i)
 {
@@ -19,7 +19,8 @@ static inline const struct method *method_at(size_t i)
 
 static inline const struct method *method_named(const char *name)
 {
-    const struct method *method = (const struct method *)(const void *)catalog_find(&method_catalog, text_of(name));
+    const struct method *method =
+        (const struct method *)(const void *)catalog_find(&method_catalog, text_of(name));
     assert_non_null(method);
     return method;
 }
@@ -28,7 +29,7 @@ static inline const struct method *method_named(const char *name)
 static inline size_t own_methods(void)
 {
     size_t count = method_catalog.count;
-    while (count > 0 && method_at(count - 1)->flags & METHOD_YARDSTICK)
+    while (count > 0 && method_at(count - 1)->flags & METHOD_EXTERNAL)
         count--;
     return count;
 }
@@ -46,7 +47,8 @@ static inline struct system spring(const struct setting *settings)
     struct error error = {0};
     scene_init(&scene, NULL);
     for (; settings && settings->param; settings++)
-        if (!scene_set(&scene, param_index(settings->param), (struct measured){settings->value, 0}, &error))
+        if (!scene_set(&scene, param_index(settings->param), (struct measured){settings->value, 0},
+                       &error))
             fail_msg("%s", error.text);
     if (!scene_bind(&scene, &system, &error))
         fail_msg("%s", error.text);
@@ -55,7 +57,8 @@ static inline struct system spring(const struct setting *settings)
 
 #define SPRING(...) spring((const struct setting[]){__VA_ARGS__, {NULL, 0}})
 
-/* A system of one term that is not the oscillator: implicit methods iterate, splittings see no known drag. */
+/* A system of one term that is not the oscillator: implicit methods iterate, splittings see no
+ * known drag. */
 static inline struct system other_system(const struct term_row *row, double c0)
 {
     struct system system = {.n = 2, .order = 2, .terms = 1, .mass = 1, .scale = {1, 1}};
@@ -93,21 +96,22 @@ static inline struct system duffing(double c)
     return other_system(&duffing_row, c);
 }
 
-static inline struct step step_begin(const struct system *system, enum drag drag, double t, double h, double *y,
-                                     double *work)
+static inline struct step step_begin(const struct system *system, enum drag drag, double t,
+                                     double h, double *y, double *work)
 {
     return (struct step){.system = system, .drag = drag, .t = t, .h = h, .y = y, .work = work};
 }
 
 /* n steps of h from t; fails the test if the method does not apply. */
-static inline enum step_status advance_as(const struct method *method, enum drag drag, const struct system *system,
-                                          double t, double h, long n, double *y)
+static inline enum step_status advance_as(const struct method *method, enum drag drag,
+                                          const struct system *system, double t, double h, long n,
+                                          double *y)
 {
-    static double work[WORK_ROOM];
+    static double work[WORK_CAPACITY];
     struct error error = {0};
     if (!method_applies(method, system, &drag, &error))
         fail_msg("%s: %s", method->row.name, error.text);
-    assert_true(method_work_size(method, system->n) <= WORK_ROOM);
+    assert_true(method_work_size(method, system->n) <= WORK_CAPACITY);
     struct step step = step_begin(system, drag, t, h, y, work);
     for (long i = 0; i < n; i++) {
         step.t = t + (double)i * h;
@@ -118,8 +122,8 @@ static inline enum step_status advance_as(const struct method *method, enum drag
     return STEP_OK;
 }
 
-static inline enum step_status advance(const struct method *method, const struct system *system, double h, long n,
-                                       double *y)
+static inline enum step_status advance(const struct method *method, const struct system *system,
+                                       double h, long n, double *y)
 {
     return advance_as(method, DRAG_DEFAULT, system, 0, h, n, y);
 }
@@ -131,7 +135,8 @@ static inline bool applies(const struct method *method, const struct system *sys
 }
 
 /* The first of the systems that the method can step; the last one must do. */
-static inline struct system first_fit(const struct method *method, const struct system *systems, size_t count)
+static inline struct system first_fit(const struct method *method, const struct system *systems,
+                                      size_t count)
 {
     for (size_t i = 0; i + 1 < count; i++)
         if (applies(method, &systems[i], DRAG_DEFAULT))

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Typed scenes side by side: to the bit what each trajectory would do alone, for every method and kind of scene. */
+/* Typed scenes side by side: to the bit what each trajectory would do alone, for every method and
+ * kind of scene. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
@@ -14,7 +15,8 @@
 enum { STEPS = 60, WORK = 4096 };
 #define H 0.0123
 
-/* Lines between semicolons, on top of the preset; the parameters named are other ones in each lane. */
+/* Lines between semicolons, on top of the preset; the parameters named are other ones in each lane.
+ */
 struct typed_case {
     const char *name, *preset, *lines, *varied;
 };
@@ -23,17 +25,23 @@ static const struct typed_case cases[] = {
     {"one equation", NULL, "var x = 1;param a = 2;x' = -a*x + sin(x)", "x0 a"},
     {"time", NULL, "var x = 1;param w = 3;param q = 0.5;x' = cos(w*t) - q*x^3 + exp(-t)", "x0 q"},
     {"another time in each", NULL, "var x = 1;param w = 3;x' = cos(w*t) - x", "w"},
-    {"Lotka and Volterra", NULL, "var u = 2;var w = 1;param a = 1.5;u' = a*u - u*w;w' = u*w - w", "a w0"},
+    {"Lotka and Volterra", NULL, "var u = 2;var w = 1;param a = 1.5;u' = a*u - u*w;w' = u*w - w",
+     "a w0"},
     {"Lorenz", NULL,
-     "var x = 1;var y = 1;var z = 20;param r = 28;param s = 10;x' = s*(y - x);y' = x*(r - z) - y;z' = x*y - 8/3*z",
+     "var x = 1;var y = 1;var z = 20;param r = 28;param s = 10;x' = s*(y - x);y' = x*(r - z) - "
+     "y;z' = x*y - 8/3*z",
      "r x0"},
     {"spring", NULL, "var y = 0.5;param k = 40;y'' = -k*y", "k y0"},
     {"damped", NULL, "var y = 0.5;param k = 40;param g = 1;y'' = -k*y - g*y'", "g y0"},
     {"drag", NULL, "var y = 0.5;param k = 40;param c = 3;y'' = -k*y - c*y'*abs(y')", "c y0"},
-    {"driven drag", NULL, "var y = 0.5;param k = 40;param c = 3;y'' = -k*y - c*y'*abs(y') + 3*cos(9*t)", "k y0"},
+    {"driven drag", NULL,
+     "var y = 0.5;param k = 40;param c = 3;y'' = -k*y - c*y'*abs(y') + 3*cos(9*t)", "k y0"},
     {"friction", NULL, "var y = 0.5;param k = 40;param c = 0.5;y'' = -k*y - c*sign(y')", "c y0"},
-    {"driven pendulum", NULL, "var th = 1;param f = 0.6;th'' = -9*sin(th) - 0.2*th' + f*cos(2*t)", "f th0"},
-    {"Kepler", NULL, "var x = 1;var y = 0;var y' = 1;param g = 1;observe r = hypot(x, y);x'' = -g*x/r^3;y'' = -g*y/r^3",
+    {"driven pendulum", NULL, "var th = 1;param f = 0.6;th'' = -9*sin(th) - 0.2*th' + f*cos(2*t)",
+     "f th0"},
+    {"Kepler", NULL,
+     "var x = 1;var y = 0;var y' = 1;param g = 1;observe r = hypot(x, y);x'' = -g*x/r^3;y'' = "
+     "-g*y/r^3",
      "g vy0"},
     {"chain", NULL,
      "var a = 1;var b = 0;var c = 0;var d = 0;param k = 20;param g = 0.3;a'' = k*(b - 2*a) - g*a';"
@@ -44,12 +52,14 @@ static const struct typed_case cases[] = {
     {"repeated", NULL, "var x = 1;var y = 2;param a = 3;x' = a*x*y - 1;y' = a*x*y - 1", "a"},
     {"constant", NULL, "var x = 1;var y = 2;x'' = 3;y'' = 0", "x0"},
     {"blows up", NULL, "var x = 1;param a = 60;x' = a*x^2", "a x0"},
-    {"force and potential", NULL, "var y = 1;param k = 30;param f = 1;y'' = -k*y;potential k*y^2/2;force f*cos(3*t)", "k f"},
+    {"force and potential", NULL,
+     "var y = 1;param k = 30;param f = 1;y'' = -k*y;potential k*y^2/2;force f*cos(3*t)", "k f"},
     {"on a spring", "spring", "param b = 20;force -b*y^3", "b y0"},
     {"on a driven one", "driven", "param b = 20;force -b*y^3 + 0.1*sin(t)*v", "b gamma omega"},
     {"on one with drag", "drag", "param b = 20;force -b*y^3", "b C y0"},
     {"on a damped one", "damped", "param b = 20;force -b*y^3", "b gamma"},
-    {"on a pendulum", "pendulum", "param b = 0.02;force b*cos(3*t) - b*theta'*abs(theta')", "b theta0"},
+    {"on a pendulum", "pendulum", "param b = 0.02;force b*cos(3*t) - b*theta'*abs(theta')",
+     "b theta0"},
     {"looked at", "spring", "observe E = y^2", "k"},
 };
 
@@ -72,7 +82,8 @@ static void type_lines(struct scene *scene, const char *lines)
 
 static void type_case(const struct typed_case *one, struct scene *scene)
 {
-    scene_init(scene, one->preset ? (const struct preset *)(const void *)catalog_find(&preset_catalog, text_of(one->preset))
+    scene_init(scene, one->preset ? (const struct preset *)(const void *)catalog_find(
+                                        &preset_catalog, text_of(one->preset))
                                   : NULL);
     type_lines(scene, one->lines);
     struct error error;
@@ -80,7 +91,8 @@ static void type_case(const struct typed_case *one, struct scene *scene)
         assert_true(scene_set(scene, scene_param(scene, "t0"), (struct measured){0.7, 0}, &error));
 }
 
-static bool bind_lane(const struct typed_case *one, const struct scene *base, int lane, struct system *system)
+static bool bind_lane(const struct typed_case *one, const struct scene *base, int lane,
+                      struct system *system)
 {
     struct scene scene = *base;
     struct error error = {0};
@@ -98,9 +110,10 @@ static bool bind_lane(const struct typed_case *one, const struct scene *base, in
     return true;
 }
 
-/* By method_turning_march() until it fails; the first variable and its speed, as a sweep wants them. */
-static int alone(const struct method *method, enum drag drag, const struct system *system, double row[STEPS][2],
-                 double *y, int64_t *evals)
+/* By method_turning_march() until it fails; the first variable and its speed, as a sweep wants
+ * them. */
+static int alone(const struct method *method, enum drag drag, const struct system *system,
+                 double row[STEPS][2], double *y, int64_t *evals)
 {
     static double work[WORK], state[STEPS * LIMIT_VARIABLES];
     const int n = system->n;
@@ -109,7 +122,8 @@ static int alone(const struct method *method, enum drag drag, const struct syste
     const struct march march = {&step, system->t0, 0, STEPS, state};
     enum step_status status;
     assert_true(method_work_size(method, n) <= WORK);
-    const int taken = (int)method_turning_march(method, method_kernel(method, system, drag), &march, &status);
+    const int taken =
+        (int)method_turning_march(method, method_kernel(method, system, drag), &march, &status);
     for (int i = 0; i < taken; i++) {
         double dydt[LIMIT_VARIABLES];
         system_derivative(system, system->t0 + (i + 1) * H, state + i * n, dydt);
@@ -125,8 +139,8 @@ static bool same(double a, double b)
     return memcmp(&a, &b, sizeof a) == 0 || (isnan(a) && isnan(b));
 }
 
-static void compare_lane(const struct typed_case *one, const struct lanes *lanes, const struct method *method,
-                         enum drag drag, int lane)
+static void compare_lane(const struct typed_case *one, const struct lanes *lanes,
+                         const struct method *method, enum drag drag, int lane)
 {
     double row[STEPS][2], y[LIMIT_VARIABLES], state[LIMIT_VARIABLES];
     int64_t evals;
@@ -134,16 +148,18 @@ static void compare_lane(const struct typed_case *one, const struct lanes *lanes
     for (int i = 0; i < taken; i++) {
         const bool written = rows[i][0][0] != 0 || rows[i][1][0] != 0;
         if (written && !(same(rows[i][0][lane], row[i][0]) && same(rows[i][1][lane], row[i][1])))
-            fail_msg("%s, %s, drag %d, lane %d, step %d: %.17g, %.17g side by side, %.17g, %.17g alone", one->name,
-                     method->row.name, (int)drag, lane, i, rows[i][0][lane], rows[i][1][lane], row[i][0], row[i][1]);
+            fail_msg(
+                "%s, %s, drag %d, lane %d, step %d: %.17g, %.17g side by side, %.17g, %.17g alone",
+                one->name, method->row.name, (int)drag, lane, i, rows[i][0][lane], rows[i][1][lane],
+                row[i][0], row[i][1]);
     }
     lanes_state(lanes, lane, state);
     bool finite = true;
     for (int k = 0; k < systems[0].n; k++) {
         finite = finite && isfinite(state[k]);
         if (taken == STEPS && !same(state[k], y[k]))
-            fail_msg("%s, %s, lane %d: variable %d is %.17g, alone %.17g", one->name, method->row.name, lane, k, state[k],
-                     y[k]);
+            fail_msg("%s, %s, lane %d: variable %d is %.17g, alone %.17g", one->name,
+                     method->row.name, lane, k, state[k], y[k]);
     }
     if (finite && taken == STEPS && lanes_evals(lanes, lane) != evals)
         fail_msg("%s, %s, lane %d: %lld evaluations, alone %lld", one->name, method->row.name, lane,
@@ -153,10 +169,12 @@ static void compare_lane(const struct typed_case *one, const struct lanes *lanes
 }
 
 /* False: this method and this scene do not go in lanes. */
-static bool compare(struct lanes *lanes, const struct typed_case *one, const struct method *method, enum drag drag)
+static bool compare(struct lanes *lanes, const struct typed_case *one, const struct method *method,
+                    enum drag drag)
 {
     struct error error;
-    if (!method_applies(method, &systems[0], &drag, &error) || !lanes_fit(method, &systems[0], drag, H))
+    if (!method_applies(method, &systems[0], &drag, &error) ||
+        !lanes_fit(method, &systems[0], drag, H))
         return false;
     assert_true(lanes_begin(lanes, method, drag, &systems[0], H));
     for (int lane = 0; lane < LANES; lane++) {
@@ -196,7 +214,9 @@ static void compare_all(struct lanes *lanes, const struct typed_case *one)
     int compared = 0;
     for (size_t m = 0; m < method_catalog.count; m++)
         for (enum drag drag = DRAG_DEFAULT; drag < DRAG_COUNT; drag++)
-            compared += compare(lanes, one, (const struct method *)(const void *)catalog_row(&method_catalog, m), drag);
+            compared +=
+                compare(lanes, one,
+                        (const struct method *)(const void *)catalog_row(&method_catalog, m), drag);
     if (compared < (systems[0].order == 2 ? 17 : 11))
         fail_msg("%s: only %d methods and drags", one->name, compared);
 }
@@ -216,8 +236,8 @@ static void write_chain(struct buffer *lines, int count, const char *primes, con
     for (int i = 1; i <= count; i++)
         buffer_format(lines, ";var x%d = 0", i);
     for (int i = 0; i <= count; i++)
-        buffer_format(lines, ";x%d%s = k*(%s%d - 2*x%d + x%d)%s", i, primes, i > 0 ? "x" : "0*x", i > 0 ? i - 1 : 1, i,
-                      i < count ? i + 1 : 0, each);
+        buffer_format(lines, ";x%d%s = k*(%s%d - 2*x%d + x%d)%s", i, primes, i > 0 ? "x" : "0*x",
+                      i > 0 ? i - 1 : 1, i, i < count ? i + 1 : 0, each);
 }
 
 static void test_many_variables(void **state)
@@ -239,7 +259,8 @@ static void test_many_variables(void **state)
 static void test_refusals(void **state)
 {
     (void)state;
-    const struct method *rk4 = (const struct method *)(const void *)catalog_find(&method_catalog, TEXT("rk4"));
+    const struct method *rk4 =
+        (const struct method *)(const void *)catalog_find(&method_catalog, TEXT("rk4"));
     struct buffer lines = {0};
     struct scene scene;
     buffer_format(&lines, "var x = 1;param a = 1;x' = a");
@@ -247,7 +268,8 @@ static void test_refusals(void **state)
     type_case(&one, &scene);
     bind_lane(&one, &scene, 0, &systems[0]);
     bind_lane(&one, &scene, 1, &systems[1]);
-    assert_true(lanes_fit(rk4, &systems[0], DRAG_DEFAULT, H) && lanes_alike(&systems[0], &systems[1]));
+    assert_true(lanes_fit(rk4, &systems[0], DRAG_DEFAULT, H) &&
+                lanes_alike(&systems[0], &systems[1]));
     assert_false(lanes_fit(rk4, &systems[0], DRAG_DEFAULT, -H));
     scene.value[scene_param(&scene, "a")] = 0;
     bind_lane(&one, &scene, 0, &systems[1]);

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * The order of every splitting from its weights alone: exp(h(A + B)) word by word in the free algebra (Hairer, Lubich,
- * Wanner, III.5), which holds for any two flows A and B, so also for kicks that contain linear drag. Splittings for
- * q'' = F(t, q) alone (METHOD_NO_VELOCITY): the conditions of Nystrom's trees (Hairer, Norsett, Wanner I, II.14). An
- * order must EQUAL the claim: the conditions one order higher must fail.
+ * The order of every splitting from its weights alone: exp(h(A + B)) word by word in the free
+ * algebra (Hairer, Lubich, Wanner, III.5), which holds for any two flows A and B, so also for kicks
+ * that contain linear drag. Splittings for q'' = F(t, q) alone (METHOD_NO_VELOCITY): the conditions
+ * of Nystrom's trees (Hairer, Norsett, Wanner I, II.14). An order must EQUAL the claim: the
+ * conditions one order higher must fail.
  */
 #include <stdarg.h>
 #include <stddef.h>
@@ -67,7 +68,8 @@ static double series_violation(const struct series *series, int length)
     return largest;
 }
 
-/* General splittings have their order word by word, those for positions alone only up to 4 (checked here to be so). */
+/* General splittings have their order word by word, those for positions alone only up to 4 (checked
+ * here to be so). */
 static void test_word_orders(void **state)
 {
     (void)state;
@@ -96,10 +98,18 @@ static void test_known_residuals(void **state)
         int degree;
         double residual;
     } rows[] = {
-        {"ruth3", 4, 0.028},          {"forest-ruth", 5, 0.10},       {"suzuki4", 5, 0.0045},
-        {"mclachlan4", 5, 0.0034},    {"mclachlan5", 5, 0.00076},     {"pefrl", 5, 0.0028},
-        {"blanes-moan4", 5, 0.00058}, {"blanes-moan4s", 5, 0.00019},  {"blanes-moan6", 7, 1.1e-5},
-        {"verlet", 3, 0.17},          {"blanes-moan6-11", 5, 1.5e-5}, {"blanes-moan6-14", 5, 6.1e-5},
+        {"ruth3", 4, 0.028},
+        {"forest-ruth", 5, 0.10},
+        {"suzuki4", 5, 0.0045},
+        {"mclachlan4", 5, 0.0034},
+        {"mclachlan5", 5, 0.00076},
+        {"pefrl", 5, 0.0028},
+        {"blanes-moan4", 5, 0.00058},
+        {"blanes-moan4s", 5, 0.00019},
+        {"blanes-moan6", 7, 1.1e-5},
+        {"verlet", 3, 0.17},
+        {"blanes-moan6-11", 5, 1.5e-5},
+        {"blanes-moan6-14", 5, 6.1e-5},
     };
     for (size_t i = 0; i < COUNT_OF(rows); i++) {
         const struct series *series = series_of(method_named(rows[i].name)->splitting, -1, 0);
@@ -123,10 +133,11 @@ static void test_a_typo_is_seen(void **state)
 
 /* ---- Nystrom's trees ----
  *
- * A kick at q + c h v + h^2 sum_j a_j k_j, expanded in F: F itself, or a tree with one more branch at its root, which
- * is v (factor c, one power of h) or a tree (factor sum_j a_j weight_j, two more powers than it has). Written so that
- * branches never grow (in table order, v before all), each tree appears once. On the exact solution a tree of power r
- * is exact theta^r: v gives 1, a tree exact/((r + 1)(r + 2)).
+ * A kick at q + c h v + h^2 sum_j a_j k_j, expanded in F: F itself, or a tree with one more branch
+ * at its root, which is v (factor c, one power of h) or a tree (factor sum_j a_j weight_j, two more
+ * powers than it has). Written so that branches never grow (in table order, v before all), each
+ * tree appears once. On the exact solution a tree of power r is exact theta^r: v gives 1, a tree
+ * exact/((r + 1)(r + 2)).
  */
 
 enum { NOTHING = -2, VELOCITY = -1 };
@@ -155,8 +166,10 @@ static void forest_grow(struct forest *forest)
                 if (t->power + r + 2 != power || (trunk > 0 && branch > t->branch))
                     continue;
                 assert_true(forest->count < TREES);
-                double factor = branch == VELOCITY ? 1 : forest->tree[branch].exact / ((r + 1) * (r + 2));
-                forest->tree[forest->count++] = (struct tree){power, trunk, branch, t->exact * factor};
+                double factor =
+                    branch == VELOCITY ? 1 : forest->tree[branch].exact / ((r + 1) * (r + 2));
+                forest->tree[forest->count++] =
+                    (struct tree){power, trunk, branch, t->exact * factor};
             }
     }
     forest->first[POWERS] = forest->count;
@@ -168,7 +181,8 @@ struct stages {
     double b[KICKS], c[KICKS], weight[TREES][KICKS];
 };
 
-static void stages_of(const struct splitting *splitting, const struct forest *forest, struct stages *stages)
+static void stages_of(const struct splitting *splitting, const struct forest *forest,
+                      struct stages *stages)
 {
     double c = 0;
     stages->count = 0;
@@ -187,13 +201,17 @@ static void stages_of(const struct splitting *splitting, const struct forest *fo
             const struct tree *tree = &forest->tree[t];
             double sum = 0;
             for (int j = 0; tree->branch >= 0 && j < i; j++)
-                sum += stages->b[j] * (stages->c[i] - stages->c[j]) * stages->weight[tree->branch][j];
-            double factor = tree->branch == NOTHING ? 1 : tree->branch == VELOCITY ? stages->c[i] : sum;
+                sum +=
+                    stages->b[j] * (stages->c[i] - stages->c[j]) * stages->weight[tree->branch][j];
+            double factor = tree->branch == NOTHING    ? 1
+                            : tree->branch == VELOCITY ? stages->c[i]
+                                                       : sum;
             stages->weight[t][i] = factor * (tree->trunk >= 0 ? stages->weight[tree->trunk][i] : 1);
         }
 }
 
-/* Largest violation among the conditions of one order: velocity by trees of power order - 1, position order - 2. */
+/* Largest violation among the conditions of one order: velocity by trees of power order - 1,
+ * position order - 2. */
 static double tree_violation(const struct forest *forest, const struct stages *stages, int order)
 {
     double largest = 0;
@@ -218,13 +236,15 @@ static struct stages stages;
 static void test_number_of_trees(void **state)
 {
     (void)state;
-    static const int known[] = {1, 1, 2, 3, 6, 10, 20}; /* Hairer, Norsett, Wanner I, table II.14.2 */
+    static const int known[] = {1, 1,  2, 3,
+                                6, 10, 20}; /* Hairer, Norsett, Wanner I, table II.14.2 */
     forest_grow(&forest);
     for (int r = 0; r < (int)COUNT_OF(known); r++)
         assert_int_equal(forest.first[r + 1] - forest.first[r], known[r]);
 }
 
-/* The words imply the trees, so every row is checked; for those of positions alone it is the only proof. */
+/* The words imply the trees, so every row is checked; for those of positions alone it is the only
+ * proof. */
 static void test_tree_orders(void **state)
 {
     (void)state;
@@ -238,7 +258,8 @@ static void test_tree_orders(void **state)
             assert_below(method->row.name, tree_violation(&forest, &stages, order), HOLDS);
         if (only_positions(method)) {
             assert_in_range(method->order, 5, POWERS - 2);
-            assert_above(method->row.name, tree_violation(&forest, &stages, method->order + 1), FAILS);
+            assert_above(method->row.name, tree_violation(&forest, &stages, method->order + 1),
+                         FAILS);
         }
     }
 }
@@ -256,7 +277,8 @@ static void test_palindromes(void **state)
         int count = splitting->count;
         bool palindrome = count % 2 == 1;
         for (int i = 0; i < count / 2; i++)
-            palindrome = palindrome && splitting_weight(splitting, i) == splitting_weight(splitting, count - 1 - i);
+            palindrome = palindrome && splitting_weight(splitting, i) ==
+                                           splitting_weight(splitting, count - 1 - i);
         assert_int_equal(palindrome, !!(method->flags & METHOD_SYMMETRIC));
         int kicks = (count + splitting->kick_first) / 2;
         assert_int_equal(method->evals, kicks - (splitting->kick_first && count % 2 == 1));
@@ -286,8 +308,9 @@ static void test_closed_forms(void **state)
         {"mclachlan5", 0, (14 - root19) / 108},
     };
     for (size_t i = 0; i < COUNT_OF(rows); i++)
-        assert_near(rows[i].name, splitting_weight(method_named(rows[i].name)->splitting, rows[i].i), rows[i].weight,
-                    1e-15);
+        assert_near(rows[i].name,
+                    splitting_weight(method_named(rows[i].name)->splitting, rows[i].i),
+                    rows[i].weight, 1e-15);
 }
 
 int main(void)

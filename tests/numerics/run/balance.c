@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The energy balance does not depend on what is recorded, on how a run is cut, nor on who asks when: bit for bit. */
+/* The energy balance does not depend on what is recorded, on how a run is cut, nor on who asks
+ * when: bit for bit. */
 #include "run/private.h"
 #include "unit/run/fixture.h"
 
@@ -12,11 +13,14 @@ static struct ledger ask(const struct run *run)
     return ledger;
 }
 
-static void assert_same_ledger_at(const struct ledger *a, const struct ledger *b, const char *what, int line)
+static void assert_same_ledger_at(const struct ledger *a, const struct ledger *b, const char *what,
+                                  int line)
 {
     if (memcmp(a, b, sizeof *a) != 0)
-        fail_msg("line %d, %s: work %.17g %.17g, error %.17g %.17g, max %.17g %.17g, energy %.17g %.17g", line, what,
-                 a->work, b->work, a->error, b->error, a->error_max, b->error_max, a->final, b->final);
+        fail_msg(
+            "line %d, %s: work %.17g %.17g, error %.17g %.17g, max %.17g %.17g, energy %.17g %.17g",
+            line, what, a->work, b->work, a->error, b->error, a->error_max, b->error_max, a->final,
+            b->final);
     assert_true(isfinite(a->error_max) && a->error_max > 0);
 }
 
@@ -53,21 +57,25 @@ static struct scene make_scene(size_t i)
     return scene;
 }
 
-/* One of each class: partitioned, Runge-Kutta, implicit, several steps explicit and implicit, Rosenbrock, structural. */
-static const char *const methods[] = {"symplectic-euler", "verlet", "rk4",   "implicit-midpoint", "gauss4",
-                                      "ab4",              "bdf3",   "ros3p", "newmark",           "wilson-theta"};
+/* One of each class: partitioned, Runge-Kutta, implicit, several steps explicit and implicit,
+ * Rosenbrock, structural. */
+static const char *const methods[] = {
+    "symplectic-euler", "verlet",      "rk4", "implicit-midpoint", "gauss4", "ab4", "bdf3", "ros3p",
+    "newmark",          "wilson-theta"};
 
 /*
- * What adaptive methods lose is of the size of their tolerance; the balance says no more than that, also where steps
- * are longer than a quintic through their ends can follow.
+ * What adaptive methods lose is of the size of their tolerance; the balance says no more than that,
+ * also where steps are longer than a quintic through their ends can follow.
  */
 static void test_steps_of_high_order(void **state)
 {
     (void)state;
-    static const char *const adaptive[] = {"dopri5", "tsit5", "dop853", "odex", "radau5", "rodas5p"};
+    static const char *const adaptive[] = {"dopri5", "tsit5",  "dop853",
+                                           "odex",   "radau5", "rodas5p"};
     for (size_t i = 0; i < COUNT_OF(adaptive); i++)
         for (double tol = 1e-6; tol > 1e-12; tol /= 1e3) {
-            const struct run_settings settings = {.dt = 0.01, .kernel = KERNEL_SPECIALISED, .tol = tol};
+            const struct run_settings settings = {
+                .dt = 0.01, .kernel = KERNEL_SPECIALISED, .tol = tol};
             struct scene scene = spring();
             set(&scene, "k3", 300);
             set(&scene, "gamma", 0.25);
@@ -89,7 +97,8 @@ static void test_whatever_is_recorded(void **state)
         const struct scene scene = make_scene(i);
         for (size_t m = 0; m < COUNT_OF(methods); m++) {
             struct ledger wanted = {0};
-            if (scenes[i].param[0] && strcmp(scenes[i].param[0], "mu") == 0 && strcmp(methods[m], "verlet") == 0)
+            if (scenes[i].param[0] && strcmp(scenes[i].param[0], "mu") == 0 &&
+                strcmp(methods[m], "verlet") == 0)
                 continue; /* it does not know this drag */
             for (size_t r = 0; r < COUNT_OF(rules); r++) {
                 struct run *run = start(&scene, methods[m], rules[r], 60.005);
@@ -160,16 +169,19 @@ static void test_however_it_is_cut(void **state)
     }
 }
 
-/* Back to a row, the balance is what it was there; going on again, it becomes what it would have been. */
+/* Back to a row, the balance is what it was there; going on again, it becomes what it would have
+ * been. */
 static void test_back(void **state)
 {
     (void)state;
     for (size_t i = 0; i < COUNT_OF(scenes); i++) {
         const struct scene scene = make_scene(i);
         for (size_t r = 0; r < COUNT_OF(rules); r++) {
-            if (rules[r].record.rule == RECORD_TIMES) /* a row becomes the end of a step: another run */
+            if (rules[r].record.rule ==
+                RECORD_TIMES) /* a row becomes the end of a step: another run */
                 continue;
-            struct run *run = start(&scene, "rk4", rules[r], HUGE_VAL), *fresh = start(&scene, "rk4", rules[r], HUGE_VAL);
+            struct run *run = start(&scene, "rk4", rules[r], HUGE_VAL),
+                       *fresh = start(&scene, "rk4", rules[r], HUGE_VAL);
             go_steps(run, 20000);
             ask(run);
             run_back(run, r == 2 ? 7 : 150);
@@ -250,8 +262,8 @@ static void test_columns(void **state)
                 for (size_t row = 0; row < trace_count(run->trace); row++) {
                     const double value = wanted[trace_step(run->trace, row)];
                     if (!(got[row] == value) && !(isnan(got[row]) && isnan(value)))
-                        fail_msg("%s, scene %zu, rule %zu, row %zu: %.17g, not %.17g", names[c], i, r, row, got[row],
-                                 value);
+                        fail_msg("%s, scene %zu, rule %zu, row %zu: %.17g, not %.17g", names[c], i,
+                                 r, row, got[row], value);
                 }
                 free(wanted);
                 free(got);
@@ -267,7 +279,9 @@ static void test_rows_inside_of_steps(void **state)
 {
     (void)state;
     struct scene scene = make_scene(1);
-    struct run *run = start(&scene, "dop853", (struct run_settings){.dt = 0.05, .record = {RECORD_TIMES, 0, 0.0313}}, 60);
+    struct run *run =
+        start(&scene, "dop853",
+              (struct run_settings){.dt = 0.05, .record = {RECORD_TIMES, 0, 0.0313}}, 60);
     go_to(run, 60);
     double *error = column_of(run, "energy-error"), *work = column_of(run, "work");
     for (size_t i = 0; i < trace_count(run->trace); i++) {
@@ -298,21 +312,27 @@ static void test_nobody_asks(void **state)
     run_destroy(run);
 }
 
-/* Over many decimations: what the balance of a long run says is that of the same run recorded in full. */
+/* Over many decimations: what the balance of a long run says is that of the same run recorded in
+ * full. */
 static void test_long_runs(void **state)
 {
     (void)state;
-    static const double most[] = {0, 2e-6, 2e-4, 3e-4}; /* what rk4 takes in 1e6 steps of omega dt = 0.087 */
+    static const double max[] = {0, 2e-6, 2e-4,
+                                 3e-4}; /* what rk4 takes in 1e6 steps of omega dt = 0.087 */
     for (size_t i = 1; i <= 3; i++) {
         const struct scene scene = make_scene(i);
-        struct run *few = start(&scene, "rk4", (struct run_settings){.dt = 0.01, .memory = (size_t)2000 * 24}, 10000),
-                   *all = start(&scene, "rk4", (struct run_settings){.dt = 0.01, .record = {RECORD_ALL, 0, 0}}, 10000);
+        struct run *few =
+                       start(&scene, "rk4",
+                             (struct run_settings){.dt = 0.01, .memory = (size_t)2000 * 24}, 10000),
+                   *all = start(&scene, "rk4",
+                                (struct run_settings){.dt = 0.01, .record = {RECORD_ALL, 0, 0}},
+                                10000);
         go_to(few, 10000);
         go_to(all, 10000);
         const struct ledger got = ask(few), wanted = ask(all);
         assert_same_ledger(got, wanted, scenes[i].param[0]);
         assert_int_equal(trace_count(all->trace), 1000001);
-        assert_true(trace_count(few->trace) < 2200 && got.error_max < most[i]);
+        assert_true(trace_count(few->trace) < 2200 && got.error_max < max[i]);
         run_destroy(few);
         run_destroy(all);
     }
@@ -328,12 +348,14 @@ static double counted_power(const double *c, double t, const double *y)
     return -(c[1] * c[0] * y[1] * y[1]);
 }
 
-/* Asked after each step, it costs what one step costs, however long the run is; unasked, nothing. */
+/* Asked after each step, it costs what one step costs, however long the run is; unasked, nothing.
+ */
 static void test_cost_of_a_question(void **state)
 {
     (void)state;
     struct scene scene = make_scene(1);
-    struct run *run = start(&scene, "rk4", (struct run_settings){.dt = 0.01, .kernel = KERNEL_GENERAL}, HUGE_VAL);
+    struct run *run =
+        start(&scene, "rk4", (struct run_settings){.dt = 0.01, .kernel = KERNEL_GENERAL}, HUGE_VAL);
     struct term_row counted = *run->system.term[1].row;
     counted.power = counted_power;
     run->private_state->epoch[0].system.term[1].row = &counted;

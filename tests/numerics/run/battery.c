@@ -1,12 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Adaptive methods where they could be silently wrong: pendulums from many angles, soft springs, switches. Each answer
- * is a closed form, or says where it is from. LONG=1 takes all methods, tolerances and angles.
+ * Adaptive methods where they could be silently wrong: pendulums from many angles, soft springs,
+ * switches. Each answer is a closed form, or says where it is from. LONG=1 takes all methods,
+ * tolerances and angles.
  */
 #include "numerics/battery.h"
 
-static const char *const adaptive_methods[] = {"bogacki-shampine", "dopri5", "tsit5",   "dop853", "odex",
-                                               "radau5",           "tr-bdf2", "rodas4", "rodas5p"};
+static const char *const adaptive_methods[] = {"bogacki-shampine", "dopri5", "tsit5",
+                                               "dop853",           "odex",   "radau5",
+                                               "tr-bdf2",          "rodas4", "rodas5p"};
 
 /* Second order: 1e-12 takes a million steps. */
 static double tightest(const char *method)
@@ -19,9 +21,10 @@ static double tightest(const char *method)
 enum { PENDULUM_STEPS = 1000 };
 
 /*
- * How much an error of rate 1 in the angle and in its velocity all the way is in the angle at the end: the integral
- * over s of |P11| + |P12|, P = Y(end) Y(s)^-1, Y' = ((0, 1), (-cos theta, 0)) Y, det Y = 1 (the variational equation;
- * Hairer, Norsett, Wanner, I.14). By rk4, good to some digits, which is enough.
+ * How much an error of rate 1 in the angle and in its velocity all the way is in the angle at the
+ * end: the integral over s of |P11| + |P12|, P = Y(end) Y(s)^-1, Y' = ((0, 1), (-cos theta, 0)) Y,
+ * det Y = 1 (the variational equation; Hairer, Norsett, Wanner, I.14). By rk4, good to some digits,
+ * which is enough.
  */
 static double pendulum_condition(double theta0, double end)
 {
@@ -35,8 +38,8 @@ static double pendulum_condition(double theta0, double end)
             const double part = stage == 0 ? 0 : stage < 3 ? h / 2 : h;
             for (int j = 0; j < 6; j++)
                 at[j] = y[i][j] + (stage ? part * k[stage - 1][j] : 0);
-            const double slope[6] = {at[1],          -sin(at[0]), at[4], at[5], -cos(at[0]) * at[2],
-                                     -cos(at[0]) * at[3]};
+            const double slope[6] = {at[1], -sin(at[0]),         at[4],
+                                     at[5], -cos(at[0]) * at[2], -cos(at[0]) * at[3]};
             memcpy(k[stage], slope, sizeof slope);
         }
         for (int j = 0; j < 6; j++)
@@ -52,9 +55,9 @@ static double pendulum_condition(double theta0, double end)
 }
 
 /*
- * From 60 angles, 0.1 to 3.05 rad, to t = 50. Errors are those of the steps, about a tolerance in a unit of time, times
- * what the equation makes of them, which is thousands near the upper equilibrium; runs that are wrong are off by
- * radians.
+ * From 60 angles, 0.1 to 3.05 rad, to t = 50. Errors are those of the steps, about a tolerance in a
+ * unit of time, times what the equation makes of them, which is thousands near the upper
+ * equilibrium; runs that are wrong are off by radians.
  */
 static void test_pendulums(void **state)
 {
@@ -68,16 +71,16 @@ static void test_pendulums(void **state)
                 if (m == 1 && k > 1 && !is_long())
                     continue;
                 struct scene scene;
-                scene_init(&scene, (const struct preset *)(const void *)catalog_find(&preset_catalog,
-                                                                                     TEXT("pendulum")));
+                scene_init(&scene, (const struct preset *)(const void *)catalog_find(
+                                       &preset_catalog, TEXT("pendulum")));
                 const double theta0 = 0.1 + 3.0 * i / 60;
                 scene.value[scene_param(&scene, "length")] = 9.81;
                 scene.value[scene_param(&scene, "theta0")] = theta0;
                 struct run *run = reach(&scene, names[m], tols[k], 1e-6, 50);
                 const double error = fabs(run->y[0] - pendulum_angle(theta0, 50)) / tols[k];
                 if (run->stop != STOP_END || !(error < 0.3 * pendulum_condition(theta0, 50))) {
-                    print_message("%s, tol %g, from %g rad: %s, error %.3g tol\n", names[m], tols[k], theta0,
-                                  stop_name(run->stop), error);
+                    print_message("%s, tol %g, from %g rad: %s, error %.3g tol\n", names[m],
+                                  tols[k], theta0, stop_name(run->stop), error);
                     wrong++;
                 }
                 run_destroy(run);
@@ -88,7 +91,7 @@ static void test_pendulums(void **state)
 struct lines_case {
     const char *lines;
     double t, x; /* x there */
-    double most; /* error in units of the tolerance */
+    double max;  /* error in units of the tolerance */
 };
 
 /* Wrong at exit status 0 while Newton's iteration went by the rate of the first step.. */
@@ -111,9 +114,9 @@ static void test_smooth_scenes_of_radau(void **state)
                 for (double first = 1e-12; first < 2e3; first *= 1e5) {
                     struct run *run = reach(&scene, names[m], tol, first, cases[i].t);
                     assert_int_equal(run->stop, STOP_END);
-                    if (!(fabs(run->y[0] - judge->y[0]) < cases[i].most * tol))
-                        fail_msg("%s by %s, tol %g, first step %g: %.17g", cases[i].lines, names[m], tol, first,
-                                 run->y[0]);
+                    if (!(fabs(run->y[0] - judge->y[0]) < cases[i].max * tol))
+                        fail_msg("%s by %s, tol %g, first step %g: %.17g", cases[i].lines, names[m],
+                                 tol, first, run->y[0]);
                     run_destroy(run);
                 }
         run_destroy(judge);
@@ -169,8 +172,8 @@ static const struct kinked {
 };
 
 /*
- * Switches that the equations do not show: what is left is the method's own estimate of the error, which did not see
- * the last twelfth of a step.
+ * Switches that the equations do not show: what is left is the method's own estimate of the error,
+ * which did not see the last twelfth of a step.
  */
 static void test_odex_sees_hidden_switches(void **state)
 {
@@ -190,10 +193,12 @@ static void test_odex_sees_hidden_switches(void **state)
         for (double tol = 1e-3; tol > 0.9e-12; tol /= 10)
             for (double first = 1e-9; first < 20; first *= is_long() ? 3 : 100) {
                 struct run *run = reach(&scene, "odex", tol, first, hidden[i].t);
-                const double off = fabs(run->y[0] - hidden[i].exact(hidden[i].t)) / fmax(tol, 1e-13);
+                const double off =
+                    fabs(run->y[0] - hidden[i].exact(hidden[i].t)) / fmax(tol, 1e-13);
                 if (run->stop != STOP_END || !(off < 1e3)) {
-                    print_message("%s, tol %g, first step %g: %s, error %.3g tol, %lld steps\n", hidden[i].lines, tol,
-                                  first, stop_name(run->stop), off, (long long)run->steps);
+                    print_message("%s, tol %g, first step %g: %s, error %.3g tol, %lld steps\n",
+                                  hidden[i].lines, tol, first, stop_name(run->stop), off,
+                                  (long long)run->steps);
                     wrong++;
                 }
                 run_destroy(run);
@@ -204,8 +209,9 @@ static void test_odex_sees_hidden_switches(void **state)
 }
 
 /*
- * Steps that end some roundings before or after a switch, because somebody wants the state there: the next ones are as
- * short as rounding, and begin on a branch whose guard has not risen above 0 yet.
+ * Steps that end some roundings before or after a switch, because somebody wants the state there:
+ * the next ones are as short as rounding, and begin on a branch whose guard has not risen above 0
+ * yet.
  */
 static void test_ends_near_switches(void **state)
 {
@@ -222,14 +228,16 @@ static void test_ends_near_switches(void **state)
             for (int at = 1; at < 8; at += 2)
                 for (int ulps = -40; ulps <= 40; ulps += is_long() ? 1 : 3) {
                     const struct method *method = method_named(names[m]);
-                    double y[LIMIT_VARIABLES], *work = calloc(method_work_size(method, 2) + 1, sizeof *work);
+                    double y[LIMIT_VARIABLES],
+                        *work = calloc(method_work_size(method, 2) + 1, sizeof *work);
                     struct step step = {.system = &system, .y = y, .work = work};
                     struct controller controller = {.tol = tol};
                     memcpy(y, system.start, sizeof y);
                     const double ends[] = {at * sqrt(2) * (1 + ulps * DBL_EPSILON), 20};
                     for (int i = 0; i < 2; i++)
                         while (step.t != ends[i])
-                            assert_int_equal(method_adapt(method, &step, &controller, ends[i]), STEP_OK);
+                            assert_int_equal(method_adapt(method, &step, &controller, ends[i]),
+                                             STEP_OK);
                     if (!(fabs(y[0] - wedge(20)) < 1e-11))
                         wrong++;
                     free(work);
@@ -249,15 +257,17 @@ static void test_switches(void **state)
         const struct kinked *k = &kinked[i];
         const struct scene scene = typed_scene(models, k->lines);
         for (size_t m = 0; m < COUNT_OF(adaptive_methods); m++)
-            for (double tol = 1e-3; tol > 0.9 * tightest(adaptive_methods[m]); tol /= is_long() ? 10 : 1000) {
+            for (double tol = 1e-3; tol > 0.9 * tightest(adaptive_methods[m]);
+                 tol /= is_long() ? 10 : 1000) {
                 static const double first[] = {1e-6, 1e-12, 1e-3, 1, 1e3};
                 for (size_t f = 0; f < (is_long() ? COUNT_OF(first) : 2); f++) {
                     struct run *run = reach(&scene, adaptive_methods[m], tol, first[f], k->t);
                     const double off = fabs(run->y[0] - k->exact(k->t)) / fmax(tol, 1e-13);
                     if (run->stop != STOP_END || !(off < 100)) {
-                        print_message("%s by %s, tol %g, first step %g: %s, error %.3g tol, %lld steps\n", k->name,
-                                      adaptive_methods[m], tol, first[f], stop_name(run->stop), off,
-                                      (long long)run->steps);
+                        print_message(
+                            "%s by %s, tol %g, first step %g: %s, error %.3g tol, %lld steps\n",
+                            k->name, adaptive_methods[m], tol, first[f], stop_name(run->stop), off,
+                            (long long)run->steps);
                         wrong++;
                     }
                     run_destroy(run);
@@ -269,16 +279,17 @@ static void test_switches(void **state)
 }
 
 /*
- * Where both sides of a switch lead back to it the motion stays on it, with the field in between that keeps it there
- * (Filippov 1988), until one side turns away; where switches pile up it comes to rest. Both are noted.
+ * Where both sides of a switch lead back to it the motion stays on it, with the field in between
+ * that keeps it there (Filippov 1988), until one side turns away; where switches pile up it comes
+ * to rest. Both are noted.
  */
 static void test_sliding_and_piling_up(void **state)
 {
     (void)state;
     static const struct {
         const char *lines;
-        double t;         /* of the first sliding, NAN: not known in closed form */
-        double end, x, least; /* x at `end`, and how far off it may be */
+        double t;           /* of the first sliding, NAN: not known in closed form */
+        double end, x, min; /* x at `end`, and how far off it may be */
     } cases[] = {
         /* 1.2 lost in each half period, it sticks below 0.6 */
         {"var x = 10;x'' = -x - 0.6*sign(x')", 8 * M_PI, 50, 0.4, 2e-5},
@@ -288,14 +299,15 @@ static void test_sliding_and_piling_up(void **state)
         /* 0.65 of one side and 0.35 of the other */
         {"var y = 0;var x = 1;y' = if(x > 0, 2, 0);x' = 0.3 - sign(x)", 1 / 0.7, 50,
          2 / 0.7 + 1.3 * (50 - 1 / 0.7), 1e-4},
-        /* From rest at 1.4 over half a period about 0.5 to -0.4, then it sticks until the spring pulls with 0.9, from
-         * where x = -0.4 + (s - sin s)/10, s = t - pi - 5. */
+        /* From rest at 1.4 over half a period about 0.5 to -0.4, then it sticks until the spring
+         * pulls with 0.9, from where x = -0.4 + (s - sin s)/10, s = t - pi - 5. */
         {"var x = 1.4;x'' = max(0, 0.1*(t - pi)) - x - if(x' > 0, 0.9, -0.5)", M_PI, 5 + 2 * M_PI,
          -0.4 + 0.1 * M_PI, 2e-5},
         /* Two that stick, one after the other. */
-        {"var x = 10;var z = 5.3;x'' = -x - 0.6*sign(x');z'' = -2*z - 0.9*sign(z') + 0.01*x", NAN, 50, 0.4,
-         2e-5},
-        /* Times between shrink by sqrt(1/3), from 2/3 up and 2/sqrt(3) down: at rest after 2 + 4.3094 s. */
+        {"var x = 10;var z = 5.3;x'' = -x - 0.6*sign(x');z'' = -2*z - 0.9*sign(z') + 0.01*x", NAN,
+         50, 0.4, 2e-5},
+        /* Times between shrink by sqrt(1/3), from 2/3 up and 2/sqrt(3) down: at rest after 2
+           + 4.3094 s. */
         {"var x = 1;x'' = -sign(x) - 0.5*sign(x')", 6.309401076758503, 50, 0, 1e-6},
     };
     struct error error;
@@ -305,19 +317,22 @@ static void test_sliding_and_piling_up(void **state)
         for (size_t m = 0; m < COUNT_OF(adaptive_methods); m++) {
             struct run *run = reach(&scene, adaptive_methods[m], 1e-7, 1e-6, cases[i].end);
             const struct switches_state *switches = &run->controller.switches;
-            if (run->stop != STOP_END || !(fabs(run->y[0] - cases[i].x) < cases[i].least) || run->steps > 200000 ||
-                switches->slides == 0 ||
+            if (run->stop != STOP_END || !(fabs(run->y[0] - cases[i].x) < cases[i].min) ||
+                run->steps > 200000 || switches->slides == 0 ||
                 (!isnan(cases[i].t) && fabs(switches->slid - cases[i].t) > 1e-4))
-                fail_msg("%s by %s: %s at t = %.17g, x = %.17g after %lld steps, slides %d from %.17g, piles %d",
-                         cases[i].lines, adaptive_methods[m], stop_name(run->stop), run->t, run->y[0],
-                         (long long)run->steps, (int)switches->slides, switches->slid, (int)switches->piles);
+                fail_msg("%s by %s: %s at t = %.17g, x = %.17g after %lld steps, slides %d from "
+                         "%.17g, piles %d",
+                         cases[i].lines, adaptive_methods[m], stop_name(run->stop), run->t,
+                         run->y[0], (long long)run->steps, (int)switches->slides, switches->slid,
+                         (int)switches->piles);
             run_destroy(run);
         }
     }
     typed_destroy(models);
 }
 
-/* Typed forces on a built-in scene are switched as well: a spring with dry friction, k = 15 N/m, m = 0.2 kg. */
+/* Typed forces on a built-in scene are switched as well: a spring with dry friction, k = 15 N/m, m
+ * = 0.2 kg. */
 static void test_typed_force_on_a_spring(void **state)
 {
     (void)state;
@@ -332,7 +347,8 @@ static void test_typed_force_on_a_spring(void **state)
     typed_destroy(models);
 }
 
-/* A chain of heat whose far end the trial for natural sizes does not reach; by dopri5, which needs no solution. */
+/* A chain of heat whose far end the trial for natural sizes does not reach; by dopri5, which needs
+ * no solution. */
 static void test_chain_of_heat(void **state)
 {
     (void)state;
@@ -343,7 +359,8 @@ static void test_chain_of_heat(void **state)
     for (int i = 1; i <= MANY; i++)
         used += (size_t)snprintf(lines + used, sizeof lines - used, "var y%d = %d;", i, i == 1);
     for (int i = 1; i <= MANY; i++) {
-        used += (size_t)snprintf(lines + used, sizeof lines - used, "%sy%d' = -2000*y%d", i > 1 ? ";" : "", i, i);
+        used += (size_t)snprintf(lines + used, sizeof lines - used, "%sy%d' = -2000*y%d",
+                                 i > 1 ? ";" : "", i, i);
         if (i > 1)
             used += (size_t)snprintf(lines + used, sizeof lines - used, " + 1000*y%d", i - 1);
         if (i < MANY)
@@ -355,7 +372,8 @@ static void test_chain_of_heat(void **state)
     for (size_t m = 0; m < COUNT_OF(names); m++) {
         struct run *run = reach(&scene, names[m], 1e-6, 1e-3, 0.1);
         assert_int_equal(run->stop, STOP_END);
-        assert_close(run->y[0], 2.81564e-4, m == 2 ? 1e-5 : 1e-7); /* of first order: 2 % at this step */
+        assert_close(run->y[0], 2.81564e-4,
+                     m == 2 ? 1e-5 : 1e-7); /* of first order: 2 % at this step */
         run_destroy(run);
     }
     typed_destroy(models);

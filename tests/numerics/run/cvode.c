@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The yardsticks, where this build has them: that a library with a memory of its own behaves like a method. */
+/* The yardsticks, where this build has them: that a library with a memory of its own behaves like a
+ * method. */
 #include "unit/run/fixture.h"
 
 #include <hooke/method.h>
@@ -48,7 +49,8 @@ static void test_error_follows_tolerance(void **state)
     }
 }
 
-/* A time on the way is met exactly, without a new start; a change of the scene and a turn are new starts. */
+/* A time on the way is met exactly, without a new start; a change of the scene and a turn are new
+ * starts. */
 static void test_stops_turns_and_changes(void **state)
 {
     (void)state;
@@ -113,7 +115,8 @@ static void test_condition_is_located(void **state)
     }
 }
 
-/* Between the ends of a step it is the polynomial of its own memory; asked for or not, the next step is the same. */
+/* Between the ends of a step it is the polynomial of its own memory; asked for or not, the next
+ * step is the same. */
 static void test_dense_output(void **state)
 {
     (void)state;
@@ -130,7 +133,8 @@ static void test_dense_output(void **state)
         struct controller controller[2] = {{.tol = 1e-9}, {.tol = 1e-9}};
         for (int i = 0; i < 2; i++) {
             memcpy(y[i], system.start, sizeof y[i]);
-            step[i] = (struct step){.system = &system, .y = y[i], .work = work[i], .error = i ? e : NULL};
+            step[i] =
+                (struct step){.system = &system, .y = y[i], .work = work[i], .error = i ? e : NULL};
             assert_true(method_begin(method, &step[i]));
         }
         for (int i = 0; i < 300; i++) {
@@ -167,7 +171,8 @@ static void flat_jacobian(const double *c, double t, const double *y, double *ja
 static const struct term_row wall = {
     .row = {"wall", "m/s^2", "", "", NULL}, .add = wall_add, .jacobian = flat_jacobian};
 
-/* A failed step leaves the state before it, bit for bit; so does one without the library's memory. */
+/* A failed step leaves the state before it, bit for bit; so does one without the library's memory.
+ */
 static void test_failure(void **state)
 {
     (void)state;

@@ -18,7 +18,8 @@ struct value {
     double value;
 };
 
-/* Every fixed-step method on scenes at the ends of the range: ends, or stops with a reason and a finite prefix. */
+/* Every fixed-step method on scenes at the ends of the range: ends, or stops with a reason and a
+ * finite prefix. */
 static void test_every_method_ends(void **state)
 {
     (void)state;
@@ -48,18 +49,21 @@ static void test_every_method_ends(void **state)
             for (int adaptive = 0; adaptive < 2; adaptive++) {
                 struct run_settings settings = {.dt = 0.01, .tol = adaptive ? 1e-6 : 0};
                 struct error error;
-                struct run *run = run_create(&scene, method_named(row->name), &settings, 10, &error);
+                struct run *run =
+                    run_create(&scene, method_named(row->name), &settings, 10, &error);
                 if (!run)
                     continue;
                 struct run_target target = {.t = 10, .steps = 5000};
                 int64_t begin = cpu_ns();
                 assert_false(run_advance(run, &target, 0, NULL));
                 if (cpu_ns() - begin > 5000000000)
-                    fail_msg("%s on scene %zu took %.1f s", row->name, i, (double)(cpu_ns() - begin) * 1e-9);
+                    fail_msg("%s on scene %zu took %.1f s", row->name, i,
+                             (double)(cpu_ns() - begin) * 1e-9);
                 if (run->stop == STOP_NONE)
                     fail_msg("%s on scene %zu did not stop", row->name, i);
                 assert_finite_trace(run);
-                assert_memory_equal(run->y, trace_state(run->trace, trace_count(run->trace) - 1), 2 * sizeof(double));
+                assert_memory_equal(run->y, trace_state(run->trace, trace_count(run->trace) - 1),
+                                    2 * sizeof(double));
                 struct buffer text = {0};
                 struct ledger ledger;
                 struct run_errors errors;
@@ -74,7 +78,8 @@ static void test_every_method_ends(void **state)
     }
 }
 
-/* NUMERICS: forward Euler overflows after 2 ln(max/A) / ln(1 + x^2) steps; here max is the 1e150 of hooke. */
+/* NUMERICS: forward Euler overflows after 2 ln(max/A) / ln(1 + x^2) steps; here max is the 1e150 of
+ * hooke. */
 static void test_divergence_is_predicted(void **state)
 {
     (void)state;
@@ -92,7 +97,8 @@ static void test_divergence_is_predicted(void **state)
     }
 }
 
-/* Free particle with drag, and falling from an unstable equilibrium: right where a formula with omega would not be. */
+/* Free particle with drag, and falling from an unstable equilibrium: right where a formula with
+ * omega would not be. */
 static void test_degenerate_scenes_are_right(void **state)
 {
     (void)state;

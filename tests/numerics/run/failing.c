@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * A step that fails leaves nothing: every method row, with fixed and adaptive steps, every way of recording, on scenes
- * that end at some time because a force is NaN, a root is gone, a number overflows or drag has a pole. What the run
- * holds then is what it held before, bit for bit: its twin, which was told to stop there, has the same.
+ * A step that fails leaves nothing: every method row, with fixed and adaptive steps, every way of
+ * recording, on scenes that end at some time because a force is NaN, a root is gone, a number
+ * overflows or drag has a pole. What the run holds then is what it held before, bit for bit: its
+ * twin, which was told to stop there, has the same.
  */
 #include "unit/run/fixture.h"
 #include "unit/scene/typing.h"
@@ -28,7 +29,8 @@ static struct scene preset_with(const char *preset, const char *name, double val
 {
     struct scene scene;
     struct error error;
-    scene_init(&scene, (const struct preset *)(const void *)catalog_find(&preset_catalog, text_of(preset)));
+    scene_init(&scene,
+               (const struct preset *)(const void *)catalog_find(&preset_catalog, text_of(preset)));
     assert_true(scene_set(&scene, scene_param(&scene, name), (struct measured){value, 0}, &error));
     return scene;
 }
@@ -54,11 +56,15 @@ static void check_rows(const struct case_of *c, const struct run *run, const cha
     for (size_t i = 0; i < rows; i++)
         for (int k = 0; k < run->system.n; k++)
             if (!(fabs(trace_state(run->trace, i)[k]) <= LARGEST))
-                fail_msg("%s: row %zu of %zu holds %g", what, i, rows, trace_state(run->trace, i)[k]);
-    if (fabs(trace_time(run->trace, rows - 1) - run->t) > 8 * DBL_EPSILON * fabs(run->t) || /* even times are rounded */
-        memcmp(trace_state(run->trace, rows - 1), run->y, (size_t)run->system.n * sizeof *run->y) != 0)
+                fail_msg("%s: row %zu of %zu holds %g", what, i, rows,
+                         trace_state(run->trace, i)[k]);
+    if (fabs(trace_time(run->trace, rows - 1) - run->t) >
+            8 * DBL_EPSILON * fabs(run->t) || /* even times are rounded */
+        memcmp(trace_state(run->trace, rows - 1), run->y, (size_t)run->system.n * sizeof *run->y) !=
+            0)
         fail_msg("%s: the last row is not the present state", what);
-    /* A step that does not look at its end goes beyond by all of it (a step of control: by a part). */
+    /* A step that does not look at its end goes beyond by all of it (a step of control: by a part).
+     */
     if (!(fabs(run->t) <= c->last + (run->plan.adaptive ? 0.1 : 1.001 * fabs(run->settings.dt))))
         fail_msg("%s: it got to %.17g s", what, run->t);
 }
@@ -70,12 +76,13 @@ static void check_ledgers(const struct run *a, const struct run *b, const char *
     run_ledger(b, &right);
     if (bits(left.error) != bits(right.error) || bits(left.error_max) != bits(right.error_max) ||
         bits(left.work) != bits(right.work) || bits(left.final) != bits(right.final))
-        fail_msg("%s: the ledgers differ: %g %g, work %g %g", what, left.error_max, right.error_max, left.work,
-                 right.work);
+        fail_msg("%s: the ledgers differ: %g %g, work %g %g", what, left.error_max, right.error_max,
+                 left.work, right.work);
 }
 
 /* True if it applies. */
-static bool check(const struct case_of *c, const char *method, const struct run_settings *settings, const char *what)
+static bool check(const struct case_of *c, const char *method, const struct run_settings *settings,
+                  const char *what)
 {
     struct error error;
     struct run *run = run_create(&c->scene, method_named(method), settings, c->span, &error);
@@ -89,23 +96,27 @@ static bool check(const struct case_of *c, const char *method, const struct run_
         run_destroy(twin);
         return true;
     }
-    if (stop != STOP_DIVERGED && stop != STOP_NO_SOLUTION && stop != STOP_STALLED && stop != STOP_SINGULAR)
+    if (stop != STOP_DIVERGED && stop != STOP_NO_SOLUTION && stop != STOP_STALLED &&
+        stop != STOP_SINGULAR)
         fail_msg("%s: %s at %g s", what, stop_name(stop), run->t);
     check_rows(c, run, what);
-    if (stop == STOP_SINGULAR) { /* it was stopped by what was seen of it, not by a step that failed */
+    if (stop ==
+        STOP_SINGULAR) { /* it was stopped by what was seen of it, not by a step that failed */
         run_destroy(run);
         run_destroy(twin);
         return true;
     }
     if (run->steps > 0 && go(twin, c->span, run->steps) != STOP_END)
-        fail_msg("%s: its twin ended after %lld of %lld steps", what, (long long)twin->steps, (long long)run->steps);
+        fail_msg("%s: its twin ended after %lld of %lld steps", what, (long long)twin->steps,
+                 (long long)run->steps);
     if (trace_count(run->trace) != trace_count(twin->trace) || bits(run->t) != bits(twin->t) ||
         memcmp(run->y, twin->y, (size_t)run->system.n * sizeof *run->y) != 0)
-        fail_msg("%s: %zu rows to %.17g s, its twin has %zu to %.17g s", what, trace_count(run->trace), run->t,
-                 trace_count(twin->trace), twin->t);
+        fail_msg("%s: %zu rows to %.17g s, its twin has %zu to %.17g s", what,
+                 trace_count(run->trace), run->t, trace_count(twin->trace), twin->t);
     assert_same_trace(run, twin);
     check_ledgers(run, twin, what);
-    if (!run->method->growth) /* those that remember would start again, otherwise than they went on */
+    if (!run->method
+             ->growth) /* those that remember would start again, otherwise than they went on */
         go(run, c->span, -1); /* nor does another try leave anything */
     if (trace_count(run->trace) != trace_count(twin->trace))
         fail_msg("%s: another try added rows", what);
@@ -128,12 +139,15 @@ static int check_methods(const struct case_of *c, double dt)
     };
     int checked = 0;
     for (size_t i = 0; i < method_catalog.count; i++) {
-        const struct method *method = (const struct method *)(const void *)catalog_row(&method_catalog, i);
+        const struct method *method =
+            (const struct method *)(const void *)catalog_row(&method_catalog, i);
         for (size_t way = 0; way < COUNT_OF(ways); way++) {
-            if (ways[way].tol > 0 ? !(method->flags & METHOD_ADAPTIVE) : (method->flags & METHOD_YARDSTICK) != 0)
+            if (ways[way].tol > 0 ? !(method->flags & METHOD_ADAPTIVE)
+                                  : (method->flags & METHOD_EXTERNAL) != 0)
                 continue;
             char what[200];
-            snprintf(what, sizeof what, "%s by %s, dt = %g s, way %zu", c->name, method->row.name, dt, way);
+            snprintf(what, sizeof what, "%s by %s, dt = %g s, way %zu", c->name, method->row.name,
+                     dt, way);
             checked += check(c, method->row.name, &ways[way], what);
         }
     }
@@ -144,9 +158,11 @@ static void test_a_force_that_ends(void **state)
 {
     (void)state;
     const struct case_of cases[] = {
-        {"a force until 1.5 s", TYPED("var x = 1", "x'' = -x + sqrt(1.5 - t) - sqrt(1.5 - t)"), SPAN, 1.5, false},
+        {"a force until 1.5 s", TYPED("var x = 1", "x'' = -x + sqrt(1.5 - t) - sqrt(1.5 - t)"),
+         SPAN, 1.5, false},
         {"two coordinates until 1.5 s",
-         TYPED("var x = 1", "var y = 0.5", "x'' = y - 2*x", "y'' = x - 2*y + 0*x + sqrt(1.5 - t)"), SPAN, 1.5, false},
+         TYPED("var x = 1", "var y = 0.5", "x'' = y - 2*x", "y'' = x - 2*y + 0*x + sqrt(1.5 - t)"),
+         SPAN, 1.5, false},
         {"drag until 1.5 s", TYPED("var x = 1", "x'' = -x - sqrt(1.5 - t)*x'"), SPAN, 1.5, false},
         {"a rate until 1.5 s", TYPED("var x = 1", "x' = -x*sqrt(1.5 - t)"), SPAN, 1.5, false},
         {"a force on the spring until 1.5 s", TYPED("force 0.1*sqrt(1.5 - t)"), SPAN, 1.5, false},
@@ -163,7 +179,8 @@ static void test_a_state_that_ends(void **state)
     (void)state;
     const struct case_of cases[] = {
         {"a root that goes", TYPED("var x = 1", "x'' = -1 - sqrt(x)"), SPAN, 1.2, false},
-        {"a quartic hill", TYPED("var x = 1", "var x' = 1", "x'' = -x + 2*x^3"), SPAN, HUGE_VAL, true},
+        {"a quartic hill", TYPED("var x = 1", "var x' = 1", "x'' = -x + 2*x^3"), SPAN, HUGE_VAL,
+         true},
     };
     for (size_t i = 0; i < COUNT_OF(cases); i++)
         assert_true(check_methods(&cases[i], 0.01) > 100);

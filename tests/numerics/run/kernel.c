@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Faster ways to the same steps: kernels to the bit, the propagator within rounding, both however a run is cut up. */
+/* Faster ways to the same steps: kernels to the bit, the propagator within rounding, both however a
+ * run is cut up. */
 #include "unit/run/fixture.h"
 
 #include <float.h>
@@ -17,17 +18,20 @@ static const struct method *method_at(size_t i)
 }
 
 /* NULL: this method, drag or step is refused there. */
-static struct run *run_of(const struct scene *scene, const struct method *method, enum drag drag, enum kernel kernel,
-                          double dt)
+static struct run *run_of(const struct scene *scene, const struct method *method, enum drag drag,
+                          enum kernel kernel, double dt)
 {
-    const struct run_settings settings = {.dt = dt, .drag = drag, .kernel = kernel, .record = {RECORD_ALL, 1, 0}};
+    const struct run_settings settings = {
+        .dt = dt, .drag = drag, .kernel = kernel, .record = {RECORD_ALL, 1, 0}};
     struct error error;
-    return method->flags & METHOD_YARDSTICK ? NULL : run_create(scene, method, &settings, HUGE_VAL, &error);
+    return method->flags & METHOD_EXTERNAL ? NULL
+                                           : run_create(scene, method, &settings, HUGE_VAL, &error);
 }
 
 static void in_pieces(struct run *run, int64_t steps)
 {
-    for (int64_t piece = 1; run->steps < steps && run->stop != STOP_DIVERGED && run->stop != STOP_NO_SOLUTION;
+    for (int64_t piece = 1;
+         run->steps < steps && run->stop != STOP_DIVERGED && run->stop != STOP_NO_SOLUTION;
          piece = piece * 5 % 97)
         go_steps(run, piece < steps - run->steps ? piece : steps - run->steps);
 }
@@ -37,7 +41,8 @@ static bool has_kernel(const struct run *run)
     return method_kernel(run->method, &run->system, run->settings.drag) != NULL;
 }
 
-/* More scenes than the presets show: every combination of terms that a shape knows, and some that none knows. */
+/* More scenes than the presets show: every combination of terms that a shape knows, and some that
+ * none knows. */
 static void set_terms(struct scene *scene, unsigned which)
 {
     static const struct {
@@ -107,7 +112,8 @@ static void test_kernels_of_models(void **state)
     }
     assert_int_equal(special, COUNT_OF(with_kernels));
     struct scene driven;
-    scene_init(&driven, (const struct preset *)(const void *)catalog_find(&preset_catalog, TEXT("pendulum")));
+    scene_init(&driven, (const struct preset *)(const void *)catalog_find(&preset_catalog,
+                                                                          TEXT("pendulum")));
     set(&driven, "gamma", 0.3);
     set(&driven, "F0", 0.4);
     assert_true(compare_kernels(&driven) >= 20);
@@ -125,8 +131,8 @@ static void test_kernels_stop_at_the_same_step(void **state)
     static const char *const names[] = {"euler", "rk4", "verlet", "dopri5"};
     for (size_t i = 0; i < COUNT_OF(names); i++) {
         struct run *fast = start(&scene, names[i], (struct run_settings){.dt = 0.5}, HUGE_VAL);
-        struct run *general =
-            start(&scene, names[i], (struct run_settings){.dt = 0.5, .kernel = KERNEL_GENERAL}, HUGE_VAL);
+        struct run *general = start(
+            &scene, names[i], (struct run_settings){.dt = 0.5, .kernel = KERNEL_GENERAL}, HUGE_VAL);
         go_steps(fast, 100000);
         go_steps(general, 100000);
         assert_int_equal(fast->stop, general->stop);
@@ -150,7 +156,8 @@ static void test_propagator_within_rounding(void **state)
             if (!fast)
                 continue;
             if (fast->plan.propagates) {
-                struct run *general = run_of(&scene, method_at(m), DRAG_DEFAULT, KERNEL_GENERAL, 0.01);
+                struct run *general =
+                    run_of(&scene, method_at(m), DRAG_DEFAULT, KERNEL_GENERAL, 0.01);
                 go_steps(fast, STEPS);
                 go_steps(general, STEPS);
                 assert_int_equal(fast->steps, general->steps);
@@ -160,14 +167,16 @@ static void test_propagator_within_rounding(void **state)
                 double stiff = fmax(1, 0.01 * fmax(sqrt(fabs(o->stiffness)), fabs(o->damping)));
                 double size[2] = {fast->system.scale[0], fast->system.scale[1]};
                 for (size_t i = 0; i < trace_count(fast->trace); i++) {
-                    const double *a = trace_state(fast->trace, i), *b = trace_state(general->trace, i);
+                    const double *a = trace_state(fast->trace, i),
+                                 *b = trace_state(general->trace, i);
                     for (int k = 0; k < 2; k++) {
                         size[k] = fmax(size[k], fabs(b[k]));
                         double allowed = 16 * stiff * DBL_EPSILON * (double)(i + 1) * size[k];
                         if (!(fabs(a[k] - b[k]) <= allowed))
-                            fail_msg("%s on %s, step %zu: %.17g and %.17g differ by %.2g, allowed %.2g",
-                                     method_at(m)->row.name, preset_at(p)->row.name, i, a[k], b[k], fabs(a[k] - b[k]),
-                                     allowed);
+                            fail_msg(
+                                "%s on %s, step %zu: %.17g and %.17g differ by %.2g, allowed %.2g",
+                                method_at(m)->row.name, preset_at(p)->row.name, i, a[k], b[k],
+                                fabs(a[k] - b[k]), allowed);
                     }
                 }
                 assert_int_equal(fast->cost.evals, 0);
@@ -204,15 +213,18 @@ static void test_propagator_in_pieces(void **state)
     }
 }
 
-/* Nothing drifts: the energy of a symplectic method stays where it was after 1e7 steps, as far as rounding allows. */
+/* Nothing drifts: the energy of a symplectic method stays where it was after 1e7 steps, as far as
+ * rounding allows. */
 static void test_propagator_does_not_drift(void **state)
 {
     (void)state;
     struct scene scene = spring();
-    struct run *run = start(&scene, "implicit-midpoint",
-                            (struct run_settings){.dt = 0.01, .record = {RECORD_EVERY, 100000, 0}}, HUGE_VAL);
+    struct run *run =
+        start(&scene, "implicit-midpoint",
+              (struct run_settings){.dt = 0.01, .record = {RECORD_EVERY, 100000, 0}}, HUGE_VAL);
     go_steps(run, 10000000);
-    double e0 = system_kinetic(&run->system, run->system.start) + system_potential(&run->system, run->system.start);
+    double e0 = system_kinetic(&run->system, run->system.start) +
+                system_potential(&run->system, run->system.start);
     double e = system_kinetic(&run->system, run->y) + system_potential(&run->system, run->y);
     print_message("# dE/E0 after 1e7 steps: %.2g\n", e / e0 - 1);
     assert_true(fabs(e / e0 - 1) < 1e-12);
@@ -222,9 +234,11 @@ static void test_propagator_does_not_drift(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_kernels_give_the_same_bits), cmocka_unit_test(test_kernels_of_models),
+        cmocka_unit_test(test_kernels_give_the_same_bits),
+        cmocka_unit_test(test_kernels_of_models),
         cmocka_unit_test(test_kernels_stop_at_the_same_step),
-        cmocka_unit_test(test_propagator_within_rounding), cmocka_unit_test(test_propagator_in_pieces),
+        cmocka_unit_test(test_propagator_within_rounding),
+        cmocka_unit_test(test_propagator_in_pieces),
         cmocka_unit_test(test_propagator_does_not_drift),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

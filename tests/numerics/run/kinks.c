@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Turning points with quadratic drag, q'' = -q - 0.1 |q'| q': the force is only C^1 there. Steps that end at them keep
- * the order of the method; across them it is lost.
+ * Turning points with quadratic drag, q'' = -q - 0.1 |q'| q': the force is only C^1 there. Steps
+ * that end at them keep the order of the method; across them it is lost.
  */
 #include "numerics/references.h"
 
@@ -28,7 +28,8 @@ static const struct method *method_at(size_t i)
     return (const struct method *)(const void *)catalog_row(&method_catalog, i);
 }
 
-static struct run *solve(const struct scene *scene, const char *method, struct run_settings settings, double t)
+static struct run *solve(const struct scene *scene, const char *method,
+                         struct run_settings settings, double t)
 {
     struct run *run = start(scene, method, settings, t);
     go_to(run, t);
@@ -44,7 +45,8 @@ static double error_of(const struct run *run)
 static double fixed_error(const char *method, int steps)
 {
     const struct scene scene = drag_scene(0.1);
-    struct run *run = solve(&scene, method, (struct run_settings){.dt = (double)SPAN / steps}, SPAN);
+    struct run *run =
+        solve(&scene, method, (struct run_settings){.dt = (double)SPAN / steps}, SPAN);
     assert_int_equal(run->steps, steps);
     const double error = error_of(run);
     run_destroy(run);
@@ -53,7 +55,8 @@ static double fixed_error(const char *method, int steps)
 
 /* ---- the order ---- */
 
-/* The slope between the last two errors of a sweep of halved steps that have no rounding in them. */
+/* The slope between the last two errors of a sweep of halved steps that have no rounding in them.
+ */
 static double measured_order(const char *method)
 {
     double order = NAN, coarse = fixed_error(method, 5);
@@ -83,8 +86,8 @@ static void test_order_of_fixed_steps(void **state)
         const double order = measured_order(method->row.name);
         const bool bad = !(order > 0.95 * method->order && order < method->order + 0.5);
         if (bad || getenv("VERBOSE"))
-            print_message("%-18s order %d, measured %.2f%s\n", method->row.name, method->order, order,
-                          bad ? ": wrong" : "");
+            print_message("%-18s order %d, measured %.2f%s\n", method->row.name, method->order,
+                          order, bad ? ": wrong" : "");
         wrong += bad;
         count++;
     }
@@ -96,8 +99,8 @@ static void test_order_of_fixed_steps(void **state)
 static void test_eighth_order(void **state)
 {
     (void)state;
-    const double error[] = {fixed_error("dop853", 20), fixed_error("dop853", 40), fixed_error("dop853", 80),
-                            fixed_error("dop853", 160)};
+    const double error[] = {fixed_error("dop853", 20), fixed_error("dop853", 40),
+                            fixed_error("dop853", 80), fixed_error("dop853", 160)};
     if (getenv("VERBOSE"))
         print_message("dop853: %.3g %.3g %.3g %.3g\n", error[0], error[1], error[2], error[3]);
     assert_true(log2(error[0] / error[1]) > 7.5 && log2(error[1] / error[2]) > 7.5);
@@ -111,7 +114,8 @@ static void test_adaptive_steps_are_as_good_as_the_tolerance(void **state)
     static const char *const names[] = {"dop853", "dopri5", "tsit5", "radau5", "rodas5p"};
     for (size_t i = 0; i < COUNT_OF(names); i++)
         for (double tol = 1e-6; tol > 1e-12; tol /= 100) {
-            struct run *run = solve(&scene, names[i], (struct run_settings){.dt = 1e-3, .tol = tol}, SPAN);
+            struct run *run =
+                solve(&scene, names[i], (struct run_settings){.dt = 1e-3, .tol = tol}, SPAN);
             if (!(error_of(run) < tol))
                 fail_msg("%s at tol %g: %.3g", names[i], tol, error_of(run));
             /* Of what there is to reject most comes from the turning points. */
@@ -136,15 +140,18 @@ static void test_references(void **state)
     }
     for (size_t i = 0; i < count; i++)
         for (size_t k = 0; k < COUNT_OF(known); k++) {
-            if (!strstr(table[i].problem, "quadratic_drag") || !strstr(table[i].parameters, known[k].name))
+            if (!strstr(table[i].problem, "quadratic_drag") ||
+                !strstr(table[i].parameters, known[k].name))
                 continue;
             struct scene scene = drag_scene(known[k].b);
             set(&scene, "gamma", known[k].gamma);
-            struct run *fixed = solve(&scene, "dop853", (struct run_settings){.dt = 0.05}, table[i].t);
-            struct run *adaptive = solve(&scene, "dop853", (struct run_settings){.dt = 1e-3, .tol = 1e-14}, table[i].t);
-            const int place = place_of(&table[i]);
-            assert_close(fixed->y[place], table[i].value, 1e-13);
-            assert_close(adaptive->y[place], table[i].value, 1e-13);
+            struct run *fixed =
+                solve(&scene, "dop853", (struct run_settings){.dt = 0.05}, table[i].t);
+            struct run *adaptive = solve(
+                &scene, "dop853", (struct run_settings){.dt = 1e-3, .tol = 1e-14}, table[i].t);
+            const int index = place_of(&table[i]);
+            assert_close(fixed->y[index], table[i].value, 1e-13);
+            assert_close(adaptive->y[index], table[i].value, 1e-13);
             run_destroy(fixed);
             run_destroy(adaptive);
             compared++;
@@ -181,7 +188,8 @@ static void test_rows_do_not_depend_on_the_calls(void **state)
     }
 }
 
-/* Kernels, which know nothing of turning points, take the steps between them: the same rows, to the bit. */
+/* Kernels, which know nothing of turning points, take the steps between them: the same rows, to the
+ * bit. */
 static void test_kernels_between_turning_points(void **state)
 {
     (void)state;
@@ -190,9 +198,11 @@ static void test_kernels_between_turning_points(void **state)
     const struct scene scene = drag_scene(0.5);
     for (size_t i = 0; i < COUNT_OF(names); i++)
         for (size_t k = 0; k < COUNT_OF(steps); k++) {
-            struct run *fast = start(&scene, names[i], (struct run_settings){.dt = steps[k]}, HUGE_VAL);
+            struct run *fast =
+                start(&scene, names[i], (struct run_settings){.dt = steps[k]}, HUGE_VAL);
             struct run *general =
-                start(&scene, names[i], (struct run_settings){.dt = steps[k], .kernel = KERNEL_GENERAL}, HUGE_VAL);
+                start(&scene, names[i],
+                      (struct run_settings){.dt = steps[k], .kernel = KERNEL_GENERAL}, HUGE_VAL);
             for (int piece = 1; piece < 3000; piece *= 3)
                 go_steps(fast, piece);
             go_steps(general, fast->steps);
@@ -209,7 +219,8 @@ static void test_rows_stay_on_the_grid(void **state)
     (void)state;
     const struct scene scene = drag_scene(0.5);
     struct run *run = solve(&scene, "rk4", (struct run_settings){.dt = 0.1}, SPAN);
-    struct run *general = solve(&scene, "rk4", (struct run_settings){.dt = 0.1, .kernel = KERNEL_GENERAL}, SPAN);
+    struct run *general =
+        solve(&scene, "rk4", (struct run_settings){.dt = 0.1, .kernel = KERNEL_GENERAL}, SPAN);
     assert_int_equal(trace_count(run->trace), 101);
     for (size_t i = 0; i < 101; i++)
         assert_close(trace_time(run->trace, i), 0.1 * (double)i, 1e-14);
@@ -239,7 +250,8 @@ static void test_conditions(void **state)
         size_t used;
         assert_true(run_scope(run, &scope));
         assert_true(condition_compile(TEXT("v > 0"), &scope, &arena, &condition, &used, &error));
-        struct run_target target = {.t = SPAN, .steps = -1, .condition = &condition, .scope = &scope};
+        struct run_target target = {
+            .t = SPAN, .steps = -1, .condition = &condition, .scope = &scope};
         assert_false(run_advance(run, &target, 0, NULL));
         assert_int_equal(run->stop, STOP_CONDITION);
         assert_true(run->y[1] > 0 && run->y[1] < 1e-13);
@@ -265,7 +277,8 @@ static void test_nothing_to_locate(void **state)
         run_destroy(run);
     }
     struct scene smooth = drag_scene(0);
-    struct run *run = solve(&smooth, "rk4", (struct run_settings){.dt = 0.1, .kernel = KERNEL_GENERAL}, SPAN);
+    struct run *run =
+        solve(&smooth, "rk4", (struct run_settings){.dt = 0.1, .kernel = KERNEL_GENERAL}, SPAN);
     assert_false(run->system.kinks);
     assert_int_equal(run->cost.evals, 400);
     run_destroy(run);

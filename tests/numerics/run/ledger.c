@@ -3,7 +3,8 @@
 #include "run/private.h"
 #include "unit/run/fixture.h"
 
-static struct ledger ledger_of(const struct scene *scene, const char *method, double dt, double span)
+static struct ledger ledger_of(const struct scene *scene, const char *method, double dt,
+                               double span)
 {
     struct run *run = start(scene, method, (struct run_settings){.dt = dt}, span);
     struct ledger ledger;
@@ -13,8 +14,8 @@ static struct ledger ledger_of(const struct scene *scene, const char *method, do
     return ledger;
 }
 
-/* NUMERICS 2.1: the energy of forward Euler grows by 1 + x^2 a step, that of backward Euler falls by it; energy keepers
- * keep it. */
+/* NUMERICS 2.1: the energy of forward Euler grows by 1 + x^2 a step, that of backward Euler falls
+ * by it; energy keepers keep it. */
 static void test_undamped_closed_forms(void **state)
 {
     (void)state;
@@ -29,20 +30,22 @@ static void test_undamped_closed_forms(void **state)
         assert_close(ledger.error_max, growth, 1e-12 * (1 + growth));
         assert_true(ledger.work == 0);
         assert_close(ledger.initial, 0.5 * 15 * 0.05 * 0.05, 1e-17);
-        assert_close(ledger_of(&scene, "backward-euler", dt, n * dt).error, expm1(-n * log1p(x2)), 1e-12);
+        assert_close(ledger_of(&scene, "backward-euler", dt, n * dt).error, expm1(-n * log1p(x2)),
+                     1e-12);
     }
     assert_close(ledger_of(&scene, "implicit-midpoint", dt, 100).error_max, 0, 1e-11);
-    double most = ledger_of(&scene, "verlet", dt, 100).error_max;
-    assert_close(most, x2 / 4, 0.05 * x2 / 4); /* bounded oscillation by x^2/4 */
+    double max = ledger_of(&scene, "verlet", dt, 100).error_max;
+    assert_close(max, x2 / 4, 0.05 * x2 / 4); /* bounded oscillation by x^2/4 */
 }
 
-/* With drag and drive the ledger shows the method's error only: it falls with the method's order. */
+/* With drag and drive the ledger shows the method's error only: it falls with the method's order.
+ */
 static void test_balance_has_the_order_of_the_method(void **state)
 {
     (void)state;
     static const struct {
         const char *method;
-        double dt, order, most; /* slope at least, error at dt/2 at most */
+        double dt, order, max; /* slope at least, error at dt/2 at most */
         const char *param;
         double value;
     } row[] = {
@@ -50,7 +53,8 @@ static void test_balance_has_the_order_of_the_method(void **state)
         {"heun", 1e-2, 1.9, 2e-3, "gamma", 0.4},
         {"verlet", 1e-2, 1.9, 2e-2, "gamma", 0.4},
         {"implicit-midpoint", 1e-2, 1.9, 1e-2, "gamma", 0.4},
-        {"rk4", 1e-3, 3.9, 1e-10, "gamma", 0.4}, /* above 5 ms its dissipation of order 5 hides this */
+        {"rk4", 1e-3, 3.9, 1e-10, "gamma",
+         0.4}, /* above 5 ms its dissipation of order 5 hides this */
         {"rk4", 1e-3, 3.9, 1e-9, "F0", 0.1},
         {"rk4", 1e-3, 2.9, 1e-9, "C", 4}, /* |v| v is only once differentiable */
         {"dopri5", 1e-2, 4.8, 1e-7, "gamma", 0.4},
@@ -61,8 +65,9 @@ static void test_balance_has_the_order_of_the_method(void **state)
         double coarse = ledger_of(&scene, row[i].method, row[i].dt, 5).error_max;
         double fine = ledger_of(&scene, row[i].method, row[i].dt / 2, 5).error_max;
         double order = log2(coarse / fine);
-        if (!(order > row[i].order) || !(fine < row[i].most))
-            fail_msg("%s with %s: order %.3f, error %.3g", row[i].method, row[i].param, order, fine);
+        if (!(order > row[i].order) || !(fine < row[i].max))
+            fail_msg("%s with %s: order %.3f, error %.3g", row[i].method, row[i].param, order,
+                     fine);
     }
 }
 
@@ -125,9 +130,10 @@ static void creep_and_jump(double h, double *y)
 }
 
 /*
- * Where stiff van der Pol jumps, its energy rises to 4.4e5 times that at the start, and a tolerance of 1e-6 leaves a
- * tenth of the latter. That is the solver's: what its steps differ by, in energy, from the solution from where each
- * began adds up to as much, and no quadrature of the work is involved in it. The balance is no more than that.
+ * Where stiff van der Pol jumps, its energy rises to 4.4e5 times that at the start, and a tolerance
+ * of 1e-6 leaves a tenth of the latter. That is the solver's: what its steps differ by, in energy,
+ * from the solution from where each began adds up to as much, and no quadrature of the work is
+ * involved in it. The balance is no more than that.
  */
 static void test_a_jump_is_the_solvers(void **state)
 {
@@ -137,9 +143,11 @@ static void test_a_jump_is_the_solvers(void **state)
         double tol;
     } row[] = {{"dopri5", 1e-6}, {"radau5", 1e-6}, {"radau5", 1e-8}, {"rodas5p", 1e-6}};
     struct scene scene;
-    scene_init(&scene, (const struct preset *)(const void *)catalog_find(&preset_catalog, TEXT("stiff-vanderpol")));
+    scene_init(&scene, (const struct preset *)(const void *)catalog_find(&preset_catalog,
+                                                                         TEXT("stiff-vanderpol")));
     for (size_t r = 0; r < COUNT_OF(row); r++) {
-        struct run *run = start(&scene, row[r].method, (struct run_settings){.tol = row[r].tol, .dt = 1e-4}, 808);
+        struct run *run =
+            start(&scene, row[r].method, (struct run_settings){.tol = row[r].tol, .dt = 1e-4}, 808);
         go_to(run, 808);
         double own = 0, own_most = 0;
         const struct trace *trace = run->trace;
@@ -156,12 +164,14 @@ static void test_a_jump_is_the_solvers(void **state)
         }
         struct ledger ledger;
         run_ledger(run, &ledger);
-        const double peak = run_energy_peak(run, &ledger), missing = ledger.error_max * ledger.initial;
-        /* Van der Pol 1926: the jump goes from 1 to -2 at a speed of up to 1000 (2/3 + 2/3) = 4000/3. */
+        const double peak = run_energy_peak(run, &ledger),
+                     missing = ledger.error_max * ledger.initial;
+        /* Van der Pol 1926: the jump goes from 1 to -2 at a speed of up to 1000 (2/3 + 2/3) =
+         * 4000/3. */
         assert_close(peak / (4000. / 3 * (4000. / 3) / 2 / ledger.initial), 1, 0.01);
         if (!(missing <= 2 * own_most) || !(missing < 10 * row[r].tol * peak * ledger.initial))
-            fail_msg("%s, tol = %g: %g J are missing, %g J by its steps alone, the peak is %g J", row[r].method,
-                     row[r].tol, missing, own_most, peak * ledger.initial);
+            fail_msg("%s, tol = %g: %g J are missing, %g J by its steps alone, the peak is %g J",
+                     row[r].method, row[r].tol, missing, own_most, peak * ledger.initial);
         run_destroy(run);
     }
 }
@@ -184,17 +194,20 @@ static void test_power_of_position(void **state)
     cubic.power = cubic_power;
     run->private_state->epoch[0].system.term[1].row = &cubic;
     go_steps(run, 77);
-    assert_close(run_observable(run, observable_named("work")), (pow(run->y[0], 4) - pow(0.05, 4)) / 4, 1e-14);
+    assert_close(run_observable(run, observable_named("work")),
+                 (pow(run->y[0], 4) - pow(0.05, 4)) / 4, 1e-14);
     run_destroy(run);
 }
 
-/* The value at the present state is carried along; it is the one that a pass over all rows gives, decimated or not. */
+/* The value at the present state is carried along; it is the one that a pass over all rows gives,
+ * decimated or not. */
 static void test_running_balance(void **state)
 {
     (void)state;
     struct scene scene = spring();
     set(&scene, "gamma", 0.1);
-    struct run *run = start(&scene, "rk4", (struct run_settings){.dt = 1e-3, .memory = 4000 * 24}, HUGE_VAL);
+    struct run *run =
+        start(&scene, "rk4", (struct run_settings){.dt = 1e-3, .memory = 4000 * 24}, HUGE_VAL);
     for (int i = 0; i < 60; i++) {
         struct ledger ledger;
         go_steps(run, 317);
@@ -217,11 +230,13 @@ static void test_extreme_amplitudes(void **state)
         struct scene scene = spring();
         set(&scene, "gamma", 0.4);
         set(&scene, "y0", sizes[i]);
-        struct ledger euler = ledger_of(&scene, "euler", 0.01, 5), rk4 = ledger_of(&scene, "rk4", 0.01, 5);
+        struct ledger euler = ledger_of(&scene, "euler", 0.01, 5),
+                      rk4 = ledger_of(&scene, "rk4", 0.01, 5);
         struct scene same = spring();
         set(&same, "gamma", 0.4);
         struct ledger wanted = ledger_of(&same, "euler", 0.01, 5);
-        assert_close(euler.error, wanted.error, 1e-9 * fabs(wanted.error) + (sizes[i] < 1e-300 ? 1e-2 : 0));
+        assert_close(euler.error, wanted.error,
+                     1e-9 * fabs(wanted.error) + (sizes[i] < 1e-300 ? 1e-2 : 0));
         assert_true(rk4.error_max < (sizes[i] < 1e-300 ? 1e-6 : 1e-4));
     }
     /* Changing the scene gives the scaling up; what was carried along starts again. */
@@ -251,7 +266,8 @@ static void test_extreme_amplitudes(void **state)
     assert_true(isnan(ledger_of(&scene, "rk4", 0.001, 1).error));
 }
 
-/* A change of the scene that is taken back between two recorded rows leaves the balance of that step. */
+/* A change of the scene that is taken back between two recorded rows leaves the balance of that
+ * step. */
 static void test_change_taken_back(void **state)
 {
     (void)state;
@@ -259,8 +275,9 @@ static void test_change_taken_back(void **state)
     for (size_t i = 0; i < COUNT_OF(rules); i++) {
         struct scene scene = spring();
         set(&scene, "gamma", 0.5);
-        struct run *run = start(&scene, "rk4",
-                                (struct run_settings){.dt = 1e-3, .record = {.rule = rules[i], .every = 20}}, 1);
+        struct run *run =
+            start(&scene, "rk4",
+                  (struct run_settings){.dt = 1e-3, .record = {.rule = rules[i], .every = 20}}, 1);
         struct ledger now;
         struct error error;
         go_steps(run, 438);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Runs of typed oscillators are those of built-in ones: plans, steps by every method, errors; linear systems, too. */
+/* Runs of typed oscillators are those of built-in ones: plans, steps by every method, errors;
+ * linear systems, too. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
@@ -31,24 +32,28 @@ struct pair {
     } given[8]; /* of the built-in scene, on m = 1, k = 16 */
 };
 
-#define LINES(...)                                                                                                     \
-    (const char *const[])                                                                                              \
-    {                                                                                                                  \
-        __VA_ARGS__, NULL                                                                                              \
+#define LINES(...)                                                                                 \
+    (const char *const[])                                                                          \
+    {                                                                                              \
+        __VA_ARGS__, NULL                                                                          \
     }
 
 /* Parameters are powers of two and the like: coefficients are the same to the bit. */
 static const struct pair pairs[] = {
-    {LINES("var y = 0.05", "var y' = 0.25", "param k = 16", "y'' = -k*y", "potential k*y^2/2"), {{"v0", 0.25}}},
-    {LINES("var y = 0.05", "param k = 16", "y'' = -k*y - 0.5*y'", "potential k*y^2/2"), {{"gamma", 0.5}}},
-    {LINES("var y = 0.05", "y'' = -16*y - 0.5*y' - 2*abs(y')*y'", "potential 8*y^2"), {{"gamma", 0.5}, {"C", 2}}},
+    {LINES("var y = 0.05", "var y' = 0.25", "param k = 16", "y'' = -k*y", "potential k*y^2/2"),
+     {{"v0", 0.25}}},
+    {LINES("var y = 0.05", "param k = 16", "y'' = -k*y - 0.5*y'", "potential k*y^2/2"),
+     {{"gamma", 0.5}}},
+    {LINES("var y = 0.05", "y'' = -16*y - 0.5*y' - 2*abs(y')*y'", "potential 8*y^2"),
+     {{"gamma", 0.5}, {"C", 2}}},
     {LINES("var y = 0.05", "y'' = -16*y - 16*y' + 0.125*cos(3*t + 1) - 2"),
      {{"gamma", 16}, {"F0", 0.125}, {"omega", 3}, {"phase", 1}, {"g", 2}}},
     {LINES("force -0.5*v - 2*v*abs(v)"), {{"gamma", 0.5}, {"C", 2}}},
     {LINES("force -0.5*v + 0.125*cos(3*t)"), {{"gamma", 0.5}, {"F0", 0.125}, {"omega", 3}}},
 };
 
-static void make(const struct pair *pair, struct typed_models *models, struct scene *typed, struct scene *built_in)
+static void make(const struct pair *pair, struct typed_models *models, struct scene *typed,
+                 struct scene *built_in)
 {
     scene_init(typed, NULL);
     scene_init(built_in, NULL);
@@ -72,7 +77,8 @@ static bool agree(const char *what, const char *by, double a, double b, double t
     return false;
 }
 
-/* Every method, every way of drag, fixed steps and adaptive ones, by the propagator and without it. */
+/* Every method, every way of drag, fixed steps and adaptive ones, by the propagator and without it.
+ */
 static void test_runs_are_the_same(void **state)
 {
     (void)state;
@@ -90,15 +96,17 @@ static void test_runs_are_the_same(void **state)
             const struct run_settings settings = {.dt = 0.01,
                                                   .drag = (enum drag)(way / 3),
                                                   .tol = adaptive ? 1e-6 : 0,
-                                                  .kernel = way % 3 ? KERNEL_GENERAL : KERNEL_PROPAGATOR};
+                                                  .kernel =
+                                                      way % 3 ? KERNEL_GENERAL : KERNEL_PROPAGATOR};
             struct run *run[2];
             struct run_errors errors[2];
-            if (by->flags & METHOD_YARDSTICK)
+            if (by->flags & METHOD_EXTERNAL)
                 continue;
             for (int k = 0; k < 2; k++)
                 run[k] = run_create(&scene[k], by, &settings, 5, &error);
             if (!run[0] != !run[1]) {
-                print_message("%s refuses one of pair %zu: %s\n", by->row.name, i % COUNT_OF(pairs), error.text);
+                print_message("%s refuses one of pair %zu: %s\n", by->row.name, i % COUNT_OF(pairs),
+                              error.text);
                 fine = false;
             }
             for (int k = 0; k < 2 && run[0] && run[1]; k++) {
@@ -111,20 +119,21 @@ static void test_runs_are_the_same(void **state)
                 const double scale = run[0]->system.scale[0];
                 runs++;
                 fine &= p->exact_known == q->exact_known && p->propagates == q->propagates &&
-                        agree("steps", by->row.name, p->steps, q->steps, 0) && p->adaptive == q->adaptive &&
-                        p->ledger == q->ledger;
+                        agree("steps", by->row.name, p->steps, q->steps, 0) &&
+                        p->adaptive == q->adaptive && p->ledger == q->ledger;
                 fine &= agree("growth", by->row.name, p->growth, q->growth, 0) &&
                         agree("limit", by->row.name, p->limit, q->limit, 0);
                 fine &= run[0]->stop == run[1]->stop && run[0]->t == run[1]->t;
                 if (!adaptive || run[0]->steps == run[1]->steps) {
                     const double rounding = adaptive ? 1e-9 : 1e-12;
-                    fine &= agree("y", by->row.name, run[0]->y[0], run[1]->y[0], rounding * scale) &&
-                            agree("error", by->row.name, errors[0].max, errors[1].max, rounding) &&
-                            agree("phase", by->row.name, errors[0].phase, errors[1].phase, rounding) &&
-                            agree("floor", by->row.name, errors[0].floor, errors[1].floor, 0);
+                    fine &=
+                        agree("y", by->row.name, run[0]->y[0], run[1]->y[0], rounding * scale) &&
+                        agree("error", by->row.name, errors[0].max, errors[1].max, rounding) &&
+                        agree("phase", by->row.name, errors[0].phase, errors[1].phase, rounding) &&
+                        agree("floor", by->row.name, errors[0].floor, errors[1].floor, 0);
                 } else {
-                    print_message("%s takes %lld and %lld steps\n", by->row.name, (long long)run[0]->steps,
-                                  (long long)run[1]->steps);
+                    print_message("%s takes %lld and %lld steps\n", by->row.name,
+                                  (long long)run[0]->steps, (long long)run[1]->steps);
                     fine = false;
                 }
                 if (!fine)
@@ -138,7 +147,8 @@ static void test_runs_are_the_same(void **state)
     typed_destroy(models);
 }
 
-/* What is nearly linear is run as such: dry friction has no one-step matrix, and an implicit step iterates. */
+/* What is nearly linear is run as such: dry friction has no one-step matrix, and an implicit step
+ * iterates. */
 static void test_friction_is_not_linear(void **state)
 {
     (void)state;
@@ -149,7 +159,8 @@ static void test_friction_is_not_linear(void **state)
     assert_true(type_scene(models, &scene, LINES("var y = 1", "y'' = -y - 0.1*sign(y')")));
     double end[2];
     for (int k = 0; k < 2; k++) {
-        const struct run_settings settings = {.dt = 1e-3, .kernel = k ? KERNEL_GENERAL : KERNEL_PROPAGATOR};
+        const struct run_settings settings = {.dt = 1e-3,
+                                              .kernel = k ? KERNEL_GENERAL : KERNEL_PROPAGATOR};
         struct run *run = run_create(&scene, method("rk4"), &settings, 5, &error);
         assert_non_null(run);
         assert_false(run->plan.propagates || run->plan.exact_known);
@@ -159,11 +170,13 @@ static void test_friction_is_not_linear(void **state)
         run_destroy(run);
     }
     assert_true(end[0] == end[1]);
-    assert_true(fabs(end[0] - (0.1 + 0.9 * cos(3))) < 1e-3); /* half a swing about the shifted equilibrium */
+    assert_true(fabs(end[0] - (0.1 + 0.9 * cos(3))) <
+                1e-3); /* half a swing about the shifted equilibrium */
     typed_destroy(models);
 }
 
-/* Two equations of first order by powers of the one-step matrix: within rounding of the steps, and of the exact end. */
+/* Two equations of first order by powers of the one-step matrix: within rounding of the steps, and
+ * of the exact end. */
 static void test_first_order_propagates(void **state)
 {
     (void)state;
@@ -172,15 +185,18 @@ static void test_first_order_propagates(void **state)
     struct scene scene;
     int propagated = 0;
     scene_init(&scene, NULL);
-    assert_true(type_scene(models, &scene, LINES("var a = 1", "var b = 2", "a' = -3*a + 2*b + 0.25", "b' = a - 2*b")));
+    assert_true(type_scene(
+        models, &scene, LINES("var a = 1", "var b = 2", "a' = -3*a + 2*b + 0.25", "b' = a - 2*b")));
     for (size_t i = 0; i < method_catalog.count; i++) {
-        const struct method *by = (const struct method *)(const void *)catalog_row(&method_catalog, i);
+        const struct method *by =
+            (const struct method *)(const void *)catalog_row(&method_catalog, i);
         double end[2][2];
         bool applies = true;
         for (int k = 0; k < 2 && applies; k++) {
-            const struct run_settings settings = {.dt = 0.01, .kernel = k ? KERNEL_GENERAL : KERNEL_PROPAGATOR};
+            const struct run_settings settings = {.dt = 0.01,
+                                                  .kernel = k ? KERNEL_GENERAL : KERNEL_PROPAGATOR};
             struct run *run = run_create(&scene, by, &settings, 10, &error);
-            applies = run && !(by->flags & METHOD_YARDSTICK);
+            applies = run && !(by->flags & METHOD_EXTERNAL);
             if (applies) {
                 const struct run_target target = {.t = 10, .steps = -1};
                 run_advance(run, &target, 0, NULL);
@@ -198,7 +214,8 @@ static void test_first_order_propagates(void **state)
     typed_destroy(models);
 }
 
-/* Coupled masses: `exact` steps to the normal modes, errors are known, and stay so when a parameter changes. */
+/* Coupled masses: `exact` steps to the normal modes, errors are known, and stay so when a parameter
+ * changes. */
 static void test_coupled(void **state)
 {
     (void)state;
@@ -206,9 +223,9 @@ static void test_coupled(void **state)
     struct typed_models *models = typed_create(&error);
     struct scene scene;
     scene_init(&scene, NULL);
-    assert_true(
-        type_scene(models, &scene,
-                   LINES("var a = 1", "var b = 0", "param j = 3", "a'' = -a + j*(b - a)", "b'' = -b + j*(a - b)")));
+    assert_true(type_scene(models, &scene,
+                           LINES("var a = 1", "var b = 0", "param j = 3", "a'' = -a + j*(b - a)",
+                                 "b'' = -b + j*(a - b)")));
     const struct {
         const char *name;
         double error;
@@ -230,7 +247,8 @@ static void test_coupled(void **state)
         target.t = 20;
         run_advance(run, &target, 0, NULL);
         run_errors(run, &errors);
-        if (!(errors.max < 20 * by[i].error && errors.max > (i ? 1e-13 : -1)) || !(errors.floor < 1e-13))
+        if (!(errors.max < 20 * by[i].error && errors.max > (i ? 1e-13 : -1)) ||
+            !(errors.floor < 1e-13))
             fail_msg("%s: error %g, floor %g", by[i].name, errors.max, errors.floor);
         run_destroy(run);
     }

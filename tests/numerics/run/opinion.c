@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * What a run says about its own error, against its error: closed forms, and dop853 or radau5 at 1e-13, over smooth,
- * kinked, stiff and decaying problems, every adaptive method and tolerances from 1e-3 to 1e-10. LONG=1 takes them all.
+ * What a run says about its own error, against its error: closed forms, and dop853 or radau5 at
+ * 1e-13, over smooth, kinked, stiff and decaying problems, every adaptive method and tolerances
+ * from 1e-3 to 1e-10. LONG=1 takes them all.
  */
 #include "numerics/battery.h"
 
@@ -67,9 +68,12 @@ static const struct problem {
      5, NULL, 0},
     {"Lotka-Volterra", "var x = 1;var y = 3;x' = x*(1 - y);y' = y*(x - 1)", 30, NULL, 0},
     {"Toda", "var x = 1.5;x'' = -(exp(x) - 1)", 40, NULL, 0},
-    {"Robertson", "var x = 1;var y = 0;var z = 0;x' = -0.04*x + 1e4*y*z;y' = 0.04*x - 1e4*y*z - 3e7*y^2;z' = 3e7*y^2",
+    {"Robertson",
+     "var x = 1;var y = 0;var z = 0;x' = -0.04*x + 1e4*y*z;y' = 0.04*x - 1e4*y*z - 3e7*y^2;z' = "
+     "3e7*y^2",
      4e4, NULL, STIFF},
-    {"Lorenz", "var x = 1;var y = 1;var z = 1;x' = 10*(y - x);y' = x*(28 - z) - y;z' = x*y - 8/3*z", 15, NULL, 0},
+    {"Lorenz", "var x = 1;var y = 1;var z = 1;x' = 10*(y - x);y' = x*(28 - z) - y;z' = x*y - 8/3*z",
+     15, NULL, 0},
     {"driven", "var x = 0;x'' = -x - 0.2*x' + cos(2.3*t)", 40, NULL, 0},
 };
 
@@ -82,13 +86,14 @@ static bool is_implicit(const char *name)
     return method->flags & METHOD_IMPLICIT || method->rosenbrock;
 }
 
-/* As struct opinion has it, from the closed form or the finer solution, at each of at most 256 rows. */
+/* As struct opinion has it, from the closed form or the finer solution, at each of at most 256
+ * rows. */
 static double true_error(struct run *run, const struct problem *problem)
 {
     const struct method *method = method_named(problem->stiff ? "radau5" : "dop853");
     const size_t rows = trace_count(run->trace), every = 1 + (rows - 1) / 256;
     const int n = problem->exact ? 1 : run->system.n;
-    double y[LIMIT_VARIABLES], most[LIMIT_VARIABLES] = {0}, error = 0, sum = 0, was = run->system.t0;
+    double y[LIMIT_VARIABLES], max[LIMIT_VARIABLES] = {0}, error = 0, sum = 0, was = run->system.t0;
     double *work = calloc(method_work_size(method, run->system.n) + 1, sizeof *work);
     struct step step = {.system = &run->system, .y = y, .work = work, .t = run->system.t0};
     struct controller controller = {.tol = 1e-13};
@@ -102,8 +107,8 @@ static double true_error(struct run *run, const struct problem *problem)
             assert_int_equal(method_adapt(method, &step, &controller, t), STEP_OK);
         error = 0;
         for (int k = 0; k < n; k++) {
-            most[k] = fmax(most[k], fabs(own[k]));
-            error = fmax(error, fabs(own[k] - y[k]) / fmax(most[k], run->controller.scale[k]));
+            max[k] = fmax(max[k], fabs(own[k]));
+            error = fmax(error, fabs(own[k] - y[k]) / fmax(max[k], run->controller.scale[k]));
         }
         sum += fabs(t - was) * error;
         was = t;
@@ -118,8 +123,8 @@ static double tightest(const char *method)
 }
 
 /*
- * In nine of ten cases within a factor of ten, and where the error is above 100 tolerances the estimate says so: or one
- * that is so near that the difference does not matter.
+ * In nine of ten cases within a factor of ten, and where the error is above 100 tolerances the
+ * estimate says so: or one that is so near that the difference does not matter.
  */
 static void test_estimates_are_true(void **state)
 {
@@ -131,15 +136,20 @@ static void test_estimates_are_true(void **state)
         const struct problem *problem = &problems[i];
         const struct scene scene = typed_scene(models, problem->lines);
         for (size_t m = 0; m < (is_long() ? COUNT_OF(methods) : 4); m++)
-            for (double tol = 1e-3; tol > 0.9 * tightest(methods[m]); tol /= is_long() ? 10 : 1000) {
-                if (problem->stiff && (!is_implicit(methods[m]) || (tol < 1e-8 && strcmp(methods[m], "rodas4") == 0)))
+            for (double tol = 1e-3; tol > 0.9 * tightest(methods[m]);
+                 tol /= is_long() ? 10 : 1000) {
+                if (problem->stiff &&
+                    (!is_implicit(methods[m]) || (tol < 1e-8 && strcmp(methods[m], "rodas4") == 0)))
                     continue;
-                struct run *run = start(&scene, methods[m], (struct run_settings){.dt = 1e-6, .tol = tol}, problem->t);
+                struct run *run = start(&scene, methods[m],
+                                        (struct run_settings){.dt = 1e-6, .tol = tol}, problem->t);
                 go_to(run, problem->t);
                 run_second_opinion(run, is_long(), NULL);
-                const double said = run->opinion.error, is = true_error(run, problem), ratio = said / is;
+                const double said = run->opinion.error, is = true_error(run, problem),
+                             ratio = said / is;
                 /* Both are rounding, or both say that nothing is right. */
-                const bool fine = (ratio > 0.1 && ratio < 10) || fmax(said, is) < 1e-13 || fmin(said, is) > 0.1;
+                const bool fine =
+                    (ratio > 0.1 && ratio < 10) || fmax(said, is) < 1e-13 || fmin(said, is) > 0.1;
                 const bool misses = is > OPINION_WRONG * tol && !(said > OPINION_WRONG * tol / 2);
                 count++;
                 near += fine;
@@ -147,28 +157,31 @@ static void test_estimates_are_true(void **state)
                 none += isnan(said);
                 silent += misses;
                 if (!fine || misses)
-                    print_message("%s by %s, tol %g: says %.3g by %s, is %.3g = %.3g tol%s\n", problem->name,
-                                  methods[m], tol, said, run->opinion.by ? run->opinion.by->row.name : "closed form",
-                                  is, is / tol, misses ? ", SILENT" : "");
+                    print_message("%s by %s, tol %g: says %.3g by %s, is %.3g = %.3g tol%s\n",
+                                  problem->name, methods[m], tol, said,
+                                  run->opinion.by ? run->opinion.by->row.name : "closed form", is,
+                                  is / tol, misses ? ", SILENT" : "");
                 run_destroy(run);
             }
     }
     typed_destroy(models);
-    print_message("%d estimates, %d within a factor of 10 (%d larger), %d missing, %d silent\n", count, near, over,
-                  none, silent);
+    print_message("%d estimates, %d within a factor of 10 (%d larger), %d missing, %d silent\n",
+                  count, near, over, none, silent);
     assert_int_equal(silent, 0);
     assert_int_equal(none, 0);
     assert_true(near >= 0.9 * count);
 }
 
 /*
- * Long runs: it takes no more than it may, and says in the end what it says when it goes to the end. The pendulum's
- * period is wrong by 1e-7 of itself at tol 1e-6, so that no digit is left after some thousand seconds.
+ * Long runs: it takes no more than it may, and says in the end what it says when it goes to the
+ * end. The pendulum's period is wrong by 1e-7 of itself at tol 1e-6, so that no digit is left after
+ * some thousand seconds.
  */
 static void test_what_it_can_afford(void **state)
 {
     (void)state;
-    static const char *const presets[] = {"pendulum", "duffing", "elastic-pendulum", "duffing-driven"};
+    static const char *const presets[] = {"pendulum", "duffing", "elastic-pendulum",
+                                          "duffing-driven"};
     for (size_t i = 0; i < (is_long() ? COUNT_OF(presets) : 1); i++)
         for (int full = 0; full < 2; full++) {
             struct scene scene;
@@ -178,7 +191,8 @@ static void test_what_it_can_afford(void **state)
             run_second_opinion(run, full, NULL);
             const double own = (double)run->cost.evals, n = run->system.n;
             const struct opinion *opinion = &run->opinion;
-            if (!(full || opinion->work <= fmax(OPINION_BUDGET_DOUBT / n, OPINION_DOUBT * own) + 2000))
+            if (!(full ||
+                  opinion->work <= fmax(OPINION_BUDGET_DOUBT / n, OPINION_DOUBT * own) + 2000))
                 fail_msg("%s: %g evaluations for %g", presets[i], opinion->work, own);
             if (!(opinion->error > OPINION_WRONG * 1e-6 && (full ? opinion->t == run->t : 1)))
                 fail_msg("%s%s: error %g", presets[i], full ? ", to the end" : "", opinion->error);
@@ -189,8 +203,9 @@ static void test_what_it_can_afford(void **state)
 }
 
 /*
- * The slow part of van der Pol's motion ends ever faster: what the error does before a jump is not what it does later.
- * The errors are below 2 tol (references.csv of the tests of the command), and are not said to be above 100.
+ * The slow part of van der Pol's motion ends ever faster: what the error does before a jump is not
+ * what it does later. The errors are below 2 tol (references.csv of the tests of the command), and
+ * are not said to be above 100.
  */
 static void test_jumps_are_no_growth(void **state)
 {
@@ -209,21 +224,23 @@ static void test_jumps_are_no_growth(void **state)
         struct run *run = reach(&scene, "radau5", 1e-12, 1e-2, cases[i].t);
         run_second_opinion(run, false, NULL);
         if (!(run->opinion.error <= 10 * 1e-12) || !isnan(run->opinion.lost))
-            fail_msg("%s: error %g, followed to %g", cases[i].lines, run->opinion.error, run->opinion.t);
+            fail_msg("%s: error %g, followed to %g", cases[i].lines, run->opinion.error,
+                     run->opinion.t);
         run_destroy(run);
     }
     typed_destroy(models);
 }
 
-/* E5 of the stiff DETEST: y2 = y3 = 8.9e-23 at the end. What the second solution did not follow is withheld, too. */
+/* E5 of the stiff DETEST: y2 = y3 = 8.9e-23 at the end. What the second solution did not follow is
+ * withheld, too. */
 static void test_what_sinks_beyond_it(void **state)
 {
     (void)state;
     struct typed_models *models = typed_create(&(struct error){0});
-    struct scene scene =
-        typed_scene(models, "var a = 1.76e-3;var b = 0;var c = 0;var d = 0;a' = -7.89e-10*a - 1.1e7*a*c;"
-                            "b' = 7.89e-10*a - 1.13e9*b*c;c' = 7.89e-10*a - 1.1e7*a*c - 1.13e9*b*c + 1.13e3*d;"
-                            "d' = 1.1e7*a*c - 1.13e3*d");
+    struct scene scene = typed_scene(
+        models, "var a = 1.76e-3;var b = 0;var c = 0;var d = 0;a' = -7.89e-10*a - 1.1e7*a*c;"
+                "b' = 7.89e-10*a - 1.13e9*b*c;c' = 7.89e-10*a - 1.1e7*a*c - 1.13e9*b*c + 1.13e3*d;"
+                "d' = 1.1e7*a*c - 1.13e3*d");
     for (int i = 0; i < 4; i++)
         scene.atol[i] = 1e-30;
     struct run *run = reach(&scene, "radau5", 1e-12, 1e-3, 1e10);
@@ -262,7 +279,7 @@ static void test_closed_form_on_the_way(void **state)
     }
     assert_int_equal(whole->steps, parts->steps);
     assert_close(whole->opinion.error, parts->opinion.error, 1e-3 * whole->opinion.error);
-    assert_close(whole->opinion.most, parts->opinion.most, 1e-12 * whole->opinion.most);
+    assert_close(whole->opinion.max, parts->opinion.max, 1e-12 * whole->opinion.max);
     run_destroy(whole);
     run_destroy(parts);
 }
@@ -270,10 +287,8 @@ static void test_closed_form_on_the_way(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_estimates_are_true),
-        cmocka_unit_test(test_what_it_can_afford),
-        cmocka_unit_test(test_jumps_are_no_growth),
-        cmocka_unit_test(test_what_sinks_beyond_it),
+        cmocka_unit_test(test_estimates_are_true),     cmocka_unit_test(test_what_it_can_afford),
+        cmocka_unit_test(test_jumps_are_no_growth),    cmocka_unit_test(test_what_sinks_beyond_it),
         cmocka_unit_test(test_closed_form_on_the_way),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,14 +1,16 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * The table of reference solutions (references.csv beside the recordings) against what the scenes give when they are
- * run: each problem as a scene, by methods of at least two families, at every time of the table.
+ * The table of reference solutions (references.csv beside the recordings) against what the scenes
+ * give when they are run: each problem as a scene, by methods of at least two families, at every
+ * time of the table.
  */
 #include "numerics/references.h"
 
 /*
- * A problem of the table as a scene, and who solves it how well: some ten times what the method reaches at its tightest
- * useful tolerance, and no less than ten times that, which is what step control promises. What limits it is said with
- * each: where nothing is, the rounding of some thousand steps.
+ * A problem of the table as a scene, and who solves it how well: some ten times what the method
+ * reaches at its tightest useful tolerance, and no less than ten times that, which is what step
+ * control promises. What limits it is said with each: where nothing is, the rounding of some
+ * thousand steps.
  */
 struct known {
     const char *problem, *parameters; /* a part of them */
@@ -20,19 +22,19 @@ struct known {
     struct attempt by[6];
 };
 
-#define UNIT                                                                                                           \
-    {"m", 1}, {"k", 1},                                                                                                \
-    {                                                                                                                  \
-        "y0", 1                                                                                                        \
+#define UNIT                                                                                       \
+    {"m", 1}, {"k", 1},                                                                            \
+    {                                                                                              \
+        "y0", 1                                                                                    \
     }
-#define QUADRATIC(b, c)                                                                                                \
-    UNIT, {"C", (b)}, {"rho", 1}, {"area", 1},                                                                         \
-    {                                                                                                                  \
-        "gamma", (c)                                                                                                   \
+#define QUADRATIC(b, c)                                                                            \
+    UNIT, {"C", (b)}, {"rho", 1}, {"area", 1},                                                     \
+    {                                                                                              \
+        "gamma", (c)                                                                               \
     }
-#define NOTHING                                                                                                        \
-    {                                                                                                                  \
-        NULL, 0                                                                                                        \
+#define NOTHING                                                                                    \
+    {                                                                                              \
+        NULL, 0                                                                                    \
     }
 #define HALF_PI 1.57079632679489661923
 
@@ -129,8 +131,8 @@ static struct scene scene_for(const struct known *problem)
     assert_non_null(preset);
     scene_init(&scene, (const struct preset *)(const void *)preset);
     for (size_t i = 0; i < COUNT_OF(problem->set) && problem->set[i].name; i++)
-        if (!scene_set(&scene, scene_param(&scene, problem->set[i].name), (struct measured){problem->set[i].value, 0},
-                       &error))
+        if (!scene_set(&scene, scene_param(&scene, problem->set[i].name),
+                       (struct measured){problem->set[i].value, 0}, &error))
             fail_msg("%s: %s", problem->problem, error.text);
     return scene;
 }
@@ -172,8 +174,9 @@ static bool is_reached(const struct known *problem, const struct attempt *by)
     const double error = worst_error(problem, by);
     const bool good = error >= 0 && error <= by->error;
     if (!good || getenv("VERBOSE"))
-        print_message("%-25s %-16s %-12s %6.0e  %.1e (%.0e)%s\n", problem->problem, problem->parameters, by->method,
-                      by->by, error, by->error, good ? "" : ": wrong");
+        print_message("%-25s %-16s %-12s %6.0e  %.1e (%.0e)%s\n", problem->problem,
+                      problem->parameters, by->method, by->by, error, by->error,
+                      good ? "" : ": wrong");
     return good;
 }
 
@@ -191,7 +194,8 @@ static void test_references_are_reached(void **state)
         for (size_t k = 0; k < COUNT_OF(problem->by) && problem->by[k].method; k++)
             if (is_there(&problem->by[k]))
                 wrong += !is_reached(problem, &problem->by[k]);
-        /* One step: what is left is the rounding of the start and the coefficients, times their conditioning. */
+        /* One step: what is left is the rounding of the start and the coefficients, times their
+         * conditioning. */
         if (system_has_exact(&system))
             wrong += !is_reached(problem, &(struct attempt){"exact", 1e9, 1e-11});
     }
@@ -215,14 +219,20 @@ static void test_errors_are_about_the_tolerance(void **state)
     assert_proportional(&proportions);
 }
 
-/* The pendulum's period from rest at 90 degrees: 2 pi / agm(1, cos(theta0/2)); a quarter of it to the bottom. */
+/* The pendulum's period from rest at 90 degrees: 2 pi / agm(1, cos(theta0/2)); a quarter of it to
+ * the bottom. */
 static void test_period_of_the_pendulum(void **state)
 {
     (void)state;
-    static const struct attempt by[] = {
-        {"dop853", 1e-14, 1e-13}, {"gauss6", 1e-2, 1e-13}, {"kahan-li8", 1e-2, 1e-13}, {"cvode-adams", 1e-13, 1e-11}};
-    static const struct known pendulum = {
-        "pendulum", "theta0", "pendulum", {{"m", 1}, {"g", 1}, {"theta0", HALF_PI}}, {{NULL, 0, 0}}};
+    static const struct attempt by[] = {{"dop853", 1e-14, 1e-13},
+                                        {"gauss6", 1e-2, 1e-13},
+                                        {"kahan-li8", 1e-2, 1e-13},
+                                        {"cvode-adams", 1e-13, 1e-11}};
+    static const struct known pendulum = {"pendulum",
+                                          "theta0",
+                                          "pendulum",
+                                          {{"m", 1}, {"g", 1}, {"theta0", HALF_PI}},
+                                          {{NULL, 0, 0}}};
     struct table_row *row = NULL;
     need_table();
     for (size_t i = 0; i < rows; i++)
@@ -231,7 +241,8 @@ static void test_period_of_the_pendulum(void **state)
             row = &table[i];
         }
     assert_non_null(row);
-    assert_true(text_is(text_of("period"), row->component) && is_of(row, pendulum.problem, pendulum.parameters));
+    assert_true(text_is(text_of("period"), row->component) &&
+                is_of(row, pendulum.problem, pendulum.parameters));
     for (size_t k = 0; k < COUNT_OF(by); k++) {
         if (!is_there(&by[k]))
             continue;
@@ -243,7 +254,8 @@ static void test_period_of_the_pendulum(void **state)
         struct error error;
         size_t used;
         assert_true(run_scope(run, &scope));
-        assert_true(condition_compile(TEXT("theta < 0"), &scope, &arena, &condition, &used, &error));
+        assert_true(
+            condition_compile(TEXT("theta < 0"), &scope, &arena, &condition, &used, &error));
         struct run_target target = {.t = 10, .steps = -1, .condition = &condition, .scope = &scope};
         assert_false(run_advance(run, &target, 0, NULL));
         assert_int_equal(run->stop, STOP_CONDITION);
@@ -255,13 +267,15 @@ static void test_period_of_the_pendulum(void **state)
 }
 
 /*
- * Chaos: neighbours separate, and so does a solution from what rounding makes of it. At t = 50 by some thirty, and the
- * errors made on the way with them; by t = 400 all of them are gone, and two good methods give two different answers.
+ * Chaos: neighbours separate, and so does a solution from what rounding makes of it. At t = 50 by
+ * some thirty, and the errors made on the way with them; by t = 400 all of them are gone, and two
+ * good methods give two different answers.
  */
 static void test_chaos(void **state)
 {
     (void)state;
-    static const struct known chaos = {"duffing_chaotic", "", "duffing-driven", {NOTHING}, {{NULL, 0, 0}}};
+    static const struct known chaos = {
+        "duffing_chaotic", "", "duffing-driven", {NOTHING}, {{NULL, 0, 0}}};
     static const struct attempt by[] = {{"dop853", 1e-14, 0}, {"gauss6", 1e-2, 0}};
     const double away = 1e-9;
     double at[3][2];
@@ -270,7 +284,8 @@ static void test_chaos(void **state)
         const int y0 = scene_param(&scene, "y0");
         struct error error;
         if (k == 2)
-            assert_true(scene_set(&scene, y0, (struct measured){scene.value[y0] + away, 0}, &error));
+            assert_true(
+                scene_set(&scene, y0, (struct measured){scene.value[y0] + away, 0}, &error));
         struct run *run = start(&scene, by[k % 2].method, settings_of(&by[k % 2]), HUGE_VAL);
         go_to(run, 50);
         at[k][0] = run->y[0];

@@ -1,47 +1,52 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Of several solutions of an implicit step, the one that belongs to the state it starts from: where Newton's iteration
- * from there finds another, or none, in long steps.
+ * Of several solutions of an implicit step, the one that belongs to the state it starts from: where
+ * Newton's iteration from there finds another, or none, in long steps.
  */
 #include "unit/run/fixture.h"
 #include "unit/scene/typing.h"
 
 /* The state after `span` in steps of dt. */
-static enum stop state_after(const struct scene *scene, const char *method, double dt, double span, double *y,
-                             double *least)
+static enum stop state_after(const struct scene *scene, const char *method, double dt, double span,
+                             double *y, double *min)
 {
-    struct run *run = start(scene, method, (struct run_settings){.dt = dt, .record = {.rule = RECORD_ALL}}, span);
+    struct run *run =
+        start(scene, method, (struct run_settings){.dt = dt, .record = {.rule = RECORD_ALL}}, span);
     go_to(run, run->system.t0 + span);
     const enum stop stop = run->stop;
     memcpy(y, run->y, (size_t)run->system.n * sizeof *y);
-    *least = HUGE_VAL;
+    *min = HUGE_VAL;
     for (size_t i = 0; i < trace_count(run->trace); i++)
         for (int k = 0; k < run->system.n; k++)
-            *least = fmin(*least, trace_state(run->trace, i)[k]);
+            *min = fmin(*min, trace_state(run->trace, i)[k]);
     run_destroy(run);
     return stop;
 }
 
 /*
- * Robertson's y2' = 0.04 y1 - 1e4 y2 y3 - 3e7 y2^2: a step of backward Euler has a root on either side of 0, and the
- * negative one leads away. Concentrations are not negative where the method damps what is stiff.
+ * Robertson's y2' = 0.04 y1 - 1e4 y2 y3 - 3e7 y2^2: a step of backward Euler has a root on either
+ * side of 0, and the negative one leads away. Concentrations are not negative where the method
+ * damps what is stiff.
  */
 static void test_concentrations_stay_positive(void **state)
 {
     (void)state;
-    static const char *const methods[] = {"backward-euler", "bdf1", "bdf2", "bdf3", "bdf4", "tr-bdf2", "sdirk2", "radau3",
-                                          "radau5"};
+    static const char *const methods[] = {"backward-euler", "bdf1",   "bdf2",   "bdf3",  "bdf4",
+                                          "tr-bdf2",        "sdirk2", "radau3", "radau5"};
     static const double steps[] = {1e-3, 2e-3, 5e-3, 7e-3, 1e-2, 2e-2, 5e-2, 0.1};
     struct scene scene;
-    scene_init(&scene, (const struct preset *)(const void *)catalog_find(&preset_catalog, TEXT("robertson")));
-    double y[LIMIT_VARIABLES], least;
+    scene_init(&scene, (const struct preset *)(const void *)catalog_find(&preset_catalog,
+                                                                         TEXT("robertson")));
+    double y[LIMIT_VARIABLES], min;
     for (size_t m = 0; m < COUNT_OF(methods); m++)
         for (size_t i = 0; i < COUNT_OF(steps); i++) {
-            const enum stop stop = state_after(&scene, methods[m], steps[i], 1, y, &least);
-            /* y1(1) = 0.96645973733 (radau5, tol = 1e-12); backward Euler in ten steps is 5e-4 off. */
-            if (stop != STOP_END || !(least >= 0) || fabs(y[0] - 0.96645973733) > 1e-3 || fabs(y[1] - 3.0746e-5) > 1e-7)
-                fail_msg("%s, dt = %g: %s, y1 = %.9g, y2 = %g, least %g", methods[m], steps[i], stop_name(stop), y[0],
-                         y[1], least);
+            const enum stop stop = state_after(&scene, methods[m], steps[i], 1, y, &min);
+            /* y1(1) = 0.96645973733 (radau5, tol = 1e-12); backward Euler in ten steps is 5e-4 off.
+             */
+            if (stop != STOP_END || !(min >= 0) || fabs(y[0] - 0.96645973733) > 1e-3 ||
+                fabs(y[1] - 3.0746e-5) > 1e-7)
+                fail_msg("%s, dt = %g: %s, y1 = %.9g, y2 = %g, least %g", methods[m], steps[i],
+                         stop_name(stop), y[0], y[1], min);
         }
 }
 
@@ -52,13 +57,15 @@ static void test_there_is_a_solution(void **state)
     static const char *const methods[] = {"trapezoid", "implicit-midpoint", "gauss4", "gauss6"};
     static const double steps[] = {1e-3, 1e-2, 2e-2, 5e-2, 0.1};
     struct scene scene;
-    scene_init(&scene, (const struct preset *)(const void *)catalog_find(&preset_catalog, TEXT("robertson")));
-    double y[LIMIT_VARIABLES], least;
+    scene_init(&scene, (const struct preset *)(const void *)catalog_find(&preset_catalog,
+                                                                         TEXT("robertson")));
+    double y[LIMIT_VARIABLES], min;
     for (size_t m = 0; m < COUNT_OF(methods); m++)
         for (size_t i = 0; i < COUNT_OF(steps); i++) {
-            const enum stop stop = state_after(&scene, methods[m], steps[i], 1, y, &least);
+            const enum stop stop = state_after(&scene, methods[m], steps[i], 1, y, &min);
             if (stop != STOP_END || fabs(y[0] - 0.96645973733) > 4e-3 || fabs(y[1]) > 8e-5)
-                fail_msg("%s, dt = %g: %s, y1 = %.9g, y2 = %g", methods[m], steps[i], stop_name(stop), y[0], y[1]);
+                fail_msg("%s, dt = %g: %s, y1 = %.9g, y2 = %g", methods[m], steps[i],
+                         stop_name(stop), y[0], y[1]);
         }
 }
 
@@ -75,12 +82,30 @@ static double followed(double (*f)(double), double (*slope)(double), double x, d
     return root;
 }
 
-static double riccati(double x) { return -x * x; }
-static double riccati_slope(double x) { return -2 * x; }
-static double wells(double x) { return x - x * x * x; }
-static double wells_slope(double x) { return 1 - 3 * x * x; }
-static double pitch(double x) { return 5 * sin(3 * x) - x; }
-static double pitch_slope(double x) { return 15 * cos(3 * x) - 1; }
+static double riccati(double x)
+{
+    return -x * x;
+}
+static double riccati_slope(double x)
+{
+    return -2 * x;
+}
+static double wells(double x)
+{
+    return x - x * x * x;
+}
+static double wells_slope(double x)
+{
+    return 1 - 3 * x * x;
+}
+static double pitch(double x)
+{
+    return 5 * sin(3 * x) - x;
+}
+static double pitch_slope(double x)
+{
+    return 15 * cos(3 * x) - 1;
+}
 
 static void test_one_step_belongs_to_its_start(void **state)
 {
@@ -102,38 +127,40 @@ static void test_one_step_belongs_to_its_start(void **state)
     for (size_t i = 0; i < COUNT_OF(cases); i++) {
         struct scene scene;
         scene_init(&scene, NULL);
-        assert_true(type_scene(models, &scene, (const char *const[]){cases[i].start, cases[i].line, NULL}));
+        assert_true(
+            type_scene(models, &scene, (const char *const[]){cases[i].start, cases[i].line, NULL}));
         for (double h = 0.01; h <= cases[i].longest; h *= 1.7) {
-            double y[LIMIT_VARIABLES], least;
-            const enum stop stop = state_after(&scene, "backward-euler", h, h, y, &least);
+            double y[LIMIT_VARIABLES], min;
+            const enum stop stop = state_after(&scene, "backward-euler", h, h, y, &min);
             const double root = followed(cases[i].f, cases[i].slope, cases[i].x, h);
             if (stop != STOP_END || !(fabs(y[0] - root) <= 1e-9 * (1 + fabs(root))))
-                fail_msg("%s from %g, h = %g: %s, %.12g in place of %.12g", cases[i].line, cases[i].x, h,
-                         stop_name(stop), y[0], root);
+                fail_msg("%s from %g, h = %g: %s, %.12g in place of %.12g", cases[i].line,
+                         cases[i].x, h, stop_name(stop), y[0], root);
         }
     }
     typed_destroy(models);
 }
 
 /*
- * A step of the methods of structural dynamics from rest: y+ = y + beta h^2 a+ + h^2 (1/2 - beta) a over theta h, a+ by a
- * fine continuation in h; then the step of h. NAN where that turns back.
+ * A step of the methods of structural dynamics from rest: y+ = y + beta h^2 a+ + h^2 (1/2 - beta) a
+ * over theta h, a+ by a fine continuation in h; then the step of h. NAN where that turns back.
  */
 struct structure {
     const char *name;
     double theta, alpha_m, alpha_f, beta, gamma;
 };
 
-static double structure_step(const struct structure *s, double (*f)(double), double (*slope)(double), double x, double h)
+static double structure_step(const struct structure *s, double (*f)(double),
+                             double (*slope)(double), double x, double h)
 {
     const int parts = 20000;
     const double a = f(x);
     double ahead = a;
     for (int i = 1; i <= parts; i++) {
-        const double tau = s->theta * h * i / parts, share = 1 - s->alpha_f;
+        const double tau = s->theta * h * i / parts, fraction = 1 - s->alpha_f;
         for (int k = 0; k < 4; k++) {
-            const double at = x + share * tau * tau * ((0.5 - s->beta) * a + s->beta * ahead);
-            const double by = 1 - s->alpha_m - slope(at) * share * s->beta * tau * tau;
+            const double at = x + fraction * tau * tau * ((0.5 - s->beta) * a + s->beta * ahead);
+            const double by = 1 - s->alpha_m - slope(at) * fraction * s->beta * tau * tau;
             if (!(by > 0))
                 return NAN;
             ahead -= ((1 - s->alpha_m) * ahead + s->alpha_m * a - f(at)) / by;
@@ -143,10 +170,22 @@ static double structure_step(const struct structure *s, double (*f)(double), dou
     return x + h * h * ((0.5 - s->beta) * a + s->beta * ahead);
 }
 
-static double trough(double x) { return 5 * sin(3 * x) - 5 * x; }
-static double trough_slope(double x) { return 15 * cos(3 * x) - 5; }
-static double step_down(double x) { return -20 * tanh(8 * x); }
-static double step_down_slope(double x) { return -160 / (cosh(8 * x) * cosh(8 * x)); }
+static double trough(double x)
+{
+    return 5 * sin(3 * x) - 5 * x;
+}
+static double trough_slope(double x)
+{
+    return 15 * cos(3 * x) - 5;
+}
+static double step_down(double x)
+{
+    return -20 * tanh(8 * x);
+}
+static double step_down_slope(double x)
+{
+    return -160 / (cosh(8 * x) * cosh(8 * x));
+}
 
 static void test_structural_steps_belong_to_their_start(void **state)
 {
@@ -171,31 +210,36 @@ static void test_structural_steps_belong_to_their_start(void **state)
     for (size_t i = 0; i < COUNT_OF(cases); i++) {
         struct scene scene;
         scene_init(&scene, NULL);
-        assert_true(type_scene(models, &scene, (const char *const[]){cases[i].start, cases[i].line, NULL}));
+        assert_true(
+            type_scene(models, &scene, (const char *const[]){cases[i].start, cases[i].line, NULL}));
         for (size_t m = 0; m < COUNT_OF(methods); m++)
             for (double h = 0.01; h <= cases[i].longest; h *= 1.7) {
-                double y[LIMIT_VARIABLES], least;
-                const enum stop stop = state_after(&scene, methods[m].name, h, h, y, &least);
-                const double root = structure_step(&methods[m], cases[i].f, cases[i].slope, cases[i].x, h);
-                if (!isnan(root) && (stop != STOP_END || !(fabs(y[0] - root) <= 1e-9 * (1 + fabs(root)))))
-                    fail_msg("%s by %s, h = %g: %s, %.12g in place of %.12g", cases[i].line, methods[m].name, h,
-                             stop_name(stop), y[0], root);
+                double y[LIMIT_VARIABLES], min;
+                const enum stop stop = state_after(&scene, methods[m].name, h, h, y, &min);
+                const double root =
+                    structure_step(&methods[m], cases[i].f, cases[i].slope, cases[i].x, h);
+                if (!isnan(root) &&
+                    (stop != STOP_END || !(fabs(y[0] - root) <= 1e-9 * (1 + fabs(root)))))
+                    fail_msg("%s by %s, h = %g: %s, %.12g in place of %.12g", cases[i].line,
+                             methods[m].name, h, stop_name(stop), y[0], root);
             }
     }
     typed_destroy(models);
 }
 
 /*
- * A creeping solution is followed to the jump at 807 s, beyond which such long steps have none beside it. (Wilson's
- * method rings by itself here: it carries an acceleration that nothing damps.)
+ * A creeping solution is followed to the jump at 807 s, beyond which such long steps have none
+ * beside it. (Wilson's method rings by itself here: it carries an acceleration that nothing damps.)
  */
 static void test_no_jump_before_its_time(void **state)
 {
     (void)state;
-    static const char *const methods[] = {"backward-euler", "bdf2", "trapezoid", "tr-bdf2", "radau5",
-                                          "newmark", "hht", "generalised-alpha"};
+    static const char *const methods[] = {
+        "backward-euler", "bdf2",    "trapezoid", "tr-bdf2",
+        "radau5",         "newmark", "hht",       "generalised-alpha"};
     struct scene scene;
-    scene_init(&scene, (const struct preset *)(const void *)catalog_find(&preset_catalog, TEXT("stiff-vanderpol")));
+    scene_init(&scene, (const struct preset *)(const void *)catalog_find(&preset_catalog,
+                                                                         TEXT("stiff-vanderpol")));
     for (size_t m = 0; m < COUNT_OF(methods); m++) {
         struct run *run = start(&scene, methods[m], (struct run_settings){.dt = 1}, 1000);
         go_to(run, 1000);

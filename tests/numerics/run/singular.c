@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Solutions that go to infinity in finite time, against their closed forms; and what must not be taken for one. */
+/* Solutions that go to infinity in finite time, against their closed forms; and what must not be
+ * taken for one. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
@@ -35,7 +36,8 @@ static void typed_scene(struct typed_models *models, struct scene *scene, const 
 }
 
 /* Runs it for `span` and says why it ended. */
-static struct run *ended(const struct scene *scene, const char *by, double dt, double tol, double span)
+static struct run *ended(const struct scene *scene, const char *by, double dt, double tol,
+                         double span)
 {
     const struct run_settings settings = {.dt = dt, .tol = tol};
     struct error error = {0};
@@ -49,7 +51,8 @@ static struct run *ended(const struct scene *scene, const char *by, double dt, d
     return run;
 }
 
-/* The integral of dx / sqrt(2 (E - V)) for x'' = -x + x^3 from x = v = 1: E - V = 3/4 - x^2/2 + x^4/4. x = 1/u. */
+/* The integral of dx / sqrt(2 (E - V)) for x'' = -x + x^3 from x = v = 1: E - V = 3/4 - x^2/2 +
+ * x^4/4. x = 1/u. */
 static double duffing_time(void)
 {
     const int n = 20000;
@@ -77,31 +80,37 @@ static void test_closed_forms(void **state)
         {"var x = 1;var y = 1;x' = x*y;y' = x*y", 1, false},
         {"var x = 1;var x' = 2;x'' = 6*x^2", 1, true},
         {"var x = 1;var x' = 1;x'' = x^3 - x", NAN, true},
-        {"var x = 100;var x' = 0;x'' = -2*x' - x + x^3", 0, true}, /* no closed form: only that it is seen */
+        {"var x = 100;var x' = 0;x'' = -2*x' - x + x^3", 0,
+         true}, /* no closed form: only that it is seen */
     };
-    static const char *const adaptive[] = {"dopri5", "dop853", "tsit5", "bogacki-shampine", "odex", "rodas5p",
-                                           "rodas4", "radau5", "radau3", "tr-bdf2"};
-    static const char *const fixed[] = {"rk4", "euler", "heun", "backward-euler", "implicit-midpoint", "gauss4",
-                                        "bdf2"};
+    static const char *const adaptive[] = {"dopri5", "dop853",  "tsit5",  "bogacki-shampine",
+                                           "odex",   "rodas5p", "rodas4", "radau5",
+                                           "radau3", "tr-bdf2"};
+    static const char *const fixed[] = {
+        "rk4", "euler", "heun", "backward-euler", "implicit-midpoint", "gauss4", "bdf2"};
     struct error error;
     struct typed_models *models = typed_create(&error);
     for (size_t i = 0; i < COUNT_OF(scenes); i++) {
         struct scene scene;
         typed_scene(models, &scene, scenes[i].lines);
-        const double at = isnan(scenes[i].at) ? duffing_time() : scenes[i].at, span = at > 0 ? 3 * at : 1;
+        const double at = isnan(scenes[i].at) ? duffing_time() : scenes[i].at,
+                     span = at > 0 ? 3 * at : 1;
         for (size_t m = 0; m < COUNT_OF(adaptive) + COUNT_OF(fixed); m++) {
             const bool adapts = m < COUNT_OF(adaptive);
             const char *by = adapts ? adaptive[m] : fixed[m - COUNT_OF(adaptive)];
-            struct run *run = method(by) ? ended(&scene, by, span / 3000, adapts ? 1e-8 : 0, span) : NULL;
+            struct run *run =
+                method(by) ? ended(&scene, by, span / 3000, adapts ? 1e-8 : 0, span) : NULL;
             if (!run)
                 continue;
             if (run->stop != STOP_SINGULAR)
-                fail_msg("%s, %s: %s at %g, not singular", scenes[i].lines, by, stop_name(run->stop), run->t);
+                fail_msg("%s, %s: %s at %g, not singular", scenes[i].lines, by,
+                         stop_name(run->stop), run->t);
             if (run->stop == STOP_SINGULAR && at > 0 && fabs(run->singular.t / at - 1) > 1e-7)
                 fail_msg("%s, %s: at %.12g, not %.12g", scenes[i].lines, by, run->singular.t, at);
             assert_false(run->singular.finite);
             if (run->steps > CREEPING)
-                fail_msg("%s, %s: %lld steps", scenes[i].lines, by, (long long)run->steps); /* it creeps */
+                fail_msg("%s, %s: %lld steps", scenes[i].lines, by,
+                         (long long)run->steps); /* it creeps */
             run_destroy(run);
         }
     }
@@ -112,14 +121,16 @@ static void test_closed_forms(void **state)
 static void test_end_of_a_root(void **state)
 {
     (void)state;
-    static const char *const methods[] = {"dopri5", "tsit5", "dop853", "radau5", "rodas5p", "rk4", "backward-euler"};
+    static const char *const methods[] = {"dopri5",  "tsit5", "dop853",        "radau5",
+                                          "rodas5p", "rk4",   "backward-euler"};
     struct error error;
     struct typed_models *models = typed_create(&error);
     struct scene scene;
     typed_scene(models, &scene, "var x = 1;x' = -1/x");
     for (size_t m = 0; m < COUNT_OF(methods); m++) {
         struct run *run = ended(&scene, methods[m], 1e-2, 1e-6, 3);
-        if (run->stop != STOP_SINGULAR || !run->singular.finite || fabs(run->singular.t - 0.5) > 1e-8)
+        if (run->stop != STOP_SINGULAR || !run->singular.finite ||
+            fabs(run->singular.t - 0.5) > 1e-8)
             fail_msg("%s: %s at %.9g, %s at %.9g", methods[m], stop_name(run->stop), run->t,
                      singularity_text(&run->singular), run->singular.t);
         assert_true(run->steps < 20000);
@@ -128,7 +139,8 @@ static void test_end_of_a_root(void **state)
     typed_destroy(models);
 }
 
-/* A pole that comes after a long time of its own, beyond what one search from the start would reach. */
+/* A pole that comes after a long time of its own, beyond what one search from the start would
+ * reach. */
 static void test_late(void **state)
 {
     (void)state;
@@ -140,7 +152,8 @@ static void test_late(void **state)
     for (size_t m = 0; m < COUNT_OF(methods); m++) {
         struct run *run = ended(&scene, methods[m], 1e-2, 1e-7, 110);
         if (run->stop != STOP_SINGULAR || fabs(run->singular.t - 100) > 1e-3)
-            fail_msg("%s: %s at %.9g, %.9g", methods[m], stop_name(run->stop), run->t, run->singular.t);
+            fail_msg("%s: %s at %.9g, %.9g", methods[m], stop_name(run->stop), run->t,
+                     run->singular.t);
         run_destroy(run);
     }
     typed_destroy(models);
@@ -150,8 +163,8 @@ static void test_late(void **state)
 static void test_built_in(void **state)
 {
     (void)state;
-    static const char *const methods[] = {"euler", "symplectic-euler", "verlet", "rk4", "backward-euler", "dop853",
-                                          "radau5"};
+    static const char *const methods[] = {"euler",          "symplectic-euler", "verlet", "rk4",
+                                          "backward-euler", "dop853",           "radau5"};
     static const struct {
         const char *name;
         double value;
@@ -161,13 +174,14 @@ static void test_built_in(void **state)
     struct scene scene;
     scene_init(&scene, NULL);
     for (size_t i = 0; i < COUNT_OF(set); i++)
-        assert_true(scene_set(&scene, scene_param(&scene, set[i].name), (struct measured){set[i].value, 0}, &error));
+        assert_true(scene_set(&scene, scene_param(&scene, set[i].name),
+                              (struct measured){set[i].value, 0}, &error));
     for (size_t m = 0; m < COUNT_OF(methods); m++)
         for (int adapts = 0; adapts < 2; adapts++) {
             struct run *run = ended(&scene, methods[m], 1e-3, adapts ? 1e-6 : 0, 5);
             if (run->stop != STOP_SINGULAR || fabs(run->singular.t - at) > 1e-8)
-                fail_msg("%s: %s at %.9g, singular at %.12g, not %.12g", methods[m], stop_name(run->stop), run->t,
-                         run->singular.t, at);
+                fail_msg("%s: %s at %.9g, singular at %.12g, not %.12g", methods[m],
+                         stop_name(run->stop), run->t, run->singular.t, at);
             run_destroy(run);
         }
     assert_true(scene_set(&scene, scene_param(&scene, "v0"), (struct measured){-1, 0}, &error));
@@ -190,7 +204,8 @@ static void test_steps_across(void **state)
         {"var x = 1;x' = -1/x^2", 1 / 3.},
         {"var x = 1;var v = 0;x' = v;v' = -1/x^2", PI / sqrt(8)},
     };
-    static const char *const methods[] = {"ros3p", "rodas4", "rodas5p", "rk4", "ab4", "backward-euler", "trapezoid"};
+    static const char *const methods[] = {"ros3p", "rodas4",         "rodas5p",  "rk4",
+                                          "ab4",   "backward-euler", "trapezoid"};
     static const double steps[] = {1.3e-4, 1e-3, 7e-3, 1e-2, 3e-2};
     struct error error;
     struct typed_models *models = typed_create(&error);
@@ -233,7 +248,8 @@ static void test_unsound_steps(void **state)
         {NULL, "vanderpol", "backward-euler", 0.1, 40, false},
         {NULL, "duffing", "symplectic-euler", 0.01, 20, false},
         {"var x = 0;x'' = 1 - x^3", NULL, "symplectic-euler", 0.01, 20, false}, /* begins at 0 */
-        {"var x = 0;var v = 0;var a = 0;x' = v;v' = a;a' = 1 + 0*x^2", NULL, "backward-euler", 0.1, 5, false},
+        {"var x = 0;var v = 0;var a = 0;x' = v;v' = a;a' = 1 + 0*x^2", NULL, "backward-euler", 0.1,
+         5, false},
         {"var x = 1;x' = -1e4*(x^3 - cos(t))", NULL, "backward-euler", 1e-2, 20, false},
     };
     struct error error;
@@ -243,19 +259,21 @@ static void test_unsound_steps(void **state)
         if (cases[i].lines)
             typed_scene(models, &scene, cases[i].lines);
         else
-            scene_init(&scene,
-                       (const struct preset *)(const void *)catalog_find(&preset_catalog, text_of(cases[i].preset)));
+            scene_init(&scene, (const struct preset *)(const void *)catalog_find(
+                                   &preset_catalog, text_of(cases[i].preset)));
         struct run *run = ended(&scene, cases[i].by, cases[i].dt, 0, cases[i].span);
         if (run->stop != STOP_END || (run->unsound.times > 0) != cases[i].unsound)
             fail_msg("%s by %s, dt = %g: %s, %g in place of %g at %g s",
-                     cases[i].lines ? cases[i].lines : cases[i].preset, cases[i].by, cases[i].dt, stop_name(run->stop),
-                     run->unsound.value, run->unsound.solution, run->unsound.t);
+                     cases[i].lines ? cases[i].lines : cases[i].preset, cases[i].by, cases[i].dt,
+                     stop_name(run->stop), run->unsound.value, run->unsound.solution,
+                     run->unsound.t);
         run_destroy(run);
     }
     typed_destroy(models);
 }
 
-/* A method that is unstable, a scene that grows on and on, a step that is too large: none of them is a blow-up. */
+/* A method that is unstable, a scene that grows on and on, a step that is too large: none of them
+ * is a blow-up. */
 static void test_others(void **state)
 {
     (void)state;
@@ -273,7 +291,8 @@ static void test_others(void **state)
         {NULL, "vanderpol", "rk4", 1, 0, 100, STOP_DIVERGED},
         {NULL, "stiff-vanderpol", "rk4", 0.01, 0, 10, STOP_DIVERGED},
         {NULL, "robertson", "dopri5", 0.01, 0, 10, STOP_DIVERGED},
-        {NULL, "robertson", "ros3p", 0.01, 0, 1, STOP_END}, /* what becomes of its first step would end */
+        {NULL, "robertson", "ros3p", 0.01, 0, 1,
+         STOP_END}, /* what becomes of its first step would end */
         {NULL, "robertson", "ros3p", 0.1, 0, 1, STOP_END},
         {NULL, "kepler", "euler", 0.5, 0, 10, STOP_END},
         {NULL, "stiff-vanderpol", "radau5", 1e-4, 1e-6, 4000, STOP_END},
@@ -290,13 +309,16 @@ static void test_others(void **state)
         {NULL, "extreme-wall", "radau5", 1e-3, 1e-6, 10, STOP_END},
         {NULL, "pendulum-driven", "gauss4", 0.1, 0, 100, STOP_END},
         {NULL, "drag", "trapezoid", 0.5, 0, 100, STOP_END},
-        {"var x = 1;var v = 0;x' = v;v' = 1e4*(1 - x^2)*v - x", NULL, "radau5", 1e-4, 1e-6, 2e4, STOP_END},
+        {"var x = 1;var v = 0;x' = v;v' = 1e4*(1 - x^2)*v - x", NULL, "radau5", 1e-4, 1e-6, 2e4,
+         STOP_END},
         {"var x = 1;var v = 0;x' = v;v' = -sign(x)", NULL, "radau5", 1e-2, 1e-6, 50, STOP_END},
         {"var x = 1;var v = 0;x' = v;v' = -sign(x)", NULL, "rk4", 1e-1, 0, 50, STOP_END},
         {"var x = 1;x' = -1e4*(x^3 - cos(t))", NULL, "trapezoid", 1e-2, 0, 20, STOP_END},
         {"var x = 1;x' = -1e4*(x^3 - cos(t))", NULL, "radau5", 1e-2, 1e-3, 20, STOP_END},
-        {"var x = 0.001;x' = 1e3*x*(1 - x)", NULL, "radau5", 1e-4, 1e-4, 10, STOP_END}, /* from nothing to all */
-        {"var x = 0.001;x' = x^2 - x^3", NULL, "radau5", 1e-2, 1e-4, 3000, STOP_END},   /* the flame */
+        {"var x = 0.001;x' = 1e3*x*(1 - x)", NULL, "radau5", 1e-4, 1e-4, 10,
+         STOP_END}, /* from nothing to all */
+        {"var x = 0.001;x' = x^2 - x^3", NULL, "radau5", 1e-2, 1e-4, 3000,
+         STOP_END}, /* the flame */
         {"var x = 1e-4;x' = x^2 - x^3", NULL, "tr-bdf2", 1e-2, 1e-4, 3e4, STOP_END},
         {"var x = 2;x' = x*log(x)", NULL, "dopri5", 0.01, 1e-6, 30, STOP_DIVERGED}, /* exp(exp t) */
         {"var x = 1;x' = x", NULL, "dopri5", 0.01, 1e-6, 1000, STOP_DIVERGED},
@@ -310,18 +332,19 @@ static void test_others(void **state)
         if (cases[i].lines)
             typed_scene(models, &scene, cases[i].lines);
         else
-            scene_init(&scene,
-                       (const struct preset *)(const void *)catalog_find(&preset_catalog, text_of(cases[i].preset)));
+            scene_init(&scene, (const struct preset *)(const void *)catalog_find(
+                                   &preset_catalog, text_of(cases[i].preset)));
         struct run *run = ended(&scene, cases[i].by, cases[i].dt, cases[i].tol, cases[i].span);
         if (run->stop != cases[i].stop)
-            fail_msg("%s, %s: %s at t = %g", cases[i].lines ? cases[i].lines : cases[i].preset, cases[i].by,
-                     stop_name(run->stop), run->t);
+            fail_msg("%s, %s: %s at t = %g", cases[i].lines ? cases[i].lines : cases[i].preset,
+                     cases[i].by, stop_name(run->stop), run->t);
         run_destroy(run);
     }
     typed_destroy(models);
 }
 
-/* A pole ahead does not loosen the tolerance: sizes of a scene are not those that a trial meets next to the pole. */
+/* A pole ahead does not loosen the tolerance: sizes of a scene are not those that a trial meets
+ * next to the pole. */
 static void test_accuracy_before_a_pole(void **state)
 {
     static const struct {
@@ -342,10 +365,12 @@ static void test_accuracy_before_a_pole(void **state)
         const double pole = solutions[i % 3].pole, power = solutions[i % 3].power;
         typed_scene(models, &scene, solutions[i % 3].lines);
         struct run *run = ended(&scene, methods[i / 3], 1e-3, tol, 0.8 * pole);
-        /* A small change of the start has grown by dx/dx0 / x = 5 there, of each of some ten steps. */
+        /* A small change of the start has grown by dx/dx0 / x = 5 there, of each of some ten steps.
+         */
         const double exact = pow(5, power), off = fabs(run->y[0] / exact - 1);
         if (run->stop != STOP_END || !(off < 100 * tol))
-            fail_msg("%s, %s: %g in place of %g", solutions[i % 3].lines, methods[i / 3], run->y[0], exact);
+            fail_msg("%s, %s: %g in place of %g", solutions[i % 3].lines, methods[i / 3], run->y[0],
+                     exact);
         run_destroy(run);
     }
     typed_destroy(models);
@@ -354,14 +379,10 @@ static void test_accuracy_before_a_pole(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_closed_forms),
-        cmocka_unit_test(test_end_of_a_root),
-        cmocka_unit_test(test_late),
-        cmocka_unit_test(test_built_in),
-        cmocka_unit_test(test_others),
-        cmocka_unit_test(test_steps_across),
-        cmocka_unit_test(test_unsound_steps),
-        cmocka_unit_test(test_accuracy_before_a_pole),
+        cmocka_unit_test(test_closed_forms),  cmocka_unit_test(test_end_of_a_root),
+        cmocka_unit_test(test_late),          cmocka_unit_test(test_built_in),
+        cmocka_unit_test(test_others),        cmocka_unit_test(test_steps_across),
+        cmocka_unit_test(test_unsound_steps), cmocka_unit_test(test_accuracy_before_a_pole),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

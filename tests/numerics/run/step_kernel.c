@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Single steps by kernels: the same bits as the specification, the error estimate, the cost and the output too. */
+/* Single steps by kernels: the same bits as the specification, the error estimate, the cost and the
+ * output too. */
 #include "unit/run/fixture.h"
 
 enum { ROOM = 8192 };
@@ -15,13 +16,17 @@ struct walker {
     struct controller controller;
 };
 
-static void begin(struct walker *walker, const struct method *method, const struct system *system, enum drag drag,
-                  bool special)
+static void begin(struct walker *walker, const struct method *method, const struct system *system,
+                  enum drag drag, bool special)
 {
     *walker = (struct walker){.controller = {.tol = 1e-7}};
     memcpy(walker->y, system->start, (size_t)system->n * sizeof *walker->y);
-    walker->step = (struct step){
-        .system = system, .drag = drag, .t = system->t0, .y = walker->y, .error = walker->error, .work = walker->work};
+    walker->step = (struct step){.system = system,
+                                 .drag = drag,
+                                 .t = system->t0,
+                                 .y = walker->y,
+                                 .error = walker->error,
+                                 .work = walker->work};
     method_choose_kernels(method, &walker->step, special);
 }
 
@@ -39,11 +44,14 @@ static void assert_same(const struct walker *a, const struct walker *b, const ch
 /* Up to a time that a step has to be cut short for, back again, and from where no step leads on. */
 static void compare_ends(const struct method *method, struct walker *fast, struct walker *plain)
 {
-    const double h = plain->controller.h, ends[] = {plain->step.t + 2.5 * h, plain->step.t - 3.5 * h};
+    const double h = plain->controller.h,
+                 ends[] = {plain->step.t + 2.5 * h, plain->step.t - 3.5 * h};
     for (size_t e = 0; e < COUNT_OF(ends); e++)
         for (int i = 0; i < 40 && plain->step.t != ends[e]; i++) {
-            const enum step_status status = method_adapt(method, &fast->step, &fast->controller, ends[e]);
-            assert_int_equal(method_adapt(method, &plain->step, &plain->controller, ends[e]), status);
+            const enum step_status status =
+                method_adapt(method, &fast->step, &fast->controller, ends[e]);
+            assert_int_equal(method_adapt(method, &plain->step, &plain->controller, ends[e]),
+                             status);
             assert_same(fast, plain, method->row.name);
             if (status != STEP_OK)
                 return;
@@ -103,14 +111,17 @@ static void test_same_bits(void **state)
         struct system system;
         struct error error;
         const bool own = i >= preset_catalog.count;
-        scene_init(&scene, own ? NULL : (const struct preset *)(const void *)catalog_row(&preset_catalog, i));
+        scene_init(&scene,
+                   own ? NULL
+                       : (const struct preset *)(const void *)catalog_row(&preset_catalog, i));
         for (size_t k = 0; own && k < COUNT_OF(terms); k++)
             if ((i - preset_catalog.count) >> k & 1)
                 set(&scene, terms[k].name, terms[k].value);
         assert_true(scene_bind(&scene, &system, &error));
         for (size_t m = 0; m < method_catalog.count; m++) {
             enum drag drag = DRAG_DEFAULT;
-            if (!method_step_kernel(method_at(m), &system) || !method_applies(method_at(m), &system, &drag, &error))
+            if (!method_step_kernel(method_at(m), &system) ||
+                !method_applies(method_at(m), &system, &drag, &error))
                 continue;
             compare(method_at(m), &system, drag);
             compared++;
@@ -128,7 +139,8 @@ static void test_compensated_sums(void **state)
     const struct run_settings settings = {.dt = 0.01, .compensated = true};
     struct run_settings general = settings;
     general.kernel = KERNEL_GENERAL;
-    struct run *a = start(&scene, "dopri5", settings, 20), *b = start(&scene, "dopri5", general, 20);
+    struct run *a = start(&scene, "dopri5", settings, 20),
+               *b = start(&scene, "dopri5", general, 20);
     go_to(a, 20);
     go_to(b, 20);
     assert_same_trace(a, b);
@@ -157,7 +169,8 @@ static void test_shapes(void **state)
         assert_non_null(method_step_kernel(rk4, &system));
         assert_null(method_step_kernel(method_named("verlet"), &system));
     }
-    assert_true(march[0] != march[1] && march[0] != march[2] && march[1] != march[2] && march[2] == march[3]);
+    assert_true(march[0] != march[1] && march[0] != march[2] && march[1] != march[2] &&
+                march[2] == march[3]);
 }
 
 int main(void)

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Steps of fixed size in typed equations that switch (if, abs, sign, ...): each ends at a switch, so that methods keep
- * their order, unless they go across. Solutions in closed form, piece by piece.
+ * Steps of fixed size in typed equations that switch (if, abs, sign, ...): each ends at a switch,
+ * so that methods keep their order, unless they go across. Solutions in closed form, piece by
+ * piece.
  */
 #include "numerics/references.h"
 #include "unit/scene/typing.h"
@@ -40,14 +41,18 @@ static void two_weights(double t, double *y)
 }
 
 static const struct problem problems[] = {
-    {(const char *const[]){"var x = 1", "var v = 0", "x' = v", "v' = -x - if(x < 0, 99*x, 0)", NULL}, 10, two_springs},
+    {(const char *const[]){"var x = 1", "var v = 0", "x' = v", "v' = -x - if(x < 0, 99*x, 0)",
+                           NULL},
+     10, two_springs},
     {(const char *const[]){"var x = 1", "x'' = -x - if(x < 0, 99*x, 0)", NULL}, 10, two_springs},
     {(const char *const[]){"var x = 1", "x' = if(t < log(2), x, -0.7*x)", NULL}, 3, two_rates},
-    {(const char *const[]){"var x = 0", "var x' = 1.4142135623730951", "x'' = -x - 0.5*sign(x)", NULL}, 7, two_weights},
+    {(const char *const[]){"var x = 0", "var x' = 1.4142135623730951", "x'' = -x - 0.5*sign(x)",
+                           NULL},
+     7, two_weights},
 };
 
-static struct run *begin(struct typed_models *models, const struct problem *problem, const struct method *method,
-                         struct run_settings settings, bool across)
+static struct run *begin(struct typed_models *models, const struct problem *problem,
+                         const struct method *method, struct run_settings settings, bool across)
 {
     struct scene scene;
     struct error error;
@@ -57,8 +62,8 @@ static struct run *begin(struct typed_models *models, const struct problem *prob
     return run_create(&scene, method, &settings, problem->span, &error);
 }
 
-static struct run *solve(struct typed_models *models, const struct problem *problem, const struct method *method,
-                         int steps, bool across)
+static struct run *solve(struct typed_models *models, const struct problem *problem,
+                         const struct method *method, int steps, bool across)
 {
     const struct run_settings settings = {.dt = problem->span / steps, .compensated = true};
     struct run *run = begin(models, problem, method, settings, across);
@@ -68,8 +73,8 @@ static struct run *solve(struct typed_models *models, const struct problem *prob
     return run;
 }
 
-static double end_error(struct typed_models *models, const struct problem *problem, const struct method *method,
-                       int steps, bool across, bool *meets)
+static double end_error(struct typed_models *models, const struct problem *problem,
+                        const struct method *method, int steps, bool across, bool *meets)
 {
     struct run *run = solve(models, problem, method, steps, across);
     double y[2], error = NAN;
@@ -90,13 +95,16 @@ static double end_error(struct typed_models *models, const struct problem *probl
 #define DOUBLINGS 2
 
 /* NAN: the method does not take it, or goes across; HUGE_VAL: it is right to rounding. */
-static double order_of(struct typed_models *models, const struct problem *problem, const struct method *method,
-                       bool across)
+static double order_of(struct typed_models *models, const struct problem *problem,
+                       const struct method *method, bool across)
 {
     double error[DOUBLINGS + 1];
     bool meets;
     for (int k = 0; k <= DOUBLINGS; k++) {
-        error[k] = end_error(models, problem, method, (method->order > 5 && !(method->flags & METHOD_MULTISTEP) ? 100 : 800) << k, across, &meets);
+        error[k] =
+            end_error(models, problem, method,
+                      (method->order > 5 && !(method->flags & METHOD_MULTISTEP) ? 100 : 800) << k,
+                      across, &meets);
         if (!meets)
             return NAN;
     }
@@ -116,15 +124,15 @@ static void test_methods_keep_their_order(void **state)
     for (size_t i = 0; i < method_catalog.count; i++)
         for (size_t k = 0; k < COUNT_OF(problems); k++) {
             const struct method *method = method_at(i);
-            if (method->flags & METHOD_YARDSTICK || (!getenv("LONG") && k != i % COUNT_OF(problems)))
+            if (method->flags & METHOD_EXTERNAL || (!getenv("LONG") && k != i % COUNT_OF(problems)))
                 continue;
             const double order = order_of(models, &problems[k], method, false);
             if (isnan(order))
                 continue;
             const bool bad = !(order > method->order - 0.5);
             if (bad || getenv("VERBOSE"))
-                print_message("%-18s %zu: order %d, measured %.2f%s\n", method->row.name, k, method->order, order,
-                              bad ? ": wrong" : "");
+                print_message("%-18s %zu: order %d, measured %.2f%s\n", method->row.name, k,
+                              method->order, order, bad ? ": wrong" : "");
             wrong += bad;
             count++;
         }
@@ -152,9 +160,11 @@ static void test_across(void **state)
 static void test_slides(void **state)
 {
     struct typed_models *models = *state;
-    static const char *const names[] = {"euler", "rk4", "dopri5", "dop853", "backward-euler", "gauss4", "rodas5p", "ab4"};
-    const struct problem slide = {
-        (const char *const[]){"var x = 0.503", "var y = 0", "x' = 0.5 - sign(x)", "y' = 1 + x", NULL}, 3, NULL};
+    static const char *const names[] = {"euler",          "rk4",    "dopri5",  "dop853",
+                                        "backward-euler", "gauss4", "rodas5p", "ab4"};
+    const struct problem slide = {(const char *const[]){"var x = 0.503", "var y = 0",
+                                                        "x' = 0.5 - sign(x)", "y' = 1 + x", NULL},
+                                  3, NULL};
     for (size_t i = 0; i < COUNT_OF(names); i++)
         for (int steps = 7; steps < 300; steps *= 5) {
             struct run *run = solve(models, &slide, method_of(names[i]), steps, false);
@@ -266,13 +276,13 @@ static int test_rest(struct typed_models *models, const struct method *method, s
     for (int i = 0; i < resting[k].compared; i++)
         off = fmax(off, fabs(run->y[i] - y[i]));
     const double h = problem->span / 200,
-                 most = tol > 0 ? 100 * tol
-                                : fmax((method->order == 1 ? 10 : 2) * pow(h, method->order), 1e-9);
+                 max = tol > 0 ? 100 * tol
+                               : fmax((method->order == 1 ? 10 : 2) * pow(h, method->order), 1e-9);
     const struct switches_state *switches = &run->controller.switches;
     const bool slides = switches->slides + switches->piles > 0, piles = k + 1 == COUNT_OF(resting);
     const bool said = slides == resting[k].slides ||
                       (piles && method->order == 1); /* whose paths are no parabolas */
-    const bool bad = run->stop != STOP_END || !(off < most) || !said || switches->across > 0;
+    const bool bad = run->stop != STOP_END || !(off < max) || !said || switches->across > 0;
     if (bad || getenv("VERBOSE"))
         print_message("%s, tol %g, scene %zu: t = %g s after %lld steps, off by %.3g, slides %lld, "
                       "across %lld\n",
@@ -303,9 +313,9 @@ static void test_rests(void **state)
 }
 
 /*
- * First steps far too long or too short: what a step that is wrong as a whole says about a switch inside it counts
- * for nothing. The first scene, by dop853 with 30 s, was taken for over at once in each of 200 000 steps; its end is
- * by DOP853 of SciPy from switch to switch, at 1e-12.
+ * First steps far too long or too short: what a step that is wrong as a whole says about a switch
+ * inside it counts for nothing. The first scene, by dop853 with 30 s, was taken for over at once in
+ * each of 200 000 steps; its end is by DOP853 of SciPy from switch to switch, at 1e-12.
  */
 static void wall_at_20(double t, double *y)
 {
@@ -315,8 +325,9 @@ static void wall_at_20(double t, double *y)
 }
 
 static const struct problem wall = {
-    (const char *const[]){"var x = 0.3799", "var w = 0.409", "x' = w",
-                          "w' = -4.317*x + 0.2316*(1 - x^2)*w - 0.4857*w - 22.38*max(x - 0.4017, 0)", NULL},
+    (const char *const[]){
+        "var x = 0.3799", "var w = 0.409", "x' = w",
+        "w' = -4.317*x + 0.2316*(1 - x^2)*w - 0.4857*w - 22.38*max(x - 0.4017, 0)", NULL},
     20, wall_at_20};
 
 static void test_first_steps(void **state)
@@ -329,9 +340,11 @@ static void test_first_steps(void **state)
         for (size_t k = 0; k < COUNT_OF(switching) * COUNT_OF(first); k++) {
             const struct problem *problem = switching[k % 2];
             const double dt = first[k / 2];
-            if (!(method_at(m)->flags & METHOD_ADAPTIVE) || method_at(m)->flags & METHOD_NO_VELOCITY)
+            if (!(method_at(m)->flags & METHOD_ADAPTIVE) ||
+                method_at(m)->flags & METHOD_NO_VELOCITY)
                 continue;
-            struct run *run = begin(models, problem, method_at(m), (struct run_settings){.dt = dt, .tol = tol}, false);
+            struct run *run = begin(models, problem, method_at(m),
+                                    (struct run_settings){.dt = dt, .tol = tol}, false);
             const struct run_target steps = {.t = problem->span, .steps = 100000};
             double y[2];
             assert_non_null(run);
@@ -339,8 +352,8 @@ static void test_first_steps(void **state)
             problem->truth(problem->span, y);
             const double off = fmax(fabs(run->y[0] - y[0]), fabs(run->y[1] - y[1]));
             if (run->stop != STOP_END || run->t != problem->span || !(off < 100 * tol)) {
-                print_message("%s, first step %g s: t = %g s after %lld steps, off by %.3g\n", method_at(m)->row.name,
-                              dt, run->t, (long long)run->steps, off);
+                print_message("%s, first step %g s: t = %g s after %lld steps, off by %.3g\n",
+                              method_at(m)->row.name, dt, run->t, (long long)run->steps, off);
                 wrong++;
             }
             count++;

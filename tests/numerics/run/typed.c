@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Scenes typed as equations against built-in ones; their kernels, splittings and ledger. command_references.c has what
- * they reach. */
+/* Scenes typed as equations against built-in ones; their kernels, splittings and ledger.
+ * command_references.c has what they reach. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
@@ -44,7 +44,8 @@ static struct run *typed_run(const struct scene *scene, const struct method *by,
     return run;
 }
 
-/* Every symplectic method that takes Henon and Heiles' star takes the typed one, too, and to the same bits. */
+/* Every symplectic method that takes Henon and Heiles' star takes the typed one, too, and to the
+ * same bits. */
 static void test_symplectic(void **state)
 {
     (void)state;
@@ -54,16 +55,19 @@ static void test_symplectic(void **state)
     int count = 0;
     bool fine = true;
     scene_init(&typed, NULL);
-    scene_init(&built_in, (const struct preset *)(const void *)catalog_find(&preset_catalog, TEXT("henon-heiles")));
+    scene_init(&built_in, (const struct preset *)(const void *)catalog_find(&preset_catalog,
+                                                                            TEXT("henon-heiles")));
     assert_true(type_lines(models, &typed,
                            "var x = 0;var y = 0;var x' = 0.24;var y' = 0.32;x'' = -(x + 2*x*y);"
                            "y'' = -(y + (x^2 - y^2));"
                            "potential (x^2 + y^2)/2 + (x^2 - y^2/3)*y"));
     for (size_t i = 0; i < method_catalog.count; i++) {
-        const struct method *by = (const struct method *)(const void *)catalog_row(&method_catalog, i);
+        const struct method *by =
+            (const struct method *)(const void *)catalog_row(&method_catalog, i);
         if (!(by->flags & METHOD_SYMPLECTIC) || by->flags & METHOD_IMPLICIT)
             continue;
-        struct run *one = typed_run(&typed, by, DRAG_DEFAULT), *other = typed_run(&built_in, by, DRAG_DEFAULT);
+        struct run *one = typed_run(&typed, by, DRAG_DEFAULT),
+                   *other = typed_run(&built_in, by, DRAG_DEFAULT);
         if (!one != !other)
             print_message("%s takes one only\n", by->row.name);
         fine &= !one == !other;
@@ -86,8 +90,8 @@ static void test_symplectic(void **state)
     assert_true(count >= 10);
 }
 
-/* Splittings with drag of another kind than linear and quadratic: explicit only, and refused otherwise with the way
- * out. */
+/* Splittings with drag of another kind than linear and quadratic: explicit only, and refused
+ * otherwise with the way out. */
 static void test_splitting_with_drag(void **state)
 {
     (void)state;
@@ -95,7 +99,8 @@ static void test_splitting_with_drag(void **state)
     struct typed_models *models = typed_create(&error);
     struct scene scene;
     scene_init(&scene, NULL);
-    assert_true(type_lines(models, &scene, "var x = 1;x'' = -x - 0.1*x'*max(x', -x');potential x^2/2"));
+    assert_true(
+        type_lines(models, &scene, "var x = 1;x'' = -x - 0.1*x'*max(x', -x');potential x^2/2"));
     const struct run_settings settings = {.dt = 0.001};
     assert_null(run_create(&scene, method("verlet"), &settings, 10, &error));
     assert_non_null(strstr(error.hint, "drag=explicit"));
@@ -104,7 +109,8 @@ static void test_splitting_with_drag(void **state)
     assert_non_null(run);
     const struct run_target target = {.t = 10, .steps = -1};
     run_advance(run, &target, 0, NULL);
-    assert_true(fabs(run->y[0] - -6.038516824236533039553e-1) < 1e-3); /* references.csv, quadratic drag b = 0.1 */
+    assert_true(fabs(run->y[0] - -6.038516824236533039553e-1) <
+                1e-3); /* references.csv, quadratic drag b = 0.1 */
     struct ledger ledger;
     run_ledger(run, &ledger);
     assert_true(fabs(ledger.error_max) < 1e-3 && ledger.work < -0.1);
@@ -119,7 +125,8 @@ static void test_ledger(void **state)
     struct error error = {0};
     struct typed_models *models = typed_create(&error);
     struct scene scene;
-    scene_init(&scene, (const struct preset *)(const void *)catalog_find(&preset_catalog, TEXT("damped")));
+    scene_init(&scene,
+               (const struct preset *)(const void *)catalog_find(&preset_catalog, TEXT("damped")));
     assert_true(type_lines(models, &scene, "force -40*y^3 + 0.1*cos(2*t)"));
     const struct run_settings settings = {.dt = 0.001};
     struct run *run = run_create(&scene, method("rk4"), &settings, 10, &error);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Kernels of typed scenes: the bits of the general step for each method and size, with and without machine code. */
+/* Kernels of typed scenes: the bits of the general step for each method and size, with and without
+ * machine code. */
 #include "unit/run/fixture.h"
 #include "unit/scene/typing.h"
 
@@ -10,7 +11,8 @@
 #include <sys/syscall.h>
 #include <unistd.h>
 
-/* Takes the place of the C library's: where a page cannot be made executable there is no machine code. */
+/* Takes the place of the C library's: where a page cannot be made executable there is no machine
+ * code. */
 static bool refuses;
 static int allowed, refused;
 
@@ -30,11 +32,14 @@ struct typed_case {
     const char *preset, *lines;
 };
 
-#define CHAIN(a, b, c) ";" #b "'' = k/m*(" #a " - 2*" #b " + " #c ") - 2*zeta*sqrt(k/m)*" #b "' + if(t < 1, F0/m, 0)"
+#define CHAIN(a, b, c)                                                                             \
+    ";" #b "'' = k/m*(" #a " - 2*" #b " + " #c ") - 2*zeta*sqrt(k/m)*" #b "' + if(t < 1, F0/m, 0)"
 static const struct typed_case cases[] = {
     /* one coordinate: of all kinds of forces, of some, of one */
-    {NULL, "var x = 1;param k = 4;param c = 0.1;param F0 = 0.3;x'' = -k*x - c*x'*abs(x') + F0*cos(2*t)"},
-    {NULL, "var x = 1;param k = 4;param m = 2;x'' = -k/m*x - k/m*x^3 + sin(t) - 0.2*x';potential k*x^2/2 + k*x^4/4"},
+    {NULL,
+     "var x = 1;param k = 4;param c = 0.1;param F0 = 0.3;x'' = -k*x - c*x'*abs(x') + F0*cos(2*t)"},
+    {NULL, "var x = 1;param k = 4;param m = 2;x'' = -k/m*x - k/m*x^3 + sin(t) - 0.2*x';potential "
+           "k*x^2/2 + k*x^4/4"},
     {NULL, "var x = 1;param g = 9.81;param l = 0.5;x'' = -g/l*sin(x)"},
     {NULL, "var x = 1;var x' = 2;param c = 0.3;x'' = -c*x'*abs(x')"},
     {NULL, "var x = 1;param mu = 2;param z = 0;x'' = mu*(1 - x^2)*x' - x + z*exp(1e4*t)/x"},
@@ -45,19 +50,25 @@ static const struct typed_case cases[] = {
     {NULL, "var x = 0;var x' = 1;x'' = if(x > 0.2, log(x - 0.5), -0*x)"},
     {NULL, "var x = 0;x'' = -0*x + (x < 0)*1e3"},
     /* a plane */
-    {NULL, "var x = 0.5;var y = 0;var y' = 1.7;param k = 1;x'' = -k*x/(x^2 + y^2)^1.5;y'' = -k*y/(x^2 + y^2)^1.5"},
-    {NULL, "var x = 0;var y = 0;var x' = 0.24;var y' = 0.32;x'' = -(x + 2*x*y);y'' = -(y + (x^2 - y^2)) - 0.01*y'"},
-    {NULL, "var x = 0.1;var y = 0;x'' = -x + 0.1*cos(t) - 0.1*x';y'' = -2*y - x*sin(t);potential x^2/2 + y^2"},
+    {NULL, "var x = 0.5;var y = 0;var y' = 1.7;param k = 1;x'' = -k*x/(x^2 + y^2)^1.5;y'' = "
+           "-k*y/(x^2 + y^2)^1.5"},
+    {NULL, "var x = 0;var y = 0;var x' = 0.24;var y' = 0.32;x'' = -(x + 2*x*y);y'' = -(y + (x^2 - "
+           "y^2)) - 0.01*y'"},
+    {NULL, "var x = 0.1;var y = 0;x'' = -x + 0.1*cos(t) - 0.1*x';y'' = -2*y - x*sin(t);potential "
+           "x^2/2 + y^2"},
     /* first order: one to four */
     {NULL, "var x = 1;param tau = 2;x' = -x/tau + sin(t)"},
     {NULL, "var y1 = 2;var y2 = 0;param mu = 3;y1' = y2;y2' = mu*(1 - y1^2)*y2 - y1 + sin(t)"},
     {NULL, "var x = 1;var y = 1;x' = y;y' = x"},
-    {NULL, "var x = 1;var y = 1;var z = 1;param s = 10;x' = s*(y - x);y' = x*(28 - z) - y;z' = x*y - 8/3*z"},
+    {NULL, "var x = 1;var y = 1;var z = 1;param s = 10;x' = s*(y - x);y' = x*(28 - z) - y;z' = x*y "
+           "- 8/3*z"},
     {NULL, "var x = 2;var y = 1;var z = 0.5;x' = -x^2;y' = sqrt(z);z' = -x"},
-    {NULL, "var a = 1;var b = 2;var c = 3;var d = 4;a' = b - a;b' = c*a - b;c' = sin(d);d' = -a*b*c*d"},
+    {NULL,
+     "var a = 1;var b = 2;var c = 3;var d = 4;a' = b - a;b' = c*a - b;c' = sin(d);d' = -a*b*c*d"},
     /* three masses */
-    {NULL, "var x = 1;var y = 0;var z = 0;param k = 3;param m = 2;param zeta = 0.1;param F0 = 0" CHAIN(z, x, y)
-               CHAIN(x, y, z) CHAIN(y, z, x)},
+    {NULL,
+     "var x = 1;var y = 0;var z = 0;param k = 3;param m = 2;param zeta = 0.1;param F0 = 0" CHAIN(
+         z, x, y) CHAIN(x, y, z) CHAIN(y, z, x)},
     /* on top of built-in scenes */
     {"damped", "force -40*y^3 + 0.1*cos(2*t)"},
     {"drag", "force -40*y^3 - 0.1*v"},
@@ -69,7 +80,8 @@ static void type_case(const struct typed_case *c, struct typed_models *models, s
 {
     struct text rest = text_of(c->lines), line;
     struct error error = {0};
-    scene_init(scene, c->preset ? (const struct preset *)(const void *)catalog_find(&preset_catalog, text_of(c->preset))
+    scene_init(scene, c->preset ? (const struct preset *)(const void *)catalog_find(
+                                      &preset_catalog, text_of(c->preset))
                                 : NULL);
     while (text_split(&rest, ';', &line)) {
         const struct typed_line typed = typing_line(text_trim(line));
@@ -81,8 +93,8 @@ static void type_case(const struct typed_case *c, struct typed_models *models, s
 }
 
 /* NULL: the method or the variant is refused. tol 0: fixed steps */
-static struct run *run_of(const struct scene *scene, const struct method *by, enum drag drag, double tol,
-                          enum kernel kernel)
+static struct run *run_of(const struct scene *scene, const struct method *by, enum drag drag,
+                          double tol, enum kernel kernel)
 {
     const struct run_settings settings = {
         .dt = 0.0123, .tol = tol, .drag = drag, .kernel = kernel, .record = {RECORD_ALL, 1, 0}};
@@ -93,10 +105,12 @@ static struct run *run_of(const struct scene *scene, const struct method *by, en
 enum { WAYS = 3, STEPS = 700 };
 
 /*
- * Kernels with machine code in pieces, without, and the general step without: all the same. True: there are kernels.
- * A kernel finds out a little later that the motion is not finite: what it counts is more then.
+ * Kernels with machine code in pieces, without, and the general step without: all the same. True:
+ * there are kernels. A kernel finds out a little later that the motion is not finite: what it
+ * counts is more then.
  */
-static bool same_ways(const struct typed_case *c, const struct method *by, enum drag drag, double tol)
+static bool same_ways(const struct typed_case *c, const struct method *by, enum drag drag,
+                      double tol)
 {
     struct run *run[WAYS];
     struct typed_models *models[WAYS];
@@ -109,10 +123,12 @@ static bool same_ways(const struct typed_case *c, const struct method *by, enum 
         type_case(c, models[way], &scene);
         run[way] = run_of(&scene, by, drag, tol, way < 2 ? KERNEL_SPECIALISED : KERNEL_GENERAL);
         there = there && run[way];
-        for (int64_t piece = 1; run[way] && run[way]->steps < STEPS && run[way]->stop != STOP_DIVERGED &&
-                                run[way]->stop != STOP_STALLED && (way == 0 || piece == 1);
+        for (int64_t piece = 1;
+             run[way] && run[way]->steps < STEPS && run[way]->stop != STOP_DIVERGED &&
+             run[way]->stop != STOP_STALLED && (way == 0 || piece == 1);
              piece = piece * 5 % 97)
-            go_steps(run[way], way == 0 && piece < STEPS - run[way]->steps ? piece : STEPS - run[way]->steps);
+            go_steps(run[way],
+                     way == 0 && piece < STEPS - run[way]->steps ? piece : STEPS - run[way]->steps);
     }
     refuses = false;
     if (there)
@@ -124,9 +140,9 @@ static bool same_ways(const struct typed_case *c, const struct method *by, enum 
             continue;
         if (run[0]->steps != run[way]->steps || run[0]->stop != run[way]->stop ||
             memcmp(run[0]->y, run[way]->y, sizeof run[0]->y) != 0)
-            fail_msg("%s, %s, drag %d, tol %g, way %d: %lld and %lld steps, %.17g and %.17g", c->lines, by->row.name,
-                     (int)drag, tol, way, (long long)run[0]->steps, (long long)run[way]->steps, run[0]->y[0],
-                     run[way]->y[0]);
+            fail_msg("%s, %s, drag %d, tol %g, way %d: %lld and %lld steps, %.17g and %.17g",
+                     c->lines, by->row.name, (int)drag, tol, way, (long long)run[0]->steps,
+                     (long long)run[way]->steps, run[0]->y[0], run[way]->y[0]);
         assert_same_trace(run[0], run[way]);
         if (run[way]->stop != STOP_DIVERGED)
             assert_memory_equal(&run[0]->cost, &run[way]->cost, sizeof run[0]->cost);
@@ -145,8 +161,10 @@ static void test_fixed_steps(void **state)
     for (size_t i = 0; i < COUNT_OF(cases); i++) {
         int here = 0;
         for (size_t m = 0; m < method_catalog.count; m++) {
-            const struct method *by = (const struct method *)(const void *)catalog_row(&method_catalog, m);
-            for (enum drag drag = DRAG_DEFAULT; (by->tableau || by->splitting) && drag < DRAG_COUNT; drag++) {
+            const struct method *by =
+                (const struct method *)(const void *)catalog_row(&method_catalog, m);
+            for (enum drag drag = DRAG_DEFAULT; (by->tableau || by->splitting) && drag < DRAG_COUNT;
+                 drag++) {
                 const bool there = same_ways(&cases[i], by, drag, 0);
                 here += there;
                 splittings += there && by->splitting;
@@ -165,7 +183,8 @@ static void test_adaptive_steps(void **state)
     (void)state;
     for (size_t i = 0; i < COUNT_OF(cases); i++)
         for (size_t m = 0; m < method_catalog.count; m++) {
-            const struct method *by = (const struct method *)(const void *)catalog_row(&method_catalog, m);
+            const struct method *by =
+                (const struct method *)(const void *)catalog_row(&method_catalog, m);
             if (by->tableau && by->flags & METHOD_ADAPTIVE)
                 if (!same_ways(&cases[i], by, DRAG_DEFAULT, 1e-7))
                     fail_msg("%s: no kernel for %s", cases[i].lines, by->row.name);
@@ -181,7 +200,8 @@ static void test_many_variables(void **state)
         buffer_format(&lines, "%svar x%d = %s", i ? ";" : "", i, i == 7 ? "8.01" : "8");
     buffer_format(&lines, ";param F = 8");
     for (int i = 0; i < 40; i++)
-        buffer_format(&lines, ";x%d' = (x%d - x%d)*x%d - x%d + F", i, (i + 1) % 40, (i + 38) % 40, (i + 39) % 40, i);
+        buffer_format(&lines, ";x%d' = (x%d - x%d)*x%d - x%d + F", i, (i + 1) % 40, (i + 38) % 40,
+                      (i + 39) % 40, i);
     const struct typed_case ring = {NULL, lines.data};
     assert_true(same_ways(&ring, method_named("rk4"), DRAG_DEFAULT, 0));
     assert_true(same_ways(&ring, method_named("dopri5"), DRAG_DEFAULT, 0));

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Exact solutions against the reference table (60-digit closed forms), against an integration by Taylor series in long
- * double that knows nothing of roots, and against what any flow must satisfy.
+ * Exact solutions against the reference table (60-digit closed forms), against an integration by
+ * Taylor series in long double that knows nothing of roots, and against what any flow must satisfy.
  */
 #include "unit/scene/testing.h"
 
@@ -22,16 +22,18 @@ enum { TERMS = 40 };
 static void taylor_step(const struct oscillator *o, long double t, long double h, long double y[2])
 {
     long double q[TERMS + 2] = {y[0], y[1]};
-    long double angle = (long double)o->omega * t + (long double)o->phase, size = (long double)o->drive;
+    long double angle = (long double)o->omega * t + (long double)o->phase,
+                size = (long double)o->drive;
     for (int i = 0; i < TERMS; i++) {
-        /* i-th Taylor coefficient of the drive: the i-th derivative of cos turns the angle by i pi/2. */
+        /* i-th Taylor coefficient of the drive: the i-th derivative of cos turns the angle by i
+         * pi/2. */
         static const int sign[] = {1, -1, -1, 1};
         long double force = size * (long double)sign[i % 4] * (i % 2 ? sinl(angle) : cosl(angle));
         if (i == 0)
             force -= (long double)o->gravity;
-        q[i + 2] =
-            (force - (long double)o->stiffness * q[i] - (long double)o->damping * (long double)(i + 1) * q[i + 1]) /
-            (long double)((i + 1) * (i + 2));
+        q[i + 2] = (force - (long double)o->stiffness * q[i] -
+                    (long double)o->damping * (long double)(i + 1) * q[i + 1]) /
+                   (long double)((i + 1) * (i + 2));
         size *= (long double)o->omega / (long double)(i + 1);
     }
     y[0] = y[1] = 0;
@@ -45,7 +47,8 @@ static void taylor_step(const struct oscillator *o, long double t, long double h
 static void integrate(const struct system *system, double t, long double y[2], long double top[2])
 {
     const struct oscillator *o = &system->oscillator;
-    double rate = fmax(fmax(sqrt(fabs(o->stiffness)), fabs(o->damping)), o->drive != 0 ? o->omega : 0);
+    double rate =
+        fmax(fmax(sqrt(fabs(o->stiffness)), fabs(o->damping)), o->drive != 0 ? o->omega : 0);
     long double span = (long double)t - (long double)system->t0;
     long steps = (long)ceill(fabsl(span) * 2 * (long double)rate) + 1;
     long double h = span / (long double)steps;
@@ -70,11 +73,12 @@ static void check_against_integration(const struct system *system, double t, dou
         double error = (double)fabsl((long double)exact[j] - y[j]);
         if (!(error <= tolerance * (double)top[j])) {
             const struct oscillator *o = &system->oscillator;
-            fail_msg(
-                "component %d at t = %.17g: %.17g, integrated %.20Lg, error %.3g of the largest; w2 %.17g gamma %.17g "
-                "g %g f %g omega %.17g phase %g start %g %g t0 %g",
-                j, t, exact[j], y[j], error / (double)top[j], o->stiffness, o->damping, o->gravity, o->drive, o->omega,
-                o->phase, system->start[0], system->start[1], system->t0);
+            fail_msg("component %d at t = %.17g: %.17g, integrated %.20Lg, error %.3g of the "
+                     "largest; w2 %.17g gamma %.17g "
+                     "g %g f %g omega %.17g phase %g start %g %g t0 %g",
+                     j, t, exact[j], y[j], error / (double)top[j], o->stiffness, o->damping,
+                     o->gravity, o->drive, o->omega, o->phase, system->start[0], system->start[1],
+                     system->t0);
         }
     }
 }
@@ -83,7 +87,13 @@ static void check_against_integration(const struct system *system, double t, dou
 static struct system oscillating(struct oscillator o, double q0, double v0, double t0)
 {
     o.whole = true;
-    return (struct system){.n = 2, .order = 2, .linear = true, .mass = 1, .oscillator = o, .start = {q0, v0}, .t0 = t0};
+    return (struct system){.n = 2,
+                           .order = 2,
+                           .linear = true,
+                           .mass = 1,
+                           .oscillator = o,
+                           .start = {q0, v0},
+                           .t0 = t0};
 }
 
 static void test_every_regime(void **state)
@@ -97,7 +107,8 @@ static void test_every_regime(void **state)
         o.damping = pow(10, random_between(&seed, -4, 0.5)) * omega0;
         switch (i % 6) {
         case 0: /* zeta = 1 +- something tiny */
-            o.damping = 2 * omega0 * (1 + (random_unit(&seed) - 0.5) * pow(10, random_between(&seed, -16, -1)));
+            o.damping = 2 * omega0 *
+                        (1 + (random_unit(&seed) - 0.5) * pow(10, random_between(&seed, -16, -1)));
             break;
         case 1:
             o.damping = 0;
@@ -125,7 +136,8 @@ static void test_every_regime(void **state)
         double slow = fmax(fmax(omega0, fabs(o.damping)), o.omega);
         double t0 = i % 3 ? 0 : random_between(&seed, -5, 5),
                t = t0 + random_between(&seed, i % 11 ? 0 : -3, 30) / slow;
-        struct system system = oscillating(o, random_between(&seed, -1, 1), omega0 * random_between(&seed, -1, 1), t0);
+        struct system system =
+            oscillating(o, random_between(&seed, -1, 1), omega0 * random_between(&seed, -1, 1), t0);
         check_against_integration(&system, t, 4 * DBL_EPSILON);
     }
 }
@@ -138,19 +150,24 @@ static void test_meeting_roots(void **state)
         for (int sign = -1; sign <= 1; sign += 2) {
             double off = sign * pow(10, decade);
             for (double t = 0.1; t < 60; t *= 3) {
-                struct system critical =
-                    oscillating((struct oscillator){.stiffness = 1, .damping = 2 + off, .gravity = 1}, 1, -1, 0);
+                struct system critical = oscillating(
+                    (struct oscillator){.stiffness = 1, .damping = 2 + off, .gravity = 1}, 1, -1,
+                    0);
                 check_against_integration(&critical, t, 4 * DBL_EPSILON);
                 struct system resonant = oscillating(
-                    (struct oscillator){.stiffness = 1, .drive = 1, .omega = 1 + off, .phase = 0.3}, 0, 0, 0);
+                    (struct oscillator){.stiffness = 1, .drive = 1, .omega = 1 + off, .phase = 0.3},
+                    0, 0, 0);
                 check_against_integration(&resonant, t, 4 * DBL_EPSILON);
                 struct system damped = oscillating(
-                    (struct oscillator){.stiffness = 1, .damping = fabs(off), .drive = 1, .omega = 1, .phase = -1}, 0,
-                    0, 0);
+                    (struct oscillator){
+                        .stiffness = 1, .damping = fabs(off), .drive = 1, .omega = 1, .phase = -1},
+                    0, 0, 0);
                 check_against_integration(&damped, t, 4 * DBL_EPSILON);
-                struct system soft = oscillating((struct oscillator){.stiffness = off, .gravity = 9.81}, 1, 1, 0);
+                struct system soft =
+                    oscillating((struct oscillator){.stiffness = off, .gravity = 9.81}, 1, 1, 0);
                 check_against_integration(&soft, t, 4 * DBL_EPSILON);
-                struct system thin = oscillating((struct oscillator){.damping = off, .gravity = 9.81}, 1, 1, 0);
+                struct system thin =
+                    oscillating((struct oscillator){.damping = off, .gravity = 9.81}, 1, 1, 0);
                 check_against_integration(&thin, t, 4 * DBL_EPSILON);
             }
         }
@@ -223,7 +240,8 @@ static void test_forced_amplitude(void **state)
 static void test_stiff_driven(void **state)
 {
     (void)state;
-    /* Damping far beyond the spring: a slow drift and a small forced motion, both without cancellation. */
+    /* Damping far beyond the spring: a slow drift and a small forced motion, both without
+     * cancellation. */
     struct oscillator o = {.stiffness = 1, .damping = 1e9, .drive = 1, .omega = 1};
     struct system system = oscillating(o, 1, 0, 0);
     for (double t = 1; t < 1e10; t *= 7) {
@@ -240,8 +258,10 @@ static void test_stiff_driven(void **state)
 static void test_any_amplitude(void **state)
 {
     (void)state;
-    static const struct oscillator all[] = {
-        {.stiffness = 75, .damping = 0.25}, {.stiffness = 75, .damping = 40}, {.stiffness = -3}, {.damping = 0.25}};
+    static const struct oscillator all[] = {{.stiffness = 75, .damping = 0.25},
+                                            {.stiffness = 75, .damping = 40},
+                                            {.stiffness = -3},
+                                            {.damping = 0.25}};
     for (size_t i = 0; i < COUNT_OF(all); i++)
         for (int power = -1000; power <= 990; power += 199) {
             struct system one = oscillating(all[i], 0.75, -0.5, 0), other = one;
@@ -251,7 +271,8 @@ static void test_any_amplitude(void **state)
             exact_at(&one, 2.5, y);
             exact_at(&other, 2.5, scaled);
             for (int j = 0; j < 2; j++)
-                assert_true(scaled[j] == ldexp(y[j], power)); /* linear: powers of two pass through exactly */
+                assert_true(scaled[j] ==
+                            ldexp(y[j], power)); /* linear: powers of two pass through exactly */
         }
     double y[2];
     struct system tiny = BOUND({"y0", 1e-310}), huge = BOUND({"y0", 1e300});
@@ -288,13 +309,20 @@ static void test_semigroup(void **state)
     (void)state;
     uint64_t seed = 2;
     for (int i = 0; i < 2000; i++) {
-        struct oscillator o = {.stiffness = random_between(&seed, -2, 20), .damping = random_between(&seed, -1, 8)};
+        struct oscillator o = {.stiffness = random_between(&seed, -2, 20),
+                               .damping = random_between(&seed, -1, 8)};
         if (i % 3 == 0)
             o.gravity = 9.81;
         if (i % 4 == 0)
-            o = (struct oscillator){.stiffness = o.stiffness, .damping = o.damping, .gravity = o.gravity, .drive = 1,
-                                    .omega = random_between(&seed, 0, 9), .phase = 0.5, .whole = true};
-        struct system system = oscillating(o, random_between(&seed, -1, 1), random_between(&seed, -1, 1), -1);
+            o = (struct oscillator){.stiffness = o.stiffness,
+                                    .damping = o.damping,
+                                    .gravity = o.gravity,
+                                    .drive = 1,
+                                    .omega = random_between(&seed, 0, 9),
+                                    .phase = 0.5,
+                                    .whole = true};
+        struct system system =
+            oscillating(o, random_between(&seed, -1, 1), random_between(&seed, -1, 1), -1);
         double t1 = random_between(&seed, -1, 4), t2 = random_between(&seed, -1, 4);
         double half[2], whole[2], twice[2], back[2], floor[2];
         system_exact(&system, -1, system.start, t1, half, floor);
@@ -305,7 +333,8 @@ static void test_semigroup(void **state)
         double growth = exp(5 * (fabs(o.damping) + sqrt(fabs(fmin(o.stiffness, 0))))) * 20;
         double size = hypot(half[0], half[1]) + 10;
         for (int j = 0; j < 2; j++) {
-            expect_near(twice[j], whole[j], 4 * DBL_EPSILON * fmin(growth, t2 < t1 ? growth : 1e3) * size);
+            expect_near(twice[j], whole[j],
+                        4 * DBL_EPSILON * fmin(growth, t2 < t1 ? growth : 1e3) * size);
             expect_near(back[j], system.start[j], 4 * DBL_EPSILON * growth * size);
         }
     }
@@ -320,7 +349,8 @@ static void test_start_is_exact(void **state)
     assert_true(y[0] == 0.05 && y[1] == 0.1);
 }
 
-/* One ulp in the coefficients must move the answer by no more than the floor, and the floor must not hide real errors.
+/* One ulp in the coefficients must move the answer by no more than the floor, and the floor must
+ * not hide real errors.
  */
 static void test_floor(void **state)
 {
@@ -331,10 +361,14 @@ static void test_floor(void **state)
         struct oscillator o = {.stiffness = pow(10, random_between(&seed, -2, 4))};
         o.damping = i % 2 ? 0 : random_between(&seed, 0, 4) * sqrt(o.stiffness);
         if (i % 3 == 0)
-            o = (struct oscillator){.stiffness = o.stiffness, .damping = o.damping, .drive = 1,
-                                    .omega = random_between(&seed, 0, 50), .whole = true};
+            o = (struct oscillator){.stiffness = o.stiffness,
+                                    .damping = o.damping,
+                                    .drive = 1,
+                                    .omega = random_between(&seed, 0, 50),
+                                    .whole = true};
         double turn = sqrt(o.stiffness), t = random_between(&seed, 0, 40) / turn;
-        struct system system = oscillating(o, random_between(&seed, -1, 1), turn * random_between(&seed, -1, 1), 0);
+        struct system system =
+            oscillating(o, random_between(&seed, -1, 1), turn * random_between(&seed, -1, 1), 0);
         struct system other = system;
         double y[2], moved[2], floor[2];
         system_exact(&system, 0, system.start, t, y, floor);
@@ -354,8 +388,9 @@ static void test_floor(void **state)
     assert_true(tightest > 0.1);
 }
 
-/* Many times a step apart, with the rounding that a grid has, and one between: as found one by one, to an ulp of the
- * largest so far. Forwards and backwards, in every regime; where steps are coarse there is no table. */
+/* Many times a step apart, with the rounding that a grid has, and one between: as found one by one,
+ * to an ulp of the largest so far. Forwards and backwards, in every regime; where steps are coarse
+ * there is no table. */
 static void test_table(void **state)
 {
     (void)state;
@@ -364,14 +399,18 @@ static void test_table(void **state)
     for (int i = 0; i < 300; i++) {
         struct oscillator o = {.stiffness = pow(10, random_between(&seed, -2, 4))};
         const double turn = sqrt(o.stiffness);
-        o.damping = i % 5 == 1 ? random_between(&seed, 0, 4) * turn : i % 5 == 2 ? 2 * turn : i % 5 == 3 ? -0.05 * turn : 0;
+        o.damping = i % 5 == 1   ? random_between(&seed, 0, 4) * turn
+                    : i % 5 == 2 ? 2 * turn
+                    : i % 5 == 3 ? -0.05 * turn
+                                 : 0;
         o.gravity = i % 2 ? 9.81 : 0;
         o.drive = i % 3 == 0 ? 1 : 0;
         o.omega = random_between(&seed, 0.5, 2) * turn;
         o.stiffness = i % 7 == 6 ? -o.stiffness : o.stiffness;
         const double t0 = random_between(&seed, -1, 1) / turn;
         const double h = (i % 4 == 0 ? -1 : 1) * pow(10, random_between(&seed, -3, -0.5)) / turn;
-        const struct system system = oscillating(o, random_between(&seed, -1, 1), turn * random_between(&seed, -1, 1), t0);
+        const struct system system =
+            oscillating(o, random_between(&seed, -1, 1), turn * random_between(&seed, -1, 1), t0);
         struct exact_table *table = exact_table_create(&system, t0, system.start, h);
         double top[2] = {0, 0};
         assert_true(table || fabs(h) * turn > 0.1);
@@ -396,11 +435,13 @@ static void test_table(void **state)
 static void test_which_systems_have_one(void **state)
 {
     (void)state;
-    struct system plain = BOUND({"gamma", 1}), drag = BOUND({"C", 0.5}), driven = BOUND({"F0", 1}, {"g", 9.81});
+    struct system plain = BOUND({"gamma", 1}), drag = BOUND({"C", 0.5}),
+                  driven = BOUND({"F0", 1}, {"g", 9.81});
     assert_true(system_has_exact(&plain));
     assert_true(system_has_exact(&driven));
     assert_false(system_has_exact(&drag));
-    driven.oscillator.whole = false; /* then only what does not depend on time, by the matrix exponential */
+    driven.oscillator.whole =
+        false; /* then only what does not depend on time, by the matrix exponential */
     assert_false(system_has_exact(&driven));
     plain.oscillator.whole = false;
     assert_true(system_has_exact(&plain));
@@ -422,10 +463,10 @@ static double keyed(const char *parameters, const char *key, double other)
 }
 
 /* Fields of a line of comma-separated values with "quoted" ones, cut in place. */
-static int split(char *line, char *field[], int most)
+static int split(char *line, char *field[], int max)
 {
     int count = 0;
-    while (count < most) {
+    while (count < max) {
         bool quoted = *line == '"';
         field[count++] = line += quoted;
         line = strpbrk(line, quoted ? "\"" : ",\n");
@@ -451,14 +492,19 @@ static void test_reference_table(void **state)
     while (fgets(line, sizeof line, file)) {
         if (split(line, field, 12) < 6)
             continue;
-        bool damped = strcmp(field[0], "damped_oscillator") == 0, forced = strcmp(field[0], "forced_oscillator") == 0;
+        bool damped = strcmp(field[0], "damped_oscillator") == 0,
+             forced = strcmp(field[0], "forced_oscillator") == 0;
         bool resonance = strcmp(field[0], "resonance") == 0;
         if (!damped && !forced && !resonance)
             continue;
         const char *p = field[1];
-        struct oscillator o = {.stiffness = keyed(p, "Omega0^2=", 1), .damping = keyed(p, "gamma=", 0)};
+        struct oscillator o = {.stiffness = keyed(p, "Omega0^2=", 1),
+                               .damping = keyed(p, "gamma=", 0)};
         if (forced)
-            o = (struct oscillator){.stiffness = o.stiffness, .damping = o.damping, .drive = 0.5, .omega = 1.2,
+            o = (struct oscillator){.stiffness = o.stiffness,
+                                    .damping = o.damping,
+                                    .drive = 0.5,
+                                    .omega = 1.2,
                                     .whole = true};
         if (resonance)
             o = (struct oscillator){.stiffness = 1, .drive = 1, .omega = 1, .whole = true};

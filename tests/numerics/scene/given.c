@@ -1,23 +1,26 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Programs some of whose names are given: what depends on these only is computed once, and changes no bit. */
+/* Programs some of whose names are given: what depends on these only is computed once, and changes
+ * no bit. */
 #include "numerics/scene/trees.h"
 #include "scene/formula/program/program.h"
 
 enum { OUTPUTS = 4, GIVEN = 3 * NAMES, UNUSED_PLACES = 2 };
 
-static struct program *given_program(const struct equations *equations, int count, int first, int most, bool native)
+static struct program *given_program(const struct equations *equations, int count, int first,
+                                     int max, bool native)
 {
-    const struct given given = {first, NAMES - first + UNUSED_PLACES, most};
+    const struct given_argument given = {first, NAMES - first + UNUSED_PLACES, max};
     struct error error = {0};
-    struct program *program = program_create_given(equations, 0, count, NULL, NULL, &given, native, &error);
+    struct program *program =
+        program_create_given(equations, 0, count, NULL, NULL, &given, native, &error);
     if (!program)
         fail_msg("%s", error.text);
     return program;
 }
 
 /* input [NAMES]; the same with all names moving is `wanted`. */
-static void compare(const struct program *program, const double *input, int first, const double *wanted,
-                    const char *text)
+static void compare(const struct program *program, const double *input, int first,
+                    const double *wanted, const char *text)
 {
     double given[GIVEN + 64], output[OUTPUTS], *frame = room_of(program_frame(program));
     assert_true(program->names <= first + (int)COUNT_OF(given));
@@ -28,9 +31,11 @@ static void compare(const struct program *program, const double *input, int firs
     program_run(program, input[0], input + 1, given, output, frame);
     for (int i = 0; i < program->outputs; i++)
         if (!same(output[i], wanted[i]))
-            fail_msg("%s: output %d from name %d on given: %.17g, wanted %.17g", text, i, first, output[i], wanted[i]);
+            fail_msg("%s: output %d from name %d on given: %.17g, wanted %.17g", text, i, first,
+                     output[i], wanted[i]);
     free(frame);
-    double *in = room_of((size_t)program->names * PROGRAM_LANES), *lanes = room_of(program_frame_lanes(program));
+    double *in = room_of((size_t)program->names * PROGRAM_LANES),
+           *lanes = room_of(program_frame_lanes(program));
     double *row = room_of(OUTPUTS * PROGRAM_LANES);
     for (int i = 0; i < program->names; i++)
         for (int k = 0; k < PROGRAM_LANES; k++)
@@ -73,7 +78,8 @@ static void test_random_expressions(void **state)
         struct program *plain = program_of(equations, 0, outputs, NULL, NULL, false);
         evaluate(plain, input, wanted);
         for (int way = 0; way < 4; way++) {
-            struct program *program = given_program(equations, outputs, first, way & 2 ? 40 : 1, way & 1);
+            struct program *program =
+                given_program(equations, outputs, first, way & 2 ? 40 : 1, way & 1);
             compare(program, input, first, wanted, texts[0]);
             kept += program->keeps;
             assert_true(program_operations(program) <= program_operations(plain));
@@ -94,7 +100,7 @@ static void test_what_is_kept(void **state)
     static const char *const text[] = {"-d/e*a - 2*sqrt(d/e)*f*b", "sin(f) + 3*d"};
     struct equations *equations = equations_of(text, 2);
     struct program *program = given_program(equations, 2, 3, 8, false);
-    assert_int_equal(program->keeps, 3);              /* -d/e or d/e, the damping, the whole second output */
+    assert_int_equal(program->keeps, 3); /* -d/e or d/e, the damping, the whole second output */
     assert_int_equal(program_operations(program), 2); /* two products and their difference */
     assert_true(program_depends(program, 0, 1, 3) && program_depends_on(program, 1, 1, 3, 3));
     assert_false(program_depends_on(program, 1, 1, 0, 3));

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What typed equations are recognised as, and exact solutions of linear systems against closed forms. */
+/* What typed equations are recognised as, and exact solutions of linear systems against closed
+ * forms. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
@@ -22,15 +23,15 @@ static void bind_lines(struct fixture *f, const char *const *lines)
 static void set(struct scene *scene, const char *name, double value)
 {
     struct error error;
-    const int place = scene_param(scene, name);
-    assert_true(place >= 0);
-    if (!scene_set(scene, place, (struct measured){value, 0}, &error))
+    const int index = scene_param(scene, name);
+    assert_true(index >= 0);
+    if (!scene_set(scene, index, (struct measured){value, 0}, &error))
         fail_msg("%s = %g: %s", name, value, error.text);
 }
 
-static double random_between(double least, double most)
+static double random_between(double min, double max)
 {
-    return least + (most - least) * rand() / RAND_MAX;
+    return min + (max - min) * rand() / RAND_MAX;
 }
 
 /* Rounding of an ulp or so in the coefficients. */
@@ -49,12 +50,13 @@ static bool same_oscillator(const struct system *a, const struct system *b)
     const struct oscillator *p = &a->oscillator, *q = &b->oscillator;
     const double along = p->drive * cos(p->phase) - q->drive * cos(q->phase),
                  across = p->drive * sin(p->phase) - q->drive * sin(q->phase);
-    return p->whole == q->whole && p->drag_whole == q->drag_whole && alike(p->stiffness, q->stiffness, 0) &&
-           alike(p->damping, q->damping, 0) && alike(p->quadratic, q->quadratic, 0) &&
-           alike(p->gravity, q->gravity, 0) && hypot(along, across) <= 4e-15 * fabs(q->drive) &&
-           (q->drive == 0 || p->omega == q->omega) && a->linear == b->linear && a->autonomous == b->autonomous &&
-           a->velocity == b->velocity && a->kinks == b->kinks && alike(a->scale[0], b->scale[0], 0) &&
-           alike(a->scale[1], b->scale[1], 0);
+    return p->whole == q->whole && p->drag_whole == q->drag_whole &&
+           alike(p->stiffness, q->stiffness, 0) && alike(p->damping, q->damping, 0) &&
+           alike(p->quadratic, q->quadratic, 0) && alike(p->gravity, q->gravity, 0) &&
+           hypot(along, across) <= 4e-15 * fabs(q->drive) &&
+           (q->drive == 0 || p->omega == q->omega) && a->linear == b->linear &&
+           a->autonomous == b->autonomous && a->velocity == b->velocity && a->kinks == b->kinks &&
+           alike(a->scale[0], b->scale[0], 0) && alike(a->scale[1], b->scale[1], 0);
 }
 
 static bool same_solution(const struct system *a, const struct system *b)
@@ -75,7 +77,8 @@ static bool same_solution(const struct system *a, const struct system *b)
     return fine;
 }
 
-/* The same motion as equations, as forces on an empty spring, as forces on top of half of it, and built in. */
+/* The same motion as equations, as forces on an empty spring, as forces on top of half of it, and
+ * built in. */
 static void test_like_the_built_in(void **state)
 {
     struct fixture *f = *state;
@@ -83,14 +86,16 @@ static void test_like_the_built_in(void **state)
     struct scene built_in;
     struct system wanted;
     for (int i = 0; i < 300; i++) {
-        double value[] = {random_between(-5, 40), random_between(-0.5, 3), random_between(0, 2), random_between(-9, 9),
-                          random_between(-2, 2),  random_between(0, 9),    random_between(-4, 4)};
+        double value[] = {random_between(-5, 40), random_between(-0.5, 3), random_between(0, 2),
+                          random_between(-9, 9),  random_between(-2, 2),   random_between(0, 9),
+                          random_between(-4, 4)};
         for (int k = 0; k < 5; k++)
             if (rand() % 3 == 0)
                 value[k] = 0;
         if (rand() % 2)
             value[2] = 0;
-        const double m = random_between(0.1, 3), y0 = random_between(-1, 1), v0 = random_between(-1, 1);
+        const double m = random_between(0.1, 3), y0 = random_between(-1, 1),
+                     v0 = random_between(-1, 1);
         scene_init(&built_in, NULL);
         const struct {
             const char *name;
@@ -137,7 +142,8 @@ static void test_like_the_built_in(void **state)
                 if (at[0] == 'k')
                     *at = 's';
             if (form >= 2) {
-                const struct model *model = type_line(f->models, f->scene.model, "param s = 1", &error);
+                const struct model *model =
+                    type_line(f->models, f->scene.model, "param s = 1", &error);
                 assert_non_null(model);
                 scene_remodel(&f->scene, model);
             }
@@ -170,8 +176,8 @@ static void test_like_the_built_in(void **state)
             }
             assert_true(scene_bind(&f->scene, &f->system, &f->error));
             if (!same_oscillator(&f->system, &wanted) || !same_solution(&f->system, &wanted))
-                fail_msg("%s with k %g c %g q %g w %g F %g o %g p %g", forced, value[0], value[1], value[2], value[3],
-                         value[4], value[5], value[6]);
+                fail_msg("%s with k %g c %g q %g w %g F %g o %g p %g", forced, value[0], value[1],
+                         value[2], value[3], value[4], value[5], value[6]);
         }
     }
 }
@@ -215,14 +221,22 @@ static void test_not_recognised(void **state)
     static const struct {
         const char *line;
         bool linear;
-    } linear[] = {{"y'' = -y - sign(y')", false},    {"y'' = -y - step(y)", false}, {"y'' = -y + t", true},
-                  {"y'' = -y + exp(t)", true},       {"y'' = -y*(1 + t)", false},   {"y'' = -if(k, y, y^2)", true},
-                  {"y'' = -if(k-2, y, y^2)", false}, {"y'' = -y/(1 + k)", true},    {"y'' = -round(y)", false},
-                  {"y'' = -y*y/y", false},           {"y'' = -(y < 1)*k", false}};
+    } linear[] = {{"y'' = -y - sign(y')", false},
+                  {"y'' = -y - step(y)", false},
+                  {"y'' = -y + t", true},
+                  {"y'' = -y + exp(t)", true},
+                  {"y'' = -y*(1 + t)", false},
+                  {"y'' = -if(k, y, y^2)", true},
+                  {"y'' = -if(k-2, y, y^2)", false},
+                  {"y'' = -y/(1 + k)", true},
+                  {"y'' = -round(y)", false},
+                  {"y'' = -y*y/y", false},
+                  {"y'' = -(y < 1)*k", false}};
     for (size_t i = 0; i < COUNT_OF(linear); i++) {
         bind_lines(f, LINES("var y = 0.5", "param k = 1", linear[i].line));
         if (i != 5 &&
-            f->system.linear != linear[i].linear) /* a parameter in a condition is not known as it is written */
+            f->system.linear !=
+                linear[i].linear) /* a parameter in a condition is not known as it is written */
             fail_msg("%s: linear is %d", linear[i].line, f->system.linear);
     }
     /* What is recognised is so for the present parameters. */
@@ -237,11 +251,14 @@ static void test_not_recognised(void **state)
     assert_true(f->system.oscillator.damping == 0.1 && f->system.oscillator.quadratic == 0.2);
     bind_lines(f, LINES("var y = 0.5", "y'' = -y - 0.1*y'^2"));
     assert_false(f->system.oscillator.drag_whole);
-    bind_lines(f, LINES("var y = 0.5", "y'' = -y - 0.1*y'*abs(2*y')")); /* not as has_kink() looks for it */
+    bind_lines(f, LINES("var y = 0.5",
+                        "y'' = -y - 0.1*y'*abs(2*y')")); /* not as has_kink() looks for it */
     assert_true(f->system.kinks && f->system.oscillator.whole);
-    /* Where a position cannot be told from the drag it is no oscillator in two parts, but linear all the same. */
+    /* Where a position cannot be told from the drag it is no oscillator in two parts, but linear
+     * all the same. */
     bind_lines(f, LINES("var y = 0.5", "param k = 2", "y'' = -if(k, y + y', 0)"));
-    assert_true(!f->system.oscillator.whole && !f->system.oscillator.drag_whole && system_has_exact(&f->system));
+    assert_true(!f->system.oscillator.whole && !f->system.oscillator.drag_whole &&
+                system_has_exact(&f->system));
     double y[2], wanted[2];
     system_exact(&f->system, 0, f->system.start, 3, y, NULL);
     bind_lines(f, LINES("var y = 0.5", "y'' = -y - y'"));
@@ -255,13 +272,16 @@ static void test_not_recognised(void **state)
     assert_false(f->system.oscillator.drag_whole);
 }
 
-/* Values at the ends of the range: recognised with finite coefficients, refused, or left to the general way. */
+/* Values at the ends of the range: recognised with finite coefficients, refused, or left to the
+ * general way. */
 static void test_extremes(void **state)
 {
     struct fixture *f = *state;
     const double value[] = {0, -1, 1e300, -1e300, 1e-300, DBL_MAX, DBL_MIN};
-    bind_lines(f, LINES("var y = 1e-10", "param k = 1", "param c = 0", "param m = 1", "y'' = -k/m*y - c*y'"));
-    assert_false(scene_set(&f->scene, scene_param(&f->scene, "k"), (struct measured){NAN, 0}, &f->error));
+    bind_lines(f, LINES("var y = 1e-10", "param k = 1", "param c = 0", "param m = 1",
+                        "y'' = -k/m*y - c*y'"));
+    assert_false(
+        scene_set(&f->scene, scene_param(&f->scene, "k"), (struct measured){NAN, 0}, &f->error));
     for (size_t i = 0; i < COUNT_OF(value); i++)
         for (size_t j = 0; j < COUNT_OF(value); j++)
             for (int heavy = 0; heavy < 2; heavy++) {
@@ -272,7 +292,8 @@ static void test_extremes(void **state)
                     continue;
                 const double stiffness = value[i] / (heavy ? 1 : 1e-10);
                 assert_true(f->system.oscillator.whole == (isfinite(stiffness) != 0));
-                assert_true(f->system.scale[0] > 0 && f->system.scale[1] > 0 && isfinite(f->system.scale[1]));
+                assert_true(f->system.scale[0] > 0 && f->system.scale[1] > 0 &&
+                            isfinite(f->system.scale[1]));
                 if (f->system.oscillator.whole)
                     assert_true(f->system.oscillator.stiffness == stiffness &&
                                 f->system.oscillator.damping == value[j]);
@@ -292,10 +313,11 @@ static void check(const struct system *system, double t, const double *wanted, d
     assert_true(system_has_exact(system));
     system_exact(system, system->t0, system->start, t, y, floor);
     for (int i = 0; i < system->n; i++) {
-        const double most = tolerance * fmax(system->scale[i], fabs(wanted[i]));
-        if (!(fabs(y[i] - wanted[i]) <= most))
-            fail_msg("%s at %g: %.17g is not %.17g (off by %.2g, allowed %.2g)", system->model->variable[i].name, t,
-                     y[i], wanted[i], fabs(y[i] - wanted[i]), most);
+        const double max = tolerance * fmax(system->scale[i], fabs(wanted[i]));
+        if (!(fabs(y[i] - wanted[i]) <= max))
+            fail_msg("%s at %g: %.17g is not %.17g (off by %.2g, allowed %.2g)",
+                     system->model->variable[i].name, t, y[i], wanted[i], fabs(y[i] - wanted[i]),
+                     max);
         assert_true(floor[i] >= 0 && floor[i] < 1e-9 * fmax(system->scale[i], fabs(wanted[i])));
     }
 }
@@ -305,20 +327,24 @@ static void test_normal_modes(void **state)
 {
     struct fixture *f = *state;
     const double times[] = {0, 0.1, 1, 7.5, 100, 1000, -30};
-    bind_lines(f, LINES("var a = 1", "var b = 0", "param k = 2", "param j = 3", "a'' = -k*a + j*(b - a)",
-                        "b'' = -k*b + j*(a - b)"));
+    bind_lines(f, LINES("var a = 1", "var b = 0", "param k = 2", "param j = 3",
+                        "a'' = -k*a + j*(b - a)", "b'' = -k*b + j*(a - b)"));
     assert_true(f->system.linear && !f->system.oscillator.whole);
     for (size_t i = 0; i < COUNT_OF(times); i++) {
-        const long double t = (long double)times[i], s = sqrtl(2), w = sqrtl(8), c = cosl(s * t) / 2,
-                          d = cosl(w * t) / 2;
+        const long double t = (long double)times[i], s = sqrtl(2), w = sqrtl(8),
+                          c = cosl(s * t) / 2, d = cosl(w * t) / 2;
         const long double u = -s * sinl(s * t) / 2, v = -w * sinl(w * t) / 2;
-        const double wanted[] = {(double)(c + d), (double)(c - d), (double)(u + v), (double)(u - v)};
+        const double wanted[] = {(double)(c + d), (double)(c - d), (double)(u + v),
+                                 (double)(u - v)};
         check(&f->system, times[i], wanted, 3e-16 + 1e-18 * fabs(times[i]));
     }
-    bind_lines(f, LINES("var a = 1", "var b = 0", "var c = 0", "a'' = b - 2*a", "b'' = a - 2*b + c", "c'' = b - 2*c"));
+    bind_lines(f, LINES("var a = 1", "var b = 0", "var c = 0", "a'' = b - 2*a", "b'' = a - 2*b + c",
+                        "c'' = b - 2*c"));
     for (size_t i = 0; i < COUNT_OF(times); i++) {
-        const long double t = (long double)times[i], w[] = {sqrtl(2 - sqrtl(2)), sqrtl(2), sqrtl(2 + sqrtl(2))};
-        const long double shape[3][3] = {{0.25L, sqrtl(2) / 4, 0.25L}, {0.5L, 0, -0.5L}, {0.25L, -sqrtl(2) / 4, 0.25L}};
+        const long double t = (long double)times[i],
+                          w[] = {sqrtl(2 - sqrtl(2)), sqrtl(2), sqrtl(2 + sqrtl(2))};
+        const long double shape[3][3] = {
+            {0.25L, sqrtl(2) / 4, 0.25L}, {0.5L, 0, -0.5L}, {0.25L, -sqrtl(2) / 4, 0.25L}};
         double wanted[6] = {0};
         for (int k = 0; k < 3; k++)
             for (int j = 0; j < 3; j++) {
@@ -329,13 +355,15 @@ static void test_normal_modes(void **state)
     }
 }
 
-/* The oscillator as two equations of first order, in every regime, with a constant force, against its closed form. */
+/* The oscillator as two equations of first order, in every regime, with a constant force, against
+ * its closed form. */
 static void test_like_the_closed_form(void **state)
 {
     struct fixture *f = *state;
     struct fixture second = *f;
     for (int i = 0; i < 300; i++) {
-        const double k = random_between(-2, 9), c = i % 3 ? random_between(-1, 4) : 2 * sqrt(fabs(k)),
+        const double k = random_between(-2, 9),
+                     c = i % 3 ? random_between(-1, 4) : 2 * sqrt(fabs(k)),
                      g = i % 2 ? random_between(-9, 9) : 0, start = random_between(-1, 1);
         char lines[3][120];
         snprintf(lines[0], sizeof lines[0], "var y = %.17g", start);
@@ -351,7 +379,8 @@ static void test_like_the_closed_form(void **state)
             system_exact(&second.system, 0, second.system.start, t, z, low);
             for (int n = 0; n < 2; n++)
                 if (!(fabs(y[n] - z[n]) <= DBL_EPSILON * fabs(z[n]) + 2 * floor[n]))
-                    fail_msg("k %g c %g g %g t %g: %.17g is not %.17g, floor %g", k, c, g, t, y[n], z[n], floor[n]);
+                    fail_msg("k %g c %g g %g t %g: %.17g is not %.17g, floor %g", k, c, g, t, y[n],
+                             z[n], floor[n]);
         }
     }
 }
@@ -359,20 +388,27 @@ static void test_like_the_closed_form(void **state)
 static void test_stiff(void **state)
 {
     struct fixture *f = *state;
-    bind_lines(f, LINES("var a = 1", "var b = 2", "a' = -1e6*a + 1e6*b", "b' = a - 2*b")); /* 60 digits: mpmath */
-    check(&f->system, 3, (const double[]){0.09957448524565454443472, 0.0995743856712688732780418}, 2e-16);
-    bind_lines(f, LINES("var a = 1", "var b = 2", "a' = -500000.5*a + 499999.5*b", "b' = 499999.5*a - 500000.5*b"));
-    check(&f->system, 3, (const double[]){0.07468060255179591446901, 0.07468060255179591446901}, 5e-14);
-    bind_lines(f,
-               LINES("var y = 1", "param k = 1e6", "y' = -k*(y - 3)")); /* what is fast is over, and nothing else is */
+    bind_lines(f, LINES("var a = 1", "var b = 2", "a' = -1e6*a + 1e6*b",
+                        "b' = a - 2*b")); /* 60 digits: mpmath */
+    check(&f->system, 3, (const double[]){0.09957448524565454443472, 0.0995743856712688732780418},
+          2e-16);
+    bind_lines(f, LINES("var a = 1", "var b = 2", "a' = -500000.5*a + 499999.5*b",
+                        "b' = 499999.5*a - 500000.5*b"));
+    check(&f->system, 3, (const double[]){0.07468060255179591446901, 0.07468060255179591446901},
+          5e-14);
+    bind_lines(f, LINES("var y = 1", "param k = 1e6",
+                        "y' = -k*(y - 3)")); /* what is fast is over, and nothing else is */
     check(&f->system, 1e-6, (const double[]){3 - 2 * exp(-1)}, 2e-16);
     check(&f->system, 100, (const double[]){3}, 1e-16);
-    bind_lines(f, LINES("var a = 1", "var b = 1e-8", "a' = -1e9*a", "b' = 1e-3*b")); /* neither knows of the other */
+    bind_lines(f, LINES("var a = 1", "var b = 1e-8", "a' = -1e9*a",
+                        "b' = 1e-3*b")); /* neither knows of the other */
     check(&f->system, 1000, (const double[]){0, 1e-8 * exp(1)}, 2e-16);
-    bind_lines(f, LINES("var x = 1", "var v = 2", "x' = v", "v' = -9.81")); /* nilpotent: a polynomial */
+    bind_lines(
+        f, LINES("var x = 1", "var v = 2", "x' = v", "v' = -9.81")); /* nilpotent: a polynomial */
     check(&f->system, 1e4, (const double[]){1 + 2e4 - 0.5 * 9.81 * 1e8, 2 - 9.81e4}, 2e-16);
     double y[2], floor[2];
-    bind_lines(f, LINES("var a = 1", "var b = 1", "a' = 5*a", "b' = -b")); /* growth beyond double */
+    bind_lines(f,
+               LINES("var a = 1", "var b = 1", "a' = 5*a", "b' = -b")); /* growth beyond double */
     for (double t = 1e3; t < 1e8; t *= 10) {
         system_exact(&f->system, 0, f->system.start, t, y, floor);
         assert_true(y[0] == HUGE_VAL && y[1] >= 0 && y[1] < 1e-15);
@@ -381,7 +417,8 @@ static void test_stiff(void **state)
     assert_true(y[0] == 1 && y[1] == 1 && floor[0] < 4 * DBL_EPSILON);
 }
 
-/* A change of the coefficients by an ulp moves the solution by no more than the floor, and not by much less. */
+/* A change of the coefficients by an ulp moves the solution by no more than the floor, and not by
+ * much less. */
 static void test_floor(void **state)
 {
     struct fixture *f = *state;
@@ -393,8 +430,10 @@ static void test_floor(void **state)
         double c[6], t = random_between(0, 30);
         for (int k = 0; k < 6; k++)
             c[k] = random_between(-2, 0.3);
-        snprintf(line[0], sizeof line[0], "a'' = s*(%.17g)*a + s*(%.17g)*b + (%.17g)*a'", c[0], c[1], -fabs(c[2]));
-        snprintf(line[1], sizeof line[1], "b'' = s*(%.17g)*a + s*(%.17g)*b + (%.17g)*b'", c[1], c[3] - 2, -fabs(c[4]));
+        snprintf(line[0], sizeof line[0], "a'' = s*(%.17g)*a + s*(%.17g)*b + (%.17g)*a'", c[0],
+                 c[1], -fabs(c[2]));
+        snprintf(line[1], sizeof line[1], "b'' = s*(%.17g)*a + s*(%.17g)*b + (%.17g)*b'", c[1],
+                 c[3] - 2, -fabs(c[4]));
         bind_lines(f, LINES("var a = 1", "var b = -0.5", "param s = 1", line[0], line[1]));
         scene = f->scene;
         set(&scene, "s", 1 + 1024 * DBL_EPSILON);
@@ -412,7 +451,8 @@ static void test_floor(void **state)
     assert_true(tightest > 0.1);
 }
 
-/* From t0 to t1, from there to t2, and back: the same solution. Sixteen variables have one, seventeen none. */
+/* From t0 to t1, from there to t2, and back: the same solution. Sixteen variables have one,
+ * seventeen none. */
 static void test_chain(void **state)
 {
     struct fixture *f = *state;
@@ -422,8 +462,8 @@ static void test_chain(void **state)
         const char *list[41];
         for (int i = 0; i < n; i++) {
             snprintf(lines[i], sizeof lines[i], "var q%d = %d", i, i % 3);
-            snprintf(lines[n + i], sizeof lines[i], "q%d' = q%d - 1.%d*q%d + 0.5*q%d", i, (i + 1) % n, i % 10, i,
-                     (i + n - 2) % n);
+            snprintf(lines[n + i], sizeof lines[i], "q%d' = q%d - 1.%d*q%d + 0.5*q%d", i,
+                     (i + 1) % n, i % 10, i, (i + n - 2) % n);
             list[i] = lines[i];
             list[n + i] = lines[n + i];
         }
@@ -458,7 +498,8 @@ static void test_derived(void **state)
     struct fixture *f = *state;
     bind_lines(f, LINES("var y = 1", "param k = 4", "param tau = 7", "y'' = -k*y - 0.5*y' - 2"));
     assert_true(derived(&f->scene, "omega0") == 2 && derived(&f->scene, "zeta") == 0.125);
-    assert_true(derived(&f->scene, "equilibrium") == -0.5 && derived(&f->scene, "amplitude") == 1.5);
+    assert_true(derived(&f->scene, "equilibrium") == -0.5 &&
+                derived(&f->scene, "amplitude") == 1.5);
     assert_null(catalog_find(scene_derived(&f->scene), TEXT("tau"))); /* it is the user's */
     assert_null(catalog_find(scene_derived(&f->scene), TEXT("Re")));
     set(&f->scene, "k", -4);
@@ -466,10 +507,12 @@ static void test_derived(void **state)
     bind_lines(f, LINES("var y = 1", "y'' = -y^3"));
     assert_true(isnan(derived(&f->scene, "T0")) && isnan(derived(&f->scene, "Q")));
     bind_lines(f, LINES("force -5*y - 0.1*v"));
-    const struct derived_row *T0 =
-        (const struct derived_row *)(const void *)catalog_find(scene_derived(&f->scene), TEXT("T0"));
-    assert_true(alike(derived(&f->scene, "omega0"), 10, 0) && alike(derived(&f->scene, "Q"), 20, 0));
-    assert_true(scene_set_derived(&f->scene, T0, (struct measured){0.5, 0}, &f->error)); /* the spring does the rest */
+    const struct derived_row *T0 = (const struct derived_row *)(const void *)catalog_find(
+        scene_derived(&f->scene), TEXT("T0"));
+    assert_true(alike(derived(&f->scene, "omega0"), 10, 0) &&
+                alike(derived(&f->scene, "Q"), 20, 0));
+    assert_true(scene_set_derived(&f->scene, T0, (struct measured){0.5, 0},
+                                  &f->error)); /* the spring does the rest */
     assert_true(alike(derived(&f->scene, "T0"), 0.5, 0));
     bind_lines(f, LINES("force -k*y")); /* k counts twice: it cannot be told so simply */
     assert_true(alike(derived(&f->scene, "omega0"), sqrt(150), 0));

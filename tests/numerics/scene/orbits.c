@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The closed forms that models bring with them: they solve the equation, and known places of known orbits. */
+/* The closed forms that models bring with them: they solve the equation, and known places of known
+ * orbits. */
 #include "unit/scene/testing.h"
 
 #include <math.h>
@@ -45,13 +46,16 @@ static void test_exact_solutions_satisfy_the_equation(void **state)
             struct system system = bind_or_fail(&scene);
             assert_true(system_has_exact(&system));
             for (int round = 0; round < 200; round++) {
-                double start[LIMIT_VARIABLES], at[LIMIT_VARIABLES], up[LIMIT_VARIABLES], down[LIMIT_VARIABLES],
-                    f[LIMIT_VARIABLES], floor[LIMIT_VARIABLES], t0 = random_between(&seed, -2, 2);
+                double start[LIMIT_VARIABLES], at[LIMIT_VARIABLES], up[LIMIT_VARIABLES],
+                    down[LIMIT_VARIABLES], f[LIMIT_VARIABLES], floor[LIMIT_VARIABLES],
+                    t0 = random_between(&seed, -2, 2);
                 for (int k = 0; k < system.n; k++)
-                    start[k] = round ? system.scale[k] * random_between(&seed, -1.3, 1.3) : system.start[k];
+                    start[k] = round ? system.scale[k] * random_between(&seed, -1.3, 1.3)
+                                     : system.start[k];
                 system_exact(&system, t0, start, t0, at, floor);
                 for (int k = 0; k < system.n; k++)
-                    assert_true(fabs(at[k] - start[k]) <= 1e-15 * fabs(start[k]) && floor[k] >= 0 && floor[k] < 1e-8);
+                    assert_true(fabs(at[k] - start[k]) <= 1e-15 * fabs(start[k]) && floor[k] >= 0 &&
+                                floor[k] < 1e-8);
                 double t = t0 + random_between(&seed, -9, 9), rate = 0;
                 system_exact(&system, t0, start, t, at, NULL);
                 system_derivative(&system, t, at, f);
@@ -63,10 +67,11 @@ static void test_exact_solutions_satisfy_the_equation(void **state)
                 system_exact(&system, t0, start, t + h, up, NULL);
                 system_exact(&system, t0, start, t - h, down, NULL);
                 for (int k = 0; k < system.n; k++) {
-                    double slope = (up[k] - down[k]) / (t + h - (t - h)), size = fmax(fabs(at[k]), system.scale[k]);
+                    double slope = (up[k] - down[k]) / (t + h - (t - h)),
+                           size = fmax(fabs(at[k]), system.scale[k]);
                     if (!(fabs(slope - f[k]) <= 1e-5 * fmax(rate, 1) * size))
-                        fail_msg("%s: variable %d at t = %g from %g: slope %.12g, wanted %.12g", preset_at(i)->row.name,
-                                 k, t, t0, slope, f[k]);
+                        fail_msg("%s: variable %d at t = %g from %g: slope %.12g, wanted %.12g",
+                                 preset_at(i)->row.name, k, t, t0, slope, f[k]);
                 }
             }
         }
@@ -77,7 +82,8 @@ static void test_exact_solutions_satisfy_the_equation(void **state)
 static void test_kepler(void **state)
 {
     (void)state;
-    struct scene scene = scene_of((const struct preset *)catalog_find(&preset_catalog, TEXT("kepler")));
+    struct scene scene =
+        scene_of((const struct preset *)catalog_find(&preset_catalog, TEXT("kepler")));
     static const double pi = 3.14159265358979323846;
     double y[4], floor[4];
     for (double e = 0; e < 1; e += 0.099) {
@@ -85,21 +91,25 @@ static void test_kepler(void **state)
         struct system system = bind_or_fail(&scene);
         /* Half a turn: the apocentre; a hundred turns: back, as far as pi in double allows. */
         system_exact(&system, 0, system.start, pi, y, floor);
-        assert_true(fabs(y[0] + 1 + e) <= 1e-15 + 2 * floor[0] && fabs(y[1]) <= 1e-15 + 2 * floor[1]);
+        assert_true(fabs(y[0] + 1 + e) <= 1e-15 + 2 * floor[0] &&
+                    fabs(y[1]) <= 1e-15 + 2 * floor[1]);
         assert_true(fabs(y[3] + sqrt((1 - e) / (1 + e))) <= 1e-15 + 2 * floor[3]);
         system_exact(&system, 0, system.start, 200 * pi, y, floor);
         for (int k = 0; k < 4; k++)
             assert_true(fabs(y[k] - system.start[k]) <= 2 * floor[k] && floor[k] < 1e-5);
     }
-    /* A quarter of a circle; a straight line away from the sun faster than it can hold; a parabola. */
+    /* A quarter of a circle; a straight line away from the sun faster than it can hold; a parabola.
+     */
     scene.value[scene_param(&scene, "e")] = 0;
     struct system system = bind_or_fail(&scene);
     system_exact(&system, 0, system.start, pi / 2, y, NULL);
-    assert_true(fabs(y[0]) < 1e-15 && fabs(y[1] - 1) < 1e-15 && fabs(y[2] + 1) < 1e-15 && fabs(y[3]) < 1e-15);
+    assert_true(fabs(y[0]) < 1e-15 && fabs(y[1] - 1) < 1e-15 && fabs(y[2] + 1) < 1e-15 &&
+                fabs(y[3]) < 1e-15);
     double away[4] = {1, 0, 2, 0}; /* v^2 = 2 + 2/r: hyperbolic, alpha = -2 */
     system_exact(&system, 0, away, 1e3, y, NULL);
     assert_true(fabs(y[2] * y[2] - (2 + 2 / y[0])) < 1e-14 && y[1] == 0 && y[0] > 1400);
-    double parabola[4] = {1, 0, 0, sqrt(2)}; /* Barker: t = (D + D^3/3)/sqrt 2 q^1.5 sqrt 2, D = tan(nu/2) */
+    double parabola[4] = {1, 0, 0,
+                          sqrt(2)}; /* Barker: t = (D + D^3/3)/sqrt 2 q^1.5 sqrt 2, D = tan(nu/2) */
     double d = 2, t = sqrt(2) * (d + d * d * d / 3);
     system_exact(&system, 0, parabola, t, y, NULL);
     assert_true(fabs(y[0] - (1 - d * d)) < 1e-14 * 5 && fabs(y[1] - 2 * d) < 1e-14 * 5);
@@ -108,7 +118,8 @@ static void test_kepler(void **state)
 static void test_prothero_robinson(void **state)
 {
     (void)state;
-    struct scene scene = scene_of((const struct preset *)catalog_find(&preset_catalog, TEXT("prothero-robinson")));
+    struct scene scene =
+        scene_of((const struct preset *)catalog_find(&preset_catalog, TEXT("prothero-robinson")));
     struct system system = bind_or_fail(&scene);
     double y, floor, away = 3;
     system_exact(&system, 0, system.start, 10, &y, &floor);

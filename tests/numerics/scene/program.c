@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Programs: random expressions in all forms against an evaluator of this file's own, bit for bit; sharing, binding,
- * limits.
+ * Programs: random expressions in all forms against an evaluator of this file's own, bit for bit;
+ * sharing, binding, limits.
  */
 #include "numerics/scene/trees.h"
 #include "unit/cpu_time.h"
@@ -11,12 +11,14 @@ struct worth {
     bool known; /* depends on no input */
 };
 
-/* As documented: with all operands known ordinary arithmetic, else what is multiplied by a known 0 is absent. */
+/* As documented: with all operands known ordinary arithmetic, else what is multiplied by a known 0
+ * is absent. */
 static struct worth worth_of(const struct tree *t, const bool *bound, const double *value)
 {
     struct worth x[3] = {{0}};
     if (t->kind == NUMBER || t->kind == NAME)
-        return t->kind == NUMBER ? (struct worth){t->number, true} : (struct worth){value[t->which], bound[t->which]};
+        return t->kind == NUMBER ? (struct worth){t->number, true}
+                                 : (struct worth){value[t->which], bound[t->which]};
     int count = 0;
     bool known = true;
     for (; count < 3 && t->x[count]; count++) {
@@ -24,7 +26,8 @@ static struct worth worth_of(const struct tree *t, const bool *bound, const doub
         known = known && x[count].known;
     }
     const double a = x[0].value, b = x[1].value;
-    const bool first = x[0].known && a == 0, second = count > 1 && x[1].known && b == 0; /* a known 0 */
+    const bool first = x[0].known && a == 0,
+               second = count > 1 && x[1].known && b == 0; /* a known 0 */
     switch (t->kind) {
     case NEG:
         return (struct worth){-a, known};
@@ -91,7 +94,8 @@ static void test_random_expressions(void **state)
         for (int k = 0; k < POINTS; k++) {
             const double wanted = worth_of(tree, bound, input[k]).value;
             if (!same(output[k], wanted))
-                fail_msg("%s = %.17g, wanted %.17g (round %d)", text.data, output[k], wanted, round);
+                fail_msg("%s = %.17g, wanted %.17g (round %d)", text.data, output[k], wanted,
+                         round);
             finite += isfinite(wanted);
         }
         equations_destroy(equations);
@@ -119,21 +123,24 @@ static void test_absent_terms(void **state)
     static const struct {
         const char *text;
         double value;
-    } cases[] = {{"a*b", 0},         {"f + a*c", 4},         {"c*a - f", -4},    {"a/c", 0},
-                 {"a*c + d", -0.0},  {"d - a*c", -0.0},      {"(1 - 1)*c", 0},   {"(a - 0)*sqrt(e) + 1", 1},
-                 {"d*b", NAN},       {"f*0*b", 0},           {"c^a", 1},         {"if(a, c, 2)", 2},
-                 {"if(1, f, c)", 4}, {"min(a, f)*c", NAN},   {"min(a, 3)*c", 0}, {"(f < a)*3", 0},
-                 {"(e < f)*3", 3},   {"if(e < a, 5, 6)", 5}, {"(c < f)", NAN},   {"(f >= 4) + (f > 4)", 1},
-                 {"mod(-1, f)", 3},  {"mod(7, -f)", -1},     {"f^-0.5", 0.5},    {"f^1.5", 8}};
+    } cases[] = {
+        {"a*b", 0},         {"f + a*c", 4},         {"c*a - f", -4},    {"a/c", 0},
+        {"a*c + d", -0.0},  {"d - a*c", -0.0},      {"(1 - 1)*c", 0},   {"(a - 0)*sqrt(e) + 1", 1},
+        {"d*b", NAN},       {"f*0*b", 0},           {"c^a", 1},         {"if(a, c, 2)", 2},
+        {"if(1, f, c)", 4}, {"min(a, f)*c", NAN},   {"min(a, 3)*c", 0}, {"(f < a)*3", 0},
+        {"(e < f)*3", 3},   {"if(e < a, 5, 6)", 5}, {"(c < f)", NAN},   {"(f >= 4) + (f > 4)", 1},
+        {"mod(-1, f)", 3},  {"mod(7, -f)", -1},     {"f^-0.5", 0.5},    {"f^1.5", 8}};
     for (size_t i = 0; i < COUNT_OF(cases); i++)
         if (!same(value_of(cases[i].text, first, x), cases[i].value))
-            fail_msg("%s = %g, wanted %g", cases[i].text, value_of(cases[i].text, first, x), cases[i].value);
+            fail_msg("%s = %g, wanted %g", cases[i].text, value_of(cases[i].text, first, x),
+                     cases[i].value);
 }
 
 static void test_sharing(void **state)
 {
     (void)state;
-    /* Two bodies under an inverse square law: the cube of the distance is computed once for both. */
+    /* Two bodies under an inverse square law: the cube of the distance is computed once for both.
+     */
     static const char *const text[] = {"-c*a/(a^2 + b^2)^1.5", "-c*b/(b^2 + a^2)^1.5", "a^2 + b^2"};
     struct equations *equations = equations_of(text, 3);
     const double x[NAMES] = {0.6, 0.8, 2};
@@ -143,7 +150,8 @@ static void test_sharing(void **state)
     assert_true(fabs(output[0] + 1.2) < 1e-15 && fabs(output[1] + 1.6) < 1e-15);
     struct program *one = program_of(equations, 0, 1, bound, x, false),
                    *all = program_of(equations, 0, 3, bound, x, false);
-    /* b^2, a^2 + b^2, root, cube, -c a, quotient; two more for the second body, none for the third output. */
+    /* b^2, a^2 + b^2, root, cube, -c a, quotient; two more for the second body, none for the third
+     * output. */
     assert_int_equal(program_operations(one), 6);
     assert_int_equal(program_operations(all), 8);
     assert_true(program_depends(all, 0, 2, 1) && program_depends(all, 2, 1, 0));
@@ -220,7 +228,8 @@ static void test_many_values(void **state)
     arena_reset(&arena);
 }
 
-/* As large as an expression may be, all its derivatives, and equations beyond what is allowed: quick, or refused. */
+/* As large as an expression may be, all its derivatives, and equations beyond what is allowed:
+ * quick, or refused. */
 static void test_limits(void **state)
 {
     (void)state;
@@ -242,8 +251,10 @@ static void test_limits(void **state)
     /* Products of ever more factors: derivatives of derivatives grow without end. */
     bool refused = false;
     start = cpu_ns();
-    for (int order = 0, first = 1, count = 6; order < 9 && !refused; order++, first += count, count *= 6)
-        refused = !equations_derive(equations, first, count, (const int[]){0, 1, 2, 3, 4, 5}, 6, &error);
+    for (int order = 0, first = 1, count = 6; order < 9 && !refused;
+         order++, first += count, count *= 6)
+        refused =
+            !equations_derive(equations, first, count, (const int[]){0, 1, 2, 3, 4, 5}, 6, &error);
     assert_true(refused && strstr(error.text, "more than"));
     assert_true(1e-9 * (double)(cpu_ns() - start) < 5);
     equations_destroy(equations);

@@ -112,8 +112,8 @@ static double real_operation(const struct tree *t, const double complex *z)
                                                : creal(complex_operation(t, z));
 }
 
-/* The value with its derivative; *size: the sum of the magnitudes of all that adds up to the derivative, NaN where the
- * place is too near a pole or too far out to say anything to 1e-12. */
+/* The value with its derivative; *size: the sum of the magnitudes of all that adds up to the
+ * derivative, NaN where the place is too near a pole or too far out to say anything to 1e-12. */
 static double complex complex_value(const struct tree *t, const double *x, int name, double *size)
 {
     if (t->kind == NUMBER || t->kind == NAME) {
@@ -129,7 +129,8 @@ static double complex complex_value(const struct tree *t, const double *x, int n
         z[count] = complex_value(t->x[count], x, name, &sizes[count]);
     const double complex made = complex_operation(t, z);
     const double real = real_operation(t, z);
-    if (!(fabs(creal(made) - real) < 1e-9) || !(fabs(real) < 30) || !(fabs(real) > 1e-3 || real == 0))
+    if (!(fabs(creal(made) - real) < 1e-9) || !(fabs(real) < 30) ||
+        !(fabs(real) > 1e-3 || real == 0))
         *size = NAN;
     for (int k = 0; k < count; k++) {
         for (int i = 0; i < 3; i++)
@@ -167,7 +168,8 @@ static void test_derivatives(void **state)
             if (isnan(size) || isnan(wanted))
                 continue;
             if (!(fabs(derivative[j] - wanted) <= 1e-12 * fmax(size, fabs(wanted))))
-                fail_msg("%s by %c: %.17g, wanted %.17g (round %d)", text.data, 'a' + j, derivative[j], wanted, round);
+                fail_msg("%s by %c: %.17g, wanted %.17g (round %d)", text.data, 'a' + j,
+                         derivative[j], wanted, round);
             compared++;
             zero += wanted == 0;
         }

@@ -56,8 +56,8 @@ static inline struct equations *equations_of(const char *const *text, int count)
     return equations;
 }
 
-static inline struct program *program_of(const struct equations *equations, int first, int count, const bool *bound,
-                                         const double *value, bool native)
+static inline struct program *program_of(const struct equations *equations, int first, int count,
+                                         const bool *bound, const double *value, bool native)
 {
     struct error error = {0};
     struct program *program = program_create(equations, first, count, bound, value, native, &error);
@@ -69,10 +69,10 @@ static inline struct program *program_of(const struct equations *equations, int 
 /* NaN: what was not set is seen. */
 static inline double *room_of(size_t count)
 {
-    double *room = aligned_alloc(64, (count * sizeof *room + 64) / 64 * 64);
-    assert_non_null(room);
-    memset(room, 0xFF, count * sizeof *room);
-    return room;
+    double *capacity = aligned_alloc(64, (count * sizeof *capacity + 64) / 64 * 64);
+    assert_non_null(capacity);
+    memset(capacity, 0xFF, count * sizeof *capacity);
+    return capacity;
 }
 
 static inline void evaluate(const struct program *program, const double *input, double *output)
@@ -83,9 +83,11 @@ static inline void evaluate(const struct program *program, const double *input, 
     free(frame);
 }
 
-/* The outputs of all forms, which must agree. input [count][NAMES], output [count][outputs], count at most lanes. */
-static inline void evaluate_all(const struct equations *equations, int first, int outputs, const bool *bound,
-                                const double *value, const double *input, int count, double *output)
+/* The outputs of all forms, which must agree. input [count][NAMES], output [count][outputs], count
+ * at most lanes. */
+static inline void evaluate_all(const struct equations *equations, int first, int outputs,
+                                const bool *bound, const double *value, const double *input,
+                                int count, double *output)
 {
     struct program *registers = program_of(equations, first, outputs, bound, value, false);
     struct program *native = program_of(equations, first, outputs, bound, value, true);
@@ -108,9 +110,11 @@ static inline void evaluate_all(const struct equations *equations, int first, in
         evaluate(native, input + k * NAMES, row);
         for (int i = 0; i < outputs; i++) {
             if (!same(output[k * outputs + i], row[i]))
-                fail_msg("output %d: %.17g, as machine code %.17g", i, output[k * outputs + i], row[i]);
+                fail_msg("output %d: %.17g, as machine code %.17g", i, output[k * outputs + i],
+                         row[i]);
             if (!same(output[k * outputs + i], out[i * PROGRAM_LANES + k]))
-                fail_msg("output %d: %.17g, in lanes %.17g", i, output[k * outputs + i], out[i * PROGRAM_LANES + k]);
+                fail_msg("output %d: %.17g, in lanes %.17g", i, output[k * outputs + i],
+                         out[i * PROGRAM_LANES + k]);
         }
     }
     free(lanes);
@@ -123,7 +127,21 @@ static inline void evaluate_all(const struct equations *equations, int first, in
 
 /* ---- random trees, which know what they are worth ---- */
 
-enum kind { NUMBER, NAME, NEG, ADD, SUB, MUL, DIV, POW, LESS, GREATER, LESS_EQUAL, GREATER_EQUAL, CALL };
+enum kind {
+    NUMBER,
+    NAME,
+    NEG,
+    ADD,
+    SUB,
+    MUL,
+    DIV,
+    POW,
+    LESS,
+    GREATER,
+    LESS_EQUAL,
+    GREATER_EQUAL,
+    CALL
+};
 
 static inline double own_min(double a, double b)
 {
@@ -212,7 +230,8 @@ static inline const struct tree *grow(struct forest *f, int depth)
     if (kind == 0) {
         *t = (struct tree){.kind = NUMBER, .number = numbers[pick(f, (int)COUNT_OF(numbers))]};
     } else if (kind >= 3 && kind < 16) {
-        t->kind = (enum kind[]){NEG, ADD, SUB, MUL, DIV, POW, ADD, SUB, MUL, MUL, MUL, ADD, LESS}[kind - 3];
+        t->kind = (enum kind[]){
+            NEG, ADD, SUB, MUL, DIV, POW, ADD, SUB, MUL, MUL, MUL, ADD, LESS}[kind - 3];
         if (t->kind == LESS)
             t->kind += (enum kind)pick(f, 4);
         t->x[0] = grow(f, depth - 1);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* stress: every case of every method ends with a verdict that is explained; well-known ones are what they must be. */
+/* stress: every case of every method ends with a verdict that is explained; well-known ones are
+ * what they must be. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
@@ -21,7 +22,7 @@ static int set_up(void **state)
     const struct method *all[512];
     struct error error;
     for (size_t i = 0; i < method_catalog.count && methods < 512; i++)
-        if (!(method_at(i)->flags & METHOD_YARDSTICK))
+        if (!(method_at(i)->flags & METHOD_EXTERNAL))
             all[methods++] = method_at(i);
     return study_stress(NULL, all, methods, NULL, &stress, &error) ? 0 : -1;
 }
@@ -36,7 +37,7 @@ static int tear_down(void **state)
 static const struct stress_row *row_of(const char *scene, const char *method)
 {
     for (int i = 0; i < stress.rows; i++)
-        if (strcmp(stress.cases[stress.row[i].place].name, scene) == 0 &&
+        if (strcmp(stress.cases[stress.row[i].index].name, scene) == 0 &&
             strcmp(stress.row[i].method->row.name, method) == 0)
             return &stress.row[i];
     fail_msg("%s on %s is missing", method, scene);
@@ -52,10 +53,11 @@ static void test_nothing_is_unexplained(void **state)
         const struct stress_row *row = &stress.row[i];
         const bool good = row->verdict == STRESS_EXACT || row->verdict == STRESS_ACCURATE;
         if (row->verdict == STRESS_UNEXPLAINED || row->verdict == STRESS_UNKNOWN)
-            fail_msg("%s on %s: unexplained %s", row->method->row.name, stress.cases[row->place].name, row->reason);
+            fail_msg("%s on %s: unexplained %s", row->method->row.name,
+                     stress.cases[row->index].name, row->reason);
         if (good ? !(row->error <= 1e-2) : !row->reason[0])
-            fail_msg("%s on %s: error %g, reason '%s'", row->method->row.name, stress.cases[row->place].name,
-                     row->error, row->reason);
+            fail_msg("%s on %s: error %g, reason '%s'", row->method->row.name,
+                     stress.cases[row->index].name, row->error, row->reason);
     }
     for (int v = 0; v < STRESS_VERDICTS; v++)
         counted += stress.count_of[v];
@@ -109,7 +111,8 @@ static void test_known_verdicts(void **state)
         const struct stress_row *row = row_of(known[i].scene, known[i].method);
         if (row->verdict != known[i].verdict)
             fail_msg("%s on %s: %s (error %g) %s", known[i].method, known[i].scene,
-                     catalog_row(&stress_verdict_catalog, row->verdict)->name, row->error, row->reason);
+                     catalog_row(&stress_verdict_catalog, row->verdict)->name, row->error,
+                     row->reason);
     }
     assert_non_null(strstr(row_of("T/dt = 1e12", "rk4")->reason, "1e+12 steps"));
     assert_non_null(strstr(row_of("dt = 0", "rk4")->reason, "dt must be > 0"));
@@ -121,12 +124,13 @@ static void test_known_verdicts(void **state)
 static void test_nonsense_is_refused(void **state)
 {
     (void)state;
-    static const char *const nonsense[] = {"m = 0",        "k = nan",       "y0 = inf", "dt = 0",
-                                           "dt < 0",       "dt = nan",      "dt = inf", "dt below rounding",
-                                           "T/dt = 1e300", "duration = nan"};
+    static const char *const nonsense[] = {
+        "m = 0",    "k = nan",  "y0 = inf",          "dt = 0",       "dt < 0",
+        "dt = nan", "dt = inf", "dt below rounding", "T/dt = 1e300", "duration = nan"};
     for (size_t i = 0; i < COUNT_OF(nonsense); i++)
         for (int m = 0; m < methods; m++)
-            assert_int_equal(row_of(nonsense[i], stress.row[m].method->row.name)->verdict, STRESS_REFUSED);
+            assert_int_equal(row_of(nonsense[i], stress.row[m].method->row.name)->verdict,
+                             STRESS_REFUSED);
 }
 
 static void test_cancelled_keeps_what_is_finished(void **state)
@@ -148,15 +152,17 @@ static void test_a_typed_scene(void **state)
     static const struct {
         const char *name, *method;
         enum stress_verdict verdict;
-    } known[] = {{"as it is", "rk4", STRESS_ACCURATE},     {"dt x 0.99", "euler", STRESS_BOUNDED},
-                 {"dt x 2", "euler", STRESS_DIVERGED},     {"dt x 10", "backward-euler", STRESS_BOUNDED},
-                 {"k x 1e6", "rk4", STRESS_DIVERGED},      {"k x 1e6", "radau5", STRESS_EXACT},
-                 {"k = 0", "euler", STRESS_EXACT},         {"k x -1", "radau5", STRESS_ACCURATE},
-                 {"start 1e-310", "rk4", STRESS_ACCURATE}, {"start 1e150", "rk4", STRESS_ACCURATE},
-                 {"as it is", "verlet", STRESS_REFUSED}};
+    } known[] = {
+        {"as it is", "rk4", STRESS_ACCURATE},     {"dt x 0.99", "euler", STRESS_BOUNDED},
+        {"dt x 2", "euler", STRESS_DIVERGED},     {"dt x 10", "backward-euler", STRESS_BOUNDED},
+        {"k x 1e6", "rk4", STRESS_DIVERGED},      {"k x 1e6", "radau5", STRESS_EXACT},
+        {"k = 0", "euler", STRESS_EXACT},         {"k x -1", "radau5", STRESS_ACCURATE},
+        {"start 1e-310", "rk4", STRESS_ACCURATE}, {"start 1e150", "rk4", STRESS_ACCURATE},
+        {"as it is", "verlet", STRESS_REFUSED}};
     (void)state;
-    const struct method *one[] = {method_named("rk4"), method_named("euler"), method_named("backward-euler"),
-                                  method_named("radau5"), method_named("verlet")};
+    const struct method *one[] = {method_named("rk4"), method_named("euler"),
+                                  method_named("backward-euler"), method_named("radau5"),
+                                  method_named("verlet")};
     struct error error = {0};
     struct typed_models *models = typed_create(&error);
     struct scene scene;
@@ -172,10 +178,11 @@ static void test_a_typed_scene(void **state)
     assert_int_equal(made.count_of[STRESS_UNEXPLAINED] + made.count_of[STRESS_UNKNOWN], 0);
     for (size_t i = 0; i < COUNT_OF(known); i++)
         for (int r = 0; r < made.rows; r++)
-            if (strcmp(made.cases[made.row[r].place].name, known[i].name) == 0 &&
-                strcmp(made.row[r].method->row.name, known[i].method) == 0 && made.row[r].verdict != known[i].verdict)
-                fail_msg("%s on %s: %d, error %g, %s", known[i].method, known[i].name, (int)made.row[r].verdict,
-                         made.row[r].error, made.row[r].reason);
+            if (strcmp(made.cases[made.row[r].index].name, known[i].name) == 0 &&
+                strcmp(made.row[r].method->row.name, known[i].method) == 0 &&
+                made.row[r].verdict != known[i].verdict)
+                fail_msg("%s on %s: %d, error %g, %s", known[i].method, known[i].name,
+                         (int)made.row[r].verdict, made.row[r].error, made.row[r].reason);
     stress_free(&made);
     typed_destroy(models);
 }

@@ -9,7 +9,8 @@
 #include "terminal/terminal.h"
 #include "terminal/person.h"
 
-/* ---- what is sent ----------------------------------------------------------------------------------------- */
+/* ---- what is sent
+ * ----------------------------------------------------------------------------------------- */
 
 static void test_idle_is_silent(void **state)
 {
@@ -90,7 +91,8 @@ static void test_echo_on_a_slow_link(void **state)
             pump(&p, 10);
         }
     }
-    print_message("# echo at 10 kB/s during a run: after %.0f bytes on average, %.0f at worst\n", sum / keys, worst);
+    print_message("# echo at 10 kB/s during a run: after %.0f bytes on average, %.0f at worst\n",
+                  sum / keys, worst);
     assert_true(worst < 2000); /* of other things, which is 0.2 s */
     buffer_free(&line);
     p.rate = 0;
@@ -124,7 +126,8 @@ static void test_late_reply_does_not_leak(void **state)
         assert_true(pump(&p, 2000));
     }
     type(&p, "quit\r");
-    while (p.screen.second_screen && p.answered == 0) { /* the answer comes when the program is about to leave */
+    while (p.screen.second_screen &&
+           p.answered == 0) { /* the answer comes when the program is about to leave */
         if (!pump(&p, 20)) {
             p.answered = 1;
             type(&p, "\033[0n");

@@ -102,7 +102,8 @@ static void test_comma_locale(void **state)
     buffer_free(&point.screen);
 }
 
-/* Without a prompt: results in each form. What `run` records holds the computing time and is no part of it. */
+/* Without a prompt: results in each form. What `run` records holds the computing time and is no
+ * part of it. */
 static void test_comma_locale_in_batch(void **state)
 {
     (void)state;
@@ -112,18 +113,22 @@ static void test_comma_locale_in_batch(void **state)
     }
     static const struct {
         const char *format, *from, *number;
-    } cases[] = {{"text", "t = ", "0.8108"}, {"csv", "measure", "0.0015"}, {"json", "\"measure\"", "\"value\":0.0015"}};
+    } cases[] = {{"text", "t = ", "0.8108"},
+                 {"csv", "measure", "0.0015"},
+                 {"json", "\"measure\"", "\"value\":0.0015"}};
     static const char *const names[] = {COMMA, "C.UTF-8"};
     for (size_t i = 0; i < COUNT_OF(cases); i++) {
         struct person p[2];
         for (size_t j = 0; j < COUNT_OF(names); j++) {
-            begin(&p[j], (struct start){.locale = names[j],
-                                        .argument = {"-b", "--format", cases[i].format, "-c",
-                                                     "m = 0.25; set timing off; method verlet dt=12.5ms; "
-                                                     "run 2.5 s; measure period; plot energy; print 1.5e-3"}});
+            begin(&p[j], (struct start){
+                             .locale = names[j],
+                             .argument = {"-b", "--format", cases[i].format, "-c",
+                                          "m = 0.25; set timing off; method verlet dt=12.5ms; "
+                                          "run 2.5 s; measure period; plot energy; print 1.5e-3"}});
             assert_int_equal(wait_end(&p[j]), 0);
         }
-        const char *comma = strstr(p[0].raw.data, cases[i].from), *point = strstr(p[1].raw.data, cases[i].from);
+        const char *comma = strstr(p[0].raw.data, cases[i].from),
+                   *point = strstr(p[1].raw.data, cases[i].from);
         assert_true(comma && point && strstr(comma, cases[i].number));
         assert_string_equal(comma, point);
         forget(&p[0]);
@@ -138,7 +143,11 @@ static void test_missing_locale(void **state)
     static const struct {
         const char *locale;
         bool utf8;
-    } cases[] = {{"xx_YY.UTF-8", true}, {"xx_YY.utf8", true}, {"xx_YY", false}, {"C", false}, {"nonsense", false}};
+    } cases[] = {{"xx_YY.UTF-8", true},
+                 {"xx_YY.utf8", true},
+                 {"xx_YY", false},
+                 {"C", false},
+                 {"nonsense", false}};
     for (size_t i = 0; i < COUNT_OF(cases); i++) {
         struct person p;
         start_panes(&p, (struct start){.locale = cases[i].locale});
@@ -154,7 +163,8 @@ static void test_missing_locale(void **state)
     }
 }
 
-/* Bytes that are no text are shown as what they are, can be edited, and never reach the terminal. */
+/* Bytes that are no text are shown as what they are, can be edited, and never reach the terminal.
+ */
 static void test_invalid_bytes(void **state)
 {
     (void)state;

@@ -30,7 +30,8 @@ static void last_act(void)
     free(some);
 }
 
-/* What the child that ran out of memory inside readline said, through its last act and on standard error. */
+/* What the child that ran out of memory inside readline said, through its last act and on standard
+ * error. */
 static void run_out(int pipe_end)
 {
     report = pipe_end;
@@ -39,7 +40,8 @@ static void run_out(int pipe_end)
     const struct rlimit limit = {(rlim_t)256 << 20, (rlim_t)256 << 20};
     setrlimit(RLIMIT_AS, &limit);
     char *filler;
-    for (size_t size = (size_t)128 << 20; size >= 4096; size /= 2) { /* until nothing is left but small change */
+    for (size_t size = (size_t)128 << 20; size >= 4096;
+         size /= 2) { /* until nothing is left but small change */
         while ((filler = malloc(size))) {
             filler[0] = 1;
         }

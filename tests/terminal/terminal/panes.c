@@ -11,7 +11,9 @@
 
 #define CLEAN "\x03\x15" /* Ctrl-C, Ctrl-U */
 
-/* ---- typing ----------------------------------------------------------------------------------------------- */
+/* ---- typing
+ * -----------------------------------------------------------------------------------------------
+ */
 
 static void test_types_and_answers(void **state)
 {
@@ -70,7 +72,8 @@ static void test_multibyte_text(void **state)
         start_panes(&p, (struct start){.locale = locales[i]});
         type(&p, "echo \xc5\xbc\xc3\xb3\xc5\x82\xc4\x87 \xe6\x97\xa5\xe6\x9c\xac");
         if (strcmp(locales[i], "C") != 0) {
-            expect_prompt(&p, "hooke> echo \xc5\xbc\xc3\xb3\xc5\x82\xc4\x87 \xe6\x97\xa5\xe6\x9c\xac");
+            expect_prompt(&p,
+                          "hooke> echo \xc5\xbc\xc3\xb3\xc5\x82\xc4\x87 \xe6\x97\xa5\xe6\x9c\xac");
             type(&p, "\x7f\x02\x02\x7f"); /* rub out 本, go before ć... */
             expect_prompt(&p, "hooke> echo \xc5\xbc\xc3\xb3\xc5\x82 \xe6\x97\xa5");
         }
@@ -85,7 +88,9 @@ static void test_multibyte_text(void **state)
     }
 }
 
-/* ---- Ctrl-C ----------------------------------------------------------------------------------------------- */
+/* ---- Ctrl-C
+ * -----------------------------------------------------------------------------------------------
+ */
 
 static void test_interrupt(void **state)
 {
@@ -168,8 +173,9 @@ static void test_interrupts_are_prompt(void **state)
     }
     qsort(after, (size_t)times, sizeof after[0], by_size);
     const double late = after[times * 99 / 100 - 1];
-    print_message("# %d interrupts from the panes: paused after %.1f ms of work (median), %.1f ms (99th percentile)\n", times,
-                  after[times / 2], late);
+    print_message("# %d interrupts from the panes: paused after %.1f ms of work (median), %.1f ms "
+                  "(99th percentile)\n",
+                  times, after[times / 2], late);
     assert_true(late <= (double)work_most() / MS);
     quit(&p);
 }
@@ -190,7 +196,9 @@ static void test_interrupt_stops_long_commands(void **state)
     quit(&p);
 }
 
-/* ---- pastes ----------------------------------------------------------------------------------------------- */
+/* ---- pastes
+ * -----------------------------------------------------------------------------------------------
+ */
 
 static void test_pastes(void **state)
 {
@@ -227,7 +235,9 @@ static void test_pastes(void **state)
     quit(&p);
 }
 
-/* ---- keys ------------------------------------------------------------------------------------------------- */
+/* ---- keys
+ * -------------------------------------------------------------------------------------------------
+ */
 
 static void test_keys(void **state)
 {
@@ -317,7 +327,9 @@ static void test_inputrc_wins(void **state)
     quit(&p);
 }
 
-/* ---- sizes ------------------------------------------------------------------------------------------------ */
+/* ---- sizes
+ * ------------------------------------------------------------------------------------------------
+ */
 
 /* What a screen of this size shows after a repaint is what it shows now. */
 static void expect_true_screen(struct person *p)
@@ -411,7 +423,9 @@ static void test_suspend_in_a_long_command(void **state)
     quit(&p);
 }
 
-/* ---- ends ------------------------------------------------------------------------------------------------- */
+/* ---- ends
+ * -------------------------------------------------------------------------------------------------
+ */
 
 static void end_by(int number, bool running)
 {

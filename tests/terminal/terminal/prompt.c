@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The real program under a pseudo-terminal: what a person types and sees. Waits for text, never sleeps. */
+/* The real program under a pseudo-terminal: what a person types and sees. Waits for text, never
+ * sleeps. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
@@ -23,8 +24,9 @@
 #include "terminal/terminal.h"
 #include "terminal/folder.h"
 
-#define PATIENCE_MS                                                                                                    \
-    20000 /* a text that has not come by then will not come; generous for sanitizers on a busy machine */
+#define PATIENCE_MS                                                                                \
+    20000 /* a text that has not come by then will not come; generous for sanitizers on a busy     \
+             machine */
 
 struct person {
     pid_t program;
@@ -251,7 +253,8 @@ static void test_interrupt_stops_long_commands(void **state)
     type(&p, line);
     expect(&p, "50000 rows");
     expect(&p, PROMPT);
-    interrupted_in_time(&p, "fit damped", false); /* late in a fit the key comes too late: its end is near */
+    interrupted_in_time(&p, "fit damped",
+                        false); /* late in a fit the key comes too late: its end is near */
     quit(&p);
     unlink(path);
 }

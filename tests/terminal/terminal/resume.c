@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Sessions that save themselves: a terminal that is closed, a program that is killed, files that are not what they
- * should be. */
+/* Sessions that save themselves: a terminal that is closed, a program that is killed, files that
+ * are not what they should be. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
@@ -189,14 +189,16 @@ static void test_nothing_changed_nothing_saved(void **state)
     assert_int_equal(count_saved(name), 0);
 }
 
-/* The last five are kept, those of living programs anyway; what killed writers left is cleared away. */
+/* The last five are kept, those of living programs anyway; what killed writers left is cleared
+ * away. */
 static void test_old_ones_go(void **state)
 {
     (void)state;
     new_state();
     char living[64], name[256];
     for (int i = 0; i < 8; i++) {
-        snprintf(name, sizeof name, "session-20200101-00000%d-4194304%d.hk", i, i); /* no process has such a number */
+        snprintf(name, sizeof name, "session-20200101-00000%d-4194304%d.hk", i,
+                 i); /* no process has such a number */
         plant(name, "m = 1 kg\n", 1000 + i);
     }
     snprintf(living, sizeof living, "session-20200101-000000-%ld.hk", (long)getpid());

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * What the uncertainties of 'measure period' and of 'fit' are worth: 95 % intervals cover the truth in 90 to 99 % of the
- * recordings of each kind, or a warning says that one number for the whole is doubtful.
+ * What the uncertainties of 'measure period' and of 'fit' are worth: 95 % intervals cover the truth
+ * in 90 to 99 % of the recordings of each kind, or a warning says that one number for the whole is
+ * doubtful.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -56,7 +57,8 @@ static void walking_baseline(struct recorded *r, double amplitude)
 
 static void bent_baseline(struct recorded *r, double amplitude)
 {
-    const double bend = amplitude * random_between(-4, 4), slope = amplitude * random_between(-3, 3);
+    const double bend = amplitude * random_between(-4, 4),
+                 slope = amplitude * random_between(-3, 3);
     for (size_t i = 0; i < r->n; i++) {
         const double x = r->t[i] / r->span;
         r->y[i] += slope * x + bend * x * x;
@@ -67,7 +69,8 @@ static void bent_baseline(struct recorded *r, double amplitude)
 static void gaps(struct recorded *r, double amplitude)
 {
     size_t n = 0;
-    const double from = random_between(0.2, 0.5) * r->span, to = from + random_between(0.05, 0.3) * r->span;
+    const double from = random_between(0.2, 0.5) * r->span,
+                 to = from + random_between(0.05, 0.3) * r->span;
     white(r, amplitude);
     for (size_t i = 0; i < r->n; i++)
         if ((r->t[i] < from || r->t[i] > to) && random_uniform() > 0.1) {
@@ -103,10 +106,12 @@ static double slowly_decaying(double t, double period, double span)
     return exp(-0.7 * t / span);
 }
 
-/* Dry friction alone, x periods from a turning point at 1: half swings about +-d, until it sticks. */
+/* Dry friction alone, x periods from a turning point at 1: half swings about +-d, until it sticks.
+ */
 static double under_dry_friction(double x, double d)
 {
-    const int half = (int)fmin(2 * x, 0.5 * (1 / d - 1) + 1); /* swings, while the amplitude exceeds d */
+    const int half =
+        (int)fmin(2 * x, 0.5 * (1 / d - 1) + 1); /* swings, while the amplitude exceeds d */
     const double sign = half % 2 ? -1 : 1, from = 1 - 2 * d * half;
     return from > d ? sign * (d + (from - d) * cos(PI * (2 * x - half))) : sign * from;
 }
@@ -115,7 +120,9 @@ enum shape { DECAYING, SHORT, DAMPED, CHIRP, BEATS, COULOMB };
 
 static struct recorded make(enum shape shape, double amplitude)
 {
-    const double periods = shape == SHORT ? 2.3 : shape == DAMPED ? random_between(5, 20) : random_between(8, 80);
+    const double periods = shape == SHORT    ? 2.3
+                           : shape == DAMPED ? random_between(5, 20)
+                                             : random_between(8, 80);
     const double samples = random_between(15, 60), phase = random_between(-PI, PI);
     const size_t n = (size_t)(periods * samples) + 1;
     struct recorded r = {.t = malloc(n * sizeof(double)), .y = malloc(n * sizeof(double)), .n = n};
@@ -131,13 +138,15 @@ static struct recorded make(enum shape shape, double amplitude)
         const double t = 0.01 * (double)i, x = t / r.period, angle = 2 * PI * x + phase;
         const double first = cos(angle);
         r.t[i] = t;
-        r.y[i] = 20 + amplitude * (shape == DECAYING ? slowly_decaying(t, r.period, r.span) * first
-                                   : shape == SHORT  ? first
-                                   : shape == DAMPED ? exp(-PI * x / quality) * first
-                                   : shape == CHIRP
-                                       ? cos(angle + 2 * PI * change * periods * (x / periods) * (x / periods - 1))
-                                   : shape == BEATS ? first + 0.8 * cos(angle * (1 + apart))
-                                                    : under_dry_friction(x + (phase + PI) / (2 * PI), 0.25 / periods));
+        r.y[i] = 20 + amplitude *
+                          (shape == DECAYING ? slowly_decaying(t, r.period, r.span) * first
+                           : shape == SHORT  ? first
+                           : shape == DAMPED ? exp(-PI * x / quality) * first
+                           : shape == CHIRP  ? cos(angle + 2 * PI * change * periods *
+                                                               (x / periods) * (x / periods - 1))
+                           : shape == BEATS
+                               ? first + 0.8 * cos(angle * (1 + apart))
+                               : under_dry_friction(x + (phase + PI) / (2 * PI), 0.25 / periods));
     }
     return r;
 }
@@ -149,20 +158,21 @@ struct disturbance {
     bool may_refuse; /* no single damped sine may be near it */
 };
 
-static const struct disturbance rows[] = {{"white noise", DECAYING, white, false},
-                                  {"1 mm steps", DECAYING, quantised, false},
-                                  {"3 mm steps", DECAYING, coarsely_quantised, false},
-                                  {"random-walk baseline", DECAYING, walking_baseline, false},
-                                  {"quadratic baseline", DECAYING, bent_baseline, true},
-                                  {"gaps", DECAYING, gaps, false},
-                                  {"jitter", DECAYING, jitter, false},
-                                  {"Student t, 2 degrees", DECAYING, heavy_tails, false},
-                                  {"AR(1)", DECAYING, autoregressive, false},
-                                  {"2.3 periods", SHORT, white, false},
-                                  {"Q 1.5 to 300", DAMPED, white, false},
-                                  {"chirp", CHIRP, white, true},
-                                  {"beats", BEATS, white, true},
-                                  {"Coulomb friction", COULOMB, white, false}};
+static const struct disturbance rows[] = {
+    {"white noise", DECAYING, white, false},
+    {"1 mm steps", DECAYING, quantised, false},
+    {"3 mm steps", DECAYING, coarsely_quantised, false},
+    {"random-walk baseline", DECAYING, walking_baseline, false},
+    {"quadratic baseline", DECAYING, bent_baseline, true},
+    {"gaps", DECAYING, gaps, false},
+    {"jitter", DECAYING, jitter, false},
+    {"Student t, 2 degrees", DECAYING, heavy_tails, false},
+    {"AR(1)", DECAYING, autoregressive, false},
+    {"2.3 periods", SHORT, white, false},
+    {"Q 1.5 to 300", DAMPED, white, false},
+    {"chirp", CHIRP, white, true},
+    {"beats", BEATS, white, true},
+    {"Coulomb friction", COULOMB, white, false}};
 
 static bool is_long(void)
 {
@@ -170,7 +180,8 @@ static bool is_long(void)
     return given && *given;
 }
 
-/* What one recording gave: the difference from the truth in standard deviations, NAN where nothing is to be judged. */
+/* What one recording gave: the difference from the truth in standard deviations, NAN where nothing
+ * is to be judged. */
 enum outcome { JUDGED, WARNED, REFUSED };
 
 struct verdict {
@@ -209,8 +220,9 @@ static struct verdict measured_period(const struct series *series, const struct 
     } else {
         v.outcome = p.warning[0] ? WARNED : JUDGED;
         v.off = fabs(p.period.value - r->period) / p.period.uncertainty;
-        snprintf(v.text, sizeof v.text, "T %g +- %g for %g, %.20s, %zu samples %g periods Q %g: %.80s",
-                 p.period.value, p.period.uncertainty, r->period, p.how, r->n, r->span / r->period, r->quality,
+        snprintf(v.text, sizeof v.text,
+                 "T %g +- %g for %g, %.20s, %zu samples %g periods Q %g: %.80s", p.period.value,
+                 p.period.uncertainty, r->period, p.how, r->n, r->span / r->period, r->quality,
                  p.warning);
     }
     arena_reset(&arena);
@@ -244,8 +256,9 @@ static struct verdict fitted(const struct series *series, const struct recorded 
     char warning[200] = "";
     v.outcome = doubts(&fit, warning, sizeof warning) ? WARNED : JUDGED;
     v.off = fabs(x->value - truth) / x->uncertainty;
-    snprintf(v.text, sizeof v.text, "%s %g +- %g for %g, %zu samples %g periods Q %g: %.100s", gamma ? "gamma" : "T",
-             x->value, x->uncertainty, truth, r->n, r->span / r->period, r->quality, warning);
+    snprintf(v.text, sizeof v.text, "%s %g +- %g for %g, %zu samples %g periods Q %g: %.100s",
+             gamma ? "gamma" : "T", x->value, x->uncertainty, truth, r->n, r->span / r->period,
+             r->quality, warning);
     return v;
 }
 
@@ -259,7 +272,8 @@ static struct verdict fitted_gamma(const struct series *series, const struct rec
     return fitted(series, r, true);
 }
 
-static bool cover_or_warn(struct verdict (*measure)(const struct series *series, const struct recorded *r))
+static bool cover_or_warn(struct verdict (*measure)(const struct series *series,
+                                                    const struct recorded *r))
 {
     const int runs = is_long() ? 120 : 16;
     bool all_well = true;
@@ -270,19 +284,21 @@ static bool cover_or_warn(struct verdict (*measure)(const struct series *series,
             const double amplitude = random_between(2, 6);
             struct recorded r = make(rows[k].shape, amplitude);
             rows[k].disturb(&r, amplitude);
-            const struct series series = {.t = r.t, .y = r.y, .n = r.n, .quantity = QUANTITY_LENGTH};
+            const struct series series = {
+                .t = r.t, .y = r.y, .n = r.n, .quantity = QUANTITY_LENGTH};
             const struct verdict v = measure(&series, &r);
             count_verdict(&tally, &v);
             free(r.t);
             free(r.y);
         }
         const int judged = tally.judged;
-        print_message("%-22s %3d of %3d covered (%3.0f %%), %3d warned, %d refused, worst %.1f sigma\n",
-                      rows[k].name, tally.covered, judged, judged ? 100.0 * tally.covered / judged : 100.0,
-                      tally.warned, tally.refused, tally.worst);
+        print_message(
+            "%-22s %3d of %3d covered (%3.0f %%), %3d warned, %d refused, worst %.1f sigma\n",
+            rows[k].name, tally.covered, judged, judged ? 100.0 * tally.covered / judged : 100.0,
+            tally.warned, tally.refused, tally.worst);
         const double chance = 3 * sqrt(0.95 * 0.05 * judged);
-        all_well = all_well && tally.covered >= 0.9 * judged - (is_long() ? 0 : chance) && tally.worst < 6 &&
-                   20 * tally.refused <= (rows[k].may_refuse ? 4 * runs : runs);
+        all_well = all_well && tally.covered >= 0.9 * judged - (is_long() ? 0 : chance) &&
+                   tally.worst < 6 && 20 * tally.refused <= (rows[k].may_refuse ? 4 * runs : runs);
     }
     return all_well;
 }
@@ -305,7 +321,8 @@ static void fitted_dampings_cover_or_warn(void **state)
     assert_true(cover_or_warn(fitted_gamma));
 }
 
-/* Of positions with noise, or rounded to 3 mm, and of velocities from them: without what the noise adds, 68 of 100. */
+/* Of positions with noise, or rounded to 3 mm, and of velocities from them: without what the noise
+ * adds, 68 of 100. */
 static void energy_decay_covers_the_truth(void **state)
 {
     (void)state;
@@ -330,7 +347,8 @@ static void energy_decay_covers_the_truth(void **state)
                 s.y[i] = round(s.y[i] / 3e-3) * 3e-3;
             assert_true(series_derivative(&s.series, DERIVATIVE_POINTS, &arena, &v, &error));
             const double sigma = series_noise(&s.series, &arena), k = omega * omega;
-            const struct energy_noise noise = {0.5 * sigma * sigma * (k + v.gain * v.gain), 2 * sigma * sqrt(k)};
+            const struct energy_noise noise = {0.5 * sigma * sigma * (k + v.gain * v.gain),
+                                               2 * sigma * sqrt(k)};
             for (size_t i = 0; i < s.series.n; i++)
                 s.y[i] = 0.5 * (v.value[i] * v.value[i] + k * s.y[i] * s.y[i]);
             s.series.quantity = QUANTITY_ENERGY;

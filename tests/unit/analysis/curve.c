@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Least squares for any curve, and formulas: starts that are looked for, bounds, outliers, what the data cannot tell.
+/* Least squares for any curve, and formulas: starts that are looked for, bounds, outliers, what the
+ * data cannot tell.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -58,8 +59,8 @@ static int place(const struct formula *formula, const char *name)
     return -1;
 }
 
-static void fit(const struct formula *formula, const struct curve_options *options, struct arena *arena,
-                struct curve_fit *out)
+static void fit(const struct formula *formula, const struct curve_options *options,
+                struct arena *arena, struct curve_fit *out)
 {
     struct error error = {0};
     if (!formula_fit(formula, &series, options, arena, out, &error))
@@ -91,11 +92,14 @@ static void starts_are_found(void **state)
         struct measured value = result.value[place(&formula, cases[i].name)];
         if (!result.converged)
             fail_msg("%s: %s", cases[i].text, result.said);
-        if (isfinite(cases[i].truth) && !(close_to(fabs(value.value), cases[i].truth, 4 * value.uncertainty) &&
-                                          close_to(result.sigma, 0.02, 0.004)))
-            fail_msg("%s: %s = %g +- %g", cases[i].text, cases[i].name, value.value, value.uncertainty);
-        assert_true(isnan(cases[i].truth) ? result.autocorrelation > 0.5 && result.runs < -3
-                                          : fabs(result.autocorrelation) < 0.25 && fabs(result.runs) < 4);
+        if (isfinite(cases[i].truth) &&
+            !(close_to(fabs(value.value), cases[i].truth, 4 * value.uncertainty) &&
+              close_to(result.sigma, 0.02, 0.004)))
+            fail_msg("%s: %s = %g +- %g", cases[i].text, cases[i].name, value.value,
+                     value.uncertainty);
+        assert_true(isnan(cases[i].truth)
+                        ? result.autocorrelation > 0.5 && result.runs < -3
+                        : fabs(result.autocorrelation) < 0.25 && fabs(result.runs) < 4);
         arena_reset(&arena);
     }
 }
@@ -120,15 +124,16 @@ static void intervals_and_bootstrap(void **state)
         covered[0] += result.interval[1][0] < 0.7 && 0.7 < result.interval[1][1];
         assert_true(close_to(result.covariance[0][1], result.covariance[1][0], 1e-9) &&
                     close_to(result.correlation[2][2], 1, 0) && result.correlation[1][2] > 0.5);
-        if (run < 1) { /* of a nearly linear problem: the same interval, from a different direction */
+        if (run <
+            1) { /* of a nearly linear problem: the same interval, from a different direction */
             struct curve_fit again;
             struct curve_options options = {.bootstrap = 300, .seed = 5};
             fit(&formula, &options, &arena, &again);
             assert_int_equal(again.bootstrapped, 300);
             for (int side = 0; side < 2; side++)
-                assert_true(
-                    again.interval[1][side] != result.interval[1][side] &&
-                    close_to(again.interval[1][side], result.interval[1][side], 0.5 * result.value[1].uncertainty));
+                assert_true(again.interval[1][side] != result.interval[1][side] &&
+                            close_to(again.interval[1][side], result.interval[1][side],
+                                     0.5 * result.value[1].uncertainty));
         }
         arena_reset(&arena);
     }
@@ -150,8 +155,8 @@ static void outliers_have_no_weight(void **state)
     compile("a*exp(-b*t) + c", &arena, &formula);
     fit(&formula, NULL, &arena, &plain);
     fit(&formula, &options, &arena, &robust);
-    print_message("%s; %zu without weight, b = %g +- %g\n", robust.said, robust.rejected, robust.value[1].value,
-                  robust.value[1].uncertainty);
+    print_message("%s; %zu without weight, b = %g +- %g\n", robust.said, robust.rejected,
+                  robust.value[1].value, robust.value[1].uncertainty);
     assert_true(robust.converged && robust.rejected >= 24 && robust.rejected <= 30);
     assert_true(robust.used + robust.rejected == N);
     assert_true(close_to(robust.value[1].value, 0.7, 4 * robust.value[1].uncertainty));
@@ -172,7 +177,8 @@ static void bounds_hold(void **state)
     compile("a*exp(-b*t) + c", &arena, &formula);
     assert_true(formula_bounds(&formula, TEXT("c"), -INFINITY, 0.5, &error));
     fit(&formula, NULL, &arena, &result);
-    assert_true(result.bound[2] && result.value[2].value <= 0.5 && close_to(result.value[2].value, 0.5, 1e-6));
+    assert_true(result.bound[2] && result.value[2].value <= 0.5 &&
+                close_to(result.value[2].value, 0.5, 1e-6));
     assert_true(result.converged && !result.bound[1] && result.value[2].uncertainty == 0);
     /* a bound that does not matter changes nothing */
     assert_true(formula_bounds(&formula, TEXT("c"), 0, 2, &error));
@@ -239,15 +245,18 @@ static void refusals(void **state)
     (void)state;
     static const struct {
         const char *text, *says;
-    } cases[] = {
-        {"2*t", "no parameter"}, {"a*foo(t)", "unknown function"}, {"a*sin", "is a function"}, {"a*(t", "missing ')'"}};
+    } cases[] = {{"2*t", "no parameter"},
+                 {"a*foo(t)", "unknown function"},
+                 {"a*sin", "is a function"},
+                 {"a*(t", "missing ')'"}};
     struct error error = {0};
     struct arena arena = {0};
     struct formula formula;
     struct curve_fit result;
     size_t used;
     for (size_t i = 0; i < COUNT_OF(cases); i++)
-        if (formula_compile(text_of(cases[i].text), NULL, NULL, 0, &arena, &formula, &used, &error) ||
+        if (formula_compile(text_of(cases[i].text), NULL, NULL, 0, &arena, &formula, &used,
+                            &error) ||
             !strstr(error.text, cases[i].says))
             fail_msg("%s: %s", cases[i].text, error.text);
     sample(decaying, 8, 0.1);
@@ -291,8 +300,8 @@ static void known_names_are_constants(void **state)
     size_t used;
     random_state = 37;
     sample(decaying, 8, 0.02);
-    assert_true(
-        formula_compile(TEXT("a*exp(-k*t/m) + b-c*0+b*phase-error"), &known, NULL, 0, &arena, &formula, &used, &error));
+    assert_true(formula_compile(TEXT("a*exp(-k*t/m) + b-c*0+b*phase-error"), &known, NULL, 0,
+                                &arena, &formula, &used, &error));
     assert_int_equal(formula.parameters, 4);
     assert_string_equal(formula.name[1], "k");
     assert_true(formula.linear[0] && !formula.linear[1] && formula.linear[2]);

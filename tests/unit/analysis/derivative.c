@@ -18,7 +18,8 @@ static bool near(double a, double b, double tolerance)
     return fabs(a - b) <= tolerance;
 }
 
-/* A parabola is differentiated exactly, at uneven times and at the ends too; a gap is not bridged. */
+/* A parabola is differentiated exactly, at uneven times and at the ends too; a gap is not bridged.
+ */
 static void parabolas_are_exact(void **state)
 {
     (void)state;
@@ -43,7 +44,8 @@ static void parabolas_are_exact(void **state)
     arena_reset(&arena);
 }
 
-/* The loss that is stated is the one there is; so is the gain of noise, 1/(h sqrt(10)) for five points. */
+/* The loss that is stated is the one there is; so is the gain of noise, 1/(h sqrt(10)) for five
+ * points. */
 static void loss_and_gain_are_as_stated(void **state)
 {
     (void)state;
@@ -59,7 +61,8 @@ static void loss_and_gain_are_as_stated(void **state)
     const struct series series = {t, y, N, QUANTITY_LENGTH};
     assert_true(series_derivative(&series, DERIVATIVE_POINTS, &arena, &d, &error));
     for (int i = 2; i < N - 2; i++)
-        largest = fmax(largest, fabs(d.value[i] - (1 - derivative_loss(&d, omega)) * omega * cos(omega * t[i])));
+        largest = fmax(largest, fabs(d.value[i] -
+                                     (1 - derivative_loss(&d, omega)) * omega * cos(omega * t[i])));
     assert_true(largest < 1e-9);
     assert_true(derivative_loss(&d, omega) > 0.02 && derivative_loss(&d, omega) < 0.03);
     assert_true(near(d.gain * h * sqrt(10), 1, 1e-9));
@@ -77,7 +80,8 @@ static void the_autocorrelation_finds_the_period(void **state)
         y[i] = 21.6 + 5 * exp(-0.01 * t[i]) * cos(6.283185307179586 / 0.7226 * t[i] + 1);
     }
     const struct series series = {t, y, N, QUANTITY_LENGTH};
-    const struct period known = {.period = {0.73, 0}}; /* 7 % of a period off after as many periods */
+    const struct period known = {
+        .period = {0.73, 0}}; /* 7 % of a period off after as many periods */
     assert_true(series_correlation_period(&series, &known, &arena, &period));
     if (!near(period.value, 0.7226, 1e-3) || !(period.uncertainty < 1e-3))
         fail_msg("%g +- %g", period.value, period.uncertainty);
@@ -87,7 +91,8 @@ static void the_autocorrelation_finds_the_period(void **state)
     arena_reset(&arena);
 }
 
-/* From parts all along it: half the recording has another period, and the mean of both is what they agree on. */
+/* From parts all along it: half the recording has another period, and the mean of both is what they
+ * agree on. */
 static void the_autocorrelation_of_long_recordings(void **state)
 {
     (void)state;

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * What is an oscillation and what is not: synthetic recordings with a known truth. Things that do not oscillate are
- * never fitted as converged; clean oscillations are found with their period, whatever drifts.
+ * What is an oscillation and what is not: synthetic recordings with a known truth. Things that do
+ * not oscillate are never fitted as converged; clean oscillations are found with their period,
+ * whatever drifts.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -28,7 +29,8 @@ static void what_does_not_oscillate_is_refused(void **state)
         int here = 0;
         for (int run = 0; run < runs(); run++) {
             struct drawn d = still[k].draw();
-            const struct series series = {.t = d.t, .y = d.y, .n = d.n, .quantity = QUANTITY_LENGTH};
+            const struct series series = {
+                .t = d.t, .y = d.y, .n = d.n, .quantity = QUANTITY_LENGTH};
             struct fit fit;
             struct period period;
             struct arena arena = {0};
@@ -39,7 +41,8 @@ static void what_does_not_oscillate_is_refused(void **state)
             if (!fitted_so)
                 assert_true(error.text[0] != 0);
             if (measured_so)
-                print_message("%s has a period of %g s by %s\n", still[k].name, period.period.value, period.how);
+                print_message("%s has a period of %g s by %s\n", still[k].name, period.period.value,
+                              period.how);
             arena_reset(&arena);
             free(d.t);
             free(d.y);
@@ -61,14 +64,15 @@ static void every_clean_oscillation_is_found(void **state)
         char reason[200] = "";
         for (int run = 0; run < runs(); run++) {
             struct drawn d = moving[k].draw();
-            const struct series series = {.t = d.t, .y = d.y, .n = d.n, .quantity = QUANTITY_LENGTH};
+            const struct series series = {
+                .t = d.t, .y = d.y, .n = d.n, .quantity = QUANTITY_LENGTH};
             struct arena arena = {0};
             struct overview o;
             series_overview(&series, &arena, &o);
             const bool found = o.oscillates && fabs(o.period / d.period - 1) < 0.03;
             if (!found)
-                snprintf(reason, sizeof reason, "T %g for %g (%zu samples, %g periods), %.120s", o.period, d.period, d.n,
-                         d.span / d.period, o.oscillates ? "" : o.reason);
+                snprintf(reason, sizeof reason, "T %g for %g (%zu samples, %g periods), %.120s",
+                         o.period, d.period, d.n, d.span / d.period, o.oscillates ? "" : o.reason);
             here += !found;
             all++;
             arena_reset(&arena);
@@ -76,7 +80,8 @@ static void every_clean_oscillation_is_found(void **state)
             free(d.y);
         }
         if (here > 0)
-            print_message("%s: %d of %d not found, the last: %s\n", moving[k].name, here, runs(), reason);
+            print_message("%s: %d of %d not found, the last: %s\n", moving[k].name, here, runs(),
+                          reason);
         missed += here;
     }
     print_message("%d of %d oscillations missed\n", missed, all);
@@ -91,10 +96,12 @@ static void no_fit_that_discards_much_is_called_converged(void **state)
     for (size_t k = 0; k < COUNT_OF(moving); k++)
         for (int run = 0; run < runs() / 4; run++) {
             struct drawn d = moving[k].draw();
-            const struct series series = {.t = d.t, .y = d.y, .n = d.n, .quantity = QUANTITY_LENGTH};
+            const struct series series = {
+                .t = d.t, .y = d.y, .n = d.n, .quantity = QUANTITY_LENGTH};
             struct fit fit;
             struct error error = {0};
-            if (fit_named("damped", &series, &fit, &error) && fit.converged && 5 * fit.rejected > d.n)
+            if (fit_named("damped", &series, &fit, &error) && fit.converged &&
+                5 * fit.rejected > d.n)
                 fail_msg("%s: %zu of %zu rejected, converged", moving[k].name, fit.rejected, d.n);
             free(d.t);
             free(d.y);
@@ -103,8 +110,9 @@ static void no_fit_that_discards_much_is_called_converged(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(what_does_not_oscillate_is_refused),
-                                       cmocka_unit_test(every_clean_oscillation_is_found),
-                                       cmocka_unit_test(no_fit_that_discards_much_is_called_converged)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(what_does_not_oscillate_is_refused),
+        cmocka_unit_test(every_clean_oscillation_is_found),
+        cmocka_unit_test(no_fit_that_discards_much_is_called_converged)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Laws of drag: recordings made by integrating y'' + gamma y' + b|y'|y' + f sign(y') + Omega^2 y = 0 itself (not its
- * averaged envelope), with noise, and what `fit drag` says about them.
+ * Laws of drag: recordings made by integrating y'' + gamma y' + b|y'|y' + f sign(y') + Omega^2 y =
+ * 0 itself (not its averaged envelope), with noise, and what `fit drag` says about them.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -22,11 +22,16 @@ struct laws {
 static double acceleration(const struct laws *l, double omega, double y, double v)
 {
     const double f = l->rate[2];
-    return -l->rate[0] * v - l->rate[1] * fabs(v) * v - (v > 0 ? f : v < 0 ? -f : 0) - omega * omega * y;
+    return -l->rate[0] * v - l->rate[1] * fabs(v) * v -
+           (v > 0   ? f
+            : v < 0 ? -f
+                    : 0) -
+           omega * omega * y;
 }
 
 /* Classical Runge-Kutta, forty steps a sample. */
-static struct synthetic drag_make(const struct laws *l, double amplitude, double span, double rate, double noise)
+static struct synthetic drag_make(const struct laws *l, double amplitude, double span, double rate,
+                                  double noise)
 {
     enum { STEPS = 40 };
     const double omega = 8.37;
@@ -96,7 +101,8 @@ static void each_law_is_found(void **state)
         assert_true(c->converged);
         for (int k = 0; k < DRAG_RATES; k++)
             assert_true(holds(c->rate[k], truths[i].rate[k]));
-        assert_true(fit.drag.delta >= 6 && strstr(fit.drag.said, drag_law_name(truths[i].law)) == fit.drag.said);
+        assert_true(fit.drag.delta >= 6 &&
+                    strstr(fit.drag.said, drag_law_name(truths[i].law)) == fit.drag.said);
         /* the values that are drawn are those of that law */
         double square = 0, *value = calloc(s.series.n, sizeof *value);
         assert_non_null(value);
@@ -112,8 +118,8 @@ static void each_law_is_found(void **state)
 }
 
 /*
- * Never a wrong single law, hardly ever a second term that is not there; what noise hides is said to be not
- * distinguishable.
+ * Never a wrong single law, hardly ever a second term that is not there; what noise hides is said
+ * to be not distinguishable.
  */
 static void wrong_laws_are_rare(void **state)
 {
@@ -123,7 +129,8 @@ static void wrong_laws_are_rare(void **state)
     for (int run = 0; run < runs; run++) {
         for (size_t i = 0; i < COUNT_OF(truths); i++) {
             double noise = 2e-4 * pow(10, random_uniform());
-            struct synthetic s = drag_make(&truths[i], random_between(0.03, 0.06), random_between(30, 90), 40, noise);
+            struct synthetic s = drag_make(&truths[i], random_between(0.03, 0.06),
+                                           random_between(30, 90), 40, noise);
             struct fit fit;
             struct error error = {0};
             if (!fit_named("drag", &s.series, &fit, &error))
@@ -143,10 +150,10 @@ static void wrong_laws_are_rare(void **state)
         }
     }
     int all = runs * (int)COUNT_OF(truths);
-    print_message(
-        "%d laws: %d wrong (%d with a spurious second term), %d with one of two terms hidden by noise, %d not "
-        "distinguishable; intervals cover %.1f %%\n",
-        all, wrong, spurious, hidden, undecided, 100.0 * cover / all);
+    print_message("%d laws: %d wrong (%d with a spurious second term), %d with one of two terms "
+                  "hidden by noise, %d not "
+                  "distinguishable; intervals cover %.1f %%\n",
+                  all, wrong, spurious, hidden, undecided, 100.0 * cover / all);
     assert_int_equal(wrong, spurious + hidden);
     assert_true(spurious <= 0.01 * all && hidden <= 0.04 * runs + 1 && undecided <= 0.45 * all);
     assert_true(cover >= (0.95 - 3 * sqrt(0.95 * 0.05 / all)) * all);
@@ -193,7 +200,8 @@ static void can_be_stopped(void **state)
     struct arena arena = {0};
     struct fit fit;
     struct error error = {0};
-    const struct fit_model *row = (const struct fit_model *)(const void *)catalog_find(&fit_catalog, TEXT("drag"));
+    const struct fit_model *row =
+        (const struct fit_model *)(const void *)catalog_find(&fit_catalog, TEXT("drag"));
     assert_false(row->fit(&s.series, &arena, &cancel, &fit, &error));
     assert_int_equal(error.code, ERROR_CANCELLED);
     arena_reset(&arena);
@@ -203,8 +211,10 @@ static void can_be_stopped(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(each_law_is_found), cmocka_unit_test(wrong_laws_are_rare),
-        cmocka_unit_test(too_short_to_tell), cmocka_unit_test(velocities_give_the_same_coefficients),
+        cmocka_unit_test(each_law_is_found),
+        cmocka_unit_test(wrong_laws_are_rare),
+        cmocka_unit_test(too_short_to_tell),
+        cmocka_unit_test(velocities_give_the_same_coefficients),
         cmocka_unit_test(can_be_stopped),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Fits of synthetic recordings: do the stated uncertainties cover the truth, and is nothing wrong called right? */
+/* Fits of synthetic recordings: do the stated uncertainties cover the truth, and is nothing wrong
+ * called right? */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -23,14 +24,15 @@ static bool one_in(int many)
 }
 
 /*
- * A bob over the sensor [cm]: 3–160 periods, 20–125 Hz, noise 0.01–0.3 cm; some with missed echoes, flat tops, an
- * offset that drifts, sway (that has time to show itself: slower than the record it is no different from decay),
- * rounded values.
+ * A bob over the sensor [cm]: 3–160 periods, 20–125 Hz, noise 0.01–0.3 cm; some with missed echoes,
+ * flat tops, an offset that drifts, sway (that has time to show itself: slower than the record it
+ * is no different from decay), rounded values.
  */
 static struct truth random_recording(void)
 {
-    struct truth truth = {
-        .t0 = random_between(-5, 20), .rate = random_between(20, 125), .period = random_between(0.4, 2)};
+    struct truth truth = {.t0 = random_between(-5, 20),
+                          .rate = random_between(20, 125),
+                          .period = random_between(0.4, 2)};
     double periods = 3 * pow(160.0 / 3, random_uniform());
     truth.span = fmax(periods * truth.period, 60 / truth.rate);
     truth.amplitude = random_between(1, 8);
@@ -39,7 +41,8 @@ static struct truth random_recording(void)
     truth.gamma = random_uniform() * 3 / truth.span;
     truth.noise = 0.01 * pow(30, random_uniform());
     truth.dropouts = one_in(2) ? 0 : random_between(0, 0.1);
-    truth.clip = one_in(4) ? truth.amplitude * random_between(truth.dropouts > 0 ? 0.93 : 0.85, 0.97) : 0;
+    truth.clip =
+        one_in(4) ? truth.amplitude * random_between(truth.dropouts > 0 ? 0.93 : 0.85, 0.97) : 0;
     truth.drift = one_in(4) ? truth.amplitude * random_between(-0.2, 0.2) : 0;
     truth.sway = one_in(4) && truth.span > 16 * truth.period ? random_between(0.02, 0.1) : 0;
     truth.sway_period = truth.period * 3 * pow(truth.span / truth.period / 12, random_uniform());
@@ -64,48 +67,57 @@ static void intervals_cover_the_truth(void **state)
         struct fit fit;
         struct error error = {0};
         if (fit_named("damped", &s.series, &fit, &error)) {
-            double omega = 6.283185307179586 / truth.period, k = omega * omega + 0.25 * truth.gamma * truth.gamma;
+            double omega = 6.283185307179586 / truth.period,
+                   k = omega * omega + 0.25 * truth.gamma * truth.gamma;
             assert_true(fit.converged);
             assert_true(fit.amplitude.value >= 0 && fabs(fit.phase.value) <= 3.1415926535897936);
             assert_int_equal(fit.used + fit.rejected, s.series.n);
             /* what is wrong must never be called converged */
             if (!within(fit.period, truth.period, 8) || !within(fit.gamma, truth.gamma, 8)) {
-                fail_msg(
-                    "run %d: T %g +- %g, truth %g; gamma %g +- %g, truth %g (n %zu, noise %g, A %g, dropouts %g, clip "
-                    "%g, drift %g, sway %g)",
-                    i, fit.period.value, fit.period.uncertainty, truth.period, fit.gamma.value, fit.gamma.uncertainty,
-                    truth.gamma, s.series.n, truth.noise, truth.amplitude, truth.dropouts, truth.clip, truth.drift,
-                    truth.sway);
+                fail_msg("run %d: T %g +- %g, truth %g; gamma %g +- %g, truth %g (n %zu, noise %g, "
+                         "A %g, dropouts %g, clip "
+                         "%g, drift %g, sway %g)",
+                         i, fit.period.value, fit.period.uncertainty, truth.period, fit.gamma.value,
+                         fit.gamma.uncertainty, truth.gamma, s.series.n, truth.noise,
+                         truth.amplitude, truth.dropouts, truth.clip, truth.drift, truth.sway);
             }
             period += within(fit.period, truth.period, 1.96);
             gamma += within(fit.gamma, truth.gamma, 1.96);
             stiffness += within(fit_stiffness(&fit, (struct measured){1, 0}), k, 1.96);
             offset += within(fit.offset, truth.offset, 1.96);
         } else {
-            print_message("run %d refused: %s (n %zu, periods %g, A %g, noise %g, dropouts %g, gamma %g)\n", i,
-                          error.text, s.series.n, truth.span / truth.period, truth.amplitude, truth.noise,
-                          truth.dropouts, truth.gamma);
+            print_message(
+                "run %d refused: %s (n %zu, periods %g, A %g, noise %g, dropouts %g, gamma %g)\n",
+                i, error.text, s.series.n, truth.span / truth.period, truth.amplitude, truth.noise,
+                truth.dropouts, truth.gamma);
             refused++;
         }
         synthetic_free(&s);
     }
     int fitted = runs - refused;
-    print_message("95 %% intervals of %d fits: T %.1f %%, gamma %.1f %%, k %.1f %%, offset %.1f %%\n", fitted,
-                  100.0 * period / fitted, 100.0 * gamma / fitted, 100.0 * stiffness / fitted, 100.0 * offset / fitted);
+    print_message(
+        "95 %% intervals of %d fits: T %.1f %%, gamma %.1f %%, k %.1f %%, offset %.1f %%\n", fitted,
+        100.0 * period / fitted, 100.0 * gamma / fitted, 100.0 * stiffness / fitted,
+        100.0 * offset / fitted);
     assert_true(refused <= runs / 100);
     /* Of few runs: binomial, three standard deviations. */
-    double slack = is_long() ? 0.02 : 3 * sqrt(0.95 * 0.05 / fitted), least = (0.95 - slack) * fitted;
-    double most = fmin(0.95 + slack, 1) * fitted;
-    assert_true(period >= least && gamma >= least && stiffness >= least && offset >= least);
-    assert_true(period <= most && gamma <= most && stiffness <= most);
+    double slack = is_long() ? 0.02 : 3 * sqrt(0.95 * 0.05 / fitted), min = (0.95 - slack) * fitted;
+    double max = fmin(0.95 + slack, 1) * fitted;
+    assert_true(period >= min && gamma >= min && stiffness >= min && offset >= min);
+    assert_true(period <= max && gamma <= max && stiffness <= max);
 }
 
 static void dropouts_are_counted(void **state)
 {
     (void)state;
     random_state = 7;
-    struct truth truth = {
-        .amplitude = 5, .offset = 21, .period = 0.75, .gamma = 0.02, .rate = 100, .span = 40, .noise = 0.02};
+    struct truth truth = {.amplitude = 5,
+                          .offset = 21,
+                          .period = 0.75,
+                          .gamma = 0.02,
+                          .rate = 100,
+                          .span = 40,
+                          .noise = 0.02};
     struct synthetic s = synthetic_make(&truth);
     for (size_t i = 50; i < s.series.n; i += 50) {
         s.y[i] += i % 100 ? 0.7 : -3; /* 80 echoes off */
@@ -141,7 +153,8 @@ static void clipped_tops_are_censored(void **state)
     synthetic_free(&s);
 }
 
-/* Tops cut so deep that more than a fifth of the samples lies behind them: no fit is made of the rest, and why. */
+/* Tops cut so deep that more than a fifth of the samples lies behind them: no fit is made of the
+ * rest, and why. */
 static void deep_cuts_are_no_fit(void **state)
 {
     (void)state;
@@ -163,7 +176,8 @@ static void deep_cuts_are_no_fit(void **state)
     synthetic_free(&s);
 }
 
-/* Steps of a fifth to a third of the amplitude are flat wherever the motion is slow: rounded, not cut. */
+/* Steps of a fifth to a third of the amplitude are flat wherever the motion is slow: rounded, not
+ * cut. */
 static void coarse_steps_are_not_clipping(void **state)
 {
     (void)state;
@@ -207,7 +221,8 @@ static void drift_of_the_offset(void **state)
     struct error error = {0};
     assert_true(fit_named("damped", &s.series, &fit, &error));
     assert_true(within(fit.period, 0.75, 3) && within(fit.gamma, 0.02, 3));
-    assert_true(within(fit.offset, 21, 3) && within(fit.drift, 0.6 / 30, 3) && fit.drift.uncertainty < 0.002);
+    assert_true(within(fit.offset, 21, 3) && within(fit.drift, 0.6 / 30, 3) &&
+                fit.drift.uncertainty < 0.002);
     assert_true(close_to(fit_value(&fit, s.t[900]), s.y[900], 0.3));
     synthetic_free(&s);
     truth.drift = 0;
@@ -221,8 +236,13 @@ static void rest_before_release_is_seen(void **state)
 {
     (void)state;
     random_state = 10;
-    struct truth truth = {
-        .amplitude = 5, .offset = 21, .period = 0.75, .gamma = 0.02, .rate = 100, .span = 30, .noise = 0.02};
+    struct truth truth = {.amplitude = 5,
+                          .offset = 21,
+                          .period = 0.75,
+                          .gamma = 0.02,
+                          .rate = 100,
+                          .span = 30,
+                          .noise = 0.02};
     struct synthetic s = synthetic_make(&truth);
     for (size_t i = 0; i < 400; i++) {
         s.y[i] = 21 + 0.02 * random_normal();
@@ -230,7 +250,8 @@ static void rest_before_release_is_seen(void **state)
     struct fit fit;
     struct error error = {0};
     assert_true(fit_named("damped", &s.series, &fit, &error));
-    assert_true(fit.warnings > 0); /* the window itself is judged by command_window.c, for all commands alike */
+    assert_true(fit.warnings >
+                0); /* the window itself is judged by command_window.c, for all commands alike */
     const double from = 4.5;
     struct series window = series_window(s.series, from, 30);
     assert_true(fit_named("damped", &window, &fit, &error));
@@ -240,7 +261,8 @@ static void rest_before_release_is_seen(void **state)
     synthetic_free(&s);
 }
 
-/* Samples of a simulation have no noise: every parameter to many digits, t counted from the first sample. */
+/* Samples of a simulation have no noise: every parameter to many digits, t counted from the first
+ * sample. */
 static void exact_samples(void **state)
 {
     (void)state;
@@ -257,15 +279,18 @@ static void exact_samples(void **state)
     struct error error = {0};
     for (int uneven = 0; uneven < 2; uneven++) {
         assert_true(fit_named("damped", &s.series, &fit, &error));
-        assert_true(close_to(fit.period.value, truth.period, 1e-11) && close_to(fit.gamma.value, truth.gamma, 1e-11));
-        assert_true(close_to(fit.amplitude.value, 0.05, 1e-11) && close_to(fit.phase.value, 2.5, 1e-9));
+        assert_true(close_to(fit.period.value, truth.period, 1e-11) &&
+                    close_to(fit.gamma.value, truth.gamma, 1e-11));
+        assert_true(close_to(fit.amplitude.value, 0.05, 1e-11) &&
+                    close_to(fit.phase.value, 2.5, 1e-9));
         assert_true(close_to(fit.offset.value, 0.2, 1e-11) && fit.rejected == 0);
         assert_true(isfinite(fit.period.uncertainty) && fit.period.uncertainty < 1e-10);
         assert_true(close_to(fit_value(&fit, s.t[17]), s.y[17], 1e-12));
         for (size_t i = 0; i < s.series.n; i++) { /* the same motion at uneven times */
             s.t[i] += 0.003 * sin((double)(i * i));
             double t = s.t[i] - 3;
-            s.y[i] = 0.2 + 0.05 * exp(-0.5 * 0.0241 * t) * cos(6.283185307179586 / 0.7526 * t + 2.5);
+            s.y[i] =
+                0.2 + 0.05 * exp(-0.5 * 0.0241 * t) * cos(6.283185307179586 / 0.7526 * t + 2.5);
         }
         truth.phase = 2.5;
         if (uneven == 0) { /* phase is at the first sample, which has moved by 0 */
@@ -282,7 +307,8 @@ static void stiffness_has_both_uncertainties(void **state)
     struct measured k = fit_stiffness(&fit, (struct measured){0.2, 0.001});
     assert_true(close_to(k.value, 0.2 * (64 + 0.04), 1e-12));
     double by_mass = 64.04 * 0.001, by_omega = 2 * 0.2 * 8 * 0.01, by_gamma = 0.5 * 0.2 * 0.4 * 0.1;
-    assert_true(close_to(k.uncertainty, sqrt(by_mass * by_mass + by_omega * by_omega + by_gamma * by_gamma), 1e-12));
+    assert_true(close_to(
+        k.uncertainty, sqrt(by_mass * by_mass + by_omega * by_omega + by_gamma * by_gamma), 1e-12));
 }
 
 static void laws_of_drag(void **state)
@@ -291,7 +317,9 @@ static void laws_of_drag(void **state)
     static const struct {
         double gamma, quadratic;
         enum drag_law law;
-    } cases[] = {{0.04, 0, LAW_LINEAR}, {1e-9, 0.04, LAW_QUADRATIC}, {0.015, 0.06, LAW_LINEAR | LAW_QUADRATIC}};
+    } cases[] = {{0.04, 0, LAW_LINEAR},
+                 {1e-9, 0.04, LAW_QUADRATIC},
+                 {0.015, 0.06, LAW_LINEAR | LAW_QUADRATIC}};
     random_state = 11;
     for (size_t i = 0; i < COUNT_OF(cases); i++) {
         struct truth truth = {.amplitude = 5,
@@ -317,8 +345,13 @@ static void laws_of_drag(void **state)
         synthetic_free(&s);
     }
     /* too short to tell */
-    struct truth truth = {
-        .amplitude = 5, .offset = 21, .period = 0.75, .gamma = 0.04, .rate = 100, .span = 9, .noise = 0.2};
+    struct truth truth = {.amplitude = 5,
+                          .offset = 21,
+                          .period = 0.75,
+                          .gamma = 0.04,
+                          .rate = 100,
+                          .span = 9,
+                          .noise = 0.2};
     struct synthetic s = synthetic_make(&truth);
     struct fit fit;
     struct error error = {0};
@@ -328,15 +361,17 @@ static void laws_of_drag(void **state)
     synthetic_free(&s);
 }
 
-/* Whatever the span (so the number of windows and periods in each): a wrong law hardly ever; none rather than a wrong
- * one. */
+/* Whatever the span (so the number of windows and periods in each): a wrong law hardly ever; none
+ * rather than a wrong one. */
 static void law_does_not_hang_on_the_windows(void **state)
 {
     (void)state;
     static const struct {
         double gamma, quadratic;
         enum drag_law law;
-    } cases[] = {{0.04, 0, LAW_LINEAR}, {1e-9, 0.04, LAW_QUADRATIC}, {0.015, 0.06, LAW_LINEAR | LAW_QUADRATIC}};
+    } cases[] = {{0.04, 0, LAW_LINEAR},
+                 {1e-9, 0.04, LAW_QUADRATIC},
+                 {0.015, 0.06, LAW_LINEAR | LAW_QUADRATIC}};
     int runs = is_long() ? 200 : 3, wrong = 0, undecided = 0;
     random_state = 14;
     for (int run = 0; run < runs; run++) {
@@ -416,8 +451,9 @@ static void what_does_not_oscillate_is_refused(void **state)
         double (*value)(size_t i);
         int tries;
         double accepted; /* share: a random walk looks like two periods now and then */
-    } signals[] = {{"flat", flat, 1, 0},           {"noise", noise, 50, 0},      {"ramp", ramp, 50, 0},
-                   {"parabola", parabola, 50, 0},  {"pulse", pulse, 5, 0},       {"walk", walk, 50, 0.02},
+    } signals[] = {{"flat", flat, 1, 0},           {"noise", noise, 50, 0},
+                   {"ramp", ramp, 50, 0},          {"parabola", parabola, 50, 0},
+                   {"pulse", pulse, 5, 0},         {"walk", walk, 50, 0.02},
                    {"one cycle", one_cycle, 5, 0}, {"relaxing", relaxing, 20, 0}};
     static double t[1000], y[1000];
     random_state = 12;
@@ -437,7 +473,8 @@ static void what_does_not_oscillate_is_refused(void **state)
             }
             /* a walk may also begin to look like a sine on which the fit then does not settle */
             bool unsettled = signals[k].accepted > 0 && error.code == ERROR_NUMERICAL;
-            assert_true(unsettled || (error.code == ERROR_COMMAND && strstr(error.text, "does not oscillate")));
+            assert_true(unsettled ||
+                        (error.code == ERROR_COMMAND && strstr(error.text, "does not oscillate")));
         }
         if (accepted > signals[k].accepted * tries) {
             fail_msg("%s: %d of %d are said to oscillate", signals[k].name, accepted, tries);
@@ -454,8 +491,13 @@ static void growing_and_plain_sines(void **state)
 {
     (void)state;
     random_state = 13;
-    struct truth truth = {
-        .amplitude = 1, .offset = 0, .period = 0.75, .gamma = -0.1, .rate = 100, .span = 20, .noise = 0.02};
+    struct truth truth = {.amplitude = 1,
+                          .offset = 0,
+                          .period = 0.75,
+                          .gamma = -0.1,
+                          .rate = 100,
+                          .span = 20,
+                          .noise = 0.02};
     struct synthetic s = synthetic_make(&truth);
     struct fit fit;
     struct error error = {0};
@@ -467,7 +509,8 @@ static void growing_and_plain_sines(void **state)
     truth.gamma = 0;
     s = synthetic_make(&truth);
     assert_true(fit_named("sine", &s.series, &fit, &error));
-    assert_true(fit.gamma.value == 0 && close_to(fit.amplitude.value, 1, 4 * fit.amplitude.uncertainty));
+    assert_true(fit.gamma.value == 0 &&
+                close_to(fit.amplitude.value, 1, 4 * fit.amplitude.uncertainty));
     assert_true(close_to(fit.period.value, 0.75, 4 * fit.period.uncertainty));
     synthetic_free(&s);
 }
@@ -482,7 +525,8 @@ static void cancellation(void **state)
     struct arena arena = {0};
     struct fit fit;
     struct error error = {0};
-    const struct fit_model *row = (const struct fit_model *)(const void *)catalog_row(&fit_catalog, 0);
+    const struct fit_model *row =
+        (const struct fit_model *)(const void *)catalog_row(&fit_catalog, 0);
     assert_false(row->fit(&s.series, &arena, &cancel, &fit, &error));
     assert_int_equal(error.code, ERROR_CANCELLED);
     arena_reset(&arena);
@@ -492,13 +536,20 @@ static void cancellation(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(intervals_cover_the_truth),        cmocka_unit_test(dropouts_are_counted),
+        cmocka_unit_test(intervals_cover_the_truth),
+        cmocka_unit_test(dropouts_are_counted),
         cmocka_unit_test(clipped_tops_are_censored),
-        cmocka_unit_test(deep_cuts_are_no_fit),     cmocka_unit_test(coarse_steps_are_not_clipping),        cmocka_unit_test(drift_of_the_offset),
-        cmocka_unit_test(rest_before_release_is_seen),      cmocka_unit_test(exact_samples),
-        cmocka_unit_test(stiffness_has_both_uncertainties), cmocka_unit_test(laws_of_drag),
-        cmocka_unit_test(law_does_not_hang_on_the_windows), cmocka_unit_test(what_does_not_oscillate_is_refused),
-        cmocka_unit_test(growing_and_plain_sines),          cmocka_unit_test(cancellation),
+        cmocka_unit_test(deep_cuts_are_no_fit),
+        cmocka_unit_test(coarse_steps_are_not_clipping),
+        cmocka_unit_test(drift_of_the_offset),
+        cmocka_unit_test(rest_before_release_is_seen),
+        cmocka_unit_test(exact_samples),
+        cmocka_unit_test(stiffness_has_both_uncertainties),
+        cmocka_unit_test(laws_of_drag),
+        cmocka_unit_test(law_does_not_hang_on_the_windows),
+        cmocka_unit_test(what_does_not_oscillate_is_refused),
+        cmocka_unit_test(growing_and_plain_sines),
+        cmocka_unit_test(cancellation),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * All seven laws under everything that recordings suffer from: which law `fit drag` finds. A case is distinguishable
- * where noise-free data refute, by more than chance in the noise at hand, every law that lacks a term of the truth.
+ * All seven laws under everything that recordings suffer from: which law `fit drag` finds. A case
+ * is distinguishable where noise-free data refute, by more than chance in the noise at hand, every
+ * law that lacks a term of the truth.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -28,7 +29,11 @@ struct law_case {
 
 static double acceleration(const double rate[DRAG_RATES], double y, double v)
 {
-    return -rate[0] * v - rate[1] * fabs(v) * v - (v > 0 ? rate[2] : v < 0 ? -rate[2] : 0) - OMEGA * OMEGA * y;
+    return -rate[0] * v - rate[1] * fabs(v) * v -
+           (v > 0   ? rate[2]
+            : v < 0 ? -rate[2]
+                    : 0) -
+           OMEGA * OMEGA * y;
 }
 
 /* Rest where the spring no longer overcomes the friction: the sign of v would flutter about 0. */
@@ -57,22 +62,23 @@ static double student_2(void)
 
 enum ill { WHITE, ROUNDED, WALK, BOWL, GAPS, JITTER, STUDENT, AUTOREGRESSIVE, ILLS };
 
-static const char *const ills[ILLS] = {"white", "1 mm steps", "random-walk baseline", "quadratic baseline",
-                                       "gaps",  "jitter",     "Student t, 2",         "AR(1)"};
+static const char *const ills[ILLS] = {
+    "white", "1 mm steps", "random-walk baseline", "quadratic baseline",
+    "gaps",  "jitter",     "Student t, 2",         "AR(1)"};
 
 static struct synthetic make(const struct law_case *c, enum ill ill)
 {
     enum { STEPS = 12 };
-    const size_t most = (size_t)(c->span * RATE) + 1;
-    struct synthetic s = {.t = malloc(most * sizeof(double)), .y = malloc(most * sizeof(double))};
+    const size_t max = (size_t)(c->span * RATE) + 1;
+    struct synthetic s = {.t = malloc(max * sizeof(double)), .y = malloc(max * sizeof(double))};
     if (!s.t || !s.y)
         abort();
     double y = c->amplitude, v = 0, walk = 0, slow = 0, time = 0;
     const double h = 1.0 / (STEPS * RATE), gap = random_between(0.2, 0.7) * c->span;
     size_t n = 0;
-    for (size_t i = 0; i < most; i++) {
+    for (size_t i = 0; i < max; i++) {
         double noise = c->noise * random_normal(), at = (double)i / RATE, value;
-        if (ill == JITTER && i > 0 && i + 1 < most)
+        if (ill == JITTER && i > 0 && i + 1 < max)
             at += random_between(-0.3, 0.3) / RATE;
         while (time < at - 1e-12) {
             const double step = fmin(h, at - time);
@@ -81,7 +87,9 @@ static struct synthetic make(const struct law_case *c, enum ill ill)
         }
         walk += ill == WALK ? 0.5 * c->noise * random_normal() : 0;
         slow = 0.8 * slow + 0.6 * noise;
-        noise = ill == STUDENT ? 0.7 * c->noise * student_2() : ill == AUTOREGRESSIVE ? slow : noise;
+        noise = ill == STUDENT          ? 0.7 * c->noise * student_2()
+                : ill == AUTOREGRESSIVE ? slow
+                                        : noise;
         value = 0.21 + y + noise + walk;
         value += ill == BOWL ? 0.5 * c->amplitude * pow(2 * at / c->span - 1, 2) : 0;
         if (ill == GAPS && (fabs(at - gap) < 0.05 * c->span || random_uniform() < 0.05))
@@ -96,15 +104,17 @@ static struct synthetic make(const struct law_case *c, enum ill ill)
 /* Terms that share the loss, none of them less than a fifth; the amplitude falls by 2 to 10. */
 static struct law_case draw(enum drag_law law)
 {
-    struct law_case c = {.law = law, .amplitude = random_between(0.03, 0.08), .span = random_between(30, 90)};
-    const double fall = random_between(0.7, 2.3), gamma = 2 * fall / c.span, mean = c.amplitude / fall * -expm1(-fall);
+    struct law_case c = {
+        .law = law, .amplitude = random_between(0.03, 0.08), .span = random_between(30, 90)};
+    const double fall = random_between(0.7, 2.3), gamma = 2 * fall / c.span,
+                 mean = c.amplitude / fall * -expm1(-fall);
     const double alone[DRAG_RATES] = {gamma, gamma * 3 * 3.14159265 / (8 * OMEGA * mean),
                                       gamma * 0.785398 * OMEGA * mean};
-    double share[DRAG_RATES], all = 0;
+    double fraction[DRAG_RATES], all = 0;
     for (int k = 0; k < DRAG_RATES; k++)
-        all += share[k] = law >> k & 1 ? random_between(0.35, 1) : 0;
+        all += fraction[k] = law >> k & 1 ? random_between(0.35, 1) : 0;
     for (int k = 0; k < DRAG_RATES; k++)
-        c.rate[k] = share[k] / all * alone[k];
+        c.rate[k] = fraction[k] / all * alone[k];
     c.noise = 1e-4 * pow(10, random_uniform());
     return c;
 }
@@ -117,21 +127,22 @@ static double evidence_of(const struct law_case *c, double sigma)
     struct error error = {0};
     clean.noise = 0;
     struct synthetic s = make(&clean, WHITE);
-    double least = 1e9;
+    double min = 1e9;
     if (!fit_named("drag", &s.series, &fit, &error))
         fail_msg("%s", error.text);
     for (int i = 0; i < fit.drag.candidates; i++) {
         const struct drag_candidate *rival = &fit.drag.candidate[i];
         if ((rival->law & c->law) != c->law && rival->converged)
-            least = fmin(least, (double)s.series.n * rival->rms * rival->rms / (sigma * sigma));
+            min = fmin(min, (double)s.series.n * rival->rms * rival->rms / (sigma * sigma));
     }
     synthetic_free(&s);
-    return least;
+    return min;
 }
 
 struct tally {
-    int all, clear, right, wrong, undecided, excluded, refused; /* excluded: undecided, and the truth is not among those
-                                                                 * that remain */
+    int all, clear, right, wrong, undecided, excluded,
+        refused; /* excluded: undecided, and the truth is not among those
+                  * that remain */
 };
 
 static bool says(const struct fit *fit, const char *word)
@@ -149,15 +160,19 @@ static bool is_poor(const struct fit *fit)
 
 static void judge(const struct law_case *c, enum ill ill, struct tally *tally)
 {
-    /* what one sample's noise is worth at the oscillation's frequency: of AR(1) its spectrum there, of rounding the
-     * steps, of t with 2 degrees what robust rejection leaves, of a walk what a cycle does not average out */
-    static const double worth[ILLS] = {[WHITE] = 1, [ROUNDED] = 1,  [WALK] = 2.6,    [BOWL] = 1,
-                                       [GAPS] = 1.2, [JITTER] = 1, [STUDENT] = 1.7, [AUTOREGRESSIVE] = 2.3};
-    const double sigma = worth[ill] * (ill == ROUNDED ? hypot(c->noise, 1e-3 / sqrt(12)) : c->noise);
+    /* what one sample's noise is worth at the oscillation's frequency: of AR(1) its spectrum there,
+     * of rounding the steps, of t with 2 degrees what robust rejection leaves, of a walk what a
+     * cycle does not average out */
+    static const double worth[ILLS] = {
+        [WHITE] = 1,  [ROUNDED] = 1, [WALK] = 2.6,    [BOWL] = 1,
+        [GAPS] = 1.2, [JITTER] = 1,  [STUDENT] = 1.7, [AUTOREGRESSIVE] = 2.3};
+    const double sigma =
+        worth[ill] * (ill == ROUNDED ? hypot(c->noise, 1e-3 / sqrt(12)) : c->noise);
     struct synthetic s = make(c, ill);
     struct fit fit;
     struct error error = {0};
-    const bool clear = evidence_of(c, sigma) > GAIN, found = fit_named("drag", &s.series, &fit, &error);
+    const bool clear = evidence_of(c, sigma) > GAIN,
+               found = fit_named("drag", &s.series, &fit, &error);
     const bool claimed = found && fit.preferred != LAW_UNDECIDED && !is_poor(&fit);
     if (found && ill == BOWL && fit.drag.wander > 0)
         assert_true(says(&fit, "the offset wanders"));
@@ -169,14 +184,16 @@ static void judge(const struct law_case *c, enum ill ill, struct tally *tally)
     tally->excluded += found && !claimed && !(fit.drag.remaining >> (c->law - 1) & 1);
     tally->refused += !found;
     if (claimed && fit.preferred != c->law)
-        print_message("  %s, truth %s, noise %g of %g over %g s: %s\n", ills[ill], drag_law_name(c->law), c->noise,
-                      c->amplitude, c->span, fit.drag.said);
-    else if (found && !claimed && (!(fit.drag.remaining >> (c->law - 1) & 1) || (clear && getenv("VERBOSE"))))
-        print_message("  %s, truth %s, noise %g of %g over %g s: %s %s\n", ills[ill], drag_law_name(c->law), c->noise,
-                      c->amplitude, c->span, is_poor(&fit) ? "poor" : "", fit.drag.said);
+        print_message("  %s, truth %s, noise %g of %g over %g s: %s\n", ills[ill],
+                      drag_law_name(c->law), c->noise, c->amplitude, c->span, fit.drag.said);
+    else if (found && !claimed &&
+             (!(fit.drag.remaining >> (c->law - 1) & 1) || (clear && getenv("VERBOSE"))))
+        print_message("  %s, truth %s, noise %g of %g over %g s: %s %s\n", ills[ill],
+                      drag_law_name(c->law), c->noise, c->amplitude, c->span,
+                      is_poor(&fit) ? "poor" : "", fit.drag.said);
     else if (!found)
-        print_message("  %s, truth %s, noise %g of %g over %g s: %s\n", ills[ill], drag_law_name(c->law), c->noise,
-                      c->amplitude, c->span, error.text);
+        print_message("  %s, truth %s, noise %g of %g over %g s: %s\n", ills[ill],
+                      drag_law_name(c->law), c->noise, c->amplitude, c->span, error.text);
     synthetic_free(&s);
 }
 
@@ -202,8 +219,8 @@ static void the_right_law_or_none(void **state)
         }
         print_message("%-22s %d recordings, %d distinguishable: %d right, %d not distinguishable; "
                       "%d wrong, %d excluded, %d refused\n",
-                      ills[ill], tally.all, tally.clear, tally.right, tally.undecided, tally.wrong, tally.excluded,
-                      tally.refused);
+                      ills[ill], tally.all, tally.clear, tally.right, tally.undecided, tally.wrong,
+                      tally.excluded, tally.refused);
         all_well = all_well && (each == 1 || right_enough(&tally));
         all.all += tally.all;
         all.clear += tally.clear;
@@ -212,8 +229,10 @@ static void the_right_law_or_none(void **state)
         all.excluded += tally.excluded;
         all.refused += tally.refused;
     }
-    print_message("%d recordings, %d distinguishable: %d right (%.1f %%); %d wrong, %d excluded, %d refused\n", all.all,
-                  all.clear, all.right, 100.0 * all.right / all.clear, all.wrong, all.excluded, all.refused);
+    print_message("%d recordings, %d distinguishable: %d right (%.1f %%); %d wrong, %d excluded, "
+                  "%d refused\n",
+                  all.all, all.clear, all.right, 100.0 * all.right / all.clear, all.wrong,
+                  all.excluded, all.refused);
     assert_true(all.clear > all.all / 2);
     assert_true(all_well && (each > 1 ? all.right >= 0.95 * all.clear : right_enough(&all)));
     /* noise alone may hide a term by three standard deviations */
@@ -225,14 +244,17 @@ static void the_right_law_or_none(void **state)
 
 static double pull(enum restoring_force force, double beta, double y)
 {
-    return force == RESTORING_SINE ? OMEGA * OMEGA * sin(y) : OMEGA * OMEGA * y + (force ? beta * y * y * y : 0);
+    return force == RESTORING_SINE ? OMEGA * OMEGA * sin(y)
+                                   : OMEGA * OMEGA * y + (force ? beta * y * y * y : 0);
 }
 
 /* With linear damping; leapfrog, 400 steps a sample. */
-static struct synthetic swing(enum restoring_force force, double beta, double amplitude, double noise)
+static struct synthetic swing(enum restoring_force force, double beta, double amplitude,
+                              double noise)
 {
     enum { STEPS = 400, SAMPLES = 1200 };
-    struct synthetic s = {.t = malloc(SAMPLES * sizeof(double)), .y = malloc(SAMPLES * sizeof(double))};
+    struct synthetic s = {.t = malloc(SAMPLES * sizeof(double)),
+                          .y = malloc(SAMPLES * sizeof(double))};
     if (!s.t || !s.y)
         abort();
     const double h = 1.0 / (STEPS * RATE), gamma = 0.08;
@@ -256,8 +278,11 @@ static void restoring_forces_are_found(void **state)
     static const struct {
         enum restoring_force force;
         double beta, amplitude;
-    } cases[] = {{RESTORING_LINEAR, 0, 0.5},     {RESTORING_SINE, 0, 1.2},     {RESTORING_SINE, 0, 0.5},
-                 {RESTORING_CUBIC, 25, 0.8}, {RESTORING_CUBIC, -30, 0.6}};
+    } cases[] = {{RESTORING_LINEAR, 0, 0.5},
+                 {RESTORING_SINE, 0, 1.2},
+                 {RESTORING_SINE, 0, 0.5},
+                 {RESTORING_CUBIC, 25, 0.8},
+                 {RESTORING_CUBIC, -30, 0.6}};
     random_state = 51;
     for (size_t i = 0; i < COUNT_OF(cases); i++) {
         struct synthetic s = swing(cases[i].force, cases[i].beta, cases[i].amplitude, 0.002);
@@ -265,9 +290,9 @@ static void restoring_forces_are_found(void **state)
         struct error error = {0};
         if (!fit_named("law", &s.series, &fit, &error))
             fail_msg("case %zu: %s", i, error.text);
-        print_message("%s: omega0 %.5f +- %.1g, beta %.4g +- %.2g; %s\n", restoring_name(fit.drag.force),
-                      fit.omega.value, fit.omega.uncertainty, fit.drag.cubic.value, fit.drag.cubic.uncertainty,
-                      fit.drag.said);
+        print_message("%s: omega0 %.5f +- %.1g, beta %.4g +- %.2g; %s\n",
+                      restoring_name(fit.drag.force), fit.omega.value, fit.omega.uncertainty,
+                      fit.drag.cubic.value, fit.drag.cubic.uncertainty, fit.drag.said);
         assert_int_equal(fit.drag.force, cases[i].force);
         assert_int_equal(fit.drag.forces_remaining, 1u << cases[i].force);
         assert_true(close_to(fit.omega.value, OMEGA, 5 * fit.omega.uncertainty + 1e-4 * OMEGA));
@@ -277,7 +302,8 @@ static void restoring_forces_are_found(void **state)
     }
 }
 
-/* Large swings have one force, small ones often more that remain: never a wrong one alone, nor the right one excluded.
+/* Large swings have one force, small ones often more that remain: never a wrong one alone, nor the
+ * right one excluded.
  */
 static void the_right_force_or_several(void **state)
 {
@@ -290,9 +316,9 @@ static void the_right_force_or_several(void **state)
         for (int i = 0; i < each * RESTORING_FORCES; i++) {
             const enum restoring_force force = (enum restoring_force)(i % RESTORING_FORCES);
             const double amplitude = large ? random_between(0.4, 1) : random_between(0.02, 0.2);
-            const double share = random_between(0.1, 0.3) * (random_uniform() < 0.5 ? 1 : -0.5);
-            struct synthetic s =
-                swing(force, share * OMEGA * OMEGA / (amplitude * amplitude), amplitude, random_between(0.001, 0.01));
+            const double fraction = random_between(0.1, 0.3) * (random_uniform() < 0.5 ? 1 : -0.5);
+            struct synthetic s = swing(force, fraction * OMEGA * OMEGA / (amplitude * amplitude),
+                                       amplitude, random_between(0.001, 0.01));
             struct fit fit;
             struct error error = {0};
             if (!fit_named("law", &s.series, &fit, &error))
@@ -303,13 +329,13 @@ static void the_right_force_or_several(void **state)
             several += remain != truth && remain & truth;
             all++;
             if (!(remain & truth))
-                print_message("  %s at %g rad: %s, BIC %.1f %.1f %.1f\n", restoring_name(force), amplitude,
-                              restoring_name(fit.drag.force), fit.drag.restoring[0].bic, fit.drag.restoring[1].bic,
-                              fit.drag.restoring[2].bic);
+                print_message("  %s at %g rad: %s, BIC %.1f %.1f %.1f\n", restoring_name(force),
+                              amplitude, restoring_name(fit.drag.force), fit.drag.restoring[0].bic,
+                              fit.drag.restoring[1].bic, fit.drag.restoring[2].bic);
             synthetic_free(&s);
         }
-        print_message("%s swings: %d of %d right, %d not distinguishable, %d wrong\n", large ? "large" : "small", right,
-                      all, several, wrong);
+        print_message("%s swings: %d of %d right, %d not distinguishable, %d wrong\n",
+                      large ? "large" : "small", right, all, several, wrong);
         assert_true(100 * wrong <= all && (!large || right >= 0.95 * all));
     }
 }

@@ -111,7 +111,7 @@ static void stepped(struct beat *b)
 
 static const struct {
     const char *name;
-    double least, most; /* apart */
+    double min, max; /* apart */
     void (*disturb)(struct beat *b);
     int runs; /* of the quick form */
 } rows[] = {{"white, 1.5 to 2 line widths apart", 1.5, 2, white, 60},
@@ -161,9 +161,9 @@ static void intervals_cover_or_a_warning_says_why_not(void **state)
     random_state = 12;
     for (size_t k = 0; k < COUNT_OF(rows); k++) {
         const int runs = is_long() ? 240 : rows[k].runs;
-        int covered[QUANTITIES] = {0}, warned = 0, refused = 0, sum = 0, least = runs;
+        int covered[QUANTITIES] = {0}, warned = 0, refused = 0, sum = 0, min = runs;
         for (int run = 0; run < runs; run++) {
-            struct beat b = beat_make(random_between(rows[k].least, rows[k].most));
+            struct beat b = beat_make(random_between(rows[k].min, rows[k].max));
             rows[k].disturb(&b);
             const struct series series = {
                 .t = b.t, .y = b.y, .n = b.n, .quantity = QUANTITY_LENGTH};
@@ -186,16 +186,16 @@ static void intervals_cover_or_a_warning_says_why_not(void **state)
         const int judged = runs - warned - refused;
         for (int q = 0; q < QUANTITIES; q++) {
             sum += covered[q];
-            least = covered[q] < least ? covered[q] : least;
+            min = covered[q] < min ? covered[q] : min;
         }
         const double all = judged ? 100.0 * sum / judged / QUANTITIES : 100;
         print_message(
             "%-34s %3d judged, %4.1f %% covered, worst quantity %5.1f %%; %d warned, %d refused\n",
-            rows[k].name, judged, all, judged ? 100.0 * least / judged : 100.0, warned, refused);
+            rows[k].name, judged, all, judged ? 100.0 * min / judged : 100.0, warned, refused);
         /* Each quantity within what chance does to so few, all of them together as promised. */
         const double chance = 3 * sqrt(0.95 * 0.05 * judged);
-        const bool near = rows[k].most < 1.5;
-        all_well = all_well && least >= 0.9 * judged - chance && all >= 90 &&
+        const bool near = rows[k].max < 1.5;
+        all_well = all_well && min >= 0.9 * judged - chance && all >= 90 &&
                    all <= 99 + 100 * near && (near ? 10 * judged <= runs : 4 * judged >= 3 * runs);
     }
     assert_true(all_well);

@@ -11,7 +11,8 @@
 
 #define TWO_PI 6.283185307179586
 
-/* 50 Hz, 4.2 cm, 0.05 cm noise: what the cursors promise (0.09 % over one period, 0.014 % over eight). */
+/* 50 Hz, 4.2 cm, 0.05 cm noise: what the cursors promise (0.09 % over one period, 0.014 % over
+ * eight). */
 static void crossings_are_as_good_as_promised(void **state)
 {
     (void)state;
@@ -36,7 +37,8 @@ static void crossings_are_as_good_as_promised(void **state)
         assert_in_range(n, 19, 22);
         for (size_t i = 1; i < n; i++) {
             assert_true(c[i].t > c[i - 1].t && c[i].up != c[i - 1].up);
-            double phase = TWO_PI / 1.9373 * c[i].t + truth.phase, off = remainder(phase - TWO_PI / 4, TWO_PI / 2);
+            double phase = TWO_PI / 1.9373 * c[i].t + truth.phase,
+                   off = remainder(phase - TWO_PI / 4, TWO_PI / 2);
             pull += pow(off / (TWO_PI / 1.9373) / c[i].uncertainty, 2);
             pairs++;
         }
@@ -51,14 +53,19 @@ static void crossings_are_as_good_as_promised(void **state)
     assert_true(close_to(sqrt(pull / pairs), 1, 0.15)); /* the uncertainties are true */
 }
 
-/* Missed echoes before the first true crossing cross the level, too; the periods are counted from where the others
- * agree. */
+/* Missed echoes before the first true crossing cross the level, too; the periods are counted from
+ * where the others agree. */
 static void spikes_that_cross_first_do_not_matter(void **state)
 {
     (void)state;
     random_state = 24;
-    struct truth truth = {
-        .amplitude = 4, .offset = 20, .period = 1.937, .phase = 0.3, .rate = 50, .span = 9.6, .noise = 0.03};
+    struct truth truth = {.amplitude = 4,
+                          .offset = 20,
+                          .period = 1.937,
+                          .phase = 0.3,
+                          .rate = 50,
+                          .span = 9.6,
+                          .noise = 0.03};
     int wrong = 0, tried = 0;
     for (int at = 2; at < 66; at++) {
         for (int width = 1; width <= 6; width++) {
@@ -71,8 +78,8 @@ static void spikes_that_cross_first_do_not_matter(void **state)
                 struct period period;
                 struct error error = {0};
                 tried++;
-                wrong +=
-                    !series_period(&s.series, &arena, &period, &error) || !close_to(period.period.value, 1.937, 0.01);
+                wrong += !series_period(&s.series, &arena, &period, &error) ||
+                         !close_to(period.period.value, 1.937, 0.01);
                 arena_reset(&arena);
                 synthetic_free(&s);
             }
@@ -86,8 +93,13 @@ static void noise_makes_no_extra_crossings(void **state)
 {
     (void)state;
     random_state = 22;
-    struct truth truth = {
-        .amplitude = 1, .offset = 3, .period = 2, .rate = 100, .span = 20.2, .noise = 0.2, .phase = 0.3};
+    struct truth truth = {.amplitude = 1,
+                          .offset = 3,
+                          .period = 2,
+                          .rate = 100,
+                          .span = 20.2,
+                          .noise = 0.2,
+                          .phase = 0.3};
     struct synthetic s = synthetic_make(&truth);
     struct arena arena = {0};
     struct overview overview;
@@ -107,7 +119,11 @@ static void exact_period(void **state)
 {
     (void)state;
     for (int damped = 0; damped < 2; damped++) {
-        struct truth truth = {.amplitude = 0.05, .period = 0.7526, .gamma = damped ? 0.05 : 0, .rate = 100, .span = 20};
+        struct truth truth = {.amplitude = 0.05,
+                              .period = 0.7526,
+                              .gamma = damped ? 0.05 : 0,
+                              .rate = 100,
+                              .span = 20};
         struct synthetic s = synthetic_make(&truth);
         struct arena arena = {0};
         struct period period;
@@ -127,17 +143,25 @@ static void clean_periods_are_exact_or_none(void **state)
     static const struct {
         double gamma, period, offset, span;
         bool found;
-    } of[] = {{0, 0.7526, 0, 20, true},     {0.05, 0.7526, 25, 20, true}, {-0.05, 0.7526, 0, 20, true},
+    } of[] = {{0, 0.7526, 0, 20, true},
+              {0.05, 0.7526, 25, 20, true},
+              {-0.05, 0.7526, 0, 20, true},
               {0, 0.15, 0, 20, false}, /* 15 samples each */
               {0, 0.7526, 0, 1.2, false} /* too few */};
     for (size_t i = 0; i < COUNT_OF(of); i++) {
-        const struct truth truth = {.amplitude = 0.05, .period = of[i].period, .gamma = of[i].gamma,
-                                    .offset = of[i].offset, .rate = 100, .span = of[i].span};
+        const struct truth truth = {.amplitude = 0.05,
+                                    .period = of[i].period,
+                                    .gamma = of[i].gamma,
+                                    .offset = of[i].offset,
+                                    .rate = 100,
+                                    .span = of[i].span};
         struct synthetic s = synthetic_make(&truth);
         struct arena arena = {0};
         struct period period, about;
-        assert_int_equal(series_clean_period(&s.series, of[i].offset, &arena, &period), of[i].found);
-        /* Quintics between 75 samples a period leave (2 pi/75)^6/6! of the amplitude, half of it cancels. */
+        assert_int_equal(series_clean_period(&s.series, of[i].offset, &arena, &period),
+                         of[i].found);
+        /* Quintics between 75 samples a period leave (2 pi/75)^6/6! of the amplitude, half of it
+         * cancels. */
         assert_true(!of[i].found || close_to(period.period.value, of[i].period, 1e-9));
         /* Away from the centre damped motion does not cross at regular times. */
         if (of[i].gamma > 0 && series_clean_period(&s.series, of[i].offset + 0.03, &arena, &about))
@@ -147,7 +171,8 @@ static void clean_periods_are_exact_or_none(void **state)
     }
 }
 
-/* Pulses, in uneven steps: no damped sine comes near. Where they come less and less often there is no period. */
+/* Pulses, in uneven steps: no damped sine comes near. Where they come less and less often there is
+ * no period. */
 static void pulses_have_a_period(void **state)
 {
     static double t[4000], y[4000];
@@ -202,8 +227,14 @@ static void amplitudes_at_times(void **state)
 {
     (void)state;
     random_state = 24;
-    struct truth truth = {
-        .t0 = 2, .amplitude = 5, .offset = 21, .period = 0.75, .gamma = 0.04, .rate = 100, .span = 60, .noise = 0.03};
+    struct truth truth = {.t0 = 2,
+                          .amplitude = 5,
+                          .offset = 21,
+                          .period = 0.75,
+                          .gamma = 0.04,
+                          .rate = 100,
+                          .span = 60,
+                          .noise = 0.03};
     struct synthetic s = synthetic_make(&truth);
     struct arena arena = {0};
     double at[] = {2, 10, 30, 62};
@@ -214,7 +245,8 @@ static void amplitudes_at_times(void **state)
         for (int i = 0; i < 4; i++) {
             double truth_here = 5 * exp(-0.02 * (at[i] - 2));
             assert_true(reading[i].t == at[i]);
-            assert_true(close_to(reading[i].amplitude.value, truth_here, 4 * reading[i].amplitude.uncertainty + 1e-4));
+            assert_true(close_to(reading[i].amplitude.value, truth_here,
+                                 4 * reading[i].amplitude.uncertainty + 1e-4));
             assert_true(reading[i].amplitude.uncertainty < 0.01);
         }
     }
@@ -238,25 +270,30 @@ static void position_and_energy_agree(void **state)
         double v = -0.5 * gamma * y[i] - a * omega * sin(omega * s);
         e[i] = 0.5 * v * v + 0.5 * 8.4 * 8.4 * y[i] * y[i];
     }
-    struct series position = {.t = t, .y = y, .n = N}, energy = {.t = t, .y = e, .n = N, .quantity = QUANTITY_ENERGY};
+    struct series position = {.t = t, .y = y, .n = N},
+                  energy = {.t = t, .y = e, .n = N, .quantity = QUANTITY_ENERGY};
     struct arena arena = {0};
     struct decay p, q;
     struct error error = {0};
     assert_true(series_decay(&position, &arena, NULL, 0, &p, &error) && p.readings == 6);
-    assert_true(series_decay(&energy, &arena, &(struct energy_noise){0}, 0, &q, &error) && q.readings == 6);
-    assert_true(close_to(p.gamma.value, gamma, 1e-7 * gamma) && close_to(q.gamma.value, gamma, 1e-4 * gamma));
+    assert_true(series_decay(&energy, &arena, &(struct energy_noise){0}, 0, &q, &error) &&
+                q.readings == 6);
+    assert_true(close_to(p.gamma.value, gamma, 1e-7 * gamma) &&
+                close_to(q.gamma.value, gamma, 1e-4 * gamma));
     assert_true(close_to(p.initial.value, 0.05, 1e-8) && close_to(p.tau.value, 80, 1e-4));
     assert_true(close_to(p.quality.value, omega / gamma, 1e-3) &&
                 close_to(p.decrement.value, gamma * TWO_PI / 2 / omega, 1e-8));
     assert_true(close_to(p.halves[0], gamma, 1e-6) && close_to(q.halves[1], gamma, 1e-4));
-    /* The means over parts of the record lie above the exponential; a quarter of the part's ripple is left. */
+    /* The means over parts of the record lie above the exponential; a quarter of the part's ripple
+     * is left. */
     const double whole = 0.5 * (omega * omega + 0.25 * gamma * gamma) * 0.05 * 0.05;
     assert_true(close_to(q.initial.value, whole, 1e-4 * whole));
     for (int fast = 1; fast <= 3; fast++) {
         for (size_t i = 0; i < N; i++)
             e[i] = 18.75 * exp(-0.02 * fast * t[i]);
         assert_true(series_decay(&energy, &arena, &(struct energy_noise){0}, 0, &q, &error));
-        assert_true(close_to(q.initial.value, 18.75, 1e-3) && close_to(q.gamma.value, 0.02 * fast, 1e-6));
+        assert_true(close_to(q.initial.value, 18.75, 1e-3) &&
+                    close_to(q.gamma.value, 0.02 * fast, 1e-6));
     }
     /* the classic mix-up would be a factor of two */
     assert_false(series_decay(&position, &arena, NULL, 2, &p, &error));
@@ -281,7 +318,8 @@ static void decay_covers_the_truth(void **state)
         struct arena arena = {0};
         struct decay decay;
         struct error error = {0};
-        assert_true(series_decay(&s.series, &arena, NULL, 8, &decay, &error) && decay.readings == 8);
+        assert_true(series_decay(&s.series, &arena, NULL, 8, &decay, &error) &&
+                    decay.readings == 8);
         inside += close_to(decay.gamma.value, truth.gamma, 1.96 * decay.gamma.uncertainty);
         arena_reset(&arena);
         synthetic_free(&s);
@@ -294,8 +332,13 @@ static void spectrum_shows_the_amplitude(void **state)
     (void)state;
     random_state = 26;
     for (int uneven = 0; uneven < 2; uneven++) {
-        struct truth truth = {
-            .amplitude = 3, .offset = 21, .period = 0.75, .rate = 40, .span = 30.3, .noise = 0.05, .phase = 1};
+        struct truth truth = {.amplitude = 3,
+                              .offset = 21,
+                              .period = 0.75,
+                              .rate = 40,
+                              .span = 30.3,
+                              .noise = 0.05,
+                              .phase = 1};
         struct synthetic s = synthetic_make(&truth);
         for (size_t i = 0; uneven && i < s.series.n; i++) {
             s.t[i] += 0.4 / 40 * random_uniform();
@@ -310,28 +353,35 @@ static void spectrum_shows_the_amplitude(void **state)
             assert_true(frequency[k] > frequency[k - 1] && amplitude[k] >= 0);
             peak = amplitude[k] > amplitude[peak] ? k : peak;
         }
-        assert_true(close_to(frequency[peak], 1 / 0.75, 0.02) && close_to(amplitude[peak], 3, 0.15));
+        assert_true(close_to(frequency[peak], 1 / 0.75, 0.02) &&
+                    close_to(amplitude[peak], 3, 0.15));
         assert_true(close_to(frequency[bins - 1], 20, 0.5));
         arena_reset(&arena);
         synthetic_free(&s);
     }
 }
 
-/* The peak that is drawn is the line that is named, whatever is missing: even times, a rough clock, a gap of two fifths,
- * both, and more samples than there are bins beside each other; at ten samples a period. */
+/* The peak that is drawn is the line that is named, whatever is missing: even times, a rough clock,
+ * a gap of two fifths, both, and more samples than there are bins beside each other; at ten samples
+ * a period. */
 static void the_drawn_peak_is_the_named_line(void **state)
 {
     (void)state;
     random_state = 28;
     for (int kind = 0; kind < 20; kind++) {
-        struct truth truth = {.amplitude = 3, .offset = 21, .period = 0.4 + 0.0137 * kind, .rate = 25, .noise = 0.002};
+        struct truth truth = {.amplitude = 3,
+                              .offset = 21,
+                              .period = 0.4 + 0.0137 * kind,
+                              .rate = 25,
+                              .noise = 0.002};
         truth.span = kind % 5 == 4 ? 400 : 30.3;
         truth.phase = TWO_PI * random_uniform();
         struct synthetic s = synthetic_make(&truth);
         size_t n = 0;
         for (size_t i = 0; i < s.series.n; i++) {
-            const double share = (double)i / (double)s.series.n, late = kind % 5 & 1 ? 0.01 * random_uniform() : 0;
-            if (kind % 5 >= 2 && kind % 5 < 4 && share > 0.35 && share < 0.75)
+            const double fraction = (double)i / (double)s.series.n,
+                         late = kind % 5 & 1 ? 0.01 * random_uniform() : 0;
+            if (kind % 5 >= 2 && kind % 5 < 4 && fraction > 0.35 && fraction < 0.75)
                 continue;
             const double at = TWO_PI / truth.period * s.t[i] + truth.phase;
             s.y[n] = s.y[i] + truth.amplitude * (cos(at + TWO_PI / truth.period * late) - cos(at));
@@ -357,8 +407,8 @@ static void the_drawn_peak_is_the_named_line(void **state)
     }
 }
 
-/* What is said of a line holds: in white noise 68 of 100 lie within one standard uncertainty, and where the line is not
- * steady most lie within two. */
+/* What is said of a line holds: in white noise 68 of 100 lie within one standard uncertainty, and
+ * where the line is not steady most lie within two. */
 static void peaks_have_honest_uncertainties(void **state)
 {
     (void)state;
@@ -368,14 +418,20 @@ static void peaks_have_honest_uncertainties(void **state)
         int one = 0, two = 0;
         double pulls = 0;
         for (int i = 0; i < draws; i++) {
-            struct truth truth = {.amplitude = 3, .offset = 21, .period = 0.75, .rate = 40, .span = 30.3, .noise = 0.5};
+            struct truth truth = {.amplitude = 3,
+                                  .offset = 21,
+                                  .period = 0.75,
+                                  .rate = 40,
+                                  .span = 30.3,
+                                  .noise = 0.5};
             truth.phase = TWO_PI * random_uniform();
             truth.gamma = damped ? 0.2 : 0;
             struct synthetic s = synthetic_make(&truth);
             struct arena arena = {0};
             struct spectrum_peak peak[3];
             assert_int_equal(series_peaks(&s.series, &arena, peak, 3), 1);
-            const double pull = (peak[0].frequency.value - 1 / 0.75) / peak[0].frequency.uncertainty;
+            const double pull =
+                (peak[0].frequency.value - 1 / 0.75) / peak[0].frequency.uncertainty;
             pulls += pull * pull;
             one += fabs(pull) < 1;
             two += fabs(pull) < 2;
@@ -399,19 +455,26 @@ static void peaks_are_all_found_and_nothing_else(void **state)
     struct spectrum_peak peak[3];
     for (size_t i = 0; i < 2000; i++) {
         t[i] = 0.02 * (double)i;
-        y[i] = 5 + 2 * cos(TWO_PI * 0.16 * t[i] + 1) + 0.3 * cos(TWO_PI * 1.23 * t[i]) + 0.01 * random_uniform();
+        y[i] = 5 + 2 * cos(TWO_PI * 0.16 * t[i] + 1) + 0.3 * cos(TWO_PI * 1.23 * t[i]) +
+               0.01 * random_uniform();
     }
     assert_int_equal(series_peaks(&series, &arena, peak, 3), 2);
-    assert_true(close_to(peak[0].frequency.value, 0.16, 1e-3) && close_to(peak[0].amplitude.value, 2, 0.02));
-    assert_true(close_to(peak[1].frequency.value, 1.23, 1e-3) && close_to(peak[1].amplitude.value, 0.3, 0.02));
+    assert_true(close_to(peak[0].frequency.value, 0.16, 1e-3) &&
+                close_to(peak[0].amplitude.value, 2, 0.02));
+    assert_true(close_to(peak[1].frequency.value, 1.23, 1e-3) &&
+                close_to(peak[1].amplitude.value, 0.3, 0.02));
     for (double apart = 2.5; apart < 8; apart += 0.7) { /* bins: beats */
         const double second = 1.23 + apart / 40;
         for (size_t i = 0; i < 2000; i++)
-            y[i] = 5 * cos(TWO_PI * 1.23 * t[i] + 1) + 3 * cos(TWO_PI * second * t[i]) + 0.03 * random_normal();
+            y[i] = 5 * cos(TWO_PI * 1.23 * t[i] + 1) + 3 * cos(TWO_PI * second * t[i]) +
+                   0.03 * random_normal();
         assert_int_equal(series_peaks(&series, &arena, peak, 3), 2);
-        assert_true(close_to(peak[0].frequency.value, 1.23, 1e-4) && close_to(peak[0].amplitude.value, 5, 0.002));
-        assert_true(close_to(peak[1].frequency.value, second, 1e-4) && close_to(peak[1].amplitude.value, 3, 0.003));
-        assert_true(fabs(peak[1].frequency.value - second) < 4 * peak[1].frequency.uncertainty + 1e-5);
+        assert_true(close_to(peak[0].frequency.value, 1.23, 1e-4) &&
+                    close_to(peak[0].amplitude.value, 5, 0.002));
+        assert_true(close_to(peak[1].frequency.value, second, 1e-4) &&
+                    close_to(peak[1].amplitude.value, 3, 0.003));
+        assert_true(fabs(peak[1].frequency.value - second) <
+                    4 * peak[1].frequency.uncertainty + 1e-5);
     }
     int lines = 0;
     for (int draw = 0; draw < 100; draw++) {
@@ -467,7 +530,8 @@ static void what_rests_has_no_periods(void **state)
     random_state = 6;
     for (size_t i = 0; i < 3000; i++) {
         t[i] = 0.02 * (double)i;
-        y[i] = (t[i] < 7.8 ? 0.05 * exp(-0.02 * t[i]) * cos(TWO_PI / 1.3 * t[i]) : 0) + 3e-4 * random_normal();
+        y[i] = (t[i] < 7.8 ? 0.05 * exp(-0.02 * t[i]) * cos(TWO_PI / 1.3 * t[i]) : 0) +
+               3e-4 * random_normal();
     }
     assert_true(series_period(&series, &arena, &period, &error));
     assert_in_range((int)period.periods, 5, 7);

@@ -44,7 +44,8 @@ static inline struct synthetic synthetic_make(const struct truth *truth)
         double phi = fabs(g) > 1e-12 ? -expm1(-0.5 * g * t) * 2 / g : t;
         double envelope = truth->amplitude * exp(-0.5 * g * t) / (1 + truth->quadratic * phi);
         if (truth->sway > 0)
-            envelope *= 1 + truth->sway * cos(6.283185307179586 * t / truth->sway_period + truth->sway_phase);
+            envelope *= 1 + truth->sway *
+                                cos(6.283185307179586 * t / truth->sway_period + truth->sway_phase);
         double y = truth->offset + truth->drift * t / truth->span +
                    envelope * cos(6.283185307179586 / truth->period * t + truth->phase);
         y = truth->clip > 0 ? fmin(y, truth->offset + truth->clip) : y;
@@ -63,10 +64,12 @@ static inline void synthetic_free(struct synthetic *s)
     free(s->y);
 }
 
-static inline bool fit_named(const char *model, const struct series *series, struct fit *fit, struct error *error)
+static inline bool fit_named(const char *model, const struct series *series, struct fit *fit,
+                             struct error *error)
 {
     struct arena arena = {0};
-    const struct fit_model *row = (const struct fit_model *)(const void *)catalog_find(&fit_catalog, text_of(model));
+    const struct fit_model *row =
+        (const struct fit_model *)(const void *)catalog_find(&fit_catalog, text_of(model));
     bool ok = row && row->fit(series, &arena, NULL, fit, error);
     arena_reset(&arena);
     return ok;

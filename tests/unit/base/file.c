@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Reading files whole with a limit, and writing them: what the user is told, what is on the disk afterwards. */
+/* Reading files whole with a limit, and writing them: what the user is told, what is on the disk
+ * afterwards. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -38,12 +39,14 @@ static int leave_folder(void **state)
     for (size_t i = 0; i < COUNT_OF(names); i++)
         if (unlink(names[i]) != 0)
             rmdir(names[i]);
-    const int result = chdir("/") == 0 ? rmdir(*state) : -1; /* not empty if a temporary file was left behind */
+    const int result =
+        chdir("/") == 0 ? rmdir(*state) : -1; /* not empty if a temporary file was left behind */
     free(*state);
     return result;
 }
 
-static bool put(const char *path, const char *content, struct write_policy policy, struct error *error)
+static bool put(const char *path, const char *content, struct write_policy policy,
+                struct error *error)
 {
     struct writer writer;
     *error = (struct error){0};
@@ -53,7 +56,8 @@ static bool put(const char *path, const char *content, struct write_policy polic
     return writer_commit(&writer, error);
 }
 
-static const struct write_policy gentle = {false, false}, force = {true, false}, confine = {false, true};
+static const struct write_policy gentle = {false, false}, force = {true, false},
+                                 confine = {false, true};
 
 static void assert_content(const char *path, const char *expected)
 {
@@ -223,7 +227,8 @@ static void confined_to_the_current_folder(void **state)
         assert_false(put(outside[i], "x", confine, &error));
         assert_non_null(strstr(error.text, "outside the current directory"));
     }
-    snprintf(path, sizeof path, "%s-beside", folder); /* a name that only starts like the folder's */
+    snprintf(path, sizeof path, "%s-beside",
+             folder); /* a name that only starts like the folder's */
     assert_int_equal(mkdir(path, 0777), 0);
     strncat(path, "/a", sizeof path - strlen(path) - 1);
     assert_false(put(path, "x", confine, &error));
@@ -258,7 +263,8 @@ static void reading_refuses(void **state)
     assert_string_equal(b.data, "0123456789"); /* as it was */
     assert_true(file_read("/dev/null", 0, &b, &error));
     assert_false(file_read("/dev/zero", 100000, &b, &error)); /* endless, and without a size */
-    assert_string_equal(error.text, "/dev/zero goes on after 100000 bytes; at most 100000 are read");
+    assert_string_equal(error.text,
+                        "/dev/zero goes on after 100000 bytes; at most 100000 are read");
     assert_string_equal(b.data, "0123456789");
     buffer_free(&b);
     assert_true(put("b", "", gentle, &other));
@@ -328,7 +334,8 @@ static void a_pipe_without_writer_is_refused_soon(void **state)
     buffer_free(&b);
 }
 
-static bool append(void *context, struct text content, size_t from, uintmax_t size, struct error *error)
+static bool append(void *context, struct text content, size_t from, uintmax_t size,
+                   struct error *error)
 {
     FILE *file = fopen(context, "ab");
     (void)content, (void)from, (void)error;

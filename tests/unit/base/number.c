@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Numbers in and out, against libc: every double survives, no decimal could be shorter, every rounding is correct. */
+/* Numbers in and out, against libc: every double survives, no decimal could be shorter, every
+ * rounding is correct. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -67,7 +68,8 @@ static int significant(const char *z)
     return count;
 }
 
-/* Does a decimal of so many digits read as the value? Of those, the two around it are the only candidates. */
+/* Does a decimal of so many digits read as the value? Of those, the two around it are the only
+ * candidates. */
 static bool has_decimal(double value, int digits)
 {
     char z[64];
@@ -122,9 +124,10 @@ static void every_laboratory_number_survives(void **state)
     const long count = is_long() ? 10000000 : 300000;
     for (long i = 0; i < count; i++) {
         uint64_t bits = next_random(&seed);
-        /* exponents from 2^-40 to 2^58, so that all 17-digit cases of the exact path and both its borders are met */
-        double value =
-            of_bits((bits & 0x800FFFFFFFFFFFFFu) | (uint64_t)(1023 - 40 + (int)((bits >> 52) & 0x7FF) % 99) << 52);
+        /* exponents from 2^-40 to 2^58, so that all 17-digit cases of the exact path and both its
+         * borders are met */
+        double value = of_bits((bits & 0x800FFFFFFFFFFFFFu) |
+                               (uint64_t)(1023 - 40 + (int)((bits >> 52) & 0x7FF) % 99) << 52);
         check_value(value, i % 16 == 0);
         check_value((double)(int64_t)(bits >> 40) / 1000.0, i % 16 == 0);
     }
@@ -176,7 +179,8 @@ static void forms(void **state)
         {1.5e300, "1.5e300"},
         {5e-324, "5e-324"},
         {2.2250738585072014e-308, "2.2250738585072014e-308"},
-        {5.684341886080802e-14, "5.684341886080802e-14"}, /* 2^-44: %.16g does not read back, its neighbour does */
+        {5.684341886080802e-14,
+         "5.684341886080802e-14"}, /* 2^-44: %.16g does not read back, its neighbour does */
         {9007199254740992.0, "9007199254740992"},
         {NAN, "nan"},
         {INFINITY, "inf"},
@@ -213,13 +217,14 @@ static void reading_rounds_correctly(void **state)
         char z[64];
         uint64_t r = next_random(&seed), digits = next_random(&seed) >> (r & 63);
         int narrow = (int)((r >> 8) % 60) - 30, wide = (int)((r >> 8) % 700) - 360;
-        snprintf(z, sizeof z, "%s%ju.%ue%d", r >> 63 ? "-" : "", (uintmax_t)digits, (unsigned)(r >> 40) % 1000,
-                 i % 3 ? narrow : wide);
+        snprintf(z, sizeof z, "%s%ju.%ue%d", r >> 63 ? "-" : "", (uintmax_t)digits,
+                 (unsigned)(r >> 40) % 1000, i % 3 ? narrow : wide);
         check_against_library(z);
     }
 }
 
-/* Decimals exactly between two doubles, and just beside: the hardest cases. A long double holds the middle exactly. */
+/* Decimals exactly between two doubles, and just beside: the hardest cases. A long double holds the
+ * middle exactly. */
 static void ties_go_to_even(void **state)
 {
     (void)state;
@@ -302,11 +307,13 @@ static void what_is_no_number(void **state)
     assert_int_equal(real_scan(TEXT("-1,25;"), ',', &value, &used), REAL_OK);
     assert_true(value == -1.25 && used == 5);
     assert_int_equal(real_scan(TEXT("12345"), '.', &value, &used), REAL_OK);
-    assert_int_equal(real_scan((struct text){"12345", 2}, '.', &value, &used), REAL_OK); /* never beyond the slice */
+    assert_int_equal(real_scan((struct text){"12345", 2}, '.', &value, &used),
+                     REAL_OK); /* never beyond the slice */
     assert_true(value == 12 && used == 2);
     assert_int_equal(real_scan((struct text){"1e56", 3}, '.', &value, &used), REAL_OK);
     assert_true(value == 1e5 && used == 3);
-    assert_int_equal(real_parse(TEXT("2.2250738585072014e-308"), &value), REAL_OK); /* the smallest normal double */
+    assert_int_equal(real_parse(TEXT("2.2250738585072014e-308"), &value),
+                     REAL_OK); /* the smallest normal double */
     assert_int_equal(real_parse(TEXT("2.2250738585072009e-308"), &value), REAL_UNDERFLOW);
 }
 

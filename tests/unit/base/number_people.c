@@ -90,7 +90,8 @@ static void numbers_for_people(void **state)
     buffer_free(&b);
 }
 
-/* Whatever the value and its uncertainty, both read back within half of the last place shown (1 unit of 1.95 at worst).
+/* Whatever the value and its uncertainty, both read back within half of the last place shown (1
+ * unit of 1.95 at worst).
  */
 static void uncertainties_read_back(void **state)
 {
@@ -103,7 +104,8 @@ static void uncertainties_read_back(void **state)
             value = (double)(int64_t)next_random(&seed) * 1e-19;
             u = fabs(value) * pow(10, -(double)(next_random(&seed) % 1800) / 100);
         }
-        if (!isfinite(value) || !isfinite(u) || u < 1e-290 || fabs(value) < 1e-290 || fabs(value) > 1e300 || u > 1e300)
+        if (!isfinite(value) || !isfinite(u) || u < 1e-290 || fabs(value) < 1e-290 ||
+            fabs(value) > 1e300 || u > 1e300)
             continue;
         struct text rest = text_of(uncertain(&b, value, u));
         double v2, u2;
@@ -127,11 +129,17 @@ static bool set_comma_locale(char *folder)
             return true;
     char path[300];
     snprintf(path, sizeof path, "%s/de_DE.UTF-8", folder);
-    char *const arguments[] = {
-        (char[]){"localedef"}, (char[]){"-i"}, (char[]){"de_DE"}, (char[]){"-f"}, (char[]){"UTF-8"}, path, NULL};
+    char *const arguments[] = {(char[]){"localedef"},
+                               (char[]){"-i"},
+                               (char[]){"de_DE"},
+                               (char[]){"-f"},
+                               (char[]){"UTF-8"},
+                               path,
+                               NULL};
     pid_t child;
     int status;
-    if (posix_spawnp(&child, arguments[0], NULL, NULL, arguments, environ) != 0 || waitpid(child, &status, 0) != child)
+    if (posix_spawnp(&child, arguments[0], NULL, NULL, arguments, environ) != 0 ||
+        waitpid(child, &status, 0) != child)
         return false;
     setenv("LOCPATH", folder, 1);
     return setlocale(LC_ALL, "de_DE.UTF-8") != NULL;
@@ -176,9 +184,15 @@ static void phases_say_their_turns(void **state)
     static const struct {
         double degrees;
         const char *text;
-    } cases[] = {{0, "0.0 deg"}, {-0.01, "0.0 deg"}, {-12.34, "-12.3 deg"}, {179.9, "179.9 deg"},
-                 {358, "1 turn - 2.0 deg"}, {-358, "-1 turn + 2.0 deg"}, {359.97, "1 turn + 0.0 deg"},
-                 {137364.9, "382 turns - 155.1 deg"}, {-725.04, "-2 turns - 5.0 deg"}};
+    } cases[] = {{0, "0.0 deg"},
+                 {-0.01, "0.0 deg"},
+                 {-12.34, "-12.3 deg"},
+                 {179.9, "179.9 deg"},
+                 {358, "1 turn - 2.0 deg"},
+                 {-358, "-1 turn + 2.0 deg"},
+                 {359.97, "1 turn + 0.0 deg"},
+                 {137364.9, "382 turns - 155.1 deg"},
+                 {-725.04, "-2 turns - 5.0 deg"}};
     for (size_t i = 0; i < COUNT_OF(cases); i++) {
         struct buffer b = {0};
         buffer_phase(&b, cases[i].degrees / 180 * 3.14159265358979323846);

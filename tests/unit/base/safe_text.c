@@ -62,19 +62,20 @@ static void what_is_shown(void **state)
 
 static bool is_unsafe(uint32_t c)
 {
-    return c < 0x20 || (c >= 0x7F && c < 0xA0) || (c >= 0x200B && c <= 0x200F) || (c >= 0x2028 && c <= 0x202E) ||
-           (c >= 0x2060 && c <= 0x2069) || c == 0x61C || c == 0xFEFF || (c & 0xFFFE) == 0xFFFE ||
-           (c >= 0xFDD0 && c <= 0xFDEF);
+    return c < 0x20 || (c >= 0x7F && c < 0xA0) || (c >= 0x200B && c <= 0x200F) ||
+           (c >= 0x2028 && c <= 0x202E) || (c >= 0x2060 && c <= 0x2069) || c == 0x61C ||
+           c == 0xFEFF || (c & 0xFFFE) == 0xFFFE || (c >= 0xFDD0 && c <= 0xFDEF);
 }
 
-/* Random bytes, and random mixtures of pieces that mean harm: nothing unsafe and nothing invalid comes out; it is
- * stable. */
+/* Random bytes, and random mixtures of pieces that mean harm: nothing unsafe and nothing invalid
+ * comes out; it is stable. */
 static void nothing_unsafe_comes_out(void **state)
 {
     (void)state;
-    static const char *const pieces[] = {"\033",     "[31m",     "]0;title\a", "\xE2\x80", "\xAE", "\xC2",
-                                         "\x9B",     "\xF0\x9F", "ok",         "\r",       "\n",   "\xEF\xBB\xBF",
-                                         "\xC3\xA9", "P",        "\\",         "\x80",     "\xFF", "\xE2\x80\x8E"};
+    static const char *const pieces[] = {"\033", "[31m",         "]0;title\a",  "\xE2\x80", "\xAE",
+                                         "\xC2", "\x9B",         "\xF0\x9F",    "ok",       "\r",
+                                         "\n",   "\xEF\xBB\xBF", "\xC3\xA9",    "P",        "\\",
+                                         "\x80", "\xFF",         "\xE2\x80\x8E"};
     struct buffer raw = {0}, once = {0}, twice = {0};
     uint64_t r = 1;
     for (int i = 0; i < 20000; i++) {
@@ -130,10 +131,11 @@ static void widths(void **state)
     assert_int_equal(text_width(TEXT("hooke")), 5);
     assert_int_equal(text_width(TEXT("")), 0);
     assert_int_equal(text_width(TEXT("gr\xC3\xBC\xC3\x9F")), 4);
-    assert_int_equal(text_width(TEXT("e\xCC\x81")), 1);                            /* e + combining acute */
-    assert_int_equal(text_width(TEXT("\xE6\xBC\xA2\xE5\xAD\x97")), 4);             /* two ideographs */
-    assert_int_equal(text_width(TEXT("\xF0\x9F\x98\x80")), 2);                     /* emoji */
-    assert_int_equal(text_width(TEXT("\xE2\xA0\xBF\xE2\x94\x80\xE2\x97\x8F")), 3); /* braille, box drawing, disc */
+    assert_int_equal(text_width(TEXT("e\xCC\x81")), 1);                /* e + combining acute */
+    assert_int_equal(text_width(TEXT("\xE6\xBC\xA2\xE5\xAD\x97")), 4); /* two ideographs */
+    assert_int_equal(text_width(TEXT("\xF0\x9F\x98\x80")), 2);         /* emoji */
+    assert_int_equal(text_width(TEXT("\xE2\xA0\xBF\xE2\x94\x80\xE2\x97\x8F")),
+                     3);                               /* braille, box drawing, disc */
     assert_int_equal(text_width(TEXT("\xFF\xFE")), 2); /* invalid bytes take a column each */
     assert_int_equal(text_width(TEXT("\n\033\177")), 0);
 }
@@ -166,7 +168,8 @@ static void widths_agree_with_the_library(void **state)
                 differ++;
         }
         if (differ > ranges[i].allowed)
-            fail_msg("U+%04X..U+%04X: %d widths differ", (unsigned)ranges[i].first, (unsigned)ranges[i].last, differ);
+            fail_msg("U+%04X..U+%04X: %d widths differ", (unsigned)ranges[i].first,
+                     (unsigned)ranges[i].last, differ);
     }
     setlocale(LC_CTYPE, "C");
 }

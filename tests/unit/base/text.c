@@ -49,18 +49,30 @@ static void distances(void **state)
         const char *a, *b;
         int distance;
     } cases[] = {
-        {"", "", 0},           {"", "abc", 3},         {"abc", "", 3},          {"gama", "gamma", 1},
-        {"gmama", "gamma", 1}, {"verlt", "verlet", 1}, {"velret", "verlet", 1}, {"kitten", "sitting", 3},
-        {"ca", "abc", 3},      {"abcd", "badc", 2},
+        {"", "", 0},
+        {"", "abc", 3},
+        {"abc", "", 3},
+        {"gama", "gamma", 1},
+        {"gmama", "gamma", 1},
+        {"verlt", "verlet", 1},
+        {"velret", "verlet", 1},
+        {"kitten", "sitting", 3},
+        {"ca", "abc", 3},
+        {"abcd", "badc", 2},
     };
     for (size_t i = 0; i < COUNT_OF(cases); i++) {
-        assert_int_equal(text_distance(text_of(cases[i].a), text_of(cases[i].b)), cases[i].distance);
-        assert_int_equal(text_distance(text_of(cases[i].b), text_of(cases[i].a)), cases[i].distance);
+        assert_int_equal(text_distance(text_of(cases[i].a), text_of(cases[i].b)),
+                         cases[i].distance);
+        assert_int_equal(text_distance(text_of(cases[i].b), text_of(cases[i].a)),
+                         cases[i].distance);
     }
     char long_name[200];
     memset(long_name, 'x', sizeof long_name);
-    assert_int_equal(text_distance((struct text){long_name, 200}, TEXT("x")), 200); /* too long to be a name: far */
-    assert_int_equal(text_distance((struct text){long_name, LIMIT_NAME}, (struct text){long_name, LIMIT_NAME}), 0);
+    assert_int_equal(text_distance((struct text){long_name, 200}, TEXT("x")),
+                     200); /* too long to be a name: far */
+    assert_int_equal(
+        text_distance((struct text){long_name, LIMIT_NAME}, (struct text){long_name, LIMIT_NAME}),
+        0);
 }
 
 static void arena_memory_is_zeroed_aligned_and_apart(void **state)
@@ -211,8 +223,9 @@ static void catalogs_find(void **state)
     assert_int_equal(found(catalog_prefix(&catalog, TEXT("gam"), 3)), 1);
     assert_int_equal(found(catalog_prefix(&catalog, TEXT("ga"), 3)), 0);
     assert_int_equal(found(catalog_prefix(&catalog, TEXT("ver"), 3)), 3);
-    assert_int_equal(found(catalog_prefix(&catalog, TEXT("ve"), 1)), 0);               /* ambiguous */
-    assert_int_equal(found(catalog_prefix(&catalog, TEXT("symplectic-euler"), 3)), 5); /* exact wins */
+    assert_int_equal(found(catalog_prefix(&catalog, TEXT("ve"), 1)), 0); /* ambiguous */
+    assert_int_equal(found(catalog_prefix(&catalog, TEXT("symplectic-euler"), 3)),
+                     5); /* exact wins */
     assert_int_equal(found(catalog_prefix(&catalog, TEXT("symplectic"), 3)), 0);
     assert_int_equal(found(catalog_prefix(&catalog, TEXT("m"), 3)), 7); /* exact needs no length */
     assert_int_equal(found(catalog_prefix(&catalog, TEXT(""), 0)), 0);

@@ -26,9 +26,11 @@ static void every_unit_is_found_and_fits_its_quantity(void **state)
         assert_true(unit_convert(unit, unit->quantity, 1, &si));
         assert_true(si == unit->factor);
         for (int q = 0; q < QUANTITY_COUNT; q++) {
-            const bool other_form = (unit->quantity == QUANTITY_FREQUENCY && q == QUANTITY_ANGULAR_FREQUENCY) ||
-                                    (unit->quantity == QUANTITY_ANGULAR_FREQUENCY && q == QUANTITY_FREQUENCY);
-            assert_int_equal(unit_convert(unit, (enum quantity)q, 1, &si), q == (int)unit->quantity || other_form);
+            const bool other_form =
+                (unit->quantity == QUANTITY_FREQUENCY && q == QUANTITY_ANGULAR_FREQUENCY) ||
+                (unit->quantity == QUANTITY_ANGULAR_FREQUENCY && q == QUANTITY_FREQUENCY);
+            assert_int_equal(unit_convert(unit, (enum quantity)q, 1, &si),
+                             q == (int)unit->quantity || other_form);
         }
     }
 }
@@ -63,13 +65,15 @@ static void the_longest_whole_unit_matches(void **state)
     static const struct {
         const char *text, *unit;
     } cases[] = {
-        {"m/s^2", "m/s^2"}, {"m/s", "m/s"},      {"m", "m"},       {"min", "min"},   {"m/s^2+1", "m/s^2"},
-        {"m/s ", "m/s"},    {"m/stone", "m"},    {"mm", "mm"},     {"m^2", "m^2"},   {"m^3", "m"},
-        {"cm^2;", "cm^2"},  {"cm*2", "cm"},      {"1/s", "1/s"},   {"1/sx", NULL},   {"kg/m^3", "kg/m^3"},
-        {"kg/s", "kg/s"},   {"kg", "kg"},        {"Pa*s", "Pa*s"}, {"mx", NULL},     {"m2", NULL},
-        {"m_", NULL},       {"minute", NULL},    {"s", "s"},       {"sin(1)", NULL}, {"N/cm", "N/cm"},
-        {"rad/s", "rad/s"}, {"mrad", "mrad"},    {"mHz)", "mHz"},  {"uJ", "uJ"},     {"", NULL},
-        {"M", NULL},        {"m\xC2\xB5", NULL}, {" m", NULL},     {"Pa", NULL},
+        {"m/s^2", "m/s^2"},   {"m/s", "m/s"},     {"m", "m"},           {"min", "min"},
+        {"m/s^2+1", "m/s^2"}, {"m/s ", "m/s"},    {"m/stone", "m"},     {"mm", "mm"},
+        {"m^2", "m^2"},       {"m^3", "m"},       {"cm^2;", "cm^2"},    {"cm*2", "cm"},
+        {"1/s", "1/s"},       {"1/sx", NULL},     {"kg/m^3", "kg/m^3"}, {"kg/s", "kg/s"},
+        {"kg", "kg"},         {"Pa*s", "Pa*s"},   {"mx", NULL},         {"m2", NULL},
+        {"m_", NULL},         {"minute", NULL},   {"s", "s"},           {"sin(1)", NULL},
+        {"N/cm", "N/cm"},     {"rad/s", "rad/s"}, {"mrad", "mrad"},     {"mHz)", "mHz"},
+        {"uJ", "uJ"},         {"", NULL},         {"M", NULL},          {"m\xC2\xB5", NULL},
+        {" m", NULL},         {"Pa", NULL},
     };
     for (size_t i = 0; i < COUNT_OF(cases); i++) {
         const struct unit *unit = unit_match(text_of(cases[i].text));
@@ -81,10 +85,12 @@ static void the_longest_whole_unit_matches(void **state)
     for (int c = 1; c < 256; c++) {
         const char z[] = {'k', 'g', (char)c, '\0'};
         const bool word =
-            c >= 0x80 || (c && strchr("0123456789_abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ", c));
+            c >= 0x80 ||
+            (c && strchr("0123456789_abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ", c));
         assert_int_equal(unit_match(text_of(z)) == NULL, word);
     }
-    assert_string_equal(unit_match((struct text){"m/s^2", 3})->row.name, "m/s"); /* not beyond the slice */
+    assert_string_equal(unit_match((struct text){"m/s^2", 3})->row.name,
+                        "m/s"); /* not beyond the slice */
     assert_null(unit_find(TEXT("m/")));
 }
 
@@ -170,11 +176,13 @@ static void display(void **state)
     };
     struct buffer b = {0};
     for (size_t i = 0; i < COUNT_OF(cases); i++)
-        assert_string_equal(shown(&b, cases[i].value, cases[i].quantity, cases[i].digits), cases[i].text);
+        assert_string_equal(shown(&b, cases[i].value, cases[i].quantity, cases[i].digits),
+                            cases[i].text);
     buffer_free(&b);
 }
 
-/* What is shown with all digits reads back to the same double, the way the command line reads it. */
+/* What is shown with all digits reads back to the same double, the way the command line reads it.
+ */
 static void quantities_read_back(void **state)
 {
     (void)state;

@@ -110,10 +110,10 @@ static void draw(const struct session *session, const struct run *run, int varia
         for (int i = 0; i < adopted->count; i++)
             z[i] = normal(&seed);
         for (int i = 0; i < adopted->count; i++) {
-            double value = scene.value[adopted->place[i]];
+            double value = scene.value[adopted->index[i]];
             for (int j = 0; j <= i; j++)
                 value += l[i][j] * z[j];
-            assert_true(scene_set(&scene, adopted->place[i], (struct measured){value, 0}, &error));
+            assert_true(scene_set(&scene, adopted->index[i], (struct measured){value, 0}, &error));
         }
         run_drawn(run, &scene, variable, values[d], n);
     }
@@ -146,15 +146,15 @@ static void check_percentiles(const struct curve *curve, double *values[DRAWS], 
 static void draw_kind(struct bench *bench, enum plot_kind kind, bool kept, struct arena *arena,
                       struct figure *figure)
 {
-    const int place = bench->session->current_run;
+    const int index = bench->session->current_run;
     const struct figure_request request = {.kind = kind,
-                                           .run = &place,
+                                           .run = &index,
                                            .runs = 1,
                                            .recording = -1,
                                            .window = {NAN, NAN},
                                            .width = 4000,
                                            .band = kept ? TEXT("") : TEXT("--band"),
-                                           .kept_band = kept,
+                                           .stored_band = kept,
                                            .full = true};
     struct error error = {0};
     if (!session_figure(bench->session, &request, arena, figure, &error))
@@ -267,10 +267,10 @@ static void test_band_covers_the_truth(void **state)
 /* ---- the picture ---- */
 
 /* The numbers of "M x y L x y …"; returns how many points. */
-static size_t read_path(const char *d, double (*point)[2], size_t most)
+static size_t read_path(const char *d, double (*point)[2], size_t max)
 {
     size_t n = 0;
-    while (n < most && (*d == 'M' || *d == 'L')) {
+    while (n < max && (*d == 'M' || *d == 'L')) {
         char *end;
         point[n][0] = strtod(d + 1, &end);
         point[n++][1] = strtod(end, &end);
@@ -313,10 +313,10 @@ static const char *path_with(const char *svg, const char *attribute)
 static const char *longest_path(const char *svg, const char *attribute)
 {
     const char *best = NULL;
-    size_t most = 0;
+    size_t max = 0;
     for (const char *d = svg; (d = path_with(d, attribute));)
-        if (strcspn(d, "\"") > most) {
-            most = strcspn(d, "\"");
+        if (strcspn(d, "\"") > max) {
+            max = strcspn(d, "\"");
             best = d;
         }
     return best;
@@ -325,8 +325,8 @@ static const char *longest_path(const char *svg, const char *attribute)
 static void test_picture_has_the_curve_in_its_band(void **state)
 {
     (void)state;
-    enum { MOST_POINTS = 20000 };
-    static double band[MOST_POINTS][2], line[MOST_POINTS][2];
+    enum { MAX_POINTS = 20000 };
+    static double band[MAX_POINTS][2], line[MAX_POINTS][2];
     struct bench bench;
     bench_open(&bench, false);
     record("wide.csv", 0.2, 0, 0, 1e-2, 3);
@@ -341,8 +341,8 @@ static void test_picture_has_the_curve_in_its_band(void **state)
                *curve = longest_path(svg, "stroke-width:1.2");
     if (!polygon || !curve)
         skip(); /* built without pictures, or another cairo's way to write them */
-    const size_t n = read_path(polygon, band, MOST_POINTS),
-                 points = read_path(curve, line, MOST_POINTS);
+    const size_t n = read_path(polygon, band, MAX_POINTS),
+                 points = read_path(curve, line, MAX_POINTS);
     size_t turn = 0, inside = 0;
     while (turn + 1 < n && band[turn + 1][0] >= band[turn][0])
         turn++;
@@ -452,12 +452,12 @@ static void check_kept(struct bench *bench, enum plot_kind kind)
     draw_kind(bench, kind, false, &arena, &asked);
     draw_kind(bench, kind, true, &arena, &kept);
     assert_int_equal(asked.curve[0].n, kept.curve[0].n);
-    double most = 0, apart = 0;
+    double max = 0, apart = 0;
     for (size_t i = 0; i < asked.curve[0].n; i++) {
-        most = fmax(most, asked.curve[0].spread[i]);
+        max = fmax(max, asked.curve[0].spread[i]);
         apart = fmax(apart, fabs(asked.curve[0].spread[i] - kept.curve[0].spread[i]));
     }
-    assert_true(most > 0 && apart < 0.005 * most);
+    assert_true(max > 0 && apart < 0.005 * max);
     arena_reset(&arena);
 }
 
@@ -498,7 +498,8 @@ static void test_file_has_the_band(void **state)
     draw_kind(&bench, PLOT_VELOCITY, false, &arena, &figure);
     type_ok(&bench, "export out.csv v --band --force");
     assert_says(&bench.out, "401 rows of t,v,v_low,v_high");
-    char *text = file_text("out.csv"), *row = strstr(text, "\nt [s],v [m/s],v_low [m/s],v_high [m/s]\n");
+    char *text = file_text("out.csv"),
+         *row = strstr(text, "\nt [s],v [m/s],v_low [m/s],v_high [m/s]\n");
     assert_non_null(row);
     row = strchr(row + 1, '\n') + 1;
     for (int i = 0; i < 401; i++, row = strchr(row, '\n') + 1) {
@@ -510,8 +511,9 @@ static void test_file_has_the_band(void **state)
     free(text);
     arena_reset(&arena);
     type_ok(&bench, "plan");
-    assert_says(&bench.out, "band      95 % of the adopted fit, only when asked for (--band, 'set band on'): 8 "
-                            "variational equations beside the 2 of the motion, once, to 1e-10");
+    assert_says(&bench.out,
+                "band      95 % of the adopted fit, only when asked for (--band, 'set band on'): 8 "
+                "variational equations beside the 2 of the motion, once, to 1e-10");
     refused(&bench, "export - energy --band", "no column is a variable of the state");
     refused(&bench, "export - data --band", "--band is for the columns of a run");
     type_ok(&bench, "y0 = 3 cm; plan");

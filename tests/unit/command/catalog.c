@@ -57,8 +57,8 @@ static void every_command_is_described(void **state)
     bench_close(&b);
 }
 
-/* An option that no command has, and a quote without end: an error with a caret, for every command that does not take
- * any text. */
+/* An option that no command has, and a quote without end: an error with a caret, for every command
+ * that does not take any text. */
 static void every_command_refuses_nonsense(void **state)
 {
     (void)state;
@@ -69,7 +69,8 @@ static void every_command_refuses_nonsense(void **state)
         struct buffer usage = {0};
         char line[64];
         command_usage(c, &usage);
-        const bool takes_text = strcmp(c->group, "EQUATIONS") == 0 || strstr(usage.data, "TEXT") || strstr(usage.data, "WORD") || strstr(usage.data, "VALUE");
+        const bool takes_text = strcmp(c->group, "EQUATIONS") == 0 || strstr(usage.data, "TEXT") ||
+                                strstr(usage.data, "WORD") || strstr(usage.data, "VALUE");
         buffer_free(&usage);
         if (takes_text && strcmp(c->row.name, "load") != 0)
             continue;
@@ -86,8 +87,8 @@ static void every_command_refuses_nonsense(void **state)
     bench_close(&b);
 }
 
-/* A slip of the finger in its name is answered with the name, the beginning of it is completed; in a script only the
- * whole name will do. */
+/* A slip of the finger in its name is answered with the name, the beginning of it is completed; in
+ * a script only the whole name will do. */
 static void every_command_is_suggested_and_completed(void **state)
 {
     (void)state;
@@ -99,7 +100,8 @@ static void every_command_is_suggested_and_completed(void **state)
         char line[64], wanted[64];
         struct found found = {.count = 0};
         size_t start;
-        snprintf(line, sizeof line, "%.*sq%s", (int)strlen(name) - 1, name, name + strlen(name) - 1);
+        snprintf(line, sizeof line, "%.*sq%s", (int)strlen(name) - 1, name,
+                 name + strlen(name) - 1);
         snprintf(wanted, sizeof wanted, "'%s'", name);
         buffer_clear(&b.err);
         b.session->status = 0;
@@ -109,7 +111,8 @@ static void every_command_is_suggested_and_completed(void **state)
         assert_says(&b.err, "did you mean ");
         assert_says(&b.err, wanted);
         snprintf(wanted, sizeof wanted, " %s ", name);
-        command_complete(b.session, (struct text){name, strlen(name) - 1}, strlen(name) - 1, &start, collect, &found);
+        command_complete(b.session, (struct text){name, strlen(name) - 1}, strlen(name) - 1, &start,
+                         collect, &found);
         assert_says(&found.names, wanted);
         buffer_free(&found.names);
     }
@@ -130,8 +133,9 @@ static void every_row_is_explained(struct bench *b, const struct catalog *catalo
 static void every_row_has_help(void **state)
 {
     (void)state;
-    const struct catalog *const catalogs[] = {&setting_catalog, &method_catalog,     &preset_catalog,
-                                              &unit_catalog,    &observable_catalog, &function_catalog};
+    const struct catalog *const catalogs[] = {&setting_catalog,    &method_catalog,
+                                              &preset_catalog,     &unit_catalog,
+                                              &observable_catalog, &function_catalog};
     struct bench b;
     bench_open(&b, false);
     b.session->front.watched = true; /* long lines are broken by the log, not by help */
@@ -146,7 +150,8 @@ static void every_row_has_help(void **state)
 
 /* ---- completion ---- */
 
-static void complete(struct bench *b, const char *line, struct found *found, size_t *start, bool *file)
+static void complete(struct bench *b, const char *line, struct found *found, size_t *start,
+                     bool *file)
 {
     *found = (struct found){.count = 0};
     *file = !command_complete(b->session, text_of(line), strlen(line), start, collect, found);
@@ -213,8 +218,9 @@ static void completion_follows_the_type(void **state)
         size_t start = 0;
         bool file;
         complete(&b, cases[i].line, &found, &start, &file);
-        if (!strstr(found.names.data, cases[i].with) || strstr(found.names.data, cases[i].without) ||
-            start != cases[i].start || file != cases[i].file)
+        if (!strstr(found.names.data, cases[i].with) ||
+            strstr(found.names.data, cases[i].without) || start != cases[i].start ||
+            file != cases[i].file)
             fail_msg("'%s': start %zu, file %d:%s", cases[i].line, start, file, found.names.data);
         buffer_free(&found.names);
     }

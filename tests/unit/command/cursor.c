@@ -80,7 +80,8 @@ static void columns_never_stick(void **state)
     bench_open(&b, false);
     type_ok(&b, "method exact; run 10 s; cursor");
     const struct cursors *c = cursors(&b);
-    /* A move by more than a little leaves the crossing, and moves that come near the next one find it. */
+    /* A move by more than a little leaves the crossing, and moves that come near the next one find
+     * it. */
     int found = 0;
     double before = c->at[0].t;
     for (int i = 0; i < 40; i++) {

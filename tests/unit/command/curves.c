@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Curves of very different size in one figure: each is drawn over all of its time, or the frame says where it leaves. */
+/* Curves of very different size in one figure: each is drawn over all of its time, or the frame
+ * says where it leaves. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -22,7 +23,8 @@ struct seen {
     bool said; /* the frame says that something leaves */
 };
 
-/* There or in a cell beside it: a line between samples takes the dots that it passes, not those nearest to them. */
+/* There or in a cell beside it: a line between samples takes the dots that it passes, not those
+ * nearest to them. */
 static bool is_ink(const struct canvas *canvas, int x, int y)
 {
     for (int i = 0; i < 9; i++) {
@@ -33,8 +35,8 @@ static bool is_ink(const struct canvas *canvas, int x, int y)
     return false;
 }
 
-static void look_at_panel(const struct figure_panel *panel, const struct canvas *canvas, enum charset charset,
-                          struct seen *seen)
+static void look_at_panel(const struct figure_panel *panel, const struct canvas *canvas,
+                          enum charset charset, struct seen *seen)
 {
     const struct figure *figure = &panel->figure;
     struct figure_layout layout;
@@ -46,12 +48,14 @@ static void look_at_panel(const struct figure_panel *panel, const struct canvas 
             continue;
         seen->drawn++;
         for (size_t i = 0; i < curve->n; i++) {
-            const double x = scale_fraction(&layout.x, curve->x[i]), y = scale_fraction(&layout.y, curve->y[i]);
+            const double x = scale_fraction(&layout.x, curve->x[i]),
+                         y = scale_fraction(&layout.y, curve->y[i]);
             int column, row;
             if (!(x >= -EDGE && x <= 1 + EDGE && y >= -EDGE && y <= 1 + EDGE))
                 seen->outside++;
             else if (figure_cell(&layout, curve->x[i], curve->y[i], &column, &row))
-                seen->blank += !is_ink(canvas, panel->x + layout.left + column, panel->y + layout.top + row);
+                seen->blank +=
+                    !is_ink(canvas, panel->x + layout.left + column, panel->y + layout.top + row);
         }
     }
 }
@@ -59,7 +63,7 @@ static void look_at_panel(const struct figure_panel *panel, const struct canvas 
 static struct seen look_at(const struct figure *figure, int width, int height, enum charset charset)
 {
     struct seen seen = {0};
-    struct figure_panel panel[PANELS_MOST];
+    struct figure_panel panel[PANELS_MAX];
     struct canvas canvas;
     struct buffer text = {0};
     assert_true(canvas_init(&canvas, width, height));
@@ -74,8 +78,8 @@ static struct seen look_at(const struct figure *figure, int width, int height, e
     return seen;
 }
 
-static struct figure figure_of(struct bench *bench, enum plot_kind kind, enum charset charset, int width,
-                               const struct figure_range *y, struct arena *arena)
+static struct figure figure_of(struct bench *bench, enum plot_kind kind, enum charset charset,
+                               int width, const struct figure_range *y, struct arena *arena)
 {
     static const int runs[] = {0, 1, 2, 3};
     struct figure figure;
@@ -120,9 +124,10 @@ static void curves_of_different_size_are_whole(void **state)
             const struct seen seen = look_at(&figure, size[0], size[1], charset);
             if (seen.outside || seen.blank || seen.said || seen.drawn != figure.curves ||
                 (seen.panels < 2 && !seen.log && s < 3))
-                fail_msg("%s: kind %d, %dx%d: %zu samples outside, %zu without ink, %d of %d curves, %d panels",
-                         setups[s], kind, size[0], size[1], seen.outside, seen.blank, seen.drawn, figure.curves,
-                         seen.panels);
+                fail_msg("%s: kind %d, %dx%d: %zu samples outside, %zu without ink, %d of %d "
+                         "curves, %d panels",
+                         setups[s], kind, size[0], size[1], seen.outside, seen.blank, seen.drawn,
+                         figure.curves, seen.panels);
             arena_reset(&arena);
         }
         bench_close(&bench);
@@ -144,7 +149,8 @@ static void what_leaves_is_said(void **state)
         const struct figure figure = figure_of(&bench, kind, CHARSET_ASCII, 80, &range, &arena);
         const struct seen seen = look_at(&figure, 80, 24, CHARSET_ASCII);
         if (seen.panels != 1 || seen.log || seen.said != (seen.outside > 0))
-            fail_msg("kind %d up to %g: %zu samples outside, said: %d", kind, top, seen.outside, seen.said);
+            fail_msg("kind %d up to %g: %zu samples outside, said: %d", kind, top, seen.outside,
+                     seen.said);
         arena_reset(&arena);
     }
     bench_close(&bench);
@@ -176,7 +182,8 @@ static struct extent longest_path(const char *svg, const char *color)
             if (after == next)
                 break;
             next = after;
-            all = (struct extent){fmin(all.left, x), fmax(all.right, x), fmin(all.top, y), fmax(all.bottom, y)};
+            all = (struct extent){fmin(all.left, x), fmax(all.right, x), fmin(all.top, y),
+                                  fmax(all.bottom, y)};
         }
         if (all.right - all.left > longest.right - longest.left)
             longest = all;
@@ -186,14 +193,16 @@ static struct extent longest_path(const char *svg, const char *color)
 
 static void both_are_whole_in_pictures(void **state)
 {
-    static const char *const colors[] = {"stroke:rgb(0%,44.7%,69.8%)", "stroke:rgb(83.5%,36.9%,0%)"};
+    static const char *const colors[] = {"stroke:rgb(0%,44.7%,69.8%)",
+                                         "stroke:rgb(83.5%,36.9%,0%)"};
     (void)state;
     struct bench bench;
     bench_open(&bench, false);
     type_ok(&bench, setups[0]);
     for (size_t k = 0; k < COUNT_OF(kinds); k++) {
         char line[100];
-        snprintf(line, sizeof line, "plot %s run 1 2 > figure-%zu.svg", catalog_row(&plot_catalog, kinds[k])->name, k);
+        snprintf(line, sizeof line, "plot %s run 1 2 > figure-%zu.svg",
+                 catalog_row(&plot_catalog, kinds[k])->name, k);
         if (!type(&bench, line) && strstr(said(&bench.err), "cairo")) {
             bench_close(&bench);
             skip(); /* built, or running, without it */
@@ -209,18 +218,23 @@ static void both_are_whole_in_pictures(void **state)
             const struct extent path = longest_path(svg, colors[c]);
             const bool plane = kinds[k] == PLOT_PHASE;
             const double wide = path.right - path.left, high = path.bottom - path.top;
-            /* Of 640 x 400: two planes share the width, two panels the height; energy swings by 4 % on its axis. */
-            if (wide < (plane ? 200 : 550) || high < (plane ? 200 : kinds[k] == PLOT_ENERGY ? 3 : 100) ||
+            /* Of 640 x 400: two planes share the width, two panels the height; energy swings by 4 %
+             * on its axis. */
+            if (wide < (plane ? 200 : 550) ||
+                high < (plane                     ? 200
+                        : kinds[k] == PLOT_ENERGY ? 3
+                                                  : 100) ||
                 path.left < 0 || path.right > 640 || path.top < 0 || path.bottom > 400)
-                fail_msg("%s: curve %d is %.0f x %.0f pt, from %.0f, %.0f", line, c + 1, wide, high, path.left,
-                         path.top);
+                fail_msg("%s: curve %d is %.0f x %.0f pt, from %.0f, %.0f", line, c + 1, wide, high,
+                         path.left, path.top);
         }
         free(svg);
     }
     bench_close(&bench);
 }
 
-/* A drift far below what matters is drawn as a line, and as narrow as it is where that is asked for. */
+/* A drift far below what matters is drawn as a line, and as narrow as it is where that is asked
+ * for. */
 static void a_small_drift_is_not_drawn_from_top_to_bottom(void **state)
 {
     static const struct figure_range narrow = {.end = {NAN, NAN}, .quantity = QUANTITY_OTHER};
@@ -230,7 +244,8 @@ static void a_small_drift_is_not_drawn_from_top_to_bottom(void **state)
     type_ok(&bench, "method rk4; run 10 s");
     for (int asked = 0; asked < 2; asked++) {
         struct arena arena = {0};
-        const struct figure figure = figure_of(&bench, PLOT_ENERGY, CHARSET_BRAILLE, 80, asked ? &narrow : NULL, &arena);
+        const struct figure figure =
+            figure_of(&bench, PLOT_ENERGY, CHARSET_BRAILLE, 80, asked ? &narrow : NULL, &arena);
         struct figure_layout layout;
         figure_layout(&figure, 80, 24, CHARSET_BRAILLE, &layout);
         const struct curve *curve = &figure.curve[0];
@@ -239,13 +254,15 @@ static void a_small_drift_is_not_drawn_from_top_to_bottom(void **state)
         if (asked)
             assert_true(fabs(from - to) > 0.7 && layout.y_ticks.offset > 0);
         else
-            assert_true(fabs(from - to) < 0.001 && layout.y.from <= 0 && layout.y_ticks.offset == 0);
+            assert_true(fabs(from - to) < 0.001 && layout.y.from <= 0 &&
+                        layout.y_ticks.offset == 0);
         arena_reset(&arena);
     }
     bench_close(&bench);
 }
 
-/* Whether a curve holds a point at t that is at y to within a part of its size; of those there are the nearest. */
+/* Whether a curve holds a point at t that is at y to within a part of its size; of those there are
+ * the nearest. */
 static void assert_passes(const struct curve *curve, double t, double y, double within)
 {
     size_t nearest = 0;
@@ -256,25 +273,30 @@ static void assert_passes(const struct curve *curve, double t, double y, double 
         fail_msg("nearest to %g s: %g at %g s, not %g", t, curve->y[nearest], curve->x[nearest], y);
 }
 
-/* A ball that bounces moves along parabolas, and a spring that was changed on the way along the sines of both. */
+/* A ball that bounces moves along parabolas, and a spring that was changed on the way along the
+ * sines of both. */
 static void adaptive_runs_are_smooth_between_jumps(void **state)
 {
     (void)state;
     struct bench bench;
     struct arena arena = {0};
     bench_open(&bench, false);
-    type_ok(&bench, "scene new; var y = 1 m; param r = 0.8; y'' = -9.81; "
-                    "event bounce when y falling do \"y' = -r*y'; continue\"; method dop853; run 1.1 s");
+    type_ok(&bench,
+            "scene new; var y = 1 m; param r = 0.8; y'' = -9.81; "
+            "event bounce when y falling do \"y' = -r*y'; continue\"; method dop853; run 1.1 s");
     struct figure figure = figure_of(&bench, PLOT_POSITION, CHARSET_BRAILLE, 80, NULL, &arena);
     const double fall = sqrt(2 / 9.81), speed = 0.8 * 9.81 * fall;
     for (double t = 0; t < 1.1; t += 0.05) { /* 0.02 s at 5 m/s */
-        const double later = t - fall, y = later < 0 ? 1 - 4.905 * t * t : speed * later - 4.905 * later * later;
+        const double later = t - fall,
+                     y = later < 0 ? 1 - 4.905 * t * t : speed * later - 4.905 * later * later;
         assert_passes(&figure.curve[0], t, y, 0.1);
     }
-    assert_passes(&figure.curve[0], fall + speed / 9.81, 0.64, 0.005); /* the top, where no step ends */
+    assert_passes(&figure.curve[0], fall + speed / 9.81, 0.64,
+                  0.005); /* the top, where no step ends */
     bench_close(&bench);
     bench_open(&bench, false);
-    type_ok(&bench, "m = 1 kg; k = 1 N/m; y0 = 1 m; method dop853; run 1 s; change k 0; continue 1 s");
+    type_ok(&bench,
+            "m = 1 kg; k = 1 N/m; y0 = 1 m; method dop853; run 1 s; change k 0; continue 1 s");
     figure = figure_of(&bench, PLOT_POSITION, CHARSET_BRAILLE, 80, NULL, &arena);
     for (double t = 0; t < 2; t += 0.1)
         assert_passes(&figure.curve[0], t, t < 1 ? cos(t) : cos(1) - sin(1) * (t - 1), 0.02);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* One detector of oscillation: what one command refuses, all do, for the same reason; what one accepts, all do. */
+/* One detector of oscillation: what one command refuses, all do, for the same reason; what one
+ * accepts, all do. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -35,7 +36,8 @@ static void reason_of(struct bench *bench, const char *command, char reason[160]
     type(bench, command);
     const char *at = strstr(said(&bench->err), words);
     at = at ? at : strstr(said(&bench->out), words);
-    snprintf(reason, 160, "%.*s", at ? (int)strcspn(at + sizeof words - 1, ";\n") : 0, at ? at + sizeof words - 1 : "");
+    snprintf(reason, 160, "%.*s", at ? (int)strcspn(at + sizeof words - 1, ";\n") : 0,
+             at ? at + sizeof words - 1 : "");
 }
 
 static bool in_long_form(void)
@@ -54,7 +56,8 @@ static bool judged_alike(struct bench *bench, const struct kind *kind, size_t tu
             continue;
         reason_of(bench, asked[i], other);
         if (strcmp(first, other) != 0)
-            fail_msg("%s %d: '%s' says '%s', '%s' says '%s'", kind->name, run, asked[0], first, asked[i], other);
+            fail_msg("%s %d: '%s' says '%s', '%s' says '%s'", kind->name, run, asked[0], first,
+                     asked[i], other);
     }
     return !first[0];
 }

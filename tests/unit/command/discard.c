@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A fit that leaves out more than a fifth of the samples describes none: no kind of fit says of it that it converged. */
+/* A fit that leaves out more than a fifth of the samples describes none: no kind of fit says of it
+ * that it converged. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -80,10 +81,17 @@ static double peaks(double t) /* far from any sine */
 static const struct shape {
     const char *name;
     double (*at)(double t);
-} shapes[] = {{"cut on one side", cut_one},    {"cut a little", cut_little}, {"cut on both sides", cut_both},
-              {"echoes", echoes},              {"some echoes", some_echoes}, {"anywhere", anywhere},
-              {"zeros", zeros},                {"rubbish at the end", rubbish}, {"one bump", bump},
-              {"two levels", two_levels},      {"peaks", peaks}};
+} shapes[] = {{"cut on one side", cut_one},
+              {"cut a little", cut_little},
+              {"cut on both sides", cut_both},
+              {"echoes", echoes},
+              {"some echoes", some_echoes},
+              {"anywhere", anywhere},
+              {"zeros", zeros},
+              {"rubbish at the end", rubbish},
+              {"one bump", bump},
+              {"two levels", two_levels},
+              {"peaks", peaks}};
 
 static const char *const fits[] = {
     "fit",
@@ -131,7 +139,8 @@ static void nothing_that_discards_a_fifth_converges(void **state)
         struct bench bench;
         write_recording(&shapes[k]);
         bench_open(&bench, false);
-        type_ok(&bench, "scene spring; m = 200 g; k = 9.7 N/m; y0 = 4 cm; load rec.csv; set format json");
+        type_ok(&bench,
+                "scene spring; m = 200 g; k = 9.7 N/m; y0 = 4 cm; load rec.csv; set format json");
         for (size_t i = 0; i < COUNT_OF(fits); i++) {
             const bool always = k == 0 && i > 0 && i < 4; /* sine, drag and law reject the most */
             if (!always && (i + k) % 8 != 0 && !(given && *given))
@@ -145,8 +154,8 @@ static void nothing_that_discards_a_fifth_converges(void **state)
                 continue;
             answers++;
             if (converged && rejected > MOST * (used + rejected)) {
-                print_error("%s, %s: converged, %g of %g samples left out\n", shapes[k].name, fits[i], rejected,
-                            used + rejected);
+                print_error("%s, %s: converged, %g of %g samples left out\n", shapes[k].name,
+                            fits[i], rejected, used + rejected);
                 bad++;
             }
         }

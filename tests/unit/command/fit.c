@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * fit through the command: the NIST data sets typed as formulas, the lab's recordings by the scene's equation, what
- * stays in the session. HOOKE_NIST and HOOKE_DATA say where the files are.
+ * fit through the command: the NIST data sets typed as formulas, the lab's recordings by the
+ * scene's equation, what stays in the session. HOOKE_NIST and HOOKE_DATA say where the files are.
  */
 #include <stdarg.h>
 #include <stddef.h>
@@ -14,11 +14,13 @@
 
 static char home[4096]; /* where the test was started: relative folders count from there */
 
-static bool find_file(const char *variable, const char *usual, const char *name, char *path, size_t size)
+static bool find_file(const char *variable, const char *usual, const char *name, char *path,
+                      size_t size)
 {
     const char *folder = getenv(variable);
     folder = folder && *folder ? folder : usual;
-    snprintf(path, size, "%s%s%s/%s", *folder == '/' ? "" : home, *folder == '/' ? "" : "/", folder, name);
+    snprintf(path, size, "%s%s%s/%s", *folder == '/' ? "" : home, *folder == '/' ? "" : "/", folder,
+             name);
     if (access(path, R_OK) == 0)
         return true;
     print_message("skipped: there is no %s (%s says where)\n", path, variable);
@@ -36,7 +38,7 @@ static double value_named(const struct bench *bench, const char *name)
 
 /* ---- NIST StRD ---- */
 
-enum { NIST_PARAMETERS = 41, NIST_DATA = 61, NIST_MOST = 9 };
+enum { NIST_PARAMETERS = 41, NIST_DATA = 61, NIST_MAX = 9 };
 
 static const struct {
     const char *name, *formula;
@@ -50,7 +52,7 @@ static const struct {
 };
 
 struct nist {
-    double start[2][NIST_MOST], certified[NIST_MOST], deviation[NIST_MOST];
+    double start[2][NIST_MAX], certified[NIST_MAX], deviation[NIST_MAX];
     int parameters;
 };
 
@@ -112,14 +114,15 @@ static void certified_values_are_found(void **state)
             type_ok(&bench, line);
             int at = snprintf(line, sizeof line, "fit %s", sets[i].formula);
             for (int j = 0; j < set.parameters; j++)
-                at += snprintf(line + at, sizeof line - (size_t)at, " b%d=%.17g", j + 1, set.start[from][j]);
+                at += snprintf(line + at, sizeof line - (size_t)at, " b%d=%.17g", j + 1,
+                               set.start[from][j]);
             type_ok(&bench, line);
             for (int j = 0; j < set.parameters; j++) {
                 snprintf(line, sizeof line, "fit_b%d", j + 1);
                 const double value = value_named(&bench, line);
                 if (!(fabs(value / set.certified[j] - 1) < 1e-6))
-                    fail_msg("%s from start %d: %s = %.12g, certified %.12g", sets[i].name, from + 1, line, value,
-                             set.certified[j]);
+                    fail_msg("%s from start %d: %s = %.12g, certified %.12g", sets[i].name,
+                             from + 1, line, value, set.certified[j]);
             }
             bench_close(&bench);
         }
@@ -138,7 +141,8 @@ static double fitted_k(const char *file, const char *before)
     snprintf(line, sizeof line, "%s; load '%s' as=one; fit scene", before, path);
     type_ok(&bench, line);
     const double k = value_named(&bench, "fit_k");
-    /* What was fitted runs over the data: better than a third of a millimetre where there is no disk. */
+    /* What was fitted runs over the data: better than a third of a millimetre where there is no
+     * disk. */
     assert_true(value_named(&bench, "fit_rms") < 2e-3);
     type_ok(&bench, "adopt; run 5");
     type_ok(&bench, "plot residual");
@@ -151,7 +155,8 @@ static void one_spring_has_one_stiffness(void **state)
 {
     (void)state;
     const double bare = fitted_k("uoft-pandhi/position data.txt", "m = 199.9 +- 0.1 g");
-    const double disk = fitted_k("uoft-pandhi/damped position.txt", "scene drag; m = 216.6 +- 0.1 g");
+    const double disk =
+        fitted_k("uoft-pandhi/damped position.txt", "scene drag; m = 216.6 +- 0.1 g");
     if (isnan(bare) || isnan(disk))
         skip();
     print_message("k = %.4f N/m bare, %.4f N/m with the disk\n", bare, disk);
@@ -167,8 +172,8 @@ static void scene_fits_are_adopted(void **state)
     (void)state;
     struct bench bench;
     bench_open(&bench, false);
-    type_ok(&bench,
-            "scene duffing; k3 = 0.8 +- 0.1; k = 1.1 +- 0.1; gamma = 0.05 +- 0.01; y0 = 1.3; method rk4 dt=10ms");
+    type_ok(&bench, "scene duffing; k3 = 0.8 +- 0.1; k = 1.1 +- 0.1; gamma = 0.05 +- 0.01; y0 = "
+                    "1.3; method rk4 dt=10ms");
     type_ok(&bench, "run 40 s");
     type_ok(&bench, "export truth.csv t,y; load truth.csv as=truth");
     type_ok(&bench, "scene duffing; y0 = 1; fit scene");
@@ -191,11 +196,13 @@ static void scene_fits_are_adopted(void **state)
 static void records_hold_every_key(void **state)
 {
     (void)state;
-    static const char *const keys[] = {"model",      "period",    "omega",    "gamma",    "amplitude", "phase",
-                                       "offset",     "k",         "rms",      "used",     "rejected",  "window",
-                                       "halves",     "preferred", "laws",     "delta",    "p_value",   "parameters",
-                                       "correlated", "converged", "warnings", "remaining"};
-    static const char *const fits[] = {"fit damped", "fit drag", "fit scene", "fit a*exp(-b*t)*cos(w*t+p)+c w=8.6"};
+    static const char *const keys[] = {
+        "model",      "period",    "omega",    "gamma",    "amplitude", "phase",
+        "offset",     "k",         "rms",      "used",     "rejected",  "window",
+        "halves",     "preferred", "laws",     "delta",    "p_value",   "parameters",
+        "correlated", "converged", "warnings", "remaining"};
+    static const char *const fits[] = {"fit damped", "fit drag", "fit scene",
+                                       "fit a*exp(-b*t)*cos(w*t+p)+c w=8.6"};
     struct bench bench;
     bench_open(&bench, false);
     type_ok(&bench, "gamma = 0.2; run 20 s; m = 200 g; unset k; unset gamma; set format json");
@@ -275,8 +282,10 @@ static void small_uncertainties_are_shown(void **state)
     double low = 0, high = 0, value = 0, off = 0;
     const char *row = strstr(bench.out.data, "\n  k ");
     assert_non_null(row);
-    assert_int_equal(sscanf(row, " k %lf +- %lf N/m %lf N/m .. %lf N/m", &value, &off, &low, &high), 4);
-    assert_true(fabs(high - low - 3.92 * off) < 0.4 * off && high < value + 3 * off && low > value - 3 * off);
+    assert_int_equal(sscanf(row, " k %lf +- %lf N/m %lf N/m .. %lf N/m", &value, &off, &low, &high),
+                     4);
+    assert_true(fabs(high - low - 3.92 * off) < 0.4 * off && high < value + 3 * off &&
+                low > value - 3 * off);
     assert_true(off < 1e-5 * value && fabs(value - 12.8) < 5 * off);
     bench_close(&bench);
 }
@@ -289,9 +298,12 @@ static int enter(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(certified_values_are_found),     cmocka_unit_test(one_spring_has_one_stiffness),
-        cmocka_unit_test(scene_fits_are_adopted),         cmocka_unit_test(records_hold_every_key),
-        cmocka_unit_test(what_does_not_converge_says_so), cmocka_unit_test(names_after_free_complete),
+        cmocka_unit_test(certified_values_are_found),
+        cmocka_unit_test(one_spring_has_one_stiffness),
+        cmocka_unit_test(scene_fits_are_adopted),
+        cmocka_unit_test(records_hold_every_key),
+        cmocka_unit_test(what_does_not_converge_says_so),
+        cmocka_unit_test(names_after_free_complete),
         cmocka_unit_test(small_uncertainties_are_shown),
     };
     return cmocka_run_group_tests(tests, enter, leave_folder);

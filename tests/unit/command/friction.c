@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * From a recording under each of the seven laws to the scene: what fit drag finds is adopted whole, and the run with it lies on
- * the data. The recordings are noisy runs of the scene itself, known to rounding by steps of high order.
+ * From a recording under each of the seven laws to the scene: what fit drag finds is adopted whole,
+ * and the run with it lies on the data. The recordings are noisy runs of the scene itself, known to
+ * rounding by steps of high order.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -31,7 +32,8 @@ static void set(struct scene *scene, const char *name, double value)
 }
 
 /* 25 s of it, 50 samples a second. */
-static void record(const char *name, double gamma, double C, double friction, double sigma, uint64_t seed)
+static void record(const char *name, double gamma, double C, double friction, double sigma,
+                   uint64_t seed)
 {
     struct scene scene;
     struct error error;
@@ -42,8 +44,9 @@ static void record(const char *name, double gamma, double C, double friction, do
     set(&scene, "friction", friction);
     set(&scene, "y0", 0.08);
     const struct run_settings settings = {.dt = 0.02};
-    struct run *run = run_create(&scene, (const struct method *)(const void *)catalog_find(&method_catalog,
-                                 TEXT("dop853")), &settings, 25, &error);
+    struct run *run = run_create(
+        &scene, (const struct method *)(const void *)catalog_find(&method_catalog, TEXT("dop853")),
+        &settings, 25, &error);
     assert_non_null(run);
     const struct run_target target = {.t = 25, .steps = -1};
     run_advance(run, &target, 0, NULL);
@@ -70,13 +73,15 @@ static void test_adopted_friction_lies_on_the_data(void **state)
     static const struct {
         double gamma, C, friction, sigma;
     } law[] = {
-        {0, 0, 0.004, 2e-4},    {0, 0, 0.004, 1e-3},    {0, 0, 0.008, 2e-4},    {0, 0, 0.015, 1e-3},
-        {0.05, 0, 0.004, 2e-4}, {0.05, 0, 0.004, 1e-3}, {0.05, 0, 0.01, 2e-4},  {0.1, 0, 0.006, 5e-4},
-        {0, 60, 0.004, 2e-4},   {0, 60, 0.008, 1e-3},   {0, 120, 0.006, 2e-4},  {0, 30, 0.012, 5e-4},
-        {0.03, 0, 0, 2e-4},     {0.1, 0, 0, 5e-4},      {0.3, 0, 0, 1e-3},      {0, 30, 0, 2e-4},
-        {0, 60, 0, 5e-4},       {0, 120, 0, 1e-3},      {0.03, 60, 0, 2e-4},    {0.06, 90, 0, 5e-4},
-        {0.1, 60, 0, 1e-3},     {0, 0, 0.015, 2e-4},    {0, 0, 0.015, 5e-4},
-        {0.04, 60, 0.004, 2e-4}, {0.04, 60, 0.008, 1e-3}, {0.02, 90, 0.01, 5e-4}, {0.08, 30, 0.006, 2e-4},
+        {0, 0, 0.004, 2e-4},     {0, 0, 0.004, 1e-3},    {0, 0, 0.008, 2e-4},
+        {0, 0, 0.015, 1e-3},     {0.05, 0, 0.004, 2e-4}, {0.05, 0, 0.004, 1e-3},
+        {0.05, 0, 0.01, 2e-4},   {0.1, 0, 0.006, 5e-4},  {0, 60, 0.004, 2e-4},
+        {0, 60, 0.008, 1e-3},    {0, 120, 0.006, 2e-4},  {0, 30, 0.012, 5e-4},
+        {0.03, 0, 0, 2e-4},      {0.1, 0, 0, 5e-4},      {0.3, 0, 0, 1e-3},
+        {0, 30, 0, 2e-4},        {0, 60, 0, 5e-4},       {0, 120, 0, 1e-3},
+        {0.03, 60, 0, 2e-4},     {0.06, 90, 0, 5e-4},    {0.1, 60, 0, 1e-3},
+        {0, 0, 0.015, 2e-4},     {0, 0, 0.015, 5e-4},    {0.04, 60, 0.004, 2e-4},
+        {0.04, 60, 0.008, 1e-3}, {0.02, 90, 0.01, 5e-4}, {0.08, 30, 0.006, 2e-4},
     };
     for (size_t i = 0; i < COUNT_OF(law); i++) {
         struct bench bench;
@@ -87,9 +92,11 @@ static void test_adopted_friction_lies_on_the_data(void **state)
         buffer_clear(&bench.out);
         type_ok(&bench, "adopt");
         const char *found = said(&bench.out);
-        const double fit = number_behind(found, "\"rms_fit\":"), run = number_behind(found, "\"rms_run\":");
+        const double fit = number_behind(found, "\"rms_fit\":"),
+                     run = number_behind(found, "\"rms_run\":");
         if (!(run <= 1.2 * fit && fit < 1.2 * law[i].sigma))
-            fail_msg("recording %zu: rms of the run %g, of the fit %g, noise %g", i, run, fit, law[i].sigma);
+            fail_msg("recording %zu: rms of the run %g, of the fit %g, noise %g", i, run, fit,
+                     law[i].sigma);
         const char *of = strstr(found, "\"friction\":");
         const double friction = of ? number_behind(of, "\"value\":") : 0;
         if (law[i].C == 0 && law[i].friction > 0 &&

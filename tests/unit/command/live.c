@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Runs that a person watches: pace, pauses, what may be typed meanwhile, and that the samples are those of a batch run.
+/* Runs that a person watches: pace, pauses, what may be typed meanwhile, and that the samples are
+ * those of a batch run.
  */
 #include <stdarg.h>
 #include <stddef.h>
@@ -13,7 +14,7 @@
 struct watcher {
     struct bench bench;
     struct {
-        int at;           /* number of the call, counted from 1; 0: the first at or after this step */
+        int at; /* number of the call, counted from 1; 0: the first at or after this step */
         int64_t step;
         const char *line; /* NULL: returns false, which pauses */
         bool done;
@@ -100,8 +101,9 @@ static void batch(const char *lines, const char *file)
 }
 
 /*
- * Few rows, so that the files are small. At speed 1 it cannot be over before somebody has paused it. Not by the
- * propagator: that does not give the same bits after going back to a row in the middle of its block.
+ * Few rows, so that the files are small. At speed 1 it cannot be over before somebody has paused
+ * it. Not by the propagator: that does not give the same bits after going back to a row in the
+ * middle of its block.
  */
 #define LONG_RUN "set kernel specialised; set record every 20; gamma = 0.1; dt = 1e-4; run 20 s"
 
@@ -137,8 +139,9 @@ static void watched_run_exports_the_same_bytes(void **state)
 static void adaptive_and_until_go_on_after_a_pause(void **state)
 {
     (void)state;
-    static const char *const runs[] = {"set record every 20; method dopri5 tol=1e-13; gamma = 0.01; run 1000 s",
-                                       "set record every 20; dt = 1e-6; run until t > 1.23456789"};
+    static const char *const runs[] = {
+        "set record every 20; method dopri5 tol=1e-13; gamma = 0.01; run 1000 s",
+        "set record every 20; dt = 1e-6; run until t > 1.23456789"};
     for (size_t i = 0; i < COUNT_OF(runs); i++) {
         struct watcher w;
         char line[120];
@@ -159,8 +162,8 @@ static void adaptive_and_until_go_on_after_a_pause(void **state)
     }
 }
 
-/* At speed 2, 0.3 simulated seconds take about 0.15 s; at most one step more than the clock allows is there at any
- * time. */
+/* At speed 2, 0.3 simulated seconds take about 0.15 s; at most one step more than the clock allows
+ * is there at any time. */
 static void follows_the_clock(void **state)
 {
     (void)state;
@@ -200,10 +203,11 @@ static void says_what_it_achieves(void **state)
 static void refuses_what_would_disturb(void **state)
 {
     (void)state;
-    static const char *const refused[] = {"run 1 s", "scene damped",  "method verlet", "source x.hk", "load x.txt",
-                                          "adopt",   "compare euler", "fit",           "reset",       "undo",
-                                          "redo",    "restore",       "step",          "back",        "continue",
-                                          "drop 1",  "drop all",      "use 1",         "plain"};
+    static const char *const refused[] = {
+        "run 1 s", "scene damped",  "method verlet", "source x.hk", "load x.txt",
+        "adopt",   "compare euler", "fit",           "reset",       "undo",
+        "redo",    "restore",       "step",          "back",        "continue",
+        "drop 1",  "drop all",      "use 1",         "plain"};
     for (size_t i = 0; i < COUNT_OF(refused); i++) {
         struct watcher w;
         watcher_open(&w);
@@ -280,15 +284,17 @@ static void cancel_pauses(void **state)
     bench_close(&w.bench);
 }
 
-/* A scene of one's own, with an event that makes it jump: what is changed while it goes on and while it is paused, lines
- * that are typed between, all of it comes back from what is saved. */
+/* A scene of one's own, with an event that makes it jump: what is changed while it goes on and
+ * while it is paused, lines that are typed between, all of it comes back from what is saved. */
 static void a_typed_scene_changes_on_the_way(void **state)
 {
     (void)state;
     struct watcher w;
     struct buffer saved = {0};
     watcher_open(&w);
-    type_ok(&w.bench, "scene new ball; var y = 1; param g = 9.81; param r = 0.9; y'' = -g; dt = 1e-4; speed 2");
+    type_ok(
+        &w.bench,
+        "scene new ball; var y = 1; param g = 9.81; param r = 0.9; y'' = -g; dt = 1e-4; speed 2");
     type_ok(&w.bench, "event bounce when y falling do \"y' = -r*y'; continue\"");
     from_step(&w, 100, "g = 5");
     from_step(&w, 200, "change y 0.9");
@@ -307,14 +313,15 @@ static void a_typed_scene_changes_on_the_way(void **state)
     assert_says(&w.bench.err, "run 1 has no c: that came later");
     type_ok(&w.bench, "continue");
     const struct run *run = w.bench.session->run[0]->run;
-    assert_true(run->t == 5 && run_happenings(run) > 1);
+    assert_true(run->t == 5 && run_event_records(run) > 1);
     session_autosave(w.bench.session, &saved);
     write_file("live.hk", saved.data, saved.len);
     struct bench b;
     bench_open(&b, false);
     type_ok(&b, "source live.hk");
     const struct run *again = b.session->run[0]->run;
-    assert_true(again->steps == run->steps && again->t == run->t && again->y[0] == run->y[0] && again->y[1] == run->y[1]);
+    assert_true(again->steps == run->steps && again->t == run->t && again->y[0] == run->y[0] &&
+                again->y[1] == run->y[1]);
     bench_close(&b);
     type_ok(&w.bench, "scene pendulum");
     type(&w.bench, "change g 3");
@@ -323,7 +330,8 @@ static void a_typed_scene_changes_on_the_way(void **state)
     buffer_free(&saved);
 }
 
-/* The rest of a line, of a file and of the file that sourced it waits for the run, and is left out if that is paused.
+/* The rest of a line, of a file and of the file that sourced it waits for the run, and is left out
+ * if that is paused.
  */
 static void pause_ends_line_and_file(void **state)
 {
@@ -355,7 +363,8 @@ static void parameter_changes_on_the_way(void **state)
     struct error error;
     struct buffer file = {0};
     watcher_open(&w);
-    type_ok(&w.bench, "record story.hk; set kernel specialised; set record every 20; dt = 1e-4; speed 1");
+    type_ok(&w.bench,
+            "record story.hk; set kernel specialised; set record every 20; dt = 1e-4; speed 1");
     from_step(&w, 100, "gamma = 0.5");
     from_step(&w, 200, "set dt 1ms");
     from_step(&w, 300, NULL);

@@ -73,12 +73,14 @@ static void foreign_names_are_explained(void **state)
         for (const struct model *const *model = scene_models; *model; model++)
             for (size_t i = 0; i < (*model)->params->count; i++) {
                 const char *name = catalog_row((*model)->params, i)->name;
-                if (scene_param(scene, name) >= 0 || catalog_find(scene_derived(scene), text_of(name)) ||
+                if (scene_param(scene, name) >= 0 ||
+                    catalog_find(scene_derived(scene), text_of(name)) ||
                     catalog_find(&command_catalog, text_of(name)))
                     continue;
                 snprintf(line, sizeof line, "%s = 1", name);
                 assert_false(type(&b, line));
-                snprintf(line, sizeof line, "%s has no parameter '%s'", preset_at(p)->row.name, name);
+                snprintf(line, sizeof line, "%s has no parameter '%s'", preset_at(p)->row.name,
+                         name);
                 assert_says(&b.err, line);
                 assert_says(&b.err, "belongs to another scene: scene ");
             }
@@ -86,7 +88,8 @@ static void foreign_names_are_explained(void **state)
     bench_close(&b);
 }
 
-/* A run is said, printed, exported and drawn under the names of its variables; plots it cannot have are refused. */
+/* A run is said, printed, exported and drawn under the names of its variables; plots it cannot have
+ * are refused. */
 static void every_run_can_be_looked_at(void **state)
 {
     (void)state;
@@ -116,10 +119,12 @@ static void every_run_can_be_looked_at(void **state)
         buffer_put(&names, model->order == 2 ? TEXT(",\"energy\"]") : TEXT("]"));
         assert_says(&b.out, names.data);
         buffer_free(&names);
-        static const enum plot_kind kinds[] = {PLOT_POSITION, PLOT_VELOCITY, PLOT_PHASE, PLOT_ORBIT, PLOT_ENERGY};
+        static const enum plot_kind kinds[] = {PLOT_POSITION, PLOT_VELOCITY, PLOT_PHASE, PLOT_ORBIT,
+                                               PLOT_ENERGY};
         for (size_t k = 0; k < COUNT_OF(kinds); k++) {
             const bool plane = kinds[k] != PLOT_ORBIT || model->n == 4;
-            const bool fits = kinds[k] == PLOT_POSITION || (kinds[k] == PLOT_PHASE && model->n > 1) ||
+            const bool fits = kinds[k] == PLOT_POSITION ||
+                              (kinds[k] == PLOT_PHASE && model->n > 1) ||
                               (model->order == 2 && plane);
             snprintf(line, sizeof line, "plot %s", catalog_row(&plot_catalog, kinds[k])->name);
             if (type(&b, line) != fits)
@@ -134,7 +139,8 @@ static void every_run_can_be_looked_at(void **state)
 static void what_can_change_on_the_way(void **state)
 {
     (void)state;
-    static const char *const starts[] = {"t0", "y0", "v0", "theta0", "rate0", "x0", "vx0", "vy0", "stretch0", "e"};
+    static const char *const starts[] = {"t0", "y0",  "v0",  "theta0",   "rate0",
+                                         "x0", "vx0", "vy0", "stretch0", "e"};
     struct bench b;
     bench_open(&b, false);
     type_ok(&b, "method rk4 dt=1e-9");
@@ -161,7 +167,8 @@ static void what_can_change_on_the_way(void **state)
     bench_close(&b);
 }
 
-/* A session with runs of several models, one changed on the way, gives the same exports after autosave and undo. */
+/* A session with runs of several models, one changed on the way, gives the same exports after
+ * autosave and undo. */
 static void sessions_with_several_models(void **state)
 {
     (void)state;
@@ -169,8 +176,10 @@ static void sessions_with_several_models(void **state)
     struct bench b, other;
     struct buffer saved = {0};
     bench_open(&b, false);
-    type_ok(&b, "let e = 2; method rk4; scene pendulum; length = 2 m; run 3 s; change g 5 m/s^2; continue to 5 s");
-    type_ok(&b, "scene kepler; e = 0.3; run until y < 0; scene robertson; method radau5; run 1 s; scene henon-heiles");
+    type_ok(&b, "let e = 2; method rk4; scene pendulum; length = 2 m; run 3 s; change g 5 m/s^2; "
+                "continue to 5 s");
+    type_ok(&b, "scene kepler; e = 0.3; run until y < 0; scene robertson; method radau5; run 1 s; "
+                "scene henon-heiles");
     session_autosave(b.session, &saved);
     write_file("auto.hk", saved.data, saved.len);
     type_ok(&b, "undo 2; redo 2");
@@ -207,9 +216,15 @@ static void long_runs_keep_every_envelope(void **state)
     bench_open(&b, false);
     type_ok(&b, "scene kepler; method verlet dt=1ms; run 500 s");
     const struct run *run = b.session->run[0]->run;
-    const int place = 0;
-    const struct figure_request request = {.kind = PLOT_POSITION, .run = &place, .runs = 1, .recording = -1,
-                                           .window = {0, 500}, .width = 80, .charset = CHARSET_ASCII, .follow = true};
+    const int index = 0;
+    const struct figure_request request = {.kind = PLOT_POSITION,
+                                           .run = &index,
+                                           .runs = 1,
+                                           .recording = -1,
+                                           .window = {0, 500},
+                                           .width = 80,
+                                           .charset = CHARSET_ASCII,
+                                           .follow = true};
     assert_true(session_figure(b.session, &request, &arena, &figure, &error));
     assert_int_equal(figure.curves, 2);
     assert_true(figure.curve[0].n < trace_count(run->trace) / 50);
@@ -230,8 +245,8 @@ static void long_runs_keep_every_envelope(void **state)
         }
         for (int part = 0; part < 50; part++)
             if (!(shown[part][0] < 0.99 * all[part][0] && shown[part][1] > 0.99 * all[part][1]))
-                fail_msg("%s, part %d: %g..%g of %g..%g", figure.curve[i].label, part, shown[part][0], shown[part][1],
-                         all[part][0], all[part][1]);
+                fail_msg("%s, part %d: %g..%g of %g..%g", figure.curve[i].label, part,
+                         shown[part][0], shown[part][1], all[part][0], all[part][1]);
     }
     arena_reset(&arena);
     bench_close(&b);
@@ -240,9 +255,12 @@ static void long_runs_keep_every_envelope(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(every_scene_has_its_parameters), cmocka_unit_test(foreign_names_are_explained),
-        cmocka_unit_test(every_run_can_be_looked_at),     cmocka_unit_test(what_can_change_on_the_way),
-        cmocka_unit_test(sessions_with_several_models),   cmocka_unit_test(long_runs_keep_every_envelope),
+        cmocka_unit_test(every_scene_has_its_parameters),
+        cmocka_unit_test(foreign_names_are_explained),
+        cmocka_unit_test(every_run_can_be_looked_at),
+        cmocka_unit_test(what_can_change_on_the_way),
+        cmocka_unit_test(sessions_with_several_models),
+        cmocka_unit_test(long_runs_keep_every_envelope),
     };
     return cmocka_run_group_tests(tests, enter_folder, leave_folder);
 }

@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Picture files of random sessions, read as a person reads them: from the numbers beside the ticks and the unit in the
- * title of an axis. Every line of a curve lies on the samples of its run, every mark on one of its recording, every
- * sample lies on the line or under a mark: against time and in the phase plane, forwards and backwards, on linear and
- * on logarithmic axes.
+ * Picture files of random sessions, read as a person reads them: from the numbers beside the ticks
+ * and the unit in the title of an axis. Every line of a curve lies on the samples of its run, every
+ * mark on one of its recording, every sample lies on the line or under a mark: against time and in
+ * the phase plane, forwards and backwards, on linear and on logarithmic axes.
  *
- * cairo writes text as outlines of glyphs: a figure with known text says which outline is which character.
+ * cairo writes text as outlines of glyphs: a figure with known text says which outline is which
+ * character.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -20,9 +21,13 @@
 
 #define GLYPHS 400
 #define POINTS 60000
-#define NEAR 0.5 /* [pt] a point of a path to the samples: ends of coarse lines are rounded to 1/8 */
-#define MARKED 3 /* [pt] a sample to a mark: of dense data there is one for each square of 2 or 3 pt */
-#define INK 1.2  /* [pt] a sample to the path: what passes where ink is already is left out, in grains of up to 1 pt */
+#define NEAR                                                                                       \
+    0.5 /* [pt] a point of a path to the samples: ends of coarse lines are rounded to 1/8 */
+#define MARKED                                                                                     \
+    3 /* [pt] a sample to a mark: of dense data there is one for each square of 2 or 3 pt */
+#define INK                                                                                        \
+    1.2 /* [pt] a sample to the path: what passes where ink is already is left out, in grains of   \
+           up to 1 pt */
 
 /* ---- text ---- */
 
@@ -58,8 +63,8 @@ static bool outline_of(const char *svg, const char *name, size_t length, char ou
 }
 
 /* One <g> of glyphs as characters; what is unknown is '?'. Learns them if `known` is the text. */
-static void read_text(const char *svg, const char *at, const char *end, struct alphabet *alphabet, const char *known,
-                      char out[120])
+static void read_text(const char *svg, const char *at, const char *end, struct alphabet *alphabet,
+                      const char *known, char out[120])
 {
     int n = 0;
     for (; (at = strstr(at, "<use")) && at < end && n < 119; at++, n++) {
@@ -85,7 +90,8 @@ static bool learn_alphabet(struct alphabet *alphabet)
 {
     const double x[] = {0, 1}, y[] = {0, 1};
     const struct curve curve = {.x = x, .y = y, .n = 2};
-    const struct figure figure = {.x = {.label = characters}, .y = {.label = characters}, .curve = &curve, .curves = 1};
+    const struct figure figure = {
+        .x = {.label = characters}, .y = {.label = characters}, .curve = &curve, .curves = 1};
     struct buffer svg = {0};
     struct error error = {0};
     alphabet->n = 0;
@@ -133,14 +139,16 @@ struct sheet {
 
 static int curve_of_color(const char *at, const char *end)
 {
-    static const char *const colors[] = {"stroke:rgb(0%,44.", "stroke:rgb(83.", "stroke:rgb(0%,62", "stroke:rgb(80%,47."};
+    static const char *const colors[] = {"stroke:rgb(0%,44.", "stroke:rgb(83.", "stroke:rgb(0%,62",
+                                         "stroke:rgb(80%,47."};
     for (int i = 0; i < (int)COUNT_OF(colors); i++)
         if (attribute(at, end, colors[i]))
             return i;
     return -1;
 }
 
-/* The middle of a circle that begins at its right end, after the first of its two curves; the rest of it is passed. */
+/* The middle of a circle that begins at its right end, after the first of its two curves; the rest
+ * of it is passed. */
 static char *read_circle(char *at, struct path *path)
 {
     double number[6];
@@ -176,7 +184,8 @@ static bool read_path(const char *d, struct path *path)
         path->joined[path->n++] = joined;
         path->marks &= !joined || (path->x[n] == path->x[n - 1] && path->y[n] == path->y[n - 1]);
     }
-    path->n -= circles > 0 && path->n == circles + 1; /* the pen goes back to where the last one began */
+    path->n -=
+        circles > 0 && path->n == circles + 1; /* the pen goes back to where the last one began */
     return path->n > 0;
 }
 
@@ -186,9 +195,10 @@ static void read_title(const char *title, struct read_axis *axis)
     static const struct {
         const char *name;
         double value;
-    } units[] = {{"m", 1},  {"cm", 1e-2}, {"mm", 1e-3}, {"um", 1e-6}, {"nm", 1e-9}, {"s", 1}, {"ms", 1e-3},
-                 {"J", 1},  {"mJ", 1e-3}, {"uJ", 1e-6}, {"nJ", 1e-9}, {"kJ", 1e3},  {"m/s", 1},
-                 {"cm/s", 1e-2}, {"mm/s", 1e-3}, {"um/s", 1e-6}};
+    } units[] = {{"m", 1},     {"cm", 1e-2},   {"mm", 1e-3},   {"um", 1e-6},
+                 {"nm", 1e-9}, {"s", 1},       {"ms", 1e-3},   {"J", 1},
+                 {"mJ", 1e-3}, {"uJ", 1e-6},   {"nJ", 1e-9},   {"kJ", 1e3},
+                 {"m/s", 1},   {"cm/s", 1e-2}, {"mm/s", 1e-3}, {"um/s", 1e-6}};
     const char *bracket = strrchr(title, '['), *unit = bracket ? bracket + 1 : "";
     double power = 1;
     axis->unit = 1;
@@ -200,7 +210,8 @@ static void read_title(const char *title, struct read_axis *axis)
     }
     bool known = !bracket;
     for (size_t i = 0; i < COUNT_OF(units); i++)
-        if (strcspn(unit, "]") == strlen(units[i].name) && strncmp(unit, units[i].name, strlen(units[i].name)) == 0) {
+        if (strcspn(unit, "]") == strlen(units[i].name) &&
+            strncmp(unit, units[i].name, strlen(units[i].name)) == 0) {
             axis->unit = units[i].value * power;
             known = true;
         }
@@ -213,13 +224,14 @@ static void read_title(const char *title, struct read_axis *axis)
 
 static void add_tick(struct read_axis *axis, double at, const char *label)
 {
-    if (axis->n == TICKS_MOST)
+    if (axis->n == TICKS_MAX)
         return;
     axis->at[axis->n] = at;
     axis->value[axis->n++] = strtod(label, NULL);
 }
 
-/* Everything between two frames of a file: grid and curves, then the frame, then ticks and titles. */
+/* Everything between two frames of a file: grid and curves, then the frame, then ticks and titles.
+ */
 static void read_sheet(const char *svg, struct alphabet *alphabet, struct sheet *sheet)
 {
     static struct path path;
@@ -252,8 +264,12 @@ static void read_sheet(const char *svg, struct alphabet *alphabet, struct sheet 
                 sheet->path[sheet->paths++] = path;
         } else if (attribute(at, end, "stroke:rgb(0%,0%,0%)") && path.n >= 4 && sheet->panels < 3) {
             panel = &sheet->panel[sheet->panels++];
-            *panel = (struct panel){.left = path.x[0], .right = path.x[1], .top = path.y[0], .bottom = path.y[2],
-                                    .first = begun, .paths = sheet->paths - begun};
+            *panel = (struct panel){.left = path.x[0],
+                                    .right = path.x[1],
+                                    .top = path.y[0],
+                                    .bottom = path.y[2],
+                                    .first = begun,
+                                    .paths = sheet->paths - begun};
             begun = sheet->paths;
             titles = 0;
         } else if (attribute(at, end, "stroke:rgb(0%,0%,0%)") && panel && path.n == 2) {
@@ -299,11 +315,14 @@ static double segment_distance(double x, double y, const double a[2], const doub
 
 static bool in_panel(const struct panel *panel, const double at[2])
 {
-    return at[0] >= panel->left && at[0] <= panel->right && at[1] >= panel->top && at[1] <= panel->bottom;
+    return at[0] >= panel->left && at[0] <= panel->right && at[1] >= panel->top &&
+           at[1] <= panel->bottom;
 }
 
-/* Places are known to the 1e-6 pt that cairo writes: within the outermost ticks and a little beyond. */
-static bool agrees(const struct panel *panel, const struct path *path, const struct samples *series, char problem[200])
+/* Places are known to the 1e-6 pt that cairo writes: within the outermost ticks and a little
+ * beyond. */
+static bool agrees(const struct panel *panel, const struct path *path, const struct samples *series,
+                   char problem[200])
 {
     const size_t n = series->n;
     double(*spot)[2] = malloc(n * sizeof *spot), reach;
@@ -315,28 +334,32 @@ static bool agrees(const struct panel *panel, const struct path *path, const str
     }
     for (int p = 0; p < path->n && fine; p += 1 + path->n / 500) {
         const double at[2] = {path->x[p], path->y[p]};
-        double least = HUGE_VAL;
-        for (size_t i = 0; i < n && in_panel(panel, at) && least > NEAR; i++)
-            least = fmin(least, segment_distance(at[0], at[1], spot[i > 0 && !path->marks ? i - 1 : i], spot[i]));
-        if (least > NEAR && in_panel(panel, at)) {
+        double min = HUGE_VAL;
+        for (size_t i = 0; i < n && in_panel(panel, at) && min > NEAR; i++)
+            min = fmin(min, segment_distance(at[0], at[1], spot[i > 0 && !path->marks ? i - 1 : i],
+                                             spot[i]));
+        if (min > NEAR && in_panel(panel, at)) {
             fine = false;
-            snprintf(problem, 200, "line at %.2f, %.2f pt, %.2f pt from any sample", at[0], at[1], least);
+            snprintf(problem, 200, "line at %.2f, %.2f pt, %.2f pt from any sample", at[0], at[1],
+                     min);
         }
     }
     const double within = path->marks ? MARKED : INK;
     for (size_t i = 0; i < n && fine; i += 1 + n / 300) {
-        double least = HUGE_VAL;
+        double min = HUGE_VAL;
         if (!in_panel(panel, spot[i]) || series->t[i] < series->from || series->t[i] > series->to)
             continue;
-        for (int p = 0; p < path->n && least > within; p++) {
+        for (int p = 0; p < path->n && min > within; p++) {
             const double to[2] = {path->x[p], path->y[p]};
             const double from[2] = {path->x[p - (p > 0)], path->y[p - (p > 0)]};
-            least = fmin(least, segment_distance(spot[i][0], spot[i][1], path->joined[p] ? from : to, to));
+            min = fmin(min,
+                       segment_distance(spot[i][0], spot[i][1], path->joined[p] ? from : to, to));
         }
-        if (least > within) {
+        if (min > within) {
             fine = false;
-            snprintf(problem, 200, "nothing at %g, %g: the axes put it at %.2f, %.2f pt, %.2f pt from the line",
-                     series->x[i], series->y[i], spot[i][0], spot[i][1], least);
+            snprintf(problem, 200,
+                     "nothing at %g, %g: the axes put it at %.2f, %.2f pt, %.2f pt from the line",
+                     series->x[i], series->y[i], spot[i][0], spot[i][1], min);
         }
     }
     free(spot);
@@ -361,7 +384,8 @@ struct made {
 
 static void make_session(struct bench *bench, struct dice *dice, struct made *made)
 {
-    static const char *const methods[] = {"euler", "symplectic-euler", "verlet", "rk4", "backward-euler"};
+    static const char *const methods[] = {"euler", "symplectic-euler", "verlet", "rk4",
+                                          "backward-euler"};
     static const char *const scenes[] = {"spring", "damped", "driven", "drag", "duffing"};
     const int scene = dice_below(dice, (int)COUNT_OF(scenes));
     char line[200];
@@ -370,7 +394,8 @@ static void make_session(struct bench *bench, struct dice *dice, struct made *ma
     snprintf(line, sizeof line, "scene %s", scenes[scene]);
     say(bench, made->told, line);
     for (int i = 0; i < made->runs; i++) {
-        const bool back = scene < 3 && dice_below(dice, 4) == 0; /* backwards drag of the square has a pole */
+        const bool back =
+            scene < 3 && dice_below(dice, 4) == 0; /* backwards drag of the square has a pole */
         snprintf(line, sizeof line, "method %s dt=%.3g ms; y0 = %.3g m; run %.3g s",
                  methods[dice_below(dice, (int)COUNT_OF(methods))], dice_between(dice, 2, 20),
                  exp(dice_between(dice, log(1e-3), log(3))),
@@ -400,9 +425,11 @@ static void plot_line(struct dice *dice, const struct made *made, enum kind kind
     if (made->recorded && kind == POSITION)
         n += snprintf(line + n, 200 - (size_t)n, " data swing");
     if (dice_below(dice, 4) == 0 && kind != PHASE && !made->recorded)
-        n += snprintf(line + n, 200 - (size_t)n, " x=%.3g:%.3g", dice_between(dice, -1, 0), dice_between(dice, 0.5, 5));
+        n += snprintf(line + n, 200 - (size_t)n, " x=%.3g:%.3g", dice_between(dice, -1, 0),
+                      dice_between(dice, 0.5, 5));
     if (dice_below(dice, 5) == 0 && kind != PHASE)
-        n += snprintf(line + n, 200 - (size_t)n, " y=%.3g:%.3g", -dice_between(dice, 0.001, 1), dice_between(dice, 0.001, 1));
+        n += snprintf(line + n, 200 - (size_t)n, " y=%.3g:%.3g", -dice_between(dice, 0.001, 1),
+                      dice_between(dice, 0.001, 1));
     if ((kind == ENERGY || kind == ERROR) && dice_below(dice, 3) == 0 && !strstr(line, "y="))
         n += snprintf(line + n, 200 - (size_t)n, " --log");
     if (dice_below(dice, 6) == 0)
@@ -431,12 +458,16 @@ static struct samples recording_samples(const struct recording *recording)
 }
 
 /* Of the phase plot the last two periods of each run, wherever it ended; of everything else all. */
-static struct samples run_samples(const struct bench *bench, enum kind kind, int place, const char *line)
+static struct samples run_samples(const struct bench *bench, enum kind kind, int index,
+                                  const char *line)
 {
     static const char *const columns[] = {"y", "v", "energy", "error", "v"};
-    const struct run *run = bench->session->run[place]->run, *first = bench->session->run[0]->run;
-    struct samples out = {.t = column_of(run, "t"), .y = column_of(run, columns[kind]),
-                          .n = trace_count(run->trace), .from = -HUGE_VAL, .to = HUGE_VAL};
+    const struct run *run = bench->session->run[index]->run, *first = bench->session->run[0]->run;
+    struct samples out = {.t = column_of(run, "t"),
+                          .y = column_of(run, columns[kind]),
+                          .n = trace_count(run->trace),
+                          .from = -HUGE_VAL,
+                          .to = HUGE_VAL};
     out.x = kind == PHASE ? column_of(run, "y") : out.t;
     for (size_t i = 0; i < out.n && kind == ERROR && strstr(line, "--log"); i++)
         out.y[i] = fabs(out.y[i]);
@@ -453,8 +484,8 @@ static struct samples run_samples(const struct bench *bench, enum kind kind, int
 }
 
 /* Curves read off the picture. */
-static int check_picture(struct bench *bench, struct alphabet *alphabet, enum kind kind, const struct made *made,
-                         const char *line)
+static int check_picture(struct bench *bench, struct alphabet *alphabet, enum kind kind,
+                         const struct made *made, const char *line)
 {
     static struct sheet sheet;
     FILE *file = fopen("figure.svg", "rb");
@@ -483,10 +514,12 @@ static int check_picture(struct bench *bench, struct alphabet *alphabet, enum ki
             const bool recorded = path->curve == made->runs;
             if (recorded != path->marks)
                 continue; /* shapes along a line */
-            const struct samples series = recorded ? recording_samples(bench->session->recording[0]->recording)
-                                                   : run_samples(bench, kind, path->curve, line);
+            const struct samples series =
+                recorded ? recording_samples(bench->session->recording[0]->recording)
+                         : run_samples(bench, kind, path->curve, line);
             if (!agrees(panel, path, &series, problem))
-                fail_msg("%s%s %d: %s", made->told, recorded ? "recording" : "run", path->curve + 1, problem);
+                fail_msg("%s%s %d: %s", made->told, recorded ? "recording" : "run", path->curve + 1,
+                         problem);
             if (series.t != series.x)
                 free(series.t);
             free(series.x);
@@ -531,7 +564,8 @@ static void every_sample_is_where_the_axes_put_it(void **state)
         bench_close(&bench);
     }
     for (enum kind kind = POSITION; kind < KINDS; kind++) {
-        printf("# %s: %d curves, %d of them read off the file\n", kind_names[kind], drawn[kind], read[kind]);
+        printf("# %s: %d curves, %d of them read off the file\n", kind_names[kind], drawn[kind],
+               read[kind]);
         assert_true(read[kind] > drawn[kind] / 2);
     }
 }
@@ -539,7 +573,8 @@ static void every_sample_is_where_the_axes_put_it(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup_teardown(every_sample_is_where_the_axes_put_it, enter_folder, leave_folder),
+        cmocka_unit_test_setup_teardown(every_sample_is_where_the_axes_put_it, enter_folder,
+                                        leave_folder),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

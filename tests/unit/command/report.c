@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The report: its script gives the same bytes in a new session; nothing that users name becomes markup. */
+/* The report: its script gives the same bytes in a new session; nothing that users name becomes
+ * markup. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -71,7 +72,8 @@ static void write_recording(const char *name, double gamma, double seconds)
     for (int i = 0; i * 0.01 < seconds; i++) {
         random = random * 1103515245u + 12345u;
         const double t = i * 0.01, noise = ((random >> 16 & 1023) / 1023.0 - 0.5) * 0.05;
-        buffer_format(&text, "%.2f\t%.3f\n", t, 20 + 5 * exp(-gamma * t / 2) * cos(8.66 * t) + noise);
+        buffer_format(&text, "%.2f\t%.3f\n", t,
+                      20 + 5 * exp(-gamma * t / 2) * cos(8.66 * t) + noise);
     }
     write_file(name, text.data, text.len);
     buffer_free(&text);
@@ -114,10 +116,25 @@ static void the_lab_comes_back_bit_for_bit(void **state)
     write_file("inner.hk", "measure k\n", 10);
     bench_open(&bench, true);
     static const char *const lines[] = {
-        "load bare.txt as=bare", "measure period; measure amplitude", "m = 200.0 +- 0.1 g", "fit damped", "source inner.hk",
-        "adopt amplitude; gamma = 0", "meth backw; meth eule dt=10ms", "comp eule symplectic-euler", "run 3 s; undo",
-        "load disk.txt as=disk", "m = 216 g", "measure amplitude at=5,15,25,35,45; measure decay", "measure reynolds",
-        "fit damped", "adopt", "method rk4 dt=10ms", "run 20 s", "measure decay of energy", "export run.csv",
+        "load bare.txt as=bare",
+        "measure period; measure amplitude",
+        "m = 200.0 +- 0.1 g",
+        "fit damped",
+        "source inner.hk",
+        "adopt amplitude; gamma = 0",
+        "meth backw; meth eule dt=10ms",
+        "comp eule symplectic-euler",
+        "run 3 s; undo",
+        "load disk.txt as=disk",
+        "m = 216 g",
+        "measure amplitude at=5,15,25,35,45; measure decay",
+        "measure reynolds",
+        "fit damped",
+        "adopt",
+        "method rk4 dt=10ms",
+        "run 20 s",
+        "measure decay of energy",
+        "export run.csv",
         "plot position > figure.txt",
     };
     for (size_t i = 0; i < COUNT_OF(lines); i++)
@@ -192,7 +209,8 @@ static void what_counts_as_exact_is_said_once(void **state)
     struct buffer content = {0};
     bench_open(&bench, false);
     type_ok(&bench, "set timing off; m = 200 g; method rk4; run 6 s; export own.csv t,y; drop all");
-    type_ok(&bench, "load own.csv; eta = 1.82e-5 +- 1e-7 Pa*s; fit; adopt; measure k; measure reynolds");
+    type_ok(&bench,
+            "load own.csv; eta = 1.82e-5 +- 1e-7 Pa*s; fit; adopt; measure k; measure reynolds");
     type_ok(&bench, "report stated");
     read_whole("stated", "report.md", &content);
     says(&content, "Stated without an uncertainty and taken as exact: m, rho, length. What was");
@@ -223,13 +241,14 @@ static void a_run_that_diverged_comes_back(void **state)
     remove_folder("back");
 }
 
-/* A scene without energy and without a closed form, and a run that left the range of numbers: no cell is no number. */
+/* A scene without energy and without a closed form, and a run that left the range of numbers: no
+ * cell is no number. */
 static void what_is_not_known_is_no_number(void **state)
 {
     (void)state;
     static const char *const files[] = {"values.csv", "runs.csv", "report.md", "report.html"};
-    static const char *const words[] = {",nan", ",-nan", ",inf", ",-inf", "| nan", "| -nan", "| inf", ">nan", ">-nan",
-                                        ">inf"};
+    static const char *const words[] = {",nan",   ",-nan", ",inf", ",-inf", "| nan",
+                                        "| -nan", "| inf", ">nan", ">-nan", ">inf"};
     struct bench bench;
     struct buffer content = {0};
     bench_open(&bench, false);
@@ -243,7 +262,7 @@ static void what_is_not_known_is_no_number(void **state)
             has_not(&content, words[k]);
     }
     read_whole("unknown", "values.csv", &content);
-    has_not(&content, ",,0,");            /* a name without a value */
+    has_not(&content, ",,0,");             /* a name without a value */
     says(&content, "energy at the start"); /* what is known is there */
     buffer_free(&content);
     remove_folder("unknown");
@@ -252,7 +271,8 @@ static void what_is_not_known_is_no_number(void **state)
 static void names_are_no_markup(void **state)
 {
     (void)state;
-    static const char hostile[] = "<script>alert('1')<|script> `x` ```y``` | [a](b) &amp; ![i](j) **b** .txt";
+    static const char hostile[] =
+        "<script>alert('1')<|script> `x` ```y``` | [a](b) &amp; ![i](j) **b** .txt";
     struct bench bench;
     struct buffer content = {0}, line = {0};
     write_recording(hostile, 0.05, 10);
@@ -270,7 +290,8 @@ static void names_are_no_markup(void **state)
     says(&content, "&lt;script&gt;alert(&#39;1&#39;)");
     says(&content, "&amp;amp;");
     read_whole("hostile", "report.md", &content);
-    /* Outside of code there is nothing of theirs: each stands between more backticks than it holds. */
+    /* Outside of code there is nothing of theirs: each stands between more backticks than it holds.
+     */
     says(&content, "- ```` <script>alert");
     says(&content, "note: ``` <img src=x onerror=y> `` ` ");
     buffer_free(&content);

@@ -46,7 +46,8 @@ static void export_all(struct bench *b, const char *prefix)
     snprintf(line, sizeof line, "export %sone.csv --force", prefix);
     type_ok(b, line);
     for (int i = 0; i < b->session->runs; i++) { /* with its own header */
-        snprintf(line, sizeof line, "export %srun%d.csv run %d --force", prefix, i, b->session->run[i]->run->number);
+        snprintf(line, sizeof line, "export %srun%d.csv run %d --force", prefix, i,
+                 b->session->run[i]->run->number);
         type_ok(b, line);
     }
 }
@@ -56,7 +57,8 @@ static void resumed_sessions_export_the_same(void **state)
     (void)state;
     static const char *const sessions[] = {
         "run 1.2345 s",
-        "m = 199.9 +- 0.1 g; gamma = 0.07; method rk4; run 3 s; continue 0.777 s; step 5; note first; rename 1 a; k = "
+        "m = 199.9 +- 0.1 g; gamma = 0.07; method rk4; run 3 s; continue 0.777 s; step 5; note "
+        "first; rename 1 a; k = "
         "20; method verlet dt=3ms; run; use 1",
         "method dopri5 tol=1e-9; run 2 s; step 3; continue 1 s; back 4; continue 2 s",
         "method dopri5; run 5 s --steps 17; continue; step; reset; step 3",
@@ -66,19 +68,24 @@ static void resumed_sessions_export_the_same(void **state)
         "t0 = 2; run to -3; continue 1 s; step 4",
         "compare euler verlet rk4 dt=10ms,5ms; compare dopri5 tol=1e-6,1e-9; drop 2; run; drop 4",
         "method euler; dt = 2; duration = 1e5; compare euler; duration = 10; run 1 s",
-        "gamma = 0.2; method verlet drag=implicit; run 2 s; record all; set record every 3; run 2 s; set record auto; "
+        "gamma = 0.2; method verlet drag=implicit; run 2 s; record all; set record every 3; run 2 "
+        "s; set record auto; "
         "run 1 s",
         "run 1 s; reset; change gamma 0.2; continue 2 s",
-        "set record every 70 ms; method dop853 tol=1e-9; run 2 s; continue 0.1 s; back 3; continue 1 s; change k 20; "
+        "set record every 70 ms; method dop853 tol=1e-9; run 2 s; continue 0.1 s; back 3; continue "
+        "1 s; change k 20; "
         "step 2; back 1; back 2",
-        "set record every 70 ms; dt = 3 ms; method rk4; run 2 s; back 5; continue 1 s; back 2; change k 20; step 2; "
+        "set record every 70 ms; dt = 3 ms; method rk4; run 2 s; back 5; continue 1 s; back 2; "
+        "change k 20; step 2; "
         "continue 1 s",
         "set record every 50 ms; method verlet; run 2.003 s; back 5; continue 1 s",
         "run 5 s; back 100; continue 2 s; back 3",
         "run 1 s; reset",
-        "load swing.txt as=x; data window 1:4; data zero 0.2; run 1 s; layout duo; window 5; trail all; focus energy "
+        "load swing.txt as=x; data window 1:4; data zero 0.2; run 1 s; layout duo; window 5; trail "
+        "all; focus energy "
         "full; range y 0:1mJ",
-        "set fps 5; run 1 s; load swing.txt; load swing.txt as=z; data use swing; let A = 4.2 cm; set digits 4",
+        "set fps 5; run 1 s; load swing.txt; load swing.txt as=z; data use swing; let A = 4.2 cm; "
+        "set digits 4",
     };
     write_recording();
     for (size_t i = 0; i < COUNT_OF(sessions); i++) {
@@ -87,11 +94,13 @@ static void resumed_sessions_export_the_same(void **state)
         bench_open(&b, false);
         b.session->keep_going = true;
         struct text rest = text_of(sessions[i]), statement;
-        while (text_split(&rest, ';', &statement)) { /* one by one: a run that diverges is part of the session */
+        while (text_split(
+            &rest, ';', &statement)) { /* one by one: a run that diverges is part of the session */
             char line[200];
             snprintf(line, sizeof line, "%.*s", (int)statement.len, statement.at);
             type(&b, line);
-            if (b.session->status != 0 && !strstr(said(&b.err), "diverged") && !strstr(line, "record all"))
+            if (b.session->status != 0 && !strstr(said(&b.err), "diverged") &&
+                !strstr(line, "record all"))
                 fail_msg("'%s': %s", line, said(&b.err));
             b.session->status = 0;
         }

@@ -24,9 +24,8 @@ static void dialects_of_text_files(void **state)
     (void)state;
     struct bench b;
     bench_open(&b, false);
-    assert_true(SCRIPT(
-        &b,
-        "\xEF\xBB\xBFm\t=\t300 g\r\n\trun 1 s \\\r\n\r\n# c \\\nmethod \\\n  rk4 \\\n dt=5ms\r\nprint m; print dt"));
+    assert_true(SCRIPT(&b, "\xEF\xBB\xBFm\t=\t300 g\r\n\trun 1 s \\\r\n\r\n# c \\\nmethod \\\n  "
+                           "rk4 \\\n dt=5ms\r\nprint m; print dt"));
     assert_says(&b.out, "m = 300 g");
     assert_says(&b.out, "dt = 5 ms");
     assert_says(&b.out, "\n300 g\n5 ms\n");
@@ -42,9 +41,8 @@ static void a_script_stops_at_its_first_error(void **state)
     struct bench b;
     bench_open(&b, false);
     assert_false(SCRIPT(&b, "m = 300 g\nrun 1 s\n\nset gama 3; echo no\nm = 400 g\n"));
-    assert_says(
-        &b.err,
-        "s.hk:4:5: error: unknown parameter 'gama'\n    set gama 3; echo no\n        ^~~~\n  did you mean 'gamma'?");
+    assert_says(&b.err, "s.hk:4:5: error: unknown parameter 'gama'\n    set gama 3; echo no\n      "
+                        "  ^~~~\n  did you mean 'gamma'?");
     assert_says(&b.err, "s.hk: stopped at line 4 (2 commands run, run 1 kept)\n");
     assert_null(strstr(said(&b.out), "no\n"));
     assert_true(b.session->setup.scene.value[param_index("m")] == 0.3);
@@ -58,10 +56,14 @@ static void an_error_has_its_place_in_the_file(void **state)
     static const struct {
         const char *script, *said;
     } cases[] = {
-        {"scene new\nvar x = 1\n\t x' = -x*\\\n   2*\\\n    zz\n", "s.hk:5:5: error: unknown name 'zz'\n    zz\n    ^~\n"},
-        {"  \tset gama 3", "s.hk:1:8: error: unknown parameter 'gama'\n    set gama 3\n        ^~~~\n"},
-        {"let p = 3; \\\n let q = 2 + cc", "s.hk:2:14: error: unknown name 'cc'\n    let q = 2 + cc\n                ^~\n"},
-        {"let \xC5\xBC = 3", "s.hk:1:5: error: '\xC5\xBC' is not a name\n    let \xC5\xBC = 3\n        ^\n"},
+        {"scene new\nvar x = 1\n\t x' = -x*\\\n   2*\\\n    zz\n",
+         "s.hk:5:5: error: unknown name 'zz'\n    zz\n    ^~\n"},
+        {"  \tset gama 3",
+         "s.hk:1:8: error: unknown parameter 'gama'\n    set gama 3\n        ^~~~\n"},
+        {"let p = 3; \\\n let q = 2 + cc",
+         "s.hk:2:14: error: unknown name 'cc'\n    let q = 2 + cc\n                ^~\n"},
+        {"let \xC5\xBC = 3",
+         "s.hk:1:5: error: '\xC5\xBC' is not a name\n    let \xC5\xBC = 3\n        ^\n"},
         {"var x = 1\n  x' =  \\\n x + sin(x\n", "s.hk:3:6: error: missing ')'"},
     };
     (void)state;
@@ -127,7 +129,8 @@ static void the_status_says_what_failed(void **state)
         unlink("s.hk");
         type(&b, cases[i].line);
         if (b.session->status != cases[i].status)
-            fail_msg("'%s': status %d, not %d: %s", cases[i].line, b.session->status, cases[i].status, said(&b.err));
+            fail_msg("'%s': status %d, not %d: %s", cases[i].line, b.session->status,
+                     cases[i].status, said(&b.err));
         bench_close(&b);
     }
 }
@@ -224,7 +227,8 @@ static void files_source_files(void **state)
 static void a_script_finds_what_lies_beside_it(void **state)
 {
     static const char step[] = "load swing.txt", outer[] = "source inner/step.hk\n";
-    static const char near[] = "t [s]\ty [cm]\n0\t1\n1\t2\n2\t3\n", far[] = "t [s]\ty [cm]\n0\t1\n1\t2\n";
+    static const char near[] = "t [s]\ty [cm]\n0\t1\n1\t2\n2\t3\n",
+                      far[] = "t [s]\ty [cm]\n0\t1\n1\t2\n";
     (void)state;
     struct bench b;
     bench_open(&b, false);

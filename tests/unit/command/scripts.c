@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Runs tests/cli/NAME.hk: one file is one test. Each line is executed as if it stood in a script; comments beside it
- * (or on lines of their own directly below) say what has to come of it:
+ * Runs tests/cli/NAME.hk: one file is one test. Each line is executed as if it stood in a script;
+ * comments beside it (or on lines of their own directly below) say what has to come of it:
  *
  *   # expect: TEXT    some line of its output contains TEXT
  *   # error: TEXT     it fails, and the message contains TEXT
@@ -9,8 +9,8 @@
  *   # never: TEXT     neither output nor messages contain TEXT
  *
  * A line without `# error:` has to succeed.
- * Every line starts where the one before left the session. Files are written in a folder of their own. A file with the line `# needs: METHOD` is skipped where the
- * build is without that method.
+ * Every line starts where the one before left the session. Files are written in a folder of their
+ * own. A file with the line `# needs: METHOD` is skipped where the build is without that method.
  */
 #include <hooke/command.h>
 
@@ -40,7 +40,8 @@ static bool take_err(void *context, struct text text)
 
 static bool contains(const struct buffer *buffer, struct text wanted)
 {
-    return buffer->data && wanted.len > 0 && memmem(buffer->data, buffer->len, wanted.at, wanted.len);
+    return buffer->data && wanted.len > 0 &&
+           memmem(buffer->data, buffer->len, wanted.at, wanted.len);
 }
 
 static bool mark(struct text *line, const char *name, struct text *value)
@@ -53,8 +54,8 @@ static bool mark(struct text *line, const char *name, struct text *value)
     *value = (struct text){at + strlen(key), line->len - (size_t)(at - line->at) - strlen(key)};
     /* The next mark on the same line ends this one. */
     const char *next = memmem(value->at, value->len, " # ", 3);
-    const struct text rest =
-        next ? (struct text){next, value->len - (size_t)(next - value->at)} : (struct text){NULL, 0};
+    const struct text rest = next ? (struct text){next, value->len - (size_t)(next - value->at)}
+                                  : (struct text){NULL, 0};
     if (next)
         value->len = (size_t)(next - value->at);
     *value = text_trim(*value);
@@ -83,7 +84,8 @@ static void complain(struct scenario *s, const char *what, struct text wanted)
         printf("#   err: %.*s\n", (int)line.len, line.at);
 }
 
-/* Checks all marks of one line against the output of the statement before them. Returns whether an error was announced.
+/* Checks all marks of one line against the output of the statement before them. Returns whether an
+ * error was announced.
  */
 static bool check_marks(struct scenario *s, struct text marks)
 {
@@ -147,7 +149,8 @@ static void run_lines(struct scenario *s, struct text content)
     }
 }
 
-/* Stands for an optional library that this build is without; text_of(NULL) where nothing is missing. */
+/* Stands for an optional library that this build is without; text_of(NULL) where nothing is
+ * missing. */
 static struct text missing_method(struct text content)
 {
     static const char needs[] = "# needs: ";
@@ -177,7 +180,8 @@ static bool run_file(const char *folder, const char *name, int number)
     else if (!(missing = missing_method(buffer_text(&content))).at)
         run_lines(&s, buffer_text(&content));
     if (missing.at)
-        printf("ok %d - cli/%s # SKIP built without %.*s\n", number, name, (int)missing.len, missing.at);
+        printf("ok %d - cli/%s # SKIP built without %.*s\n", number, name, (int)missing.len,
+               missing.at);
     else
         printf("%s %d - cli/%s\n", s.failed ? "not ok" : "ok", number, name);
     session_destroy(s.session);

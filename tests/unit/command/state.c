@@ -28,9 +28,11 @@ static void assert_same_end(struct end a, struct end b)
     assert_int_equal(a.rows, b.rows);
 }
 
-static const char *const methods[] = {"euler", "verlet", "rk4", "implicit-midpoint", "dopri5", "exact"};
+static const char *const methods[] = {"euler",  "verlet", "rk4", "implicit-midpoint",
+                                      "dopri5", "exact"};
 
-/* Taken back and advanced again, a run has the same bits: fixed and adaptive steps, ends on and off the grid. */
+/* Taken back and advanced again, a run has the same bits: fixed and adaptive steps, ends on and off
+ * the grid. */
 static void undo_and_redo_keep_bits(void **state)
 {
     (void)state;
@@ -73,7 +75,8 @@ static void undo_of_back_and_reset_keeps_bits(void **state)
         if (strcmp(methods[i], "dopri5") == 0)
             continue; /* what its step control remembered on the way is not recorded */
         bench_open(&b, false);
-        snprintf(line, sizeof line, "method %s; gamma = 0.1; run 1 s; continue 1 s; step 7", methods[i]);
+        snprintf(line, sizeof line, "method %s; gamma = 0.1; run 1 s; continue 1 s; step 7",
+                 methods[i]);
         type_ok(&b, line);
         const struct end end = end_of(&b);
         type_ok(&b, "back 9");
@@ -126,11 +129,14 @@ static void save_recreates_the_setup_exactly(void **state)
     (void)state;
     static const char *const setups[] = {
         "echo nothing",
-        "m = 199.9 +- 0.1 g; k = 1/3; gamma = 1e-17; y0 = pi/100; v0 = -1e-300; phase = 30 deg; omega = 1.7 Hz",
+        "m = 199.9 +- 0.1 g; k = 1/3; gamma = 1e-17; y0 = pi/100; v0 = -1e-300; phase = 30 deg; "
+        "omega = 1.7 Hz",
         "scene damped; method dopri5 dt=1/7; T0 = 0.731 +- 0.002 s",
-        "method verlet drag=implicit; C = 0.5; duration = 2/3; set record every 7; tol = 1e-9; timing off; set digits "
+        "method verlet drag=implicit; C = 0.5; duration = 2/3; set record every 7; tol = 1e-9; "
+        "timing off; set digits "
         "12",
-        "method dopri5 tol=3e-5; let A = 5 cm +- 1/3 mm; let B = 0.1+0.2; set phase-axes raw; set record all; tol = "
+        "method dopri5 tol=3e-5; let A = 5 cm +- 1/3 mm; let B = 0.1+0.2; set phase-axes raw; set "
+        "record all; tol = "
         "off",
     };
     for (size_t i = 0; i < COUNT_OF(setups); i++) {
@@ -229,8 +235,8 @@ static void undo_keeps_the_last_levels(void **state)
     bench_close(&b);
 }
 
-/* What entries share stays as it was in all of them: a list of many changes that goes on in two ways, each to its end
- * and back, has the bits of the run that went there at once. */
+/* What entries share stays as it was in all of them: a list of many changes that goes on in two
+ * ways, each to its end and back, has the bits of the run that went there at once. */
 static void shared_lists_stay_as_they_were(void **state)
 {
     (void)state;
@@ -283,7 +289,8 @@ static void a_run_dropped_lives_as_long_as_undo_needs_it(void **state)
     (void)state;
     struct bench b;
     bench_open(&b, false);
-    type_ok(&b, "method verlet; run 1 s; checkpoint x; run 2 s; rename 2 two; note hello; drop all");
+    type_ok(&b,
+            "method verlet; run 1 s; checkpoint x; run 2 s; rename 2 two; note hello; drop all");
     assert_int_equal(b.session->runs, 0);
     type_ok(&b, "restore x");
     assert_int_equal(b.session->runs, 1);
@@ -318,13 +325,16 @@ static void change_setting(struct bench *b, const struct setting *setting)
     fail_msg("no other value of %s was found", setting->row.name);
 }
 
-/* undo gives a setting its value back, or, where it only shows, passes it over and says what it took back instead. */
+/* undo gives a setting its value back, or, where it only shows, passes it over and says what it
+ * took back instead. */
 static void undo_of_every_setting_does_what_it_says(void **state)
 {
     (void)state;
     for (size_t i = 0; i < setting_catalog.count; i++) {
-        const struct setting *setting = (const struct setting *)(const void *)catalog_row(&setting_catalog, i);
-        const bool is_format = setting->choices == &format_choice_catalog; /* it is set back to read the answers */
+        const struct setting *setting =
+            (const struct setting *)(const void *)catalog_row(&setting_catalog, i);
+        const bool is_format =
+            setting->choices == &format_choice_catalog; /* it is set back to read the answers */
         struct bench b;
         bench_open(&b, false);
         type_ok(&b, "k = 20");
@@ -337,10 +347,12 @@ static void undo_of_every_setting_does_what_it_says(void **state)
         if (k != (setting->display ? 15 : 20))
             fail_msg("%s: k = %g after undo", setting->row.name, k);
         const struct settings *wanted = setting->display ? &after : &before;
-        if (!is_format && memcmp(field(&b, setting), (const char *)wanted + setting->offset, setting->bytes) != 0)
+        if (!is_format &&
+            memcmp(field(&b, setting), (const char *)wanted + setting->offset, setting->bytes) != 0)
             fail_msg("%s is not what it should be after undo", setting->row.name);
         type_ok(&b, "redo");
-        if (!is_format && memcmp(field(&b, setting), (const char *)&after + setting->offset, setting->bytes) != 0)
+        if (!is_format &&
+            memcmp(field(&b, setting), (const char *)&after + setting->offset, setting->bytes) != 0)
             fail_msg("%s is not what it was after redo", setting->row.name);
         bench_close(&b);
     }
@@ -350,8 +362,9 @@ static void undo_of_every_setting_does_what_it_says(void **state)
 static void what_changes_nothing_is_no_step_of_undo(void **state)
 {
     (void)state;
-    static const char *const lines[] = {"set charset ascii", "unset charset", "note x", "use 1", "set k 20",
-                                        "set duration 10", "method euler"};
+    static const char *const lines[] = {
+        "set charset ascii", "unset charset",   "note x",      "use 1",
+        "set k 20",          "set duration 10", "method euler"};
     struct bench b;
     bench_open(&b, false);
     type_ok(&b, "method euler; k = 20; set duration 10; run 1 s");

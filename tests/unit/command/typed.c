@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Scenes and events that a user types: what defines them can be saved, undone, replayed and completed. */
+/* Scenes and events that a user types: what defines them can be saved, undone, replayed and
+ * completed. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
@@ -11,12 +12,16 @@
 
 static const char *const systems[] = {
     "var x = 2; var y = 0; param mu = 5; x' = y; y' = mu*(1 - x^2)*y - x",
-    "var y = 5 cm; param k = 15 N/m; param m = 199.9 +- 0.1 g; y'' = -k/m*y - 0.1*y'; var y' = 0.1; observe p = m*y'",
+    "var y = 5 cm; param k = 15 N/m; param m = 199.9 +- 0.1 g; y'' = -k/m*y - 0.1*y'; var y' = "
+    "0.1; observe p = m*y'",
     "var a = 1; var b = 0.5; var q1 = 3; a'' = -a; b' = a*b - t; q1' = -q1; a0 = 0.1; q1_0 = 4",
-    "var x = 1; param one = 1; x' = one*x; param two = 3; observe twice = two*x; x' = -twice*one; var x = 3",
-    "scene damped; param stiff = 40; force -stiff*y^3; potential 10*y^4; stiff = 40; observe up = step(y)",
+    "var x = 1; param one = 1; x' = one*x; param two = 3; observe twice = two*x; x' = -twice*one; "
+    "var x = 3",
+    "scene damped; param stiff = 40; force -stiff*y^3; potential 10*y^4; stiff = 40; observe up = "
+    "step(y)",
     "scene driven; force 0.01*sin(3*t); gamma = 0.2",
-    "var x = 0.1; var y = 0.2; x'' = -x - 2*x*y; y'' = -y - (x^2 - y^2); force x = 0.01*sin(t); force y = -0.01*y'",
+    "var x = 0.1; var y = 0.2; x'' = -x - 2*x*y; y'' = -y - (x^2 - y^2); force x = 0.01*sin(t); "
+    "force y = -0.01*y'",
 };
 
 static void start(struct bench *b, const char *system)
@@ -31,7 +36,8 @@ static void assert_same_state(const struct session *a, const struct session *b, 
     if (one->steps != other->steps || one->t != other->t ||
         memcmp(one->y, other->y, (size_t)one->system.n * sizeof *one->y) != 0)
         fail_msg("%s: step %lld at %.17g, y[0] = %.17g; other: step %lld at %.17g, %.17g", what,
-                 (long long)one->steps, one->t, one->y[0], (long long)other->steps, other->t, other->y[0]);
+                 (long long)one->steps, one->t, one->y[0], (long long)other->steps, other->t,
+                 other->y[0]);
 }
 
 /* Sourcing what save writes gives the same model: the same scene, the same bits of a run. */
@@ -70,10 +76,12 @@ static void autosaves_bring_back_runs(void **state)
     type_ok(&b, "method dop853 tol=1e-9");
     for (size_t i = 0; i < COUNT_OF(systems); i++) {
         type_ok(&b, systems[i]);
-        type_ok(&b, "event quarter when t - 0.25 do record; event half when t - 0.5 do 'print t'; event half off");
+        type_ok(&b, "event quarter when t - 0.25 do record; event half when t - 0.5 do 'print t'; "
+                    "event half off");
         type_ok(&b, "run 1 s");
     }
-    type_ok(&b, "event half when t - 0.5 do 'print t'; event more when t > 0.7 do stop; run 1 s; continue; continue");
+    type_ok(&b, "event half when t - 0.5 do 'print t'; event more when t > 0.7 do stop; run 1 s; "
+                "continue; continue");
     session_autosave(b.session, &saved);
     write_file("typed.hk", saved.data, saved.len);
     bench_open(&other, false);
@@ -83,27 +91,31 @@ static void autosaves_bring_back_runs(void **state)
         const struct run *one = b.session->run[r]->run, *two = other.session->run[r]->run;
         b.session->current_run = other.session->current_run = r;
         assert_same_state(b.session, other.session, one->scene.preset->row.name);
-        assert_true(run_happenings(one) > 0);
-        assert_int_equal(run_happenings(one), run_happenings(two));
-        for (size_t i = 0; i < run_happenings(one); i++)
-            assert_true(run_happening(one, i)->t == run_happening(two, i)->t);
+        assert_true(run_event_records(one) > 0);
+        assert_int_equal(run_event_records(one), run_event_records(two));
+        for (size_t i = 0; i < run_event_records(one); i++)
+            assert_true(run_event_record(one, i)->t == run_event_record(two, i)->t);
     }
     bench_close(&b);
     bench_close(&other);
     buffer_free(&saved);
 }
 
-/* Balls that bounce, cells that fire: with what events do to them, runs come back bit for bit from what is saved, what is
- * recorded, and what is undone. */
+/* Balls that bounce, cells that fire: with what events do to them, runs come back bit for bit from
+ * what is saved, what is recorded, and what is undone. */
 static void jumps_are_done_again(void **state)
 {
     static const char *const scenes[] = {
         "var y = 1; y'' = -9.81; event bounce when y falling do \"y' = -0.8*y'; continue\"",
-        "var u = 0; param I = 1.5; u' = I - u; event fire when u > 1 do 'u = 0; I = 1.01*I; continue'",
-        ("var y = 1; var x = 0; x'' = 0; y'' = -1; event wall when abs(x) > 0.3 do 'vx = -vx; continue'; var x' = 1; "
-         "event floor when y < 0 do 'vy = -vy; y = 0; continue'; event count when x do 'print t; continue'"),
+        "var u = 0; param I = 1.5; u' = I - u; event fire when u > 1 do 'u = 0; I = 1.01*I; "
+        "continue'",
+        ("var y = 1; var x = 0; x'' = 0; y'' = -1; event wall when abs(x) > 0.3 do 'vx = -vx; "
+         "continue'; var x' = 1; "
+         "event floor when y < 0 do 'vy = -vy; y = 0; continue'; event count when x do 'print t; "
+         "continue'"),
         "var y = 1; y'' = -9.81; event bounce when y falling do 'print t'"};
-    static const char *const methods[] = {"rk4 dt=10ms", "dop853 tol=1e-9", "heun dt=7ms", "abm4 dt=10ms"};
+    static const char *const methods[] = {"rk4 dt=10ms", "dop853 tol=1e-9", "heun dt=7ms",
+                                          "abm4 dt=10ms"};
     (void)state;
     for (size_t i = 0; i < COUNT_OF(scenes) * COUNT_OF(methods); i++) {
         struct bench b, other, told;
@@ -136,8 +148,10 @@ static void jumps_are_done_again(void **state)
         type_ok(&b, "undo 2; redo 4");
         run = session_run(b.session);
         if (run->steps != steps || run->y[0] != y || run->t != t)
-            fail_msg("%s, %s: undone, done again: step %lld of %lld at %.17g, y[0] = %.17g, not %.17g", methods[i / COUNT_OF(scenes)],
-                     scenes[i % COUNT_OF(scenes)], (long long)run->steps, (long long)steps, run->t, run->y[0], y);
+            fail_msg(
+                "%s, %s: undone, done again: step %lld of %lld at %.17g, y[0] = %.17g, not %.17g",
+                methods[i / COUNT_OF(scenes)], scenes[i % COUNT_OF(scenes)], (long long)run->steps,
+                (long long)steps, run->t, run->y[0], y);
         bench_close(&b);
         bench_close(&other);
         bench_close(&told);
@@ -224,7 +238,9 @@ static void names_are_completed(void **state)
 {
     (void)state;
     struct bench b;
-    start(&b, "var angle = 1; param stiffness = 2; angle'' = -stiffness*angle; observe spread = angle^2");
+    start(
+        &b,
+        "var angle = 1; param stiffness = 2; angle'' = -stiffness*angle; observe spread = angle^2");
     assert_offers(&b, "angle'' = -sti", " stiffness ", 11);
     assert_offers(&b, "angle'' = -stiffness*an", " angle ", 21);
     assert_offers(&b, "observe more = 2*(spr", " spread ", 18);
@@ -300,7 +316,8 @@ static void expressions_are_completed(void **state)
     for (size_t i = 0; i < COUNT_OF(cases); i++) {
         struct buffer offered = {0};
         size_t begin = 0;
-        command_complete(b.session, text_of(cases[i].line), strlen(cases[i].line), &begin, collect, &offered);
+        command_complete(b.session, text_of(cases[i].line), strlen(cases[i].line), &begin, collect,
+                         &offered);
         buffer_put(&offered, TEXT(""));
         if (!strstr(offered.data, cases[i].with) || strstr(offered.data, cases[i].without) ||
             begin != cases[i].start || (!cases[i].with[0] && offered.len > 0))
@@ -316,15 +333,28 @@ static void hostile_lines_are_refused_quickly(void **state)
     (void)state;
     enum { MANY = 1000000 };
     const char *config = getenv("CONFIG");
-    const int64_t limit = config && strcmp(config, "asan") == 0 ? 20000000000 : 2000000000; /* [ns] of work: ten times what it takes */
+    const int64_t limit = config && strcmp(config, "asan") == 0
+                              ? 20000000000
+                              : 2000000000; /* [ns] of work: ten times what it takes */
     static const struct {
         const char *before, *repeated, *after;
-    } hostile[] = {{"x' = ", "(", ""},          {"x' = ", "(", "1"},        {"x' = ", "-", "x"},
-                   {"x' = ", "x^", "x"},        {"x' = ", "sin(", "x"},     {"x' = ", "x+", "x"},
-                   {"x' = ", "x", ""},          {"x", "'", " = x"},         {"observe E = ", "if(x,", "1"},
-                   {"force ", "(", "y"},        {"potential ", "1+", "y"},  {"event e when ", "(", " do stop"},
-                   {"event e when x do '", "a", "'"}, {"var ", "v", " = 1"}, {"param ", "p", " = 1"},
-                   {"var z = ", "(", "1"},      {"event ", "e", " when x do stop"}};
+    } hostile[] = {{"x' = ", "(", ""},
+                   {"x' = ", "(", "1"},
+                   {"x' = ", "-", "x"},
+                   {"x' = ", "x^", "x"},
+                   {"x' = ", "sin(", "x"},
+                   {"x' = ", "x+", "x"},
+                   {"x' = ", "x", ""},
+                   {"x", "'", " = x"},
+                   {"observe E = ", "if(x,", "1"},
+                   {"force ", "(", "y"},
+                   {"potential ", "1+", "y"},
+                   {"event e when ", "(", " do stop"},
+                   {"event e when x do '", "a", "'"},
+                   {"var ", "v", " = 1"},
+                   {"param ", "p", " = 1"},
+                   {"var z = ", "(", "1"},
+                   {"event ", "e", " when x do stop"}};
     struct bench b;
     start(&b, "var x = 1; x' = -x");
     struct buffer saved = {0};
@@ -338,7 +368,8 @@ static void hostile_lines_are_refused_quickly(void **state)
         const int64_t begin = cpu_ns();
         assert_false(line.failed || command_exec(b.session, buffer_text(&line), NULL, &b.reply));
         if (cpu_ns() - begin > limit)
-            fail_msg("%s%s… took %.0f ms", hostile[i].before, hostile[i].repeated, (double)(cpu_ns() - begin) * 1e-6);
+            fail_msg("%s%s… took %.0f ms", hostile[i].before, hostile[i].repeated,
+                     (double)(cpu_ns() - begin) * 1e-6);
         assert_scene_is(&b, saved.data);
         buffer_free(&line);
     }
@@ -352,12 +383,13 @@ static void errors_have_their_caret(void **state)
     (void)state;
     static const struct {
         const char *line, *caret;
-    } wrong[] = {{"x' = -rat*x", "    x' = -rat*x\n          ^~~"},
-                 {"y' = 3", "    y' = 3\n    ^"},
-                 {"observe E = x*(1 + zz)", "    observe E = x*(1 + zz)\n                       ^~"},
-                 {"event top when 2*q do stop", "    event top when 2*q do stop\n                     ^"},
-                 {"var pi = 3", "    var pi = 3\n        ^~"},
-                 {"x' = x x", "    x' = x x\n           ^"}};
+    } wrong[] = {
+        {"x' = -rat*x", "    x' = -rat*x\n          ^~~"},
+        {"y' = 3", "    y' = 3\n    ^"},
+        {"observe E = x*(1 + zz)", "    observe E = x*(1 + zz)\n                       ^~"},
+        {"event top when 2*q do stop", "    event top when 2*q do stop\n                     ^"},
+        {"var pi = 3", "    var pi = 3\n        ^~"},
+        {"x' = x x", "    x' = x x\n           ^"}};
     struct bench b;
     start(&b, "var x = 1; param rate = 2");
     for (size_t i = 0; i < COUNT_OF(wrong); i++) {
@@ -367,14 +399,17 @@ static void errors_have_their_caret(void **state)
     bench_close(&b);
 }
 
-/* What `record` and the story write leads to the same runs: commands of events are executed once. */
+/* What `record` and the story write leads to the same runs: commands of events are executed once.
+ */
 static void recorded_sessions_are_the_same(void **state)
 {
     (void)state;
     struct bench b, other;
     bench_open(&b, false);
     type_ok(&b, "record kept.hk");
-    type_ok(&b, "var y = 1; y'' = -y; param grow = 0; event low when y < 0 do 'change grow 1; print grow'");
+    type_ok(
+        &b,
+        "var y = 1; y'' = -y; param grow = 0; event low when y < 0 do 'change grow 1; print grow'");
     type_ok(&b, "y'' = -y + grow*y'; method rk4 dt=0.01; run 3 s");
     assert_says(&b.out, "grow = 1");
     type_ok(&b, "continue 1 s");
@@ -383,7 +418,7 @@ static void recorded_sessions_are_the_same(void **state)
     type_ok(&other, "source kept.hk");
     assert_int_equal(other.session->runs, 1);
     assert_same_state(b.session, other.session, "recorded");
-    write_file("story.hk", b.session->story.data, b.session->story.len);
+    write_file("story.hk", b.session->transcript.data, b.session->transcript.len);
     bench_close(&other);
     bench_open(&other, false);
     type_ok(&other, "source story.hk");
@@ -392,13 +427,15 @@ static void recorded_sessions_are_the_same(void **state)
     bench_close(&b);
 }
 
-/* The steps of dop853 are long; what is drawn goes through what lies between them. Observed quantities keep to rows. */
+/* The steps of dop853 are long; what is drawn goes through what lies between them. Observed
+ * quantities keep to rows. */
 static void adaptive_curves_are_smooth(void **state)
 {
     (void)state;
     struct bench b;
     bench_open(&b, false);
-    type_ok(&b, "scene spring; var x = 1; x'' = -x; observe E = x^2 + x'^2; method dop853; run 6 s");
+    type_ok(&b,
+            "scene spring; var x = 1; x'' = -x; observe E = x^2 + x'^2; method dop853; run 6 s");
     for (int k = 0; k < 3; k++) {
         struct arena arena = {0};
         struct figure figure;
@@ -417,9 +454,10 @@ static void adaptive_curves_are_smooth(void **state)
         const struct curve *curve = &figure.curve[0];
         assert_true(k == 2 ? curve->n < 50 : curve->n > 200);
         for (size_t i = 0; i < curve->n; i++) {
-            const double wanted = k == 0   ? cos(curve->x[i])
-                                  : k == 1 ? copysign(sqrt(fmax(0, 1 - curve->x[i] * curve->x[i])), curve->y[i])
-                                           : 1;
+            const double wanted =
+                k == 0   ? cos(curve->x[i])
+                : k == 1 ? copysign(sqrt(fmax(0, 1 - curve->x[i] * curve->x[i])), curve->y[i])
+                         : 1;
             assert_true(fabs(curve->y[i] - wanted) < (k == 2 ? 1e-5 : k ? 0.05 : 2e-3));
         }
         arena_reset(&arena);
@@ -431,10 +469,14 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(adaptive_curves_are_smooth),
-        cmocka_unit_test(saved_lines_recreate_the_scene),   cmocka_unit_test(autosaves_bring_back_runs),
-        cmocka_unit_test(undo_takes_lines_back), cmocka_unit_test(jumps_are_done_again),            cmocka_unit_test(names_are_completed),
+        cmocka_unit_test(saved_lines_recreate_the_scene),
+        cmocka_unit_test(autosaves_bring_back_runs),
+        cmocka_unit_test(undo_takes_lines_back),
+        cmocka_unit_test(jumps_are_done_again),
+        cmocka_unit_test(names_are_completed),
         cmocka_unit_test(expressions_are_completed),
-        cmocka_unit_test(hostile_lines_are_refused_quickly), cmocka_unit_test(errors_have_their_caret),
+        cmocka_unit_test(hostile_lines_are_refused_quickly),
+        cmocka_unit_test(errors_have_their_caret),
         cmocka_unit_test(recorded_sessions_are_the_same),
     };
     return cmocka_run_group_tests(tests, enter_folder, leave_folder);

@@ -46,7 +46,8 @@ static void rows_of(const char *line, int width, char rows[200])
     int indent;
     do {
         const struct text row = log_row(text, &from, width, &indent);
-        n += (size_t)snprintf(rows + n, 200 - n, "%s%*s%.*s", n ? "|" : "", indent, "", (int)row.len, row.at);
+        n += (size_t)snprintf(rows + n, 200 - n, "%s%*s%.*s", n ? "|" : "", indent, "",
+                              (int)row.len, row.at);
     } while (from < text.len);
 }
 
@@ -69,9 +70,11 @@ static void long_lines_go_on_in_the_next_row(void **state)
         {"ab cdefghijklmnopq", 10, "ab|  cdefghij|  klmnopq"},
         {"one two", 3, "one|two"}, /* no room for an indentation */
         {"ab", 1, "a|b"},
-        {"\xE6\x97\xA5\xE6\x9C\xAC\xE6\x97\xA5", 5, "\xE6\x97\xA5\xE6\x9C\xAC|\xE6\x97\xA5"}, /* two cells each */
-        {"\xE6\x97\xA5\xE6\x9C\xAC", 1, "\xE6\x97\xA5|\xE6\x9C\xAC"},                         /* wider than the pane */
-        {"se\xCC\x81 se\xCC\x81 se\xCC\x81 x", 8, "se\xCC\x81 se\xCC\x81 se\xCC\x81|  x"}, /* an accent has no width */
+        {"\xE6\x97\xA5\xE6\x9C\xAC\xE6\x97\xA5", 5,
+         "\xE6\x97\xA5\xE6\x9C\xAC|\xE6\x97\xA5"},                    /* two cells each */
+        {"\xE6\x97\xA5\xE6\x9C\xAC", 1, "\xE6\x97\xA5|\xE6\x9C\xAC"}, /* wider than the pane */
+        {"se\xCC\x81 se\xCC\x81 se\xCC\x81 x", 8,
+         "se\xCC\x81 se\xCC\x81 se\xCC\x81|  x"}, /* an accent has no width */
     };
     for (size_t i = 0; i < COUNT_OF(cases); i++) {
         char rows[200];
@@ -161,7 +164,8 @@ static void offered_panes(void **state)
                  {"load swing.txt; cursor off", "peuvxrs"},
                  {"data window 2:4", "peuvxs"},
                  {"drop all", "peuvs"}}; /* velocity and energy of a recording */
-    static const char letters[] = "peuvxrs"; /* of enum pane: position energy phase velocity error residual spectrum */
+    static const char letters[] =
+        "peuvxrs"; /* of enum pane: position energy phase velocity error residual spectrum */
     struct buffer text = {0};
     buffer_put(&text, TEXT("t\ty\ns\tcm\n"));
     for (int i = 0; i < 200; i++)
@@ -194,8 +198,8 @@ static void scrolling(void **state)
     assert_int_equal(b.session->view.scroll, 7);
     type_ok(&b, "scroll home");
     assert_int_equal(b.session->view.scroll, 49);
-    log_add(&b.session->log,
-            TEXT("a line that has more to say than the eighty columns of a usual screen can show at once"));
+    log_add(&b.session->log, TEXT("a line that has more to say than the eighty columns of a usual "
+                                  "screen can show at once"));
     type_ok(&b, "scroll home"); /* rows, not lines */
     assert_int_equal(b.session->view.scroll, 51);
     type_ok(&b, "scroll -1000");
@@ -210,8 +214,8 @@ struct drawn {
     enum front_change change;
 };
 
-static bool draw_file(void *context, const struct session *session, const char *path, struct write_policy policy,
-                      struct error *error)
+static bool draw_file(void *context, const struct session *session, const char *path,
+                      struct write_policy policy, struct error *error)
 {
     struct drawn *d = context;
     (void)session;
@@ -220,7 +224,8 @@ static bool draw_file(void *context, const struct session *session, const char *
     return policy.force || error_set(error, ERROR_IO, "%s exists", path);
 }
 
-static bool draw_text(void *context, const struct session *session, struct buffer *text, struct error *error)
+static bool draw_text(void *context, const struct session *session, struct buffer *text,
+                      struct error *error)
 {
     (void)context;
     (void)session;

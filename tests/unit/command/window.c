@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * One judgement of which part of a recording is the free oscillation: every command that works on a window announces
- * the one of 'data clean', for the same reason, and nothing where there is nothing to say.
+ * One judgement of which part of a recording is the free oscillation: every command that works on a
+ * window announces the one of 'data clean', for the same reason, and nothing where there is nothing
+ * to say.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -82,7 +83,8 @@ static double beats(double t)
 static const struct shape {
     const char *name;
     double (*at)(double t);
-    double from, to; /* [s] of the truth, 0 and LAST: all of it; NAN: anything, as long as all say the same */
+    double from, to; /* [s] of the truth, 0 and LAST: all of it; NAN: anything, as long as all say
+                        the same */
 } shapes[] = {
     {"free", free_swing, 0, LAST},
     {"held first", held_first, 4, LAST},
@@ -139,7 +141,8 @@ static bool announced(const char *text, const char *word, double window[2])
     char first[32] = "";
     if (!dots || dots - at - (ptrdiff_t)strlen(word) >= (ptrdiff_t)sizeof first)
         return false;
-    memcpy(first, at + strlen(word), (size_t)(dots - at) - strlen(word)); /* "0..20": strtod takes the first dot */
+    memcpy(first, at + strlen(word),
+           (size_t)(dots - at) - strlen(word)); /* "0..20": strtod takes the first dot */
     window[0] = strtod(first, NULL);
     window[1] = strtod(dots + 2, NULL);
     return true;
@@ -150,7 +153,8 @@ static bool judged(struct bench *bench, double window[2])
     type(bench, "data clean");
     window[0] = 0;
     window[1] = LAST;
-    return announced(said(&bench->out), "use the window ", window) && (window[0] > 0 || window[1] < LAST);
+    return announced(said(&bench->out), "use the window ", window) &&
+           (window[0] > 0 || window[1] < LAST);
 }
 
 static void every_command_announces_the_same_window(void **state)
@@ -163,10 +167,10 @@ static void every_command_announces_the_same_window(void **state)
         bench_open(&bench, false);
         type(&bench, "scene spring; m = 200 g; load rec.csv");
         const bool narrow = judged(&bench, wanted);
-        if (!isnan(shapes[k].from) &&
-            (fabs(wanted[0] - shapes[k].from) > 2 * PERIOD || fabs(wanted[1] - shapes[k].to) > 2 * PERIOD))
-            fail_msg("%s: data clean judges %g..%g s, the truth is %g..%g s", shapes[k].name, wanted[0], wanted[1],
-                     shapes[k].from, shapes[k].to);
+        if (!isnan(shapes[k].from) && (fabs(wanted[0] - shapes[k].from) > 2 * PERIOD ||
+                                       fabs(wanted[1] - shapes[k].to) > 2 * PERIOD))
+            fail_msg("%s: data clean judges %g..%g s, the truth is %g..%g s", shapes[k].name,
+                     wanted[0], wanted[1], shapes[k].from, shapes[k].to);
         for (size_t i = 0; i < COUNT_OF(commands); i++) {
             /* Each with one of them; laws, which take a second, are judged as drag is. */
             if ((i % 12 != k % 12 || strcmp(commands[i], "fit law") == 0) && !in_long_form())
@@ -177,16 +181,17 @@ static void every_command_announces_the_same_window(void **state)
             if (!done && !told) /* refused, which is an answer */
                 continue;
             if (told && (!narrow || window[0] != wanted[0] || window[1] != wanted[1]))
-                fail_msg("%s, %s: window %g..%g s, data clean judges %g..%g s", shapes[k].name, commands[i], window[0],
-                         window[1], wanted[0], wanted[1]);
+                fail_msg("%s, %s: window %g..%g s, data clean judges %g..%g s", shapes[k].name,
+                         commands[i], window[0], window[1], wanted[0], wanted[1]);
             if (!told && narrow && !(knows_rest && shapes[k].at == rest_last))
-                fail_msg("%s, %s says nothing of the window %g..%g s:\n%s%s", shapes[k].name, commands[i], wanted[0],
-                         wanted[1], said(&bench.out), said(&bench.err));
+                fail_msg("%s, %s says nothing of the window %g..%g s:\n%s%s", shapes[k].name,
+                         commands[i], wanted[0], wanted[1], said(&bench.out), said(&bench.err));
         }
         /* What was announced is taken, and then there is nothing more to say. */
         type(&bench, "data clean apply; fit");
         if (announced(said(&bench.err), "try window=", window))
-            fail_msg("%s: after data clean apply still %g..%g s", shapes[k].name, window[0], window[1]);
+            fail_msg("%s: after data clean apply still %g..%g s", shapes[k].name, window[0],
+                     window[1]);
         bench_close(&bench);
     }
 }

@@ -16,7 +16,8 @@
 #define XML false
 #endif
 
-static const char table[] = "Time (s),Position (cm)\n0.00,1.5\n0.02,2.5\n0.04,3.5\n0.06,2.5\n0.08,1.5\n";
+static const char table[] =
+    "Time (s),Position (cm)\n0.00,1.5\n0.02,2.5\n0.04,3.5\n0.06,2.5\n0.08,1.5\n";
 
 /* ---- writers: entries and streams that are stored, not compressed ---- */
 
@@ -61,7 +62,8 @@ static inline void put_zip(struct buffer *out, const struct file *file, size_t f
     struct buffer directory = {0};
     for (size_t i = 0; i < files; i++) {
         const struct text bytes = text_of(file[i].text);
-        const uint32_t at = (uint32_t)out->len, len = (uint32_t)bytes.len, name = (uint32_t)strlen(file[i].path);
+        const uint32_t at = (uint32_t)out->len, len = (uint32_t)bytes.len,
+                       name = (uint32_t)strlen(file[i].path);
         struct buffer common = {0};
         put_number(&common, 20, 2);
         put_number(&common, 0, 8);
@@ -95,15 +97,15 @@ static inline void put_zip(struct buffer *out, const struct file *file, size_t f
     buffer_free(&directory);
 }
 
-/* Deflate, fixed codes (RFC 1951, 3.2.6): a table, then copies of 258 bytes from 1 back: blank lines; 13 bits for each
- * copy. */
+/* Deflate, fixed codes (RFC 1951, 3.2.6): a table, then copies of 258 bytes from 1 back: blank
+ * lines; 13 bits for each copy. */
 static inline void put_bomb(struct buffer *out, size_t copies)
 {
     uint64_t bits = 0;
     int count = 0;
     buffer_put(out, (struct text){"\x1F\x8B\x08\0\0\0\0\0\0\xFF", 10});
-#define PUT(value, n)                                                                                                  \
-    for (bits |= (uint64_t)(value) << count, count += (n); count >= 8; count -= 8, bits >>= 8)                         \
+#define PUT(value, n)                                                                              \
+    for (bits |= (uint64_t)(value) << count, count += (n); count >= 8; count -= 8, bits >>= 8)     \
         buffer_char(out, (char)(bits & 0xFF));
     PUT(3, 3) /* the last block, fixed codes */
     for (const char *c = table; *c; c++)
@@ -119,7 +121,8 @@ static inline void put_bomb(struct buffer *out, size_t copies)
     put_number(out, 0, 8);
 }
 
-static inline struct recording *load_bytes(const struct buffer *bytes, const char *options, struct error *error)
+static inline struct recording *load_bytes(const struct buffer *bytes, const char *options,
+                                           struct error *error)
 {
     assert_false(bytes->failed);
     return fixture_load(bytes->data, bytes->len, options, error);
@@ -129,23 +132,32 @@ static inline bool refused(struct recording *recording, const struct error *erro
 {
     const bool right = !recording && error->code == ERROR_IO && strstr(error->text, part);
     if (!right)
-        print_message("expected a refusal with '%s', got %s\n", part, recording ? "a recording" : error->text);
+        print_message("expected a refusal with '%s', got %s\n", part,
+                      recording ? "a recording" : error->text);
     recording_destroy(recording);
     return right;
 }
 
 static const char cmbl[] =
-    "<?xml version=\"1.0\" encoding=\"UTF-8\" ?>\n<Document>\n<DataSet>\n<DataSetName>Latest</DataSetName>\n"
-    "<DataColumn>\n<DataObjectName>Time</DataObjectName>\n<DataObjectShortName>t</DataObjectShortName>\n"
-    "<ColumnUnits>s</ColumnUnits>\n<ColumnCells>\n0\n0.02\n0.04\n0.06\n0.08\n</ColumnCells>\n</DataColumn>\n"
+    "<?xml version=\"1.0\" encoding=\"UTF-8\" "
+    "?>\n<Document>\n<DataSet>\n<DataSetName>Latest</DataSetName>\n"
+    "<DataColumn>\n<DataObjectName>Time</DataObjectName>\n<DataObjectShortName>t</"
+    "DataObjectShortName>\n"
+    "<ColumnUnits>s</ColumnUnits>\n<ColumnCells>\n0\n0.02\n0.04\n0.06\n0.08\n</ColumnCells>\n</"
+    "DataColumn>\n"
     "<DataColumn>\n<DataObjectName>Position</DataObjectName>\n<ColumnUnits>cm</ColumnUnits>\n"
-    "<ColumnCells>\n1.5\n2.5\n3.5\n2.5\nZ\n</ColumnCells>\n</DataColumn>\n</DataSet>\n</Document>\n";
+    "<ColumnCells>\n1.5\n2.5\n3.5\n2.5\nZ\n</ColumnCells>\n</DataColumn>\n</DataSet>\n</"
+    "Document>\n";
 
 static const char labx[] =
-    "<?xml version=\"1.0\" encoding=\"utf-8\"?>\n<cassylab version=\"2.0\"><allchannels><channels count=\"2\">"
-    "<channel><quantity>Zeit</quantity><symbol>t</symbol><unit>s</unit><values count=\"5\"><value>0</value>"
-    "<value>0.02</value><value>0.04</value><value>0.06</value><value>0.08</value></values></channel>"
-    "<channel><quantity>Weg</quantity><symbol>s</symbol><unit>cm</unit><values count=\"5\"><value>1.5</value>"
+    "<?xml version=\"1.0\" encoding=\"utf-8\"?>\n<cassylab version=\"2.0\"><allchannels><channels "
+    "count=\"2\">"
+    "<channel><quantity>Zeit</quantity><symbol>t</symbol><unit>s</unit><values "
+    "count=\"5\"><value>0</value>"
+    "<value>0.02</value><value>0.04</value><value>0.06</value><value>0.08</value></values></"
+    "channel>"
+    "<channel><quantity>Weg</quantity><symbol>s</symbol><unit>cm</unit><values "
+    "count=\"5\"><value>1.5</value>"
     "<value>2.5</value><value>3.5</value><value>2.5</value><value>1.5</value></values></channel>"
     "</channels></allchannels></cassylab>\n";
 
@@ -153,13 +165,16 @@ static inline void put_workbook(struct buffer *bytes, const char *sheet)
 {
     const struct file files[] = {
         {"[Content_Types].xml", "<Types/>"},
-        {"xl/workbook.xml", "<workbook xmlns:r=\"x\"><sheets><sheet name=\"Swing\" sheetId=\"1\" r:id=\"rId1\"/>"
-                            "</sheets></workbook>"},
-        {"xl/_rels/workbook.xml.rels", "<Relationships><Relationship Id=\"rId1\" Target=\"worksheets/swing.xml\"/>"
-                                       "</Relationships>"},
-        {"xl/styles.xml", "<styleSheet><numFmts><numFmt numFmtId=\"164\" formatCode=\"hh:mm:ss.000\"/></numFmts>"
-                          "<cellStyleXfs><xf numFmtId=\"0\"/></cellStyleXfs><cellXfs><xf numFmtId=\"0\"/>"
-                          "<xf numFmtId=\"164\"/></cellXfs></styleSheet>"},
+        {"xl/workbook.xml",
+         "<workbook xmlns:r=\"x\"><sheets><sheet name=\"Swing\" sheetId=\"1\" r:id=\"rId1\"/>"
+         "</sheets></workbook>"},
+        {"xl/_rels/workbook.xml.rels",
+         "<Relationships><Relationship Id=\"rId1\" Target=\"worksheets/swing.xml\"/>"
+         "</Relationships>"},
+        {"xl/styles.xml",
+         "<styleSheet><numFmts><numFmt numFmtId=\"164\" formatCode=\"hh:mm:ss.000\"/></numFmts>"
+         "<cellStyleXfs><xf numFmtId=\"0\"/></cellStyleXfs><cellXfs><xf numFmtId=\"0\"/>"
+         "<xf numFmtId=\"164\"/></cellXfs></styleSheet>"},
         {"xl/sharedStrings.xml",
          "<sst><si><t>Time (s)</t></si><si><r><t>Position</t></r><r><t> (cm)</t></r></si></sst>"},
         {"xl/worksheets/swing.xml", sheet},

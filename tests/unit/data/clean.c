@@ -1,16 +1,17 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What cleaning finds in recordings whose faults are known, and that it finds nothing where nothing is wrong. */
+/* What cleaning finds in recordings whose faults are known, and that it finds nothing where nothing
+ * is wrong. */
 #include "unit/data/fixture.h"
 #include "unit/random_testing.h"
 
-#define ROWS_MOST 8000
+#define ROWS_MAX 8000
 #define PERIOD 0.7226 /* [s] */
 
 struct made {
     size_t n;
     double rate, amplitude, gamma, noise; /* [Hz] [cm] [1/s] [cm] */
-    double y[ROWS_MOST];                  /* [cm] NAN: an empty cell */
-    double t[ROWS_MOST];
+    double y[ROWS_MAX];                   /* [cm] NAN: an empty cell */
+    double t[ROWS_MAX];
     uint64_t seed;
 };
 
@@ -18,7 +19,9 @@ static void make(struct made *m)
 {
     for (size_t i = 0; i < m->n; i++) {
         m->t[i] = (double)i / m->rate;
-        m->y[i] = 21.6 + m->amplitude * exp(-0.5 * m->gamma * m->t[i]) * cos(6.283185307179586 / PERIOD * m->t[i] + 1) +
+        m->y[i] = 21.6 +
+                  m->amplitude * exp(-0.5 * m->gamma * m->t[i]) *
+                      cos(6.283185307179586 / PERIOD * m->t[i] + 1) +
                   m->noise * normal_from(&m->seed);
     }
 }
@@ -51,27 +54,34 @@ static void assert_only(const struct findings *f, int expected, const char *what
 {
     for (int k = 0; k < FINDINGS; k++)
         if (k != expected && f->of[k].count > 0)
-            fail_msg("%s: %s found in %zu samples at %g s, size %g", what, catalog_row(&finding_catalog, (size_t)k)->name,
-                     f->of[k].count, f->of[k].first[0], f->of[k].size);
+            fail_msg("%s: %s found in %zu samples at %g s, size %g", what,
+                     catalog_row(&finding_catalog, (size_t)k)->name, f->of[k].count,
+                     f->of[k].first[0], f->of[k].size);
 }
 
 static void nothing_is_found_where_nothing_is_wrong(void **state)
 {
     (void)state;
-    static const double noises[] = {0, 0.01, 0.03, 0.1, 0.3}, rates[] = {20, 60, 125}, gammas[] = {0, 0.03, 0.3};
+    static const double noises[] = {0, 0.01, 0.03, 0.1, 0.3}, rates[] = {20, 60, 125},
+                        gammas[] = {0, 0.03, 0.3};
     static const double seconds[] = {4, 10, 60};
     static struct made m;
     const bool full = getenv("LONG") && *getenv("LONG");
     int tried = 0;
     for (int repeat = 0; repeat < (full ? 20 : 1); repeat++)
-        for (size_t i = 0; i < COUNT_OF(noises) * COUNT_OF(rates) * COUNT_OF(gammas) * COUNT_OF(seconds); i++) {
-            m = (struct made){.noise = noises[i % 5], .rate = rates[i / 5 % 3], .gamma = gammas[i / 15 % 3],
-                              .amplitude = 5.2, .seed = 1000 + i + 1000 * (uint64_t)repeat};
+        for (size_t i = 0;
+             i < COUNT_OF(noises) * COUNT_OF(rates) * COUNT_OF(gammas) * COUNT_OF(seconds); i++) {
+            m = (struct made){.noise = noises[i % 5],
+                              .rate = rates[i / 5 % 3],
+                              .gamma = gammas[i / 15 % 3],
+                              .amplitude = 5.2,
+                              .seed = 1000 + i + 1000 * (uint64_t)repeat};
             m.n = (size_t)(m.rate * seconds[i / 45]);
             if (m.gamma * seconds[i / 45] > 6) /* gone before the end */
                 continue;
             char what[100];
-            snprintf(what, sizeof what, "noise %g cm, %g Hz, gamma %g, %g s", m.noise, m.rate, m.gamma, seconds[i / 45]);
+            snprintf(what, sizeof what, "noise %g cm, %g Hz, gamma %g, %g s", m.noise, m.rate,
+                     m.gamma, seconds[i / 45]);
             make(&m);
             struct recording *recording = recorded(&m, 0.001);
             assert_only(inspected(recording), -1, what);
@@ -85,8 +95,9 @@ static void bad_echoes_are_masked_and_nothing_else(void **state)
 {
     (void)state;
     static struct made m;
-    static bool bad[ROWS_MOST];
-    m = (struct made){.n = 3000, .rate = 100, .amplitude = 5.2, .gamma = 0.02, .noise = 0.02, .seed = 7};
+    static bool bad[ROWS_MAX];
+    m = (struct made){
+        .n = 3000, .rate = 100, .amplitude = 5.2, .gamma = 0.02, .noise = 0.02, .seed = 7};
     make(&m);
     memset(bad, 0, sizeof bad);
     size_t spikes = 0, shoulders = 0;
@@ -102,8 +113,9 @@ static void bad_echoes_are_masked_and_nothing_else(void **state)
     const struct findings *f = inspected(recording);
     assert_int_equal(f->of[FINDING_SPIKES].count, spikes);
     assert_int_equal(f->of[FINDING_SHOULDERS].count, shoulders);
-    assert_int_equal(f->of[FINDING_SHOULDERS].places, shoulders / 6);
-    assert_true(near(f->of[FINDING_SPIKES].size, 0.025, 0.001) && near(f->of[FINDING_SPIKES].first[0], 1.47, 1e-9));
+    assert_int_equal(f->of[FINDING_SHOULDERS].indices, shoulders / 6);
+    assert_true(near(f->of[FINDING_SPIKES].size, 0.025, 0.001) &&
+                near(f->of[FINDING_SPIKES].first[0], 1.47, 1e-9));
     for (size_t i = 0; i < m.n; i++)
         assert_int_equal(f->mask[i] != 0, bad[i]);
 
@@ -139,7 +151,8 @@ static void flat_tops_are_found_and_kept(void **state)
     static const double noises[] = {0, 0.02, 0.05};
     static struct made m;
     for (size_t k = 0; k < COUNT_OF(noises); k++) {
-        m = (struct made){.n = 1500, .rate = 100, .amplitude = 5.2, .gamma = 0.01, .noise = 0, .seed = 3 + k};
+        m = (struct made){
+            .n = 1500, .rate = 100, .amplitude = 5.2, .gamma = 0.01, .noise = 0, .seed = 3 + k};
         make(&m);
         size_t clipped = 0;
         for (size_t i = 0; i < m.n; i++) {
@@ -150,8 +163,8 @@ static void flat_tops_are_found_and_kept(void **state)
         const struct findings *f = inspected(recording);
         if (!near((double)f->of[FINDING_CLIPPED].count, (double)clipped, 0.35 * (double)clipped) ||
             !near(f->of[FINDING_CLIPPED].size, 0.25, 0.0015) || f->masked > 0)
-            fail_msg("noise %g: %zu of %zu clipped at %g m, %zu masked", noises[k], f->of[FINDING_CLIPPED].count, clipped,
-                     f->of[FINDING_CLIPPED].size, f->masked);
+            fail_msg("noise %g: %zu of %zu clipped at %g m, %zu masked", noises[k],
+                     f->of[FINDING_CLIPPED].count, clipped, f->of[FINDING_CLIPPED].size, f->masked);
         recording_destroy(recording);
     }
 }
@@ -160,7 +173,8 @@ static void a_stuck_sensor_is_masked(void **state)
 {
     (void)state;
     static struct made m;
-    m = (struct made){.n = 2000, .rate = 100, .amplitude = 5.2, .gamma = 0.02, .noise = 0.02, .seed = 5};
+    m = (struct made){
+        .n = 2000, .rate = 100, .amplitude = 5.2, .gamma = 0.02, .noise = 0.02, .seed = 5};
     make(&m);
     for (size_t i = 700; i < 712; i++)
         m.y[i] = m.y[699];
@@ -169,18 +183,21 @@ static void a_stuck_sensor_is_masked(void **state)
     struct recording *recording = recorded(&m, 0.001);
     const struct findings *f = inspected(recording);
     assert_int_equal(f->of[FINDING_STUCK].count, 112);
-    assert_int_equal(f->of[FINDING_STUCK].places, 2);
-    assert_true(near(f->of[FINDING_STUCK].first[0], 7, 1e-9) && near(f->of[FINDING_STUCK].first[1], 12, 1e-9));
+    assert_int_equal(f->of[FINDING_STUCK].indices, 2);
+    assert_true(near(f->of[FINDING_STUCK].first[0], 7, 1e-9) &&
+                near(f->of[FINDING_STUCK].first[1], 12, 1e-9));
     assert_only(f, FINDING_STUCK, "stuck");
     recording_destroy(recording);
 }
 
-/* In steps of 1 cm equal values about a turning point are the motion; the rows lie where one stretch meets the next. */
+/* In steps of 1 cm equal values about a turning point are the motion; the rows lie where one
+ * stretch meets the next. */
 static void coarse_steps_are_not_stuck(void **state)
 {
     (void)state;
     for (size_t periods = 20; periods < 97; periods += 7) {
-        struct made m = {.n = 73 * periods + 1, .rate = 100, .amplitude = 6, .noise = 0.05, .seed = periods};
+        struct made m = {
+            .n = 73 * periods + 1, .rate = 100, .amplitude = 6, .noise = 0.05, .seed = periods};
         make(&m);
         struct recording *recording = recorded(&m, 1);
         const struct findings *f = inspected(recording);
@@ -194,7 +211,8 @@ static void steps_gaps_and_empty_cells_are_said(void **state)
 {
     (void)state;
     static struct made m;
-    m = (struct made){.n = 1500, .rate = 50, .amplitude = 5.2, .gamma = 0.02, .noise = 0.02, .seed = 9};
+    m = (struct made){
+        .n = 1500, .rate = 50, .amplitude = 5.2, .gamma = 0.02, .noise = 0.02, .seed = 9};
     make(&m);
     for (size_t i = 500; i < m.n; i++)
         m.t[i] += 0.4; /* it went on meanwhile */
@@ -206,9 +224,10 @@ static void steps_gaps_and_empty_cells_are_said(void **state)
     const struct findings *f = inspected(recording);
     assert_true(near(f->of[FINDING_QUANTISED].size, 0.01, 1e-9));
     assert_int_equal(f->of[FINDING_GAPS].count, 1);
-    assert_true(near(f->of[FINDING_GAPS].size, 0.42, 1e-9) && near(f->of[FINDING_GAPS].first[0], 9.98, 1e-9));
+    assert_true(near(f->of[FINDING_GAPS].size, 0.42, 1e-9) &&
+                near(f->of[FINDING_GAPS].first[0], 9.98, 1e-9));
     assert_int_equal(f->of[FINDING_MISSING].count, 3);
-    assert_int_equal(f->of[FINDING_MISSING].places, 2);
+    assert_int_equal(f->of[FINDING_MISSING].indices, 2);
     assert_int_equal(f->masked, 0);
     assert_int_equal(f->of[FINDING_START].count + f->of[FINDING_END].count, 0);
     recording_destroy(recording);
@@ -228,10 +247,12 @@ static void rest_and_release_give_a_window(void **state)
 {
     (void)state;
     static struct made m;
-    m = (struct made){.n = 3000, .rate = 100, .amplitude = 5.2, .gamma = 0.02, .noise = 0, .seed = 11};
+    m = (struct made){
+        .n = 3000, .rate = 100, .amplitude = 5.2, .gamma = 0.02, .noise = 0, .seed = 11};
     make(&m);
     for (size_t i = 0; i < m.n; i++) {
-        const double s = m.t[i] - 3, swing = 5.2 * exp(-0.01 * s) * cos(6.283185307179586 / PERIOD * s);
+        const double s = m.t[i] - 3,
+                     swing = 5.2 * exp(-0.01 * s) * cos(6.283185307179586 / PERIOD * s);
         m.y[i] = 21.6 + (s < 0 ? 5.2 : m.t[i] < 25 ? swing : 0) + 0.02 * normal_from(&m.seed);
     }
     struct recording *recording = recorded(&m, 0.001);
@@ -254,7 +275,8 @@ static void sway_is_said_and_left(void **state)
 {
     (void)state;
     static struct made m;
-    m = (struct made){.n = 3000, .rate = 100, .amplitude = 5.2, .gamma = 0.02, .noise = 0.02, .seed = 13};
+    m = (struct made){
+        .n = 3000, .rate = 100, .amplitude = 5.2, .gamma = 0.02, .noise = 0.02, .seed = 13};
     make(&m);
     for (size_t i = 0; i < m.n; i++)
         m.y[i] = 21.6 + (m.y[i] - 21.6) * (1 + 0.06 * sin(6.283185307179586 / 5 * m.t[i]));

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Workbooks of Excel 97 (.xls), written here record by record: BIFF8 in a compound file ([MS-XLS], [MS-CFB]). What was
- * written is read; damaged ones are refused.
+ * Workbooks of Excel 97 (.xls), written here record by record: BIFF8 in a compound file ([MS-XLS],
+ * [MS-CFB]). What was written is read; damaged ones are refused.
  */
 #include "unit/data/archives.h"
 
@@ -62,7 +62,8 @@ static void put_real(struct buffer *out, double x)
 }
 
 /* Words in the first row; times as numbers, values as RK: integers divided by 100. */
-static void put_sheet(struct buffer *out, const double *t, const int *hundredths, int rows, int claimed)
+static void put_sheet(struct buffer *out, const double *t, const int *hundredths, int rows,
+                      int claimed)
 {
     struct buffer body = {0};
     put_start(out, SHEET_CELLS);
@@ -118,7 +119,8 @@ static void put_globals(struct buffer *out, uint32_t sheet_at)
     buffer_free(&body);
 }
 
-static void put_entry(struct buffer *out, const char *name, uint32_t kind, int child, int start, size_t size)
+static void put_entry(struct buffer *out, const char *name, uint32_t kind, int child, int start,
+                      size_t size)
 {
     const size_t len = strlen(name);
     for (size_t i = 0; i < 32; i++)
@@ -157,10 +159,10 @@ static void put_compound(struct buffer *out, struct text stream)
         put_number(out, i == 0 ? 0 : (uint32_t)FREE_SECTOR, 4);
     for (int i = 0; i < entries; i++)
         put_number(out,
-                   (uint32_t)(i == 0                 ? FAT_SECTOR
+                   (uint32_t)(i == 0                       ? FAT_SECTOR
                               : i == 1 || i == sectors + 1 ? END_OF_CHAIN
-                              : i <= sectors         ? i + 1
-                                                     : FREE_SECTOR),
+                              : i <= sectors               ? i + 1
+                                                           : FREE_SECTOR),
                    4);
     put_entry(out, "Root Entry", 5, 1, END_OF_CHAIN, 0);
     put_entry(out, "Workbook", 2, FREE_SECTOR, 2, (size_t)sectors * SECTOR);
@@ -216,7 +218,8 @@ static void a_workbook_of_excel_97_is_read(void **state)
     buffer_free(&bytes);
 }
 
-/* Cut anywhere, and with any word of its tables of sectors replaced: refused, or the rows that are left are true. */
+/* Cut anywhere, and with any word of its tables of sectors replaced: refused, or the rows that are
+ * left are true. */
 static void damaged_workbooks_of_excel_97_do_no_harm(void **state)
 {
     (void)state;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Containers that are cut anywhere, grow without bound, nest, or declare what no instrument declares: each is refused
- * for the true reason, and costs little memory.
+ * Containers that are cut anywhere, grow without bound, nest, or declare what no instrument
+ * declares: each is refused for the true reason, and costs little memory.
  */
 #include "unit/data/archives.h"
 
@@ -37,12 +37,14 @@ static void put_long_sheet(struct buffer *out)
 {
     buffer_format(out, "<worksheet><sheetData>");
     for (int i = 0; i < 400; i++)
-        buffer_format(out, "<row r=\"%d\"><c r=\"A%d\"><v>%.2f</v></c><c r=\"B%d\"><v>%d</v></c></row>", i + 1, i + 1,
-                      0.02 * i, i + 1, i % 9);
+        buffer_format(out,
+                      "<row r=\"%d\"><c r=\"A%d\"><v>%.2f</v></c><c r=\"B%d\"><v>%d</v></c></row>",
+                      i + 1, i + 1, 0.02 * i, i + 1, i % 9);
     buffer_format(out, "</sheetData></worksheet>");
 }
 
-/* At every tenth byte (every 160th unless LONG), and one before the end: never a part as if it were all. */
+/* At every tenth byte (every 160th unless LONG), and one before the end: never a part as if it were
+ * all. */
 static void cut_everywhere(const struct buffer *whole)
 {
     const char *given = getenv("LONG");
@@ -75,7 +77,8 @@ static void a_container_that_is_cut_is_refused(void **state)
     buffer_clear(&bytes);
     put_workbook(&bytes, sheet.data);
     cut_everywhere(&bytes);
-    const struct buffer document = {.data = (char[sizeof cmbl]){0}, .len = sizeof cmbl - 2}; /* without its last \n */
+    const struct buffer document = {.data = (char[sizeof cmbl]){0},
+                                    .len = sizeof cmbl - 2}; /* without its last \n */
     memcpy(document.data, cmbl, sizeof cmbl);
     cut_everywhere(&document);
     const struct buffer other = {.data = (char[sizeof labx]){0}, .len = sizeof labx - 2};
@@ -117,10 +120,14 @@ static void documents_that_declare_a_type_or_nest_without_end_are_refused(void *
 {
     (void)state;
     static const char *const declared[] = {
-        "<?xml version=\"1.0\"?><!DOCTYPE Document [<!ENTITY x SYSTEM \"file:///etc/passwd\">]><Document>&x;</Document>",
-        "<?xml version=\"1.0\"?><!DOCTYPE Document [<!ENTITY % p SYSTEM \"http://localhost/\"> %p;]><Document/>",
-        "<?xml version=\"1.0\"?><!DOCTYPE Document SYSTEM \"http://localhost/x.dtd\"><Document>1&x;2</Document>",
-        "<?xml version=\"1.0\"?><!DOCTYPE Document [<!ATTLIST DataSet a CDATA \"x\">]><Document><DataSet/></Document>",
+        "<?xml version=\"1.0\"?><!DOCTYPE Document [<!ENTITY x SYSTEM "
+        "\"file:///etc/passwd\">]><Document>&x;</Document>",
+        "<?xml version=\"1.0\"?><!DOCTYPE Document [<!ENTITY % p SYSTEM \"http://localhost/\"> "
+        "%p;]><Document/>",
+        "<?xml version=\"1.0\"?><!DOCTYPE Document SYSTEM "
+        "\"http://localhost/x.dtd\"><Document>1&x;2</Document>",
+        "<?xml version=\"1.0\"?><!DOCTYPE Document [<!ATTLIST DataSet a CDATA "
+        "\"x\">]><Document><DataSet/></Document>",
     };
     struct error error;
     struct buffer deep = {0};
@@ -129,7 +136,8 @@ static void documents_that_declare_a_type_or_nest_without_end_are_refused(void *
         return;
     }
     for (size_t i = 0; i < COUNT_OF(declared); i++)
-        assert_true(refused(fixture_load(declared[i], strlen(declared[i]), "", &error), &error, "document type"));
+        assert_true(refused(fixture_load(declared[i], strlen(declared[i]), "", &error), &error,
+                            "document type"));
     buffer_format(&deep, "<?xml version=\"1.0\"?><Document>");
     for (int i = 0; i < 2000000; i++)
         buffer_put(&deep, TEXT("<a>"));
@@ -166,15 +174,17 @@ static void workbooks_that_grow_without_bound_are_refused(void **state)
         buffer_format(&sheet, "<row r=\"%d\"><c r=\"A%d\" t=\"s\"><v>0</v></c></row>", i, i);
     buffer_format(&sheet, "</sheetData></worksheet>");
     const struct file files[] = {
-        {"xl/workbook.xml", "<workbook xmlns:r=\"x\"><sheets><sheet name=\"S\" r:id=\"rId1\"/></sheets></workbook>"},
-        {"xl/_rels/workbook.xml.rels",
-         "<Relationships><Relationship Id=\"rId1\" Target=\"worksheets/sheet1.xml\"/></Relationships>"},
+        {"xl/workbook.xml",
+         "<workbook xmlns:r=\"x\"><sheets><sheet name=\"S\" r:id=\"rId1\"/></sheets></workbook>"},
+        {"xl/_rels/workbook.xml.rels", "<Relationships><Relationship Id=\"rId1\" "
+                                       "Target=\"worksheets/sheet1.xml\"/></Relationships>"},
         {"xl/sharedStrings.xml", words.data},
         {"xl/worksheets/sheet1.xml", sheet.data},
     };
     put_zip(&bytes, files, COUNT_OF(files));
     assert_true(refused(load_bytes(&bytes, "", &error), &error, "times their size"));
-    assert_true(peak() - before < 200 * 1024 || runs_under_sanitizer()); /* 3 GB of words, 60 MB of blanks */
+    assert_true(peak() - before < 200 * 1024 ||
+                runs_under_sanitizer()); /* 3 GB of words, 60 MB of blanks */
     buffer_free(&sheet);
     buffer_free(&word);
     buffer_free(&words);
@@ -198,8 +208,8 @@ static void a_sheet_named_again_is_read_once(void **state)
     buffer_format(&book, "</sheets></workbook>");
     const struct file files[] = {
         {"xl/workbook.xml", book.data},
-        {"xl/_rels/workbook.xml.rels",
-         "<Relationships><Relationship Id=\"rId1\" Target=\"worksheets/sheet1.xml\"/></Relationships>"},
+        {"xl/_rels/workbook.xml.rels", "<Relationships><Relationship Id=\"rId1\" "
+                                       "Target=\"worksheets/sheet1.xml\"/></Relationships>"},
         {"xl/worksheets/sheet1.xml", sheet.data},
     };
     put_zip(&bytes, files, COUNT_OF(files));

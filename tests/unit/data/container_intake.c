@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Files that hold no table, however large they say they are: refused from their beginning, in milliseconds, with little
- * memory. Sparse files: nothing of what they claim is on the disk.
+ * Files that hold no table, however large they say they are: refused from their beginning, in
+ * milliseconds, with little memory. Sparse files: nothing of what they claim is on the disk.
  */
 #include "unit/data/archives.h"
 #include "unit/cpu_time.h"
@@ -29,7 +29,8 @@ static long peak(void) /* [KiB] of memory, ever */
     return usage.ru_maxrss;
 }
 
-/* Refused with `part` in the reason, within 0.2 s of work (a release needs a quarter) and 48 MiB. */
+/* Refused with `part` in the reason, within 0.2 s of work (a release needs a quarter) and 48 MiB.
+ */
 static void refused_at_once(const char *path, const char *part)
 {
     struct error error = {0};
@@ -70,7 +71,8 @@ static void sparse_files_are_refused_from_their_beginning(void **state)
         {"%PDF-1.4\n", 9, 900, "a PDF document"},
     };
     for (size_t i = 0; i < COUNT_OF(cases); i++)
-        refused_at_once(sparse(cases[i].head, cases[i].len, cases[i].mebibytes * MIB), cases[i].part);
+        refused_at_once(sparse(cases[i].head, cases[i].len, cases[i].mebibytes * MIB),
+                        cases[i].part);
 }
 
 static void devices_and_pipes_are_refused(void **state)
@@ -124,7 +126,8 @@ static void a_bomb_is_told_by_what_went_in(void **state)
         return;
     }
     put_bomb(&bytes, 4000000); /* 1 GB from 6.5 MB */
-    refused_at_once(fixture_file("bomb.gz", bytes.data, bytes.len), "unpacks to more than 64 times its size");
+    refused_at_once(fixture_file("bomb.gz", bytes.data, bytes.len),
+                    "unpacks to more than 64 times its size");
     buffer_free(&bytes);
 }
 

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Recordings inside of archives, workbooks and XML documents, all made here byte by byte; and such files when they are
- * damaged, locked or hostile. Built without libarchive, expat or FreeXL: each has to be refused with the library's
- * name.
+ * Recordings inside of archives, workbooks and XML documents, all made here byte by byte; and such
+ * files when they are damaged, locked or hostile. Built without libarchive, expat or FreeXL: each
+ * has to be refused with the library's name.
  */
 #include "unit/data/archives.h"
 
@@ -61,7 +61,8 @@ static void tables_of_a_zip_archive_are_runs(void **state)
         assert_non_null(recording);
         assert_true(near(recording->y[2], 0.04, 0));
         recording_destroy(recording);
-        assert_true(!load_bytes(&bytes, "run=Third", &error) && strstr(error.text, "no run 'Third'"));
+        assert_true(!load_bytes(&bytes, "run=Third", &error) &&
+                    strstr(error.text, "no run 'Third'"));
         bytes.len = 60;
         assert_true(refused(load_bytes(&bytes, "", &error), &error, "cut short"));
     }
@@ -95,7 +96,8 @@ static void documents_of_instruments_are_read(void **state)
     const struct file files[] = {{"cmbl", cmbl}, {"labx", labx}};
     for (size_t i = 0; i < COUNT_OF(files); i++) {
         struct error error;
-        struct recording *recording = fixture_load(files[i].text, strlen(files[i].text), "", &error);
+        struct recording *recording =
+            fixture_load(files[i].text, strlen(files[i].text), "", &error);
         if (!XML) {
             assert_true(refused(recording, &error, "built without expat"));
             continue;
@@ -110,8 +112,9 @@ static void hostile_documents_are_refused(void **state)
 {
     (void)state;
     struct error error;
-    static const char laughs[] = "<?xml version=\"1.0\"?>\n<!DOCTYPE Document [<!ENTITY a \"ha\"><!ENTITY b "
-                                 "\"&a;&a;&a;&a;&a;&a;&a;&a;\">]>\n<Document><DataSet>&b;</DataSet></Document>";
+    static const char laughs[] =
+        "<?xml version=\"1.0\"?>\n<!DOCTYPE Document [<!ENTITY a \"ha\"><!ENTITY b "
+        "\"&a;&a;&a;&a;&a;&a;&a;&a;\">]>\n<Document><DataSet>&b;</DataSet></Document>";
     if (!XML) {
         skip();
         return;
@@ -119,7 +122,8 @@ static void hostile_documents_are_refused(void **state)
     assert_true(refused(fixture_load(laughs, strlen(laughs), "", &error), &error, "entities"));
     assert_true(refused(fixture_load(cmbl, 400, "", &error), &error, "no valid XML"));
     static const char other[] = "<?xml version=\"1.0\"?>\n<svg><path/></svg>\n";
-    assert_true(refused(fixture_load(other, strlen(other), "", &error), &error, "neither Logger Pro"));
+    assert_true(
+        refused(fixture_load(other, strlen(other), "", &error), &error, "neither Logger Pro"));
 }
 
 /* ---- workbooks ---- */
@@ -128,12 +132,14 @@ static void sheets_of_workbooks_are_read(void **state)
 {
     (void)state;
     static const char plain[] =
-        "<worksheet><sheetData><row r=\"1\"><c r=\"A1\" t=\"s\"><v>0</v></c><c r=\"B1\" t=\"s\"><v>1</v></c></row>"
+        "<worksheet><sheetData><row r=\"1\"><c r=\"A1\" t=\"s\"><v>0</v></c><c r=\"B1\" "
+        "t=\"s\"><v>1</v></c></row>"
         "<row r=\"2\"><c r=\"A2\"><v>0</v></c><c r=\"B2\"><v>1.5</v></c></row>"
         "<row r=\"3\"><c r=\"A3\"><v>0.02</v></c><c r=\"B3\"><v>2.5</v></c></row>"
         "<row r=\"4\"><c r=\"A4\"><v>0.04</v></c><c r=\"B4\"><v>3.5</v></c></row>"
         "<row r=\"5\"><c r=\"A5\"><v>0.06</v></c><c r=\"B5\"><v>2.5</v></c></row>"
-        "<row r=\"6\"><c r=\"A6\"><v>0.08</v></c><c r=\"B6\"><f>B2</f><v>1.5</v></c></row></sheetData></worksheet>";
+        "<row r=\"6\"><c r=\"A6\"><v>0.08</v></c><c "
+        "r=\"B6\"><f>B2</f><v>1.5</v></c></row></sheetData></worksheet>";
     struct buffer bytes = {0};
     struct error error;
     put_workbook(&bytes, plain);
@@ -152,11 +158,14 @@ static void sheets_of_workbooks_are_read(void **state)
     /* Times of day are numbers with a format; 0.25 is six o'clock. */
     buffer_clear(&bytes);
     struct buffer sheet = {0};
-    buffer_format(&sheet, "<worksheet><sheetData><row r=\"1\"><c r=\"A1\" t=\"s\"><v>0</v></c><c r=\"B1\" "
-                          "t=\"inlineStr\"><is><r><t>Hei</t></r><r><t>ght (cm)</t></r></is></c></row>");
+    buffer_format(&sheet,
+                  "<worksheet><sheetData><row r=\"1\"><c r=\"A1\" t=\"s\"><v>0</v></c><c r=\"B1\" "
+                  "t=\"inlineStr\"><is><r><t>Hei</t></r><r><t>ght (cm)</t></r></is></c></row>");
     for (int i = 0; i < 5; i++)
-        buffer_format(&sheet, "<row r=\"%d\"><c r=\"A%d\" s=\"1\"><v>%.17g</v></c><c r=\"B%d\"><v>%g</v></c></row>",
-                      i + 2, i + 2, 0.25 + 0.02 * i / 86400, i + 2, i < 3 ? 1.5 + i : 5.5 - i);
+        buffer_format(
+            &sheet,
+            "<row r=\"%d\"><c r=\"A%d\" s=\"1\"><v>%.17g</v></c><c r=\"B%d\"><v>%g</v></c></row>",
+            i + 2, i + 2, 0.25 + 0.02 * i / 86400, i + 2, i < 3 ? 1.5 + i : 5.5 - i);
     buffer_format(&sheet, "</sheetData></worksheet>");
     put_workbook(&bytes, sheet.data);
     recording = load_bytes(&bytes, "", &error);

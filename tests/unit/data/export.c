@@ -1,16 +1,17 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Tables out: what is written, that it reads back bit for bit, and that text cannot become anything else. */
+/* Tables out: what is written, that it reads back bit for bit, and that text cannot become anything
+ * else. */
 #include "unit/data/fixture.h"
 
 #include <hooke/result.h>
 
 #include <locale.h>
 
-static const double times[] = {0, 0.1, 0.30000000000000004}, places[] = {0.05, NAN, -1e-300};
+static const double times[] = {0, 0.1, 0.30000000000000004}, indices[] = {0.05, NAN, -1e-300};
 static const char *const notes[] = {"plain", "=1+1", "a,b \"c\"\n"};
 static const struct table_key keys[] = {{"dt", "10 ms"}, {"note", "two\nlines"}};
 static const struct table_column columns[] = {
-    {"t", "s", times, NULL}, {"y", "m", places, NULL}, {"say \"hi\"", "", NULL, notes}};
+    {"t", "s", times, NULL}, {"y", "m", indices, NULL}, {"say \"hi\"", "", NULL, notes}};
 static const struct table small = {keys, 2, columns, 3, 3};
 
 static void csv_text(void **state)
@@ -18,9 +19,10 @@ static void csv_text(void **state)
     (void)state;
     struct buffer text = {0};
     table_format(&small, TABLE_CSV, &text);
-    assert_string_equal(text.data,
-                        "# dt = 10 ms\n# note = two\\x0alines\nt [s],y [m],\"say \"\"hi\"\"\"\n0,0.05,plain\n"
-                        "0.1,,\"'=1+1\"\n0.30000000000000004,-1e-300,\"a,b \"\"c\"\"\n\"\n");
+    assert_string_equal(
+        text.data,
+        "# dt = 10 ms\n# note = two\\x0alines\nt [s],y [m],\"say \"\"hi\"\"\"\n0,0.05,plain\n"
+        "0.1,,\"'=1+1\"\n0.30000000000000004,-1e-300,\"a,b \"\"c\"\"\n\"\n");
     buffer_free(&text);
 }
 
@@ -46,7 +48,8 @@ static void json_text(void **state)
         "{\"keys\":{\"dt\":\"10 ms\",\"note\":\"two\\nlines\"},\"columns\":[\n"
         "{\"name\":\"t\",\"unit\":\"s\",\"values\":[0,0.1,0.30000000000000004]},\n"
         "{\"name\":\"y\",\"unit\":\"m\",\"values\":[0.05,null,-1e-300]},\n"
-        "{\"name\":\"say \\\"hi\\\"\",\"unit\":\"\",\"values\":[\"plain\",\"=1+1\",\"a,b \\\"c\\\"\\n\"]}\n]}\n");
+        "{\"name\":\"say \\\"hi\\\"\",\"unit\":\"\",\"values\":[\"plain\",\"=1+1\",\"a,b "
+        "\\\"c\\\"\\n\"]}\n]}\n");
     buffer_clear(&text);
     buffer_json_text(&text, (struct text){"\x01\x1B\xFFé\0", 6});
     assert_string_equal(text.data, "\"\\u0001\\u001b\xEF\xBF\xBD\xC3\xA9\\u0000\"");
@@ -61,7 +64,8 @@ static void formulas_are_disarmed(void **state)
 {
     (void)state;
     static const char *const cells[] = {"=1", "+1", "-1", "@x", "\tx", "1-1"};
-    static const char *const wanted[] = {"\"'=1\"", "\"'+1\"", "\"'-1\"", "\"'@x\"", "\"'\tx\"", "1-1"};
+    static const char *const wanted[] = {"\"'=1\"", "\"'+1\"",  "\"'-1\"",
+                                         "\"'@x\"", "\"'\tx\"", "1-1"};
     const struct table_column column = {"=name", "", NULL, cells};
     const struct table table = {NULL, 0, &column, 1, COUNT_OF(cells)};
     struct buffer text = {0};
@@ -103,7 +107,8 @@ static void exported_tables_read_back(void **state)
     y[0] = -0.0;
     y[1] = 5e-324;
     y[2] = 1.7976931348623157e308;
-    const struct table_column column[] = {{"t", "s", t, NULL}, {"y", "m", y, NULL}, {"z", "m/s", z, NULL}};
+    const struct table_column column[] = {
+        {"t", "s", t, NULL}, {"y", "m", y, NULL}, {"z", "m/s", z, NULL}};
     const struct table table = {keys, 2, column, 3, rows};
     for (enum table_format format = TABLE_CSV; format <= TABLE_TSV; format++) {
         struct error error = {0};
@@ -122,12 +127,12 @@ static void exported_tables_read_back(void **state)
         for (size_t i = 0; i < rows; i++)
             if (!same_bits(r->t[i], t[i]) || !same_bits(r->column[1].value[i], y[i]) ||
                 !same_bits(r->column[2].value[i], z[i]))
-                fail_msg("row %zu: %a %a %a read as %a %a %a", i, t[i], y[i], z[i], r->t[i], r->column[1].value[i],
-                         r->column[2].value[i]);
+                fail_msg("row %zu: %a %a %a read as %a %a %a", i, t[i], y[i], z[i], r->t[i],
+                         r->column[1].value[i], r->column[2].value[i]);
         assert_true(same_bits(r->y[0], -0.0) && same_bits(r->y[2], y[2]));
         recording_destroy(r);
-        assert_false(
-            table_write(&table, format, path, (struct write_policy){0}, &error)); /* never over a file unasked */
+        assert_false(table_write(&table, format, path, (struct write_policy){0},
+                                 &error)); /* never over a file unasked */
     }
     free(t);
     free(y);
@@ -138,8 +143,8 @@ static void failures_are_reported(void **state)
 {
     (void)state;
     struct error error = {0};
-    assert_false(
-        table_write(&small, TABLE_CSV, fixture_path("no such folder/x.csv"), (struct write_policy){0}, &error));
+    assert_false(table_write(&small, TABLE_CSV, fixture_path("no such folder/x.csv"),
+                             (struct write_policy){0}, &error));
     assert_int_equal(error.code, ERROR_IO);
 }
 

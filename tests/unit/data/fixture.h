@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Files that a test writes for itself, in a folder of their own, and options written as users type them. */
+/* Files that a test writes for itself, in a folder of their own, and options written as users type
+ * them. */
 #ifndef HOOKE_TESTS_UNIT_DATA_FIXTURE_H
 #define HOOKE_TESTS_UNIT_DATA_FIXTURE_H
 
@@ -58,7 +59,8 @@ static const char *fixture_file(const char *name, const char *text, size_t len)
     return path;
 }
 
-/* "t=2 y=x unit=cm tunit=ms rate=100 decimal=, sep=; run=2" with sep=tab and sep=blank for what cannot be written. */
+/* "t=2 y=x unit=cm tunit=ms rate=100 decimal=, sep=; run=2" with sep=tab and sep=blank for what
+ * cannot be written. */
 static struct load_options fixture_options(const char *written)
 {
     struct load_options options = {0};
@@ -85,14 +87,17 @@ static struct load_options fixture_options(const char *written)
         else if (text_is(key, "decimal"))
             options.decimal = value.at[0];
         else if (text_is(key, "sep"))
-            options.separator = text_is(value, "tab") ? '\t' : text_is(value, "blank") ? ' ' : value.at[0];
+            options.separator = text_is(value, "tab")     ? '\t'
+                                : text_is(value, "blank") ? ' '
+                                                          : value.at[0];
         else
             fail_msg("unknown option in %s", written);
     }
     return options;
 }
 
-static inline struct recording *fixture_load(const char *text, size_t len, const char *written, struct error *error)
+static inline struct recording *fixture_load(const char *text, size_t len, const char *written,
+                                             struct error *error)
 {
     struct load_options options = fixture_options(written);
     *error = (struct error){0};

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * One oscillation as many instruments write it: each file is generated, loaded, and every sample compared with what was
- * written; what cannot be read has to be refused for the true reason. The files are imitations made here.
+ * One oscillation as many instruments write it: each file is generated, loaded, and every sample
+ * compared with what was written; what cannot be read has to be refused for the true reason. The
+ * files are imitations made here.
  */
 #include "unit/data/fixture.h"
 
@@ -171,32 +172,37 @@ static void encode(const struct dialect *d, const struct buffer *plain, struct b
 #define MS .per_second = 1000, .t_digits = 0
 
 static const struct dialect dialects[] = {
-    {"MotionSensor.vi", "Motion Sensor Data File Sep 20, 2018 1:40 PM\nTime (s)\tDistance (cm)\tDist Error (cm)\n",
+    {"MotionSensor.vi",
+     "Motion Sensor Data File Sep 20, 2018 1:40 PM\nTime (s)\tDistance (cm)\tDist Error (cm)\n",
      '\t', '.', SECONDS, S, CM, .suffix = "\t0.239", .crlf = true},
     {"PASCO Capstone, US", "\"Time (s) Run #1\",\"Position (m) Run #1\"\n", ',', '.', SECONDS, S, M,
      .encoding = UTF8_MARK, .crlf = true},
-    {"PASCO Capstone, Europe", "\"Time (s) Run #1\";\"Position (m) Run #1\"\n", ';', ',', SECONDS, S, M,
-     .encoding = UTF8_MARK, .crlf = true},
-    {"PASCO SPARKvue", "\"Date and Time\",\"Time (s) Run 1\",\"Position (m) Run 1\"\n", ',', '.', SECONDS, S, M,
-     .prefix = "1/5/2024 12:30:45,"},
-    {"phyphox, CSV", "\"Time (s)\",\"Distance (cm)\"\n", ',', '.', SECONDS, .per_second = 1, .t_digits = 9, CM},
-    {"phyphox, decimal comma", "\"Time (s)\";\"Distance (cm)\"\n", ';', ',', SECONDS, .per_second = 1, .t_digits = 9,
-     CM},
-    {"Vernier Graphical Analysis", "Latest: Time (s),Latest: Position (m)\n", ',', '.', SECONDS, S, M},
-    {"Vernier Logger Pro, text",
-     "Vernier Format 2\nUntitled.cmbl 1/5/2024 12:30:45\nLatest\nTime\tPosition\nt\tx\ns\tm\n\n", '\t', '.', SECONDS, S,
+    {"PASCO Capstone, Europe", "\"Time (s) Run #1\";\"Position (m) Run #1\"\n", ';', ',', SECONDS,
+     S, M, .encoding = UTF8_MARK, .crlf = true},
+    {"PASCO SPARKvue", "\"Date and Time\",\"Time (s) Run 1\",\"Position (m) Run 1\"\n", ',', '.',
+     SECONDS, S, M, .prefix = "1/5/2024 12:30:45,"},
+    {"phyphox, CSV", "\"Time (s)\",\"Distance (cm)\"\n", ',', '.', SECONDS, .per_second = 1,
+     .t_digits = 9, CM},
+    {"phyphox, decimal comma", "\"Time (s)\";\"Distance (cm)\"\n", ';', ',', SECONDS,
+     .per_second = 1, .t_digits = 9, CM},
+    {"Vernier Graphical Analysis", "Latest: Time (s),Latest: Position (m)\n", ',', '.', SECONDS, S,
      M},
+    {"Vernier Logger Pro, text",
+     "Vernier Format 2\nUntitled.cmbl 1/5/2024 12:30:45\nLatest\nTime\tPosition\nt\tx\ns\tm\n\n",
+     '\t', '.', SECONDS, S, M},
     {"Tracker", "mass_A\nt\tx\n", '\t', '.', SECONDS, S, CM, .options = "unit=cm"},
     {"LabVIEW measurement",
      "LabVIEW "
-     "Measurement\t\nWriter_Version\t2\nSeparator\tTab\nDecimal_Separator\t.\nX_Columns\tOne\n***End_of_Header***"
-     "\t\n\t\nChannels\t1\t\nSamples\t120\t\nX0\t0.0E+0\t\nDelta_X\t0.02\t\nY_Unit_Label\tcm\t\n***End_of_Header***"
+     "Measurement\t\nWriter_Version\t2\nSeparator\tTab\nDecimal_Separator\t.\nX_Columns\tOne\n***"
+     "End_of_Header***"
+     "\t\n\t\nChannels\t1\t\nSamples\t120\t\nX0\t0.0E+0\t\nDelta_X\t0.02\t\nY_Unit_Label\tcm\t\n***"
+     "End_of_Header***"
      "\t\nX_Value\tDistance\tComment\n",
      '\t', '.', SECONDS, S, CM},
-    {"Leybold CASSY Lab 1", "MIN=0\nMAX=10\nSCALE=1\nDEC=2\nDEF=\"Zeit\" t / s\t\"Weg\" s_A1 / m\n", '\t', ',', SECONDS,
-     S, M, .crlf = true},
-    {"PicoScope", "Time,Channel A\n(ms),(mV)\n\n", ',', '.', SECONDS, .per_second = 1000, .t_digits = 3, MM,
-     .options = "unit=mm", .t0 = -1},
+    {"Leybold CASSY Lab 1", "MIN=0\nMAX=10\nSCALE=1\nDEC=2\nDEF=\"Zeit\" t / s\t\"Weg\" s_A1 / m\n",
+     '\t', ',', SECONDS, S, M, .crlf = true},
+    {"PicoScope", "Time,Channel A\n(ms),(mV)\n\n", ',', '.', SECONDS, .per_second = 1000,
+     .t_digits = 3, MM, .options = "unit=mm", .t0 = -1},
     {"by hand, blanks", "", ' ', '.', SECONDS, S, CM, .options = "unit=cm"},
     {"by hand, semicolons", "t;x\n", ';', ',', SECONDS, S, CM, .options = "unit=cm"},
     {"spreadsheet, ms and mm as names", "ms,mm\n", ',', '.', SECONDS, MS, MM},
@@ -205,18 +211,23 @@ static const struct dialect dialects[] = {
     {"numpy savetxt", "# t [s] x [cm]\n", ' ', '.', SECONDS, S, CM},
     {"gnuplot data with % comments", "% a pendulum\n% t [s]  x [cm]\n", ' ', '.', SECONDS, S, CM},
     {"Excel, sep= line", "sep=;\nTime (s);Position (cm)\n", ';', ',', SECONDS, S, CM, .crlf = true},
-    {"Excel, Unicode text", "Time (s)\tPosition (cm)\n", '\t', ',', SECONDS, S, CM, .encoding = UTF16_LITTLE,
-     .crlf = true},
-    {"UTF-16, big end first", "Time (s)\tPosition (cm)\n", '\t', '.', SECONDS, S, CM, .encoding = UTF16_BIG},
+    {"Excel, Unicode text", "Time (s)\tPosition (cm)\n", '\t', ',', SECONDS, S, CM,
+     .encoding = UTF16_LITTLE, .crlf = true},
+    {"UTF-16, big end first", "Time (s)\tPosition (cm)\n", '\t', '.', SECONDS, S, CM,
+     .encoding = UTF16_BIG},
     {"Latin-1 header", "Zeit (s);Höhe (cm)\n", ';', ',', SECONDS, S, CM, .encoding = LATIN1},
-    {"Sensor Logger", "time,seconds_elapsed,distance_m\n", ',', '.', SECONDS, S, M, .prefix = "1704457845000000000,"},
+    {"Sensor Logger", "time,seconds_elapsed,distance_m\n", ',', '.', SECONDS, S, M,
+     .prefix = "1704457845000000000,"},
     {"Physics Toolbox", "time,x (m)\n", ',', '.', CLOCK_COLON, S, M},
-    {"Science Journal", "relative_time,Distance (cm)\n", ',', '.', SECONDS, MS, CM, .options = "tunit=ms"},
-    {"Arduino serial monitor, time stamps", "", ' ', '.', CLOCK, S, CM, .infix = " -> ", .options = "unit=cm"},
+    {"Science Journal", "relative_time,Distance (cm)\n", ',', '.', SECONDS, MS, CM,
+     .options = "tunit=ms"},
+    {"Arduino serial monitor, time stamps", "", ' ', '.', CLOCK, S, CM, .infix = " -> ",
+     .options = "unit=cm"},
     {"Arduino, labelled", "", ' ', '.', SECONDS, MS, CM,
      .prefix = "Time: ", .infix = " ms, Distance: ", .suffix = " cm"},
     {"Arduino serial plotter", "", ',', '.', SECONDS, MS, CM, .prefix = "ms:", .infix = ",cm:"},
-    {"key=value", "", ' ', '.', SECONDS, S, CM, .prefix = "t=", .infix = " x=", .options = "unit=cm"},
+    {"key=value", "", ' ', '.', SECONDS, S, CM,
+     .prefix = "t=", .infix = " x=", .options = "unit=cm"},
     {"Arduino, chatter before", "Booting HC-SR04 v1.2\nready\nms,cm\n", ',', '.', SECONDS, MS, CM},
     {"data logger, ISO", "Timestamp,Distance (cm)\n", ',', '.', ISO, S, CM},
     {"data logger, ISO with blank", "Timestamp,Distance (cm)\n", ',', '.', ISO_BLANK, S, CM},
@@ -237,62 +248,71 @@ static const struct dialect dialects[] = {
      ',', '.', ISO_BLANK, S, CM, .suffix = ",0.5", .options = "unit=cm"},
     {"Keysight", "x-axis,1\nsecond,Volt\n", ',', '.', SECONDS, .per_second = 1, .t_digits = 6, CM,
      .options = "unit=cm"},
-    {"Siglent", "Record Length,Analog:120\nSample Interval,0.02\nVertical Units,V\nSource,CH1\nSecond,Value\n", ',',
-     '.', SECONDS, .per_second = 1, .t_digits = 6, CM, .options = "unit=cm"},
+    {"Siglent",
+     "Record Length,Analog:120\nSample Interval,0.02\nVertical Units,V\nSource,CH1\nSecond,Value\n",
+     ',', '.', SECONDS, .per_second = 1, .t_digits = 6, CM, .options = "unit=cm"},
     {"Siglent SDS1000X-E",
-     "Record Length,Analog:120\nSample Rate,50.0\nVertical Scale,CH1: 0.05\nVertical Offset,CH1:0.00000\n"
+     "Record Length,Analog:120\nSample Rate,50.0\nVertical Scale,CH1: 0.05\nVertical "
+     "Offset,CH1:0.00000\n"
      "Horizontal Scale, 0.200000000\nSecond,Volt\n",
      ',', '.', SECONDS, .per_second = 1, .t_digits = 11, CM, .options = "unit=cm", .t0 = -1},
-    {"Hantek, dso-via-scpi", "nr,time,ch1,ch2\n", ',', '.', SECONDS, .per_second = 1, .t_digits = 6, CM,
-     .prefix = "3,", .suffix = ",-0.02", .options = "t=2 y=3 unit=cm"},
-    {"Rigol DS1000E", "Time,X(CH1)\nSecond,Volt\n", ',', '.', SECONDS, .per_second = 1, .t_digits = 6, CM,
-     .suffix = ",", .options = "unit=cm"},
-    {"Rigol DS1000Z", "X,CH1,Start,Increment,\nSequence,Volt,-1.000000e+00,2.000000e-02,\n", ',', '.', COUNT, S, CM,
-     .suffix = ",,,", .options = "unit=cm"},
-    {"Rigol MSO5000", "Time(s),CH1V,t0 =-1.000000e+00,tInc = 2.000000e-02,\n", ',', '.', NONE, S, CM, .suffix = ",,,",
-     .options = "unit=cm"},
+    {"Hantek, dso-via-scpi", "nr,time,ch1,ch2\n", ',', '.', SECONDS, .per_second = 1, .t_digits = 6,
+     CM, .prefix = "3,", .suffix = ",-0.02", .options = "t=2 y=3 unit=cm"},
+    {"Rigol DS1000E", "Time,X(CH1)\nSecond,Volt\n", ',', '.', SECONDS, .per_second = 1,
+     .t_digits = 6, CM, .suffix = ",", .options = "unit=cm"},
+    {"Rigol DS1000Z", "X,CH1,Start,Increment,\nSequence,Volt,-1.000000e+00,2.000000e-02,\n", ',',
+     '.', COUNT, S, CM, .suffix = ",,,", .options = "unit=cm"},
+    {"Rigol MSO5000", "Time(s),CH1V,t0 =-1.000000e+00,tInc = 2.000000e-02,\n", ',', '.', NONE, S,
+     CM, .suffix = ",,,", .options = "unit=cm"},
     {"Digilent WaveForms",
-     "#Digilent WaveForms Oscilloscope Acquisition\n#Sample rate: 50Hz\n#Samples: 120\n\nTime (s),Channel 1 (V)\n", ',',
-     '.', SECONDS, .per_second = 1, .t_digits = 6, CM, .options = "unit=cm"},
-    {"sigrok-cli", "; CSV generated by libsigrok 0.5.2\n; Channels (1/1): A0\n; Samplerate: 50 Hz\n", ',', '.', NONE, S,
-     CM, .options = "unit=cm"},
+     "#Digilent WaveForms Oscilloscope Acquisition\n#Sample rate: 50Hz\n#Samples: 120\n\nTime "
+     "(s),Channel 1 (V)\n",
+     ',', '.', SECONDS, .per_second = 1, .t_digits = 6, CM, .options = "unit=cm"},
+    {"sigrok-cli",
+     "; CSV generated by libsigrok 0.5.2\n; Channels (1/1): A0\n; Samplerate: 50 Hz\n", ',', '.',
+     NONE, S, CM, .options = "unit=cm"},
     {"Audacity-like, # rate", "# rate: 50 Hz\n", ',', '.', NONE, S, CM, .options = "unit=cm"},
     {"MATLAB, no header", "", '\t', '.', SECONDS, S, CM, .options = "unit=cm"},
-    {"thousands, English", "time_us\tx_mm\n", '\t', '.', SECONDS, .per_second = 1e6, .t_digits = 1, MM, .t0 = 2,
-     .group = ","},
-    {"thousands, German", "time_us;x_mm\n", ';', ',', SECONDS, .per_second = 1e6, .t_digits = 1, MM, .t0 = 2,
+    {"thousands, English", "time_us\tx_mm\n", '\t', '.', SECONDS, .per_second = 1e6, .t_digits = 1,
+     MM, .t0 = 2, .group = ","},
+    {"thousands, German", "time_us;x_mm\n", ';', ',', SECONDS, .per_second = 1e6, .t_digits = 1, MM,
+     .t0 = 2, .group = "."},
+    {"thousands, narrow blanks", "time_us;x_mm\n", ';', ',', SECONDS, .per_second = 1e6,
+     .t_digits = 1, MM, .t0 = 2, .group = "\xE2\x80\xAF"},
+    {"thousands, English, quoted, no decimals", "\"t (ms)\",\"x (um)\"\n", ',', '.', SECONDS, MS,
+     UM, .prefix = "\"", .infix = "\",\"", .suffix = "\"", .group = ","},
+    {"thousands, German, no decimals", "t (ms);x (\xC2\xB5m)\n", ';', ',', SECONDS, MS, UM,
      .group = "."},
-    {"thousands, narrow blanks", "time_us;x_mm\n", ';', ',', SECONDS, .per_second = 1e6, .t_digits = 1, MM, .t0 = 2,
-     .group = "\xE2\x80\xAF"},
-    {"thousands, English, quoted, no decimals", "\"t (ms)\",\"x (um)\"\n", ',', '.', SECONDS, MS, UM, .prefix = "\"",
-     .infix = "\",\"", .suffix = "\"", .group = ","},
-    {"thousands, German, no decimals", "t (ms);x (\xC2\xB5m)\n", ';', ',', SECONDS, MS, UM, .group = "."},
-    {"LibreOffice, German, commas and quotes", "\"Zeit (s)\",\"Weg (cm)\"\n", ',', ',', SECONDS, S, CM, .prefix = "\"",
-     .infix = "\",\"", .suffix = "\""},
+    {"LibreOffice, German, commas and quotes", "\"Zeit (s)\",\"Weg (cm)\"\n", ',', ',', SECONDS, S,
+     CM, .prefix = "\"", .infix = "\",\"", .suffix = "\""},
     {"Excel, German words", "Zeit in ms;Weg in cm\n", ';', ',', SECONDS, MS, CM, .crlf = true},
     {"Excel, unit behind a comma", "Zeit, s;Weg, cm\n", ';', ',', SECONDS, S, CM},
     {"R&S HMO, in s", "in s,C1 in V\n", ',', '.', SECONDS, S, CM, .options = "unit=cm"},
     {"quotients, path s", "t/ms\ts/mm\n", '\t', '.', SECONDS, MS, MM},
     {"inches", "t (s),height (in)\n", ',', '.', SECONDS, S, .per_metre = 1 / 0.0254, .y_digits = 4},
-    {"micrometres, Latin-1", "t (\xC2\xB5s)\tx (\xC2\xB5m)\n", '\t', '.', SECONDS, .per_second = 1e6, .t_digits = 0, UM,
-     .encoding = LATIN1},
+    {"micrometres, Latin-1", "t (\xC2\xB5s)\tx (\xC2\xB5m)\n", '\t', '.', SECONDS,
+     .per_second = 1e6, .t_digits = 0, UM, .encoding = LATIN1},
     {"units in brackets between blanks", "time  distance\n[s]  [mm]\n", ' ', '.', SECONDS, S, MM},
-    {"separator at the end of each row", "t (s);x (cm);\n", ';', '.', SECONDS, S, CM, .suffix = ";"},
+    {"separator at the end of each row", "t (s);x (cm);\n", ';', '.', SECONDS, S, CM,
+     .suffix = ";"},
     {"Fortran", "   t [s]   x [cm]\n", ' ', '.', SECONDS, S, CM, .suffix = "D+00"},
     {"missing values as NA", "t [s],x [cm],note\n", ',', '.', SECONDS, S, CM, .suffix = ",NA"},
     {"a row of dashes", "t [s]   x [cm]\n-----   ------\n", ' ', '.', SECONDS, S, CM},
-    {"blank columns before", ",,\n,Time (s),Position (cm)\n", ',', '.', SECONDS, S, CM, .prefix = ","},
+    {"blank columns before", ",,\n,Time (s),Position (cm)\n", ',', '.', SECONDS, S, CM,
+     .prefix = ","},
     {"newest first", "Time (s),Position (cm)\n", ',', '.', SECONDS, S, CM, .backwards = true},
-    {"line counter before", "No.,Time (s),Position (cm)\n", ',', '.', SECONDS, S, CM, .prefix = "7,"},
-    {"trailing remarks", "Time (s),Position (cm)\n", ',', '.', SECONDS, S, CM, .tail = "end of measurement\n"},
-    {"quoted numbers", "\"Time (s)\",\"Position (cm)\"\n", ',', '.', SECONDS, S, CM, .prefix = "\"", .infix = "\",\"",
-     .suffix = "\""},
+    {"line counter before", "No.,Time (s),Position (cm)\n", ',', '.', SECONDS, S, CM,
+     .prefix = "7,"},
+    {"trailing remarks", "Time (s),Position (cm)\n", ',', '.', SECONDS, S, CM,
+     .tail = "end of measurement\n"},
+    {"quoted numbers", "\"Time (s)\",\"Position (cm)\"\n", ',', '.', SECONDS, S, CM, .prefix = "\"",
+     .infix = "\",\"", .suffix = "\""},
     {"microseconds", "micros,cm\n", ',', '.', SECONDS, .per_second = 1e6, .t_digits = 0, CM},
     {"index and no time", "Sample\tDistance(cm)\n", '\t', '.', COUNT, S, CM, .options = "rate=50"},
     {"index and no rate", "Sample\tDistance(cm)\n", '\t', '.', COUNT, S, CM, .refused = "rate="},
     {"pipes", "t [s]|x [cm]\n", '|', '.', SECONDS, S, CM, .refused = "no table"},
-    {"HTML", "<html><table><tr><td>t</td></tr>\n", ',', '.', SECONDS, S, CM, .prefix = "<tr><td>", .infix = "</td><td>",
-     .suffix = "</td></tr>", .refused = "no table"},
+    {"HTML", "<html><table><tr><td>t</td></tr>\n", ',', '.', SECONDS, S, CM, .prefix = "<tr><td>",
+     .infix = "</td><td>", .suffix = "</td></tr>", .refused = "no table"},
     {"RTF", "{\\rtf1\n", '\t', '.', SECONDS, S, CM, .refused = "rich text"},
     {"PDF", "%PDF-1.4\n", '\t', '.', SECONDS, S, CM, .refused = "PDF"},
 };
@@ -313,7 +333,8 @@ static void compare(const struct dialect *d, const struct recording *r)
     }
     const double per_second = d->clock == SECONDS || d->clock == EPOCH ? d->per_second : 1000;
     const double t_bound =
-        0.51 * pow(10, -(d->clock == SECONDS || d->clock == EPOCH ? d->t_digits : 0)) / per_second + 3e-7;
+        0.51 * pow(10, -(d->clock == SECONDS || d->clock == EPOCH ? d->t_digits : 0)) / per_second +
+        3e-7;
     const double scale = d->unitless ? d->per_metre : 1,
                  y_bound = 0.51 * pow(10, -d->y_digits) / d->per_metre * scale + 1e-12;
     for (int i = 0; i < ROWS; i++) {
@@ -342,10 +363,12 @@ static void every_dialect_is_read_as_it_was_written(void **state)
         struct load_options options = fixture_options(d->options ? d->options : "");
         struct recording *r = recording_load(path, &options, &error);
         if (d->refused && r) {
-            print_message("%s: read, though it should be refused (%s)\n", d->instrument, d->refused);
+            print_message("%s: read, though it should be refused (%s)\n", d->instrument,
+                          d->refused);
             failures++;
         } else if (d->refused && !strstr(error.text, d->refused)) {
-            print_message("%s: refused with '%s', which does not say '%s'\n", d->instrument, error.text, d->refused);
+            print_message("%s: refused with '%s', which does not say '%s'\n", d->instrument,
+                          error.text, d->refused);
             failures++;
         } else if (!d->refused && !r) {
             print_message("%s: refused: %s\n", d->instrument, error.text);

@@ -136,7 +136,8 @@ static const char *const seeds[] = {
     "Motion Sensor Data File Sep 20, 2018 1:40 PM\r\nTime (s)\tDistance (cm)\tDist Error "
     "(cm)\r\n0.430\t16.500\t0.239\r\n0.440\t16.509"
     "\t0.239\r\n0.450\t16.565\t0.239",
-    "\xEF\xBB\xBF\"Time (s) Run #1\";\"Position (m) Run #1\"\r\n0,00;0,17\r\n0,01;0,18\r\n;\r\n0,02;0,19\r\n",
+    "\xEF\xBB\xBF\"Time (s) Run #1\";\"Position (m) Run "
+    "#1\"\r\n0,00;0,17\r\n0,01;0,18\r\n;\r\n0,02;0,19\r\n",
     "# dt = 10 ms\nt [s],y [m]\n0,0.5\n1,-1e-300\n2,nan\n3,inf\n",
     "Sample\tDistance(cm)\n0\t20.5\t\n1\t20.6\t\n2\t20.7\t\n",
     "t (s)  x (cm)\n 0.0 1.5\n 0.1\t2.5\n# remark\n 0.2 3.5\n",
@@ -145,13 +146,14 @@ static const char *const seeds[] = {
 /* Everything that was loaded keeps its promises, whatever the bytes. */
 static void check(const struct recording *r)
 {
-    assert_true(r->rows >= 2 && r->columns >= 1 && r->value >= 0 && r->value < r->columns && r->time < r->columns);
+    assert_true(r->rows >= 2 && r->columns >= 1 && r->value >= 0 && r->value < r->columns &&
+                r->time < r->columns);
     for (size_t i = 0; i < r->rows; i++) {
         assert_true(isfinite(r->t[i]) && (i == 0 || r->t[i] > r->t[i - 1]));
         assert_true(!isinf(r->y[i]));
         /* Some loggers write the newest row first. */
-        assert_true(r->line[i] > 0 &&
-                    (i == 0 || (r->line[i] > r->line[i - 1]) == (r->line[r->rows - 1] > r->line[0])));
+        assert_true(r->line[i] > 0 && (i == 0 || (r->line[i] > r->line[i - 1]) ==
+                                                     (r->line[r->rows - 1] > r->line[0])));
     }
     struct buffer text = {0};
     recording_describe(r, &text);
@@ -176,8 +178,8 @@ static void random_bytes_are_answered(void **state)
         memcpy(text, from, len);
         for (uint32_t edits = next(&seed) % 12; edits > 0; edits--) {
             size_t at = next(&seed) % len;
-            const char byte =
-                next(&seed) % 8 ? letters[next(&seed) % (sizeof letters - 1)] : (char)(next(&seed) & 0xFF);
+            const char byte = next(&seed) % 8 ? letters[next(&seed) % (sizeof letters - 1)]
+                                              : (char)(next(&seed) & 0xFF);
             switch (next(&seed) % 4) {
             case 0:
                 text[at] = byte;
@@ -198,7 +200,8 @@ static void random_bytes_are_answered(void **state)
             }
         }
         struct error error;
-        struct recording *r = fixture_load(text, len, options[next(&seed) % COUNT_OF(options)], &error);
+        struct recording *r =
+            fixture_load(text, len, options[next(&seed) % COUNT_OF(options)], &error);
         if (r) {
             check(r);
             loaded++;

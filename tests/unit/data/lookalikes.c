@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * One motion in every dialect (scripts/make-recordings --formats): 21.64 cm + 5.2 cm exp(-0.05 t) cos(8.695 t), 50
- * samples in a second, a second run of 3 cm where the format has runs. Each format reads the same numbers.
+ * One motion in every dialect (scripts/make-recordings --formats): 21.64 cm + 5.2 cm exp(-0.05 t)
+ * cos(8.695 t), 50 samples in a second, a second run of 3 cm where the format has runs. Each format
+ * reads the same numbers.
  */
 #include "unit/data/fixture.h"
 
@@ -10,7 +11,8 @@
 static const struct {
     const char *file, *options, *format, *value;
     size_t rows;
-    double t0, amplitude, precision; /* [s] [cm] of the first displacement; [cm] to which it is printed */
+    double t0, amplitude,
+        precision; /* [s] [cm] of the first displacement; [cm] to which it is printed */
     int runs;
 } cases[] = {
     {"motion-sensor", "", "motion-sensor", "Distance", 60, 0, 5.2, 5e-4, 0},
@@ -54,24 +56,28 @@ static void every_dialect_holds_the_motion(void **state)
         if (!r)
             fail_msg("%s %s: %s", cases[i].file, cases[i].options, error.text);
         const struct column *value = &r->column[r->value];
-        if (strcmp(r->format, cases[i].format) || strcmp(value->name, cases[i].value) || r->rows != cases[i].rows ||
-            r->dropped != 0 || r->runs != cases[i].runs || value->quantity != QUANTITY_LENGTH)
-            fail_msg("%s %s: %s, %s [%s], %zu rows, %zu dropped, %d runs", cases[i].file, cases[i].options, r->format,
-                     value->name, value->unit, r->rows, r->dropped, r->runs);
+        if (strcmp(r->format, cases[i].format) || strcmp(value->name, cases[i].value) ||
+            r->rows != cases[i].rows || r->dropped != 0 || r->runs != cases[i].runs ||
+            value->quantity != QUANTITY_LENGTH)
+            fail_msg("%s %s: %s, %s [%s], %zu rows, %zu dropped, %d runs", cases[i].file,
+                     cases[i].options, r->format, value->name, value->unit, r->rows, r->dropped,
+                     r->runs);
         if (!near(r->rate, 50, 1e-9))
             fail_msg("%s: %.17g Hz", cases[i].file, r->rate);
         for (size_t k = 0; k < r->rows; k++) {
-            const double t = 0.02 * (double)k,
-                         y = 21.64 + cases[i].amplitude * exp(-0.05 * t) * cos(8.695 * t); /* [cm] */
-            if (!near(r->t[k], cases[i].t0 + t, 1e-12) || !near(100 * r->y[k], y, 1.001 * cases[i].precision + 1e-12))
-                fail_msg("%s %s: row %zu: t = %.17g, y = %.17g cm, not %.17g", cases[i].file, cases[i].options, k,
-                         r->t[k], 100 * r->y[k], y);
+            const double t = 0.02 * (double)k, y = 21.64 + cases[i].amplitude * exp(-0.05 * t) *
+                                                               cos(8.695 * t); /* [cm] */
+            if (!near(r->t[k], cases[i].t0 + t, 1e-12) ||
+                !near(100 * r->y[k], y, 1.001 * cases[i].precision + 1e-12))
+                fail_msg("%s %s: row %zu: t = %.17g, y = %.17g cm, not %.17g", cases[i].file,
+                         cases[i].options, k, r->t[k], 100 * r->y[k], y);
         }
         recording_destroy(r);
     }
 }
 
-/* phyphox measures the acceleration; of its axes the one that moves most is taken, and never the absolute value. */
+/* phyphox measures the acceleration; of its axes the one that moves most is taken, and never the
+ * absolute value. */
 static void the_axis_that_moves(void **state)
 {
     (void)state;
@@ -82,7 +88,8 @@ static void the_axis_that_moves(void **state)
     assert_string_equal(r->column[r->value].name, "Acceleration y");
     assert_int_equal(r->column[r->value].quantity, QUANTITY_ACCELERATION);
     for (size_t k = 0; k < r->rows; k++)
-        assert_true(near(r->y[k], -0.756 * 5.2 * exp(-0.001 * (double)k) * cos(0.1739 * (double)k), 1e-8));
+        assert_true(
+            near(r->y[k], -0.756 * 5.2 * exp(-0.001 * (double)k) * cos(0.1739 * (double)k), 1e-8));
     recording_destroy(r);
     assert_non_null(r = load("phyphox", "y=2", &error));
     assert_string_equal(r->column[r->value].name, "Acceleration x");

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A motion rests only where a damped sine would still be seen: none does that, dry friction does. */
+/* A motion rests only where a damped sine would still be seen: none does that, dry friction does.
+ */
 #include <hooke/data.h>
 
 #include <math.h>
@@ -25,7 +26,8 @@ static void make(size_t n, double rate, double q, double noise, uint64_t seed)
     const double phase = TWO_PI * uniform_from(&seed);
     for (size_t i = 0; i < n; i++) {
         t[i] = (double)i / rate;
-        y[i] = exp(-0.5 * TWO_PI / q * t[i]) * cos(TWO_PI * t[i] + phase) + noise * normal_from(&seed);
+        y[i] =
+            exp(-0.5 * TWO_PI / q * t[i]) * cos(TWO_PI * t[i] + phase) + noise * normal_from(&seed);
     }
 }
 
@@ -77,7 +79,8 @@ static void dry_friction_rests(void **state)
             for (size_t i = 0; i < ROWS; i++) {
                 t[i] = (double)i / rate;
                 const double k = floor(2 * t[i]), a = 1 - half - 2 * k * half;
-                const double side = fmod(k, 2) < 1 ? 1 : -1, swing = half + a * cos(TWO_PI * (t[i] - 0.5 * k));
+                const double side = fmod(k, 2) < 1 ? 1 : -1,
+                             swing = half + a * cos(TWO_PI * (t[i] - 0.5 * k));
                 y[i] = (a > 0 ? side * swing : 0) + noise[j] * normal_from(&s);
             }
             assert_true(rests(ROWS));
@@ -99,8 +102,9 @@ static void stopped_by_a_hand(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(damped_sine_never_rests), cmocka_unit_test(few_samples_a_period_do_not_rest),
-        cmocka_unit_test(dry_friction_rests), cmocka_unit_test(stopped_by_a_hand)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(damped_sine_never_rests),
+                                       cmocka_unit_test(few_samples_a_period_do_not_rest),
+                                       cmocka_unit_test(dry_friction_rests),
+                                       cmocka_unit_test(stopped_by_a_hand)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

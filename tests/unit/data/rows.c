@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Rows: the fast way gives the bits of the slow one, and a table beyond the memory that is kept is refused. */
+/* Rows: the fast way gives the bits of the slow one, and a table beyond the memory that is kept is
+ * refused. */
 #include "unit/data/fixture.h"
 
 static uint64_t next(uint64_t *state) /* xorshift64*, Vigna 2016 */
@@ -10,7 +11,8 @@ static uint64_t next(uint64_t *state) /* xorshift64*, Vigna 2016 */
     return *state * 2685821657736338717u;
 }
 
-/* A number as instruments write it: 1 to 19 digits, a mark anywhere or nowhere, an exponent or none. */
+/* A number as instruments write it: 1 to 19 digits, a mark anywhere or nowhere, an exponent or
+ * none. */
 static size_t put_number(char *out, char decimal, uint64_t *state)
 {
     size_t len = 0;
@@ -25,7 +27,8 @@ static size_t put_number(char *out, char decimal, uint64_t *state)
     if (mark == digits)
         out[len++] = decimal;
     if (next(state) % 4 == 0)
-        len += (size_t)snprintf(out + len, 16, "%c%s%d", "eE"[next(state) % 2], next(state) % 3 ? "-" : "",
+        len += (size_t)snprintf(out + len, 16, "%c%s%d", "eE"[next(state) % 2],
+                                next(state) % 3 ? "-" : "",
                                 (int)(next(state) % (next(state) % 2 ? 10 : 30)));
     return len;
 }
@@ -37,7 +40,11 @@ static void numbers_keep_every_bit(void **state)
     static const struct {
         char separator, decimal;
         const char *end;
-    } dialects[] = {{'\t', '.', "\r\n"}, {';', ',', "\n"}, {',', '.', "\n"}, {' ', '.', "\n"}, {'\t', ',', "\r\r\n"}};
+    } dialects[] = {{'\t', '.', "\r\n"},
+                    {';', ',', "\n"},
+                    {',', '.', "\n"},
+                    {' ', '.', "\n"},
+                    {'\t', ',', "\r\r\n"}};
     double *expected = malloc(sizeof(double) * ROWS * COLUMNS);
     assert_non_null(expected);
     for (size_t d = 0; d < COUNT_OF(dialects); d++) {
@@ -48,7 +55,9 @@ static void numbers_keep_every_bit(void **state)
         size_t used;
         for (int i = 0; i < ROWS * COLUMNS; i++) {
             const size_t len = put_number(number, dialects[d].decimal, &random);
-            assert_int_equal(real_scan((struct text){number, len}, dialects[d].decimal, &expected[i], &used), REAL_OK);
+            assert_int_equal(
+                real_scan((struct text){number, len}, dialects[d].decimal, &expected[i], &used),
+                REAL_OK);
             assert_int_equal(used, len);
             buffer_put(&text, next(&random) % 50 ? TEXT("") : TEXT(" "));
             buffer_put(&text, (struct text){number, len});
@@ -68,8 +77,10 @@ static void numbers_keep_every_bit(void **state)
         if (r->columns != COLUMNS || r->rows != ROWS)
             fail_msg("%s: %d columns, %zu rows", options, r->columns, r->rows);
         for (int i = 0; i < ROWS * COLUMNS; i++)
-            if (memcmp(&r->column[i % COLUMNS].value[i / COLUMNS], &expected[i], sizeof(double)) != 0)
-                fail_msg("%s: line %u, row %d, column %d: %.17g, not %.17g", options, r->line[i / COLUMNS], i / COLUMNS, i % COLUMNS,
+            if (memcmp(&r->column[i % COLUMNS].value[i / COLUMNS], &expected[i], sizeof(double)) !=
+                0)
+                fail_msg("%s: line %u, row %d, column %d: %.17g, not %.17g", options,
+                         r->line[i / COLUMNS], i / COLUMNS, i % COLUMNS,
                          r->column[i % COLUMNS].value[i / COLUMNS], expected[i]);
         recording_destroy(r);
         buffer_free(&text);
@@ -84,7 +95,9 @@ static void more_rows_than_expected(void **state)
     struct buffer text = {0};
     struct error error;
     for (int i = 0; i < 100000; i++)
-        buffer_format(&text, i < 100 ? "%d.00000000000000000000,%d.00000000000000000000\n" : "%d,%d\n", i, i % 7);
+        buffer_format(&text,
+                      i < 100 ? "%d.00000000000000000000,%d.00000000000000000000\n" : "%d,%d\n", i,
+                      i % 7);
     struct recording *r = fixture_load(text.data, text.len, "rate=1", &error);
     assert_non_null(r);
     assert_int_equal(r->rows, 100000);
@@ -94,26 +107,27 @@ static void more_rows_than_expected(void **state)
     buffer_free(&text);
 }
 
-/* 28 byte for a row of one column: what fits into 1 GiB is read, one row more is refused with the number. */
+/* 28 byte for a row of one column: what fits into 1 GiB is read, one row more is refused with the
+ * number. */
 static void memory_has_a_limit(void **state)
 {
     (void)state;
-    const size_t most = ((size_t)1 << 30) / 28;
+    const size_t max = ((size_t)1 << 30) / 28;
     const char *wanted = getenv("LONG");
     struct error error;
     if (!wanted || !*wanted) {
         print_message("takes 1 GiB: only in make check-all (LONG)\n");
         skip();
     }
-    char *text = malloc(2 * (most + 1));
+    char *text = malloc(2 * (max + 1));
     assert_non_null(text);
-    for (size_t i = 0; i <= most; i++)
+    for (size_t i = 0; i <= max; i++)
         memcpy(text + 2 * i, i % 2 ? "1\n" : "2\n", 2);
-    struct recording *r = fixture_load(text, 2 * most, "rate=1", &error);
+    struct recording *r = fixture_load(text, 2 * max, "rate=1", &error);
     assert_non_null(r);
-    assert_int_equal(r->rows, most);
+    assert_int_equal(r->rows, max);
     recording_destroy(r);
-    assert_null(fixture_load(text, 2 * (most + 1), "rate=1", &error));
+    assert_null(fixture_load(text, 2 * (max + 1), "rate=1", &error));
     assert_int_equal(error.code, ERROR_IO);
     assert_non_null(strstr(error.text, "38347922 rows of 1 columns"));
     assert_non_null(strstr(error.hint, "a part of it"));

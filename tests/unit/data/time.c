@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Times that are odd, rows that are cut, the part of a recording in use, and what is said about it. */
+/* Times that are odd, rows that are cut, the part of a recording in use, and what is said about it.
+ */
 #include "unit/data/fixture.h"
 
 static void times_are_counted_not_differenced(void **state)
@@ -104,8 +105,9 @@ static void gaps_and_jitter_are_kept_and_said(void **state)
     struct recording *r = with_times(t, COUNT_OF(t));
     assert_int_equal(r->rows, COUNT_OF(t));
     assert_true(near(r->dt, 0.015, 1e-15));
-    assert_true(
-        fixture_warns(r, "2 gaps between samples, the longest 0.04 s where 0.01 s is usual (first: after line 4)"));
+    assert_true(fixture_warns(
+        r,
+        "2 gaps between samples, the longest 0.04 s where 0.01 s is usual (first: after line 4)"));
     assert_true(fixture_warns(r, "2 of 10 steps differ"));
     recording_destroy(r);
 }
@@ -113,8 +115,8 @@ static void gaps_and_jitter_are_kept_and_said(void **state)
 static void rows_without_a_time_are_dropped(void **state)
 {
     (void)state;
-    struct recording *r =
-        fixture_good("t,y\n0,1\n,2\n2,3\nNaN,4\n4,5\n5,5\n6,5\n7,5\n8,5\n9,5\n10,5\n11,5\n12,5\n", "");
+    struct recording *r = fixture_good(
+        "t,y\n0,1\n,2\n2,3\nNaN,4\n4,5\n5,5\n6,5\n7,5\n8,5\n9,5\n10,5\n11,5\n12,5\n", "");
     assert_int_equal(r->rows, 11);
     assert_int_equal(r->dropped, 2);
     assert_true(r->y[1] == 3);
@@ -150,7 +152,8 @@ static void a_cut_last_row_is_dropped(void **state)
         {"t;y;\n0.0;1.25;\n0.1;1.50;\n0.2;1.75;", 3, NULL},
         /* Cut. */
         {"t;y;\n0.0;1.25;\n0.1;1.50;\n0.2;1.7", 2, "the last line (4)"},
-        {"t\ty\n0.0\t1.25\n0.1\t1.50\n0.2\t1.7", 2, "the last line (4) seems cut in mid-number ('1.7')"},
+        {"t\ty\n0.0\t1.25\n0.1\t1.50\n0.2\t1.7", 2,
+         "the last line (4) seems cut in mid-number ('1.7')"},
         {"t\ty\n0.0\t1.25\n0.1\t1.50\n0.2\t1", 2, "the last line (4)"},
         {"t\ty\n0.0\t1.25\n0.1\t1.50\n0.2\t-", 2, "the last line (4)"},
         {"t\ty\n0.0\t1.25\n0.1\t1.50\n0.2\t", 2, "the last line (4)"},
@@ -168,7 +171,8 @@ static void a_cut_last_row_is_dropped(void **state)
     }
 }
 
-/* A count of the rows is no time; the evenly rising numbers behind it are, what wanders upwards is not. */
+/* A count of the rows is no time; the evenly rising numbers behind it are, what wanders upwards is
+ * not. */
 static void the_time_behind_a_count(void **state)
 {
     (void)state;
@@ -178,7 +182,8 @@ static void the_time_behind_a_count(void **state)
     assert_int_equal(r->value, 2);
     assert_true(r->t[3] == 0.08 && fixture_warns(r, "column 2 rises and is taken as the time"));
     recording_destroy(r);
-    static const char wanders[] = "1,0.02,40.1\n2,0.021,40.3\n3,0.3,40.2\n4,0.31,40.0\n5,0.9,40.0\n";
+    static const char wanders[] =
+        "1,0.02,40.1\n2,0.021,40.3\n3,0.3,40.2\n4,0.31,40.0\n5,0.9,40.0\n";
     assert_null(fixture_load(wanders, strlen(wanders), "", &error));
     assert_non_null(strstr(error.text, "the file counts samples"));
 }
@@ -191,7 +196,8 @@ static void marks_between_thousands(void **state)
     assert_true(r->t[1] == 1 && r->y[0] == 1.234);
     recording_destroy(r);
     r = fixture_good("t;y\n999;1.234\n1.000;1.236\n1.001;1.235\n", "");
-    assert_true(r->t[1] == 1000 && r->y[0] == 1234 && fixture_warns(r, "'.' stands between thousands"));
+    assert_true(r->t[1] == 1000 && r->y[0] == 1234 &&
+                fixture_warns(r, "'.' stands between thousands"));
     recording_destroy(r);
     r = fixture_good("t;y\n1;999\n2;999.125\n3;998.5\n", "");
     assert_true(r->y[0] == 999 && r->y[1] == 999.125);
@@ -248,16 +254,19 @@ static void description_says_what_was_found(void **state)
 {
     (void)state;
     struct buffer text = {0};
-    struct recording *r =
-        fixture_good("Motion Sensor Data File\nTime (s)\tDistance (cm)\tDist Error (cm)\n0.00\t20.5\t0.239\n"
-                     "0.02\t20.6\t0.239\n0.04\t20.7\t0.239\n0.06\t20.8\t0.239\nx\n",
-                     "");
+    struct recording *r = fixture_good(
+        "Motion Sensor Data File\nTime (s)\tDistance (cm)\tDist Error (cm)\n0.00\t20.5\t0.239\n"
+        "0.02\t20.6\t0.239\n0.04\t20.7\t0.239\n0.06\t20.8\t0.239\nx\n",
+        "");
     recording_describe(r, &text);
+    assert_non_null(strstr(
+        text.data,
+        "file.txt: Distance [cm], 4 rows, 0..0.06 s, 50 Hz; tab, 2 header lines, 1 row dropped\n"));
     assert_non_null(
-        strstr(text.data, "file.txt: Distance [cm], 4 rows, 0..0.06 s, 50 Hz; tab, 2 header lines, 1 row dropped\n"));
-    assert_non_null(strstr(text.data, "columns: 1 Time [s] = t, 2 Distance [cm] = y, 3 Dist Error [cm]"));
+        strstr(text.data, "columns: 1 Time [s] = t, 2 Distance [cm] = y, 3 Dist Error [cm]"));
     assert_non_null(strstr(text.data, "tunit= rate= decimal= sep="));
-    assert_non_null(strstr(text.data, "\nwarning: 1 line dropped that is not 3 numbers (first: line 7, 'x')\n"));
+    assert_non_null(strstr(
+        text.data, "\nwarning: 1 line dropped that is not 3 numbers (first: line 7, 'x')\n"));
     recording_destroy(r);
     buffer_free(&text);
 }
@@ -280,7 +289,8 @@ static void warnings_are_few(void **state)
         buffer_put(&text, TEXT(",1"));
     buffer_char(&text, '\n');
     struct recording *r = fixture_good(text.data, "");
-    assert_int_equal(r->warnings, 11); /* of 30 columns with a word, two units and a value missing */
+    assert_int_equal(r->warnings,
+                     11); /* of 30 columns with a word, two units and a value missing */
     assert_int_equal(r->unsaid, 23);
     assert_string_equal(r->warning[10], "and 23 more kinds");
     recording_destroy(r);
@@ -290,14 +300,20 @@ static void warnings_are_few(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(times_are_counted_not_differenced),  cmocka_unit_test(a_late_decimal_comma_is_seen),
-        cmocka_unit_test(a_clock_set_back_loses_the_overlap), cmocka_unit_test(a_wild_time_loses_only_itself),
-        cmocka_unit_test(repeated_times_keep_the_first),      cmocka_unit_test(gaps_and_jitter_are_kept_and_said),
-        cmocka_unit_test(rows_without_a_time_are_dropped),    cmocka_unit_test(a_dropped_row_takes_its_time),
-        cmocka_unit_test(a_cut_last_row_is_dropped),          cmocka_unit_test(the_time_behind_a_count),
+        cmocka_unit_test(times_are_counted_not_differenced),
+        cmocka_unit_test(a_late_decimal_comma_is_seen),
+        cmocka_unit_test(a_clock_set_back_loses_the_overlap),
+        cmocka_unit_test(a_wild_time_loses_only_itself),
+        cmocka_unit_test(repeated_times_keep_the_first),
+        cmocka_unit_test(gaps_and_jitter_are_kept_and_said),
+        cmocka_unit_test(rows_without_a_time_are_dropped),
+        cmocka_unit_test(a_dropped_row_takes_its_time),
+        cmocka_unit_test(a_cut_last_row_is_dropped),
+        cmocka_unit_test(the_time_behind_a_count),
         cmocka_unit_test(marks_between_thousands),
         cmocka_unit_test(windows_and_series),
-        cmocka_unit_test(description_says_what_was_found),    cmocka_unit_test(warnings_are_few),
+        cmocka_unit_test(description_says_what_was_found),
+        cmocka_unit_test(warnings_are_few),
     };
     return cmocka_run_group_tests(tests, fixture_setup, fixture_teardown);
 }

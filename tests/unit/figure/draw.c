@@ -181,17 +181,17 @@ static const char drawn_log[] = "+- error ------------------------- -- rk4 -+\n"
                                 "+- 2 values <= 0 not shown ------- dt [s] -+\n";
 
 static const char drawn_leaving[] = "┌─ y [cm] ──────────── -- verlet  # euler ─┐\n"
-                                      "│  5┤⠢⡄         ↑ ⢀⠔⠢⡀ #      #  ⡠⠒⢄  #    │\n"
-                                      "│   │ ⠘⡄        #⢠⠃  ⠱⡀#      # ⡜  ⠈⢆ #    │\n"
-                                      "│   │  ⠸⡀       ⢀⠇    ⢣#      #⢰⠁   ⠈⡆#    │\n"
-                                      "│   │   ⢣       ⡜     ⠈⡆      ⢀⠇     ⠸⡀    │\n"
-                                      "│  0┤   ⠈⡆     ⢰⠁      ⠸⡀     ⡜       ⢣    │\n"
-                                      "│   │    ⠸⡀   ⢀⠇#      #⢣    ⢰⠁       ⠈⡆   │\n"
-                                      "│   │    #⠱⡀  ⡜ #      #⠈⢆  ⢠⠃#       #⠘⡄  │\n"
-                                      "│ -5┤     ↓⠑⠤⠊  #      # ⠈⠢⠔⠁ #       # ⠘⠢ │\n"
-                                      "│   └┬────────┬────────┬────────┬────────┬ │\n"
-                                      "│   0.0      2.5      5.0      7.5    10.0 │\n"
-                                      "└─ euler leaves at 1.42 s ───────── t [s] ─┘\n";
+                                    "│  5┤⠢⡄         ↑ ⢀⠔⠢⡀ #      #  ⡠⠒⢄  #    │\n"
+                                    "│   │ ⠘⡄        #⢠⠃  ⠱⡀#      # ⡜  ⠈⢆ #    │\n"
+                                    "│   │  ⠸⡀       ⢀⠇    ⢣#      #⢰⠁   ⠈⡆#    │\n"
+                                    "│   │   ⢣       ⡜     ⠈⡆      ⢀⠇     ⠸⡀    │\n"
+                                    "│  0┤   ⠈⡆     ⢰⠁      ⠸⡀     ⡜       ⢣    │\n"
+                                    "│   │    ⠸⡀   ⢀⠇#      #⢣    ⢰⠁       ⠈⡆   │\n"
+                                    "│   │    #⠱⡀  ⡜ #      #⠈⢆  ⢠⠃#       #⠘⡄  │\n"
+                                    "│ -5┤     ↓⠑⠤⠊  #      # ⠈⠢⠔⠁ #       # ⠘⠢ │\n"
+                                    "│   └┬────────┬────────┬────────┬────────┬ │\n"
+                                    "│   0.0      2.5      5.0      7.5    10.0 │\n"
+                                    "└─ euler leaves at 1.42 s ───────── t [s] ─┘\n";
 
 static const char drawn_huge[] = "+- y [1e300 m] --------------+\n"
                                  "|  1+              .-_       |\n"
@@ -252,7 +252,8 @@ static const char drawn_noted[] = "┌─ y [cm] ──────────�
                                   "│        0             5            10 │\n"
                                   "└─ 14 periods: envelope ─────── t [s] ─┘\n";
 
-static void expect(const struct figure *figure, int width, int height, enum charset charset, const char *drawing)
+static void expect(const struct figure *figure, int width, int height, enum charset charset,
+                   const char *drawing)
 {
     struct buffer out = {0};
     assert_true(figure_print(figure, width, height, charset, false, &out));
@@ -319,7 +320,8 @@ static void test_overlays_have_their_own_marks(void **state)
 static void test_clouds(void **state)
 {
     static const double x[] = {0, 10, 0, 10, 5}, y[] = {0, 1, 1, 0, 0.5};
-    const struct curve curve = {.label = "section", .x = x, .y = y, .n = 5, .points = true, .cloud = true};
+    const struct curve curve = {
+        .label = "section", .x = x, .y = y, .n = 5, .points = true, .cloud = true};
     const struct figure figure = of(&curve, 1);
     (void)state;
     for (int charset = CHARSET_ASCII; charset <= CHARSET_BRAILLE; charset++) {
@@ -413,8 +415,10 @@ static void test_extreme_values(void **state)
     static const double x[] = {1, 2, 3, 4}, y[] = {1e-300, -1e300, 1e300, 1e-300},
                         small[] = {1e-300, 2e-300, 4e-300, 3e-300};
     struct curve curve = {.x = x, .y = y, .n = 4};
-    struct figure figure = {
-        .x = {.label = "t", .unit = "s"}, .y = {.label = "y", .unit = "m"}, .curve = &curve, .curves = 1};
+    struct figure figure = {.x = {.label = "t", .unit = "s"},
+                            .y = {.label = "y", .unit = "m"},
+                            .curve = &curve,
+                            .curves = 1};
     (void)state;
     expect(&figure, 30, 10, CHARSET_ASCII, drawn_huge);
     curve.y = small;

@@ -11,19 +11,20 @@
 
 #include <string.h>
 
-static const double places[] = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12};
+static const double indices[] = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12};
 
 static struct heat heat_of(int nx, int ny, const double *value)
 {
     return (struct heat){.title = "swing",
                          .unit = "mm",
                          .factor = 1e-3,
-                         .x = {"omega", "rad/s", 1, places, nx},
-                         .y = {"gamma", "", 1, places, ny},
+                         .x = {"omega", "rad/s", 1, indices, nx},
+                         .y = {"gamma", "", 1, indices, ny},
                          .value = value};
 }
 
-static void expect(const struct heat *heat, int width, int height, enum charset charset, const char *text)
+static void expect(const struct heat *heat, int width, int height, enum charset charset,
+                   const char *text)
 {
     struct buffer out = {0};
     assert_true(heat_print(heat, width, height, charset, &out));
@@ -35,7 +36,8 @@ static void expect(const struct heat *heat, int width, int height, enum charset 
 static void test_values_become_shades(void **state)
 {
     (void)state;
-    const double value[] = {0, 0.0011, 0.0021, 0.0031, 0.0041, 0.0051, 0.0061, 0.0071, 0.0081, 0.0091, 0.01};
+    const double value[] = {0,      0.0011, 0.0021, 0.0031, 0.0041, 0.0051,
+                            0.0061, 0.0071, 0.0081, 0.0091, 0.01};
     const struct heat heat = heat_of(11, 1, value);
     expect(&heat, 13, 6, CHARSET_ASCII,
            "swing [mm] over omega [rad/s] (right) and gamma (up)\n"
@@ -51,16 +53,19 @@ static void test_axes(void **state)
     (void)state;
     const double value[] = {0, 1, 2, 3, 4, 5}; /* [x][y] */
     const struct heat heat = heat_of(3, 2, value);
-    expect(&heat, 80, 9, CHARSET_ASCII,
-           "swing [mm] over omega [rad/s] (right) and gamma (up)\n"
-           " |::::::::::::::::::::::::::**************************##########################\n" /* 1 3 5 */
-           "2|::::::::::::::::::::::::::**************************##########################\n"
-           " |                          ==========================@@@@@@@@@@@@@@@@@@@@@@@@@@\n" /* 0 2 4 */
-           "1|                          ==========================@@@@@@@@@@@@@@@@@@@@@@@@@@\n"
-           " +------------------------------------------------------------------------------\n"
-           "  1                         2                         3\n"
-           "0 [ ] 500 [.] 1000 [:] 1500 [-] 2000 [=] 2500 [+] 3000 [*] 3500 [%] 4000 [@] \n"
-           "4500 [#] 5000\n");
+    expect(
+        &heat, 80, 9, CHARSET_ASCII,
+        "swing [mm] over omega [rad/s] (right) and gamma (up)\n"
+        " |::::::::::::::::::::::::::**************************##########################\n" /* 1 3
+                                                                                                5 */
+        "2|::::::::::::::::::::::::::**************************##########################\n"
+        " |                          ==========================@@@@@@@@@@@@@@@@@@@@@@@@@@\n" /* 0 2
+                                                                                                4 */
+        "1|                          ==========================@@@@@@@@@@@@@@@@@@@@@@@@@@\n"
+        " +------------------------------------------------------------------------------\n"
+        "  1                         2                         3\n"
+        "0 [ ] 500 [.] 1000 [:] 1500 [-] 2000 [=] 2500 [+] 3000 [*] 3500 [%] 4000 [@] \n"
+        "4500 [#] 5000\n");
 }
 
 static void test_no_value(void **state)
@@ -73,11 +78,13 @@ static void test_no_value(void **state)
            "1|x x\xE2\x96\x88\n"
            " +----\n"
            "  1\n"
-           "1 [ ] \n1.167 [\xC2\xB7] \n1.333 [\xE2\x96\x91] \n1.5 [\xE2\x96\x92] \n1.667 [\xE2\x96\x93] \n1.833 [\xE2\x96\x88] \n"
+           "1 [ ] \n1.167 [\xC2\xB7] \n1.333 [\xE2\x96\x91] \n1.5 [\xE2\x96\x92] \n1.667 "
+           "[\xE2\x96\x93] \n1.833 [\xE2\x96\x88] \n"
            "2   x: no value\n");
     heat = heat_of(4, 1, none);
     expect(&heat, 6, 6, CHARSET_ASCII,
-           "swing [mm] over omega [rad/s] (right) and gamma (up)\n1|xxxx\n +----\n  1\nno point has a value\n");
+           "swing [mm] over omega [rad/s] (right) and gamma (up)\n1|xxxx\n +----\n  1\nno point "
+           "has a value\n");
 }
 
 /* All alike, and a single point: the lowest shade, no division by the span. */
@@ -133,7 +140,8 @@ static void test_any_size(void **state)
             struct buffer out = {0};
             assert_true(heat_print(&heat, width, height, CHARSET_ASCII, &out));
             int lines = 0;
-            for (const char *at = strchr(out.data, '\n') + 1, *end; (end = strchr(at, '\n')); at = end + 1, lines++)
+            for (const char *at = strchr(out.data, '\n') + 1, *end; (end = strchr(at, '\n'));
+                 at = end + 1, lines++)
                 assert_true(end - at <= width + 20); /* the note behind the legend */
             assert_true(lines >= 4);
             buffer_free(&out);
@@ -143,9 +151,12 @@ static void test_any_size(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_values_become_shades), cmocka_unit_test(test_axes),
-        cmocka_unit_test(test_no_value),             cmocka_unit_test(test_one_value),
-        cmocka_unit_test(test_peaks_stay),           cmocka_unit_test(test_any_size),
+        cmocka_unit_test(test_values_become_shades),
+        cmocka_unit_test(test_axes),
+        cmocka_unit_test(test_no_value),
+        cmocka_unit_test(test_one_value),
+        cmocka_unit_test(test_peaks_stay),
+        cmocka_unit_test(test_any_size),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

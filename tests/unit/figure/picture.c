@@ -130,7 +130,8 @@ static void expect_apart(void)
             fail_msg("'%s' leaves the page", a->text);
         for (int j = 0; j < i; j++) {
             const struct box *b = &heard.box[j];
-            if (a->left < b->right && b->left < a->right && a->top < b->bottom && b->top < a->bottom)
+            if (a->left < b->right && b->left < a->right && a->top < b->bottom &&
+                b->top < a->bottom)
                 fail_msg("'%s' lies on '%s'", a->text, b->text);
         }
     }
@@ -217,12 +218,14 @@ struct drawing {
 
 static void drawing_init(struct drawing *s)
 {
-    *s = (struct drawing){.x = steps(1000, 10), .y = wave(1000, 13, 0.05), .grown = wave(1000, 13, 0.05)};
+    *s = (struct drawing){
+        .x = steps(1000, 10), .y = wave(1000, 13, 0.05), .grown = wave(1000, 13, 0.05)};
     for (size_t i = 0; i < 1000; i++)
         s->grown[i] *= exp(0.5 * s->x[i]);
     s->curve[0] = (struct curve){.label = "verlet", .x = s->x, .y = s->y, .n = 1000};
     s->curve[1] = (struct curve){.label = "euler", .x = s->x, .y = s->grown, .n = 1000, .panel = 1};
-    s->curve[2] = (struct curve){.label = "data <&>\033", .x = s->x, .y = s->y, .n = 100, .points = true};
+    s->curve[2] =
+        (struct curve){.label = "data <&>\033", .x = s->x, .y = s->y, .n = 100, .points = true};
     s->figure = (struct figure){.title = "position",
                                 .x = {.label = "t", .unit = "s"},
                                 .y = {.label = "y", .unit = "cm", .factor = 0.01},
@@ -244,8 +247,9 @@ static void drawing_free(struct drawing *s)
 
 static void test_says_what_the_text_figure_says(void **state)
 {
-    static const char *const texts[] = {"position", "verlet", "euler", "data <&>\\x1b", "y [cm]", "t [s]", "0", "6",
-                                        "-6", "-2", "10", "equal axes"};
+    static const char *const texts[] = {"position", "verlet", "euler", "data <&>\\x1b",
+                                        "y [cm]",   "t [s]",  "0",     "6",
+                                        "-6",       "-2",     "10",    "equal axes"};
     struct drawing s;
     struct buffer out = {0};
     (void)state;
@@ -295,8 +299,9 @@ static void test_many_names_fit(void **state)
 
 static void test_png_and_pdf(void **state)
 {
-    static const uint8_t head[24] = {0x89, 'P', 'N', 'G', '\r', '\n', 26, '\n', 0, 0, 0,   13,
-                                     'I',  'H', 'D', 'R', 0,    0,    5,  0,    0, 0, 0x3, 0x20}; /* 1280 x 800 */
+    static const uint8_t head[24] = {0x89, 'P', 'N', 'G', '\r', '\n', 26,  '\n',
+                                     0,    0,   0,   13,  'I',  'H',  'D', 'R',
+                                     0,    0,   5,   0,   0,    0,    0x3, 0x20}; /* 1280 x 800 */
     struct drawing s;
     struct buffer png = {0}, pdf = {0}, again = {0};
     (void)state;
@@ -322,7 +327,8 @@ static void test_png_and_pdf(void **state)
 static size_t svg_size(const double *x, const double *y, bool points, struct axis axis)
 {
     struct curve curve = {.label = "a", .x = x, .y = y, .n = MANY, .points = points};
-    struct figure figure = {.title = "many", .x = axis, .y = {.label = "y"}, .curve = &curve, .curves = 1};
+    struct figure figure = {
+        .title = "many", .x = axis, .y = {.label = "y"}, .curve = &curve, .curves = 1};
     struct buffer out = {0};
     draw(&figure, PICTURE_SVG, &out);
     size_t size = out.len;
@@ -332,7 +338,8 @@ static size_t svg_size(const double *x, const double *y, bool points, struct axi
 
 static void test_many_samples_stay_small_and_keep_peaks(void **state)
 {
-    double *t = steps(MANY, 100), *y = wave(MANY, 20000, 1), *v = wave(MANY, 20000.25, 1), *noise = steps(MANY, 1);
+    double *t = steps(MANY, 100), *y = wave(MANY, 20000, 1), *v = wave(MANY, 20000.25, 1),
+           *noise = steps(MANY, 1);
     struct axis axis = {.label = "t"};
     uint32_t random = 1;
     (void)state;
@@ -359,7 +366,8 @@ static void test_many_samples_stay_small_and_keep_peaks(void **state)
     y[654321] = 2.1;
     y[123456] = -2.1;
     draw(&figure, PICTURE_SVG, &out);
-    assert_true(heard.highest < highest - 5 && heard.lowest == lowest); /* ticks of x are lower than the frame */
+    assert_true(heard.highest < highest - 5 &&
+                heard.lowest == lowest); /* ticks of x are lower than the frame */
     figure.x = (struct axis){.fixed = true, .from = 200, .to = 300};
     draw(&figure, PICTURE_SVG, &out);
     assert_true(heard.highest == highest);
@@ -423,7 +431,8 @@ static void test_a_growing_run_leaves_with_arrows(void **state)
 
 static void test_any_values(void **state)
 {
-    static const double strange[] = {0, 1, -1, 1e300, -1e300, 1.7e308, 1e-310, NAN, INFINITY, -INFINITY, 1e-5, 3};
+    static const double strange[] = {0,      1,   -1,       1e300,     -1e300, 1.7e308,
+                                     1e-310, NAN, INFINITY, -INFINITY, 1e-5,   3};
     double x[8], y[8];
     uint32_t random = 7;
     (void)state;
@@ -433,17 +442,19 @@ static void test_any_values(void **state)
             x[i] = strange[(random >> 8) % COUNT_OF(strange)];
             y[i] = strange[(random >> 16) % COUNT_OF(strange)];
         }
-        struct curve curve[2] = {{.label = "a", .x = x, .y = y, .n = 8, .panel = trial % 3 == 0},
-                                 {.x = y, .y = x, .n = 8, .points = true, .mark = trial % 2 ? 'q' : '\0'}};
-        struct figure figure = {.title = trial % 4 ? "any" : NULL,
-                                .x = {.log = trial % 5 == 0, .unit = "s"},
-                                .y = {.label = "y", .log = trial % 7 == 0, .factor = trial % 6 ? 0.01 : 0},
-                                .curve = curve,
-                                .curves = trial % 3,
-                                .equal = trial % 2,
-                                .zero_line = true,
-                                .has_point = true,
-                                .point = {x[0], y[0]}};
+        struct curve curve[2] = {
+            {.label = "a", .x = x, .y = y, .n = 8, .panel = trial % 3 == 0},
+            {.x = y, .y = x, .n = 8, .points = true, .mark = trial % 2 ? 'q' : '\0'}};
+        struct figure figure = {
+            .title = trial % 4 ? "any" : NULL,
+            .x = {.log = trial % 5 == 0, .unit = "s"},
+            .y = {.label = "y", .log = trial % 7 == 0, .factor = trial % 6 ? 0.01 : 0},
+            .curve = curve,
+            .curves = trial % 3,
+            .equal = trial % 2,
+            .zero_line = true,
+            .has_point = true,
+            .point = {x[0], y[0]}};
         struct buffer out = {0};
         draw(&figure, PICTURE_SVG, &out);
         expect_svg(&out);
@@ -453,7 +464,8 @@ static void test_any_values(void **state)
 
 static void test_any_size(void **state)
 {
-    static const double sizes[][2] = {{-1, 3}, {60, 60}, {60, 5000}, {700, 60}, {1e9, NAN}, {90, 140}};
+    static const double sizes[][2] = {{-1, 3},   {60, 60},   {60, 5000},
+                                      {700, 60}, {1e9, NAN}, {90, 140}};
     struct drawing s;
     struct error error = {0};
     (void)state;
@@ -531,7 +543,8 @@ static int forget_fonts(void **state)
 {
     static const struct {
         const char *library, *function;
-    } caches[] = {{"libcairo.so.2", "cairo_debug_reset_static_data"}, {"libfontconfig.so.1", "FcFini"}};
+    } caches[] = {{"libcairo.so.2", "cairo_debug_reset_static_data"},
+                  {"libfontconfig.so.1", "FcFini"}};
     (void)state;
     for (size_t i = 0; i < COUNT_OF(caches); i++) {
         void *library = dlopen(caches[i].library, RTLD_NOW | RTLD_NOLOAD);

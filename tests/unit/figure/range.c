@@ -29,12 +29,13 @@ static bool dot_lit(const struct canvas *canvas, int column, int row)
 {
     static const uint32_t bit[4][2] = {{0x01, 0x08}, {0x02, 0x10}, {0x04, 0x20}, {0x40, 0x80}};
     const struct cell *cell = &canvas->cell[row / 4 * canvas->width + column / 2];
-    return cell->codepoint > 0x2800 && cell->codepoint <= 0x28FF && (cell->codepoint & bit[row % 4][column % 2]);
+    return cell->codepoint > 0x2800 && cell->codepoint <= 0x28FF &&
+           (cell->codepoint & bit[row % 4][column % 2]);
 }
 
 /* A figure on a canvas of its own, and where everything is. */
-static void draw(const struct figure *figure, struct canvas *canvas, int width, int height, enum charset charset,
-                 struct figure_layout *layout)
+static void draw(const struct figure *figure, struct canvas *canvas, int width, int height,
+                 enum charset charset, struct figure_layout *layout)
 {
     assert_true(canvas_init(canvas, width, height));
     figure_layout(figure, width, height, charset, layout);
@@ -102,7 +103,8 @@ static void test_extremes_of_each_column(void **state)
             }
         }
         if (first < 0 || fabs(first - low[c]) > 1 || fabs(last - high[c]) > 1)
-            fail_msg("dot column %d: rows %d to %d drawn, samples from %.2f to %.2f", c, first, last, low[c], high[c]);
+            fail_msg("dot column %d: rows %d to %d drawn, samples from %.2f to %.2f", c, first,
+                     last, low[c], high[c]);
     }
     canvas_free(&canvas);
 }
@@ -115,7 +117,7 @@ static void check_circle(int width, int height, double aspect, double factor, in
     struct figure figure = {.curve = &curve, .curves = 1, .equal = true, .aspect = aspect};
     struct figure_layout layout;
     struct canvas canvas;
-    double least = INFINITY, most = 0, center_x, center_y;
+    double min = INFINITY, max = 0, center_x, center_y;
 
     figure.y.factor = factor;
     for (int i = 0; i < n; i++) {
@@ -131,13 +133,14 @@ static void check_circle(int width, int height, double aspect, double factor, in
             if (!dot_lit(&canvas, 2 * layout.left + c, 4 * layout.top + r))
                 continue;
             double radius = hypot((c - center_x) / 2, (r - center_y) / 4 * aspect);
-            least = fmin(least, radius);
-            most = fmax(most, radius);
+            min = fmin(min, radius);
+            max = fmax(max, radius);
             dots++;
         }
     }
-    if (dots < 20 || most - least > 0.8 || most < 0.3 * fmin(layout.columns, aspect * layout.rows))
-        fail_msg("%dx%d aspect %g: %d dots, radius %.2f to %.2f columns", width, height, aspect, dots, least, most);
+    if (dots < 20 || max - min > 0.8 || max < 0.3 * fmin(layout.columns, aspect * layout.rows))
+        fail_msg("%dx%d aspect %g: %d dots, radius %.2f to %.2f columns", width, height, aspect,
+                 dots, min, max);
     canvas_free(&canvas);
 }
 
@@ -170,16 +173,16 @@ static void check_labels(const struct figure *figure, int width, int height)
                 fail_msg("%dx%d: labels too near", width, height);
         }
         if (labels != layout.x_ticks.count)
-            fail_msg("%dx%d x %g..%g: %d labels of %d", width, height, layout.x.from, layout.x.to, labels,
-                     layout.x_ticks.count);
+            fail_msg("%dx%d x %g..%g: %d labels of %d", width, height, layout.x.from, layout.x.to,
+                     labels, layout.x_ticks.count);
     }
     if (layout.y_labels) {
         int marks = 0;
         for (int r = 0; r < layout.rows; r++)
             marks += canvas.cell[(layout.top + r) * width + layout.left - 1].codepoint == 0x2524;
         if (marks != layout.y_ticks.count || marks < 2)
-            fail_msg("%dx%d y %g..%g: %d marks of %d", width, height, layout.y.from, layout.y.to, marks,
-                     layout.y_ticks.count);
+            fail_msg("%dx%d y %g..%g: %d marks of %d", width, height, layout.y.from, layout.y.to,
+                     marks, layout.y_ticks.count);
     }
     canvas_free(&canvas);
 }
@@ -195,8 +198,10 @@ static void test_labels_never_collide(void **state)
             y[k] = size * (uniform() - 0.5);
         }
         struct curve curve = {.x = x, .y = y, .n = 4};
-        struct figure figure = {
-            .x = {.label = "t", .unit = "s"}, .y = {.label = "y", .unit = "m"}, .curve = &curve, .curves = 1};
+        struct figure figure = {.x = {.label = "t", .unit = "s"},
+                                .y = {.label = "y", .unit = "m"},
+                                .curve = &curve,
+                                .curves = 1};
         figure.equal = i % 5 == 0;
         figure.x.log = i % 7 == 0;
         figure.x.factor = i % 3 ? 1 : 0.01;
@@ -208,7 +213,8 @@ static void test_labels_never_collide(void **state)
 /* Nothing outside the rectangle is touched, whatever the size. */
 static void test_every_size(void **state)
 {
-    static const int sizes[] = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 15, 20, 25, 38, 50, 80, 100, 300};
+    static const int sizes[] = {1,  2,  3,  4,  5,  6,  7,  8,  9,   10, 11,
+                                12, 13, 15, 20, 25, 38, 50, 80, 100, 300};
     double x[200], y[200], wild[200];
     struct curve curve[] = {
         {.label = "verlet", .x = x, .y = y, .n = 200},
@@ -243,7 +249,8 @@ static void test_every_size(void **state)
                 for (int i = 0; i < canvas.width * canvas.height; i++)
                     canvas.cell[i].codepoint = 'Z';
                 figure.equal = kind >= 3;
-                assert_true(figure_draw(&figure, &canvas, 1, 1, width, height, (enum charset)(kind % 3)));
+                assert_true(
+                    figure_draw(&figure, &canvas, 1, 1, width, height, (enum charset)(kind % 3)));
                 for (int i = 0; i < canvas.width * canvas.height; i++) {
                     int column = i % canvas.width, row = i / canvas.width;
                     bool outside = column == 0 || row == 0 || column > width || row > height;
@@ -298,7 +305,8 @@ static void test_one_arrow_a_side(void **state)
 {
     double x[500], y[500];
     struct curve curve = {.x = x, .y = y, .n = 500};
-    struct figure figure = {.curve = &curve, .curves = 1, .y = {.from = -1, .to = 1, .fixed = true}};
+    struct figure figure = {
+        .curve = &curve, .curves = 1, .y = {.from = -1, .to = 1, .fixed = true}};
     struct figure_layout layout;
     struct canvas canvas;
     (void)state;
@@ -316,7 +324,8 @@ static void test_one_arrow_a_side(void **state)
 static void test_dense_data_over_a_line(void **state)
 {
     double x[1000], y[1000], measured[1000];
-    struct curve curve[] = {{.x = x, .y = y, .n = 1000}, {.x = x, .y = measured, .n = 1000, .points = true}};
+    struct curve curve[] = {{.x = x, .y = y, .n = 1000},
+                            {.x = x, .y = measured, .n = 1000, .points = true}};
     struct figure figure = {.curve = curve, .curves = 2};
     struct figure_layout layout;
     struct canvas canvas;
@@ -339,7 +348,8 @@ static void test_dense_data_over_a_line(void **state)
     draw(&figure, &canvas, 60, 20, CHARSET_ASCII, &layout);
     for (int i = 0; i < 1000; i++) {
         assert_true(figure_cell(&layout, x[i], measured[i], &column, &row));
-        assert_int_equal(canvas.cell[(layout.top + row) * 60 + layout.left + column].codepoint, 'o');
+        assert_int_equal(canvas.cell[(layout.top + row) * 60 + layout.left + column].codepoint,
+                         'o');
     }
     canvas_free(&canvas);
 }
@@ -367,7 +377,8 @@ static void test_few_rows(void **state)
     (void)state;
     for (int height = 7; height < 14; height++) {
         for (double top = 1; top < 10; top += 0.3) {
-            struct figure figure = {.curve = &curve, .curves = 1, .y = {.from = -top, .to = top, .fixed = true}};
+            struct figure figure = {
+                .curve = &curve, .curves = 1, .y = {.from = -top, .to = top, .fixed = true}};
             check_labels(&figure, 40, height);
         }
     }
@@ -377,7 +388,8 @@ static void test_scale_at_any_magnitude(void **state)
 {
     (void)state;
     for (int i = 0; i < 2000; i++) {
-        double size = pow(10, 580 * uniform() - 285), x[2] = {0, 1}, y[2] = {-size * uniform(), size};
+        double size = pow(10, 580 * uniform() - 285), x[2] = {0, 1},
+               y[2] = {-size * uniform(), size};
         struct curve curve = {.x = x, .y = y, .n = 2};
         struct figure figure = {.curve = &curve, .curves = 1};
         struct figure_layout layout;
@@ -386,12 +398,14 @@ static void test_scale_at_any_magnitude(void **state)
             y[0] = y[1] * 1e-5 * uniform();
         figure_layout(&figure, 80, 24, CHARSET_BRAILLE, &layout);
         for (int k = 0; k < 2; k++) {
-            double fraction = scale_fraction(&layout.y, y[k]), back = scale_value(&layout.y, fraction);
+            double fraction = scale_fraction(&layout.y, y[k]),
+                   back = scale_value(&layout.y, fraction);
             assert_true(fraction >= 0 && fraction <= 1);
             assert_true(fabs(back - y[k]) <= 1e-9 * fmax(fabs(y[0]), fabs(y[1])));
         }
     }
-    struct curve all = {.x = (double[]){0, 1, 2}, .y = (double[]){-1.7e308, 1.7e308, 5e-324}, .n = 3};
+    struct curve all = {
+        .x = (double[]){0, 1, 2}, .y = (double[]){-1.7e308, 1.7e308, 5e-324}, .n = 3};
     struct figure figure = {.curve = &all, .curves = 1, .y = {.factor = 1e-6}};
     struct buffer out = {0};
     assert_true(figure_print(&figure, 40, 12, CHARSET_ASCII, false, &out));
@@ -409,7 +423,8 @@ static void test_bad_fixed_ranges(void **state)
     for (size_t i = 0; i < COUNT_OF(bad); i++) { /* as if not fixed */
         figure.x = figure.y = (struct axis){.from = bad[i][0], .to = bad[i][1], .fixed = true};
         figure_layout(&figure, 40, 12, CHARSET_ASCII, &layout);
-        assert_true(layout.x.from == 0 && layout.x.to == 2 && layout.y.from <= 1 && layout.y.to >= 3);
+        assert_true(layout.x.from == 0 && layout.x.to == 2 && layout.y.from <= 1 &&
+                    layout.y.to >= 3);
     }
     figure.x = (struct axis){0};
     figure.y = (struct axis){.from = -1, .to = 1, .fixed = true, .log = true};

@@ -48,14 +48,15 @@ static bool nice(double step)
     return false;
 }
 
-static void check_range(double from, double to, int want, int most)
+static void check_range(double from, double to, int want, int max)
 {
-    struct ticks ticks = ticks_linear(from, to, want, most);
+    struct ticks ticks = ticks_linear(from, to, want, max);
     char text[2][64] = {"", ""};
     double previous = NAN;
 
-    if (ticks.count < (most >= 4 ? 2 : 1) || ticks.count > most || !nice(ticks.step))
-        fail_msg("[%g, %g] want %d most %d: %d ticks, step %g", from, to, want, most, ticks.count, ticks.step);
+    if (ticks.count < (max >= 4 ? 2 : 1) || ticks.count > max || !nice(ticks.step))
+        fail_msg("[%g, %g] want %d most %d: %d ticks, step %g", from, to, want, max, ticks.count,
+                 ticks.step);
     for (int i = 0; i < ticks.count; i++) {
         double value = ticks.first + i * ticks.step, rounding = 1e-6 * ticks.step;
         struct buffer buffer = {0};
@@ -83,12 +84,13 @@ static void test_random_ranges(void **state)
     for (int i = 0; i < rounds; i++) {
         double size = pow(10, 590 * uniform() - 290), from = size * (2 * uniform() - 1);
         double span = size * pow(10, -6 * uniform());
-        int most = 1 + (int)(40 * uniform());
-        check_range(from, from + span, 1 + i % 12, most);
+        int max = 1 + (int)(40 * uniform());
+        check_range(from, from + span, 1 + i % 12, max);
     }
 }
 
-/* What narrow ranges have in common stands in the title: labels stay short, and the title says it exactly. */
+/* What narrow ranges have in common stands in the title: labels stay short, and the title says it
+ * exactly. */
 static void test_narrow_ranges_have_an_offset(void **state)
 {
     static const struct {
@@ -113,14 +115,16 @@ static void test_narrow_ranges_have_an_offset(void **state)
         if (fabs(ticks.offset - known[i].offset) > 1e-9 * fabs(known[i].to))
             fail_msg("[%g, %g]: offset %.10g", known[i].from, known[i].to, ticks.offset);
     }
-    for (int i = 0; i < 5000; i++) { /* short labels whatever the range, none below zero where there is an offset */
+    for (int i = 0; i < 5000;
+         i++) { /* short labels whatever the range, none below zero where there is an offset */
         double from = pow(10, 9 * uniform() - 3), to = from * (1 + pow(10, -9 * uniform()));
         struct ticks ticks = ticks_linear(from, to, 5, 9);
         for (int t = 0; t < ticks.count && ticks.offset != 0; t++) {
             struct buffer label = {0};
             tick_label(&ticks, t, false, &label);
             if (label.len > 5 || label.data[0] == '-')
-                fail_msg("[%.17g, %.17g]: label %s, offset %.17g", from, to, label.data, ticks.offset);
+                fail_msg("[%.17g, %.17g]: label %s, offset %.17g", from, to, label.data,
+                         ticks.offset);
             buffer_free(&label);
         }
     }
@@ -176,7 +180,7 @@ static void test_decades(void **state)
 {
     static const struct {
         double from, to;
-        int most;
+        int max;
         const char *labels;
     } known[] = {
         {1e-3, 1, 10, "0.001 0.01 0.1 1"},         {1, 1e4, 10, "1 10 100 1000 10000"},
@@ -185,7 +189,7 @@ static void test_decades(void **state)
     };
     (void)state;
     for (size_t i = 0; i < COUNT_OF(known); i++) {
-        struct ticks ticks = ticks_log(known[i].from, known[i].to, known[i].most);
+        struct ticks ticks = ticks_log(known[i].from, known[i].to, known[i].max);
         char text[256];
         labels(&ticks, true, text, sizeof text);
         assert_string_equal(text, known[i].labels);
@@ -197,11 +201,12 @@ static void test_random_decades(void **state)
     (void)state;
     for (int i = 0; i < 5000; i++) {
         double low = 600 * uniform() - 300, high = low + 1 + (299 - low) * uniform();
-        int most = 2 + (int)(20 * uniform());
-        struct ticks ticks = ticks_log(pow(10, low), pow(10, high), most);
-        if (ticks.count < 1 || ticks.count > most || ticks.first < low - 1e-6 ||
+        int max = 2 + (int)(20 * uniform());
+        struct ticks ticks = ticks_log(pow(10, low), pow(10, high), max);
+        if (ticks.count < 1 || ticks.count > max || ticks.first < low - 1e-6 ||
             ticks.first + (ticks.count - 1) * ticks.step > high + 1e-6)
-            fail_msg("[1e%g, 1e%g] most %d: %d from %g step %g", low, high, most, ticks.count, ticks.first, ticks.step);
+            fail_msg("[1e%g, 1e%g] most %d: %d from %g step %g", low, high, max, ticks.count,
+                     ticks.first, ticks.step);
     }
 }
 
@@ -209,7 +214,8 @@ static void test_locale_does_not_matter(void **state)
 {
     char text[64];
     (void)state;
-    if (!setlocale(LC_ALL, "de_DE.UTF-8") && !setlocale(LC_ALL, "pl_PL.UTF-8") && !setlocale(LC_ALL, "fr_FR.UTF-8")) {
+    if (!setlocale(LC_ALL, "de_DE.UTF-8") && !setlocale(LC_ALL, "pl_PL.UTF-8") &&
+        !setlocale(LC_ALL, "fr_FR.UTF-8")) {
         print_message("no locale with a decimal comma is installed\n");
         skip();
     }
@@ -222,10 +228,13 @@ static void test_locale_does_not_matter(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_random_ranges),     cmocka_unit_test(test_narrow_ranges_have_an_offset),
+        cmocka_unit_test(test_random_ranges),
+        cmocka_unit_test(test_narrow_ranges_have_an_offset),
         cmocka_unit_test(test_known_ranges),
-        cmocka_unit_test(test_no_range_no_ticks), cmocka_unit_test(test_decades),
-        cmocka_unit_test(test_random_decades),    cmocka_unit_test(test_locale_does_not_matter),
+        cmocka_unit_test(test_no_range_no_ticks),
+        cmocka_unit_test(test_decades),
+        cmocka_unit_test(test_random_decades),
+        cmocka_unit_test(test_locale_does_not_matter),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

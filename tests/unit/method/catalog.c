@@ -16,10 +16,19 @@ static void test_names_and_aliases(void **state)
         {"euler-cromer", "symplectic-euler"}, {"leapfrog", "verlet"}, {"velocity-verlet", "verlet"},
         {"crank-nicolson", "trapezoid"},      {"ode45", "dopri5"},    {"rk45", "dopri5"},
     };
-    static const char *const names[] = {
-        "euler", "backward-euler", "symplectic-euler", "symplectic-euler-kick", "midpoint",  "heun",
-        "rk4",   "verlet",         "position-verlet",  "implicit-midpoint",     "trapezoid", "dopri5",
-        "exact"};
+    static const char *const names[] = {"euler",
+                                        "backward-euler",
+                                        "symplectic-euler",
+                                        "symplectic-euler-kick",
+                                        "midpoint",
+                                        "heun",
+                                        "rk4",
+                                        "verlet",
+                                        "position-verlet",
+                                        "implicit-midpoint",
+                                        "trapezoid",
+                                        "dopri5",
+                                        "exact"};
     for (size_t i = 0; i < COUNT_OF(names); i++)
         assert_string_equal(method_named(names[i])->row.name, names[i]);
     for (size_t i = 0; i < COUNT_OF(same); i++)
@@ -33,7 +42,8 @@ static void test_rows_are_complete(void **state)
     (void)state;
     for (size_t i = 0; i < method_catalog.count; i++) {
         const struct method *m = method_at(i);
-        assert_true(m->row.name && m->row.unit && m->row.brief && m->row.brief[0] && m->row.citation);
+        assert_true(m->row.name && m->row.unit && m->row.brief && m->row.brief[0] &&
+                    m->row.citation);
         assert_true(m->row.citation[0] || m->flags & METHOD_EXACT);
         assert_true(m->formula && m->formula[0]);
         int lines = 1;
@@ -47,7 +57,7 @@ static void test_rows_are_complete(void **state)
         assert_true(m->drag == DRAG_DEFAULT || m->drags & 1u << m->drag);
         assert_false(m->flags & METHOD_L_STABLE && !(m->flags & METHOD_A_STABLE));
         assert_in_range(method_work_size(m, LIMIT_VARIABLES), LIMIT_VARIABLES, 1 << 20);
-        const bool yardstick = m->flags & METHOD_YARDSTICK;
+        const bool yardstick = m->flags & METHOD_EXTERNAL;
         assert_true(yardstick == (m->adapt != NULL) && yardstick == (m->begin && m->end) &&
                     yardstick == (i >= own_methods()));
     }
@@ -100,7 +110,8 @@ static void test_default_drag(void **state)
     assert_int_equal(resolved("rk4", &system, DRAG_DEFAULT), DRAG_DEFAULT);
 }
 
-static void assert_refused(const struct method *method, const struct system *system, enum drag drag, const char *reason)
+static void assert_refused(const struct method *method, const struct system *system, enum drag drag,
+                           const char *reason)
 {
     struct error error = {0};
     enum drag asked = drag;
@@ -147,7 +158,8 @@ static void test_refusals(void **state)
     assert_refused(&only_exact, &linear, DRAG_EXPLICIT, "drag=explicit");
 }
 
-/* Splittings of an order above 2 step back and forth: of drag they take the linear one, exactly, and not too much. */
+/* Splittings of an order above 2 step back and forth: of drag they take the linear one, exactly,
+ * and not too much. */
 static void test_splittings_of_higher_order(void **state)
 {
     (void)state;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The contract of method_step() for every row: costs, memory, failure, reuse, no allocation, symmetries to the bit. */
+/* The contract of method_step() for every row: costs, memory, failure, reuse, no allocation,
+ * symmetries to the bit. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
@@ -8,7 +9,8 @@
 
 #include "numerics/method/testing.h"
 
-/* ---- counting allocations: through the sanitizer's hook, or in front of glibc's own functions ---- */
+/* ---- counting allocations: through the sanitizer's hook, or in front of glibc's own functions
+ * ---- */
 
 static volatile long allocations;
 
@@ -68,16 +70,17 @@ static int start_counting(void **state)
 /* As much as the method can take: quadratic drag, else linear drag, else none. */
 static struct system rich_system(const struct method *method)
 {
-    const struct system systems[] = {SPRING({"gamma", 0.4}, {"C", 2}, {"area", 0.1}, {"F0", 0.1}, {"g", 0.3}),
-                                     SPRING({"gamma", 0.4}, {"F0", 0.1}, {"g", 0.3}), SPRING({"F0", 0.1}, {"g", 0.3}),
-                                     SPRING({"g", 0.3})};
+    const struct system systems[] = {
+        SPRING({"gamma", 0.4}, {"C", 2}, {"area", 0.1}, {"F0", 0.1}, {"g", 0.3}),
+        SPRING({"gamma", 0.4}, {"F0", 0.1}, {"g", 0.3}), SPRING({"F0", 0.1}, {"g", 0.3}),
+        SPRING({"g", 0.3})};
     return first_fit(method, systems, COUNT_OF(systems));
 }
 
 static void test_nothing_is_allocated(void **state)
 {
     (void)state;
-    static double work[WORK_ROOM];
+    static double work[WORK_CAPACITY];
     long before = allocations;
     void *volatile block = malloc(1);
     free(block);
@@ -110,17 +113,18 @@ static void test_nothing_is_allocated(void **state)
 static void test_costs(void **state)
 {
     (void)state;
-    static double work[WORK_ROOM];
+    static double work[WORK_CAPACITY];
     for (size_t m = 0; m < own_methods(); m++) {
         const struct method *method = method_at(m);
         /* Implicit methods need one solve where the scene is linear. */
-        struct system system =
-            method->flags & METHOD_IMPLICIT ? SPRING({"gamma", 0.4}, {"g", 0.3}) : rich_system(method);
+        struct system system = method->flags & METHOD_IMPLICIT ? SPRING({"gamma", 0.4}, {"g", 0.3})
+                                                               : rich_system(method);
         enum drag drag = DRAG_DEFAULT;
         struct error error;
         assert_true(method_applies(method, &system, &drag, &error));
         double y[2] = {0.05, 0};
-        double h = method->flags & METHOD_MULTISTEP ? 1. / 64 : 0.25; /* the others are stable there */
+        double h =
+            method->flags & METHOD_MULTISTEP ? 1. / 64 : 0.25; /* the others are stable there */
         struct step step = step_begin(&system, drag, 2, h, y, work);
         assert_int_equal(method_step(method, &step), STEP_OK);
         assert_true(step.warm && step.t == 2 + h);
@@ -132,7 +136,8 @@ static void test_costs(void **state)
             assert_in_range(cold.evals, method->evals, method->evals + 1);
         assert_int_equal(method_step(method, &step), STEP_OK);
         assert_int_equal(step.cost.evals - cold.evals, method->evals);
-        assert_int_equal(step.cost.solves > 0, !!(method->flags & (METHOD_IMPLICIT | METHOD_EXACT)));
+        assert_int_equal(step.cost.solves > 0,
+                         !!(method->flags & (METHOD_IMPLICIT | METHOD_EXACT)));
         assert_int_equal(step.cost.rejected, 0);
     }
 }
@@ -141,7 +146,7 @@ static void test_costs(void **state)
 static void test_costs_of_newton(void **state)
 {
     (void)state;
-    static double work[WORK_ROOM];
+    static double work[WORK_CAPACITY];
     struct system system = duffing(1);
     double y[2] = {1, 0};
     struct step step = step_begin(&system, DRAG_DEFAULT, 0, 0.1, y, work);
@@ -151,11 +156,12 @@ static void test_costs_of_newton(void **state)
     assert_in_range(step.cost.evals, step.cost.solves, step.cost.solves + 2);
 }
 
-/* Work memory: nothing beyond method_work_size() is touched, and what a cold step finds there does not matter. */
+/* Work memory: nothing beyond method_work_size() is touched, and what a cold step finds there does
+ * not matter. */
 static void test_work_memory(void **state)
 {
     (void)state;
-    static double work[2][WORK_ROOM];
+    static double work[2][WORK_CAPACITY];
     for (size_t m = 0; m < own_methods(); m++) {
         const struct method *method = method_at(m);
         struct system systems[] = {rich_system(method), duffing(1)};
@@ -165,11 +171,11 @@ static void test_work_memory(void **state)
             if (!method_applies(method, &systems[s], &drag, &error))
                 continue;
             size_t size = method_work_size(method, 2);
-            assert_in_range(size, 1, WORK_ROOM / 2);
+            assert_in_range(size, 1, WORK_CAPACITY / 2);
             double y[2][2];
             for (int k = 0; k < 2; k++) {
                 double e[2];
-                for (size_t i = 0; i < WORK_ROOM; i++)
+                for (size_t i = 0; i < WORK_CAPACITY; i++)
                     work[k][i] = k ? 1e99 : NAN;
                 y[k][0] = 0.05, y[k][1] = -0.1;
                 struct step step = step_begin(&systems[s], drag, 0, 0.02, y[k], work[k]);
@@ -178,7 +184,7 @@ static void test_work_memory(void **state)
                     assert_int_equal(method_step(method, &step), STEP_OK);
             }
             assert_memory_equal(y[0], y[1], sizeof y[0]);
-            for (size_t i = size; i < WORK_ROOM; i++)
+            for (size_t i = size; i < WORK_CAPACITY; i++)
                 assert_true(work[1][i] == 1e99);
         }
     }
@@ -195,13 +201,14 @@ static bool remembers(const struct method *method)
 }
 
 /*
- * What a warm step reuses is what a cold one computes: the same bits (a clock that runs can differ by its rounding), or,
- * where the last stage's slope comes out of an equation that was solved, the same within rounding.
+ * What a warm step reuses is what a cold one computes: the same bits (a clock that runs can differ
+ * by its rounding), or, where the last stage's slope comes out of an equation that was solved, the
+ * same within rounding.
  */
 static void test_warm_equals_cold(void **state)
 {
     (void)state;
-    static double work[2][WORK_ROOM];
+    static double work[2][WORK_CAPACITY];
     const struct system systems[] = {SPRING({"gamma", 0.4}, {"C", 2}, {"area", 0.1}, {"g", 0.3}),
                                      SPRING({"gamma", 0.4}, {"g", 0.3}), SPRING({"g", 0.3})};
     for (size_t m = 0; m < own_methods(); m++)
@@ -255,13 +262,15 @@ static void blow_jacobian(const double *c, double t, const double *y, double *ja
     (void)c, (void)t;
     jac[1] += exp(y[1]);
 }
-static const struct term_row blow_row = {
-    .row = {"blow", "m/s^2", "", "", NULL}, .flags = TERM_VELOCITY, .add = blow_add, .jacobian = blow_jacobian};
+static const struct term_row blow_row = {.row = {"blow", "m/s^2", "", "", NULL},
+                                         .flags = TERM_VELOCITY,
+                                         .add = blow_add,
+                                         .jacobian = blow_jacobian};
 
-static void assert_failure_restores(const struct method *method, const struct system *system, enum drag drag, double t,
-                                    const double start[2], bool warm_up)
+static void assert_failure_restores(const struct method *method, const struct system *system,
+                                    enum drag drag, double t, const double start[2], bool warm_up)
 {
-    static double work[WORK_ROOM];
+    static double work[WORK_CAPACITY];
     struct error error;
     if (!method_applies(method, system, &drag, &error))
         return;
@@ -292,15 +301,17 @@ static void test_failure_restores(void **state)
             assert_failure_restores(method, &wall, DRAG_DEFAULT, 0, (double[]){0.03, 1}, true);
             assert_failure_restores(method, &wall, DRAG_DEFAULT, 0, (double[]){1.03, 1}, false);
         }
-        assert_failure_restores(method, &spring_system, DRAG_DEFAULT, 0, (double[]){NAN, -0.0}, false);
-        assert_failure_restores(method, &spring_system, DRAG_DEFAULT, 0, (double[]){0.5, HUGE_VAL}, false);
+        assert_failure_restores(method, &spring_system, DRAG_DEFAULT, 0, (double[]){NAN, -0.0},
+                                false);
+        assert_failure_restores(method, &spring_system, DRAG_DEFAULT, 0, (double[]){0.5, HUGE_VAL},
+                                false);
     }
 }
 
 static void test_no_solution(void **state)
 {
     (void)state;
-    static double work[WORK_ROOM];
+    static double work[WORK_CAPACITY];
     struct system system = other_system(&blow_row, 0);
     double y[2] = {0, 0};
     struct step step = step_begin(&system, DRAG_DEFAULT, 0, 0.3, y, work);
@@ -309,10 +320,12 @@ static void test_no_solution(void **state)
     assert_near("root", v, 0.3 * exp(v), 1e-15);
     memset(y, 0, sizeof y);
     step = step_begin(&system, DRAG_DEFAULT, 0, 0.4, y, work);
-    assert_int_equal(method_step(method_named("backward-euler"), &step), STEP_NO_SOLUTION); /* 0.4 > 1/e */
+    assert_int_equal(method_step(method_named("backward-euler"), &step),
+                     STEP_NO_SOLUTION); /* 0.4 > 1/e */
     assert_true(y[0] == 0 && y[1] == 0 && step.t == 0);
 
-    /* In closed form: an unstable spring at the step where the matrix is singular, and drag with nothing to hold on to.
+    /* In closed form: an unstable spring at the step where the matrix is singular, and drag with
+     * nothing to hold on to.
      */
     struct system unstable = SPRING({"m", 1}, {"k", -1});
     double z[2] = {0.05, 0};
@@ -329,10 +342,12 @@ static void test_symmetries(void **state)
     (void)state;
     for (size_t m = 0; m < own_methods(); m++) {
         const struct method *method = method_at(m);
-        const struct system kinds[] = {SPRING({"gamma", 0.4}, {"C", 2}, {"area", 0.1}), SPRING({"gamma", 0.4}),
-                                       SPRING({NULL, 0})};
-        const struct system odd = first_fit(method, kinds, 3), linear = first_fit(method, kinds + 1, 2);
-        double y[2] = {0.05, 0.3}, mirrored[2] = {-0.05, -0.3}, later[2] = {0.05, 0.3}, parts[2] = {0.05, 0.3};
+        const struct system kinds[] = {SPRING({"gamma", 0.4}, {"C", 2}, {"area", 0.1}),
+                                       SPRING({"gamma", 0.4}), SPRING({NULL, 0})};
+        const struct system odd = first_fit(method, kinds, 3),
+                            linear = first_fit(method, kinds + 1, 2);
+        double y[2] = {0.05, 0.3}, mirrored[2] = {-0.05, -0.3}, later[2] = {0.05, 0.3},
+               parts[2] = {0.05, 0.3};
         assert_int_equal(advance(method, &odd, 0.03, 100, y), STEP_OK);
         assert_int_equal(advance(method, &odd, 0.03, 100, mirrored), STEP_OK);
         assert_true(mirrored[0] == -y[0] && mirrored[1] == -y[1]);
@@ -355,7 +370,7 @@ static void test_symmetries(void **state)
 static void test_error_estimate(void **state)
 {
     (void)state;
-    static double work[WORK_ROOM];
+    static double work[WORK_CAPACITY];
     for (size_t m = 0; m < own_methods(); m++) {
         const struct method *method = method_at(m);
         struct system system = rich_system(method);
@@ -365,7 +380,8 @@ static void test_error_estimate(void **state)
         assert_true(method_applies(method, &system, &drag, &error));
         for (int i = 0; i < 2; i++) {
             double y[2] = {0.05, 0}, e[2] = {-7, -7};
-            struct step step = step_begin(&system, drag, 0, (method->embedded > 8 ? 0.1 : 0.01) * (2 - i), y, work);
+            struct step step = step_begin(&system, drag, 0,
+                                          (method->embedded > 8 ? 0.1 : 0.01) * (2 - i), y, work);
             step.error = e;
             assert_int_equal(method_step(method, &step), STEP_OK);
             size[i] = hypot(e[0] / system.scale[0], e[1] / system.scale[1]);

@@ -65,20 +65,20 @@ static void note_cell(struct text_table *table, const void *row)
 
 /* clang-format off */
 static const struct result_column rows[] = {
-    {.name = "maker", .kind = COLUMN_NAME, .text = maker, .heading = "by", .place = 2},
-    {.name = "length", AT(length), .quantity_of = length_quantity, .heading = "l", .place = 1},
+    {.name = "maker", .kind = COLUMN_NAME, .text = maker, .heading = "by", .index = 2},
+    {.name = "length", AT(length), .quantity_of = length_quantity, .heading = "l", .index = 1},
     {.name = "period", AT(period[0]), .quantity = QUANTITY_TIME, .look = cell_error,
-     .heading = "T", .place = 3},
+     .heading = "T", .index = 3},
     {.name = "period_end", AT(period[1]), .quantity = QUANTITY_TIME,
-     .heading = "T end", .place = 4, .flags = COLUMN_IF_ANY},
+     .heading = "T end", .index = 4, .flags = COLUMN_IF_ANY},
     {.name = "frequency", .real = frequency, .quantity = QUANTITY_FREQUENCY,
-     .heading = "f", .place = 5, .flags = COLUMN_IF_ANY | COLUMN_WIDE, .any = is_damped, .digits = 5},
+     .heading = "f", .index = 5, .flags = COLUMN_IF_ANY | COLUMN_WIDE, .any = is_damped, .digits = 5},
     {.name = "swings", .kind = COLUMN_INT, AT(swings), .head = swings_heading,
-     .place = 6, .flags = COLUMN_IF_ANY},
+     .index = 6, .flags = COLUMN_IF_ANY},
     {.name = "half_swings", .kind = COLUMN_COUNT, .number = twice, .flags = COLUMN_NO_RECORD},
     {.name = "samples", .kind = COLUMN_COUNT, AT(samples), .flags = COLUMN_NO_FILE},
     {.name = "damped", .kind = COLUMN_BOOL, AT(damped)},
-    {.name = "note", .kind = COLUMN_CHARS, AT(note), .cell = note_cell, .place = 7,
+    {.name = "note", .kind = COLUMN_CHARS, AT(note), .cell = note_cell, .index = 7,
      .heading = "note"}};
 /* clang-format on */
 

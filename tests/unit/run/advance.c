@@ -23,7 +23,8 @@ static void test_split_is_bit_equal(void **state)
         struct run *whole = run_create(&scene, method_named(name), &settings, 3, &error);
         if (!whole)
             continue; /* not for this scene */
-        struct run *split = start(&scene, name, settings, 3), *sliced = start(&scene, name, settings, 3);
+        struct run *split = start(&scene, name, settings, 3),
+                   *sliced = start(&scene, name, settings, 3);
         go_to(whole, 3);
         go_to(split, 0.7);
         assert_bits(split->t, 0.7);
@@ -50,10 +51,12 @@ static void test_back_and_continue(void **state)
 {
     (void)state;
     struct scene scene = spring();
-    static const char *const names[] = {"euler", "symplectic-euler", "verlet", "rk4", "backward-euler", "dopri5"};
+    static const char *const names[] = {"euler", "symplectic-euler", "verlet",
+                                        "rk4",   "backward-euler",   "dopri5"};
     for (size_t i = 0; i < COUNT_OF(names); i++) {
         struct run_settings settings = {.dt = 0.01};
-        struct run *there = start(&scene, names[i], settings, 2), *back = start(&scene, names[i], settings, 2);
+        struct run *there = start(&scene, names[i], settings, 2),
+                   *back = start(&scene, names[i], settings, 2);
         go_to(there, 1.5);
         go_to(back, 1.2);
         double was[2] = {trace_state(back->trace, 70)[0], trace_state(back->trace, 70)[1]};
@@ -109,7 +112,11 @@ static void test_partial_step_is_local(void **state)
     go_to(run, 2.3);
     assert_int_equal(run->steps, 1);
     assert_bits(run->t, 2.3);
-    struct step step = {.system = &run->system, .drag = run->settings.drag, .t = 2, .h = 2.3 - 2, .y = (double[2]){0}};
+    struct step step = {.system = &run->system,
+                        .drag = run->settings.drag,
+                        .t = 2,
+                        .h = 2.3 - 2,
+                        .y = (double[2]){0}};
     double work[256];
     memcpy(step.y, run->system.start, 2 * sizeof(double));
     step.work = work;
@@ -187,7 +194,8 @@ static void test_conditions(void **state)
     set(&scene, "gamma", 0.5);
     struct run *run = start(&scene, "rk4", both[0], 10);
     assert_true(until(run, "dissipated > 5 mJ", 10));
-    assert_close(run_observable(run, observable_named("energy")), 0.5 * 15 * 0.05 * 0.05 - 5e-3, 1e-9);
+    assert_close(run_observable(run, observable_named("energy")), 0.5 * 15 * 0.05 * 0.05 - 5e-3,
+                 1e-9);
     assert_false(until(run, "energy-0 > 1", 2));
     run_destroy(run);
 }
@@ -222,7 +230,8 @@ static void test_divergence(void **state)
 
     run = start(&scene, "euler", (struct run_settings){.dt = 0.2}, 1e4);
     go_to(run, 1e4);
-    explain(run, "euler is unstable on an undamped oscillator for every dt (growth 2 a step); try symplectic-euler");
+    explain(run, "euler is unstable on an undamped oscillator for every dt (growth 2 a step); try "
+                 "symplectic-euler");
     run_destroy(run);
 
     set(&scene, "k", -15);
@@ -275,17 +284,20 @@ static void test_budget(void **state)
 {
     (void)state;
     struct scene scene = spring();
-    struct run *run = start(&scene, "rk4", (struct run_settings){.dt = 1e-3, .kernel = KERNEL_GENERAL}, HUGE_VAL);
+    struct run *run =
+        start(&scene, "rk4", (struct run_settings){.dt = 1e-3, .kernel = KERNEL_GENERAL}, HUGE_VAL);
     go_steps(run, 100000); /* fast: the clock is read seldom now */
     struct term_row slow = *run->system.term[0].row;
     slow.add = slow_add;
     run->system.term[0].row = &slow;
     struct run_target target = FOREVER;
     for (int i = 0; i < 8; i++)
-        assert_true(run_advance(run, &target, 2000000, NULL)); /* learns that a step takes 80 us now */
+        assert_true(
+            run_advance(run, &target, 2000000, NULL)); /* learns that a step takes 80 us now */
     const int64_t before = run->steps;
     assert_true(run_advance(run, &target, 2000000, NULL));
-    assert_true(run->steps - before < 300); /* 25 fit into the 2 ms of the budget; counted, not timed */
+    assert_true(run->steps - before <
+                300); /* 25 fit into the 2 ms of the budget; counted, not timed */
     assert_true(run->seconds > 0.01);
     run_destroy(run);
 }
@@ -303,7 +315,8 @@ static void test_rebind(void **state)
     assert_memory_equal(run->y, y, sizeof y);
     assert_close(run->scene.value[param_index("k")], 15, 0);
     go_to(run, 1);
-    /* The exact solution is carried over the change, and the energy that it brought counts as work. */
+    /* The exact solution is carried over the change, and the energy that it brought counts as work.
+     */
     struct run_errors errors;
     struct ledger ledger;
     run_errors(run, &errors);
@@ -333,7 +346,8 @@ static void test_adaptive_grid_points_and_targets(void **state)
     (void)state;
     struct scene scene = lively();
     struct run *whole = start(&scene, "dopri5", (struct run_settings){.dt = 0.01, .tol = 1e-8}, 10);
-    struct run *sliced = start(&scene, "dopri5", (struct run_settings){.dt = 0.01, .tol = 1e-8}, 10);
+    struct run *sliced =
+        start(&scene, "dopri5", (struct run_settings){.dt = 0.01, .tol = 1e-8}, 10);
     go_to(whole, 10);
     struct run_target target = {.t = 10, .steps = -1};
     while (run_advance(sliced, &target, 1, NULL))
@@ -351,14 +365,16 @@ static void test_adaptive_grid_points_and_targets(void **state)
     run_destroy(sliced);
 }
 
-/* A million nearly equal steps: as a plain sum their rounding would go one way, 2e-6 of a radian here. */
+/* A million nearly equal steps: as a plain sum their rounding would go one way, 2e-6 of a radian
+ * here. */
 static void test_clock(void **state)
 {
     (void)state;
     struct scene scene = spring();
     set(&scene, "m", 1);
     set(&scene, "k", 1e10);
-    const struct run_settings settings = {.dt = 1e-6, .tol = 1e-14, .record = {RECORD_EVERY, INT64_MAX, 0}};
+    const struct run_settings settings = {
+        .dt = 1e-6, .tol = 1e-14, .record = {RECORD_EVERY, INT64_MAX, 0}};
     struct run *run = start(&scene, "dop853", settings, 1);
     go_to(run, 1);
     assert_true(run->steps > 1000000 && run->t == 1);

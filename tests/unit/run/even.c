@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Rows at even times: where they lie, what they hold, and that it does not matter how a run is cut. */
+/* Rows at even times: where they lie, what they hold, and that it does not matter how a run is cut.
+ */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
@@ -24,7 +25,8 @@ static void assert_even(const struct run *run)
     const double span = trace_time(run->trace, last) - trace_time(run->trace, last - 1);
     assert_true(span > 0 && span < EVERY * (1 + 1e-12));
     assert_close(trace_time(run->trace, last), run->t, 1e-14);
-    assert_memory_equal(trace_state(run->trace, last), run->y, (size_t)run->system.n * sizeof(double));
+    assert_memory_equal(trace_state(run->trace, last), run->y,
+                        (size_t)run->system.n * sizeof(double));
 }
 
 static double largest_error(const struct run *run)
@@ -42,17 +44,19 @@ static void test_all_adaptive_methods(void **state)
     set(&scene, "gamma", 0.3);
     int seen = 0;
     for (size_t i = 0; i < method_catalog.count; i++) {
-        const struct method *method = (const struct method *)(const void *)catalog_row(&method_catalog, i);
+        const struct method *method =
+            (const struct method *)(const void *)catalog_row(&method_catalog, i);
         struct system system;
         struct error error;
         enum drag drag = DRAG_DEFAULT;
         if (!(method->flags & METHOD_ADAPTIVE) || !scene_bind(&scene, &system, &error) ||
             !method_applies(method, &system, &drag, &error))
             continue;
-        const bool low = method->order < 4 || (method->flags & METHOD_YARDSTICK);
+        const bool low = method->order < 4 || (method->flags & METHOD_EXTERNAL);
         const double tol = low ? 1e-6 : 1e-9;
         struct run *run = start(&scene, method->row.name, rows_by_time(0.01, tol), 5);
-        struct run *steps = start(&scene, method->row.name, (struct run_settings){.dt = 0.01, .tol = tol}, 5);
+        struct run *steps =
+            start(&scene, method->row.name, (struct run_settings){.dt = 0.01, .tol = tol}, 5);
         go_to(run, 5.38);
         go_to(steps, 5.38);
         assert_int_equal(trace_count(run->trace), 52);
@@ -61,7 +65,8 @@ static void test_all_adaptive_methods(void **state)
         assert_memory_equal(run->y, steps->y, 2 * sizeof(double));
         const double error_max = largest_error(run), bound = (low ? 100 : 20) * tol;
         if (!(error_max < bound))
-            fail_msg("%s: error %.3g of rows, %.3g of steps", method->row.name, error_max, largest_error(steps));
+            fail_msg("%s: error %.3g of rows, %.3g of steps", method->row.name, error_max,
+                     largest_error(steps));
         run_destroy(run);
         run_destroy(steps);
         seen++;
@@ -110,14 +115,16 @@ static void test_fixed_steps(void **state)
     for (int kernel = KERNEL_PROPAGATOR; kernel <= KERNEL_GENERAL; kernel++) {
         struct run_settings settings = rows_by_time(0.01, 0), all = {.dt = 0.01};
         settings.kernel = all.kernel = (enum kernel)kernel;
-        struct run *run = start(&scene, "verlet", settings, 100), *steps = start(&scene, "verlet", all, 100);
+        struct run *run = start(&scene, "verlet", settings, 100),
+                   *steps = start(&scene, "verlet", all, 100);
         go_to(run, 77.777);
         go_to(steps, 77.777);
         assert_int_equal(trace_count(run->trace), 779);
         assert_even(run);
         for (size_t i = 0; i < 778; i++) {
             assert_int_equal(trace_step(run->trace, i), i * 10);
-            assert_memory_equal(trace_state(run->trace, i), trace_state(steps->trace, i * 10), 2 * sizeof(double));
+            assert_memory_equal(trace_state(run->trace, i), trace_state(steps->trace, i * 10),
+                                2 * sizeof(double));
         }
         assert_memory_equal(run->y, steps->y, 2 * sizeof(double));
         /* After that part of a step the grid is another: rows are between the steps now. */
@@ -160,7 +167,8 @@ static void test_backwards_and_turns(void **state)
         struct run *run = start(&scene, ways[i].name, rows_by_time(ways[i].dt, ways[i].tol), -1);
         go_to(run, -0.45);
         go_to(run, 0.15);
-        static const double wanted[] = {0, -0.1, -0.2, -0.3, -0.4, -0.4, -0.3, -0.2, -0.1, 0, 0.1, 0.15};
+        static const double wanted[] = {0,    -0.1, -0.2, -0.3, -0.4, -0.4,
+                                        -0.3, -0.2, -0.1, 0,    0.1,  0.15};
         assert_int_equal(trace_count(run->trace), COUNT_OF(wanted));
         for (size_t k = 0; k < COUNT_OF(wanted); k++)
             assert_close(trace_time(run->trace, k), wanted[k], 1e-15);
@@ -182,7 +190,8 @@ static void test_full(void **state)
     assert_int_equal(run->stop, STOP_FULL);
     const size_t rows = trace_count(run->trace);
     assert_true(rows > 300 && rows <= 501 && run->t < 0.5);
-    assert_true(trace_time(run->trace, rows - 2) < run->t && run->t - trace_time(run->trace, rows - 2) <= 1e-3);
+    assert_true(trace_time(run->trace, rows - 2) < run->t &&
+                run->t - trace_time(run->trace, rows - 2) <= 1e-3);
     assert_true(run_back(run, 200)); /* makes room */
     go_to(run, 0.3);
     assert_int_equal(run->stop, STOP_END);
@@ -209,9 +218,12 @@ static void test_refused(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_all_adaptive_methods), cmocka_unit_test(test_cut_in_pieces),
-        cmocka_unit_test(test_fixed_steps),          cmocka_unit_test(test_between_fixed_steps),
-        cmocka_unit_test(test_backwards_and_turns),  cmocka_unit_test(test_full),
+        cmocka_unit_test(test_all_adaptive_methods),
+        cmocka_unit_test(test_cut_in_pieces),
+        cmocka_unit_test(test_fixed_steps),
+        cmocka_unit_test(test_between_fixed_steps),
+        cmocka_unit_test(test_backwards_and_turns),
+        cmocka_unit_test(test_full),
         cmocka_unit_test(test_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

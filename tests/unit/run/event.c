@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Events: found once each, at the right time, whatever the method and however the run is cut into calls. */
+/* Events: found once each, at the right time, whatever the method and however the run is cut into
+ * calls. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
@@ -45,7 +46,8 @@ static int tear_down(void **state)
 static void start(struct fixture *f, const char *name, double dt, double tol)
 {
     const struct run_settings settings = {.dt = dt, .tol = tol};
-    const struct method *method = (const struct method *)(const void *)catalog_find(&method_catalog, text_of(name));
+    const struct method *method =
+        (const struct method *)(const void *)catalog_find(&method_catalog, text_of(name));
     run_destroy(f->run);
     f->run = run_create(&f->scene, method, &settings, 100, &f->error);
     if (!f->run)
@@ -66,13 +68,15 @@ static void add(struct fixture *f, const char *text, bool stop)
 
 static void go(struct fixture *f, double t, int64_t steps)
 {
-    const struct run_target target = {.t = t, .steps = steps, .event = f->event, .events = f->events};
-    while (run_advance(f->run, &target, 0, NULL)) {}
+    const struct run_target target = {
+        .t = t, .steps = steps, .event = f->event, .events = f->events};
+    while (run_advance(f->run, &target, 0, NULL)) {
+    }
 }
 
 static double time_of(const struct fixture *f, size_t i)
 {
-    return run_happening(f->run, i)->t;
+    return run_event_record(f->run, i)->t;
 }
 
 /* ---- times ---- */
@@ -82,8 +86,9 @@ static void test_times(void **state)
     static const struct {
         const char *method;
         double dt, tol, tolerance;
-    } row[] = {{"dop853", 0.1, 1e-12, 1e-8}, {"dopri5", 0.1, 1e-10, 1e-8}, {"rk4", 0.01, 0, 1e-8},
-               {"verlet", 0.001, 0, 1e-5},   {"rk4", 0.3, 0, 1e-2},        {"odex", 0.1, 1e-12, 1e-4}};
+    } row[] = {{"dop853", 0.1, 1e-12, 1e-8}, {"dopri5", 0.1, 1e-10, 1e-8},
+               {"rk4", 0.01, 0, 1e-8},       {"verlet", 0.001, 0, 1e-5},
+               {"rk4", 0.3, 0, 1e-2},        {"odex", 0.1, 1e-12, 1e-4}};
     struct fixture *f = *state;
     for (size_t k = 0; k < COUNT_OF(row); k++) {
         start(f, row[k].method, row[k].dt, row[k].tol);
@@ -91,19 +96,25 @@ static void test_times(void **state)
         add(f, "x' rising", false);
         add(f, "x < 0.5", false);
         go(f, 20, -1);
-        /* x = cos t: zeros at pi/2 + k pi; x' rises at pi + 2 pi k; x falls through 1/2 at pi/3 + 2 pi k */
+        /* x = cos t: zeros at pi/2 + k pi; x' rises at pi + 2 pi k; x falls through 1/2 at pi/3 + 2
+         * pi k */
         double last = 0;
         int count[3] = {0};
-        for (size_t i = 0; i < run_happenings(f->run); i++) {
-            const struct happening *h = run_happening(f->run, i);
-            const double *y = run_happening_state(f->run, i), n = count[h->event]++;
+        for (size_t i = 0; i < run_event_records(f->run); i++) {
+            const struct event_record *h = run_event_record(f->run, i);
+            const double *y = run_event_record_state(f->run, i), n = count[h->event]++;
             const double wanted = h->event == 0   ? M_PI / 2 + n * M_PI
                                   : h->event == 1 ? M_PI + 2 * n * M_PI
                                                   : M_PI / 3 + 2 * n * M_PI;
             if (!(fabs(h->t - wanted) < row[k].tolerance && h->t >= last))
                 fail_msg("%s: event %d at %.17g, not %.17g", row[k].method, h->event, h->t, wanted);
-            assert_int_equal(h->direction, h->event == 1 ? 1 : h->event == 2 ? -1 : (int)n % 2 ? 1 : -1);
-            assert_true(fabs(h->event == 0 ? y[0] : h->event == 1 ? y[1] : y[0] - 0.5) < 1e-14); /* to rounding */
+            assert_int_equal(h->direction, h->event == 1   ? 1
+                                           : h->event == 2 ? -1
+                                           : (int)n % 2    ? 1
+                                                           : -1);
+            assert_true(fabs(h->event == 0   ? y[0]
+                             : h->event == 1 ? y[1]
+                                             : y[0] - 0.5) < 1e-14); /* to rounding */
             last = h->t;
         }
         assert_int_equal(count[0], 6);
@@ -127,24 +138,35 @@ static void test_slices_do_not_matter(void **state)
             go(f, HUGE_VAL, 400);
         for (size_t i = 0; cut && i < count; i++)
             assert_true(times[i] == time_of(f, i));
-        assert_true(!cut || count == run_happenings(f->run));
-        count = run_happenings(f->run);
+        assert_true(!cut || count == run_event_records(f->run));
+        count = run_event_records(f->run);
         assert_true(count > 10 && count < 64);
         for (size_t i = 0; i < count; i++)
             times[i] = time_of(f, i);
     }
 }
 
-/* x = t: sin(200 x) rises through 0 at each 2 pi/200, however long the steps are; the start is none of them. */
+/* x = t: sin(200 x) rises through 0 at each 2 pi/200, however long the steps are; the start is none
+ * of them. */
 static void test_counts(void **state)
 {
     static const struct {
         const char *method;
         double dt, tol;
-    } row[] = {{"bogacki-shampine", 0.1, 1e-3},    {"dopri5", 0.1, 1e-3}, {"dopri5", 0.1, 1e-12}, {"tsit5", 0.1, 1e-6},
-               {"dop853", 0.1, 1e-6}, {"odex", 0.1, 1e-3},   {"radau5", 0.1, 1e-6},  {"tr-bdf2", 0.1, 1e-3},
-               {"rodas5p", 0.1, 1e-12}, {"rk4", 2, 0},       {"euler", 0.5, 0},      {"abm4", 0.25, 0},
-               {"bdf2", 0.25, 0},     {"gauss4", 1, 0}};
+    } row[] = {{"bogacki-shampine", 0.1, 1e-3},
+               {"dopri5", 0.1, 1e-3},
+               {"dopri5", 0.1, 1e-12},
+               {"tsit5", 0.1, 1e-6},
+               {"dop853", 0.1, 1e-6},
+               {"odex", 0.1, 1e-3},
+               {"radau5", 0.1, 1e-6},
+               {"tr-bdf2", 0.1, 1e-3},
+               {"rodas5p", 0.1, 1e-12},
+               {"rk4", 2, 0},
+               {"euler", 0.5, 0},
+               {"abm4", 0.25, 0},
+               {"bdf2", 0.25, 0},
+               {"gauss4", 1, 0}};
     struct fixture *f = *state;
     const char *const lines[] = {"var x = 0", "x' = 1", NULL};
     scene_init(&f->scene, NULL);
@@ -157,12 +179,12 @@ static void test_counts(void **state)
         add(f, "x-10", false);
         go(f, 10, -1);
         int count[4] = {0};
-        for (size_t i = 0; i < run_happenings(f->run); i++)
-            count[run_happening(f->run, i)->event]++;
+        for (size_t i = 0; i < run_event_records(f->run); i++)
+            count[run_event_record(f->run, i)->event]++;
         if (count[0] != 318 || count[1] != 1 || count[2] != 2 || count[3] != 1 ||
             run_event_doubt(f->run, 0).steps != 0)
-            fail_msg("%s, tol %g: %d of 318 crossings, %d touches, %d of a pair, %d at the end", row[k].method,
-                     row[k].tol, count[0], count[1], count[2], count[3]);
+            fail_msg("%s, tol %g: %d of 318 crossings, %d touches, %d of a pair, %d at the end",
+                     row[k].method, row[k].tol, count[0], count[1], count[2], count[3]);
     }
 }
 
@@ -180,7 +202,7 @@ static void test_stop(void **state)
             assert_int_equal(f->run->stop, STOP_CONDITION);
             assert_true(fabs(f->run->t - (M_PI / 2 + 2 * M_PI * turn)) < 1e-4);
             assert_true(fabs(f->run->y[0]) < 1e-14);
-            assert_int_equal(run_happenings(f->run), turn + 1);
+            assert_int_equal(run_event_records(f->run), turn + 1);
             assert_true(time_of(f, (size_t)turn) == f->run->t);
             assert_true(trace_time(f->run->trace, trace_count(f->run->trace) - 1) == f->run->t);
         }
@@ -195,10 +217,10 @@ static void test_order_in_a_step(void **state)
     add(f, "x + 0.1", false);
     add(f, "x", true);
     go(f, 100, -1);
-    assert_int_equal(run_happenings(f->run), 1);
-    assert_int_equal(run_happening(f->run, 0)->event, 1);
+    assert_int_equal(run_event_records(f->run), 1);
+    assert_int_equal(run_event_record(f->run, 0)->event, 1);
     go(f, 100, -1);
-    assert_int_equal(run_happenings(f->run), 4); /* - + and x again */
+    assert_int_equal(run_event_records(f->run), 4); /* - + and x again */
 }
 
 static void test_back(void **state)
@@ -207,14 +229,15 @@ static void test_back(void **state)
     start(f, "rk4", 0.1, 0);
     add(f, "x", false);
     go(f, 10, -1);
-    assert_int_equal(run_happenings(f->run), 3);
+    assert_int_equal(run_event_records(f->run), 3);
     run_back(f->run, 50);
-    assert_int_equal(run_happenings(f->run), 2);
+    assert_int_equal(run_event_records(f->run), 2);
     go(f, 10, -1);
-    assert_int_equal(run_happenings(f->run), 3);
+    assert_int_equal(run_event_records(f->run), 3);
 }
 
-/* Of those at the same time each is kept, in the order of definition, also beside one that stops. */
+/* Of those at the same time each is kept, in the order of definition, also beside one that stops.
+ */
 static void test_same_time(void **state)
 {
     struct fixture *f = *state;
@@ -223,29 +246,40 @@ static void test_same_time(void **state)
     add(f, "-x rising", false);
     add(f, "2*x", true);
     go(f, 100, -1);
-    assert_int_equal(run_happenings(f->run), 3);
+    assert_int_equal(run_event_records(f->run), 3);
     for (size_t i = 0; i < 3; i++)
-        assert_true(run_happening(f->run, i)->event == (int)i && time_of(f, i) == f->run->t);
+        assert_true(run_event_record(f->run, i)->event == (int)i && time_of(f, i) == f->run->t);
     go(f, 3, -1);
-    assert_int_equal(run_happenings(f->run), 3); /* not again */
+    assert_int_equal(run_event_records(f->run), 3); /* not again */
 }
 
-/* Neither at the very start, nor where 0 is only touched, nor where the value is not a number; at a jump once. */
+/* Neither at the very start, nor where 0 is only touched, nor where the value is not a number; at a
+ * jump once. */
 static void test_odd_values(void **state)
 {
     static const struct {
         const char *event;
         int times;
-    } row[] = {{"x - 1", 0},      {"t", 0},          {"x^2 + 1e-12", 0}, {"x' + 1 - abs(x' + 1)", 0}, {"0", 0},
-               {"sqrt(-1-x^2)", 0}, {"sign(x)", 3},  {"step(x)-0.5", 3}, {"floor(t) - 2.5", 1},       {"1/x", 3},
-               {"(x-0.5)^3", 3},  {"t - 10", 1},     {"t > 3", 1}};
+    } row[] = {{"x - 1", 0},
+               {"t", 0},
+               {"x^2 + 1e-12", 0},
+               {"x' + 1 - abs(x' + 1)", 0},
+               {"0", 0},
+               {"sqrt(-1-x^2)", 0},
+               {"sign(x)", 3},
+               {"step(x)-0.5", 3},
+               {"floor(t) - 2.5", 1},
+               {"1/x", 3},
+               {"(x-0.5)^3", 3},
+               {"t - 10", 1},
+               {"t > 3", 1}};
     struct fixture *f = *state;
     for (size_t i = 0; i < COUNT_OF(row); i++) {
         start(f, "rk4", 0.1, 0);
         add(f, row[i].event, false);
         go(f, 10, -1);
-        if (run_happenings(f->run) != (size_t)row[i].times)
-            fail_msg("%s: %zu times", row[i].event, run_happenings(f->run));
+        if (run_event_records(f->run) != (size_t)row[i].times)
+            fail_msg("%s: %zu times", row[i].event, run_event_records(f->run));
     }
 }
 
@@ -259,8 +293,8 @@ static void test_graze(void **state)
     start(f, "rk4", 0.125, 0);
     add(f, "z", false);
     go(f, 2, -1);
-    assert_true(run_happenings(f->run) == 0 || run_happenings(f->run) == 2);
-    for (size_t i = 0; i < run_happenings(f->run); i++)
+    assert_true(run_event_records(f->run) == 0 || run_event_records(f->run) == 2);
+    for (size_t i = 0; i < run_event_records(f->run); i++)
         assert_true(fabs(time_of(f, i) - 1) < 1e-7);
 }
 
@@ -276,7 +310,7 @@ static void test_many(void **state)
     run_explain(f->run, &why);
     buffer_put(&why, TEXT(""));
     assert_int_equal(f->run->stop, STOP_FULL);
-    assert_int_equal(run_happenings(f->run) / LIMIT_EVENTS, LIMIT_HAPPENINGS / LIMIT_EVENTS);
+    assert_int_equal(run_event_records(f->run) / LIMIT_EVENTS, LIMIT_EVENT_RECORDS / LIMIT_EVENTS);
     assert_non_null(strstr(why.data, "1000000 events were noticed, more are not kept"));
     assert_true(fabs(f->run->t - 0.1 * (double)f->run->steps) < 1e-6);
     buffer_free(&why);
@@ -284,21 +318,23 @@ static void test_many(void **state)
 
 /* ---- jumps ---- */
 
-static void bounce(struct fixture *f, double factor, int64_t most)
+static void bounce(struct fixture *f, double factor, int64_t max)
 {
-    for (go(f, 100, -1); f->run->stop == STOP_CONDITION && most-- > 0; go(f, 100, -1))
+    for (go(f, 100, -1); f->run->stop == STOP_CONDITION && max-- > 0; go(f, 100, -1))
         if (!run_kick(f->run, 1, -factor * f->run->y[1], &f->error))
             fail_msg("%s", f->error.text);
 }
 
-/* A ball from 1 m: bounces at t1 (1 + 2 r + 2 r^2 + …), whatever the steps; energy changes by what they take. */
+/* A ball from 1 m: bounces at t1 (1 + 2 r + 2 r^2 + …), whatever the steps; energy changes by what
+ * they take. */
 static void test_bounces(void **state)
 {
     static const struct {
         const char *method;
         double dt, tol;
-    } row[] = {{"rk4", 0.01, 0}, {"rk4", 0.7, 0}, {"verlet", 0.05, 0}, {"dop853", 0.01, 1e-9}, {"dopri5", 2, 1e-9},
-               {"radau5", 0.01, 1e-9}, {"abm4", 0.01, 0}, {"bdf2", 0.001, 0}, {"odex", 0.01, 1e-9}};
+    } row[] = {{"rk4", 0.01, 0},       {"rk4", 0.7, 0},     {"verlet", 0.05, 0},
+               {"dop853", 0.01, 1e-9}, {"dopri5", 2, 1e-9}, {"radau5", 0.01, 1e-9},
+               {"abm4", 0.01, 0},      {"bdf2", 0.001, 0},  {"odex", 0.01, 1e-9}};
     struct fixture *f = *state;
     const char *const lines[] = {"var y = 1", "y'' = -2", "potential 2*y", NULL};
     scene_init(&f->scene, NULL);
@@ -309,13 +345,15 @@ static void test_bounces(void **state)
         bounce(f, 0.5, 14);
         const double tolerance = strcmp(row[k].method, "bdf2") == 0 ? 1e-2 : 1e-9;
         double wanted = 1, flight = 1;
-        assert_int_equal(run_happenings(f->run), 15);
+        assert_int_equal(run_event_records(f->run), 15);
         for (size_t i = 0; i < 15; i++, flight /= 2, wanted += 2 * flight)
             if (!(fabs(time_of(f, i) - wanted) < tolerance))
-                fail_msg("%s: bounce %zu at %.17g, not %.17g", row[k].method, i, time_of(f, i), wanted);
+                fail_msg("%s: bounce %zu at %.17g, not %.17g", row[k].method, i, time_of(f, i),
+                         wanted);
         struct ledger ledger;
         run_ledger(f->run, &ledger);
-        assert_true(fabs(ledger.initial - 2) < 1e-15 && ledger.final < 1e-3 && ledger.error_max < tolerance);
+        assert_true(fabs(ledger.initial - 2) < 1e-15 && ledger.final < 1e-3 &&
+                    ledger.error_max < tolerance);
         assert_true(fabs(ledger.work - (ledger.final - 2)) < 2 * tolerance);
     }
 }
@@ -333,7 +371,8 @@ static void test_kick(void **state)
     assert_true(run_kick(f->run, 0, 2, &f->error) && run_kick(f->run, 1, 0, &f->error));
     const size_t rows = trace_count(f->run->trace);
     assert_true(f->run->steps == 12 && rows == 13 && f->run->t == 1.0 && !f->run->plan.exact_known);
-    assert_true(trace_state(f->run->trace, rows - 3)[0] == x && trace_state(f->run->trace, rows - 3)[1] == v);
+    assert_true(trace_state(f->run->trace, rows - 3)[0] == x &&
+                trace_state(f->run->trace, rows - 3)[1] == v);
     for (size_t i = 1; i <= 3; i++)
         assert_true(trace_time(f->run->trace, rows - i) == 1.0);
     go(f, 2, -1);
@@ -374,10 +413,12 @@ static void test_text(void **state)
     struct event event = {0};
     size_t used;
     start(f, "rk4", 0.1, 0);
-    assert_false(event_compile(TEXT("x < 0 rising"), &f->scope, &f->arena, &event, &used, &f->error));
+    assert_false(
+        event_compile(TEXT("x < 0 rising"), &f->scope, &f->arena, &event, &used, &f->error));
     assert_true(text_is(f->error.where, "rising"));
     assert_false(event_compile(TEXT("xx"), &f->scope, &f->arena, &event, &used, &f->error));
-    assert_true(event_compile(TEXT("x falling do stop"), &f->scope, &f->arena, &event, &used, &f->error));
+    assert_true(
+        event_compile(TEXT("x falling do stop"), &f->scope, &f->arena, &event, &used, &f->error));
     assert_int_equal(used, 9);
     assert_int_equal(event.direction, -1);
 }
@@ -391,40 +432,47 @@ static bool until(struct fixture *f, const char *text, double t_end)
     size_t used;
     if (!condition_compile(text_of(text), &f->scope, &f->arena, &condition, &used, &f->error))
         fail_msg("%s: %s", text, f->error.text);
-    const struct run_target target = {
-        .t = t_end, .steps = -1, .condition = &condition, .scope = &f->scope, .event = f->event, .events = f->events};
+    const struct run_target target = {.t = t_end,
+                                      .steps = -1,
+                                      .condition = &condition,
+                                      .scope = &f->scope,
+                                      .event = f->event,
+                                      .events = f->events};
     while (run_advance(f->run, &target, 1, NULL))
         continue;
     return f->run->stop == STOP_CONDITION;
 }
 
-/* x = cos t passes 1/2 seven times in 20 s: so many pairs, however close, also where steps have no polynomial. */
+/* x = cos t passes 1/2 seven times in 20 s: so many pairs, however close, also where steps have no
+ * polynomial. */
 static void test_close_pairs(void **state)
 {
     struct fixture *f = *state;
     static const char *const methods[] = {"dopri5", "dop853", "radau5", "odex", "tsit5", "rk4"};
-    static const char *const pairs[] = {"(x - 0.5)*(x - 0.501)", "(x - 0.5)*(x - 0.50001)", "(x - 0.5)*(x - 0.5000001)",
-                                        "(x - 0.5)*(x - 0.500000001)"};
+    static const char *const pairs[] = {"(x - 0.5)*(x - 0.501)", "(x - 0.5)*(x - 0.50001)",
+                                        "(x - 0.5)*(x - 0.5000001)", "(x - 0.5)*(x - 0.500000001)"};
     for (size_t m = 0; m < COUNT_OF(methods); m++)
         for (size_t i = 0; i < COUNT_OF(pairs); i++) {
             start(f, methods[m], 0.01, strcmp(methods[m], "rk4") == 0 ? 0 : 1e-8);
             add(f, pairs[i], false);
             go(f, 20, -1);
-            if (run_happenings(f->run) != 14 && run_event_doubt(f->run, 0).steps == 0)
-                fail_msg("%s, %s: %zu", methods[m], pairs[i], run_happenings(f->run));
+            if (run_event_records(f->run) != 14 && run_event_doubt(f->run, 0).steps == 0)
+                fail_msg("%s, %s: %zu", methods[m], pairs[i], run_event_records(f->run));
         }
 }
 
-/* x = cos t: conditions that hold for a small part of a step, at once, never, at the end, where they touch. */
+/* x = cos t: conditions that hold for a small part of a step, at once, never, at the end, where
+ * they touch. */
 static void test_conditions_are_met(void **state)
 {
     struct fixture *f = *state;
     static const struct {
         const char *method;
         double dt, tol, off;
-    } by[] = {{"dopri5", 0.1, 1e-10, 1e-8}, {"dop853", 0.1, 1e-10, 1e-8}, {"radau5", 0.1, 1e-10, 1e-8},
-              {"odex", 0.1, 1e-10, 1e-8},   {"tsit5", 0.1, 1e-10, 1e-8},  {"rodas5p", 0.1, 1e-9, 1e-7},
-              {"rk4", 0.01, 0, 1e-8},       {"gauss4", 0.01, 0, 1e-8},    {"verlet", 1e-3, 0, 1e-5}};
+    } by[] = {
+        {"dopri5", 0.1, 1e-10, 1e-8}, {"dop853", 0.1, 1e-10, 1e-8}, {"radau5", 0.1, 1e-10, 1e-8},
+        {"odex", 0.1, 1e-10, 1e-8},   {"tsit5", 0.1, 1e-10, 1e-8},  {"rodas5p", 0.1, 1e-9, 1e-7},
+        {"rk4", 0.01, 0, 1e-8},       {"gauss4", 0.01, 0, 1e-8},    {"verlet", 1e-3, 0, 1e-5}};
     static const struct {
         const char *text;
         double at, again; /* NAN: never */
@@ -453,8 +501,10 @@ static void test_conditions_are_met(void **state)
             if (!met || f->run->t == 12 || tangent) /* it may truly be there a moment later */
                 continue;
             const bool again = until(f, rows[i].text, 12);
-            if (again != !isnan(rows[i].again) || (again && !(fabs(f->run->t - rows[i].again) <= 2 * off)))
-                fail_msg("%s, %s, again: %d at t = %.10g", by[m].method, rows[i].text, again, f->run->t);
+            if (again != !isnan(rows[i].again) ||
+                (again && !(fabs(f->run->t - rows[i].again) <= 2 * off)))
+                fail_msg("%s, %s, again: %d at t = %.10g", by[m].method, rows[i].text, again,
+                         f->run->t);
         }
 }
 

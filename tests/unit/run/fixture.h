@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What the tests of the run layer share: scenes by parameters, runs that must exist, comparing bits. */
+/* What the tests of the run layer share: scenes by parameters, runs that must exist, comparing
+ * bits. */
 #ifndef HOOKE_TESTS_UNIT_RUN_FIXTURE_H
 #define HOOKE_TESTS_UNIT_RUN_FIXTURE_H
 
@@ -47,8 +48,8 @@ static inline const struct observable *observable_named(const char *name)
     return (const struct observable *)(const void *)row;
 }
 
-static inline struct run *start(const struct scene *scene, const char *method, struct run_settings settings,
-                                double span)
+static inline struct run *start(const struct scene *scene, const char *method,
+                                struct run_settings settings, double span)
 {
     struct error error;
     struct run *run = run_create(scene, method_named(method), &settings, span, &error);
@@ -78,7 +79,8 @@ static inline uint64_t bits(double x)
 
 #define assert_bits(a, b) assert_int_equal(bits(a), bits(b))
 
-static inline void assert_close_at(double got, double wanted, double tolerance, const char *what, int line)
+static inline void assert_close_at(double got, double wanted, double tolerance, const char *what,
+                                   int line)
 {
     if (!(fabs(got - wanted) <= tolerance))
         fail_msg("line %d: %s = %.17g, wanted %.17g +- %.3g", line, what, got, wanted, tolerance);
@@ -93,9 +95,11 @@ static inline void assert_same_trace(const struct run *a, const struct run *b)
     for (size_t i = 0; i < trace_count(a->trace); i++) {
         if (trace_step(a->trace, i) != trace_step(b->trace, i) ||
             bits(trace_time(a->trace, i)) != bits(trace_time(b->trace, i)) ||
-            memcmp(trace_state(a->trace, i), trace_state(b->trace, i), (size_t)a->system.n * sizeof(double)) != 0)
-            fail_msg("row %zu differs: step %lld %lld, t %.17g %.17g", i, (long long)trace_step(a->trace, i),
-                     (long long)trace_step(b->trace, i), trace_time(a->trace, i), trace_time(b->trace, i));
+            memcmp(trace_state(a->trace, i), trace_state(b->trace, i),
+                   (size_t)a->system.n * sizeof(double)) != 0)
+            fail_msg("row %zu differs: step %lld %lld, t %.17g %.17g", i,
+                     (long long)trace_step(a->trace, i), (long long)trace_step(b->trace, i),
+                     trace_time(a->trace, i), trace_time(b->trace, i));
     }
     assert_int_equal(a->steps, b->steps);
     assert_bits(a->t, b->t);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Interrupts at random times: what was computed is a bit-equal prefix, going on gives the run one would have had, and
- * it stops at once. */
+/* Interrupts at random times: what was computed is a bit-equal prefix, going on gives the run one
+ * would have had, and it stops at once. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
@@ -42,9 +42,9 @@ static struct run *new_run(const char *method)
     scene_init(&scene, NULL);
     assert_true(scene_set(&scene, param_index("C"), (struct measured){1, 0}, &error));
     struct run_settings settings = {.dt = 0.001};
-    struct run *run =
-        run_create(&scene, (const struct method *)(const void *)catalog_find(&method_catalog, text_of(method)),
-                   &settings, STEPS * 0.001, &error);
+    struct run *run = run_create(
+        &scene, (const struct method *)(const void *)catalog_find(&method_catalog, text_of(method)),
+        &settings, STEPS * 0.001, &error);
     assert_non_null(run);
     return run;
 }
@@ -108,8 +108,8 @@ static void test_random_interrupts(void **state)
     }
     qsort(latency, (size_t)interrupts, sizeof latency[0], by_time);
     const double p99 = (double)latency[interrupts * 99 / 100] * 1e-6;
-    print_message("# %d interrupts: stopped after %.3f ms (median), %.3f ms (99th percentile)\n", interrupts,
-                  (double)latency[interrupts / 2] * 1e-6, p99);
+    print_message("# %d interrupts: stopped after %.3f ms (median), %.3f ms (99th percentile)\n",
+                  interrupts, (double)latency[interrupts / 2] * 1e-6, p99);
     assert_true(p99 <= 100);
 }
 

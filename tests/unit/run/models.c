@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Runs of scenes that are not a mass on a line: several coordinates, first order, angles, no units. */
+/* Runs of scenes that are not a mass on a line: several coordinates, first order, angles, no units.
+ */
 #include "unit/run/fixture.h"
 
 #include <stdlib.h>
@@ -26,7 +27,8 @@ static double now(const struct run *run, const char *name)
     return run_observable(run, observable_named(name));
 }
 
-/* Every preset runs a few steps by rk4 and dopri5 and by the implicit midpoint rule, or says why it stopped. */
+/* Every preset runs a few steps by rk4 and dopri5 and by the implicit midpoint rule, or says why it
+ * stopped. */
 static void test_every_preset_runs(void **state)
 {
     (void)state;
@@ -50,7 +52,8 @@ static void test_every_preset_runs(void **state)
             assert_non_null(column);
             for (size_t o = 0; o < observable_catalog.count; o++) {
                 const struct observable *row = (const void *)catalog_row(&observable_catalog, o);
-                if (run_column(run, row, column, &error) && run->system.order != 2 && row->needs & NEED_MECHANICS)
+                if (run_column(run, row, column, &error) && run->system.order != 2 &&
+                    row->needs & NEED_MECHANICS)
                     fail_msg("%s: %s", scene.preset->row.name, row->row.name);
                 assert_non_null(observable_unit(row, &run->system));
             }
@@ -82,14 +85,19 @@ static void test_units_follow_the_scene(void **state)
         struct system system;
         struct error error;
         assert_true(scene_bind(&scene, &system, &error));
-        assert_string_equal(observable_unit(observable_named(row[i].observable), &system), row[i].unit);
+        assert_string_equal(observable_unit(observable_named(row[i].observable), &system),
+                            row[i].unit);
     }
     static const struct {
         const char *scene, *observable, *why;
-    } absent[] = {{"robertson", "v", "positions and velocities"},  {"robertson", "energy", "positions and velocities"},
-                  {"robertson", "error", "closed-form"},           {"kepler", "momentum", "motion along a line"},
-                  {"pendulum", "momentum", "motion along a line"}, {"pendulum", "amplitude", "a linear spring"},
-                  {"duffing", "amplitude", "a linear spring"},     {"prothero-robinson", "phase-error", "positions"}};
+    } absent[] = {{"robertson", "v", "positions and velocities"},
+                  {"robertson", "energy", "positions and velocities"},
+                  {"robertson", "error", "closed-form"},
+                  {"kepler", "momentum", "motion along a line"},
+                  {"pendulum", "momentum", "motion along a line"},
+                  {"pendulum", "amplitude", "a linear spring"},
+                  {"duffing", "amplitude", "a linear spring"},
+                  {"prothero-robinson", "phase-error", "positions"}};
     for (size_t i = 0; i < COUNT_OF(absent); i++) {
         struct scene scene = preset_named(absent[i].scene);
         struct run *run = start(&scene, "rk4", (struct run_settings){.dt = 1e-9}, 1e-8);
@@ -102,7 +110,8 @@ static void test_units_follow_the_scene(void **state)
     }
 }
 
-/* The Kepler orbit: its error is judged in all four variables, and its energy and names come out right. */
+/* The Kepler orbit: its error is judged in all four variables, and its energy and names come out
+ * right. */
 static void test_kepler(void **state)
 {
     (void)state;
@@ -125,9 +134,11 @@ static void test_kepler(void **state)
     assert_close(errors.end, worst, 1e-12);
     assert_true(worst > 2 * fabs(y[0] - exact[0]) / size[0]); /* not the first coordinate's alone */
     assert_true(errors.end > 1e-6 && errors.end < 1e-3 && errors.max >= errors.end);
-    assert_true(errors.floor > 0 && errors.floor < 1e-12 && isnan(errors.phase) && isnan(errors.amplitude));
+    assert_true(errors.floor > 0 && errors.floor < 1e-12 && isnan(errors.phase) &&
+                isnan(errors.amplitude));
     assert_close(now(run, "error"), distance, 1e-15);
-    assert_close(now(run, "energy"), (y[2] * y[2] + y[3] * y[3]) / 2 - 1 / hypot(y[0], y[1]), 1e-15);
+    assert_close(now(run, "energy"), (y[2] * y[2] + y[3] * y[3]) / 2 - 1 / hypot(y[0], y[1]),
+                 1e-15);
     assert_close(now(run, "energy"), -0.5, 1e-5);
     assert_true(fabs(now(run, "energy-error")) > 0 && isnan(run->plan.growth));
 
@@ -137,7 +148,8 @@ static void test_kepler(void **state)
     size_t used;
     assert_true(run_scope(run, &scope));
     const struct expr *expr = expr_compile(TEXT("x*vy - y*vx"), &scope, &arena, &used, &error);
-    assert_non_null(expr); /* y is the variable, not the first coordinate; verlet keeps angular momentum */
+    assert_non_null(
+        expr); /* y is the variable, not the first coordinate; verlet keeps angular momentum */
     assert_close(expr_value(expr, &scope), sqrt(0.75), 1e-12);
     arena_reset(&arena);
 
@@ -174,13 +186,14 @@ static void test_ledger_in_two_dimensions(void **state)
     run_destroy(run);
 }
 
-/* By blocks of steps, with sines of its own: as close as one by one, near the bottom, over the top, many turns away. */
+/* By blocks of steps, with sines of its own: as close as one by one, near the bottom, over the top,
+ * many turns away. */
 static void test_ledger_of_the_pendulum(void **state)
 {
     (void)state;
     static const struct {
         double angle, rate, gamma, drive;
-    } begins[] = {{1, 0, 0, 0},      {1e-6, 0, 0, 0},    {3.1415, 0.2, 0, 0}, {-400, 7, 0.1, 0.5},
+    } begins[] = {{1, 0, 0, 0},     {1e-6, 0, 0, 0},    {3.1415, 0.2, 0, 0}, {-400, 7, 0.1, 0.5},
                   {99990, 9, 0, 1}, {1e7, 3, 0.2, 0.3}, {2, -8, 0.05, 0}};
     for (size_t i = 0; i < COUNT_OF(begins); i++) {
         struct scene scene = preset_named("pendulum");
@@ -188,32 +201,37 @@ static void test_ledger_of_the_pendulum(void **state)
         put(&scene, "rate0", begins[i].rate);
         put(&scene, "gamma", begins[i].gamma);
         put(&scene, "F0", begins[i].drive);
-        struct run *run = start(&scene, "rk4", (struct run_settings){.dt = 1e-3, .balanced = true}, 20);
+        struct run *run =
+            start(&scene, "rk4", (struct run_settings){.dt = 1e-3, .balanced = true}, 20);
         go_to(run, 20);
         struct ledger ledger;
         run_ledger(run, &ledger);
         /* The method's own error is 1e-10 or so; angles near 1e7 are known to 2e-9. */
-        assert_true(ledger.error_max > 0 && ledger.error_max < (begins[i].angle > 1e6 ? 3e-8 : 1e-9));
+        assert_true(ledger.error_max > 0 &&
+                    ledger.error_max < (begins[i].angle > 1e6 ? 3e-8 : 1e-9));
         if (begins[i].gamma > 0 && begins[i].drive == 0)
             assert_close(now(run, "dissipated"), -ledger.work, 1e-9);
         run_destroy(run);
     }
 }
 
-/* Each term of the oscillator and the pendulum does the work that the balance says: none is forgotten. */
+/* Each term of the oscillator and the pendulum does the work that the balance says: none is
+ * forgotten. */
 static void test_ledger_of_each_term(void **state)
 {
     (void)state;
     static const struct {
         const char *scene, *name;
         double value;
-    } terms[] = {{"spring", "gamma", 0.2}, {"spring", "C", 50},     {"spring", "g", 9.81},     {"spring", "F0", 0.1},
-                 {"spring", "k3", 500},    {"spring", "mu", 0.3},   {"spring", "friction", 0.02}, {"pendulum", "gamma", 0.1},
-                 {"pendulum", "F0", 0.4},  {"pendulum", "friction", 0.05}};
+    } terms[] = {{"spring", "gamma", 0.2},      {"spring", "C", 50},        {"spring", "g", 9.81},
+                 {"spring", "F0", 0.1},         {"spring", "k3", 500},      {"spring", "mu", 0.3},
+                 {"spring", "friction", 0.02},  {"pendulum", "gamma", 0.1}, {"pendulum", "F0", 0.4},
+                 {"pendulum", "friction", 0.05}};
     for (size_t i = 0; i < COUNT_OF(terms); i++) {
         struct scene scene = preset_named(terms[i].scene);
         put(&scene, terms[i].name, terms[i].value);
-        struct run *run = start(&scene, "rk4", (struct run_settings){.dt = 1e-3, .balanced = true}, 10);
+        struct run *run =
+            start(&scene, "rk4", (struct run_settings){.dt = 1e-3, .balanced = true}, 10);
         go_to(run, 10);
         struct ledger ledger;
         run_ledger(run, &ledger);
@@ -241,7 +259,8 @@ static void test_first_order_errors(void **state)
     struct run_settings settings = {.dt = 0.1};
     assert_null(run_create(&scene, method_named("verlet"), &settings, 1, &error));
     assert_non_null(strstr(error.text, "first order"));
-    assert_null(run_create(&scene, method_named("verlet"), &(struct run_settings){.dt = 0}, 1, &error));
+    assert_null(
+        run_create(&scene, method_named("verlet"), &(struct run_settings){.dt = 0}, 1, &error));
     scene = preset_named("robertson");
     assert_null(run_create(&scene, method_named("exact"), &settings, 1, &error));
 }
@@ -266,7 +285,8 @@ static void test_failures_are_explained(void **state)
     explains(run, "or an implicit method");
     run_destroy(run);
 
-    scene = preset_named("duffing"); /* a softening spring: the motion itself escapes in finite time */
+    scene =
+        preset_named("duffing"); /* a softening spring: the motion itself escapes in finite time */
     put(&scene, "k3", -1);
     put(&scene, "y0", 2);
     run = start(&scene, "dopri5", (struct run_settings){.dt = 0.01, .tol = 1e-8}, 10);
@@ -276,14 +296,16 @@ static void test_failures_are_explained(void **state)
     run_destroy(run);
 }
 
-/* What rounding takes from the state is carried along by methods that know how, and dropped when the run goes back. */
+/* What rounding takes from the state is carried along by methods that know how, and dropped when
+ * the run goes back. */
 static void test_compensated(void **state)
 {
     (void)state;
     struct scene scene = preset_named("kepler");
     struct run_settings settings = {.dt = 1e-3, .compensated = true};
     struct run *plain = start(&scene, "verlet", (struct run_settings){.dt = 1e-3}, 5),
-               *run = start(&scene, "verlet", settings, 5), *sliced = start(&scene, "verlet", settings, 5);
+               *run = start(&scene, "verlet", settings, 5),
+               *sliced = start(&scene, "verlet", settings, 5);
     go_to(plain, 5);
     go_to(run, 5);
     for (int i = 0; i < 50; i++)

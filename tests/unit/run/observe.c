@@ -13,7 +13,8 @@ static void test_formulas(void **state)
 {
     (void)state;
     struct scene scene = spring();
-    double m = 0.25, k = 16, gamma = 0.3, C = 2, rho = 1.2, area = 0.01, g = 9.81, F0 = 0.5, omega = 5, phase = 0.4;
+    double m = 0.25, k = 16, gamma = 0.3, C = 2, rho = 1.2, area = 0.01, g = 9.81, F0 = 0.5,
+           omega = 5, phase = 0.4;
     set(&scene, "m", m);
     set(&scene, "k", k);
     set(&scene, "gamma", gamma);
@@ -29,7 +30,8 @@ static void test_formulas(void **state)
     double energy0 = now(run, "energy");
     go_to(run, 0.321);
     double t = run->t, y = run->y[0], v = run->y[1];
-    double drag = -m * gamma * v - C * rho * area * fabs(v) * v, drive = F0 * cos(omega * t + phase);
+    double drag = -m * gamma * v - C * rho * area * fabs(v) * v,
+           drive = F0 * cos(omega * t + phase);
     assert_bits(now(run, "t"), 0.321);
     assert_bits(now(run, "y"), y);
     assert_bits(now(run, "v"), v);
@@ -40,10 +42,12 @@ static void test_formulas(void **state)
     assert_close(now(run, "power"), (drag + drive) * v, 1e-14);
     assert_close(now(run, "momentum"), m * v, 1e-16);
     assert_close(now(run, "amplitude"), hypot(y + m * g / k, v / 8), 1e-14);
-    assert_close(now(run, "energy-error"), (now(run, "energy") - energy0 - now(run, "work")) / energy0, 1e-15);
+    assert_close(now(run, "energy-error"),
+                 (now(run, "energy") - energy0 - now(run, "work")) / energy0, 1e-15);
     assert_close(now(run, "energy-error"), 0, 1e-10);
     assert_true(now(run, "dissipated") > 0);
-    assert_true(isnan(now(run, "exact")) && isnan(now(run, "error"))); /* quadratic drag: no closed form */
+    assert_true(isnan(now(run, "exact")) &&
+                isnan(now(run, "error"))); /* quadratic drag: no closed form */
 
     /* A column is the same function of each row. */
     size_t rows = trace_count(run->trace);
@@ -51,7 +55,8 @@ static void test_formulas(void **state)
     assert_non_null(column);
     struct error error;
     for (size_t i = 0; i < observable_catalog.count; i++) {
-        const struct observable *o = (const struct observable *)(const void *)catalog_row(&observable_catalog, i);
+        const struct observable *o =
+            (const struct observable *)(const void *)catalog_row(&observable_catalog, i);
         if (!run_column(run, o, column, &error)) {
             assert_true(isnan(run_observable(run, o)));
             assert_non_null(strstr(error.text, o->row.name));
@@ -60,14 +65,15 @@ static void test_formulas(void **state)
         } else {
             assert_close(column[rows - 1], run_observable(run, o), 1e-15);
         }
-        assert_string_equal(o->row.unit, o->quantity == QUANTITY_OTHER ? o->row.unit : quantity_unit(o->quantity));
+        assert_string_equal(
+            o->row.unit, o->quantity == QUANTITY_OTHER ? o->row.unit : quantity_unit(o->quantity));
     }
     free(column);
     run_destroy(run);
 }
 
-/* Symplectic Euler on the undamped oscillator (NUMERICS 1.1): frequency x^2/24 too high, invariant v^2 + w^2 q^2 - h
- * w^2 q v. */
+/* Symplectic Euler on the undamped oscillator (NUMERICS 1.1): frequency x^2/24 too high, invariant
+ * v^2 + w^2 q^2 - h w^2 q v. */
 static void test_errors_of_symplectic_euler(void **state)
 {
     (void)state;
@@ -77,7 +83,8 @@ static void test_errors_of_symplectic_euler(void **state)
     go_to(run, span);
     struct run_errors errors;
     run_errors(run, &errors);
-    double phase = omega0 * span * (2 / x * asin(x / 2) - 1); /* the exact angle of a step is 2 asin(x/2) */
+    double phase =
+        omega0 * span * (2 / x * asin(x / 2) - 1); /* the exact angle of a step is 2 asin(x/2) */
     assert_close(errors.phase, phase, 0.05 * fabs(phase));
     assert_close(now(run, "phase-error"), errors.phase, 1e-12);
     assert_true(fabs(errors.amplitude) < x);
@@ -88,26 +95,28 @@ static void test_errors_of_symplectic_euler(void **state)
     struct error failure;
     assert_true(run_column(run, observable_named("exact"), exact, &failure));
     assert_true(run_column(run, observable_named("error"), error, &failure));
-    double most = 0;
+    double max = 0;
     for (size_t i = 0; i < trace_count(run->trace); i++) {
         double t = (double)i * dt;
         assert_close(exact[i], 0.05 * cos(omega0 * t), 1e-14);
         assert_close(error[i], trace_state(run->trace, i)[0] - exact[i], 1e-17);
-        most = fmax(most, fabs(error[i]));
+        max = fmax(max, fabs(error[i]));
     }
-    assert_close(errors.max, most / 0.05, 1e-14);
+    assert_close(errors.max, max / 0.05, 1e-14);
     free(exact);
     free(error);
     run_destroy(run);
 }
 
-/* A phase error of several turns is counted, not wrapped: coarse backward Euler lags by x^2/3 of its phase. */
+/* A phase error of several turns is counted, not wrapped: coarse backward Euler lags by x^2/3 of
+ * its phase. */
 static void test_phase_counts_turns(void **state)
 {
     (void)state;
     struct scene scene = spring();
     double x = 0.3, dt = x / sqrt(75);
-    struct run *run = start(&scene, "implicit-midpoint", (struct run_settings){.dt = dt}, 4000 * dt);
+    struct run *run =
+        start(&scene, "implicit-midpoint", (struct run_settings){.dt = dt}, 4000 * dt);
     go_to(run, 4000 * dt);
     struct run_errors errors;
     run_errors(run, &errors);
@@ -163,7 +172,8 @@ static void test_scope(void **state)
     assert_non_null(strstr(error.hint, "energy"));
     int slot;
     for (size_t i = 0; i < observable_catalog.count; i++) {
-        assert_true(scope.find(scope.context, text_of(catalog_row(&observable_catalog, i)->name), &slot));
+        assert_true(
+            scope.find(scope.context, text_of(catalog_row(&observable_catalog, i)->name), &slot));
         assert_true(slot >= 0 && slot < run_scope_slots(run));
     }
     assert_false(scope.find(scope.context, TEXT("gamma"), &slot)); /* parameters are the caller's */

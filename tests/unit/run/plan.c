@@ -11,7 +11,8 @@ static void test_time_is_never_accumulated(void **state)
     struct scene scene = spring();
     set(&scene, "t0", 5);
     for (size_t k = 0; k < COUNT_OF(steps); k++) {
-        struct run *run = start(&scene, "symplectic-euler", (struct run_settings){.dt = steps[k]}, HUGE_VAL);
+        struct run *run =
+            start(&scene, "symplectic-euler", (struct run_settings){.dt = steps[k]}, HUGE_VAL);
         for (int i = 1; i <= 2000; i++) {
             go_steps(run, 1);
             assert_bits(run->t, 5 + i * steps[k]);
@@ -22,7 +23,8 @@ static void test_time_is_never_accumulated(void **state)
     }
 }
 
-/* NUMERICS: floor(T/dt) is short for 6.7 % of dt = 1/k, while (t < T) takes an extra step for half of them. */
+/* NUMERICS: floor(T/dt) is short for 6.7 % of dt = 1/k, while (t < T) takes an extra step for half
+ * of them. */
 static void test_whole_number_of_steps(void **state)
 {
     (void)state;
@@ -35,7 +37,8 @@ static void test_whole_number_of_steps(void **state)
     int naive = 0;
     for (int k = 1; k <= 10000; k++) {
         double dt = 1.0 / k;
-        assert_true(plan_make(&system, method, &(struct run_settings){.dt = dt, .tol = 0}, 1, &plan, &error));
+        assert_true(plan_make(&system, method, &(struct run_settings){.dt = dt, .tol = 0}, 1, &plan,
+                              &error));
         assert_int_equal(plan.whole, k);
         assert_true(plan.exact_end && plan.partial == 0);
         double t = 0;
@@ -76,7 +79,8 @@ static void test_whole_number_of_steps(void **state)
     };
     for (size_t i = 0; i < COUNT_OF(row); i++) {
         system.t0 = row[i].t0;
-        assert_true(plan_make(&system, method, &(struct run_settings){.dt = row[i].dt}, row[i].span, &plan, &error));
+        assert_true(plan_make(&system, method, &(struct run_settings){.dt = row[i].dt}, row[i].span,
+                              &plan, &error));
         assert_int_equal(plan.whole, row[i].whole);
         assert_close(plan.partial, row[i].partial, 1e-14);
         assert_int_equal(plan.exact_end, row[i].partial == 0);
@@ -119,7 +123,8 @@ static void test_refusals(void **state)
         struct run_settings settings = {.dt = row[i].dt, .record = row[i].record};
         system.t0 = row[i].t0;
         memset(&error, 0, sizeof error);
-        bool fine = plan_make(&system, method_named("verlet"), &settings, row[i].span, &plan, &error);
+        bool fine =
+            plan_make(&system, method_named("verlet"), &settings, row[i].span, &plan, &error);
         if (fine != !row[i].text)
             fail_msg("row %zu: %s", i, fine ? "accepted" : error.text);
         if (!fine && (!strstr(error.text, row[i].text) || !strstr(error.hint, row[i].hint)))
@@ -128,9 +133,10 @@ static void test_refusals(void **state)
             assert_int_equal(error.code, ERROR_COMMAND);
         assert_true(cpu_ns() - begin < 1000000000);
     }
-    assert_false(
-        plan_make(&system, method_named("dopri5"), &(struct run_settings){.dt = 1, .tol = -1}, 1, &plan, &error));
-    assert_null(run_create(&scene, method_named("verlet"), &(struct run_settings){.dt = 0}, 1, &error));
+    assert_false(plan_make(&system, method_named("dopri5"),
+                           &(struct run_settings){.dt = 1, .tol = -1}, 1, &plan, &error));
+    assert_null(
+        run_create(&scene, method_named("verlet"), &(struct run_settings){.dt = 0}, 1, &error));
 }
 
 /* NUMERICS 2: growth and limit in closed form. */
@@ -143,39 +149,45 @@ static void test_predictions(void **state)
     struct plan plan;
     assert_true(scene_bind(&scene, &system, &error));
     double omega0 = sqrt(75), x = omega0 * 0.01;
-    assert_true(plan_make(&system, method_named("euler"), &(struct run_settings){.dt = 0.01}, 1, &plan, &error));
+    assert_true(plan_make(&system, method_named("euler"), &(struct run_settings){.dt = 0.01}, 1,
+                          &plan, &error));
     assert_close(plan.growth, sqrt(1 + x * x), 1e-15);
     assert_true(plan.limit == 0);
-    assert_true(plan_make(&system, method_named("verlet"), &(struct run_settings){.dt = 0.01}, 1, &plan, &error));
+    assert_true(plan_make(&system, method_named("verlet"), &(struct run_settings){.dt = 0.01}, 1,
+                          &plan, &error));
     assert_close(plan.growth, 1, 1e-12);
     assert_true(isnan(plan.limit)); /* not looked for */
     assert_close(plan_stable_limit(&system, method_named("verlet"), DRAG_EXACT), 2 / omega0, 1e-9);
     assert_true(isinf(plan_stable_limit(&system, method_named("backward-euler"), DRAG_DEFAULT)));
-    assert_true(plan_make(&system, method_named("verlet"), &(struct run_settings){.dt = 0.3}, 1, &plan, &error));
+    assert_true(plan_make(&system, method_named("verlet"), &(struct run_settings){.dt = 0.3}, 1,
+                          &plan, &error));
     assert_close(plan.limit, 2 / omega0, 1e-9);
     assert_true(plan.exact_known && !plan.ledger && !plan.adaptive);
-    assert_true(
-        plan_make(&system, method_named("dopri5"), &(struct run_settings){.dt = 0.3, .tol = 1e-6}, 1, &plan, &error));
+    assert_true(plan_make(&system, method_named("dopri5"),
+                          &(struct run_settings){.dt = 0.3, .tol = 1e-6}, 1, &plan, &error));
     assert_true(plan.adaptive && isnan(plan.steps) && isnan(plan.growth));
     set(&scene, "k", -3);
     assert_true(scene_bind(&scene, &system, &error));
-    assert_true(plan_make(&system, method_named("rk4"), &(struct run_settings){.dt = 0.3}, 1, &plan, &error));
+    assert_true(plan_make(&system, method_named("rk4"), &(struct run_settings){.dt = 0.3}, 1, &plan,
+                          &error));
     assert_true(isnan(plan.growth) && isnan(plan.limit));
     scene = spring();
     set(&scene, "gamma", -1); /* the true motion grows: so may the numerical one */
     assert_true(scene_bind(&scene, &system, &error));
-    assert_true(plan_make(&system, method_named("rk4"), &(struct run_settings){.dt = 0.01}, 1, &plan, &error));
+    assert_true(plan_make(&system, method_named("rk4"), &(struct run_settings){.dt = 0.01}, 1,
+                          &plan, &error));
     assert_close(plan.growth, exp(0.005), 1e-7);
     assert_true(isnan(plan.limit));
     scene = spring();
     set(&scene, "C", 0.5);
     assert_true(scene_bind(&scene, &system, &error));
-    assert_true(plan_make(&system, method_named("rk4"), &(struct run_settings){.dt = 0.3}, 1, &plan, &error));
+    assert_true(plan_make(&system, method_named("rk4"), &(struct run_settings){.dt = 0.3}, 1, &plan,
+                          &error));
     assert_true(isnan(plan.growth) && !plan.exact_known && plan.ledger);
 }
 
-static const char *described(const struct scene *scene, const char *method, struct run_settings settings, double span,
-                             struct buffer *text)
+static const char *described(const struct scene *scene, const char *method,
+                             struct run_settings settings, double span, struct buffer *text)
 {
     struct system system;
     struct error error;
@@ -199,7 +211,8 @@ static void test_description(void **state)
     assert_null(strstr(d, "dissipated"));
     assert_non_null(strstr(d, "phase-error"));
     d = described(&scene, "verlet", (struct run_settings){.dt = 0.3}, 1, &text);
-    assert_non_null(strstr(d, "one last step of 100 ms; it breaks the constant step that makes verlet symplectic"));
+    assert_non_null(strstr(
+        d, "one last step of 100 ms; it breaks the constant step that makes verlet symplectic"));
     assert_non_null(strstr(d, "(exceeded)"));
     d = described(&scene, "euler", (struct run_settings){.dt = 0.01}, 10, &text);
     assert_non_null(strstr(d, "unstable here for every dt"));
@@ -278,7 +291,8 @@ static void test_what_is_left_out_is_not_computed(void **state)
     assert_int_equal(potentials, 102);
     assert_int_equal(powers, 0);
     assert_true(run_column(run, observable_named("dissipated"), out, &error));
-    assert_int_equal(powers, 100 * 3 + 1); /* three nodes a step, and one where a block of them begins */
+    assert_int_equal(powers,
+                     100 * 3 + 1); /* three nodes a step, and one where a block of them begins */
     /* Asked again at the present, only what is new is integrated. */
     run_observable(run, observable_named("work"));
     powers = 0;

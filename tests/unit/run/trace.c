@@ -5,7 +5,8 @@
 
 #include <stdlib.h>
 
-/* The steps that buckets of `size` keep of positions q[0 … count): first, earliest smallest, earliest largest. */
+/* The steps that buckets of `size` keep of positions q[0 … count): first, earliest smallest,
+ * earliest largest. */
 static size_t brute_force(const double *q, int64_t count, int64_t size, int64_t *kept)
 {
     size_t rows = 0;
@@ -25,7 +26,8 @@ static size_t brute_force(const double *q, int64_t count, int64_t size, int64_t 
     return rows;
 }
 
-/* A small cap, so that decimation happens often; noise, so that extremes lie anywhere; and all lengths. */
+/* A small cap, so that decimation happens often; noise, so that extremes lie anywhere; and all
+ * lengths. */
 static void test_decimation_equals_brute_force(void **state)
 {
     (void)state;
@@ -33,7 +35,8 @@ static void test_decimation_equals_brute_force(void **state)
     static double q[COUNT];
     static int64_t kept[COUNT];
     uint64_t seed = 1;
-    struct trace *trace = trace_create(1, false, (struct recording_rule){RECORD_AUTO, 0, 0}, CAP * 2 * sizeof(double));
+    struct trace *trace = trace_create(1, false, (struct recording_rule){RECORD_AUTO, 0, 0},
+                                       CAP * 2 * sizeof(double));
     assert_non_null(trace);
     assert_true(trace_reserve_grids(trace, 1));
     trace_regrid(trace, (struct grid){.first = 0, .origin = 3, .h = 0.1});
@@ -73,17 +76,17 @@ static void test_decimation_equals_brute_force(void **state)
 static void test_spike_survives(void **state)
 {
     (void)state;
-    const int64_t count = 5000000, place[] = {1, 777777, 2500001, 4999998};
-    for (size_t k = 0; k < COUNT_OF(place); k++) {
+    const int64_t count = 5000000, index[] = {1, 777777, 2500001, 4999998};
+    for (size_t k = 0; k < COUNT_OF(index); k++) {
         struct trace *trace = trace_create(2, false, (struct recording_rule){RECORD_AUTO, 0, 0}, 0);
         for (int64_t i = 0; i < count; i++) {
-            double y[2] = {i == place[k] ? (k % 2 ? 7 : -7) : sin((double)i * 1e-3), 0};
+            double y[2] = {i == index[k] ? (k % 2 ? 7 : -7) : sin((double)i * 1e-3), 0};
             assert_true(trace_record(trace, i, 0, y));
         }
         assert_true(trace_bytes(trace) < 64000000);
         size_t found = 0;
         for (size_t i = 0; i < trace->count; i++)
-            found += fabs(trace_state(trace, i)[0]) == 7 && trace_step(trace, i) == place[k];
+            found += fabs(trace_state(trace, i)[0]) == 7 && trace_step(trace, i) == index[k];
         assert_int_equal(found, 1);
         trace_destroy(trace);
     }
@@ -94,7 +97,8 @@ static void test_memory_is_bounded(void **state)
     (void)state;
     const char *lengthy = getenv("LONG");
     struct scene scene = spring();
-    struct run *run = start(&scene, "symplectic-euler", (struct run_settings){.dt = 1e-3}, HUGE_VAL);
+    struct run *run =
+        start(&scene, "symplectic-euler", (struct run_settings){.dt = 1e-3}, HUGE_VAL);
     go_steps(run, 2 * LIMIT_SAMPLES);
     size_t bytes = trace_bytes(run->trace);
     assert_true(bytes < 64000000);
@@ -112,11 +116,16 @@ static void test_decimated_run(void **state)
 {
     (void)state;
     struct scene scene = spring();
-    /* Specialised: of a decimated trace a propagator cannot find the beginning of its block again. */
+    /* Specialised: of a decimated trace a propagator cannot find the beginning of its block again.
+     */
     struct run_settings settings = {.dt = 1e-2, .memory = 200 * 24, .kernel = KERNEL_SPECIALISED};
-    struct run *whole = start(&scene, "verlet", settings, 100), *sliced = start(&scene, "verlet", settings, 100);
-    struct run *all = start(&scene, "verlet", (struct run_settings){.dt = 1e-2, .kernel = KERNEL_SPECIALISED, .record = {RECORD_ALL, 0, 0}},
-                            100);
+    struct run *whole = start(&scene, "verlet", settings, 100),
+               *sliced = start(&scene, "verlet", settings, 100);
+    struct run *all =
+        start(&scene, "verlet",
+              (struct run_settings){
+                  .dt = 1e-2, .kernel = KERNEL_SPECIALISED, .record = {RECORD_ALL, 0, 0}},
+              100);
     go_to(whole, 100);
     go_to(all, 100);
     go_to(sliced, 31.41);
@@ -130,10 +139,12 @@ static void test_decimated_run(void **state)
     for (size_t i = 0; i < trace_count(whole->trace); i++) {
         size_t step = (size_t)trace_step(whole->trace, i);
         assert_bits(trace_time(whole->trace, i), trace_time(all->trace, step));
-        assert_memory_equal(trace_state(whole->trace, i), trace_state(all->trace, step), 2 * sizeof(double));
+        assert_memory_equal(trace_state(whole->trace, i), trace_state(all->trace, step),
+                            2 * sizeof(double));
     }
     assert_true(run_back(sliced, 33));
-    assert_memory_equal(sliced->y, trace_state(all->trace, (size_t)sliced->steps), 2 * sizeof(double));
+    assert_memory_equal(sliced->y, trace_state(all->trace, (size_t)sliced->steps),
+                        2 * sizeof(double));
     go_to(sliced, 100);
     assert_same_trace(whole, sliced);
     run_destroy(whole);
@@ -155,7 +166,8 @@ static void test_record_every(void **state)
         int64_t step = i < 15 ? (int64_t)i * 7 : 101;
         assert_int_equal(trace_step(run->trace, i), step);
         assert_bits(trace_time(run->trace, i), trace_time(all->trace, (size_t)step));
-        assert_memory_equal(trace_state(run->trace, i), trace_state(all->trace, (size_t)step), 2 * sizeof(double));
+        assert_memory_equal(trace_state(run->trace, i), trace_state(all->trace, (size_t)step),
+                            2 * sizeof(double));
     }
     go_steps(other, 3);
     go_steps(other, 4);

@@ -30,8 +30,9 @@ static double load(const void *context, int slot)
 
 static void write_random(uint64_t *seed, int depth, struct buffer *text)
 {
-    static const char *const one[] = {"sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "sqrt",
-                                      "cbrt", "exp", "log", "log10", "abs", "sign", "step", "floor", "ceil", "round"};
+    static const char *const one[] = {"sin",  "cos",  "tan",  "asin",  "acos", "atan", "sinh",
+                                      "cosh", "tanh", "sqrt", "cbrt",  "exp",  "log",  "log10",
+                                      "abs",  "sign", "step", "floor", "ceil", "round"};
     static const char *const two[] = {"atan2", "hypot", "min", "max", "mod"};
     static const char *const power[] = {"2", "3", "-1", "0.5", "-1.5", "4", "2.3", "(-2)"};
     const int kind = depth == 0 ? (int)(4 * random_unit(seed)) : 4 + (int)(14 * random_unit(seed));
@@ -98,9 +99,11 @@ static void names_at(const struct names *names, double x, double *value)
 
 static struct jet name_jet(const double *c, double a, double b)
 {
-    const double p = c[0] + a * (c[1] + a * c[2]), q = c[0] + b * (c[1] + b * c[2]), at = -c[1] / (2 * c[2]);
+    const double p = c[0] + a * (c[1] + a * c[2]), q = c[0] + b * (c[1] + b * c[2]),
+                 at = -c[1] / (2 * c[2]);
     const double turn = c[2] != 0 && at > a && at < b ? c[0] + at * (c[1] + at * c[2]) : p;
-    const double ga = c[1] + 2 * a * c[2], gb = c[1] + 2 * b * c[2], near = 1e-14 * (fabs(p) + fabs(q) + fabs(c[1]));
+    const double ga = c[1] + 2 * a * c[2], gb = c[1] + 2 * b * c[2],
+                 near = 1e-14 * (fabs(p) + fabs(q) + fabs(c[1]));
     return (struct jet){{fmin(fmin(p, q), turn) - near, fmax(fmax(p, q), turn) + near},
                         {fmin(ga, gb) - near, fmax(ga, gb) + near},
                         {2 * c[2], 2 * c[2]}};
@@ -119,7 +122,8 @@ static bool inside(struct interval bounds, double value, double slack)
     return value != value || (bounds.lo - slack <= value && value <= bounds.hi + slack);
 }
 
-/* Values are inside; so are slopes between two points, which are a slope somewhere, and second differences. */
+/* Values are inside; so are slopes between two points, which are a slope somewhere, and second
+ * differences. */
 static void test_inclusion(void **state)
 {
     (void)state;
@@ -132,7 +136,8 @@ static void test_inclusion(void **state)
         const struct expr *expr = random_expr(&seed, &arena, &text);
         struct names names;
         for (int i = 0; i < 9; i++)
-            names.c[i / 3][i % 3] = i % 3 && random_unit(&seed) < 0.2 ? 0 : random_between(&seed, -3, 3);
+            names.c[i / 3][i % 3] =
+                i % 3 && random_unit(&seed) < 0.2 ? 0 : random_between(&seed, -3, 3);
         const double b = pow(10, random_between(&seed, -4, 0)), a = -b;
         struct jet jet[3], centre[3];
         for (int i = 0; i < 3; i++) {
@@ -142,22 +147,26 @@ static void test_inclusion(void **state)
         const struct jet bounds = expr_jet(expr, jet), about = expr_jet_about(expr, jet, centre, b);
         useful += bounds.bend.lo > -HUGE_VAL && bounds.bend.hi < HUGE_VAL;
         for (int point = 0; point < 5; point++) {
-            const double x = random_between(&seed, a, b), y = random_between(&seed, a, b), m = x + (y - x) / 2;
+            const double x = random_between(&seed, a, b), y = random_between(&seed, a, b),
+                         m = x + (y - x) / 2;
             const double fx = value_at(expr, &names, x), fy = value_at(expr, &names, y);
             const double fm = value_at(expr, &names, m), w = (y - x) / 2;
             const double rounding = 1e-14 * (fabs(fx) + fabs(fy) + fabs(fm));
-            if (!inside(about.value, fx, 0) || about.value.lo < bounds.value.lo || about.value.hi > bounds.value.hi)
-                fail_msg("%s: %.17g outside of %.17g .. %.17g about the centre", shown(&text), fx, about.value.lo,
-                         about.value.hi);
+            if (!inside(about.value, fx, 0) || about.value.lo < bounds.value.lo ||
+                about.value.hi > bounds.value.hi)
+                fail_msg("%s: %.17g outside of %.17g .. %.17g about the centre", shown(&text), fx,
+                         about.value.lo, about.value.hi);
             if (!inside(bounds.value, fx, 0))
                 fail_msg("%s: %.17g outside of %.17g .. %.17g", shown(&text), fx, bounds.value.lo,
                          bounds.value.hi);
-            if (isfinite(fx) && isfinite(fy) && isfinite(bounds.slope.lo) && isfinite(bounds.slope.hi) &&
+            if (isfinite(fx) && isfinite(fy) && isfinite(bounds.slope.lo) &&
+                isfinite(bounds.slope.hi) &&
                 !inside(bounds.slope, (fy - fx) / (y - x), 1e4 * rounding / fabs(y - x) + 1e-300))
-                fail_msg("%s: slope %.17g outside of %.17g .. %.17g", shown(&text), (fy - fx) / (y - x),
-                         bounds.slope.lo, bounds.slope.hi);
+                fail_msg("%s: slope %.17g outside of %.17g .. %.17g", shown(&text),
+                         (fy - fx) / (y - x), bounds.slope.lo, bounds.slope.hi);
             if (isfinite(fx + fy + fm) && isfinite(bounds.bend.lo) && isfinite(bounds.bend.hi) &&
-                !inside(bounds.bend, (fx - 2 * fm + fy) / (w * w), 1e4 * rounding / (w * w) + 1e-300))
+                !inside(bounds.bend, (fx - 2 * fm + fy) / (w * w),
+                        1e4 * rounding / (w * w) + 1e-300))
                 fail_msg("%s: bend %.17g outside of %.17g .. %.17g", shown(&text),
                          (fx - 2 * fm + fy) / (w * w), bounds.bend.lo, bounds.bend.hi);
         }
@@ -169,12 +178,12 @@ static void test_inclusion(void **state)
 
 /* ---- roots ---- */
 
-enum { ROOTS_MOST = 4096 };
+enum { ROOTS_MAX = 4096 };
 
 struct problem {
     const struct expr *expr; /* in a, which is x */
-    double at[ROOTS_MOST];
-    int sign[ROOTS_MOST], count;
+    double at[ROOTS_MAX];
+    int sign[ROOTS_MAX], count;
 };
 
 static double problem_value(void *context, double x)
@@ -188,14 +197,15 @@ static double problem_value(void *context, double x)
 static struct jet problem_bounds(void *context, double a, double b)
 {
     const struct problem *problem = context;
-    const struct jet jet[3] = {{{a, b}, {1, 1}, {0, 0}}, {{0, 0}, {0, 0}, {0, 0}}, {{0, 0}, {0, 0}, {0, 0}}};
+    const struct jet jet[3] = {
+        {{a, b}, {1, 1}, {0, 0}}, {{0, 0}, {0, 0}, {0, 0}}, {{0, 0}, {0, 0}, {0, 0}}};
     return expr_jet(problem->expr, jet);
 }
 
 static bool problem_found(void *context, double x, int sign)
 {
     struct problem *problem = context;
-    assert_true(problem->count < ROOTS_MOST);
+    assert_true(problem->count < ROOTS_MAX);
     problem->at[problem->count] = x;
     problem->sign[problem->count++] = sign;
     return true;
@@ -208,8 +218,12 @@ static bool problem_touches(void *context, double x)
 
 static struct root_search search(struct problem *problem, bool touching)
 {
-    struct root_search search = {.context = problem, .value = problem_value, .bounds = problem_bounds,
-                                 .found = problem_found, .touches = touching ? problem_touches : NULL, .least = 0x1p-52,
+    struct root_search search = {.context = problem,
+                                 .value = problem_value,
+                                 .bounds = problem_bounds,
+                                 .found = problem_found,
+                                 .touches = touching ? problem_touches : NULL,
+                                 .min = 0x1p-52,
                                  .budget = 4000};
     const double f0 = problem_value(problem, 0);
     search.sign = (f0 > 0) - (f0 < 0);
@@ -234,24 +248,25 @@ static void test_roots(void **state)
         const char *text;
         int passes, touches;
         bool unsure;
-    } row[] = {{"sin(2000*a + 1)", 636, 0, false},
-               {"(a-0.5)^2", 0, 1, false},
-               {"(a-0.5)*(a-0.5)", 0, 1, false},
-               {"(a-0.3)*(a-0.300001)", 2, 0, false},
-               {"(a-0.3)*(a-0.300001)*(a-0.300002)", 3, 0, false},
-               {"(a-0.3)^3", 1, 0, false},
-               {"(a-0.3)^4", 0, 1, false},
-               {"(a-0.25)^2*(a-0.5)", 1, 1, false},
-               {"1 - cos(20*pi*a)", 0, 10, false}, /* at the ends, too; that at 0 is where it begins */
-               {"exp(-1e4*(a-0.61234)^2) - 0.5", 2, 0, false},
-               {"floor(3*a) - 1.5", 1, 0, false},
-               {"1/(a-0.3)", 1, 0, false},
-               {"abs(a-0.3) - 1e-9", 2, 0, false},
-               {"sqrt(a-0.7) - 0.2", 1, 0, false},
-               {"sqrt(-1-a)", 0, 0, false},
-               {"max(a-0.2, 0.1-a) + 0.051", 0, 0, false},
-               {"a^2 + 1e-12", 0, 0, false},
-               {"mod(a, 0.1) - 0.05", 19, 0, false}};
+    } row[] = {
+        {"sin(2000*a + 1)", 636, 0, false},
+        {"(a-0.5)^2", 0, 1, false},
+        {"(a-0.5)*(a-0.5)", 0, 1, false},
+        {"(a-0.3)*(a-0.300001)", 2, 0, false},
+        {"(a-0.3)*(a-0.300001)*(a-0.300002)", 3, 0, false},
+        {"(a-0.3)^3", 1, 0, false},
+        {"(a-0.3)^4", 0, 1, false},
+        {"(a-0.25)^2*(a-0.5)", 1, 1, false},
+        {"1 - cos(20*pi*a)", 0, 10, false}, /* at the ends, too; that at 0 is where it begins */
+        {"exp(-1e4*(a-0.61234)^2) - 0.5", 2, 0, false},
+        {"floor(3*a) - 1.5", 1, 0, false},
+        {"1/(a-0.3)", 1, 0, false},
+        {"abs(a-0.3) - 1e-9", 2, 0, false},
+        {"sqrt(a-0.7) - 0.2", 1, 0, false},
+        {"sqrt(-1-a)", 0, 0, false},
+        {"max(a-0.2, 0.1-a) + 0.051", 0, 0, false},
+        {"a^2 + 1e-12", 0, 0, false},
+        {"mod(a, 0.1) - 0.05", 19, 0, false}};
     (void)state;
     static struct problem problem;
     for (size_t i = 0; i < COUNT_OF(row); i++) {
@@ -266,7 +281,8 @@ static void test_roots(void **state)
             touches += problem.sign[k] == 0;
         if (touches < row[i].touches || touches > row[i].touches + 1 ||
             problem.count - touches != row[i].passes)
-            fail_msg("%s: touches %d times, passes %d", row[i].text, touches, problem.count - touches);
+            fail_msg("%s: touches %d times, passes %d", row[i].text, touches,
+                     problem.count - touches);
         arena_reset(&arena);
     }
 }
@@ -286,8 +302,12 @@ static void test_unsure(void **state)
     for (size_t i = 0; i < COUNT_OF(text); i++) {
         struct arena arena = {0};
         compile(&problem, text[i], &arena);
-        struct root_search found = {.context = &problem, .value = problem_value, .bounds = problem_bounds,
-                                    .least = 0x1p-52, .budget = 100, .sign = 1};
+        struct root_search found = {.context = &problem,
+                                    .value = problem_value,
+                                    .bounds = problem_bounds,
+                                    .min = 0x1p-52,
+                                    .budget = 100,
+                                    .sign = 1};
         found.found = any;
         roots_find(&found, 0, problem_value(&problem, 0), 1, problem_value(&problem, 1));
         assert_true(found.unsure && found.unsure_from > 0 && found.unsure_from < 1);
@@ -295,7 +315,8 @@ static void test_unsure(void **state)
     }
 }
 
-/* 200 random functions against so many looks that none of theirs is overlooked, as far as looks can tell. */
+/* 200 random functions against so many looks that none of theirs is overlooked, as far as looks can
+ * tell. */
 static void test_random(void **state)
 {
     (void)state;
@@ -310,7 +331,8 @@ static void test_random(void **state)
         buffer_format(&text, "%.6g", random_between(&seed, -1, 1));
         const int terms = 2 + (int)(3 * random_unit(&seed));
         for (int i = 0; i < terms; i++) {
-            const double c = random_between(&seed, -2, 2), w = random_between(&seed, 1, 60), p = random_unit(&seed);
+            const double c = random_between(&seed, -2, 2), w = random_between(&seed, 1, 60),
+                         p = random_unit(&seed);
             switch ((int)(6 * random_unit(&seed))) {
             case 0:
                 buffer_format(&text, " + (%.6g)*sin(%.6g*a + %.6g)", c, w, p);
@@ -343,7 +365,8 @@ static void test_random(void **state)
         if (count != problem.count)
             fail_msg("%s: %d roots, looks find %d", shown(&text), problem.count, count);
         for (int i = 1; i < problem.count; i++)
-            assert_true(problem.at[i] >= problem.at[i - 1] && problem.sign[i] == -problem.sign[i - 1]);
+            assert_true(problem.at[i] >= problem.at[i - 1] &&
+                        problem.sign[i] == -problem.sign[i - 1]);
         roots += count;
         arena_reset(&arena);
     }
@@ -353,7 +376,8 @@ static void test_random(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_inclusion), cmocka_unit_test(test_roots),
-                                       cmocka_unit_test(test_unsure), cmocka_unit_test(test_random)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_inclusion),
+                                       cmocka_unit_test(test_roots), cmocka_unit_test(test_unsure),
+                                       cmocka_unit_test(test_random)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Exact derivatives of expressions against differences of high order, and which names an expression is linear in. */
+/* Exact derivatives of expressions against differences of high order, and which names an expression
+ * is linear in. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -54,7 +55,8 @@ static double difference(const struct expr *expr, const double *at, int slot)
     static const double weight[] = {4.0 / 5, -1.0 / 5, 4.0 / 105, -1.0 / 280};
     double h = 1e-2 * fmax(fabs(at[slot]), 0.1), sum = 0;
     for (int k = 0; k < 4; k++)
-        sum += weight[k] * (value_at(expr, at, slot, (k + 1) * h) - value_at(expr, at, slot, -(k + 1) * h));
+        sum += weight[k] *
+               (value_at(expr, at, slot, (k + 1) * h) - value_at(expr, at, slot, -(k + 1) * h));
     return sum / h;
 }
 
@@ -69,7 +71,8 @@ static void check(const char *text, const double *at)
     for (int j = 0; j < NAMES; j++) {
         double expected = difference(expr, at, j);
         if (!(fabs(gradient[j] - expected) <= 1e-9 * fmax(1, fabs(expected))))
-            fail_msg("%s by %c: %.15g, differences give %.15g", text, 'a' + j, gradient[j], expected);
+            fail_msg("%s by %c: %.15g, differences give %.15g", text, 'a' + j, gradient[j],
+                     expected);
     }
     arena_reset(&arena);
 }
@@ -97,7 +100,8 @@ static void compositions(void **state)
 {
     (void)state;
     static const double at[NAMES] = {1.3, -0.7, 0.4, 2.1, 0.9, -1.1, 0.3, 0.8, 1.7, 0.2, 0.6, 1.9};
-    check("a*exp(-c*d)*cos(e*d + f)/(1 + g*h^2) - i*j*k*l", at); /* more names than one pass holds */
+    check("a*exp(-c*d)*cos(e*d + f)/(1 + g*h^2) - i*j*k*l",
+          at); /* more names than one pass holds */
     check("-b^2 + b^3 - 2^b + a^c^d", at);
     check("if(b, a*c, d/a) + max(a, b)*min(c, d) + abs(b)", at);
     check("atan2(b, a) - hypot(a, b)*pow(a, 2.5) + sqrt(exp(sin(a*b)))", at);
@@ -111,8 +115,12 @@ static void limits_are_no_nan(void **state)
     static const struct {
         const char *text;
         double by[3];
-    } cases[] = {{"a^2", {0, 0, 0}},           {"a^b", {0, 0, 0}},         {"a^1 + sqrt(a)*0 + b", {NAN, 1, 0}},
-                 {"b + c*sqrt(4)", {0, 1, 2}}, {"(-2)^c*b", {0, -8, NAN}}, {"hypot(a, a)", {0, 0, 0}},
+    } cases[] = {{"a^2", {0, 0, 0}},
+                 {"a^b", {0, 0, 0}},
+                 {"a^1 + sqrt(a)*0 + b", {NAN, 1, 0}},
+                 {"b + c*sqrt(4)", {0, 1, 2}},
+                 {"(-2)^c*b", {0, -8, NAN}},
+                 {"hypot(a, a)", {0, 0, 0}},
                  {"(a + b)^0", {0, 0, 0}}};
     for (size_t i = 0; i < COUNT_OF(cases); i++) {
         struct arena arena = {0};
@@ -133,10 +141,11 @@ static void linearity(void **state)
         const char *text;
         int count; /* in a, in a and b, … */
         bool linear;
-    } cases[] = {{"a*exp(-c*d) + b", 2, true}, {"a*b", 1, true},       {"a*b", 2, false},
-                 {"exp(a)", 1, false},         {"c/a", 1, false},      {"(a + b*c)/d - 2*a", 2, true},
-                 {"-(a - b)*sin(c)", 2, true}, {"a^1", 1, false},      {"if(a, b, c)", 1, false},
-                 {"3 + c", 2, true},           {"a/(1 + b)", 2, false}};
+    } cases[] = {
+        {"a*exp(-c*d) + b", 2, true}, {"a*b", 1, true},       {"a*b", 2, false},
+        {"exp(a)", 1, false},         {"c/a", 1, false},      {"(a + b*c)/d - 2*a", 2, true},
+        {"-(a - b)*sin(c)", 2, true}, {"a^1", 1, false},      {"if(a, b, c)", 1, false},
+        {"3 + c", 2, true},           {"a/(1 + b)", 2, false}};
     for (size_t i = 0; i < COUNT_OF(cases); i++) {
         struct arena arena = {0};
         if (expr_linear(compiled(cases[i].text, &arena), slots, cases[i].count) != cases[i].linear)

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Expressions: values against C's own arithmetic, where they stop, what is said about mistakes, hostile input. */
+/* Expressions: values against C's own arithmetic, where they stop, what is said about mistakes,
+ * hostile input. */
 #include "unit/scene/names.h"
 #include "unit/cpu_time.h"
 
@@ -8,7 +9,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Compiles from a copy of exactly this length, so that a sanitizer sees every byte read too many. */
+/* Compiles from a copy of exactly this length, so that a sanitizer sees every byte read too many.
+ */
 static double value_of(const char *source, size_t *used)
 {
     struct arena arena = {0};
@@ -157,9 +159,10 @@ static void test_where_it_ends(void **state)
     (void)state;
     /* The bar is where the expression ends. */
     static const char *const cases[] = {
-        "5| cm",       "5|cm", "0.25| 1/s",    "(3+1)| s", "30| deg", "199.9| +- 0.1 g", "5|+-1",  "y| < 3",  "y|<=3",
-        "1|:2",        "1|,2", "1|; 2",        "1| # 2",   "2|)",     "3*gamma| # x",    "1| = 2", "(2)|(3)", "5|,3 cm",
-        "min(1,2)|,3", "2|\n", "(y < 3)| < 4",
+        "5| cm",       "5|cm",   "0.25| 1/s",    "(3+1)| s", "30| deg", "199.9| +- 0.1 g",
+        "5|+-1",       "y| < 3", "y|<=3",        "1|:2",     "1|,2",    "1|; 2",
+        "1| # 2",      "2|)",    "3*gamma| # x", "1| = 2",   "(2)|(3)", "5|,3 cm",
+        "min(1,2)|,3", "2|\n",   "(y < 3)| < 4",
     };
     for (size_t i = 0; i < COUNT_OF(cases); i++) {
         char source[64];
@@ -171,7 +174,8 @@ static void test_where_it_ends(void **state)
     }
 }
 
-static void expect_mistake(const char *source, const char *sentence, const char *where, const char *hint)
+static void expect_mistake(const char *source, const char *sentence, const char *where,
+                           const char *hint)
 {
     struct arena arena = {0};
     struct error error = {0};
@@ -183,7 +187,8 @@ static void expect_mistake(const char *source, const char *sentence, const char 
         fail_msg("'%s' says '%s', wanted '%s'", source, error.text, sentence);
     assert_true(error.where.at >= source && error.where.at + error.where.len <= source + text.len);
     if (!text_is(error.where, where))
-        fail_msg("'%s' points at '%.*s', wanted '%s'", source, (int)error.where.len, error.where.at, where);
+        fail_msg("'%s' points at '%.*s', wanted '%s'", source, (int)error.where.len, error.where.at,
+                 where);
     if (!strstr(error.hint, hint) || (!*hint && *error.hint))
         fail_msg("'%s' hints '%s', wanted '%s'", source, error.hint, hint);
     assert_int_equal(error.code, ERROR_COMMAND);
@@ -204,7 +209,8 @@ static void test_mistakes(void **state)
     expect_mistake("(1 + 2", "missing ')' for '('", "(", "");
     expect_mistake("2*sin(1 + 2", "missing ')' for 'sin('", "sin(", "");
     expect_mistake("(1, 2)", "missing ')' for '('", "(", "");
-    expect_mistake("(5 cm)", "missing ')' for '('", "(", "a unit stands after the whole expression");
+    expect_mistake("(5 cm)", "missing ')' for '('", "(",
+                   "a unit stands after the whole expression");
     expect_mistake("sin()", "sin takes 1 argument", "sin()", "");
     expect_mistake("2 + sin(1, 2) + 3", "sin takes 1 argument", "sin(1,", "");
     expect_mistake("hypot(1)", "hypot takes 2 arguments", "hypot(1)", "");
@@ -217,14 +223,17 @@ static void test_mistakes(void **state)
     expect_mistake("()", "a number or a name is missing after '('", ")", "");
     expect_mistake("max(1,)", "a number or a name is missing after 'max('", ")", "");
     expect_mistake("+-3", "a number or a name is missing", "+", "");
-    expect_mistake("(1 < y < 3)", "comparisons do not chain: for a < b < c write (a < b)*(b < c)", "<", "");
-    expect_mistake("if(1 < 2 >= 3, 4, 5)", "comparisons do not chain: for a < b < c write (a < b)*(b < c)", ">=", "");
+    expect_mistake("(1 < y < 3)", "comparisons do not chain: for a < b < c write (a < b)*(b < c)",
+                   "<", "");
+    expect_mistake("if(1 < 2 >= 3, 4, 5)",
+                   "comparisons do not chain: for a < b < c write (a < b)*(b < c)", ">=", "");
     expect_mistake("(y <)", "a number or a name is missing after '<'", ")", "");
     expect_mistake("-", "a number or a name is missing after '-'", "", "");
     expect_mistake(".", "malformed number", ".", "");
     expect_mistake("1e400", "the number 1e400 is too large", "1e400", "");
     expect_mistake("\xff", "a number or a name is missing", "\xff", "");
-    expect_mistake("2*\xe2\x88\x92x", "a number or a name is missing after '*'", "\xe2", "write names and signs in ASCII: - * / and a to z");
+    expect_mistake("2*\xe2\x88\x92x", "a number or a name is missing after '*'", "\xe2",
+                   "write names and signs in ASCII: - * / and a to z");
 }
 
 static void test_constants(void **state)
@@ -256,7 +265,7 @@ static void put(struct buffer *out, const char *z)
 }
 
 /* Appends an operand, in parentheses where it binds less tightly than `least`. */
-static double write_expr(struct buffer *out, uint64_t *seed, int depth, int least);
+static double write_expr(struct buffer *out, uint64_t *seed, int depth, int min);
 
 static struct written write_bare(struct buffer *out, uint64_t *seed, int depth)
 {
@@ -294,11 +303,11 @@ static struct written write_bare(struct buffer *out, uint64_t *seed, int depth)
     return (struct written){values[op], own};
 }
 
-static double write_expr(struct buffer *out, uint64_t *seed, int depth, int least)
+static double write_expr(struct buffer *out, uint64_t *seed, int depth, int min)
 {
     struct buffer inner = {0};
     struct written made = write_bare(&inner, seed, depth);
-    bool wrap = made.precedence < least;
+    bool wrap = made.precedence < min;
     put(out, wrap ? "( " : "");
     buffer_put(out, buffer_text(&inner));
     put(out, wrap ? ")" : "");
@@ -314,7 +323,8 @@ static void test_random_expressions(void **state)
     for (int i = 0; i < rounds; i++) {
         struct buffer source = {0};
         size_t used = 0;
-        double wanted = write_expr(&source, &seed, 1 + i % 6, 1), value = value_of(source.data, &used);
+        double wanted = write_expr(&source, &seed, 1 + i % 6, 1),
+               value = value_of(source.data, &used);
         if (memcmp(&value, &wanted, sizeof value) != 0 && !(isnan(value) && isnan(wanted)))
             fail_msg("'%s' = %.17g, wanted %.17g", source.data, value, wanted);
         assert_int_equal(used, source.len);
@@ -327,7 +337,8 @@ static void test_random_expressions(void **state)
 /* ---- hostile input ---- */
 
 /* `unit` over and over until `size` bytes, between a beginning and an end. */
-static void expect_quick(const char *begin, const char *unit, size_t size, const char *end, const char *sentence)
+static void expect_quick(const char *begin, const char *unit, size_t size, const char *end,
+                         const char *sentence)
 {
     struct buffer source = {0};
     put(&source, begin);

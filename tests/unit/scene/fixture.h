@@ -7,7 +7,11 @@
 
 #include <stdlib.h>
 
-#define LINES(...) (const char *const[]){__VA_ARGS__, NULL}
+#define LINES(...)                                                                                 \
+    (const char *const[])                                                                          \
+    {                                                                                              \
+        __VA_ARGS__, NULL                                                                          \
+    }
 
 struct fixture {
     struct typed_models *models;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Every model against what it claims, by way of every preset: names, scales, Jacobians, potentials, power, drag. The
- * checks see systems, not models, so a new one is tested as soon as it is listed.
+ * Every model against what it claims, by way of every preset: names, scales, Jacobians, potentials,
+ * power, drag. The checks see systems, not models, so a new one is tested as soon as it is listed.
  */
 #include "unit/scene/testing.h"
 
@@ -49,18 +49,21 @@ static void test_tables(void **state)
         for (size_t i = 0; i < preset_catalog.count; i++)
             used |= scene_of(preset_at(i)).model == model;
         assert_true(used && model->row.brief[0] && (model->order == 1 || model->n % 2 == 0));
-        assert_true(model->n >= 1 && model->n <= LIMIT_VARIABLES && model->params->count <= PARAM_MAX);
+        assert_true(model->n >= 1 && model->n <= LIMIT_VARIABLES &&
+                    model->params->count <= PARAM_MAX);
         assert_true(model->terms->count <= TERM_MAX);
         for (size_t i = 0; i < model->params->count; i++) {
             const struct param_row *param = (const struct param_row *)catalog_row(model->params, i);
             assert_true(param->row.brief[0]);
             assert_string_equal(param->row.unit, quantity_unit(param->quantity));
-            assert_true(param->least_excluded ? param->initial > param->least : param->initial >= param->least);
+            assert_true(param->least_excluded ? param->initial > param->min
+                                              : param->initial >= param->min);
             for (int v = 0; v < model->n; v++) /* a name in an expression means one thing */
                 assert_string_not_equal(param->row.name, model->variable[v].name);
-            static const char *const observables[] = {"t",     "v",          "a",     "energy", "kinetic",  "potential",
-                                                      "work",  "dissipated", "power", "error",  "momentum", "amplitude",
-                                                      "exact", "dt",         "tol",   "y"};
+            static const char *const observables[] = {
+                "t",     "v",          "a",     "energy", "kinetic",  "potential",
+                "work",  "dissipated", "power", "error",  "momentum", "amplitude",
+                "exact", "dt",         "tol",   "y"};
             for (size_t o = 0; o < COUNT_OF(observables); o++)
                 assert_string_not_equal(param->row.name, observables[o]);
             assert_null(catalog_find(model->derived, text_of(param->row.name)));
@@ -83,7 +86,8 @@ struct sample {
     double t, y[LIMIT_VARIABLES];
 };
 
-/* Central differences over steps h_j, of the derivative or one term: relative to the sizes that enter. */
+/* Central differences over steps h_j, of the derivative or one term: relative to the sizes that
+ * enter. */
 static bool check_jacobian(const struct sample *s)
 {
     const struct system *system = &s->system;
@@ -172,8 +176,8 @@ static bool check_balance(const struct sample *s)
         earlier[i] = s->y[i] - h * f[i];
     }
     double kinetic = system_kinetic(system, s->y), potential = system_potential(system, s->y);
-    double slope = (system_kinetic(system, later) - system_kinetic(system, earlier) + system_potential(system, later) -
-                    system_potential(system, earlier)) /
+    double slope = (system_kinetic(system, later) - system_kinetic(system, earlier) +
+                    system_potential(system, later) - system_potential(system, earlier)) /
                    (2 * h);
     double power = system_power(system, s->t, s->y);
     return fabs(slope - power) <= 1e-5 * (fabs(power) + rate * (kinetic + fabs(potential)));
@@ -193,8 +197,8 @@ static bool check_flags(const struct sample *s)
     }
     for (int i = 0; i < system->terms; i++) {
         const struct bound_term *term = &system->term[i];
-        double here[LIMIT_VARIABLES] = {0}, later[LIMIT_VARIABLES] = {0}, faster[LIMIT_VARIABLES] = {0},
-               back[LIMIT_VARIABLES] = {0};
+        double here[LIMIT_VARIABLES] = {0}, later[LIMIT_VARIABLES] = {0},
+               faster[LIMIT_VARIABLES] = {0}, back[LIMIT_VARIABLES] = {0};
         size_t size = (size_t)rows * sizeof *here;
         term->row->add(term->c, s->t, s->y, here);
         term->row->add(term->c, s->t + 1, s->y, later);
@@ -202,8 +206,9 @@ static bool check_flags(const struct sample *s)
         term->row->add(term->c, s->t, turned, back);
         if ((memcmp(here, later, size) != 0) != !!(term->row->flags & TERM_TIME))
             return false;
-        if (system->order == 2 && (memcmp(here, faster, size) != 0 || memcmp(here, back, size) != 0) !=
-                                      !!(term->row->flags & TERM_VELOCITY))
+        if (system->order == 2 &&
+            (memcmp(here, faster, size) != 0 || memcmp(here, back, size) != 0) !=
+                !!(term->row->flags & TERM_VELOCITY))
             return false;
     }
     if (system->order != 2)
@@ -212,8 +217,9 @@ static bool check_flags(const struct sample *s)
         return !system->oscillator.whole;
     system_drag(system, s->t, s->y, drag);
     for (int i = 0; i < half; i++) {
-        double v = s->y[half + i], wanted = -(system->oscillator.damping + system->oscillator.quadratic * fabs(v)) * v -
-                                     copysign(system->oscillator.friction, v);
+        double v = s->y[half + i],
+               wanted = -(system->oscillator.damping + system->oscillator.quadratic * fabs(v)) * v -
+                        copysign(system->oscillator.friction, v);
         if (!(fabs(drag[i] - wanted) <= 1e-14 * fabs(wanted)))
             return false;
     }
@@ -242,11 +248,13 @@ static bool is_straight(const struct sample *s, const double *jac)
     return true;
 }
 
-/* The claim to be linear: the Jacobian is the same everywhere, and nothing jumps, as dry friction does. */
+/* The claim to be linear: the Jacobian is the same everywhere, and nothing jumps, as dry friction
+ * does. */
 static bool check_linear(const struct sample *s)
 {
     int n = s->system.n;
-    double here[LIMIT_VARIABLES * LIMIT_VARIABLES], there[LIMIT_VARIABLES * LIMIT_VARIABLES], away[LIMIT_VARIABLES];
+    double here[LIMIT_VARIABLES * LIMIT_VARIABLES], there[LIMIT_VARIABLES * LIMIT_VARIABLES],
+        away[LIMIT_VARIABLES];
     for (int i = 0; i < n; i++)
         away[i] = s->y[i] + 0.3 * s->system.scale[i];
     system_jacobian(&s->system, s->t, s->y, here);
@@ -255,8 +263,8 @@ static bool check_linear(const struct sample *s)
     return (same && is_straight(s, here)) == s->system.linear;
 }
 
-static bool (*const checks[])(const struct sample *) = {check_jacobian, check_potential, check_power,
-                                                        check_balance,  check_flags,     check_linear};
+static bool (*const checks[])(const struct sample *) = {
+    check_jacobian, check_potential, check_power, check_balance, check_flags, check_linear};
 
 /* Some of the presets with every term on, some as they are. */
 static bool check_preset(const struct preset *preset, size_t check, void (*spoil)(struct system *))
@@ -264,9 +272,12 @@ static bool check_preset(const struct preset *preset, size_t check, void (*spoil
     uint64_t seed = 11;
     for (int i = 0; i < 60; i++) {
         struct scene scene = i % 2 ? busy_scene(preset, &seed) : scene_of(preset);
-        struct sample s = {.name = preset->row.name, .system = bind_or_fail(&scene), .t = random_between(&seed, 0, 9)};
+        struct sample s = {.name = preset->row.name,
+                           .system = bind_or_fail(&scene),
+                           .t = random_between(&seed, 0, 9)};
         for (int k = 0; k < s.system.n; k++)
-            s.y[k] = s.system.scale[k] * random_between(&seed, 0.3, 1.2) * (random_unit(&seed) < 0.5 ? -1 : 1);
+            s.y[k] = s.system.scale[k] * random_between(&seed, 0.3, 1.2) *
+                     (random_unit(&seed) < 0.5 ? -1 : 1);
         if (spoil)
             spoil(&s.system);
         if (!checks[check](&s))
@@ -290,7 +301,8 @@ static void test_models_keep_their_claims(void **state)
 
 /* ---- systems that are wrong on purpose ---- */
 
-static void wrong_coefficient(struct system *system) /* acceleration and Jacobian alike, but not the potential */
+static void wrong_coefficient(
+    struct system *system) /* acceleration and Jacobian alike, but not the potential */
 {
     system->term[0].c[0] *= 1.001;
 }
@@ -331,7 +343,8 @@ static void test_wrong_models_are_caught(void **state)
     (void)state;
     static const char *const names[] = {"duffing", "pendulum", "kepler", "elastic-pendulum"};
     for (size_t i = 0; i < COUNT_OF(names); i++) {
-        const struct preset *preset = (const struct preset *)catalog_find(&preset_catalog, text_of(names[i]));
+        const struct preset *preset =
+            (const struct preset *)catalog_find(&preset_catalog, text_of(names[i]));
         assert_non_null(preset);
         assert_false(check_preset(preset, 0, without_jacobian));
         if (preset->model != scene_of(preset_at(0)).model && strcmp(names[i], "kepler") != 0)
@@ -342,9 +355,11 @@ static void test_wrong_models_are_caught(void **state)
         assert_false(check_preset(preset, 4, with_time));
         assert_false(check_preset(preset, 5, wrong_linear));
     }
-    const struct preset *dry = (const struct preset *)catalog_find(&preset_catalog, TEXT("dry-friction"));
+    const struct preset *dry =
+        (const struct preset *)catalog_find(&preset_catalog, TEXT("dry-friction"));
     assert_false(check_preset(dry, 5, wrong_linear));
-    const struct preset *driven = (const struct preset *)catalog_find(&preset_catalog, TEXT("pendulum-driven"));
+    const struct preset *driven =
+        (const struct preset *)catalog_find(&preset_catalog, TEXT("pendulum-driven"));
     assert_false(check_preset(driven, 2, wrong_mass));
 }
 
@@ -358,25 +373,31 @@ static void test_starts(void **state)
         struct error error = {0};
         scene.value[scene_param(&scene, "t0")] = 3.5;
         struct system system = bind_or_fail(&scene);
-        assert_true(system.t0 == 3.5 && system.n == scene.model->n && system.order == scene.model->order);
+        assert_true(system.t0 == 3.5 && system.n == scene.model->n &&
+                    system.order == scene.model->order);
         for (int k = 0; k < system.n; k++) {
-            assert_true(isfinite(system.start[k]) && system.scale[k] > 0 && isfinite(system.scale[k]));
-            assert_true(fabs(system.start[k]) <= 2e4 * system.scale[k]); /* a comet at the sun is the fastest */
+            assert_true(isfinite(system.start[k]) && system.scale[k] > 0 &&
+                        isfinite(system.scale[k]));
+            assert_true(fabs(system.start[k]) <=
+                        2e4 * system.scale[k]); /* a comet at the sun is the fastest */
             assert_string_equal(system_variable(&system, k).name, scene.model->variable[k].name);
         }
         for (size_t p = 0; p < scene_params(&scene)->count; p++) {
-            const struct param_row *row = (const struct param_row *)catalog_row(scene_params(&scene), p);
+            const struct param_row *row =
+                (const struct param_row *)catalog_row(scene_params(&scene), p);
             assert_false(scene_set(&scene, (int)p, (struct measured){NAN, 0}, &error));
-            if (row->least > -HUGE_VAL)
-                assert_false(scene_set(&scene, (int)p, (struct measured){row->least - 1, 0}, &error));
+            if (row->min > -HUGE_VAL)
+                assert_false(scene_set(&scene, (int)p, (struct measured){row->min - 1, 0}, &error));
         }
     }
-    struct scene kepler = scene_of((const struct preset *)catalog_find(&preset_catalog, TEXT("kepler")));
+    struct scene kepler =
+        scene_of((const struct preset *)catalog_find(&preset_catalog, TEXT("kepler")));
     struct error error = {0};
     assert_false(scene_set(&kepler, scene_param(&kepler, "e"), (struct measured){1, 0}, &error));
     assert_non_null(strstr(error.text, "e must be < 1"));
     assert_int_equal(scene_param(&kepler, "gamma"), -1);
-    struct scene robertson = scene_of((const struct preset *)catalog_find(&preset_catalog, TEXT("robertson")));
+    struct scene robertson =
+        scene_of((const struct preset *)catalog_find(&preset_catalog, TEXT("robertson")));
     assert_int_equal(scene_derived(&robertson)->count, 0);
 }
 
@@ -390,26 +411,31 @@ static struct measured derive(const struct scene *scene, const char *name)
 static void test_derived(void **state)
 {
     (void)state;
-    struct scene scene = scene_of((const struct preset *)catalog_find(&preset_catalog, TEXT("pendulum")));
+    struct scene scene =
+        scene_of((const struct preset *)catalog_find(&preset_catalog, TEXT("pendulum")));
     struct error error;
     static const double pi = 3.14159265358979323846;
     scene.value[scene_param(&scene, "g")] = 1;
-    assert_true(fabs(derive(&scene, "period").value - 7.41629870920548767) < 2e-15 * 7); /* references.csv */
+    assert_true(fabs(derive(&scene, "period").value - 7.41629870920548767) <
+                2e-15 * 7); /* references.csv */
     assert_true(fabs(derive(&scene, "T0").value - 2 * pi) < 1e-15);
     assert_true(fabs(derive(&scene, "E0").value - 0.2) < 1e-15);
-    assert_true(scene_set(&scene, scene_param(&scene, "length"), (struct measured){1, 0.01}, &error));
+    assert_true(
+        scene_set(&scene, scene_param(&scene, "length"), (struct measured){1, 0.01}, &error));
     assert_true(fabs(derive(&scene, "T0").uncertainty - pi * 0.01) < 1e-8);
     const struct derived_row *row = (const void *)catalog_find(scene_derived(&scene), TEXT("T0"));
     assert_true(scene_set_derived(&scene, row, (struct measured){4 * pi, 0}, &error));
     assert_true(fabs(scene.value[scene_param(&scene, "length")] - 4) < 1e-14);
-    /* The same swing from the bottom, where all its energy is speed; a little more, and it turns over. */
+    /* The same swing from the bottom, where all its energy is speed; a little more, and it turns
+     * over. */
     scene.value[scene_param(&scene, "length")] = 1;
     scene.value[scene_param(&scene, "theta0")] = 0;
     scene.value[scene_param(&scene, "rate0")] = sqrt(2);
     assert_true(fabs(derive(&scene, "period").value - 7.41629870920548767) < 1e-14);
     scene.value[scene_param(&scene, "rate0")] = 2;
     assert_true(isnan(derive(&scene, "period").value));
-    scene = scene_of((const struct preset *)catalog_find(&preset_catalog, TEXT("kepler-eccentric")));
+    scene =
+        scene_of((const struct preset *)catalog_find(&preset_catalog, TEXT("kepler-eccentric")));
     assert_true(fabs(derive(&scene, "period").value - 2 * pi) < 1e-15);
     assert_true(fabs(derive(&scene, "E0").value + 0.5) < 1e-14);
 }

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A scope with a few names, one of them with a hyphen, for the tests of expressions and conditions. */
+/* A scope with a few names, one of them with a hyphen, for the tests of expressions and conditions.
+ */
 #ifndef SCENE_NAMES_H
 #define SCENE_NAMES_H
 
@@ -10,8 +11,9 @@
 static const struct {
     const char *name;
     double value;
-} names[] = {{"y", 2},  {"v", -3},    {"gamma", 0.25}, {"phase", 7}, {"error", 5}, {"phase-error", 11},
-             {"T0", 4}, {"x_1", 0.5}, {"nan_", NAN}};
+} names[] = {{"y", 2},     {"v", -3},    {"gamma", 0.25},
+             {"phase", 7}, {"error", 5}, {"phase-error", 11},
+             {"T0", 4},    {"x_1", 0.5}, {"nan_", NAN}};
 
 static bool find(const void *context, struct text name, int *slot)
 {

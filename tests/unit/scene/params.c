@@ -47,8 +47,8 @@ static void test_tables(void **state)
         {"k3", "N/m^3", 0},    {"mu", "1/s", 0},         {"width", "m", 1},
     };
     for (size_t i = 0; i < COUNT_OF(wanted); i++) {
-        const struct param_row *row =
-            (const struct param_row *)catalog_row(&param_catalog, (size_t)param_index(wanted[i].name));
+        const struct param_row *row = (const struct param_row *)catalog_row(
+            &param_catalog, (size_t)param_index(wanted[i].name));
         assert_string_equal(row->row.unit, wanted[i].unit);
         assert_true(row->initial == wanted[i].initial);
         assert_true(row->row.brief[0]);
@@ -56,7 +56,8 @@ static void test_tables(void **state)
             assert_string_equal(row->row.unit, quantity_unit(row->quantity));
     }
     for (size_t i = 0; i < derived_catalog.count; i++) {
-        const struct derived_row *row = (const struct derived_row *)catalog_row(&derived_catalog, i);
+        const struct derived_row *row =
+            (const struct derived_row *)catalog_row(&derived_catalog, i);
         assert_null(catalog_find(&param_catalog, text_of(row->row.name)));
         assert_true(!row->inverse == !row->target);
         if (row->quantity != QUANTITY_NUMBER && row->quantity != QUANTITY_FREQUENCY)
@@ -64,14 +65,16 @@ static void test_tables(void **state)
     }
 }
 
-static void expect_refused(const char *param, double value, double uncertainty, const char *sentence)
+static void expect_refused(const char *param, double value, double uncertainty,
+                           const char *sentence)
 {
     struct scene scene, before;
     struct error error = {0};
     memset(&scene, 0, sizeof scene); /* padding too: compared below */
     scene_init(&scene, NULL);
     memcpy(&before, &scene, sizeof before);
-    assert_false(scene_set(&scene, param_index(param), (struct measured){value, uncertainty}, &error));
+    assert_false(
+        scene_set(&scene, param_index(param), (struct measured){value, uncertainty}, &error));
     assert_string_equal(error.text, sentence);
     assert_int_equal(error.code, ERROR_COMMAND);
     assert_memory_equal(scene.value, before.value, sizeof scene.value);
@@ -120,8 +123,9 @@ static void test_set_and_unset(void **state)
 static void test_presets(void **state)
 {
     (void)state;
-    static const char *const names[] = {"spring",  "damped",    "drag",         "driven",          "pendulum",
-                                        "duffing", "vanderpol", "stiff-spring", "stiff-vanderpol", "kepler"};
+    static const char *const names[] = {"spring",          "damped",  "drag",      "driven",
+                                        "pendulum",        "duffing", "vanderpol", "stiff-spring",
+                                        "stiff-vanderpol", "kepler"};
     for (size_t i = 0; i < COUNT_OF(names); i++)
         assert_non_null(catalog_find(&preset_catalog, text_of(names[i])));
     for (size_t i = 0; i < preset_catalog.count; i++) {
@@ -129,12 +133,14 @@ static void test_presets(void **state)
         struct scene scene;
         struct error error = {0};
         scene_init(&scene, preset);
-        for (size_t p = 0; p < scene_params(&scene)->count; p++) /* every value of a preset could have been typed */
+        for (size_t p = 0; p < scene_params(&scene)->count;
+             p++) /* every value of a preset could have been typed */
             if (!scene_set(&scene, (int)p, (struct measured){scene.value[p], 0}, &error))
                 fail_msg("%s: %s", preset->row.name, error.text);
         for (size_t p = 0; p < COUNT_OF(preset->value) && preset->value[p].param; p++) {
-            int place = scene_param(&scene, preset->value[p].param);
-            if (place < 0 || scene.value[place] != preset->value[p].value) /* unknown, or there twice */
+            int index = scene_param(&scene, preset->value[p].param);
+            if (index < 0 ||
+                scene.value[index] != preset->value[p].value) /* unknown, or there twice */
                 fail_msg("%s: %s", preset->row.name, preset->value[p].param);
         }
     }
@@ -165,7 +171,8 @@ static void test_derived(void **state)
 
     /* Nothing oscillates: no period, no damping ratio. */
     set(&scene, "k", -1, 0);
-    static const char *const absent[] = {"omega0", "T0", "f0", "zeta", "Q", "omega_d", "T_d", "amplitude", "Re"};
+    static const char *const absent[] = {"omega0",  "T0",  "f0",        "zeta", "Q",
+                                         "omega_d", "T_d", "amplitude", "Re"};
     for (size_t i = 0; i < COUNT_OF(absent); i++)
         assert_true(isnan(derive(&scene, absent[i]).value));
     set(&scene, "k", 0, 0);
@@ -207,11 +214,14 @@ static void test_uncertainty(void **state)
     set(&scene, "k", 15, 0.3);
     expect_near(derive(&scene, "T0").uncertainty, derive(&scene, "T0").value * 0.01, 1e-8);
     set(&scene, "m", 0.2, 0.001);
-    expect_near(derive(&scene, "T0").uncertainty, derive(&scene, "T0").value * hypot(0.01, 0.0025), 1e-8);
-    expect_near(derive(&scene, "f0").uncertainty, derive(&scene, "f0").value * hypot(0.01, 0.0025), 1e-8);
+    expect_near(derive(&scene, "T0").uncertainty, derive(&scene, "T0").value * hypot(0.01, 0.0025),
+                1e-8);
+    expect_near(derive(&scene, "f0").uncertainty, derive(&scene, "f0").value * hypot(0.01, 0.0025),
+                1e-8);
     set(&scene, "gamma", 0.25, 0.005);
     expect_near(derive(&scene, "tau").uncertainty, 8 * 0.02, 1e-8);
-    expect_near(derive(&scene, "Q").uncertainty, derive(&scene, "Q").value * sqrt(1e-4 + 6.25e-6 + 4e-4), 1e-8);
+    expect_near(derive(&scene, "Q").uncertainty,
+                derive(&scene, "Q").value * sqrt(1e-4 + 6.25e-6 + 4e-4), 1e-8);
     set(&scene, "y0", 0.05, 0.002);
     set(&scene, "k", 15, 0);
     expect_near(derive(&scene, "E0").uncertainty, 15 * 0.05 * 0.002, 1e-8);
@@ -226,7 +236,8 @@ static void test_setting_a_derived_quantity(void **state)
     struct scene scene;
     struct error error = {0};
     for (size_t i = 0; i < derived_catalog.count; i++) {
-        const struct derived_row *row = (const struct derived_row *)catalog_row(&derived_catalog, i);
+        const struct derived_row *row =
+            (const struct derived_row *)catalog_row(&derived_catalog, i);
         scene_init(&scene, NULL);
         set(&scene, "m", 0.3, 0);
         bool fine = scene_set_derived(&scene, row, (struct measured){1.25, 0.01}, &error);

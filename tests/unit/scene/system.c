@@ -14,8 +14,8 @@ static void test_only_what_is_needed(void **state)
     assert_string_equal(spring.term[0].row->row.name, "spring");
     assert_true(spring.linear && spring.autonomous && spring.conservative && !spring.velocity &&
                 spring.oscillator.whole);
-    assert_true(spring.n == 2 && spring.order == 2 && spring.start[0] == 0.05 && spring.start[1] == 0 &&
-                spring.mass == 0.2);
+    assert_true(spring.n == 2 && spring.order == 2 && spring.start[0] == 0.05 &&
+                spring.start[1] == 0 && spring.mass == 0.2);
 
     struct system damped = BOUND({"gamma", 0.25}, {"g", 9.81});
     assert_int_equal(damped.terms, 3);
@@ -29,8 +29,8 @@ static void test_only_what_is_needed(void **state)
     assert_true(driven.linear && !driven.autonomous && !driven.velocity && !driven.conservative);
 
     struct system duffing = BOUND({"k3", 2});
-    assert_true(!duffing.linear && duffing.conservative && !duffing.velocity && !duffing.oscillator.whole &&
-                duffing.oscillator.drag_whole);
+    assert_true(!duffing.linear && duffing.conservative && !duffing.velocity &&
+                !duffing.oscillator.whole && duffing.oscillator.drag_whole);
     struct system vanderpol = BOUND({"mu", 2});
     assert_true(!vanderpol.conservative && vanderpol.velocity && !vanderpol.oscillator.whole &&
                 !vanderpol.oscillator.drag_whole);
@@ -44,12 +44,14 @@ static void test_only_what_is_needed(void **state)
 static void test_spring_is_one_multiplication(void **state)
 {
     (void)state;
-    /* Kernels rely on it: the coefficient is k/m, rounded once, and the acceleration is -(k/m) y, rounded once. */
+    /* Kernels rely on it: the coefficient is k/m, rounded once, and the acceleration is -(k/m) y,
+     * rounded once. */
     uint64_t seed = 4;
     for (int i = 0; i < 1000; i++) {
         double k = random_between(&seed, 0.1, 100), m = random_between(&seed, 0.01, 2),
                gamma = random_between(&seed, 0, 3);
-        struct system spring = BOUND({"k", k}, {"m", m}), damped = BOUND({"k", k}, {"m", m}, {"gamma", gamma});
+        struct system spring = BOUND({"k", k}, {"m", m}),
+                      damped = BOUND({"k", k}, {"m", m}, {"gamma", gamma});
         double y[2] = {random_between(&seed, -1, 1), random_between(&seed, -1, 1)}, a[1], dydt[2];
         double omega2 = k / m;
         system_acceleration(&spring, 0, y, a);
@@ -62,13 +64,13 @@ static void test_spring_is_one_multiplication(void **state)
 static void test_parts_add_up(void **state)
 {
     (void)state;
-    struct system all =
-        BOUND({"gamma", 0.3}, {"C", 20}, {"g", 9.81}, {"F0", 2}, {"phase", 0.5}, {"k3", 40}, {"mu", 0.2},
-              {"friction", 0.1});
+    struct system all = BOUND({"gamma", 0.3}, {"C", 20}, {"g", 9.81}, {"F0", 2}, {"phase", 0.5},
+                              {"k3", 40}, {"mu", 0.2}, {"friction", 0.1});
     assert_int_equal(all.terms, term_catalog.count);
     uint64_t seed = 5;
     for (int i = 0; i < 100; i++) {
-        double t = random_between(&seed, 0, 9), y[2] = {random_between(&seed, -1, 1), random_between(&seed, -1, 1)};
+        double t = random_between(&seed, 0, 9),
+               y[2] = {random_between(&seed, -1, 1), random_between(&seed, -1, 1)};
         double whole[1], force[1], drag[1], dydt[2], jac[4];
         system_acceleration(&all, t, y, whole);
         system_force(&all, t, y, force);
@@ -97,14 +99,16 @@ static void test_parts_add_up(void **state)
             later[j] = y[j] + h * dydt[j];
             earlier[j] = y[j] - h * dydt[j];
         }
-        double slope = (system_kinetic(&all, later) + system_potential(&all, later) - system_kinetic(&all, earlier) -
-                        system_potential(&all, earlier)) /
+        double slope = (system_kinetic(&all, later) + system_potential(&all, later) -
+                        system_kinetic(&all, earlier) - system_potential(&all, earlier)) /
                        (2 * h);
         double power = system_power(&all, t, y);
         assert_true(fabs(slope - power) < 1e-7 * (1 + fabs(power)));
         double drive = 2 * cos(8 * t + 0.5) * y[1];
-        assert_true(fabs(system_dissipation(&all, t, y) - (power - drive)) < 1e-14 * (1 + fabs(power)));
-        assert_true(system_dissipation(&all, t, y) < 0 && fabs(y[0]) < 1); /* 0.3 1/s damp more than 0.2 drive */
+        assert_true(fabs(system_dissipation(&all, t, y) - (power - drive)) <
+                    1e-14 * (1 + fabs(power)));
+        assert_true(system_dissipation(&all, t, y) < 0 &&
+                    fabs(y[0]) < 1); /* 0.3 1/s damp more than 0.2 drive */
     }
 }
 
@@ -128,8 +132,10 @@ static void decay_jacobian(const double *c, double t, const double *y, double *j
 static void test_first_order(void **state)
 {
     (void)state;
-    const struct term_row row = {
-        .row = {"decay", "", "", "", NULL}, .flags = TERM_LINEAR, .add = decay_add, .jacobian = decay_jacobian};
+    const struct term_row row = {.row = {"decay", "", "", "", NULL},
+                                 .flags = TERM_LINEAR,
+                                 .add = decay_add,
+                                 .jacobian = decay_jacobian};
     struct system system = {.n = 2, .order = 1, .terms = 1, .term = {{.row = &row, .c = {3}}}};
     double y[2] = {2, -1}, dydt[2], jac[4];
     system_derivative(&system, 0, y, dydt);
@@ -153,7 +159,8 @@ static void test_variables(void **state)
 static void expect_scale(struct system system, double length, double speed)
 {
     if (!(fabs(system.scale[0] / length - 1) < 1e-12 && fabs(system.scale[1] / speed - 1) < 1e-12))
-        fail_msg("scale %.17g, %.17g; wanted %.17g, %.17g", system.scale[0], system.scale[1], length, speed);
+        fail_msg("scale %.17g, %.17g; wanted %.17g, %.17g", system.scale[0], system.scale[1],
+                 length, speed);
 }
 
 static void test_scale(void **state)
@@ -173,9 +180,10 @@ static void test_scale(void **state)
     expect_scale(BOUND({"y0", 0}, {"F0", 0.02}, {"omega", omega}), 0.1 / 7.5, 0.1 / 7.5 * omega);
     expect_scale(BOUND({"k", -20}, {"k3", 80}, {"y0", 0.01}), 0.5, 5); /* a well */
     expect_scale(BOUND({"k", 0}, {"k3", 0.4}, {"y0", 0.2}), 0.2, 0.04 * sqrt(2));
-    expect_scale(BOUND({"k", 0}, {"k3", 0.4}, {"y0", 0}, {"v0", 1}), 1, sqrt(2)); /* 2 y^4/4 = v^2/2 */
-    expect_scale(BOUND({"mu", 0.1}, {"width", 0.5}), 1, omega);                   /* the limit cycle */
-    expect_scale(BOUND({"mu", 750}, {"width", 0.5}), 1, 0.1);                     /* creeps as k y/(m mu) */
+    expect_scale(BOUND({"k", 0}, {"k3", 0.4}, {"y0", 0}, {"v0", 1}), 1,
+                 sqrt(2));                                      /* 2 y^4/4 = v^2/2 */
+    expect_scale(BOUND({"mu", 0.1}, {"width", 0.5}), 1, omega); /* the limit cycle */
+    expect_scale(BOUND({"mu", 750}, {"width", 0.5}), 1, 0.1);   /* creeps as k y/(m mu) */
     expect_scale(BOUND({"mu", -2}), 0.05, 0.05 * omega);
 }
 
@@ -193,8 +201,9 @@ static void expect_refused(const char *sentence, const struct setting *settings,
     assert_int_equal(error.code, ERROR_COMMAND);
 }
 
-#define REFUSED(sentence, ...)                                                                                         \
-    expect_refused(sentence, (const struct setting[]){__VA_ARGS__}, COUNT_OF(((const struct setting[]){__VA_ARGS__})))
+#define REFUSED(sentence, ...)                                                                     \
+    expect_refused(sentence, (const struct setting[]){__VA_ARGS__},                                \
+                   COUNT_OF(((const struct setting[]){__VA_ARGS__})))
 
 static void test_overflow_is_refused(void **state)
 {
@@ -203,7 +212,8 @@ static void test_overflow_is_refused(void **state)
     REFUSED("k/m overflows", {"m", 1e-310}, {"k", 1e-10}); /* finite, but with few digits */
     REFUSED("k/m overflows", {"k", 1e300}, {"m", 1e-20});
     REFUSED("the spring force overflows at y = 1e9 m", {"k", 1e300}, {"y0", 1e9});
-    REFUSED("the spring force overflows", {"k", 1e300}, {"v0", 1e159}); /* at full swing, not at the start */
+    REFUSED("the spring force overflows", {"k", 1e300},
+            {"v0", 1e159}); /* at full swing, not at the start */
     REFUSED("a coefficient of the drag term overflows", {"C", 1e300}, {"m", 1e-20}, {"k", 0});
     REFUSED("a coefficient of the drive term overflows", {"F0", 1e300}, {"m", 1e-10}, {"k", 0});
     REFUSED("the drag force overflows", {"C", 0.5}, {"v0", 1e160});
@@ -239,23 +249,25 @@ static double flow_of(const struct oscillator *oscillator, double v, double h)
 static void test_drag_flow(void **state)
 {
     (void)state;
-    static const double gammas[] = {0, 1e-12, 0.3, 5, -0.3, -4}, quadratics[] = {0, 0.2, 3}, times[] = {0.1, 1.5, -0.1};
+    static const double gammas[] = {0, 1e-12, 0.3, 5, -0.3, -4}, quadratics[] = {0, 0.2, 3},
+                        times[] = {0.1, 1.5, -0.1};
     for (size_t i = 0; i < COUNT_OF(gammas); i++)
         for (size_t j = 0; j < COUNT_OF(quadratics); j++)
             for (size_t k = 0; k < COUNT_OF(times); k++)
                 for (double v = -1.5; v <= 1.5; v += 0.75) {
-                    struct oscillator o = {.damping = gammas[i], .quadratic = quadratics[j], .whole = true};
+                    struct oscillator o = {
+                        .damping = gammas[i], .quadratic = quadratics[j], .whole = true};
                     double h = times[k], flow = flow_of(&o, v, h),
                            wanted = integrated(gammas[i], quadratics[j], v, h);
                     if (!(fabs(flow - wanted) <= 1e-9 * fabs(wanted)))
-                        fail_msg("gamma %g c %g v %g h %g: %.17g, integrated %.17g", gammas[i], quadratics[j], v, h,
-                                 flow, wanted);
+                        fail_msg("gamma %g c %g v %g h %g: %.17g, integrated %.17g", gammas[i],
+                                 quadratics[j], v, h, flow, wanted);
                     assert_true(v == 0 ? flow == 0 : flow * v > 0);
                     double there_and_back = flow_of(&o, flow, -h);
                     assert_true(fabs(there_and_back - v) <= 1e-13 * fabs(v));
                 }
-    struct oscillator hard = {.damping = 1e9, .quadratic = 1e9}, growing = {.damping = -1e4, .quadratic = 2},
-                      quadratic = {.quadratic = 1};
+    struct oscillator hard = {.damping = 1e9, .quadratic = 1e9},
+                      growing = {.damping = -1e4, .quadratic = 2}, quadratic = {.quadratic = 1};
     assert_true(flow_of(&hard, 1, 1e3) == 0);
     assert_true(flow_of(&growing, -1e-3, 1) == -5e3); /* gamma/c: where growth and drag balance */
     assert_true(flow_of(&quadratic, 1e150, 1e10) == 1e-10);
@@ -267,10 +279,14 @@ static void test_drag_flow(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_only_what_is_needed), cmocka_unit_test(test_spring_is_one_multiplication),
-        cmocka_unit_test(test_parts_add_up),        cmocka_unit_test(test_first_order),
-        cmocka_unit_test(test_variables),           cmocka_unit_test(test_scale),
-        cmocka_unit_test(test_overflow_is_refused), cmocka_unit_test(test_drag_flow),
+        cmocka_unit_test(test_only_what_is_needed),
+        cmocka_unit_test(test_spring_is_one_multiplication),
+        cmocka_unit_test(test_parts_add_up),
+        cmocka_unit_test(test_first_order),
+        cmocka_unit_test(test_variables),
+        cmocka_unit_test(test_scale),
+        cmocka_unit_test(test_overflow_is_refused),
+        cmocka_unit_test(test_drag_flow),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

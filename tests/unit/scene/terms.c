@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Every force term against what its row claims: the force is the slope of the potential, the power is force times
- * velocity, the Jacobian is the slope of the acceleration, the flags say what it depends on. The checks see rows, not
- * terms, so a new row is tested as soon as it exists; broken rows at the end show that each check can fail.
+ * Every force term against what its row claims: the force is the slope of the potential, the power
+ * is force times velocity, the Jacobian is the slope of the acceleration, the flags say what it
+ * depends on. The checks see rows, not terms, so a new row is tested as soon as it exists; broken
+ * rows at the end show that each check can fail.
  */
 #include "unit/scene/testing.h"
 
@@ -62,13 +63,17 @@ static bool check_jacobian(const struct sample *s)
 static bool check_flags(const struct sample *s)
 {
     double t = s->t, y = s->y[0], v = s->y[1], here = acceleration(s, t, y, v);
-    bool velocity = acceleration(s, t, y, v + 1) != here || acceleration(s, t, y, -v) != here, time = acceleration(s, t + 1, y, v) != here;
+    bool velocity = acceleration(s, t, y, v + 1) != here || acceleration(s, t, y, -v) != here,
+         time = acceleration(s, t + 1, y, v) != here;
     /* Linear or constant: a(x) - a(0) is odd and doubles with x. */
-    double zero = acceleration(s, t, 0, 0), once = here - zero, twice = acceleration(s, t, 2 * y, 2 * v) - zero;
+    double zero = acceleration(s, t, 0, 0), once = here - zero,
+           twice = acceleration(s, t, 2 * y, 2 * v) - zero;
     double back = acceleration(s, t, -y, -v) - zero;
-    bool linear = close_to(twice, 2 * once, fabs(twice) + fabs(zero)) && close_to(back, -once, fabs(once) + fabs(zero));
+    bool linear = close_to(twice, 2 * once, fabs(twice) + fabs(zero)) &&
+                  close_to(back, -once, fabs(once) + fabs(zero));
     unsigned flags = s->row->flags;
-    return velocity == !!(flags & TERM_VELOCITY) && time == !!(flags & TERM_TIME) && linear == !!(flags & TERM_LINEAR);
+    return velocity == !!(flags & TERM_VELOCITY) && time == !!(flags & TERM_TIME) &&
+           linear == !!(flags & TERM_LINEAR);
 }
 
 /* What the term adds to the oscillator is the same force. */
@@ -82,18 +87,20 @@ static bool check_oscillator(const struct sample *s)
         return false;
     if (!o.whole) { /* then at least the drag is all there, or it says that it is not */
         double still = acceleration(s, s->t, y, 0), drag = acceleration(s, s->t, y, v) - still;
-        return !o.drag_whole || close_to(drag, -o.damping * v - o.quadratic * fabs(v) * v - copysign(o.friction, v),
-                                         fabs(still) + fabs(drag));
+        return !o.drag_whole ||
+               close_to(drag, -o.damping * v - o.quadratic * fabs(v) * v - copysign(o.friction, v),
+                        fabs(still) + fabs(drag));
     }
-    double a = -o.stiffness * y - o.damping * v - o.quadratic * fabs(v) * v - copysign(o.friction, v) - o.gravity +
-               o.drive * cos(o.omega * s->t + o.phase);
+    double a = -o.stiffness * y - o.damping * v - o.quadratic * fabs(v) * v -
+               copysign(o.friction, v) - o.gravity + o.drive * cos(o.omega * s->t + o.phase);
     double wanted = acceleration(s, s->t, y, v);
     return fabs(a - wanted) <= 1e-14 * fabs(wanted);
 }
 
 static bool check_absent(const struct sample *s)
 {
-    /* With every parameter at 0 but the mass, no term is there, and what is not there adds nothing. */
+    /* With every parameter at 0 but the mass, no term is there, and what is not there adds nothing.
+     */
     double param[PARAM_MAX] = {0}, c[TERM_COEFFICIENTS] = {0};
     struct oscillator o = {.whole = true};
     param[param_index("m")] = s->mass;
@@ -105,8 +112,8 @@ static bool check_absent(const struct sample *s)
     return acceleration(&none, s->t, s->y[0], s->y[1]) == 0;
 }
 
-static bool (*const checks[])(const struct sample *) = {check_potential, check_power,      check_jacobian,
-                                                        check_flags,     check_oscillator, check_absent};
+static bool (*const checks[])(const struct sample *) = {
+    check_potential, check_power, check_jacobian, check_flags, check_oscillator, check_absent};
 
 /* Random parameters within their ranges, random state. */
 static struct sample random_sample(const struct term_row *row, uint64_t *seed)
@@ -114,7 +121,8 @@ static struct sample random_sample(const struct term_row *row, uint64_t *seed)
     struct sample s = {.row = row};
     for (size_t i = 0; i < param_catalog.count; i++) {
         const struct param_row *param = (const struct param_row *)catalog_row(&param_catalog, i);
-        s.param[i] = random_between(seed, 0.2, 3) * (param->least < 0 && random_unit(seed) < 0.5 ? -1 : 1);
+        s.param[i] =
+            random_between(seed, 0.2, 3) * (param->min < 0 && random_unit(seed) < 0.5 ? -1 : 1);
     }
     s.mass = s.param[param_index("m")];
     struct oscillator unused = {0};

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What the tests of the scene share: random numbers that are the same every time, and scenes from a few values. */
+/* What the tests of the scene share: random numbers that are the same every time, and scenes from a
+ * few values. */
 #ifndef SCENE_TESTING_H
 #define SCENE_TESTING_H
 
@@ -25,7 +26,8 @@ static inline double random_between(uint64_t *seed, double a, double b)
     return a + (b - a) * random_unit(seed);
 }
 
-/* x^n with the rounding that is documented, in another way: the bits of |n| from the highest down. */
+/* x^n with the rounding that is documented, in another way: the bits of |n| from the highest down.
+ */
 static inline double short_power(double x, double n)
 {
     if (!(fabs(n) <= 16 && 2 * n == floor(2 * n)))
@@ -57,13 +59,15 @@ static inline struct system bound(const struct setting *settings, size_t count)
     struct error error = {0};
     scene_init(&scene, NULL);
     for (size_t i = 0; i < count; i++)
-        if (!scene_set(&scene, param_index(settings[i].param), (struct measured){settings[i].value, 0}, &error))
+        if (!scene_set(&scene, param_index(settings[i].param),
+                       (struct measured){settings[i].value, 0}, &error))
             fail_msg("%s", error.text);
     if (!scene_bind(&scene, &system, &error))
         fail_msg("%s", error.text);
     return system;
 }
 
-#define BOUND(...) bound((const struct setting[]){__VA_ARGS__}, COUNT_OF(((const struct setting[]){__VA_ARGS__})))
+#define BOUND(...)                                                                                 \
+    bound((const struct setting[]){__VA_ARGS__}, COUNT_OF(((const struct setting[]){__VA_ARGS__})))
 
 #endif

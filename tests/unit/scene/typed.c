@@ -30,9 +30,9 @@ static void bind(struct fixture *f)
 
 static void set(struct fixture *f, const char *name, double value)
 {
-    const int place = scene_param(&f->scene, name);
-    assert_true(place >= 0);
-    assert_true(scene_set(&f->scene, place, (struct measured){value, 0}, &f->error));
+    const int index = scene_param(&f->scene, name);
+    assert_true(index >= 0);
+    assert_true(scene_set(&f->scene, index, (struct measured){value, 0}, &f->error));
 }
 
 static bool near(double a, double b, double tolerance)
@@ -43,9 +43,9 @@ static bool near(double a, double b, double tolerance)
     return false;
 }
 
-static double random_between(double least, double most)
+static double random_between(double min, double max)
 {
-    return least + (most - least) * rand() / RAND_MAX;
+    return min + (max - min) * rand() / RAND_MAX;
 }
 
 /* ---- making ---- */
@@ -53,8 +53,8 @@ static double random_between(double least, double most)
 static void test_first_order(void **state)
 {
     struct fixture *f = *state;
-    type(f, LINES("var y1 = 2", "var y2 = 0", "param mu = 1000", "y1' = y2", "y2' = mu*(1 - y1^2)*y2 - y1",
-                  "observe E = y1^2 + y2^2", "observe half = E/2"));
+    type(f, LINES("var y1 = 2", "var y2 = 0", "param mu = 1000", "y1' = y2",
+                  "y2' = mu*(1 - y1^2)*y2 - y1", "observe E = y1^2 + y2^2", "observe half = E/2"));
     bind(f);
     assert_int_equal(f->system.order, 1);
     assert_int_equal(f->system.n, 2);
@@ -66,7 +66,8 @@ static void test_first_order(void **state)
     assert_true(jac[0] == 0 && jac[1] == 1 && jac[2] == -4001 && jac[3] == -3000);
     assert_int_equal(model_observed(f->scene.model), 2);
     assert_string_equal(model_observed_variable(f->scene.model, 0).name, "E");
-    assert_true(system_observe(&f->system, 0, 0, y) == 5 && system_observe(&f->system, 1, 0, y) == 2.5);
+    assert_true(system_observe(&f->system, 0, 0, y) == 5 &&
+                system_observe(&f->system, 1, 0, y) == 2.5);
     set(f, "mu", 1); /* a name is a reference */
     set(f, "y1_0", 3);
     bind(f);
@@ -141,23 +142,26 @@ static void test_force(void **state)
     assert_true(scene_bind(&f->scene, &before, &f->error));
     type(f, LINES("param stiff = 40", "force -stiff*y^3 + 0.1*cos(2*t)"));
     assert_ptr_equal(typed_base(f->scene.model), &oscillator_model);
-    assert_true(f->scene.value[scene_param(&f->scene, "k")] == 7 && f->scene.preset == preset("damped"));
+    assert_true(f->scene.value[scene_param(&f->scene, "k")] == 7 &&
+                f->scene.preset == preset("damped"));
     bind(f);
     double y[] = {0.3, 0.7}, a[1], without[1];
     const double mass = f->scene.value[scene_param(&f->scene, "m")];
     system_acceleration(&f->system, 0.4, y, a);
     system_acceleration(&before, 0.4, y, without);
     assert_true(near(a[0], without[0] + (-40 * 0.027 + 0.1 * cos(0.8)) / mass, 1e-14));
-    assert_true(!f->system.oscillator.whole && f->system.oscillator.drag_whole && !f->system.autonomous);
+    assert_true(!f->system.oscillator.whole && f->system.oscillator.drag_whole &&
+                !f->system.autonomous);
     assert_false(system_has_exact(&f->system));
     type(f, LINES("force -stiff*y^3", "potential stiff*y^4/4"));
     bind(f);
-    assert_true(near(system_potential(&f->system, y) - system_potential(&before, y), 10 * 0.0081, 1e-14));
+    assert_true(
+        near(system_potential(&f->system, y) - system_potential(&before, y), 10 * 0.0081, 1e-14));
     set(f, "stiff", 0);
     bind(f);
     assert_true(f->system.terms == before.terms && f->system.oscillator.whole);
-    const struct model *plain =
-        typed_remove(f->models, f->scene.model, TYPED_FORCE, TEXT(""), &f->error); /* and its potential */
+    const struct model *plain = typed_remove(f->models, f->scene.model, TYPED_FORCE, TEXT(""),
+                                             &f->error); /* and its potential */
     assert_non_null(plain);
     plain = typed_remove(f->models, plain, TYPED_PARAM, TEXT("stiff"), &f->error);
     assert_ptr_equal(plain, &oscillator_model);
@@ -185,7 +189,8 @@ static void refused(struct fixture *f, const char *line, const char *message, co
         fail_msg("%s: %s (%s)", line, f->error.text, f->error.hint);
     const char *at = f->error.where.at;
     if (where && !(text_is(f->error.where, where) && at >= line && at < line + strlen(line)))
-        fail_msg("%s: at '%.*s'", line, (int)f->error.where.len, f->error.where.at ? f->error.where.at : "");
+        fail_msg("%s: at '%.*s'", line, (int)f->error.where.len,
+                 f->error.where.at ? f->error.where.at : "");
 }
 
 static void test_refusals(void **state)
@@ -211,7 +216,8 @@ static void test_refusals(void **state)
     refused(f, "observe d = above", "above comes after d", "above");
     type(f, LINES("param vx0 = 3"));
     refused(f, "x'' = -x", "the parameter vx0 needs another name", "x");
-    scene_remodel(&f->scene, typed_remove(f->models, f->scene.model, TYPED_PARAM, TEXT("vx0"), &f->error));
+    scene_remodel(&f->scene,
+                  typed_remove(f->models, f->scene.model, TYPED_PARAM, TEXT("vx0"), &f->error));
     assert_null(typed_remove(f->models, f->scene.model, TYPED_VAR, TEXT("x"), &f->error));
     assert_string_equal(f->error.text, "x is used by: observe d = x");
     type(f, LINES("x' = k", "speed' = x"));
@@ -226,8 +232,8 @@ static void test_refusals(void **state)
 static void test_potential_is_checked(void **state)
 {
     struct fixture *f = *state;
-    type(f, LINES("var x = 1", "var y = 0.5", "param k = 3", "x'' = -k*x - 2*x*y - 0.1*x'", "y'' = -y - x^2 + cos(t)",
-                  "potential k*x^2/2 + y^2/2 + x^2*y"));
+    type(f, LINES("var x = 1", "var y = 0.5", "param k = 3", "x'' = -k*x - 2*x*y - 0.1*x'",
+                  "y'' = -y - x^2 + cos(t)", "potential k*x^2/2 + y^2/2 + x^2*y"));
     bind(f); /* drag and drive are work */
     assert_false(f->system.conservative);
     type(f, LINES("potential k*x^2/2 + y^2/2 + x^2*y/2"));
@@ -242,7 +248,8 @@ static void test_potential_is_checked(void **state)
 static void test_jacobians(void **state)
 {
     struct fixture *f = *state;
-    type(f, LINES("var x = 0.4", "var y = 0.3", "param k = 3", "x'' = -k*sin(x)*cosh(y) - 0.3*x'*hypot(x', y')",
+    type(f, LINES("var x = 0.4", "var y = 0.3", "param k = 3",
+                  "x'' = -k*sin(x)*cosh(y) - 0.3*x'*hypot(x', y')",
                   "y'' = -exp(-y)*log(2 + x^2) + sin(t*x) - y'^3 + atan2(x, 2 + y)"));
     bind(f);
     for (int round = 0; round < 200; round++) {
@@ -274,7 +281,8 @@ static void test_same_bits_as_built_in(void **state)
     type(f, LINES("var x = 0", "var y = 0", "var x' = 0.24", "var y' = 0.32", "x'' = -(x + 2*x*y)",
                   "y'' = -(y + (x^2 - y^2))", "potential (x^2 + y^2)/2 + (x^2 - y^2/3)*y"));
     bind(f);
-    assert_true(f->system.conservative && !f->system.velocity && f->system.order == 2 && f->system.n == 4);
+    assert_true(f->system.conservative && !f->system.velocity && f->system.order == 2 &&
+                f->system.n == 4);
     for (int round = 0; round < 10000; round++) {
         double y[4], a[2], b[2];
         for (int i = 0; i < 4; i++)
@@ -312,7 +320,8 @@ static void test_scales(void **state)
         assert_true(f->system.scale[i] > 0);
 }
 
-/* A run may be too short for what grows later: sizes are those after one time constant, not after eight. */
+/* A run may be too short for what grows later: sizes are those after one time constant, not after
+ * eight. */
 static void test_scales_of_growth(void **state)
 {
     struct fixture *f = *state;
@@ -333,8 +342,12 @@ static void test_scales_of_growth(void **state)
 static void test_lines_come_back(void **state)
 {
     struct fixture *f = *state;
-    const char *const lines[] = {"var x = 0.5", "param k = 3",  "x'' = -k*x", "potential k*x^2/2",
-                                 "observe E = x'^2/2 + k*x^2/2", NULL};
+    const char *const lines[] = {"var x = 0.5",
+                                 "param k = 3",
+                                 "x'' = -k*x",
+                                 "potential k*x^2/2",
+                                 "observe E = x'^2/2 + k*x^2/2",
+                                 NULL};
     type(f, lines);
     assert_int_equal(typed_lines(f->scene.model), 5);
     for (int i = 0; lines[i]; i++) {
@@ -359,7 +372,8 @@ static void test_largest(void **state)
         type(f, LINES(line));
     }
     for (int i = 1; i <= LIMIT_VARIABLES; i++) {
-        snprintf(line, sizeof line, "y%d' = y%d*y%d - y%d", i, i == 1 ? 64 : i - 1, i == 64 ? 1 : i + 1, i);
+        snprintf(line, sizeof line, "y%d' = y%d*y%d - y%d", i, i == 1 ? 64 : i - 1,
+                 i == 64 ? 1 : i + 1, i);
         type(f, LINES(line));
     }
     bind(f);
@@ -379,7 +393,8 @@ static void test_long_sum_is_quick(void **state)
     static char line[40000];
     size_t at = (size_t)snprintf(line, sizeof line, "x'' = x");
     for (int i = 0; i < 700; i++)
-        at += (size_t)snprintf(line + at, sizeof line - at, " - x*%d %c x'*%d", i, i % 2 ? '+' : '-', i);
+        at += (size_t)snprintf(line + at, sizeof line - at, " - x*%d %c x'*%d", i,
+                               i % 2 ? '+' : '-', i);
     type(f, LINES("var x = 1"));
     const int64_t begin = cpu_ns();
     refused(f, line, "operations", NULL);
@@ -417,8 +432,8 @@ static void *bind_often(void *context)
 static void test_threads(void **state)
 {
     struct fixture *f = *state;
-    type(f, LINES("var x = 1", "param p = 1", "param q = 1", "param r = 1", "x'' = -p*x - q*x^2 - r*x'",
-                  "potential p*x^2/2 + q*x^3/3"));
+    type(f, LINES("var x = 1", "param p = 1", "param q = 1", "param r = 1",
+                  "x'' = -p*x - q*x^2 - r*x'", "potential p*x^2/2 + q*x^3/3"));
     pthread_t thread[THREADS];
     for (int i = 0; i < THREADS; i++)
         assert_int_equal(pthread_create(&thread[i], NULL, bind_often, f), 0);
@@ -431,7 +446,8 @@ static void test_threads(void **state)
 
 /* ---- potentials that are found ---- */
 
-/* Is the slope of the potential the force, in units of the mass, at random places? Differences are good to 1e-7. */
+/* Is the slope of the potential the force, in units of the mass, at random places? Differences are
+ * good to 1e-7. */
 static void check_slopes(struct fixture *f)
 {
     const struct system *s = &f->system;
@@ -439,7 +455,8 @@ static void check_slopes(struct fixture *f)
     for (int k = 0; k < 20; k++) {
         double y[LIMIT_VARIABLES] = {0}, a[LIMIT_VARIABLES];
         for (int i = 0; i < rows; i++)
-            y[i] = random_between(0.3, 2) * fmax(s->scale[i], 0.1 * s->scale[0]) * (rand() % 2 ? 1 : -1);
+            y[i] = random_between(0.3, 2) * fmax(s->scale[i], 0.1 * s->scale[0]) *
+                   (rand() % 2 ? 1 : -1);
         system_force(s, 0, y, a);
         for (int i = 0; i < rows; i++) {
             const double h = 1e-4 * fabs(y[i]), at = y[i];
@@ -460,10 +477,17 @@ static void test_found_potentials(void **state)
         bool found, energy;
     } cases[] = {
         {{"var x = 1", "var y = 0", "x'' = y - 2*x", "y'' = x - 2*y + 1"}, true, true},
-        {{"var x = 1", "var y = 0", "param m = 3", "x'' = -x^3 - 2*x*y^2", "y'' = -2*x^2*y - sin(y)"}, true, true},
-        {{"var x = 1", "var y = 0", "x'' = -x/(x^2 + y^2)^1.5", "y'' = -y/(x^2 + y^2)^1.5"}, true, true},
-        {{"var x = 1", "var y = 0", "var z = 0.5", "x'' = -x/(x^2 + y^2 + z^2)", "y'' = -y/(x^2 + y^2 + z^2)",
-          "z'' = -z/(x^2 + y^2 + z^2)"}, true, true},
+        {{"var x = 1", "var y = 0", "param m = 3", "x'' = -x^3 - 2*x*y^2",
+          "y'' = -2*x^2*y - sin(y)"},
+         true,
+         true},
+        {{"var x = 1", "var y = 0", "x'' = -x/(x^2 + y^2)^1.5", "y'' = -y/(x^2 + y^2)^1.5"},
+         true,
+         true},
+        {{"var x = 1", "var y = 0", "var z = 0.5", "x'' = -x/(x^2 + y^2 + z^2)",
+          "y'' = -y/(x^2 + y^2 + z^2)", "z'' = -z/(x^2 + y^2 + z^2)"},
+         true,
+         true},
         {{"var x = 1", "x'' = -1/x"}, true, true},
         {{"var x = 1", "x'' = -sin(x) + exp(-x) - x'"}, true, true},
         {{"var x = 1", "x'' = -x + cos(3*t)"}, true, true},
@@ -505,8 +529,8 @@ static void test_potential_of_kinks(void **state)
     assert_true(f->system.conservative && f->system.energy);
     for (double x = -2; x < 2; x += 0.01) {
         const double y[] = {x, 0}, x0 = fmin(x, 0.3);
-        assert_true(near(system_potential(&f->system, y), 2 * x0 * x0 + (x > 0.3 ? (x * x - 0.09) / 2 : 0) +
-                                                              0.2 * fabs(x), 1e-10));
+        assert_true(near(system_potential(&f->system, y),
+                         2 * x0 * x0 + (x > 0.3 ? (x * x - 0.09) / 2 : 0) + 0.2 * fabs(x), 1e-10));
     }
 }
 

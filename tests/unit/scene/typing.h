@@ -18,14 +18,15 @@ static inline struct text typing_word(struct text *rest)
     return word;
 }
 
-/* var NAME = V | param NAME = V | NAME' = E | NAME'' = E | force E | potential E | observe NAME = E */
+/* var NAME = V | param NAME = V | NAME' = E | NAME'' = E | force E | potential E | observe NAME = E
+ */
 static inline struct typed_line typing_line(struct text text)
 {
     struct typed_line line = {.kind = TYPED_EQUATION};
     struct text rest = text, word = typing_word(&rest);
-    static const char *const kind[] = {[TYPED_VAR] = "var",   [TYPED_PARAM] = "param",
-                                       [TYPED_EQUATION] = "", [TYPED_FORCE] = "force",
-                                       [TYPED_POTENTIAL] = "potential", [TYPED_OBSERVE] = "observe"};
+    static const char *const kind[] = {
+        [TYPED_VAR] = "var",     [TYPED_PARAM] = "param",         [TYPED_EQUATION] = "",
+        [TYPED_FORCE] = "force", [TYPED_POTENTIAL] = "potential", [TYPED_OBSERVE] = "observe"};
     for (size_t i = 0; i < COUNT_OF(kind); i++)
         if (text_is(word, kind[i]))
             line.kind = (enum typed_kind)i;
@@ -43,15 +44,16 @@ static inline struct typed_line typing_line(struct text text)
     return line;
 }
 
-static inline const struct model *type_line(struct typed_models *models, const struct model *from, const char *text,
-                                            struct error *error)
+static inline const struct model *type_line(struct typed_models *models, const struct model *from,
+                                            const char *text, struct error *error)
 {
     const struct typed_line line = typing_line(text_of(text));
     return typed_add(models, from, &line, error);
 }
 
 /* Lines up to NULL on top of a scene; prints what went wrong. */
-static inline bool type_scene(struct typed_models *models, struct scene *scene, const char *const *lines)
+static inline bool type_scene(struct typed_models *models, struct scene *scene,
+                              const char *const *lines)
 {
     struct error error = {0};
     for (; *lines; lines++) {

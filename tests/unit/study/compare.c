@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* compare: rows, errors, orders, verdicts, refusals before any work, cancellation; timing that is really taken. */
+/* compare: rows, errors, orders, verdicts, refusals before any work, cancellation; timing that is
+ * really taken. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
@@ -17,16 +18,16 @@ static const struct method *method_named(const char *name)
     return (const struct method *)(const void *)row;
 }
 
-static struct compare_request request_for(struct scene *scene, struct contender *contender, const char *const *names,
-                                          int count)
+static struct compare_request request_for(struct scene *scene, struct method_choice *choice,
+                                          const char *const *names, int count)
 {
     scene_init(scene, NULL);
     for (int i = 0; i < count; i++) {
-        contender[i] = (struct contender){method_named(names[i]), DRAG_DEFAULT};
+        choice[i] = (struct method_choice){method_named(names[i]), DRAG_DEFAULT};
     }
     static const double dt[] = {0.01};
     return (struct compare_request){
-        .scene = scene, .contender = contender, .contenders = count, .dt = dt, .dts = 1, .duration = 10};
+        .scene = scene, .choice = choice, .choices = count, .dt = dt, .dts = 1, .duration = 10};
 }
 
 static void close_to(double value, double wanted, double relative)
@@ -42,8 +43,8 @@ static void test_the_labs_comparison(void **state)
     (void)state;
     static const char *const names[] = {"euler", "backward-euler", "symplectic-euler"};
     struct scene scene;
-    struct contender contender[3];
-    struct compare_request request = request_for(&scene, contender, names, 3);
+    struct method_choice choice[3];
+    struct compare_request request = request_for(&scene, choice, names, 3);
     struct comparison row[3];
     int count;
     struct error error = {0};
@@ -58,8 +59,9 @@ static void test_the_labs_comparison(void **state)
     assert_null(strstr(row[0].verdict, "NOT"));
     assert_non_null(strstr(row[1].verdict, "as predicted"));
     assert_non_null(strstr(row[2].verdict, "bounded, as predicted"));
-    assert_true(row[2].ledger.error_max > 0.04); /* it does swing: the ellipse allows 0.09, far above rounding */
-    assert_true(isnan(row[0].time.minimum));     /* TIMING_OFF: nothing is timed */
+    assert_true(row[2].ledger.error_max >
+                0.04); /* it does swing: the ellipse allows 0.09, far above rounding */
+    assert_true(isnan(row[0].time.minimum)); /* TIMING_OFF: nothing is timed */
     for (int i = 0; i < count; i++) {
         assert_int_equal(row[i].run->steps, 1000);
         assert_int_equal(row[i].run->cost.evals, 1000);
@@ -74,8 +76,8 @@ static void test_observed_orders(void **state)
     static const double order[] = {1, 2, 4};
     static const double dt[] = {0.008, 0.004, 0.002};
     struct scene scene;
-    struct contender contender[3];
-    struct compare_request request = request_for(&scene, contender, names, 3);
+    struct method_choice choice[3];
+    struct compare_request request = request_for(&scene, choice, names, 3);
     request.dt = dt;
     request.dts = 3;
     struct comparison row[9];
@@ -95,15 +97,16 @@ static void test_observed_orders(void **state)
     }
 }
 
-/* Without a closed form errors are measured against a reference, and the verdict says what the energy did. */
+/* Without a closed form errors are measured against a reference, and the verdict says what the
+ * energy did. */
 static void test_without_a_closed_form(void **state)
 {
     (void)state;
     static const char *const names[] = {"verlet", "rk4"};
     static const double dt[] = {0.008, 0.004};
     struct scene scene;
-    struct contender contender[2];
-    struct compare_request request = request_for(&scene, contender, names, 2);
+    struct method_choice choice[2];
+    struct compare_request request = request_for(&scene, choice, names, 2);
     const struct row *drag = catalog_find(&preset_catalog, TEXT("drag"));
     assert_non_null(drag);
     scene_init(&scene, (const struct preset *)(const void *)drag);
@@ -127,7 +130,8 @@ static void test_without_a_closed_form(void **state)
     }
 }
 
-/* Nothing predicts the energy of a pendulum or a hardening spring: Verlet keeps it, Heun and Euler do not. */
+/* Nothing predicts the energy of a pendulum or a hardening spring: Verlet keeps it, Heun and Euler
+ * do not. */
 static void test_words_for_nonlinear_scenes(void **state)
 {
     (void)state;
@@ -140,8 +144,8 @@ static void test_words_for_nonlinear_scenes(void **state)
         skip();
     }
     struct scene scene;
-    struct contender contender[4];
-    struct compare_request request = request_for(&scene, contender, names, 4);
+    struct method_choice choice[4];
+    struct compare_request request = request_for(&scene, choice, names, 4);
     scene_init(&scene, (const struct preset *)(const void *)duffing);
     static const double dt[] = {0.02};
     request.dt = dt;
@@ -166,8 +170,8 @@ static void test_divergence_is_a_result(void **state)
     static const char *const names[] = {"verlet", "rk4"};
     static const double dt[] = {0.5}; /* omega dt = 4.3: above the limits 2 and 2.83 */
     struct scene scene;
-    struct contender contender[2];
-    struct compare_request request = request_for(&scene, contender, names, 2);
+    struct method_choice choice[2];
+    struct compare_request request = request_for(&scene, choice, names, 2);
     request.dt = dt;
     request.duration = 2000;
     struct comparison row[2];
@@ -185,8 +189,8 @@ static void test_refusals_come_first(void **state)
     (void)state;
     static const char *const names[] = {"rk4", "exact"};
     struct scene scene;
-    struct contender contender[2];
-    struct compare_request request = request_for(&scene, contender, names, 2);
+    struct method_choice choice[2];
+    struct compare_request request = request_for(&scene, choice, names, 2);
     struct comparison row[2];
     int count = -1;
     struct error error = {0};
@@ -196,9 +200,9 @@ static void test_refusals_come_first(void **state)
     assert_int_equal(count, 0);
     assert_int_equal(error.code, ERROR_COMMAND);
 
-    request = request_for(&scene, contender, names, 2);
-    assert_true(
-        scene_set(&scene, param_index("C"), (struct measured){1, 0}, &error)); /* no closed form: `exact` is refused */
+    request = request_for(&scene, choice, names, 2);
+    assert_true(scene_set(&scene, param_index("C"), (struct measured){1, 0},
+                          &error)); /* no closed form: `exact` is refused */
     assert_true(scene_set(&scene, param_index("area"), (struct measured){0.01, 0}, &error));
     assert_false(study_compare(&request, row, &count, &error));
     assert_int_equal(count, 0);
@@ -209,8 +213,8 @@ static void test_cancelled(void **state)
     (void)state;
     static const char *const names[] = {"rk4"};
     struct scene scene;
-    struct contender contender[1];
-    struct compare_request request = request_for(&scene, contender, names, 1);
+    struct method_choice choice[1];
+    struct compare_request request = request_for(&scene, choice, names, 1);
     struct cancel cancel = {0};
     atomic_store(&cancel.requested, 1);
     request.cancel = &cancel;
@@ -240,7 +244,8 @@ static void test_times_grow_with_the_work(void **state)
     time_solve(&system, rk4, &settings, 1, TIMING_QUICK, NULL, &few);
     time_solve(&system, rk4, &settings, 100, TIMING_QUICK, NULL, &many);
     assert_true(few.samples >= 1 && few.minimum > 0 && few.minimum <= few.median);
-    /* A hundred times the steps: the factor says only that work is timed, not how fast the machine is. */
+    /* A hundred times the steps: the factor says only that work is timed, not how fast the machine
+     * is. */
     assert_true(many.minimum > 10 * few.minimum);
 }
 

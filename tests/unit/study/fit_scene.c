@@ -81,7 +81,8 @@ static void known_truths_are_found(void **state)
 
 /* ---- uncertainties ---- */
 
-/* In 95 of 100 recordings the truth lies inside the interval: three standard deviations of that count are allowed. */
+/* In 95 of 100 recordings the truth lies inside the interval: three standard deviations of that
+ * count are allowed. */
 static void intervals_cover_the_truth(void **state)
 {
     (void)state;
@@ -91,9 +92,10 @@ static void intervals_cover_the_truth(void **state)
     int inside = 0, asked = 0;
     random_state = 99;
     for (int trial = 0; trial < trials; trial++) {
-        const struct scene truth =
-            scene_with("drag", SETTINGS({"k", 14 + 2 * random_uniform()}, {"gamma", 0.02 + 0.03 * random_uniform()},
-                                        {"C", 1 + random_uniform()}, {"y0", 0.05}, {"v0", random_uniform() - 0.5}));
+        const struct scene truth = scene_with(
+            "drag",
+            SETTINGS({"k", 14 + 2 * random_uniform()}, {"gamma", 0.02 + 0.03 * random_uniform()},
+                     {"C", 1 + random_uniform()}, {"y0", 0.05}, {"v0", random_uniform() - 0.5}));
         const struct scene start = scene_with("drag", NO_SETTINGS);
         struct recorded r = record(&truth, 0, 40, 25, 3e-4, 0.21);
         struct fitted f = fit_to(&start, &r.series, NULL, true);
@@ -102,7 +104,8 @@ static void intervals_cover_the_truth(void **state)
             const double value = truth.value[scene_param(&truth, names[i])];
             for (int j = 0; j < f.fit.curve.parameters; j++)
                 if (strcmp(f.fit.name[j], names[i]) == 0) {
-                    inside += f.fit.curve.interval[j][0] <= value && value <= f.fit.curve.interval[j][1];
+                    inside +=
+                        f.fit.curve.interval[j][0] <= value && value <= f.fit.curve.interval[j][1];
                     asked++;
                 }
         }
@@ -112,8 +115,8 @@ static void intervals_cover_the_truth(void **state)
     assert_int_equal(asked, trials * (int)COUNT_OF(names));
     print_message("%d of %d intervals hold the truth\n", inside, asked);
     /* The parameters of one recording are correlated: as if half as many were asked. */
-    const double share = (double)inside / asked, spread = sqrt(0.95 * 0.05 / (0.5 * asked));
-    assert_true(fabs(share - 0.95) < 3 * spread);
+    const double fraction = (double)inside / asked, spread = sqrt(0.95 * 0.05 / (0.5 * asked));
+    assert_true(fabs(fraction - 0.95) < 3 * spread);
 }
 
 /* k follows from k/m: what is not known of m is not known of k. */
@@ -132,7 +135,8 @@ static void held_values_add_their_uncertainty(void **state)
     assert_converged(&loose);
     const struct measured k = fitted_value(&exact, "k"), wide = fitted_value(&loose, "k");
     close_to(wide.uncertainty, hypot(k.uncertainty, 0.01 * k.value), 1e-4 * wide.uncertainty);
-    close_to(fitted_value(&loose, "gamma").uncertainty, fitted_value(&exact, "gamma").uncertainty, 1e-6);
+    close_to(fitted_value(&loose, "gamma").uncertainty, fitted_value(&exact, "gamma").uncertainty,
+             1e-6);
     arena_reset(&exact.arena);
     arena_reset(&loose.arena);
     forget(&r);
@@ -143,7 +147,8 @@ static void held_values_add_their_uncertainty(void **state)
 static void velocities_and_accelerations_are_fitted(void **state)
 {
     (void)state;
-    const struct scene truth = scene_with("damped", SETTINGS({"k", 16}, {"gamma", 0.2}, {"y0", 0.04}, {"v0", 0.2}));
+    const struct scene truth =
+        scene_with("damped", SETTINGS({"k", 16}, {"gamma", 0.2}, {"y0", 0.04}, {"v0", 0.2}));
     const struct scene start = scene_with("damped", SETTINGS({"m", 0.2}));
     struct recorded r = record(&truth, 1, 50, 20, 1e-3, 0);
     struct fitted velocity = fit_to(&start, &r.series, "k gamma y0 v0", false);
@@ -212,16 +217,17 @@ static void a_held_start_must_come_first(void **state)
     struct scene late = truth;
     struct error error = {0};
     assert_true(scene_set(&late, scene_param(&late, "t0"), (struct measured){3, 0}, &error));
-    struct fitted held = fit_to(&late, &r.series, "k gamma", false);
-    assert_false(held.ok);
-    assert_int_equal(held.error.code, ERROR_COMMAND);
-    struct fitted moved = fit_to(&late, &r.series, "k gamma y0 v0", false); /* t0 goes to the first sample */
+    struct fitted slot = fit_to(&late, &r.series, "k gamma", false);
+    assert_false(slot.ok);
+    assert_int_equal(slot.error.code, ERROR_COMMAND);
+    struct fitted moved =
+        fit_to(&late, &r.series, "k gamma y0 v0", false); /* t0 goes to the first sample */
     assert_converged(&moved);
     close_to(moved.fit.scene.value[scene_param(&late, "t0")], r.t[0], 0);
     struct fitted whole = fit_to(&truth, &r.series, "k gamma", false); /* the true start is held */
     assert_converged(&whole);
     assert_found(&whole, "k", 15, 0.001);
-    arena_reset(&held.arena);
+    arena_reset(&slot.arena);
     arena_reset(&moved.arena);
     arena_reset(&whole.arena);
     forget(&r);
@@ -231,17 +237,18 @@ static void the_usual_parameters(void **state)
 {
     (void)state;
     struct error error = {0};
-    int place[PARAM_MAX], held[PARAM_MAX], helds;
+    int index[PARAM_MAX], slot[PARAM_MAX], slots;
     struct scene scene = scene_with("drag", NO_SETTINGS);
-    assert_int_equal(scene_fit_usual(&scene, place, held, &helds), 5); /* k gamma C y0 v0 */
-    assert_int_equal(helds, 0);
+    assert_int_equal(scene_fit_usual(&scene, index, slot, &slots), 5); /* k gamma C y0 v0 */
+    assert_int_equal(slots, 0);
     const int k = scene_param(&scene, "k");
     assert_true(scene_set(&scene, k, (struct measured){15, 0}, &error));
-    assert_int_equal(scene_fit_usual(&scene, place, held, &helds), 4);
-    assert_int_equal(helds, 1);
-    assert_int_equal(held[0], k);
-    assert_true(scene_set(&scene, k, (struct measured){15, 0.1}, &error)); /* an estimate: fitted again */
-    assert_int_equal(scene_fit_usual(&scene, place, held, &helds), 5);
+    assert_int_equal(scene_fit_usual(&scene, index, slot, &slots), 4);
+    assert_int_equal(slots, 1);
+    assert_int_equal(slot[0], k);
+    assert_true(
+        scene_set(&scene, k, (struct measured){15, 0.1}, &error)); /* an estimate: fitted again */
+    assert_int_equal(scene_fit_usual(&scene, index, slot, &slots), 5);
 }
 
 static void spikes_do_not_pull(void **state)
@@ -268,24 +275,31 @@ static void a_fit_can_be_stopped(void **state)
     struct recorded r = record(&scene, 0, 50, 20, 1e-4, 0);
     struct cancel cancel = {0};
     atomic_store(&cancel.requested, 1);
-    const int place = scene_param(&scene, "k");
+    const int index = scene_param(&scene, "k");
     struct arena arena = {0};
     struct scene_fit fit;
     struct error error = {0};
-    const struct scene_fit_request request = {
-        .scene = &scene, .series = &r.series, .free = &place, .frees = 1, .offset = true, .cancel = &cancel};
+    const struct scene_fit_request request = {.scene = &scene,
+                                              .series = &r.series,
+                                              .free = &index,
+                                              .frees = 1,
+                                              .offset = true,
+                                              .cancel = &cancel};
     assert_false(study_fit_scene(&request, &arena, &fit, &error));
     assert_int_equal(error.code, ERROR_CANCELLED);
     arena_reset(&arena);
     forget(&r);
 }
 
-/* A stiff scene goes by rodas5p, whose Jacobian of the variational equations is that of second derivatives. */
+/* A stiff scene goes by rodas5p, whose Jacobian of the variational equations is that of second
+ * derivatives. */
 static void stiff_scenes_are_fitted(void **state)
 {
     (void)state;
-    const struct scene truth = scene_with("prothero-robinson", SETTINGS({"lambda", -3}, {"y0", 1.7}));
-    struct scene stiff = scene_with("overdamped", SETTINGS({"gamma", 3e5}, {"k", 4e4}, {"y0", 0.05}, {"C", 1e-3}));
+    const struct scene truth =
+        scene_with("prothero-robinson", SETTINGS({"lambda", -3}, {"y0", 1.7}));
+    struct scene stiff =
+        scene_with("overdamped", SETTINGS({"gamma", 3e5}, {"k", 4e4}, {"y0", 0.05}, {"C", 1e-3}));
     struct recorded slow = record(&truth, 0, 50, 10, 1e-3, 0);
     struct fitted f = fit_to(&truth, &slow.series, "lambda y0", false);
     assert_converged(&f);
@@ -301,7 +315,8 @@ static void stiff_scenes_are_fitted(void **state)
     assert_found(&f, "k", 4e4, 0.01);
     arena_reset(&f.arena);
     forget(&r);
-    /* Noise of a stiff curve's derivatives moves steps by 1e-8 of an uncertainty: these are small. */
+    /* Noise of a stiff curve's derivatives moves steps by 1e-8 of an uncertainty: these are small.
+     */
     for (int k = 0; k < (getenv("LONG") ? 200 : 20); k++) {
         r = record(&stiff, 0, 50, 10, k % 2 ? 1e-5 : 1e-7, 0);
         f = fit_to(&start, &r.series, "k y0", false);
@@ -318,7 +333,8 @@ static void stiff_scenes_are_fitted(void **state)
 static void exact_and_integrated_curves_agree(void **state)
 {
     (void)state;
-    const struct scene truth = scene_with("damped", SETTINGS({"k", 15.11}, {"gamma", 0.2}, {"v0", 0.1}));
+    const struct scene truth =
+        scene_with("damped", SETTINGS({"k", 15.11}, {"gamma", 0.2}, {"v0", 0.1}));
     const struct scene linear = scene_with("damped", SETTINGS({"m", 0.2}));
     struct scene bent = scene_with("damped", SETTINGS({"m", 0.2}, {"k3", 1e-9}));
     random_state = 77;
@@ -335,8 +351,8 @@ static void exact_and_integrated_curves_agree(void **state)
             const struct measured a = exact.fit.curve.value[j], b = steps.fit.curve.value[j];
             if (!(fabs(a.value - b.value) <= 1e-3 * a.uncertainty) ||
                 !(fabs(a.uncertainty - b.uncertainty) <= 1e-3 * a.uncertainty))
-                fail_msg("%s: %.12g +- %g exactly, %.12g +- %g by steps", exact.fit.name[j], a.value, a.uncertainty,
-                         b.value, b.uncertainty);
+                fail_msg("%s: %.12g +- %g exactly, %.12g +- %g by steps", exact.fit.name[j],
+                         a.value, a.uncertainty, b.value, b.uncertainty);
         }
         arena_reset(&exact.arena);
         arena_reset(&steps.arena);
@@ -344,12 +360,14 @@ static void exact_and_integrated_curves_agree(void **state)
     forget(&r);
 }
 
-/* The disk's drag is not linear: a linear law misses most where the motion is loud, which is no outlier. */
+/* The disk's drag is not linear: a linear law misses most where the motion is loud, which is no
+ * outlier. */
 static void a_loud_start_is_not_rejected(void **state)
 {
     (void)state;
-    const struct scene truth = scene_with(
-        "drag", SETTINGS({"m", 0.2166}, {"k", 15.1}, {"gamma", 0.005}, {"C", 6}, {"y0", 0.071}, {"v0", 0}));
+    const struct scene truth =
+        scene_with("drag", SETTINGS({"m", 0.2166}, {"k", 15.1}, {"gamma", 0.005}, {"C", 6},
+                                    {"y0", 0.071}, {"v0", 0}));
     const struct scene start = scene_with("damped", SETTINGS({"m", 0.2166}));
     random_state = 12;
     struct recorded r = record(&truth, 0, 60, 60, 1e-4, 0.25);
@@ -365,11 +383,13 @@ static void a_loud_start_is_not_rejected(void **state)
     forget(&r);
 }
 
-/* More than are fitted at once: the same answer as the exact law demands, within its uncertainty. */
+/* More than are fitted at once: the same answer as the exact law demands, within its uncertainty.
+ */
 static void long_recordings_are_fitted(void **state)
 {
     (void)state;
-    const struct scene truth = scene_with("damped", SETTINGS({"k", 15.11}, {"gamma", 0.01}, {"v0", 0.1}));
+    const struct scene truth =
+        scene_with("damped", SETTINGS({"k", 15.11}, {"gamma", 0.01}, {"v0", 0.1}));
     const struct scene start = scene_with("damped", SETTINGS({"m", 0.2}));
     random_state = 41;
     struct recorded r = record(&truth, 0, 200, 150, 2e-4, 0.2);

@@ -14,17 +14,20 @@ struct recorded {
     struct series series;
 };
 
-/* Every `every`th step of a run of the scene, with noise and an offset. variable: which one is recorded. */
-static inline struct recorded record(const struct scene *scene, int variable, double rate, double span, double noise,
-                                     double offset)
+/* Every `every`th step of a run of the scene, with noise and an offset. variable: which one is
+ * recorded. */
+static inline struct recorded record(const struct scene *scene, int variable, double rate,
+                                     double span, double noise, double offset)
 {
     enum { FINER = 8 };
     struct error error = {0};
-    const struct run_settings settings = {.dt = 1 / rate / FINER, .record = {RECORD_EVERY, FINER, 0}};
+    const struct run_settings settings = {.dt = 1 / rate / FINER,
+                                          .record = {RECORD_EVERY, FINER, 0}};
     struct run *run = run_create(scene, method_named("gauss6"), &settings, span, &error);
     assert_non_null(run);
-    while (run_advance(run, &(struct run_target){.t = scene->value[scene_param(scene, "t0")] + span, .steps = -1}, 0,
-                       NULL))
+    while (run_advance(
+        run, &(struct run_target){.t = scene->value[scene_param(scene, "t0")] + span, .steps = -1},
+        0, NULL))
         continue;
     const size_t n = trace_count(run->trace);
     struct recorded r = {malloc(n * sizeof(double)), malloc(n * sizeof(double)), {0}};
@@ -52,22 +55,26 @@ struct fitted {
 };
 
 /* names: "k gamma y0 v0", NULL: the usual ones. */
-static inline struct fitted fit_to(const struct scene *scene, const struct series *series, const char *names,
-                                   bool robust)
+static inline struct fitted fit_to(const struct scene *scene, const struct series *series,
+                                   const char *names, bool robust)
 {
     struct fitted f = {.ok = false};
-    int place[PARAM_MAX], held[PARAM_MAX], helds, count = 0;
+    int index[PARAM_MAX], slot[PARAM_MAX], slots, count = 0;
     struct text rest = text_of(names ? names : ""), name;
     if (!names)
-        count = scene_fit_usual(scene, place, held, &helds);
+        count = scene_fit_usual(scene, index, slot, &slots);
     while (names && text_split(&rest, ' ', &name) && name.len) {
         char word[LIMIT_NAME + 1] = "";
         memcpy(word, name.at, name.len);
-        place[count] = scene_param(scene, word);
-        assert_true(place[count++] >= 0);
+        index[count] = scene_param(scene, word);
+        assert_true(index[count++] >= 0);
     }
-    const struct scene_fit_request request = {
-        .scene = scene, .series = series, .free = place, .frees = count, .offset = true, .robust = robust};
+    const struct scene_fit_request request = {.scene = scene,
+                                              .series = series,
+                                              .free = index,
+                                              .frees = count,
+                                              .offset = true,
+                                              .robust = robust};
     f.ok = study_fit_scene(&request, &f.arena, &f.fit, &f.error);
     return f;
 }
@@ -90,10 +97,11 @@ static inline void assert_converged(const struct fitted *f)
 }
 
 /* Within four of its standard uncertainties, which are no more than `most` of the value. */
-static inline void assert_found(const struct fitted *f, const char *name, double truth, double most)
+static inline void assert_found(const struct fitted *f, const char *name, double truth, double max)
 {
     const struct measured m = fitted_value(f, name);
-    if (!(fabs(m.value - truth) <= 4 * m.uncertainty) || (truth != 0 && !(m.uncertainty <= most * fabs(truth))))
+    if (!(fabs(m.value - truth) <= 4 * m.uncertainty) ||
+        (truth != 0 && !(m.uncertainty <= max * fabs(truth))))
         fail_msg("%s = %.10g +- %.2g, truth %.10g", name, m.value, m.uncertainty, truth);
 }
 

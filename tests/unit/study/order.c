@@ -10,7 +10,8 @@
 
 #include "unit/study/testing.h"
 
-static struct order measure(const struct scene *scene, const char *name, enum drag drag, double duration)
+static struct order measure(const struct scene *scene, const char *name, enum drag drag,
+                            double duration)
 {
     const struct order_request request = {
         .scene = scene, .by = {method_named(name), drag}, .dt = {NAN, NAN}, .duration = duration};
@@ -24,7 +25,8 @@ static struct order measure(const struct scene *scene, const char *name, enum dr
 static void test_orders_as_claimed(void **state)
 {
     (void)state;
-    static const char *const names[] = {"euler", "verlet", "kutta3", "rk4", "radau5", "yoshida6", "yoshida8"};
+    static const char *const names[] = {"euler",  "verlet",   "kutta3",  "rk4",
+                                        "radau5", "yoshida6", "yoshida8"};
     const struct scene scene = scene_with("spring", NO_SETTINGS);
     for (size_t i = 0; i < COUNT_OF(names); i++) {
         const struct order order = measure(&scene, names[i], DRAG_DEFAULT, 3);
@@ -43,7 +45,8 @@ static void test_a_wrong_claim(void **state)
     struct method boastful = *method_named("kutta3");
     boastful.order = 4;
     const struct scene scene = scene_with("spring", NO_SETTINGS);
-    const struct order_request request = {.scene = &scene, .by = {&boastful, 0}, .dt = {NAN, NAN}, .duration = 3};
+    const struct order_request request = {
+        .scene = &scene, .by = {&boastful, 0}, .dt = {NAN, NAN}, .duration = 3};
     struct order order;
     struct error error;
     assert_true(study_order(&request, &order, &error));
@@ -63,7 +66,8 @@ static void test_explicit_drag_is_first_order(void **state)
     assert_non_null(strstr(lagged.words, "drag=explicit"));
 }
 
-/* |v| v is smooth only up to its first derivative: high orders hold because steps end at the turning points. */
+/* |v| v is smooth only up to its first derivative: high orders hold because steps end at the
+ * turning points. */
 static void test_quadratic_drag(void **state)
 {
     (void)state;
@@ -114,7 +118,8 @@ static void test_a_given_range(void **state)
 static void test_refusals(void **state)
 {
     (void)state;
-    const struct scene damped = scene_with("damped", NO_SETTINGS), spring = scene_with("spring", NO_SETTINGS);
+    const struct scene damped = scene_with("damped", NO_SETTINGS),
+                       spring = scene_with("spring", NO_SETTINGS);
     struct order_request request = {
         .scene = &damped, .by = {method_named("nystrom4"), 0}, .dt = {NAN, NAN}, .duration = 1};
     struct order order;

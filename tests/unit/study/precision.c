@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* precision: sweeps, slopes and what flags them, failures, reading off costs, ties, predictions, cancellation. */
+/* precision: sweeps, slopes and what flags them, failures, reading off costs, ties, predictions,
+ * cancellation. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
@@ -17,11 +18,12 @@ static const struct method *method_named(const char *name)
     return (const struct method *)(const void *)row;
 }
 
-static struct precision_request request_for(struct scene *scene, const struct contender *contender, int count)
+static struct precision_request request_for(struct scene *scene, const struct method_choice *choice,
+                                            int count)
 {
     return (struct precision_request){.scene = scene,
-                                      .contender = contender,
-                                      .contenders = count,
+                                      .choice = choice,
+                                      .choices = count,
                                       .dt = {NAN, NAN},
                                       .tol = {NAN, NAN},
                                       .duration = 2};
@@ -51,13 +53,13 @@ static void test_slopes_and_a_wrong_claim(void **state)
     struct precision precision;
     struct method liar = *method_named("rk4");
     liar.order = 5; /* the negative control */
-    const struct contender contender[] = {{method_named("symplectic-euler"), DRAG_DEFAULT},
-                                          {method_named("verlet"), DRAG_DEFAULT},
-                                          {method_named("rk4"), DRAG_DEFAULT},
-                                          {&liar, DRAG_DEFAULT},
-                                          {method_named("dopri5"), DRAG_DEFAULT}};
+    const struct method_choice choice[] = {{method_named("symplectic-euler"), DRAG_DEFAULT},
+                                           {method_named("verlet"), DRAG_DEFAULT},
+                                           {method_named("rk4"), DRAG_DEFAULT},
+                                           {&liar, DRAG_DEFAULT},
+                                           {method_named("dopri5"), DRAG_DEFAULT}};
     scene_init(&scene, NULL);
-    const struct precision_request request = request_for(&scene, contender, 5);
+    const struct precision_request request = request_for(&scene, choice, 5);
     run_study(&request, &precision);
     assert_int_equal(precision.curves, 5);
     static const double order[] = {1, 2, 4, 4};
@@ -90,13 +92,14 @@ static void test_ranges_meet_the_grid(void **state)
     (void)state;
     struct scene scene;
     struct precision precision;
-    const struct contender contender[] = {{method_named("dopri5"), DRAG_DEFAULT}};
+    const struct method_choice choice[] = {{method_named("dopri5"), DRAG_DEFAULT}};
     scene_init(&scene, NULL);
-    struct precision_request request = request_for(&scene, contender, 1);
+    struct precision_request request = request_for(&scene, choice, 1);
     request.dt[0] = 1e-3;
     request.dt[1] = 20e-3;
     run_study(&request, &precision);
-    assert_int_equal(precision.points, 4); /* 2 s / 128, 256, 512, 1024: with dt given the method takes fixed steps */
+    assert_int_equal(precision.points,
+                     4); /* 2 s / 128, 256, 512, 1024: with dt given the method takes fixed steps */
     assert_true(precision.point[0].dt == 2.0 / 128 && precision.point[3].dt == 2.0 / 1024);
     assert_int_equal(precision.point[3].steps, 1024);
     precision_free(&precision);
@@ -129,19 +132,22 @@ static void test_known_errors(void **state)
     (void)state;
     struct scene scene;
     struct precision precision;
-    const struct contender contender[] = {{method_named("verlet"), DRAG_DEFAULT}, {method_named("heun"), DRAG_DEFAULT}};
+    const struct method_choice choice[] = {{method_named("verlet"), DRAG_DEFAULT},
+                                           {method_named("heun"), DRAG_DEFAULT}};
     scene_init(&scene, NULL);
-    struct precision_request request = request_for(&scene, contender, 2);
+    struct precision_request request = request_for(&scene, choice, 2);
     request.dt[0] = request.dt[1] = 2.0 / 256;
     run_study(&request, &precision);
     const double omega = sqrt(75), x = omega * 2 / 256;
-    const struct study_errors *verlet = &precision.point[0].errors, *heun = &precision.point[1].errors;
-    const double turn = 256 * (2 * asin(x / 2) - x); /* y = cos(n theta): numerical minus exact phase */
-    double most = 0;
+    const struct study_errors *verlet = &precision.point[0].errors,
+                              *heun = &precision.point[1].errors;
+    const double turn =
+        256 * (2 * asin(x / 2) - x); /* y = cos(n theta): numerical minus exact phase */
+    double max = 0;
     for (int n = 0; n <= 256; n++)
-        most = fmax(most, fabs(cos(2 * n * asin(x / 2)) - cos(n * x)));
+        max = fmax(max, fabs(cos(2 * n * asin(x / 2)) - cos(n * x)));
     /* Scaled by the largest |y| on the grid, which is the start. */
-    near(verlet->max, most, 1e-9);
+    near(verlet->max, max, 1e-9);
     near(verlet->energy, 0.25 * x * x, 0.05); /* v^2 + omega^2 q^2 (1 - x^2/4) is what it keeps */
     assert_true(fabs(verlet->phase - turn) < x * x / 8);
     near(heun->amplitude, pow(1 + x * x * x * x / 4, 128) - 1, 1e-6);
@@ -155,10 +161,12 @@ static void test_failures_are_results(void **state)
     struct scene scene;
     struct precision precision;
     struct error error = {0};
-    const struct contender contender[] = {{method_named("euler"), DRAG_DEFAULT}, {method_named("rk4"), DRAG_DEFAULT}};
+    const struct method_choice choice[] = {{method_named("euler"), DRAG_DEFAULT},
+                                           {method_named("rk4"), DRAG_DEFAULT}};
     scene_init(&scene, NULL);
-    assert_true(scene_set(&scene, scene_param(&scene, "k"), (struct measured){1.5e7, 0}, &error)); /* omega = 8660 */
-    struct precision_request request = request_for(&scene, contender, 2);
+    assert_true(scene_set(&scene, scene_param(&scene, "k"), (struct measured){1.5e7, 0},
+                          &error)); /* omega = 8660 */
+    struct precision_request request = request_for(&scene, choice, 2);
     request.dt[0] = request.dt[1] = 2.0 / 256;
     run_study(&request, &precision);
     assert_int_equal(precision.points, 2);
@@ -175,7 +183,7 @@ static void test_failures_are_results(void **state)
 
     /* Of the steps too coarse to say anything a sweep keeps the last. */
     assert_true(scene_set(&scene, scene_param(&scene, "k"), (struct measured){15, 0}, &error));
-    request = request_for(&scene, contender, 2);
+    request = request_for(&scene, choice, 2);
     run_study(&request, &precision);
     for (int c = 0; c < precision.curves; c++) {
         assert_false(precision_meaningful(&precision.point[precision.curve[c].first]));
@@ -184,23 +192,26 @@ static void test_failures_are_results(void **state)
     precision_free(&precision);
 }
 
-/* Made-up points: costs are read between them, ties are overlapping intervals, what is below the reference does not
- * count. */
+/* Made-up points: costs are read between them, ties are overlapping intervals, what is below the
+ * reference does not count. */
 static void test_reading_costs(void **state)
 {
     (void)state;
     struct precision_point point[6] = {{0}};
-    struct precision_curve curve[3] = {{{method_named("rk4"), DRAG_DEFAULT}, .first = 0, .count = 2},
-                                       {{method_named("heun"), DRAG_DEFAULT}, .first = 2, .count = 2},
-                                       {{method_named("euler"), DRAG_DEFAULT}, .first = 4, .count = 2}};
-    static const double error[] = {1e-2, 1e-4, 1e-2, 1e-4, 1e-2, 1e-4}, minimum[] = {1, 100, 1.1, 110, 3, 300},
+    struct precision_curve curve[3] = {
+        {{method_named("rk4"), DRAG_DEFAULT}, .first = 0, .count = 2},
+        {{method_named("heun"), DRAG_DEFAULT}, .first = 2, .count = 2},
+        {{method_named("euler"), DRAG_DEFAULT}, .first = 4, .count = 2}};
+    static const double error[] = {1e-2, 1e-4, 1e-2, 1e-4, 1e-2, 1e-4},
+                        minimum[] = {1, 100, 1.1, 110, 3, 300},
                         median[] = {1.3, 130, 1.2, 120, 4, 400};
     for (int i = 0; i < 6; i++) {
         point[i].curve = i / 2;
         point[i].stop = STOP_END;
         point[i].errors.max = error[i];
         point[i].cost.evals = i % 2 ? 1000 : 10;
-        point[i].time = (struct timing_result){.minimum = minimum[i], .median = median[i], .samples = 15};
+        point[i].time =
+            (struct timing_result){.minimum = minimum[i], .median = median[i], .samples = 15};
     }
     const struct precision precision = {
         .reference = {.accuracy = 1e-9}, .point = point, .points = 6, .curve = curve, .curves = 3};
@@ -221,7 +232,8 @@ static void test_reading_costs(void **state)
     assert_int_equal(precision_fastest(&precision, 1e-3, cost, NULL), 2);
 }
 
-/* On the undamped oscillator the prediction is the measurement, to a few percent, over the whole catalogue. */
+/* On the undamped oscillator the prediction is the measurement, to a few percent, over the whole
+ * catalogue. */
 static void test_predictions(void **state)
 {
     (void)state;
@@ -231,9 +243,9 @@ static void test_predictions(void **state)
     scene_init(&scene, NULL);
     for (size_t i = 0; i < method_catalog.count; i++) {
         struct precision precision;
-        const struct contender contender = {(const struct method *)(const void *)catalog_row(&method_catalog, i),
-                                            DRAG_DEFAULT};
-        struct precision_request request = request_for(&scene, &contender, 1);
+        const struct method_choice choice = {
+            (const struct method *)(const void *)catalog_row(&method_catalog, i), DRAG_DEFAULT};
+        struct precision_request request = request_for(&scene, &choice, 1);
         request.duration = 10;
         request.dt[0] = 10.0 / 1024;
         request.dt[1] = 10.0 / 64;
@@ -244,13 +256,14 @@ static void test_predictions(void **state)
         for (int p = 0; p < precision.points; p++) {
             const struct precision_point *point = &precision.point[p];
             const double predicted = precision_predict(&precision, 0, point->errors.max);
-            if (!precision_meaningful(point) || point->errors.max > 0.03 || point->errors.max < 1e-11 ||
-                !isfinite(predicted) || point->cost.evals == 0)
+            if (!precision_meaningful(point) || point->errors.max > 0.03 ||
+                point->errors.max < 1e-11 || !isfinite(predicted) || point->cost.evals == 0)
                 continue;
-            const double steps = predicted / contender.method->evals;
+            const double steps = predicted / choice.method->evals;
             if (!(fabs(steps / (double)point->steps - 1) < 0.06)) {
-                print_error("%s at dt = %g: error %g, %g steps predicted, %lld taken\n", contender.method->row.name,
-                            point->dt, point->errors.max, steps, (long long)point->steps);
+                print_error("%s at dt = %g: error %g, %g steps predicted, %lld taken\n",
+                            choice.method->row.name, point->dt, point->errors.max, steps,
+                            (long long)point->steps);
                 fail();
             }
             compared++;
@@ -267,9 +280,10 @@ static void test_cancelled_keeps_what_is_finished(void **state)
     struct precision precision;
     struct error error = {0};
     struct cancel cancel = {0};
-    const struct contender contender[] = {{method_named("rk4"), DRAG_DEFAULT}, {method_named("heun"), DRAG_DEFAULT}};
+    const struct method_choice choice[] = {{method_named("rk4"), DRAG_DEFAULT},
+                                           {method_named("heun"), DRAG_DEFAULT}};
     scene_init(&scene, NULL);
-    struct precision_request request = request_for(&scene, contender, 2);
+    struct precision_request request = request_for(&scene, choice, 2);
     request.cancel = &cancel;
     atomic_store(&cancel.requested, 1);
     assert_false(study_precision(&request, &precision, &error));
@@ -295,9 +309,10 @@ static void test_cancelled_in_the_second(void **state)
     struct error error = {0};
     struct method quitter = *method_named("rk4");
     quitter.step = quitting_step;
-    const struct contender contender[] = {{method_named("rk4"), DRAG_DEFAULT}, {&quitter, DRAG_DEFAULT}};
+    const struct method_choice choice[] = {{method_named("rk4"), DRAG_DEFAULT},
+                                           {&quitter, DRAG_DEFAULT}};
     scene_init(&scene, NULL);
-    struct precision_request request = request_for(&scene, contender, 2);
+    struct precision_request request = request_for(&scene, choice, 2);
     request.cancel = &quitting;
     atomic_store(&quitting.requested, 0);
     assert_false(study_precision(&request, &precision, &error));
@@ -315,11 +330,12 @@ static void test_refused_before_anything_runs(void **state)
     struct scene scene;
     struct precision precision;
     struct error error = {0};
-    const struct contender contender[] = {{method_named("rk4"), DRAG_DEFAULT}, {method_named("exact"), DRAG_DEFAULT}};
+    const struct method_choice choice[] = {{method_named("rk4"), DRAG_DEFAULT},
+                                           {method_named("exact"), DRAG_DEFAULT}};
     const struct row *drag = catalog_find(&preset_catalog, TEXT("drag"));
     assert_non_null(drag);
     scene_init(&scene, (const struct preset *)(const void *)drag);
-    const struct precision_request request = request_for(&scene, contender, 2);
+    const struct precision_request request = request_for(&scene, choice, 2);
     assert_false(study_precision(&request, &precision, &error));
     assert_int_equal(error.code, ERROR_COMMAND);
     assert_non_null(strstr(error.text, "exact"));
@@ -342,18 +358,18 @@ static void test_defaults(void **state)
         struct scene scene;
         struct system system;
         struct error error = {0};
-        struct contender contender[PRECISION_DEFAULTS];
+        struct method_choice choice[PRECISION_DEFAULTS];
         int absent = 0;
         scene_init(&scene, (const struct preset *)(const void *)catalog_row(&preset_catalog, i));
         if (!scene_bind(&scene, &system, &error))
             continue;
-        const int count = precision_defaults(&system, 10, contender, count_absent, &absent);
+        const int count = precision_defaults(&system, 10, choice, count_absent, &absent);
         assert_true(count >= 3 && count <= PRECISION_DEFAULTS);
         for (int c = 0; c < count; c++) {
-            enum drag drag = contender[c].drag;
-            assert_true(method_applies(contender[c].method, &system, &drag, &error));
+            enum drag drag = choice[c].drag;
+            assert_true(method_applies(choice[c].method, &system, &drag, &error));
             for (int other = 0; other < c; other++)
-                assert_ptr_not_equal(contender[c].method, contender[other].method);
+                assert_ptr_not_equal(choice[c].method, choice[other].method);
         }
     }
 }
@@ -363,15 +379,19 @@ static void test_paths_are_not_ranked_against_each_other(void **state)
 {
     (void)state;
     static const char *const names[] = {"rk4", "radau5", "gauss4", "dopri5"};
-    static const enum kernel paths[] = {KERNEL_SPECIALISED, KERNEL_GENERAL, KERNEL_GENERAL, KERNEL_SPECIALISED};
+    static const enum kernel paths[] = {KERNEL_SPECIALISED, KERNEL_GENERAL, KERNEL_GENERAL,
+                                        KERNEL_SPECIALISED};
     static const double minimum[] = {2, 3, 1, 4};
     struct precision_point point[4] = {{0}};
     struct precision_curve curve[4];
     for (int i = 0; i < 4; i++) {
-        curve[i] = (struct precision_curve){{method_named(names[i]), DRAG_DEFAULT}, .first = i, .count = 1};
-        point[i] = (struct precision_point){.curve = i, .stop = STOP_END, .path = paths[i], .errors = {.max = 1e-6}};
+        curve[i] = (struct precision_curve){
+            {method_named(names[i]), DRAG_DEFAULT}, .first = i, .count = 1};
+        point[i] = (struct precision_point){
+            .curve = i, .stop = STOP_END, .path = paths[i], .errors = {.max = 1e-6}};
         point[i].cost.evals = 100 - i;
-        point[i].time = (struct timing_result){.minimum = minimum[i], .median = 1.1 * minimum[i], .samples = 15};
+        point[i].time = (struct timing_result){
+            .minimum = minimum[i], .median = 1.1 * minimum[i], .samples = 15};
     }
     const struct precision precision = {
         .reference = {.accuracy = 1e-9}, .point = point, .points = 4, .curve = curve, .curves = 4};
@@ -379,7 +399,8 @@ static void test_paths_are_not_ranked_against_each_other(void **state)
     int others = -1;
     assert_int_equal(precision_fastest(&precision, 1e-5, cost, &others), 3);
     assert_int_equal(others, 1);
-    static const int first_general[] = {2, 0, 3, 1}; /* gauss4 is ahead though general, radau5 is not */
+    static const int first_general[] = {2, 0, 3,
+                                        1}; /* gauss4 is ahead though general, radau5 is not */
     for (int i = 0; i < 4; i++)
         assert_int_equal(cost[i].curve, first_general[i]);
     point[2].time.minimum = 2.5;
@@ -400,9 +421,9 @@ static void test_times(void **state)
     (void)state;
     struct scene scene;
     struct precision precision;
-    const struct contender contender[] = {{method_named("rk4"), DRAG_DEFAULT}};
+    const struct method_choice choice[] = {{method_named("rk4"), DRAG_DEFAULT}};
     scene_init(&scene, NULL);
-    struct precision_request request = request_for(&scene, contender, 1);
+    struct precision_request request = request_for(&scene, choice, 1);
     request.dt[0] = request.dt[1] = 2.0 / 64;
     request.timing = TIMING_FULL;
     request.recording = true;
@@ -414,7 +435,7 @@ static void test_times(void **state)
     precision_free(&precision);
 }
 
-static struct precision stiff_study(const struct contender *contender, int count)
+static struct precision stiff_study(const struct method_choice *choice, int count)
 {
     struct scene scene;
     struct precision precision;
@@ -423,28 +444,31 @@ static struct precision stiff_study(const struct contender *contender, int count
     assert_non_null(stiff);
     scene_init(&scene, (const struct preset *)(const void *)stiff);
     assert_true(scene_set(&scene, scene_param(&scene, "mu"), (struct measured){1000, 0}, &error));
-    struct precision_request request = request_for(&scene, contender, count);
+    struct precision_request request = request_for(&scene, choice, count);
     request.duration = 2000;
     run_study(&request, &precision);
     return precision;
 }
 
-/* Steps that jump the wrong way are found out on 1/256 of the motion; explicit solves are given up by forecast. */
+/* Steps that jump the wrong way are found out on 1/256 of the motion; explicit solves are given up
+ * by forecast. */
 static void test_lost_rows_cost_little(void **state)
 {
     (void)state;
-    const struct contender contender[] = {{method_named("trapezoid"), DRAG_DEFAULT},
-                                          {method_named("ros3p"), DRAG_DEFAULT},
-                                          {method_named("dopri5"), DRAG_DEFAULT},
-                                          {method_named("dop853"), DRAG_DEFAULT}};
-    struct precision precision = stiff_study(contender, 4);
+    const struct method_choice choice[] = {{method_named("trapezoid"), DRAG_DEFAULT},
+                                           {method_named("ros3p"), DRAG_DEFAULT},
+                                           {method_named("dopri5"), DRAG_DEFAULT},
+                                           {method_named("dop853"), DRAG_DEFAULT}};
+    struct precision precision = stiff_study(choice, 4);
     for (int i = 0; i < precision.points; i++) {
         const struct precision_point *point = &precision.point[i];
         if (precision_meaningful(point))
             continue;
-        const int64_t work = point->cost.evals + point->cost.jacobians + point->cost.solves + point->steps;
+        const int64_t work =
+            point->cost.evals + point->cost.jacobians + point->cost.solves + point->steps;
         if (!(work < 400000)) {
-            print_error("%s: %lld for nothing\n", contender[point->curve].method->row.name, (long long)work);
+            print_error("%s: %lld for nothing\n", choice[point->curve].method->row.name,
+                        (long long)work);
             fail();
         }
     }
@@ -457,9 +481,9 @@ static void test_quick_times_are_of_a_part(void **state)
     (void)state;
     struct scene scene;
     struct precision precision;
-    const struct contender contender[] = {{method_named("rk4"), DRAG_DEFAULT}};
+    const struct method_choice choice[] = {{method_named("rk4"), DRAG_DEFAULT}};
     scene_init(&scene, NULL);
-    struct precision_request request = request_for(&scene, contender, 1);
+    struct precision_request request = request_for(&scene, choice, 1);
     request.dt[0] = ldexp(2, -17);
     request.dt[1] = ldexp(2, -8);
     request.timing = TIMING_QUICK;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* reference: closed forms, two kinds that agree, what is said of chaos, of cancellation and of scenes that blow up. */
+/* reference: closed forms, two kinds that agree, what is said of chaos, of cancellation and of
+ * scenes that blow up. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
@@ -23,9 +24,9 @@ static void bind(const char *preset, const char *param, double value, struct sys
     assert_non_null(row);
     scene_init(&scene, (const struct preset *)(const void *)row);
     if (param) {
-        const int place = scene_param(&scene, param);
-        assert_true(place >= 0);
-        assert_true(scene_set(&scene, place, (struct measured){value, 0}, &error));
+        const int index = scene_param(&scene, param);
+        assert_true(index >= 0);
+        assert_true(scene_set(&scene, index, (struct measured){value, 0}, &error));
     }
     assert_true(scene_bind(&scene, system, &error));
 }
@@ -44,7 +45,8 @@ static void test_closed_form(void **state)
     /* eps omega t is 2e-14. */
     assert_true(reference.accuracy > 1e-15 && reference.accuracy < 1e-13);
     for (int k = 0; k < STUDY_TIMES; k++)
-        assert_true(fabs(reference.y[2 * k] - 0.05 * cos(sqrt(75) * 10 * k / (STUDY_TIMES - 1))) < 1e-14);
+        assert_true(fabs(reference.y[2 * k] - 0.05 * cos(sqrt(75) * 10 * k / (STUDY_TIMES - 1))) <
+                    1e-14);
     reference_free(&reference);
 }
 
@@ -66,11 +68,11 @@ static void test_two_kinds_against_the_truth(void **state)
         assert_false(found.exact);
         assert_ptr_not_equal(found.by[0], found.by[1]);
         assert_true(found.accuracy < 1e-9);
-        double most = 0;
+        double max = 0;
         for (int k = 0; k < STUDY_TIMES; k++)
-            most = fmax(most, fabs(found.y[2 * k] - truth.y[2 * k]) / truth.amplitude[0]);
-        if (!(most <= 3 * found.accuracy + 1e-12)) {
-            print_error("%s: off by %g, claimed %g\n", presets[i], most, found.accuracy);
+            max = fmax(max, fabs(found.y[2 * k] - truth.y[2 * k]) / truth.amplitude[0]);
+        if (!(max <= 3 * found.accuracy + 1e-12)) {
+            print_error("%s: off by %g, claimed %g\n", presets[i], max, found.accuracy);
             fail();
         }
         assert_true(found.meaning == found.span);
@@ -100,8 +102,9 @@ static void test_quadratic_drag(void **state)
 }
 
 /*
- * Pulses so short that steps of all methods pass over them, of area 1 at t = 5.123 s: one that is typed, one whose
- * clock is a variable, and one as a drive of the spring, which gives it a push J: y = y0 cos(w t) + J/(m w) sin(w (t
+ * Pulses so short that steps of all methods pass over them, of area 1 at t = 5.123 s: one that is
+ * typed, one whose clock is a variable, and one as a drive of the spring, which gives it a push J:
+ * y = y0 cos(w t) + J/(m w) sin(w (t
  * - 5.123)).
  */
 static void test_narrow_pulses(void **state)
@@ -109,7 +112,8 @@ static void test_narrow_pulses(void **state)
     (void)state;
     static const char *const pulses[][5] = {
         {"var x = 0", "param w = 1", "x' = exp(-((t - 5.123)/w)^2)/(w*sqrt(pi))"},
-        {"var x = 0", "var y = 0", "param w = 1", "y' = 1", "x' = exp(-((y - 5.123)/w)^2)/(w*sqrt(pi))"},
+        {"var x = 0", "var y = 0", "param w = 1", "y' = 1",
+         "x' = exp(-((y - 5.123)/w)^2)/(w*sqrt(pi))"},
         {"param w = 1", "force 0.2*exp(-((t - 5.123)/w)^2)/(w*sqrt(pi))"},
     };
     for (size_t i = 0; i < COUNT_OF(pulses); i++)
@@ -126,27 +130,32 @@ static void test_narrow_pulses(void **state)
             memcpy(lines, pulses[i], sizeof pulses[i]);
             scene_init(&scene, NULL);
             assert_true(type_scene(models, &scene, lines));
-            assert_true(scene_set(&scene, scene_param(&scene, "w"), (struct measured){width, 0}, &error));
+            assert_true(
+                scene_set(&scene, scene_param(&scene, "w"), (struct measured){width, 0}, &error));
             assert_true(scene_bind(&scene, &system, &error));
             if (!study_reference(&system, 10, NULL, &reference, &error))
                 fail_msg("%s, width %g: %s", pulses[i][0], width, error.text);
-            const double omega = sqrt(75), t = 10, *end = reference.y + (STUDY_TIMES - 1) * system.n;
-            const double right = i < 2 ? 1 : 0.05 * cos(omega * t) + sin(omega * (t - 5.123)) / omega;
+            const double omega = sqrt(75), t = 10,
+                         *end = reference.y + (STUDY_TIMES - 1) * system.n;
+            const double right =
+                i < 2 ? 1 : 0.05 * cos(omega * t) + sin(omega * (t - 5.123)) / omega;
             const double off = fabs(end[0] - right) / reference.amplitude[0];
-            /* of the clock, which has eps/w of a short pulse's digits; the push of one is over at once, else (w
-             * omega)^2 */
-            const double most = 1e-11 + 16 * DBL_EPSILON * 5 / width + (i == 2 ? pow(width * omega, 2) : 0);
-            if (!(off <= most && reference.accuracy <= 1e-11 + 16 * DBL_EPSILON * 5 / width))
-                fail_msg("scene %zu, width %g: %.17g for %.17g, accuracy %g", i, width, end[0], right,
-                         reference.accuracy);
+            /* of the clock, which has eps/w of a short pulse's digits; the push of one is over at
+             * once, else (w omega)^2 */
+            const double max =
+                1e-11 + 16 * DBL_EPSILON * 5 / width + (i == 2 ? pow(width * omega, 2) : 0);
+            if (!(off <= max && reference.accuracy <= 1e-11 + 16 * DBL_EPSILON * 5 / width))
+                fail_msg("scene %zu, width %g: %.17g for %.17g, accuracy %g", i, width, end[0],
+                         right, reference.accuracy);
             reference_free(&reference);
             typed_destroy(models);
         }
 }
 
 /*
- * Pulses that only the solution leads to: at each passage of a swing, behind a pulse that starts a clock, and more of
- * them than one in each interval of the grid. A pulse of area 1 in y adds 1/|y'|.
+ * Pulses that only the solution leads to: at each passage of a swing, behind a pulse that starts a
+ * clock, and more of them than one in each interval of the grid. A pulse of area 1 in y adds
+ * 1/|y'|.
  */
 static void test_pulses_on_the_way(void **state)
 {
@@ -156,13 +165,20 @@ static void test_pulses_on_the_way(void **state)
         double right;
         double off; /* 1e-8, and the rounding of what is typed */
     } cases[] = {
-        {{"var x = 0", "var y = 1", "var z = 0", "x' = exp(-((y - 0.3)/1e-6)^2)/1e-6/sqrt(pi)", "y' = z", "z' = -y"},
-         3.1448545101657551, 1e-8}, /* 3/sqrt(1 - 0.09) */
-        {{"var x = 0", "var y = 0", "var z = 0", "z' = exp(-((t - 2.2)/1e-5)^2)/1e-5/sqrt(pi)", "y' = z",
-          "x' = exp(-((y - 3.1)/1e-6)^2)/1e-6/sqrt(pi)"},
-         1, 1e-8},
-        {{"var x = 0", "x' = exp(-1e10*(sin(t) - 0.5)^2)*1e5/sqrt(pi)"}, 4.6188021535170058, 1e-8}, /* 4/cos(pi/6) */
-        {{"var x = 0", "x' = exp(-(t*t - 2*5.123*t + 5.123^2)/1e-8)*1e4/sqrt(pi)"}, 1, 2e-7}, /* of (t - 5.123)^2 */
+        {{"var x = 0", "var y = 1", "var z = 0", "x' = exp(-((y - 0.3)/1e-6)^2)/1e-6/sqrt(pi)",
+          "y' = z", "z' = -y"},
+         3.1448545101657551,
+         1e-8}, /* 3/sqrt(1 - 0.09) */
+        {{"var x = 0", "var y = 0", "var z = 0", "z' = exp(-((t - 2.2)/1e-5)^2)/1e-5/sqrt(pi)",
+          "y' = z", "x' = exp(-((y - 3.1)/1e-6)^2)/1e-6/sqrt(pi)"},
+         1,
+         1e-8},
+        {{"var x = 0", "x' = exp(-1e10*(sin(t) - 0.5)^2)*1e5/sqrt(pi)"},
+         4.6188021535170058,
+         1e-8}, /* 4/cos(pi/6) */
+        {{"var x = 0", "x' = exp(-(t*t - 2*5.123*t + 5.123^2)/1e-8)*1e4/sqrt(pi)"},
+         1,
+         2e-7}, /* of (t - 5.123)^2 */
         {{"var x = 0", "x' = exp(-((mod(t, 0.1) - 0.0512)/1e-6)^2)/1e-6/sqrt(pi)"}, 100, 1e-8},
     };
     for (size_t i = 0; i < COUNT_OF(cases); i++) {
@@ -181,7 +197,8 @@ static void test_pulses_on_the_way(void **state)
         assert_true(study_reference(&system, 10, NULL, &reference, &error));
         const double end = reference.y[(STUDY_TIMES - 1) * system.n];
         if (!(fabs(end - cases[i].right) <= cases[i].off))
-            fail_msg("%s: %.17g for %.17g, accuracy %g", cases[i].lines[1], end, cases[i].right, reference.accuracy);
+            fail_msg("%s: %.17g for %.17g, accuracy %g", cases[i].lines[1], end, cases[i].right,
+                     reference.accuracy);
         reference_free(&reference);
         typed_destroy(models);
     }
@@ -249,11 +266,14 @@ static void test_loss_of_meaning(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_closed_form),    cmocka_unit_test(test_two_kinds_against_the_truth),
-        cmocka_unit_test(test_quadratic_drag), cmocka_unit_test(test_narrow_pulses),
+        cmocka_unit_test(test_closed_form),
+        cmocka_unit_test(test_two_kinds_against_the_truth),
+        cmocka_unit_test(test_quadratic_drag),
+        cmocka_unit_test(test_narrow_pulses),
         cmocka_unit_test(test_pulses_on_the_way),
         cmocka_unit_test(test_too_much_to_do),
-        cmocka_unit_test(test_cancelled),      cmocka_unit_test(test_loss_of_meaning),
+        cmocka_unit_test(test_cancelled),
+        cmocka_unit_test(test_loss_of_meaning),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

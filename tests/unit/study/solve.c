@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Solves without recording: the same state as a run, samples on the common grid, kernels in bulk, limits, timing. */
+/* Solves without recording: the same state as a run, samples on the common grid, kernels in bulk,
+ * limits, timing. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
@@ -40,11 +41,16 @@ static void test_like_a_run(void **state)
     static const struct {
         const char *method;
         double dt, tol, span;
-    } cases[] = {{"rk4", 0.01, 0, 1}, {"verlet", 0.01, 0, 0.995}, {"dopri5", 0.01, 1e-6, 1}, {"euler", 1, 0, 0.3}};
+    } cases[] = {{"rk4", 0.01, 0, 1},
+                 {"verlet", 0.01, 0, 0.995},
+                 {"dopri5", 0.01, 1e-6, 1},
+                 {"euler", 1, 0, 0.3}};
     for (size_t i = 0; i < COUNT_OF(cases); i++) {
-        struct solver solver = solver_for(cases[i].method, cases[i].dt, cases[i].tol, cases[i].span);
+        struct solver solver =
+            solver_for(cases[i].method, cases[i].dt, cases[i].tol, cases[i].span);
         struct error error = {0};
-        const struct run_settings settings = {.dt = cases[i].dt, .tol = cases[i].tol, .kernel = KERNEL_GENERAL};
+        const struct run_settings settings = {
+            .dt = cases[i].dt, .tol = cases[i].tol, .kernel = KERNEL_GENERAL};
         struct run *run = run_create(&scene, solver.method, &settings, cases[i].span, &error);
         const struct run_target target = {.t = cases[i].span, .steps = -1};
         assert_non_null(run);
@@ -59,31 +65,36 @@ static void test_like_a_run(void **state)
     }
 }
 
-/* Between steps the method itself goes to the grid times: no interpolation stands in the way of a high order. */
+/* Between steps the method itself goes to the grid times: no interpolation stands in the way of a
+ * high order. */
 static void test_samples_between_steps(void **state)
 {
     (void)state;
     static const struct {
         const char *method;
-        double dt, tol, most; /* of |y - exact| / amplitude */
-    } cases[] = {{"rk4", 0.0173, 0, 1e-4}, {"dopri5", 0.05, 0, 1e-4}, {"rk4", 0.25, 0, 1}, {"dopri5", 1, 1e-9, 1e-7}};
+        double dt, tol, max; /* of |y - exact| / amplitude */
+    } cases[] = {{"rk4", 0.0173, 0, 1e-4},
+                 {"dopri5", 0.05, 0, 1e-4},
+                 {"rk4", 0.25, 0, 1},
+                 {"dopri5", 1, 1e-9, 1e-7}};
     for (size_t i = 0; i < COUNT_OF(cases); i++) {
         struct solver solver = solver_for(cases[i].method, cases[i].dt, cases[i].tol, 1);
-        double grid[STUDY_TIMES * 2], most = 0;
+        double grid[STUDY_TIMES * 2], max = 0;
         assert_int_equal(solver_run(&solver, grid, NULL), STOP_END);
         for (int k = 0; k < STUDY_TIMES; k++) {
             assert_true(isfinite(grid[2 * k]) != 0);
-            most = fmax(most, fabs(grid[2 * k] / 0.05 - cos(sqrt(75) * k / (STUDY_TIMES - 1))));
+            max = fmax(max, fabs(grid[2 * k] / 0.05 - cos(sqrt(75) * k / (STUDY_TIMES - 1))));
         }
-        if (!(most < cases[i].most)) {
-            print_error("%s: off by %g\n", cases[i].method, most);
+        if (!(max < cases[i].max)) {
+            print_error("%s: off by %g\n", cases[i].method, max);
             fail();
         }
         assert_true(grid[2 * (STUDY_TIMES - 1)] == solver.y[0]);
         solver_free(&solver);
     }
     /* Looking does not change where it goes, and is not counted. */
-    struct solver plain = solver_for("rk4", 0.0173, 0, 1), watched = solver_for("rk4", 0.0173, 0, 1);
+    struct solver plain = solver_for("rk4", 0.0173, 0, 1),
+                  watched = solver_for("rk4", 0.0173, 0, 1);
     double grid[STUDY_TIMES * 2];
     assert_int_equal(solver_run(&plain, NULL, NULL), STOP_END);
     assert_int_equal(solver_run(&watched, grid, NULL), STOP_END);
@@ -111,7 +122,8 @@ static void test_kernels_in_bulk(void **state)
     (void)state;
     static const double spans[] = {1, 20.473, 0.0005};
     for (size_t i = 0; i < COUNT_OF(spans); i++) {
-        struct solver plain = solver_for("rk4", 0.001, 0, spans[i]), bulk = solver_for("rk4", 0.001, 0, spans[i]);
+        struct solver plain = solver_for("rk4", 0.001, 0, spans[i]),
+                      bulk = solver_for("rk4", 0.001, 0, spans[i]);
         plain.kernel = NULL;
         bulk.kernel = march_of_rk4;
         marched = 0;
@@ -133,7 +145,7 @@ static void test_limits(void **state)
     static const double tolerances[] = {0, 1e-10};
     for (size_t i = 0; i < COUNT_OF(tolerances); i++) {
         struct solver solver = solver_for("dopri5", 1e-4, tolerances[i], 1000);
-        solver.most = 20000;
+        solver.max = 20000;
         assert_int_equal(solver_run(&solver, NULL, NULL), STOP_FULL);
         assert_true(solver_cost(&solver) < 30000);
         solver_start(&solver);
@@ -147,7 +159,8 @@ static void test_limits(void **state)
     solver_free(&solver);
 }
 
-/* Compensated sums take most of the rounding away: of the energy, whose truncation error is 1e-20 here. */
+/* Compensated sums take most of the rounding away: of the energy, whose truncation error is 1e-20
+ * here. */
 static void test_compensated(void **state)
 {
     (void)state;
@@ -157,7 +170,8 @@ static void test_compensated(void **state)
         solver.compensated = compensated;
         solver.kernel = NULL;
         assert_int_equal(solver_run(&solver, NULL, NULL), STOP_END);
-        off[compensated] = fabs((75 * solver.y[0] * solver.y[0] + solver.y[1] * solver.y[1]) / (75 * 0.05 * 0.05) - 1);
+        off[compensated] = fabs(
+            (75 * solver.y[0] * solver.y[0] + solver.y[1] * solver.y[1]) / (75 * 0.05 * 0.05) - 1);
         solver_free(&solver);
     }
     if (!(off[1] < 2e-15 && off[0] > 5e-15)) {

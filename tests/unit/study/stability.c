@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* stability: limits and growth against closed forms, verified by running for every method; weak instabilities, narrow
- * resonances, scenes that are not linear. */
+/* stability: limits and growth against closed forms, verified by running for every method; weak
+ * instabilities, narrow resonances, scenes that are not linear. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
@@ -12,9 +12,11 @@
 
 #include "unit/study/testing.h"
 
-static struct stability study_as(const struct scene *scene, const struct method *method, enum drag drag, double dt)
+static struct stability study_as(const struct scene *scene, const struct method *method,
+                                 enum drag drag, double dt)
 {
-    const struct stability_request request = {.scene = scene, .by = {method, drag}, .dt = dt, .duration = 10};
+    const struct stability_request request = {
+        .scene = scene, .by = {method, drag}, .dt = dt, .duration = 10};
     struct stability stability;
     struct error error = {0};
     if (!study_stability(&request, &stability, &error))
@@ -56,11 +58,12 @@ static void test_damping(void **state)
 {
     (void)state;
     /* zeta = 1/2 */
-    const struct scene scene = scene_with("spring", SETTINGS({"m", 1}, {"k", 1}, {"gamma", 1}, {"y0", 1}));
+    const struct scene scene =
+        scene_with("spring", SETTINGS({"m", 1}, {"k", 1}, {"gamma", 1}, {"y0", 1}));
     close_to(study(&scene, "euler", 0.1).dt_max, 1, 1e-6);
     close_to(study(&scene, "symplectic-euler", 0.1).dt_max, 2 * (sqrt(1.25) - 0.5), 1e-6);
-    close_to(study_as(&scene, method_named("symplectic-euler"), DRAG_IMPLICIT, 0.1).dt_max, 2 * (sqrt(1.25) + 0.5),
-             1e-6);
+    close_to(study_as(&scene, method_named("symplectic-euler"), DRAG_IMPLICIT, 0.1).dt_max,
+             2 * (sqrt(1.25) + 0.5), 1e-6);
     close_to(study(&scene, "verlet", 0.1).growth_exact, exp(-0.05), 1e-12);
     close_to(study(&scene, "verlet", 0.1).growth_predicted, exp(-0.05), 1e-9);
 }
@@ -93,14 +96,16 @@ static void test_narrow_resonance_is_named(void **state)
 static void test_every_method_agrees(void **state)
 {
     (void)state;
-    static const double zetas[] = {0, 0.001, 0.01, 0.05, 0.1, 0.2, 0.5, 0.70710678118654752, 1, 2, 5, 10, 100};
+    static const double zetas[] = {0, 0.001, 0.01, 0.05, 0.1, 0.2, 0.5, 0.70710678118654752,
+                                   1, 2,     5,    10,   100};
     int studied = 0;
     for (size_t z = 0; z < COUNT_OF(zetas); z++) {
         const struct scene scene =
             scene_with("spring", SETTINGS({"m", 1}, {"k", 1}, {"gamma", 2 * zetas[z]}, {"y0", 1}));
         for (size_t m = 0; m < method_catalog.count; m++) {
             const struct method *method = method_at(m);
-            const struct stability_request request = {.scene = &scene, .by = {method, 0}, .dt = 0.3, .duration = 10};
+            const struct stability_request request = {
+                .scene = &scene, .by = {method, 0}, .dt = 0.3, .duration = 10};
             struct stability s;
             struct error error;
             if (!study_stability(&request, &s, &error))
@@ -108,8 +113,9 @@ static void test_every_method_agrees(void **state)
             studied++;
             for (int i = 0; i < s.checks; i++)
                 if (!s.check[i].agrees)
-                    fail_msg("%s, zeta %g, dt %g: growth %.10g predicted, %.10g measured", method->row.name, zetas[z],
-                             s.check[i].dt, s.check[i].predicted, s.check[i].measured);
+                    fail_msg("%s, zeta %g, dt %g: growth %.10g predicted, %.10g measured",
+                             method->row.name, zetas[z], s.check[i].dt, s.check[i].predicted,
+                             s.check[i].measured);
             assert_true(s.agrees);
         }
     }
@@ -137,7 +143,8 @@ static void test_not_linear(void **state)
 {
     (void)state;
     const struct scene stiff = scene_with("stiff-vanderpol", NO_SETTINGS),
-                       pendulum = scene_with("pendulum", NO_SETTINGS), robertson = scene_with("robertson", NO_SETTINGS);
+                       pendulum = scene_with("pendulum", NO_SETTINGS),
+                       robertson = scene_with("robertson", NO_SETTINGS);
     struct stability s = study(&stiff, "rk4", 0.01);
     assert_false(s.linear);
     assert_int_equal(s.verdict, STABILITY_UNSTABLE);
@@ -164,7 +171,8 @@ static void test_not_linear(void **state)
 static void test_a_scene_that_grows(void **state)
 {
     (void)state;
-    const struct scene scene = scene_with("inverted", NO_SETTINGS), free = scene_with("spring", SETTINGS({"k", 0}));
+    const struct scene scene = scene_with("inverted", NO_SETTINGS),
+                       free = scene_with("spring", SETTINGS({"k", 0}));
     assert_true(study(&scene, "rk4", 0.01).grows);
     const struct stability s = study(&free, "rk4", 0.01);
     assert_false(s.grows);
@@ -173,8 +181,8 @@ static void test_a_scene_that_grows(void **state)
     assert_true(s.agrees);
 }
 
-/* Negative damping, no force, a force that pushes away: the growth of each method beside the eigenvalues of the scene,
- * and measured. */
+/* Negative damping, no force, a force that pushes away: the growth of each method beside the
+ * eigenvalues of the scene, and measured. */
 static void test_growth_of_scenes_that_grow(void **state)
 {
     (void)state;
@@ -190,11 +198,12 @@ static void test_growth_of_scenes_that_grow(void **state)
                  {0, -1, 1, true}};
     int studied = 0;
     for (size_t c = 0; c < COUNT_OF(cases); c++) {
-        const struct scene scene =
-            scene_with("spring", SETTINGS({"m", 1}, {"k", cases[c].k}, {"gamma", cases[c].gamma}, {"y0", 1}));
+        const struct scene scene = scene_with(
+            "spring", SETTINGS({"m", 1}, {"k", cases[c].k}, {"gamma", cases[c].gamma}, {"y0", 1}));
         for (size_t m = 0; m < method_catalog.count; m++) {
             const struct method *method = method_at(m);
-            const struct stability_request request = {.scene = &scene, .by = {method, 0}, .dt = 0.01, .duration = 10};
+            const struct stability_request request = {
+                .scene = &scene, .by = {method, 0}, .dt = 0.01, .duration = 10};
             struct stability s;
             struct error error;
             if (!study_stability(&request, &s, &error))
@@ -206,11 +215,12 @@ static void test_growth_of_scenes_that_grow(void **state)
             if (isnan(s.growth_predicted)) /* no amplification matrix: an adaptive-only method */
                 continue;
             if (!s.agrees || s.checks < 1)
-                fail_msg("%s, k %g, gamma %g: growth %.10g predicted, %.10g measured", method->row.name, cases[c].k,
-                         cases[c].gamma, s.growth_predicted, s.growth_measured);
+                fail_msg("%s, k %g, gamma %g: growth %.10g predicted, %.10g measured",
+                         method->row.name, cases[c].k, cases[c].gamma, s.growth_predicted,
+                         s.growth_measured);
             if (fabs(s.growth_predicted - s.growth_exact) > 1e-3)
-                fail_msg("%s, k %g, gamma %g: growth %.10g a step, %.10g exactly", method->row.name, cases[c].k,
-                         cases[c].gamma, s.growth_predicted, s.growth_exact);
+                fail_msg("%s, k %g, gamma %g: growth %.10g a step, %.10g exactly", method->row.name,
+                         cases[c].k, cases[c].gamma, s.growth_predicted, s.growth_exact);
         }
     }
     assert_true(studied > 300);
@@ -232,7 +242,8 @@ static void test_extremes_of_scale(void **state)
 static void test_region(void **state)
 {
     (void)state;
-    const struct contender rk4 = {method_named("rk4"), 0}, verlet = {method_named("verlet"), DRAG_EXACT};
+    const struct method_choice rk4 = {method_named("rk4"), 0},
+                               verlet = {method_named("verlet"), DRAG_EXACT};
     close_to(stability_growth(&rk4, -1, 0), 1 - 1 + 1. / 2 - 1. / 6 + 1. / 24, 1e-7);
     close_to(stability_growth(&rk4, 0, 1), hypot(1 - 1. / 2 + 1. / 24, 1 - 1. / 6), 1e-12);
     close_to(stability_growth(&rk4, 0.5, 0), exp(0.5), 1e-3);

@@ -16,9 +16,9 @@
 
 static const char *const duffing[] = {"var x = 1", "x'' = -x - x^3", NULL};
 
-static struct contender named(const char *name)
+static struct method_choice named(const char *name)
 {
-    return (struct contender){
+    return (struct method_choice){
         (const struct method *)(const void *)catalog_find(&method_catalog, text_of(name)),
         DRAG_DEFAULT};
 }
@@ -48,10 +48,10 @@ static void test_wrong_one_is_computed_again(void **state)
     scene_init(&scene, NULL);
     assert_true(type_scene(models, &scene, duffing));
     bend(&references, &scene, 10, 0.01);
-    const struct contender contender[] = {named("dopri5"), named("rodas5p")};
+    const struct method_choice choice[] = {named("dopri5"), named("rodas5p")};
     const struct precision_request request = {.scene = &scene,
-                                              .contender = contender,
-                                              .contenders = 2,
+                                              .choice = choice,
+                                              .choices = 2,
                                               .dt = {NAN, NAN},
                                               .tol = {1e-6, 1e-10},
                                               .duration = 10,
@@ -87,10 +87,10 @@ static void test_what_stays_is_said(void **state)
     bend(&references, &scene, 10, 2);
     for (int i = 0; i < REFERENCES; i++)
         references.kept[i].reference.again = true;
-    const struct contender contender[] = {named("dopri5"), named("rodas5p")};
+    const struct method_choice choice[] = {named("dopri5"), named("rodas5p")};
     const struct precision_request request = {.scene = &scene,
-                                              .contender = contender,
-                                              .contenders = 2,
+                                              .choice = choice,
+                                              .choices = 2,
                                               .dt = {NAN, NAN},
                                               .tol = {1e-6, 1e-10},
                                               .duration = 10,
@@ -124,10 +124,10 @@ static void test_long_steps_are_no_witnesses(void **state)
     scene_init(&scene, NULL);
     assert_true(type_scene(models, &scene, lines));
     assert_true(scene_bind(&scene, &system, &error));
-    const struct contender contender[] = {named("dopri5"), named("rodas5p")};
+    const struct method_choice choice[] = {named("dopri5"), named("rodas5p")};
     const struct precision_request request = {.scene = &scene,
-                                              .contender = contender,
-                                              .contenders = 2,
+                                              .choice = choice,
+                                              .choices = 2,
                                               .dt = {NAN, NAN},
                                               .tol = {1e-6, 1e-10},
                                               .duration = 10,

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Sweeps: the same numbers in lanes and alone, in shards and whole, whatever the number of threads; what is measured. */
+/* Sweeps: the same numbers in lanes and alone, in shards and whole, whatever the number of threads;
+ * what is measured. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
@@ -11,7 +12,8 @@
 
 #include <string.h>
 
-static struct sweep_axis axis_of(const struct scene *scene, const char *name, double from, double to, int count)
+static struct sweep_axis axis_of(const struct scene *scene, const char *name, double from,
+                                 double to, int count)
 {
     struct sweep_axis axis = {.from = from, .to = to, .count = count};
     assert_true(sweep_axis_find(scene, text_of(name), &axis));
@@ -19,8 +21,8 @@ static struct sweep_axis axis_of(const struct scene *scene, const char *name, do
 }
 
 /* Measures separated by blanks. */
-static struct sweep_request request_of(const struct scene *scene, const char *method, double dt, double duration,
-                                       const char *measures)
+static struct sweep_request request_of(const struct scene *scene, const char *method, double dt,
+                                       double duration, const char *measures)
 {
     struct sweep_request request = {.scene = scene,
                                     .method = method_named(method),
@@ -31,7 +33,8 @@ static struct sweep_request request_of(const struct scene *scene, const char *me
     struct text rest = text_of(measures), name;
     struct error error = {0};
     while (text_split(&rest, ' ', &name))
-        if (request.measures == SWEEP_MEASURES || !sweep_measure_find(scene->model, name, &request.measure[request.measures++], &error))
+        if (request.measures == SWEEP_MEASURES ||
+            !sweep_measure_find(scene->model, name, &request.measure[request.measures++], &error))
             fail_msg("%s", error.text);
     return request;
 }
@@ -45,20 +48,24 @@ static struct sweep sweep_of(const struct sweep_request *request)
     return sweep;
 }
 
-static void assert_same(const struct sweep *a, const struct sweep *b, int64_t first, const char *what)
+static void assert_same(const struct sweep *a, const struct sweep *b, int64_t first,
+                        const char *what)
 {
     for (int64_t i = 0; i < b->count; i++) {
         const int64_t k = i + b->first - first;
         if (a->status[k] != b->status[i])
-            fail_msg("%s, point %lld: status %d and %d", what, (long long)k, a->status[k], b->status[i]);
+            fail_msg("%s, point %lld: status %d and %d", what, (long long)k, a->status[k],
+                     b->status[i]);
         for (int m = 0; m < a->measures; m++)
-            if (memcmp(&a->value[k * a->measures + m], &b->value[i * b->measures + m], sizeof(double)) != 0)
+            if (memcmp(&a->value[k * a->measures + m], &b->value[i * b->measures + m],
+                       sizeof(double)) != 0)
                 fail_msg("%s, point %lld, measure %d: %.17g and %.17g", what, (long long)k, m,
                          a->value[k * a->measures + m], b->value[i * b->measures + m]);
     }
 }
 
-/* ---- lanes are the same numbers: every method that has them, every kind of oscillator, with and without a rest ---- */
+/* ---- lanes are the same numbers: every method that has them, every kind of oscillator, with and
+ * without a rest ---- */
 
 static void test_lanes_equal_runs(void **state)
 {
@@ -66,11 +73,20 @@ static void test_lanes_equal_runs(void **state)
     static const struct {
         const char *preset, *axis;
         double from, to;
-    } cases[] = {{"spring", "k", 2, 40},          {"damped", "gamma", 0, 3},     {"drag", "C", 0, 4},
-                 {"driven", "omega", 6, 12},      {"driven", "gamma", 0.1, 1},   {"duffing", "y0", 0.1, 3},
-                 {"duffing-driven", "F0", 0, 1},  {"vanderpol", "mu", -0.5, 3},  {"pendulum", "theta0", 0.1, 3},
-                 {"spring", "y0", -0.1, 0.1},     {"spring", "v0", -0.5, 0.5},   {"overdamped", "m", 0.1, 3},
-                 {"pendulum-driven", "F0", 0.3, 2}, {"pendulum-driven", "omega", 0.3, 2}};
+    } cases[] = {{"spring", "k", 2, 40},
+                 {"damped", "gamma", 0, 3},
+                 {"drag", "C", 0, 4},
+                 {"driven", "omega", 6, 12},
+                 {"driven", "gamma", 0.1, 1},
+                 {"duffing", "y0", 0.1, 3},
+                 {"duffing-driven", "F0", 0, 1},
+                 {"vanderpol", "mu", -0.5, 3},
+                 {"pendulum", "theta0", 0.1, 3},
+                 {"spring", "y0", -0.1, 0.1},
+                 {"spring", "v0", -0.5, 0.5},
+                 {"overdamped", "m", 0.1, 3},
+                 {"pendulum-driven", "F0", 0.3, 2},
+                 {"pendulum-driven", "omega", 0.3, 2}};
     int64_t side_by_side = 0;
     for (size_t c = 0; c < COUNT_OF(cases); c++)
         for (size_t m = 0; m < method_catalog.count; m++)
@@ -79,10 +95,12 @@ static void test_lanes_equal_runs(void **state)
                 if (!method->tableau && !method->splitting)
                     continue;
                 const struct scene scene = scene_with(cases[c].preset, NO_SETTINGS);
-                struct sweep_request request = request_of(&scene, method->row.name, 0.01, rest ? 4.0037 : 4,
-                                                          "amplitude period max steps evals reached y v energy");
-                request.axis[0] = axis_of(&scene, cases[c].axis, cases[c].from, cases[c].to,
-                                          scene.model == &oscillator_model ? 5 : 21); /* fewer go alone */
+                struct sweep_request request =
+                    request_of(&scene, method->row.name, 0.01, rest ? 4.0037 : 4,
+                               "amplitude period max steps evals reached y v energy");
+                request.axis[0] =
+                    axis_of(&scene, cases[c].axis, cases[c].from, cases[c].to,
+                            scene.model == &oscillator_model ? 5 : 21); /* fewer go alone */
                 request.axes = 1;
                 struct sweep lanes, alone;
                 struct error error = {0};
@@ -186,14 +204,17 @@ static void test_resonance(void **state)
     sweep_free(&sweep);
 }
 
-/* Period of a pendulum: 2 pi sqrt(l/g) / agm(1, cos(theta0/2)); with large steps of an adaptive method, too. */
+/* Period of a pendulum: 2 pi sqrt(l/g) / agm(1, cos(theta0/2)); with large steps of an adaptive
+ * method, too. */
 static void test_pendulum_period(void **state)
 {
     (void)state;
     const struct scene scene = scene_with("pendulum", NO_SETTINGS);
-    const double g = scene.value[scene_param(&scene, "g")], l = scene.value[scene_param(&scene, "length")];
+    const double g = scene.value[scene_param(&scene, "g")],
+                 l = scene.value[scene_param(&scene, "length")];
     for (int adaptive = 0; adaptive < 2; adaptive++) {
-        struct sweep_request request = request_of(&scene, adaptive ? "dopri5" : "rk4", 0.01, 60, "period amplitude");
+        struct sweep_request request =
+            request_of(&scene, adaptive ? "dopri5" : "rk4", 0.01, 60, "period amplitude");
         request.settings.tol = adaptive ? 1e-8 : 0;
         request.axis[0] = axis_of(&scene, "theta0", 0.1, 3, 10);
         request.axes = 1;
@@ -219,8 +240,8 @@ static void test_against_a_run(void **state)
 {
     (void)state;
     const struct scene scene = scene_with("damped", NO_SETTINGS);
-    struct sweep_request request =
-        request_of(&scene, "verlet", 0.01, 7, "error energy_error y energy steps evals phase-error work");
+    struct sweep_request request = request_of(
+        &scene, "verlet", 0.01, 7, "error energy_error y energy steps evals phase-error work");
     request.axis[0] = axis_of(&scene, "gamma", 0.25, 1, 2);
     request.axes = 1;
     struct sweep sweep = sweep_of(&request);
@@ -234,8 +255,9 @@ static void test_against_a_run(void **state)
     struct ledger ledger;
     run_errors(run, &errors);
     run_ledger(run, &ledger);
-    const double wanted[] = {errors.max, ledger.error_max, run->y[0], ledger.final, (double)run->steps,
-                             (double)run->cost.evals, errors.phase, ledger.work};
+    const double wanted[] = {errors.max,   ledger.error_max,   run->y[0],
+                             ledger.final, (double)run->steps, (double)run->cost.evals,
+                             errors.phase, ledger.work};
     for (size_t m = 0; m < COUNT_OF(wanted); m++)
         close_to(sweep.value[m], wanted[m], 1e-14);
     run_destroy(run);
@@ -260,7 +282,8 @@ static void test_other_axes(void **state)
     request.duration = 20;
     request.measures = 0;
     struct error error = {0};
-    assert_true(sweep_measure_find(scene.model, TEXT("period"), &request.measure[request.measures++], &error));
+    assert_true(sweep_measure_find(scene.model, TEXT("period"),
+                                   &request.measure[request.measures++], &error));
     sweep = sweep_of(&request);
     close_to(sweep.value[0], 1, 1e-5);
     close_to(sweep.value[1], 2, 1e-5);
@@ -280,26 +303,33 @@ static void test_columns(void **state)
 {
     (void)state;
     const struct scene scene = scene_with("spring", NO_SETTINGS);
-    struct sweep_request request = request_of(&scene, "rk4", 0.002, 20,
-                                              "max(v) min(v) amplitude(v) period(v) min max(y) min(y) mean(potential) "
-                                              "amplitude(kinetic) max(kinetic) min(kinetic) period(potential)");
+    struct sweep_request request =
+        request_of(&scene, "rk4", 0.002, 20,
+                   "max(v) min(v) amplitude(v) period(v) min max(y) min(y) mean(potential) "
+                   "amplitude(kinetic) max(kinetic) min(kinetic) period(potential)");
     request.axis[0] = axis_of(&scene, "k", 5, 20, 2);
     request.axes = 1;
     struct sweep sweep = sweep_of(&request);
     for (int i = 0; i < 2; i++) {
-        const double k = i ? 20 : 5, omega = sqrt(k / 0.2), y = 0.05, v = y * omega, e = k * y * y / 2;
-        const double wanted[] = {v, -v, v, 2 * M_PI / omega, -y, y, -y, e / 2, e / 2, e, 0, M_PI / omega};
+        const double k = i ? 20 : 5, omega = sqrt(k / 0.2), y = 0.05, v = y * omega,
+                     e = k * y * y / 2;
+        const double wanted[] = {v,     -v, v, 2 * M_PI / omega, -y, y, -y, e / 2,
+                                 e / 2, e,  0, M_PI / omega};
         for (size_t m = 0; m < COUNT_OF(wanted); m++)
             close_to(sweep.value[(size_t)i * COUNT_OF(wanted) + m], wanted[m],
-                     m == 7 ? 0.1 * e /* not whole periods */ : m == 10 ? 1e-4 * e : 1e-4 * fabs(wanted[m]));
+                     m == 7    ? 0.1 * e /* not whole periods */
+                     : m == 10 ? 1e-4 * e
+                               : 1e-4 * fabs(wanted[m]));
     }
     assert_int_equal(sweep.side_by_side, 0);
     sweep_free(&sweep);
     /* The means of a decay are known: of y over the last third. */
     struct scene drifting = scene_with("spring", NO_SETTINGS);
     struct error error = {0};
-    assert_true(scene_set(&drifting, scene_param(&drifting, "k"), (struct measured){1e-9, 0}, &error));
-    assert_true(scene_set(&drifting, scene_param(&drifting, "v0"), (struct measured){0.3, 0}, &error));
+    assert_true(
+        scene_set(&drifting, scene_param(&drifting, "k"), (struct measured){1e-9, 0}, &error));
+    assert_true(
+        scene_set(&drifting, scene_param(&drifting, "v0"), (struct measured){0.3, 0}, &error));
     request = request_of(&drifting, "rk4", 0.01, 3, "mean mean(y) mean(v) max(y) amplitude");
     request.axis[0] = axis_of(&drifting, "m", 1, 2, 2);
     request.axes = 1;
@@ -382,12 +412,11 @@ static void test_cancelling(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_lanes_equal_runs), cmocka_unit_test(test_divergence),
+        cmocka_unit_test(test_lanes_equal_runs),   cmocka_unit_test(test_divergence),
         cmocka_unit_test(test_shards_and_threads), cmocka_unit_test(test_resonance),
-        cmocka_unit_test(test_pendulum_period),  cmocka_unit_test(test_against_a_run),
-        cmocka_unit_test(test_other_axes),       cmocka_unit_test(test_columns),
-        cmocka_unit_test(test_refusals),
-        cmocka_unit_test(test_cancelling),
+        cmocka_unit_test(test_pendulum_period),    cmocka_unit_test(test_against_a_run),
+        cmocka_unit_test(test_other_axes),         cmocka_unit_test(test_columns),
+        cmocka_unit_test(test_refusals),           cmocka_unit_test(test_cancelling),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

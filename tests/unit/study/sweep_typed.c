@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Sweeps of typed scenes: the same numbers in lanes and alone, whatever is 0 on the way, in shards and by threads. */
+/* Sweeps of typed scenes: the same numbers in lanes and alone, whatever is 0 on the way, in shards
+ * and by threads. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
@@ -23,14 +24,15 @@ struct typed_sweep {
         int count;
     } axis[2];
     enum drag drag;
-    int64_t least; /* points that go in lanes */
+    int64_t min; /* points that go in lanes */
 };
 
 static void type_all(struct scene *scene, const struct typed_sweep *one)
 {
     const char *lines[12] = {0};
     char text[400];
-    scene_init(scene, one->preset ? (const struct preset *)(const void *)catalog_find(&preset_catalog, text_of(one->preset))
+    scene_init(scene, one->preset ? (const struct preset *)(const void *)catalog_find(
+                                        &preset_catalog, text_of(one->preset))
                                   : NULL);
     snprintf(text, sizeof text, "%s", one->lines);
     int count = 0;
@@ -46,12 +48,13 @@ static void type_all(struct scene *scene, const struct typed_sweep *one)
 
 static struct sweep_request request_of(const struct scene *scene, const struct typed_sweep *one)
 {
-    struct sweep_request request = {.scene = scene,
-                                    .method = method_named(one->method),
-                                    .settings = {.dt = one->dt, .drag = one->drag, .kernel = KERNEL_SPECIALISED},
-                                    .duration = one->duration,
-                                    .shard = 1,
-                                    .shards = 1};
+    struct sweep_request request = {
+        .scene = scene,
+        .method = method_named(one->method),
+        .settings = {.dt = one->dt, .drag = one->drag, .kernel = KERNEL_SPECIALISED},
+        .duration = one->duration,
+        .shard = 1,
+        .shards = 1};
     struct text rest = text_of(one->measures), name;
     struct error error = {0};
     while (text_split(&rest, ' ', &name))
@@ -72,36 +75,111 @@ static void compare(const struct sweep *whole, const struct sweep *part, const c
     for (int64_t i = 0; i < part->count; i++) {
         const int64_t k = i + part->first;
         if (whole->status[k] != part->status[i])
-            fail_msg("%s, point %lld: status %d and %d", what, (long long)k, whole->status[k], part->status[i]);
+            fail_msg("%s, point %lld: status %d and %d", what, (long long)k, whole->status[k],
+                     part->status[i]);
         for (int m = 0; m < whole->measures; m++)
-            if (memcmp(&whole->value[k * whole->measures + m], &part->value[i * whole->measures + m], sizeof(double)) != 0)
+            if (memcmp(&whole->value[k * whole->measures + m],
+                       &part->value[i * whole->measures + m], sizeof(double)) != 0)
                 fail_msg("%s, point %lld, measure %d: %.17g and %.17g", what, (long long)k, m,
-                         whole->value[k * whole->measures + m], part->value[i * whole->measures + m]);
+                         whole->value[k * whole->measures + m],
+                         part->value[i * whole->measures + m]);
     }
 }
 
 static const struct typed_sweep cases[] = {
-    {NULL, "var x = 1;param a = 1;param b = 0.2;x' = -a*x + b*cos(3*t)", "rk4", "x amplitude period max min steps evals reached",
-     0.01, 9, {{"a", 0, 2, 70}, {"b", -0.2, 0.2, 3}}, DRAG_DEFAULT, 150},
-    {NULL, "var x = 1;param a = 1;param b = 0.2;x' = -a*x + b*cos(3*t)", "dopri5", "x amplitude period max min evals", 0.01,
-     9.0037, {{"a", 0, 2, 70}}, DRAG_DEFAULT, 69},
-    {NULL, "var x = 1;var y = 1;var z = 20;param r = 28;x' = 10*(y - x);y' = x*(r - z) - y;z' = x*y - 8/3*z", "rk4",
-     "x y z amplitude max min", 0.01, 7, {{"r", 0, 60, 100}}, DRAG_DEFAULT, 95},
-    {NULL, "var y = 0.5;param k = 40;param c = 1;y'' = -k*y - c*y'*abs(y')", "rk4", "y vy amplitude period evals energy", 0.02, 6,
-     {{"c", 0, 3, 67}, {"k", 10, 60, 2}}, DRAG_DEFAULT, 120},
-    {NULL, "var y = 0.5;param k = 40;param c = 1;y'' = -k*y - c*y'*abs(y')", "dopri5", "y amplitude period evals", 0.02,
-     6.003, {{"c", 0, 3, 67}}, DRAG_DEFAULT, 60},
-    {NULL, "var y = 0.5;param k = 40;param g = 1;y'' = -k*y - g*y'", "verlet", "y amplitude period", 0.02, 6,
-     {{"g", 0, 3, 67}}, DRAG_EXPLICIT, 60},
-    {NULL, "var x = 1;var y = 0;var y' = 1;x'' = -x/hypot(x, y)^3;y'' = -y/hypot(x, y)^3;potential -1/hypot(x, y);"
-           "observe r = hypot(x, y)", "yoshida4", "x y vx amplitude period energy r", 0.02, 20, {{"vy0", 0.7, 1.1, 66}},
-     DRAG_DEFAULT, 60},
-    {NULL, "var x = 1;param a = 1;x' = a*x^2", "rk4", "x reached steps amplitude", 0.01, 1.5, {{"a", -1, 2, 40}},
-     DRAG_DEFAULT, 20},
-    {"damped", "param b = 20;force -b*y^3", "verlet", "y amplitude period energy", 0.01, 5, {{"b", 0, 100, 66}},
-     DRAG_DEFAULT, 60},
-    {"spring", "param b = 20;force -b*v*abs(v)", "rk4", "y amplitude period energy evals", 0.01, 5.004, {{"b", 0, 100, 66}},
-     DRAG_DEFAULT, 60},
+    {NULL,
+     "var x = 1;param a = 1;param b = 0.2;x' = -a*x + b*cos(3*t)",
+     "rk4",
+     "x amplitude period max min steps evals reached",
+     0.01,
+     9,
+     {{"a", 0, 2, 70}, {"b", -0.2, 0.2, 3}},
+     DRAG_DEFAULT,
+     150},
+    {NULL,
+     "var x = 1;param a = 1;param b = 0.2;x' = -a*x + b*cos(3*t)",
+     "dopri5",
+     "x amplitude period max min evals",
+     0.01,
+     9.0037,
+     {{"a", 0, 2, 70}},
+     DRAG_DEFAULT,
+     69},
+    {NULL,
+     "var x = 1;var y = 1;var z = 20;param r = 28;x' = 10*(y - x);y' = x*(r - z) - y;z' = x*y - "
+     "8/3*z",
+     "rk4",
+     "x y z amplitude max min",
+     0.01,
+     7,
+     {{"r", 0, 60, 100}},
+     DRAG_DEFAULT,
+     95},
+    {NULL,
+     "var y = 0.5;param k = 40;param c = 1;y'' = -k*y - c*y'*abs(y')",
+     "rk4",
+     "y vy amplitude period evals energy",
+     0.02,
+     6,
+     {{"c", 0, 3, 67}, {"k", 10, 60, 2}},
+     DRAG_DEFAULT,
+     120},
+    {NULL,
+     "var y = 0.5;param k = 40;param c = 1;y'' = -k*y - c*y'*abs(y')",
+     "dopri5",
+     "y amplitude period evals",
+     0.02,
+     6.003,
+     {{"c", 0, 3, 67}},
+     DRAG_DEFAULT,
+     60},
+    {NULL,
+     "var y = 0.5;param k = 40;param g = 1;y'' = -k*y - g*y'",
+     "verlet",
+     "y amplitude period",
+     0.02,
+     6,
+     {{"g", 0, 3, 67}},
+     DRAG_EXPLICIT,
+     60},
+    {NULL,
+     "var x = 1;var y = 0;var y' = 1;x'' = -x/hypot(x, y)^3;y'' = -y/hypot(x, y)^3;potential "
+     "-1/hypot(x, y);"
+     "observe r = hypot(x, y)",
+     "yoshida4",
+     "x y vx amplitude period energy r",
+     0.02,
+     20,
+     {{"vy0", 0.7, 1.1, 66}},
+     DRAG_DEFAULT,
+     60},
+    {NULL,
+     "var x = 1;param a = 1;x' = a*x^2",
+     "rk4",
+     "x reached steps amplitude",
+     0.01,
+     1.5,
+     {{"a", -1, 2, 40}},
+     DRAG_DEFAULT,
+     20},
+    {"damped",
+     "param b = 20;force -b*y^3",
+     "verlet",
+     "y amplitude period energy",
+     0.01,
+     5,
+     {{"b", 0, 100, 66}},
+     DRAG_DEFAULT,
+     60},
+    {"spring",
+     "param b = 20;force -b*v*abs(v)",
+     "rk4",
+     "y amplitude period energy evals",
+     0.01,
+     5.004,
+     {{"b", 0, 100, 66}},
+     DRAG_DEFAULT,
+     60},
 };
 
 static void test_lanes_equal_runs(void **state)
@@ -116,9 +194,9 @@ static void test_lanes_equal_runs(void **state)
         request.threads = 1;
         if (!study_sweep(&request, &lanes, &error))
             fail_msg("%s: %s", cases[c].lines, error.text);
-        if (lanes.side_by_side < cases[c].least)
-            fail_msg("%s: only %lld of %lld points side by side", cases[c].lines, (long long)lanes.side_by_side,
-                     (long long)lanes.count);
+        if (lanes.side_by_side < cases[c].min)
+            fail_msg("%s: only %lld of %lld points side by side", cases[c].lines,
+                     (long long)lanes.side_by_side, (long long)lanes.count);
         request.threads = 3;
         assert_true(study_sweep(&request, &other, &error));
         compare(&lanes, &other, "threads");

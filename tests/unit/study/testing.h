@@ -34,7 +34,8 @@ static inline struct scene scene_with(const char *preset, const struct setting *
     assert_non_null(row);
     scene_init(&scene, (const struct preset *)(const void *)row);
     for (; setting->param; setting++)
-        if (!scene_set(&scene, scene_param(&scene, setting->param), (struct measured){setting->value, 0}, &error))
+        if (!scene_set(&scene, scene_param(&scene, setting->param),
+                       (struct measured){setting->value, 0}, &error))
             fail_msg("%s", error.text);
     return scene;
 }

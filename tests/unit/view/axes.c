@@ -2,9 +2,10 @@
 /*
  * Every sample lies where the axes put it: a property of screens of random sessions.
  *
- * Two readings. Of the figures behind the panes: what a curve holds at a time is what the run or the recording has then,
- * and the axis of its own pane puts it where the printed one does. Of the screen itself, as a person reads it: the
- * numbers beside the ticks, interpolated in between, say which cells may have ink and which must.
+ * Two readings. Of the figures behind the panes: what a curve holds at a time is what the run or
+ * the recording has then, and the axis of its own pane puts it where the printed one does. Of the
+ * screen itself, as a person reads it: the numbers beside the ticks, interpolated in between, say
+ * which cells may have ink and which must.
  */
 #include "view/internal.h"
 #include "unit/axes_testing.h"
@@ -28,15 +29,16 @@ static void say(struct trial *s, const char *line)
     reply_init(&reply, (struct sink){take, take, &s->session->log});
     size_t used = strlen(s->told);
     snprintf(s->told + used, sizeof s->told - used, "%s\n", line);
-    command_exec(s->session, text_of(line), NULL, &reply); /* some are refused: it is as random as people are */
+    command_exec(s->session, text_of(line), NULL,
+                 &reply); /* some are refused: it is as random as people are */
     reply_free(&reply);
 }
 
-#define SAY(s, ...)                                                                                                    \
-    do {                                                                                                               \
-        char line_[200];                                                                                               \
-        snprintf(line_, sizeof line_, __VA_ARGS__);                                                                    \
-        say(s, line_);                                                                                                 \
+#define SAY(s, ...)                                                                                \
+    do {                                                                                           \
+        char line_[200];                                                                           \
+        snprintf(line_, sizeof line_, __VA_ARGS__);                                                \
+        say(s, line_);                                                                             \
     } while (0)
 
 static void add_run(struct trial *s)
@@ -45,12 +47,14 @@ static void add_run(struct trial *s)
     struct dice *dice = &s->dice;
     SAY(s, "method %s", methods[dice_below(dice, COUNT_OF(methods))]);
     SAY(s, "dt = %g ms", dice_between(dice, 2, 20));
-    SAY(s, "run %.3g s", exp(dice_between(dice, log(0.5), log(60))) * (dice_below(dice, 5) ? 1 : -0.3));
+    SAY(s, "run %.3g s",
+        exp(dice_between(dice, log(0.5), log(60))) * (dice_below(dice, 5) ? 1 : -0.3));
 }
 
 static void make_session(struct trial *s, unsigned seed)
 {
-    static const char *const scenes[] = {"spring", "spring", "spring", "pendulum", "vanderpol", "kepler"};
+    static const char *const scenes[] = {"spring",   "spring",    "spring",
+                                         "pendulum", "vanderpol", "kepler"};
     struct dice *dice = &s->dice;
     *s = (struct trial){.dice = {seed}, .session = begin(seed % 2, NULL)};
     const bool recorded = dice_below(dice, 10) < 6;
@@ -72,7 +76,8 @@ static void arrange(struct trial *s)
     struct dice *dice = &s->dice;
     SAY(s, "layout %s", catalog_row(&layout_catalog, (size_t)dice_below(dice, LAYOUT_LOG))->name);
     if (dice_below(dice, 3) == 0)
-        SAY(s, "focus %s%s", catalog_row(&pane_catalog, (size_t)dice_below(dice, (int)pane_catalog.count))->name,
+        SAY(s, "focus %s%s",
+            catalog_row(&pane_catalog, (size_t)dice_below(dice, (int)pane_catalog.count))->name,
             dice_below(dice, 3) ? "" : " full");
     if (dice_below(dice, 4) == 0)
         SAY(s, "window %.2g s", dice_between(dice, 0.5, 30));
@@ -99,15 +104,15 @@ static void arrange(struct trial *s)
 
 /* ---- the figures ---- */
 
-#define PARTS_MOST (PANELS_MOST * PLACES_MOST)
+#define PARTS_MOST (PANELS_MAX * PLACES_MAX)
 
 /* Panes, those of two panels as two. */
 struct panes {
     struct screen screen;
-    struct place place[PARTS_MOST];
+    struct index index[PARTS_MOST];
     struct figure figure[PARTS_MOST];
     struct figure_layout layout[PARTS_MOST];
-    int places;
+    int indices;
 };
 
 /* With the curves of this panel only. */
@@ -124,20 +129,25 @@ static struct figure part_of(struct panes *p, const struct figure *figure)
     return part;
 }
 
-static void add_panels(struct panes *p, const struct place *place, const struct figure *figure)
+static void add_panels(struct panes *p, const struct index *index, const struct figure *figure)
 {
-    struct figure_panel panel[PANELS_MOST];
-    const int panels = figure_panels(figure, place->at.width, pane_drawn_height(place), p->screen.charset, panel);
+    struct figure_panel panel[PANELS_MAX];
+    const int panels =
+        figure_panels(figure, index->at.width, pane_drawn_height(index), p->screen.charset, panel);
     for (int i = 0; i < panels; i++) {
-        const bool covered = i + 1 < panels && !figure->plane; /* the next one has the axis of both */
-        const int seen = covered ? panel[i + 1].y - panel[i].y
-                         : figure->plane ? panel[i].height : place->at.height - panel[i].y;
-        struct place *part = &p->place[p->places];
-        *part = *place;
-        part->at = (struct rectangle){place->at.x + panel[i].x, place->at.y + panel[i].y, panel[i].width, seen};
-        part->open = covered || place->open;
-        p->figure[p->places] = part_of(p, &panel[i].figure);
-        figure_layout(&panel[i].figure, panel[i].width, panel[i].height, p->screen.charset, &p->layout[p->places++]);
+        const bool covered =
+            i + 1 < panels && !figure->plane; /* the next one has the axis of both */
+        const int seen = covered         ? panel[i + 1].y - panel[i].y
+                         : figure->plane ? panel[i].height
+                                         : index->at.height - panel[i].y;
+        struct index *part = &p->index[p->indices];
+        *part = *index;
+        part->at = (struct rectangle){index->at.x + panel[i].x, index->at.y + panel[i].y,
+                                      panel[i].width, seen};
+        part->open = covered || index->open;
+        p->figure[p->indices] = part_of(p, &panel[i].figure);
+        figure_layout(&panel[i].figure, panel[i].width, panel[i].height, p->screen.charset,
+                      &p->layout[p->indices++]);
     }
 }
 
@@ -147,21 +157,21 @@ static void open_panes(struct panes *p, const struct trial *s)
     *p = (struct panes){.screen = {.session = s->session, .charset = session_charset(s->session)}};
     if (division.plots) {
         const struct rectangle area = {0, division.state, s->width, division.plots};
-        struct place place[PLACES_MOST];
-        struct figure figure[PLACES_MOST];
-        const int places = screen_places(s->session, area, s->height, place);
-        assert_true(panes_figures(&p->screen, place, places, figure));
-        for (int i = 0; i < places; i++)
-            add_panels(p, &place[i], &figure[i]);
+        struct index index[PLACES_MAX];
+        struct figure figure[PLACES_MAX];
+        const int indices = screen_places(s->session, area, s->height, index);
+        assert_true(panes_figures(&p->screen, index, indices, figure));
+        for (int i = 0; i < indices; i++)
+            add_panels(p, &index[i], &figure[i]);
     }
 }
 
 /* The place whose time axis is printed below the pane. */
-static int printed_by(const struct panes *p, int place)
+static int printed_by(const struct panes *p, int index)
 {
-    while (p->place[place].open)
-        place++;
-    return place;
+    while (p->index[index].open)
+        index++;
+    return index;
 }
 
 /* What the run has at one of its times; NAN: it was not recorded then. */
@@ -179,9 +189,10 @@ static double value_at(const struct run *run, enum pane pane, double t)
     if (low == trace_count(run->trace) || trace_time(run->trace, low) != t)
         return NAN;
     const double *y = trace_state(run->trace, low);
-    return pane == PANE_POSITION   ? y[0]
-           : pane == PANE_VELOCITY ? y[run->system.n / 2]
-                                   : system_kinetic(&run->system, y) + system_potential(&run->system, y);
+    return pane == PANE_POSITION ? y[0]
+           : pane == PANE_VELOCITY
+               ? y[run->system.n / 2]
+               : system_kinetic(&run->system, y) + system_potential(&run->system, y);
 }
 
 static bool is_recorded(const struct recording *recording, struct arena *arena, double t, double y)
@@ -197,41 +208,46 @@ static bool is_recorded(const struct recording *recording, struct arena *arena, 
 }
 
 /* A few samples of each curve, of what is simply recorded. */
-static void check_samples(const struct trial *s, struct panes *p, int place)
+static void check_samples(const struct trial *s, struct panes *p, int index)
 {
-    const enum pane pane = p->place[place].pane;
-    const struct figure *figure = &p->figure[place];
+    const enum pane pane = p->index[index].pane;
+    const struct figure *figure = &p->figure[index];
     if (pane != PANE_POSITION && pane != PANE_VELOCITY && pane != PANE_ENERGY)
         return;
     for (int c = 0; c < figure->curves; c++) {
         const struct curve *curve = &figure->curve[c];
-        const double widest = curve->n ? (curve->x[curve->n - 1] - curve->x[0]) / 8 : 0; /* a gap is wider, a step not */
+        const double widest = curve->n ? (curve->x[curve->n - 1] - curve->x[0]) / 8
+                                       : 0; /* a gap is wider, a step not */
         for (size_t i = 0; i < curve->n; i++) {
             const double t = curve->x[i], y = curve->y[i];
             bool own = false, known = false;
             for (int r = 0; r < s->session->runs; r++) {
                 const struct run *run = s->session->run[r]->run;
-                const double its = run->system.order == 2 || pane == PANE_POSITION ? value_at(run, pane, t) : NAN;
+                const double its =
+                    run->system.order == 2 || pane == PANE_POSITION ? value_at(run, pane, t) : NAN;
                 known |= !isnan(its);
                 own |= fabs(its - y) <= 1e-9 * fabs(y) || run->system.n > 2; /* other coordinates */
             }
-            if (!curve->points && i + 1 < curve->n && curve->x[i + 1] - t > widest && s->session->current_run < 0)
-                fail_msg("a line from t = %g to %g, where nothing was recorded\n%s", t, curve->x[i + 1], s->told);
-            own |= pane == PANE_POSITION && is_recorded(session_recording(s->session), &p->screen.arena, t, y);
+            if (!curve->points && i + 1 < curve->n && curve->x[i + 1] - t > widest &&
+                s->session->current_run < 0)
+                fail_msg("a line from t = %g to %g, where nothing was recorded\n%s", t,
+                         curve->x[i + 1], s->told);
+            own |= pane == PANE_POSITION &&
+                   is_recorded(session_recording(s->session), &p->screen.arena, t, y);
             if (known && !own)
-                fail_msg("%s: nothing has %g at t = %g in\n%s", catalog_row(&pane_catalog, (size_t)pane)->name, y, t,
-                         s->told);
+                fail_msg("%s: nothing has %g at t = %g in\n%s",
+                         catalog_row(&pane_catalog, (size_t)pane)->name, y, t, s->told);
         }
     }
 }
 
 /* The axis that is printed puts the samples of a pane where the pane has them. */
-static void check_figure(const struct trial *s, struct panes *p, int place)
+static void check_figure(const struct trial *s, struct panes *p, int index)
 {
-    const int printed = printed_by(p, place);
-    const struct figure_layout *own = &p->layout[place], *axis = &p->layout[printed];
-    const struct figure *figure = &p->figure[place];
-    if (pane_is_timed(p->place[place].pane) != pane_is_timed(p->place[printed].pane))
+    const int printed = printed_by(p, index);
+    const struct figure_layout *own = &p->layout[index], *axis = &p->layout[printed];
+    const struct figure *figure = &p->figure[index];
+    if (pane_is_timed(p->index[index].pane) != pane_is_timed(p->index[printed].pane))
         fail_msg("a stack of two kinds of axes");
     for (int c = 0; c < figure->curves; c++) {
         const struct curve *curve = &figure->curve[c];
@@ -241,15 +257,18 @@ static void check_figure(const struct trial *s, struct panes *p, int place)
                 !figure_cell(axis, curve->x[i], axis->y.from, &other, &row))
                 continue;
             if (own->left + column != axis->left + other)
-                fail_msg("%dx%d: a sample of pane %d at x = %g is in column %d, the axis has it in %d\n%s", s->width,
-                         s->height, place, curve->x[i], own->left + column, axis->left + other, s->told);
+                fail_msg("%dx%d: a sample of pane %d at x = %g is in column %d, the axis has it in "
+                         "%d\n%s",
+                         s->width, s->height, index, curve->x[i], own->left + column,
+                         axis->left + other, s->told);
         }
         /* Nothing of a pane is shown that is outside of the axis printed below it. */
         for (size_t i = 0; i < curve->n; i++) {
-            const double own_x = scale_fraction(&own->x, curve->x[i]), its = scale_fraction(&axis->x, curve->x[i]);
+            const double own_x = scale_fraction(&own->x, curve->x[i]),
+                         its = scale_fraction(&axis->x, curve->x[i]);
             if (fabs(fmin(fmax(own_x, 0), 1) - fmin(fmax(its, 0), 1)) * own->columns > 0.5)
-                fail_msg("%dx%d: x = %g is at %g of pane %d, at %g of the axis\n%s", s->width, s->height, curve->x[i],
-                         own_x, place, its, s->told);
+                fail_msg("%dx%d: x = %g is at %g of pane %d, at %g of the axis\n%s", s->width,
+                         s->height, curve->x[i], own_x, index, its, s->told);
         }
     }
 }
@@ -257,34 +276,37 @@ static void check_figure(const struct trial *s, struct panes *p, int place)
 /* ---- the screen ---- */
 
 /* Reads both axes of a pane off the screen. False: it has no labels there. */
-static bool read_pane(const struct panes *p, int place, const struct canvas *canvas, struct reader *reader)
+static bool read_pane(const struct panes *p, int index, const struct canvas *canvas,
+                      struct reader *reader)
 {
-    const struct place *bottom = &p->place[printed_by(p, place)];
-    const struct rectangle at = p->place[place].at;
-    const struct figure *figure = &p->figure[place];
+    const struct index *bottom = &p->index[printed_by(p, index)];
+    const struct rectangle at = p->index[index].at;
+    const struct figure *figure = &p->figure[index];
     *reader = (struct reader){.canvas = canvas,
                               .left = at.x,
                               .right = at.x + at.width - 1,
                               .top = at.y,
-                              .bottom = at.y + at.height - (p->place[place].open ? 0 : 1),
+                              .bottom = at.y + at.height - (p->index[index].open ? 0 : 1),
                               .axis_row = bottom->at.y + bottom->at.height - 3};
-    return p->layout[place].y_labels && read_x_axis(reader, axis_unit(&figure->x)) &&
-           read_y_axis(reader, axis_unit(&figure->y), p->layout[place].y.log) &&
-           p->layout[place].y_decades == p->layout[place].y.log;
+    return p->layout[index].y_labels && read_x_axis(reader, axis_unit(&figure->x)) &&
+           read_y_axis(reader, axis_unit(&figure->y), p->layout[index].y.log) &&
+           p->layout[index].y_decades == p->layout[index].y.log;
 }
 
-static int check_screen(const struct trial *s, const struct panes *p, int place, const struct canvas *canvas)
+static int check_screen(const struct trial *s, const struct panes *p, int index,
+                        const struct canvas *canvas)
 {
     struct reader reader;
-    const struct figure *figure = &p->figure[place];
-    if (!read_pane(p, place, canvas, &reader))
+    const struct figure *figure = &p->figure[index];
+    if (!read_pane(p, index, canvas, &reader))
         return 0;
     char problem[200];
     if (!reader_agrees(&reader, figure, problem)) {
         struct buffer text = {0};
         canvas_print(canvas, false, &text);
         fail_msg("%dx%d, pane %s: %s\n%s%s", s->width, s->height,
-                 catalog_row(&pane_catalog, (size_t)p->place[place].pane)->name, problem, s->told, text.data);
+                 catalog_row(&pane_catalog, (size_t)p->index[index].pane)->name, problem, s->told,
+                 text.data);
     }
     return 1;
 }
@@ -303,7 +325,7 @@ static void every_sample_is_where_the_axes_put_it(void **state)
             arrange(&s);
             struct canvas canvas = draw(s.session, s.width, s.height);
             open_panes(&p, &s);
-            for (int i = 0; i < p.places; i++) {
+            for (int i = 0; i < p.indices; i++) {
                 check_figure(&s, &p, i);
                 check_samples(&s, &p, i);
                 read += check_screen(&s, &p, i, &canvas);
@@ -321,7 +343,8 @@ static void every_sample_is_where_the_axes_put_it(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup_teardown(every_sample_is_where_the_axes_put_it, axes_folder_enter, axes_folder_leave),
+        cmocka_unit_test_setup_teardown(every_sample_is_where_the_axes_put_it, axes_folder_enter,
+                                        axes_folder_leave),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

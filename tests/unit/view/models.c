@@ -26,11 +26,13 @@ static void every_scene_in_every_layout(void **state)
                 session->view.layout = (enum layout)l;
                 char *text = print(session, sizes[s][0], sizes[s][1]);
                 if (model->order == 1)
-                    assert_true((model->n > 1 || !strstr(text, "phase")) && !strstr(text, "energy"));
+                    assert_true((model->n > 1 || !strstr(text, "phase")) &&
+                                !strstr(text, "energy"));
                 free(text);
             }
         session->view.layout = LAYOUT_PLOT;
-        snprintf(title, sizeof title, " %s%s", model->variable[0].name, model == &oscillator_model ? " [" : "");
+        snprintf(title, sizeof title, " %s%s", model->variable[0].name,
+                 model == &oscillator_model ? " [" : "");
         assert_shows(session, 100, 24, title);
         session_destroy(session);
     }
@@ -77,7 +79,8 @@ static void values_alone_of_first_order(void **state)
 static void only_runs_of_the_same_kind_are_laid_over(void **state)
 {
     (void)state;
-    struct session *session = begin(false, "scene kepler; run 5 s; scene pendulum; run 5 s; method verlet; run 5 s");
+    struct session *session =
+        begin(false, "scene kepler; run 5 s; scene pendulum; run 5 s; method verlet; run 5 s");
     tell(session, "overlay run 1 2");
     assert_shows(session, 80, 24, "- theta [rad] -");
     assert_shows(session, 80, 24, "-- verlet  # euler -");

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Panes: which part of the time, how little a live frame changes, cursors and marks, the figures behind them. */
+/* Panes: which part of the time, how little a live frame changes, cursors and marks, the figures
+ * behind them. */
 #include "unit/view/testing.h"
 
 #include <unistd.h>
@@ -18,23 +19,24 @@ static int changed_cells(const struct canvas *a, const struct canvas *b)
 {
     int changed = 0;
     for (int i = 0; i < a->width * a->height; i++)
-        changed += a->cell[i].codepoint != b->cell[i].codepoint || a->cell[i].style != b->cell[i].style;
+        changed +=
+            a->cell[i].codepoint != b->cell[i].codepoint || a->cell[i].style != b->cell[i].style;
     return changed;
 }
 
 /* Steps of a tenth of a second; returns the mean number of cells that change, *most the largest. */
-static double mean_change(struct session *session, int frames, int *most)
+static double mean_change(struct session *session, int frames, int *max)
 {
     struct canvas before = draw(session, 80, 24);
     int sum = 0;
-    *most = 0;
+    *max = 0;
     for (int i = 0; i < frames; i++) {
         struct run *run = current(session);
         run_advance(run, &(struct run_target){.t = run->t + 0.1, .steps = -1}, 0, NULL);
         struct canvas after = draw(session, 80, 24);
         int changed = changed_cells(&before, &after);
         sum += changed;
-        *most = changed > *most ? changed : *most;
+        *max = changed > *max ? changed : *max;
         canvas_free(&before);
         before = after;
     }
@@ -42,22 +44,23 @@ static double mean_change(struct session *session, int frames, int *most)
     return (double)sum / frames;
 }
 
-/* A planned run sweeps over fixed axes: the curve's end, the point of the phase plot with the end of its trail, and
- * some digits. */
+/* A planned run sweeps over fixed axes: the curve's end, the point of the phase plot with the end
+ * of its trail, and some digits. */
 static void a_sweep_changes_few_cells(void **state)
 {
     (void)state;
     for (int utf8 = 0; utf8 < 2; utf8++) {
         struct session *session = live_session(utf8, swing, "run 9 s");
-        int most;
+        int max;
         run_back(current(session), 890);
-        assert_true(mean_change(session, 85, &most) < 20);
-        assert_in_range(most, 3, 40);
+        assert_true(mean_change(session, 85, &max) < 20);
+        assert_in_range(max, 3, 40);
         session_destroy(session);
     }
 }
 
-/* Beyond the window pages turn by a quarter of it: between the turns as little changes as before. */
+/* Beyond the window pages turn by a quarter of it: between the turns as little changes as before.
+ */
 static void pages_turn_rarely(void **state)
 {
     (void)state;
@@ -108,7 +111,8 @@ static void the_newest_part_may_be_the_earliest(void **state)
     session_destroy(session);
 }
 
-/* Nothing is added to a recording: it is there from beginning to end, unless a window is asked for. */
+/* Nothing is added to a recording: it is there from beginning to end, unless a window is asked for.
+ */
 static void a_recording_alone_is_whole(void **state)
 {
     (void)state;
@@ -177,7 +181,8 @@ static void the_vertical_range_of_the_focus_can_be_fixed(void **state)
     assert_shows(session, 80, 24, " 40+");
     session->view.focus = PANE_ENERGY;
     assert_hides(session, 80, 24, " 40+");
-    tell(session, "focus phase; range x -60 cm:60 cm; range y auto"); /* no time: the other panes stay as they are */
+    tell(session, "focus phase; range x -60 cm:60 cm; range y auto"); /* no time: the other panes
+                                                                         stay as they are */
     assert_shows(session, 80, 24, "|  60+");
     assert_shows(session, 80, 24, " 10 |");
     tell(session, "focus position; range x 2 s:4 s");
@@ -212,8 +217,10 @@ static void cursors_stand_in_frame_and_table(void **state)
     assert_shows(session, 80, 24, ">A  t = 1.4530(4) s   y = 0.00 ");
     assert_shows(session, 80, 24, " B  t = 9.2022(4) s");
     assert_shows(session, 80, 24, "up-crossing #5");
-    assert_shows(session, 80, 24, " B-A = 7.7492 s / 4 periods   T = 1.9373(1) s   f = 0.51618(4) Hz");
-    assert_shows(session, 80, 24, " theory T_d = 1.9391 s  (T-T_d)/T_d = -0.095 %   log decrement 0.0678  Q = 46.3");
+    assert_shows(session, 80, 24,
+                 " B-A = 7.7492 s / 4 periods   T = 1.9373(1) s   f = 0.51618(4) Hz");
+    assert_shows(session, 80, 24,
+                 " theory T_d = 1.9391 s  (T-T_d)/T_d = -0.095 %   log decrement 0.0678  Q = 46.3");
     assert_shows(session, 80, 24, "Enter keep as measurement");
     assert_shows(session, 40, 12, "B-A = 7.7492 s / 4 periods"); /* one row: the result */
     assert_hides(session, 40, 12, "Enter");
@@ -254,7 +261,8 @@ static void one_row_is_enough(void **state)
 
 /* ---- figures ---- */
 
-static struct figure figure_of(const struct session *session, enum plot_kind kind, bool follow, struct arena *arena)
+static struct figure figure_of(const struct session *session, enum plot_kind kind, bool follow,
+                               struct arena *arena)
 {
     struct figure_request request = {.kind = kind,
                                      .run = &session->current_run,
@@ -276,25 +284,27 @@ static struct figure figure_of(const struct session *session, enum plot_kind kin
 
 static double largest(const double *y, size_t n)
 {
-    double most = 0;
+    double max = 0;
     for (size_t i = 0; i < n; i++)
-        most = fmax(most, fabs(y[i]));
-    return most;
+        max = fmax(max, fabs(y[i]));
+    return max;
 }
 
 static const struct observable *observable(const char *name)
 {
-    return (const struct observable *)(const void *)catalog_find(&observable_catalog, text_of(name));
+    return (const struct observable *)(const void *)catalog_find(&observable_catalog,
+                                                                 text_of(name));
 }
 
-/* Of a hundred thousand rows a screen draws few, each with the value it has in the whole column, and the extremes are
- * among them. */
+/* Of a hundred thousand rows a screen draws few, each with the value it has in the whole column,
+ * and the extremes are among them. */
 static void few_rows_stand_for_many(void **state)
 {
     static const struct {
         enum plot_kind kind;
         const char *name;
-    } cases[] = {{PLOT_POSITION, "y"}, {PLOT_VELOCITY, "v"}, {PLOT_ENERGY, "energy"}, {PLOT_ERROR, "error"}};
+    } cases[] = {
+        {PLOT_POSITION, "y"}, {PLOT_VELOCITY, "v"}, {PLOT_ENERGY, "energy"}, {PLOT_ERROR, "error"}};
     (void)state;
     struct session *session = begin(false, "k = 2.1 N/m; y0 = 4.2 cm; method euler; dt = 1 ms");
     tell(session, "run 100 s");
@@ -310,13 +320,13 @@ static void few_rows_stand_for_many(void **state)
             const struct curve *curve = &figure.curve[0];
             assert_in_range(curve->n, 200, follow ? 8200 : n);
             assert_true(run_column(run, observable(cases[i].name), column, &error));
-            double most = largest(column, n), drawn = 0;
+            double max = largest(column, n), drawn = 0;
             for (size_t j = 0; j < curve->n; j++) {
                 size_t row = (size_t)(curve->x[j] / 1e-3 + 0.5);
                 drawn = fmax(drawn, fabs(curve->y[j]));
-                assert_true(fabs(curve->y[j] - column[row]) <= 1e-12 * most);
+                assert_true(fabs(curve->y[j] - column[row]) <= 1e-12 * max);
             }
-            assert_true(drawn >= most * (follow ? 0.99 : 1));
+            assert_true(drawn >= max * (follow ? 0.99 : 1));
             arena_reset(&arena);
         }
     }
@@ -362,7 +372,8 @@ static void the_spectrum_has_its_peak_at_the_frequency(void **state)
     session_destroy(session);
 }
 
-/* A swing of 9 s and, loaded, a recording of it: every third value, in units of `by` from `zero` on. */
+/* A swing of 9 s and, loaded, a recording of it: every third value, in units of `by` from `zero`
+ * on. */
 static struct session *begin_recorded(const char *column, double zero, double by)
 {
     char path[] = "/tmp/hooke-view-XXXXXX", line[80];
@@ -373,7 +384,8 @@ static struct session *begin_recorded(const char *column, double zero, double by
     const struct run *run = current(session);
     dprintf(fd, "t [s]\t%s\n", column);
     for (size_t i = 0; i < trace_count(run->trace); i += 3)
-        dprintf(fd, "%.17g\t%.17g\n", trace_time(run->trace, i), (trace_state(run->trace, i)[0] - zero) / by);
+        dprintf(fd, "%.17g\t%.17g\n", trace_time(run->trace, i),
+                (trace_state(run->trace, i)[0] - zero) / by);
     close(fd);
     snprintf(line, sizeof line, "load '%s'", path);
     tell(session, line);
@@ -398,7 +410,8 @@ static void a_residual_is_what_is_left_of_the_recording(void **state)
     assert_true(largest(figure.curve[0].y, figure.curve[0].n) < 1e-4);
     session->view.focus = PANE_RESIDUAL;
     assert_shows(session, 80, 24, "o data - fit");
-    assert_shows(session, 80, 24, "-- verlet"); /* of the pane below: a run has its name somewhere */
+    assert_shows(session, 80, 24,
+                 "-- verlet"); /* of the pane below: a run has its name somewhere */
     arena_reset(&arena);
     session_destroy(session);
 }

@@ -4,8 +4,10 @@
 
 static void every_size_can_be_drawn(void **state)
 {
-    static const int widths[] = {1, 2, 3, 7, 8, 9, 13, 20, 24, 39, 40, 59, 60, 61, 80, 109, 110, 120, 200, 300};
-    static const int heights[] = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 16, 24, 35, 36, 40, 60, 100};
+    static const int widths[] = {1,  2,  3,  7,  8,  9,   13,  20,  24,  39,
+                                 40, 59, 60, 61, 80, 109, 110, 120, 200, 300};
+    static const int heights[] = {1,  2,  3,  4,  5,  6,  7,  8,  9,  10,
+                                  11, 12, 13, 16, 24, 35, 36, 40, 60, 100};
     (void)state;
     for (int utf8 = 0; utf8 < 2; utf8++) {
         struct session *session = begin(utf8, swing);
@@ -36,7 +38,8 @@ static void every_size_can_be_drawn(void **state)
     }
 }
 
-/* In this order: numbers line, second pane, log but one row, labels, frame; at last only the prompt is left. */
+/* In this order: numbers line, second pane, log but one row, labels, frame; at last only the prompt
+ * is left. */
 static void parts_give_way_in_order(void **state)
 {
     (void)state;
@@ -96,8 +99,9 @@ static void the_focused_pane_is_shown(void **state)
     tell(session, "run 9.6 s");
     for (size_t i = 0; i < pane_catalog.count; i++) {
         static const char *const title[] = {
-            [PANE_POSITION] = "- y [",      [PANE_ENERGY] = "- energy [", [PANE_PHASE] = "- phase ",
-            [PANE_VELOCITY] = "- v [",      [PANE_ERROR] = "- error [",   [PANE_RESIDUAL] = "- residual [",
+            [PANE_POSITION] = "- y [",       [PANE_ENERGY] = "- energy [",
+            [PANE_PHASE] = "- phase ",       [PANE_VELOCITY] = "- v [",
+            [PANE_ERROR] = "- error [",      [PANE_RESIDUAL] = "- residual [",
             [PANE_SPECTRUM] = "- spectrum ", [PANE_ORBIT] = "- orbit "};
         session->view.focus = (enum pane)i;
         session->view.full = false;
@@ -131,11 +135,13 @@ static void the_state_line_says_what_goes_on(void **state)
     struct session *session = begin(false, swing);
     tell(session, "run 9.6 s");
     char *row = print_row(session, 80, 24, 0);
-    assert_string_equal(row, " spring  m=200 g  k=2.1 N/m  gamma=0.07 | verlet dt=10 ms | t=9.60 s  960 steps");
+    assert_string_equal(
+        row, " spring  m=200 g  k=2.1 N/m  gamma=0.07 | verlet dt=10 ms | t=9.60 s  960 steps");
     free(row);
     session->live.state = LIVE_PAUSED;
     row = print_row(session, 80, 24, 0);
-    assert_string_equal(row, " spring  m=200 g  k=2.1 N/m  gamma=0.07 | verlet dt=10 ms | PAUSED t=9.60 s");
+    assert_string_equal(
+        row, " spring  m=200 g  k=2.1 N/m  gamma=0.07 | verlet dt=10 ms | PAUSED t=9.60 s");
     free(row);
     row = print_row(session, 40, 12, 0);
     assert_string_equal(row, "spring verlet dt=10ms PAUSED t=9.60");
@@ -186,7 +192,8 @@ static void the_log_scrolls(void **state)
     for (int i = 1; i <= 20; i++) {
         char line[120];
         snprintf(line, sizeof line, "line %d.%s", i,
-                 i == 20 ? " is one that is longer than the eighty columns that the screen has, and so it goes on"
+                 i == 20 ? " is one that is longer than the eighty columns that the screen has, "
+                           "and so it goes on"
                          : "");
         log_add(&session->log, text_of(line));
     }
@@ -195,7 +202,8 @@ static void the_log_scrolls(void **state)
     assert_shows(session, 80, 24,
                  "line 20. is one that is longer than the eighty columns that the screen has, and\n"
                  "  so it goes on\n");
-    assert_shows(session, 40, 12, "line 20. is one that is longer than the\xE2\x80\xA6"); /* one row only */
+    assert_shows(session, 40, 12,
+                 "line 20. is one that is longer than the\xE2\x80\xA6"); /* one row only */
     session->view.scroll = 1;
     assert_hides(session, 80, 24, "so it goes on");
     assert_shows(session, 80, 24, "line 20. is one");
@@ -207,7 +215,8 @@ static void the_log_scrolls(void **state)
     session->view.scroll = 1000; /* the oldest stays at the top */
     assert_shows(session, 80, 24, "line 1.");
     assert_shows(session, 80, 24, "line 6.");
-    assert_int_equal(screen_log_most(session, 80, 24), 21 - screen_log_rows(session, 80, 24)); /* one line has two rows */
+    assert_int_equal(screen_log_most(session, 80, 24),
+                     21 - screen_log_rows(session, 80, 24)); /* one line has two rows */
     session->view.scroll = screen_log_most(session, 80, 24);
     assert_shows(session, 80, 24, "line 1.");
     session->view.scroll--;

@@ -49,7 +49,8 @@ static inline struct run *current(const struct session *session)
 
 static inline struct prompt_line typed(const char *line)
 {
-    return (struct prompt_line){.prompt = TEXT("hooke> "), .line = text_of(line), .cursor = strlen(line)};
+    return (struct prompt_line){
+        .prompt = TEXT("hooke> "), .line = text_of(line), .cursor = strlen(line)};
 }
 
 static inline struct canvas draw(const struct session *session, int width, int height)
@@ -80,20 +81,20 @@ static inline bool shows(const struct session *session, int width, int height, c
     return found;
 }
 
-#define assert_shows(session, width, height, wanted)                                                                   \
-    do {                                                                                                               \
-        char *shown_ = print(session, width, height);                                                                  \
-        if (!strstr(shown_, wanted))                                                                                   \
-            fail_msg("no '%s' in\n%s", wanted, shown_);                                                                \
-        free(shown_);                                                                                                  \
+#define assert_shows(session, width, height, wanted)                                               \
+    do {                                                                                           \
+        char *shown_ = print(session, width, height);                                              \
+        if (!strstr(shown_, wanted))                                                               \
+            fail_msg("no '%s' in\n%s", wanted, shown_);                                            \
+        free(shown_);                                                                              \
     } while (0)
 
-#define assert_hides(session, width, height, wanted)                                                                   \
-    do {                                                                                                               \
-        char *shown_ = print(session, width, height);                                                                  \
-        if (strstr(shown_, wanted))                                                                                    \
-            fail_msg("'%s' in\n%s", wanted, shown_);                                                                   \
-        free(shown_);                                                                                                  \
+#define assert_hides(session, width, height, wanted)                                               \
+    do {                                                                                           \
+        char *shown_ = print(session, width, height);                                              \
+        if (strstr(shown_, wanted))                                                                \
+            fail_msg("'%s' in\n%s", wanted, shown_);                                               \
+        free(shown_);                                                                              \
     } while (0)
 
 /* Row `row` of the screen without trailing blanks; to be freed. */

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Partial derivatives as symbols: nodes that are added to the graph. Forward mode, so that the branch that an if() does
- * not take stays out of its derivative. The rules of the functions are slopes.def.
+ * Partial derivatives as symbols: nodes that are added to the graph. Forward mode, so that the
+ * branch that an if() does not take stays out of its derivative. The rules of the functions are
+ * slopes.def.
  */
 #include "scene/formula/program/program.h"
 
@@ -21,8 +22,8 @@
 
 static int slope_one(struct graph *g, double (*function)(double), int X, int U)
 {
-#define ONE(name, by_x)                                                                                                \
-    if (function == (name))                                                                                            \
+#define ONE(name, by_x)                                                                            \
+    if (function == (name))                                                                        \
         return by_x;
 #define TWO(name, by_x, by_y)
 #include "scene/formula/slopes.def"
@@ -31,11 +32,12 @@ static int slope_one(struct graph *g, double (*function)(double), int X, int U)
     return 0;
 }
 
-static int slope_two(struct graph *g, double (*function)(double, double), int X, int Y, int U, bool second)
+static int slope_two(struct graph *g, double (*function)(double, double), int X, int Y, int U,
+                     bool second)
 {
 #define ONE(name, by_x)
-#define TWO(name, by_x, by_y)                                                                                          \
-    if (function == (name))                                                                                            \
+#define TWO(name, by_x, by_y)                                                                      \
+    if (function == (name))                                                                        \
         return second ? by_y : by_x;
 #include "scene/formula/slopes.def"
 #undef ONE

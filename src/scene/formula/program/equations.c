@@ -103,16 +103,16 @@ bool equations_let(struct equations *e, int name, const struct expr *expr, struc
 
 bool equations_reserve(struct equations *e, int more)
 {
-    if (e->outputs + more <= e->room)
+    if (e->outputs + more <= e->capacity)
         return true;
-    const int room = 2 * e->room + more;
-    int *output = arena_array(&e->arena, (size_t)room, sizeof *output);
+    const int capacity = 2 * e->capacity + more;
+    int *output = arena_array(&e->arena, (size_t)capacity, sizeof *output);
     if (!output)
         return false;
     if (e->outputs)
         memcpy(output, e->output, (size_t)e->outputs * sizeof *output);
     e->output = output;
-    e->room = room;
+    e->capacity = capacity;
     return true;
 }
 
@@ -132,7 +132,8 @@ int equations_count(const struct equations *e)
     return e->outputs;
 }
 
-bool equations_derive(struct equations *e, int first, int count, const int *name, int names, struct error *error)
+bool equations_derive(struct equations *e, int first, int count, const int *name, int names,
+                      struct error *error)
 {
     const int before = e->graph.count;
     if (names > 0 && count > PROGRAM_SIZE / names)

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Expressions as a graph: equal nodes are one (hash-consing, Ershov 1958), and each is made simpler when it is made.
- * Nothing is done that could change a bit of the result, but for one rule, that of the scene: a term whose coefficient
- * is the number 0 is absent. Where x depends on an input 0 x and 0/x are the number 0, x + 0 and x - 0 are x, 0 - x
- * is -x. What depends on an input is known only when names are bound, so it is done then.
+ * Expressions as a graph: equal nodes are one (hash-consing, Ershov 1958), and each is made simpler
+ * when it is made. Nothing is done that could change a bit of the result, but for one rule, that of
+ * the scene: a term whose coefficient is the number 0 is absent. Where x depends on an input 0 x
+ * and 0/x are the number 0, x + 0 and x - 0 are x, 0 - x is -x. What depends on an input is known
+ * only when names are bound, so it is done then.
  */
 #include <stdlib.h>
 #include <string.h>
@@ -15,10 +16,10 @@
 int node_arity(enum node_kind kind)
 {
     static const signed char arity[NODE_KINDS] = {
-        [NODE_NEG] = 1, [NODE_ABS] = 1, [NODE_SQRT] = 1,    [NODE_ADD] = 2,        [NODE_SUB] = 2,
-        [NODE_MUL] = 2, [NODE_DIV] = 2, [NODE_LESS] = 2,    [NODE_LESS_EQUAL] = 2, [NODE_IF] = 3,
-        [NODE_ONE] = 1, [NODE_TWO] = 2, [NODE_MUL_ADD] = 3, [NODE_MUL_SUB] = 3,    [NODE_SUB_MUL] = 3,
-        [NODE_NEG_MUL] = 2,
+        [NODE_NEG] = 1,        [NODE_ABS] = 1,     [NODE_SQRT] = 1,    [NODE_ADD] = 2,
+        [NODE_SUB] = 2,        [NODE_MUL] = 2,     [NODE_DIV] = 2,     [NODE_LESS] = 2,
+        [NODE_LESS_EQUAL] = 2, [NODE_IF] = 3,      [NODE_ONE] = 1,     [NODE_TWO] = 2,
+        [NODE_MUL_ADD] = 3,    [NODE_MUL_SUB] = 3, [NODE_SUB_MUL] = 3, [NODE_NEG_MUL] = 2,
     };
     return arity[kind];
 }
@@ -58,9 +59,9 @@ static void table_put(int *table, unsigned slots, const struct node *node, int i
 
 static bool grow(struct graph *g)
 {
-    int room = g->room ? 2 * g->room : 64;
-    unsigned slots = 2 * (unsigned)room; /* at most half full */
-    struct node *node = arena_array(g->arena, (size_t)room, sizeof *node);
+    int capacity = g->capacity ? 2 * g->capacity : 64;
+    unsigned slots = 2 * (unsigned)capacity; /* at most half full */
+    struct node *node = arena_array(g->arena, (size_t)capacity, sizeof *node);
     int *table = arena_array(g->arena, slots, sizeof *table);
     if (!node || !table)
         return false;
@@ -71,7 +72,7 @@ static bool grow(struct graph *g)
     g->node = node;
     g->table = table;
     g->slots = slots;
-    g->room = room;
+    g->capacity = capacity;
     return true;
 }
 
@@ -87,7 +88,7 @@ static int intern(struct graph *g, struct node node)
         g->failed = GRAPH_FULL;
         return 0;
     }
-    if (g->count == g->room) {
+    if (g->count == g->capacity) {
         if (!grow(g)) {
             g->failed = GRAPH_NO_MEMORY;
             return 0;
@@ -114,7 +115,8 @@ bool graph_check(const struct graph *g, struct error *error)
     if (g->failed == GRAPH_NO_MEMORY)
         return error_memory(error);
     if (g->failed)
-        return error_set(error, ERROR_COMMAND, "the equations and their derivatives have more than %d operations",
+        return error_set(error, ERROR_COMMAND,
+                         "the equations and their derivatives have more than %d operations",
                          PROGRAM_SIZE);
     return true;
 }
@@ -171,7 +173,7 @@ static bool inverts(double x)
 /* function_power() as operations. */
 static int power(struct graph *g, int x, double n)
 {
-    int whole = (int)fabs(n), bit = POWER_MOST;
+    int whole = (int)fabs(n), bit = POWER_MAX;
     while (bit > whole)
         bit /= 2;
     int made = whole > 0 ? x : graph_number(g, 1);
@@ -218,7 +220,8 @@ static int simpler(struct graph *g, struct node node)
             return is(g, a, 1) ? b : a;
         if (is(g, a, -1) || is(g, b, -1))
             return graph_apply(g, NODE_NEG, is(g, a, -1) ? b : a, 0, 0);
-        if (g->binds && (negated(g, a) >= 0 || negated(g, b) >= 0)) { /* no 0: its sign might come out wrong */
+        if (g->binds &&
+            (negated(g, a) >= 0 || negated(g, b) >= 0)) { /* no 0: its sign might come out wrong */
             const bool first = negated(g, a) >= 0;
             const int other = first ? b : a, inner = negated(g, first ? a : b);
             if (is_number(g, other))
@@ -283,7 +286,8 @@ int graph_one(struct graph *g, double (*one)(double), int a)
     if (one == fabs || one == sqrt)
         return graph_apply(g, one == fabs ? NODE_ABS : NODE_SQRT, a, 0, 0);
     if (one == function_sign)
-        return graph_apply(g, NODE_SUB, graph_apply(g, NODE_LESS, 0, a, 0), graph_apply(g, NODE_LESS, a, 0, 0), 0);
+        return graph_apply(g, NODE_SUB, graph_apply(g, NODE_LESS, 0, a, 0),
+                           graph_apply(g, NODE_LESS, a, 0, 0), 0);
     if (one == function_step)
         return graph_apply(g, NODE_LESS_EQUAL, 0, a, 0);
     return make(g, (struct node){.kind = NODE_ONE, .operand = {a}, .one = one});

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Programs on many lanes at once: each operation is a loop that the compiler turns into vector instructions, so that
- * what it costs to find out which operation comes next is shared by all lanes. Where its operands are is found out
- * beforehand: names where the caller has them, outputs where they are wanted. A function of what is the same in all
- * lanes is called once.
+ * Programs on many lanes at once: each operation is a loop that the compiler turns into vector
+ * instructions, so that what it costs to find out which operation comes next is shared by all
+ * lanes. Where its operands are is found out beforehand: names where the caller has them, outputs
+ * where they are wanted. A function of what is the same in all lanes is called once.
  */
 #ifndef __clang__
 #pragma GCC optimize("O3") /* vectors */
@@ -29,17 +29,19 @@ struct lane_operation {
     const struct node *node;
 };
 
-/* The frame: numbers and intermediate values, room for those that are fixed, then the operations. */
+/* The frame: numbers and intermediate values, room for those that are fixed, then the operations.
+ */
 size_t program_frame_lanes(const struct program *p)
 {
-    const size_t values = (size_t)(p->places - p->names + p->count) * PROGRAM_LANES;
+    const size_t values = (size_t)(p->indices - p->names + p->count) * PROGRAM_LANES;
     const size_t operations = 1 + (size_t)(p->count + p->copies);
     return values + (operations * sizeof(struct lane_operation) + 63) / 64 * (64 / sizeof(double));
 }
 
 static struct lane_operation *operations(const struct program *p, double *frame)
 {
-    return (struct lane_operation *)(void *)(frame + (size_t)(p->places - p->names + p->count) * PROGRAM_LANES);
+    return (struct lane_operation *)(void *)(frame + (size_t)(p->indices - p->names + p->count) *
+                                                         PROGRAM_LANES);
 }
 
 static bool same_bits(double a, double b)
@@ -54,22 +56,24 @@ static bool same_bits(double a, double b)
 static double value_once(struct lane_operation *operation)
 {
     const double a = *operation->operand[0], b = *operation->operand[1];
-    if (operation->known && same_bits(a, operation->argument[0]) && same_bits(b, operation->argument[1]))
+    if (operation->known && same_bits(a, operation->argument[0]) &&
+        same_bits(b, operation->argument[1]))
         return operation->value;
     operation->known = true;
     operation->argument[0] = a;
     operation->argument[1] = b;
-    return operation->value = operation->kind == NODE_ONE ? operation->node->one(a) : operation->node->two(a, b);
+    return operation->value =
+               operation->kind == NODE_ONE ? operation->node->one(a) : operation->node->two(a, b);
 }
 
-static inline __attribute__((always_inline)) void apply(const struct lane_operation *operation, double *restrict out,
-                                                        const double *restrict a, const double *restrict b,
-                                                        const double *restrict c)
+static inline __attribute__((always_inline)) void
+apply(const struct lane_operation *operation, double *restrict out, const double *restrict a,
+      const double *restrict b, const double *restrict c)
 {
-#define CASE(name)                                                                                                     \
-    case name:                                                                                                         \
-        for (int i = 0; i < PROGRAM_LANES; i++)                                                                        \
-            out[i] = node_value(name, operation->node, a[i], b[i], c[i]);                                              \
+#define CASE(name)                                                                                 \
+    case name:                                                                                     \
+        for (int i = 0; i < PROGRAM_LANES; i++)                                                    \
+            out[i] = node_value(name, operation->node, a[i], b[i], c[i]);                          \
         break;
     switch (operation->kind) {
         OPERATIONS(CASE)
@@ -99,48 +103,51 @@ CLONES static void run(struct lane_operation *i, double *output)
 /* ---- preparing ---- */
 
 /* What is known of the value at a place. */
-struct place {
+struct index {
     unsigned lanes;   /* enum program_lanes */
     const double *at; /* where it is going to be */
 };
 
 /* Of an intermediate value, kept where that would be. */
-static struct place *place_of(const struct program *p, double *frame, int place)
+static struct index *place_of(const struct program *p, double *frame, int index)
 {
-    return (struct place *)(void *)(frame + (size_t)(place - p->names) * PROGRAM_LANES);
+    return (struct index *)(void *)(frame + (size_t)(index - p->names) * PROGRAM_LANES);
 }
 
-static struct place look(const struct program *p, const double *input, const unsigned char *lanes, double *frame,
-                         int place)
+static struct index look(const struct program *p, const double *input, const unsigned char *lanes,
+                         double *frame, int index)
 {
-    if (place < p->names)
-        return (struct place){lanes ? lanes[place] : 0, input + (size_t)place * PROGRAM_LANES};
-    if (place < p->names + p->numbers)
-        return (struct place){LANES_ALIKE | LANES_FIXED, frame + (size_t)(place - p->names) * PROGRAM_LANES};
-    return *place_of(p, frame, place);
+    if (index < p->names)
+        return (struct index){lanes ? lanes[index] : 0, input + (size_t)index * PROGRAM_LANES};
+    if (index < p->names + p->numbers)
+        return (struct index){LANES_ALIKE | LANES_FIXED,
+                              frame + (size_t)(index - p->names) * PROGRAM_LANES};
+    return *place_of(p, frame, index);
 }
 
-void program_prepare_lanes(const struct program *p, const double *input, const unsigned char *lanes_of, double *frame)
+void program_prepare_lanes(const struct program *p, const double *input,
+                           const unsigned char *lanes_of, double *frame)
 {
     static const struct node copy = {.kind = NODE_KINDS};
     const struct lane_operation end = {.node = NULL};
-    double *fixed = frame + (size_t)(p->places - p->names) * PROGRAM_LANES;
+    double *fixed = frame + (size_t)(p->indices - p->names) * PROGRAM_LANES;
     struct lane_operation *next = operations(p, frame);
     for (int i = 0; i < p->numbers; i++)
         for (int k = 0; k < PROGRAM_LANES; k++)
             frame[i * PROGRAM_LANES + k] = p->number[i];
     for (const struct instruction *i = p->code; i < p->code + p->count; i++) {
         unsigned lanes = LANES_ALIKE | LANES_FIXED;
-        *next = (struct lane_operation){.kind = i->node.kind, .output = i->output, .node = &i->node};
+        *next =
+            (struct lane_operation){.kind = i->node.kind, .output = i->output, .node = &i->node};
         for (int j = 0; j < 3; j++) {
-            const struct place operand = look(p, input, lanes_of, frame, i->node.operand[j]);
+            const struct index operand = look(p, input, lanes_of, frame, i->node.operand[j]);
             next->operand[j] = operand.at;
             lanes &= operand.lanes; /* one that it does not have is the first one again */
         }
         next->once = lanes & LANES_ALIKE && (next->kind == NODE_ONE || next->kind == NODE_TWO);
         const bool now = lanes & LANES_FIXED && i->output < 0;
         double *out = now ? fixed : frame + (size_t)(i->out - p->names) * PROGRAM_LANES;
-        *place_of(p, frame, i->out) = (struct place){lanes, out};
+        *place_of(p, frame, i->out) = (struct index){lanes, out};
         next->out = i->output < 0 ? out : NULL;
         if (!now) {
             next++;
@@ -151,10 +158,12 @@ void program_prepare_lanes(const struct program *p, const double *input, const u
         fixed += PROGRAM_LANES;
     }
     for (int i = 0; i < p->outputs; i++) {
-        const struct place output = look(p, input, lanes_of, frame, p->output[i]);
+        const struct index output = look(p, input, lanes_of, frame, p->output[i]);
         if (!p->written[i])
-            *next++ = (struct lane_operation){
-                .kind = NODE_KINDS, .output = i, .operand = {output.at, output.at, output.at}, .node = &copy};
+            *next++ = (struct lane_operation){.kind = NODE_KINDS,
+                                              .output = i,
+                                              .operand = {output.at, output.at, output.at},
+                                              .node = &copy};
     }
     *next = end;
 }

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Programs: equations with some names known, as operations on places of a frame. The scalar form. */
+/* Programs: equations with some names known, as operations on places of a frame. The scalar form.
+ */
 #include "scene/formula/program/program.h"
 
 #include <stdlib.h>
@@ -7,9 +8,10 @@
 
 /* ---- binding: the graph once more, with numbers for names ---- */
 
-/* All that the outputs need, of known names their value. result [outputs]: where the outputs are. */
-static bool bind(const struct equations *e, int first, const bool *bound, const double *value, struct graph *g,
-                 int *result, int outputs)
+/* All that the outputs need, of known names their value. result [outputs]: where the outputs are.
+ */
+static bool bind(const struct equations *e, int first, const bool *bound, const double *value,
+                 struct graph *g, int *result, int outputs)
 {
     bool *mark = calloc((size_t)e->graph.count, sizeof *mark);
     int *map = calloc((size_t)e->graph.count, sizeof *map);
@@ -41,8 +43,8 @@ static bool bind(const struct equations *e, int first, const bool *bound, const 
 
 /* What is known of each node of the bound graph. */
 struct usage {
-    int uses;  /* by operations and outputs */
-    int place; /* in the frame */
+    int uses;   /* by operations and outputs */
+    int index;  /* in the frame */
     int output; /* that it is, the last one of them; -1: none */
     bool fused;
 };
@@ -51,7 +53,7 @@ struct schedule {
     struct program *program;
     struct usage *usage;
     struct node *node; /* what is kept is a name, then products are fused */
-    int *free_place;   /* a stack */
+    int *free_index;   /* a stack */
     int free_places;
 };
 
@@ -83,8 +85,8 @@ static void release(struct schedule *s, const struct node *node, struct instruct
     for (int k = 0; k < node_arity(node->kind); k++) {
         struct usage *usage = &s->usage[node->operand[k]];
         instruction->last[k] = --usage->uses == 0;
-        if (instruction->last[k] && usage->place >= constant)
-            s->free_place[s->free_places++] = usage->place;
+        if (instruction->last[k] && usage->index >= constant)
+            s->free_index[s->free_places++] = usage->index;
     }
 }
 
@@ -92,13 +94,15 @@ static void emit(struct schedule *s, const struct node *node, int i)
 {
     struct program *p = s->program;
     struct instruction *instruction = &p->code[p->count++];
-    *instruction = (struct instruction){.node = *node, .output = s->usage[i].uses == 1 ? s->usage[i].output : -1};
+    *instruction = (struct instruction){.node = *node,
+                                        .output = s->usage[i].uses == 1 ? s->usage[i].output : -1};
     if (instruction->output >= 0)
         p->written[instruction->output] = true;
     for (int k = 0; k < 3; k++) /* an operand that it does not have: any that is there */
-        instruction->node.operand[k] = s->usage[node->operand[k < node_arity(node->kind) ? k : 0]].place;
-    instruction->out = s->free_places > 0 ? s->free_place[--s->free_places] : p->places++;
-    s->usage[i].place = instruction->out;
+        instruction->node.operand[k] =
+            s->usage[node->operand[k < node_arity(node->kind) ? k : 0]].index;
+    instruction->out = s->free_places > 0 ? s->free_index[--s->free_places] : p->indices++;
+    s->usage[i].index = instruction->out;
     release(s, node, instruction);
 }
 
@@ -131,14 +135,14 @@ static bool prepare(struct schedule *s)
     p->code = arena_array(&p->arena, (size_t)operations + 1, sizeof *p->code);
     if (!p->number || !p->used || !p->code)
         return false;
-    p->places = p->names;
+    p->indices = p->names;
     p->uses = 0;
     for (int i = 0; i < p->nodes; i++) {
         if (usage[i].uses > 0 && node[i].kind == NODE_NUMBER) {
-            p->number[p->places - p->names] = node[i].number;
-            usage[i].place = p->places++;
+            p->number[p->indices - p->names] = node[i].number;
+            usage[i].index = p->indices++;
         } else if (usage[i].uses > 0 && node[i].kind == NODE_NAME) {
-            usage[i].place = p->used[p->uses++] = node[i].operand[0];
+            usage[i].index = p->used[p->uses++] = node[i].operand[0];
         }
     }
     return true;
@@ -150,8 +154,8 @@ static bool schedule(struct program *p, const int *kept)
     const size_t nodes = (size_t)p->nodes;
     struct schedule s = {.program = p, .usage = calloc(nodes, sizeof *s.usage)};
     s.node = malloc(nodes * sizeof *s.node);
-    s.free_place = malloc(nodes * sizeof *s.free_place);
-    bool fine = s.usage && s.node && s.free_place;
+    s.free_index = malloc(nodes * sizeof *s.free_index);
+    bool fine = s.usage && s.node && s.free_index;
     if (fine)
         memcpy(s.node, p->node, nodes * sizeof *s.node);
     for (int i = 0; fine && i < p->keeps; i++)
@@ -161,31 +165,35 @@ static bool schedule(struct program *p, const int *kept)
         if (s.usage[i].uses > 0 && !s.usage[i].fused && s.node[i].kind > NODE_NAME)
             emit(&s, &s.node[i], i);
     for (int i = 0; fine && i < p->outputs; i++) {
-        p->output[i] = s.usage[p->result[i]].place;
+        p->output[i] = s.usage[p->result[i]].index;
         p->copies += !p->written[i];
     }
     free(s.usage);
     free(s.node);
-    free(s.free_place);
+    free(s.free_index);
     return fine;
 }
 
 /* ---- the scalar form ---- */
 
-static struct leading interpret(const struct program *p, double x0, double x1, double x2, const double *state,
-                                const double *given, double *output, double *frame)
+static struct leading interpret(const struct program *p, double x0, double x1, double x2,
+                                const double *state, const double *given, double *output,
+                                double *frame)
 {
     const double leading[LEADING] = {x0, x1, x2};
     for (int i = 0; i < p->uses; i++) {
         const int name = p->used[i];
-        frame[name] = name >= p->moving ? given[name - p->moving] : name < LEADING ? leading[name] : state[name - 1];
+        frame[name] = name >= p->moving ? given[name - p->moving]
+                      : name < LEADING  ? leading[name]
+                                        : state[name - 1];
     }
-#define CASE(kind)                                                                                                     \
-    case kind:                                                                                                         \
-        frame[i->out] = node_value(kind, &i->node, frame[place[0]], frame[place[1]], frame[place[2]]);                 \
+#define CASE(kind)                                                                                 \
+    case kind:                                                                                     \
+        frame[i->out] =                                                                            \
+            node_value(kind, &i->node, frame[index[0]], frame[index[1]], frame[index[2]]);         \
         break;
     for (const struct instruction *i = p->code, *end = i + p->count; i < end; i++) {
-        const int *place = i->node.operand;
+        const int *index = i->node.operand;
         switch (i->node.kind) {
             OPERATIONS(CASE)
         default: /* no operations */
@@ -203,7 +211,8 @@ static struct leading interpret(const struct program *p, double x0, double x1, d
 /* Nodes that depend on given names only and are used by others or are outputs. -1: no memory. */
 static int find_kept(const struct program *p, int *kept)
 {
-    bool *steady = calloc((size_t)p->nodes, sizeof *steady), *mark = calloc((size_t)p->nodes, sizeof *mark);
+    bool *steady = calloc((size_t)p->nodes, sizeof *steady),
+         *mark = calloc((size_t)p->nodes, sizeof *mark);
     int count = steady && mark ? 0 : -1;
     for (int i = 0; count == 0 && i < p->outputs; i++)
         mark[p->result[i]] = true;
@@ -225,12 +234,14 @@ static int find_kept(const struct program *p, int *kept)
 }
 
 /* The program of what is kept, unless that is too large. False: no memory. */
-static bool make_keep(struct program *p, const struct given *given, const int *kept, int count)
+static bool make_keep(struct program *p, const struct given_argument *given, const int *kept,
+                      int count)
 {
     struct program *keep = calloc(1, sizeof *keep);
     if (!keep)
         return false;
-    *keep = (struct program){.run = interpret, .moving = p->moving, .names = p->names, .outputs = count};
+    *keep = (struct program){
+        .run = interpret, .moving = p->moving, .names = p->names, .outputs = count};
     keep->node = p->node;
     keep->nodes = p->nodes;
     keep->result = arena_array(&keep->arena, 2 * (size_t)count, sizeof *keep->result);
@@ -241,7 +252,7 @@ static bool make_keep(struct program *p, const struct given *given, const int *k
         memcpy(keep->result, kept, (size_t)count * sizeof *kept);
         fine = schedule(keep, NULL);
     }
-    if (!fine || keep->places > PROGRAM_KEEP) {
+    if (!fine || keep->indices > PROGRAM_KEEP) {
         program_destroy(keep);
         return fine;
     }
@@ -251,14 +262,14 @@ static bool make_keep(struct program *p, const struct given *given, const int *k
     return true;
 }
 
-static bool schedule_in_parts(struct program *p, const struct given *given)
+static bool schedule_in_parts(struct program *p, const struct given_argument *given)
 {
-    if (!given || given->most <= 0)
+    if (!given || given->max <= 0)
         return schedule(p, NULL);
     int *kept = malloc((size_t)p->nodes * sizeof *kept);
     const int count = kept ? find_kept(p, kept) : -1;
     bool fine = count >= 0;
-    if (count > 0 && count <= given->most)
+    if (count > 0 && count <= given->max)
         fine = make_keep(p, given, kept, count);
     fine = fine && schedule(p, kept);
     free(kept);
@@ -280,8 +291,10 @@ void program_keep(const struct program *p, double *given)
 
 /* ---- making and destroying ---- */
 
-struct program *program_create_given(const struct equations *e, int first, int count, const bool *bound,
-                                     const double *value, const struct given *given, bool native, struct error *error)
+struct program *program_create_given(const struct equations *e, int first, int count,
+                                     const bool *bound, const double *value,
+                                     const struct given_argument *given, bool native,
+                                     struct error *error)
 {
     struct program *p = calloc(1, sizeof *p);
     if (!p) {
@@ -313,8 +326,8 @@ struct program *program_create_given(const struct equations *e, int first, int c
     return p;
 }
 
-struct program *program_create(const struct equations *e, int first, int count, const bool *bound, const double *value,
-                               bool native, struct error *error)
+struct program *program_create(const struct equations *e, int first, int count, const bool *bound,
+                               const double *value, bool native, struct error *error)
 {
     return program_create_given(e, first, count, bound, value, NULL, native, error);
 }
@@ -377,7 +390,7 @@ program_function *program_code(const struct program *p)
 
 size_t program_frame(const struct program *p)
 {
-    return (size_t)p->places;
+    return (size_t)p->indices;
 }
 
 void program_prepare(const struct program *p, double *frame)

@@ -7,7 +7,8 @@
 
 /* ---- the graph ----
  *
- * A node is a number, a name, or an operation on earlier nodes; equal nodes are one. Made simpler as it grows.
+ * A node is a number, a name, or an operation on earlier nodes; equal nodes are one. Made simpler
+ * as it grows.
  */
 
 enum node_kind {
@@ -43,32 +44,36 @@ struct node {
     };
 };
 
-/* Node 0 is the number 0. After a failure `failed` is set and everything is node 0: check once at the end. */
+/* Node 0 is the number 0. After a failure `failed` is set and everything is node 0: check once at
+ * the end. */
 struct graph {
     struct arena *arena;
     struct node *node;
-    int count, room;
+    int count, capacity;
     int *table; /* hashed nodes, 0: free; `slots` is a power of two */
     unsigned slots;
-    bool binds; /* known names are numbers: powers become multiplications, products with 0 are absent */
+    bool binds; /* known names are numbers: powers become multiplications, products with 0 are
+                   absent */
     enum { GRAPH_FINE, GRAPH_NO_MEMORY, GRAPH_FULL } failed;
 };
 
 void graph_init(struct graph *graph, struct arena *arena, bool binds);
 int graph_number(struct graph *graph, double number);
 int graph_name(struct graph *graph, int name);
-int graph_apply(struct graph *graph, enum node_kind kind, int a, int b, int c); /* NODE_NEG … NODE_IF */
+int graph_apply(struct graph *graph, enum node_kind kind, int a, int b,
+                int c); /* NODE_NEG … NODE_IF */
 int graph_one(struct graph *graph, double (*one)(double), int a);
 int graph_two(struct graph *graph, double (*two)(double, double), int a, int b);
-int graph_copy(struct graph *graph, const struct node *node, const int *map); /* the operation, on the map's nodes */
+int graph_copy(struct graph *graph, const struct node *node,
+               const int *map); /* the operation, on the map's nodes */
 bool graph_check(const struct graph *graph, struct error *error);
 /* Marks [count] what the marked nodes need. */
 void graph_reach(const struct node *node, int count, bool *mark);
 int node_arity(enum node_kind kind);
 
 /* The value of an operation of this kind, which is a constant where this is the body of a loop. */
-static inline __attribute__((always_inline)) double node_value(enum node_kind kind, const struct node *node, double a,
-                                                               double b, double c)
+static inline __attribute__((always_inline)) double
+node_value(enum node_kind kind, const struct node *node, double a, double b, double c)
 {
     switch (kind) {
     case NODE_NUMBER:
@@ -112,27 +117,28 @@ static inline __attribute__((always_inline)) double node_value(enum node_kind ki
 }
 
 /* A case for each operation, so that its loop or its code is its own. */
-#define OPERATIONS(CASE)                                                                                               \
-    CASE(NODE_NEG)                                                                                                     \
-    CASE(NODE_ABS)                                                                                                     \
-    CASE(NODE_SQRT)                                                                                                    \
-    CASE(NODE_ADD)                                                                                                     \
-    CASE(NODE_SUB)                                                                                                     \
-    CASE(NODE_MUL)                                                                                                     \
-    CASE(NODE_DIV)                                                                                                     \
-    CASE(NODE_LESS)                                                                                                    \
-    CASE(NODE_LESS_EQUAL)                                                                                              \
-    CASE(NODE_IF)                                                                                                      \
-    CASE(NODE_ONE)                                                                                                     \
-    CASE(NODE_TWO)                                                                                                     \
-    CASE(NODE_MUL_ADD)                                                                                                 \
-    CASE(NODE_MUL_SUB)                                                                                                 \
-    CASE(NODE_SUB_MUL)                                                                                                 \
+#define OPERATIONS(CASE)                                                                           \
+    CASE(NODE_NEG)                                                                                 \
+    CASE(NODE_ABS)                                                                                 \
+    CASE(NODE_SQRT)                                                                                \
+    CASE(NODE_ADD)                                                                                 \
+    CASE(NODE_SUB)                                                                                 \
+    CASE(NODE_MUL)                                                                                 \
+    CASE(NODE_DIV)                                                                                 \
+    CASE(NODE_LESS)                                                                                \
+    CASE(NODE_LESS_EQUAL)                                                                          \
+    CASE(NODE_IF)                                                                                  \
+    CASE(NODE_ONE)                                                                                 \
+    CASE(NODE_TWO)                                                                                 \
+    CASE(NODE_MUL_ADD)                                                                             \
+    CASE(NODE_MUL_SUB)                                                                             \
+    CASE(NODE_SUB_MUL)                                                                             \
     CASE(NODE_NEG_MUL)
 
 /* ---- derivatives (derive.c) ---- */
 
-/* slope [count]: for each of the first `count` nodes that is marked, its partial derivative by the name, as a node. */
+/* slope [count]: for each of the first `count` nodes that is marked, its partial derivative by the
+ * name, as a node. */
 void graph_derive(struct graph *graph, int name, const bool *mark, int count, int *slope);
 
 /* ---- equations and programs ---- */
@@ -143,33 +149,37 @@ struct equations {
     int names;
     int *meaning; /* [names] the node of a name: itself, or what it was defined as */
     int *output;  /* [outputs] nodes */
-    int outputs, room;
+    int outputs, capacity;
 };
 
 bool equations_reserve(struct equations *e, int more); /* room for more outputs */
 
 /* ---- switches (program_switch.c) ---- */
 
-/* A branch is 1 where the argument is above 0 and 0 where it is below; or the largest integer not above it. */
+/* A branch is 1 where the argument is above 0 and 0 where it is below; or the largest integer not
+ * above it. */
 enum switch_kind { SWITCH_SIGN, SWITCH_WHOLE };
 
 struct switches {
     int name;   /* the first of LIMIT_TYPED_SWITCHES names for branches */
     int moving; /* the first names are t and the state: so many */
     int count;
-    int argument[LIMIT_TYPED_SWITCHES]; /* nodes, themselves frozen; each depends on the branches before only */
+    int argument[LIMIT_TYPED_SWITCHES]; /* nodes, themselves frozen; each depends on the branches
+                                           before only */
     enum switch_kind kind[LIMIT_TYPED_SWITCHES];
     bool full; /* there are more */
 };
 
 /*
- * Adds the switches' arguments as outputs, then `count` that are those from `first` on with every switch frozen. Nothing
- * where there are no switches, or too many.
+ * Adds the switches' arguments as outputs, then `count` that are those from `first` on with every
+ * switch frozen. Nothing where there are no switches, or too many.
  */
-bool equations_freeze(struct equations *e, int first, int count, struct switches *found, struct error *error);
+bool equations_freeze(struct equations *e, int first, int count, struct switches *found,
+                      struct error *error);
 bool expr_switches(const struct expr *expr); /* has it any? NULL: none */
 
-/* One operation: places are doubles in the frame. What an operation writes is none of its operands. */
+/* One operation: places are doubles in the frame. What an operation writes is none of its operands.
+ */
 struct instruction {
     struct node node; /* operand: places */
     int out;
@@ -183,7 +193,7 @@ enum { LEADING = 3 }; /* names that a program's function takes as numbers */
 struct program {
     program_function *run;
     struct arena arena;
-    int moving, names, numbers, places;
+    int moving, names, numbers, indices;
     int keeps;            /* the last names: what depends on given ones only */
     struct program *keep; /* their values, from the names before; NULL: there are none */
     double *number;
@@ -193,34 +203,38 @@ struct program {
     int uses;
     int *output; /* [outputs] places */
     int outputs;
-    bool *written; /* [outputs] in lanes by the operation itself */
-    int copies;    /* the others */
+    bool *written;     /* [outputs] in lanes by the operation itself */
+    int copies;        /* the others */
     struct node *node; /* the graph it came from, and there the outputs: for questions */
     int nodes, *result;
     struct native *native; /* NULL: none */
 };
 
 /*
- * Names from `first` on are given: they stay as they are for many evaluations. What depends on them only is computed by
- * program_keep() and becomes more names, given[kept] and on, if they and all it takes fit (most; PROGRAM_KEEP doubles).
+ * Names from `first` on are given: they stay as they are for many evaluations. What depends on them
+ * only is computed by program_keep() and becomes more names, given[kept] and on, if they and all it
+ * takes fit (most; PROGRAM_KEEP doubles).
  */
-struct given {
-    int first, kept, most;
+struct given_argument {
+    int first, kept, max;
 };
 #define PROGRAM_KEEP 4096
 
-struct program *program_create_given(const struct equations *e, int first, int count, const bool *bound,
-                                     const double *value, const struct given *given, bool native, struct error *error);
+struct program *program_create_given(const struct equations *e, int first, int count,
+                                     const bool *bound, const double *value,
+                                     const struct given_argument *given, bool native,
+                                     struct error *error);
 /* As program_depends(), on any of these names? */
 bool program_depends_on(const struct program *p, int first, int count, int name, int names);
 /* Once for each set of given values. */
 void program_keep(const struct program *program, double *given);
 
 /* The outputs, where `moving` names are t and a state. */
-static inline void program_run(const struct program *p, double t, const double *state, const double *given,
-                               double *output, double *frame)
+static inline void program_run(const struct program *p, double t, const double *state,
+                               const double *given, double *output, double *frame)
 {
-    const struct leading leading = p->run(p, t, state[0], p->moving > 2 ? state[1] : 0, state, given, output, frame);
+    const struct leading leading =
+        p->run(p, t, state[0], p->moving > 2 ? state[1] : 0, state, given, output, frame);
     output[0] = leading.first;
     if (p->outputs > 1)
         output[1] = leading.second;

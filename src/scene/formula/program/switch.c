@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Switches: where |u|, sign(u), u < v, if(), min(), max(), step(), floor(), ceil(), round(), mod() go from one smooth
- * branch to another. Frozen equations take the branch from a name instead, and so are smooth across the switch.
+ * Switches: where |u|, sign(u), u < v, if(), min(), max(), step(), floor(), ceil(), round(), mod()
+ * go from one smooth branch to another. Frozen equations take the branch from a name instead, and
+ * so are smooth across the switch.
  */
 #include <math.h>
 #include <stdlib.h>
@@ -12,8 +13,8 @@
 struct freezing {
     struct equations *e;
     struct switches *found;
-    int *map;          /* [nodes] the frozen node */
-    bool *moving;      /* [nodes] does the frozen node depend on what moves? */
+    int *map;     /* [nodes] the frozen node */
+    bool *moving; /* [nodes] does the frozen node depend on what moves? */
 };
 
 static int apply(struct freezing *f, enum node_kind kind, int a, int b, int c)
@@ -25,7 +26,8 @@ static int apply(struct freezing *f, enum node_kind kind, int a, int b, int c)
 static bool opposite(const struct freezing *f, int a, int b)
 {
     const struct node *x = &f->e->graph.node[a], *y = &f->e->graph.node[b];
-    return (x->kind == NODE_NEG && x->operand[0] == b) || (y->kind == NODE_NEG && y->operand[0] == a) ||
+    return (x->kind == NODE_NEG && x->operand[0] == b) ||
+           (y->kind == NODE_NEG && y->operand[0] == a) ||
            (x->kind == NODE_SUB && y->kind == NODE_SUB && x->operand[0] == y->operand[1] &&
             x->operand[1] == y->operand[0]);
 }
@@ -62,7 +64,8 @@ static int freeze_one(struct freezing *f, const struct node *node, int x)
 {
     struct graph *g = &f->e->graph;
     if (node->one == function_sign)
-        return apply(f, NODE_IF, branch(f, x, SWITCH_SIGN), graph_number(g, 1), graph_number(g, -1));
+        return apply(f, NODE_IF, branch(f, x, SWITCH_SIGN), graph_number(g, 1),
+                     graph_number(g, -1));
     if (node->one == function_step)
         return branch(f, x, SWITCH_SIGN);
     if (node->one == floor)
@@ -78,19 +81,23 @@ static int freeze_two(struct freezing *f, const struct node *node, int a, int b)
 {
     if (node->two == function_least || node->two == function_most) {
         const int less = branch(f, apply(f, NODE_SUB, b, a, 0), SWITCH_SIGN);
-        return node->two == function_least ? apply(f, NODE_IF, less, a, b) : apply(f, NODE_IF, less, b, a);
+        return node->two == function_least ? apply(f, NODE_IF, less, a, b)
+                                           : apply(f, NODE_IF, less, b, a);
     }
     if (node->two == function_mod)
-        return apply(f, NODE_SUB, a, apply(f, NODE_MUL, b, whole(f, apply(f, NODE_DIV, a, b, 0)), 0), 0);
+        return apply(f, NODE_SUB, a,
+                     apply(f, NODE_MUL, b, whole(f, apply(f, NODE_DIV, a, b, 0)), 0), 0);
     return -1;
 }
 
-/* The smooth node in place of one whose operands move; -1: it is smooth itself. x: frozen operands. */
+/* The smooth node in place of one whose operands move; -1: it is smooth itself. x: frozen operands.
+ */
 static int freeze(struct freezing *f, const struct node *node, const int *x, bool condition_moves)
 {
     switch (node->kind) {
     case NODE_ABS:
-        return apply(f, NODE_IF, branch(f, x[0], SWITCH_SIGN), x[0], apply(f, NODE_NEG, x[0], 0, 0));
+        return apply(f, NODE_IF, branch(f, x[0], SWITCH_SIGN), x[0],
+                     apply(f, NODE_NEG, x[0], 0, 0));
     case NODE_LESS:
     case NODE_LESS_EQUAL:
         return branch(f, apply(f, NODE_SUB, x[1], x[0], 0), SWITCH_SIGN);
@@ -130,30 +137,33 @@ static void freeze_nodes(struct freezing *f, int count, const bool *reached)
     }
 }
 
-bool equations_freeze(struct equations *e, int first, int count, struct switches *found, struct error *error)
+bool equations_freeze(struct equations *e, int first, int count, struct switches *found,
+                      struct error *error)
 {
     const int nodes = e->graph.count;
-    struct freezing f = {e, found, calloc((size_t)nodes, sizeof *f.map), calloc((size_t)nodes, sizeof *f.moving)};
+    struct freezing f = {e, found, calloc((size_t)nodes, sizeof *f.map),
+                         calloc((size_t)nodes, sizeof *f.moving)};
     bool *reached = calloc((size_t)nodes, sizeof *reached);
-    const bool room = f.map && f.moving && reached && equations_reserve(e, count + LIMIT_TYPED_SWITCHES);
+    const bool capacity =
+        f.map && f.moving && reached && equations_reserve(e, count + LIMIT_TYPED_SWITCHES);
     found->count = 0;
     found->full = false;
-    for (int i = 0; room && i < count; i++)
+    for (int i = 0; capacity && i < count; i++)
         reached[e->output[first + i]] = true;
-    if (room) {
+    if (capacity) {
         graph_reach(e->graph.node, nodes, reached);
         freeze_nodes(&f, nodes, reached);
     }
     if (found->full)
         found->count = 0;
-    for (int i = 0; room && i < found->count; i++)
+    for (int i = 0; capacity && i < found->count; i++)
         e->output[e->outputs++] = found->argument[i];
-    for (int i = 0; room && found->count > 0 && i < count; i++)
+    for (int i = 0; capacity && found->count > 0 && i < count; i++)
         e->output[e->outputs++] = f.map[e->output[first + i]];
     free(f.map);
     free(f.moving);
     free(reached);
-    return room ? graph_check(&e->graph, error) : error_memory(error);
+    return capacity ? graph_check(&e->graph, error) : error_memory(error);
 }
 
 /* ---- is there any? ---- */

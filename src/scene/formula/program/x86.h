@@ -10,7 +10,17 @@ enum { POOL_SIGN = 0, POOL_MAGNITUDE = 16, POOL_ONE = 32, POOL_NUMBERS = 48 };
 enum { REGISTERS = 16, NOTHING = -1, TAKEN = -2 };
 enum { RAX, RCX, RDX, RBX, RSP, RBP, RSI, RDI, R8, R14 = 14, R15 };
 enum { DOUBLE = 0xF2, PACKED = 0x66 }; /* prefixes: one double, all bits of the register */
-enum { LOAD = 0x10, STORE = 0x11, MOVE = 0x28, ROOT = 0x51, AND = 0x54, AND_NOT, OR, XOR, COMPARE = 0xC2 };
+enum {
+    LOAD = 0x10,
+    STORE = 0x11,
+    MOVE = 0x28,
+    ROOT = 0x51,
+    AND = 0x54,
+    AND_NOT,
+    OR,
+    XOR,
+    COMPARE = 0xC2
+};
 enum { PLUS = 0x58, TIMES = 0x59, MINUS = 0x5C, OVER = 0x5E };
 enum { LESS_THAN = 1, AT_MOST = 2, UNORDERED = 3 }; /* of COMPARE */
 
@@ -20,8 +30,8 @@ struct emitter {
     size_t at, size; /* [byte] next, of the page */
     bool full;
     int state, given, output, frame; /* the registers that hold these addresses */
-    int held[REGISTERS];             /* place whose value it is, NOTHING, or TAKEN by the operation at hand */
-    bool dirty[REGISTERS];           /* not in the frame */
+    int slot[REGISTERS];   /* place whose value it is, NOTHING, or TAKEN by the operation at hand */
+    bool dirty[REGISTERS]; /* not in the frame */
     int64_t used[REGISTERS], clock;
     int *where; /* [places] register, NOTHING: in memory */
 };
@@ -54,16 +64,18 @@ static inline void with_register(struct emitter *e, int prefix, int code, int re
     byte(e, 0xC0 | (reg & 7) << 3 | (other & 7));
 }
 
-static inline void with_address(struct emitter *e, int prefix, int code, int reg, int base, int place)
+static inline void with_address(struct emitter *e, int prefix, int code, int reg, int base,
+                                int index)
 {
-    const int64_t offset = 8 * (int64_t)place;
+    const int64_t offset = 8 * (int64_t)index;
     opcode(e, prefix, code, reg, base);
     byte(e, (offset < 128 ? 0x40 : 0x80) | (reg & 7) << 3 | (base & 7));
     word(e, (uint64_t)offset, offset < 128 ? 1 : 4);
 }
 
 /* Relative to the next instruction, which begins `behind` bytes after the address. */
-static inline void with_pool(struct emitter *e, int prefix, int code, int reg, size_t offset, int behind)
+static inline void with_pool(struct emitter *e, int prefix, int code, int reg, size_t offset,
+                             int behind)
 {
     opcode(e, prefix, code, reg, 0);
     byte(e, 0x05 | (reg & 7) << 3);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "command/internal.h"
-#include "command/story.h"
+#include "command/transcript.h"
 
 #include <string.h>
 
@@ -10,7 +10,8 @@ static bool writes_file(const struct arguments *arguments)
     bool file = false, force = false;
     for (int i = 0; i < command->arguments; i++) {
         file |= command->argument[i].type == TYPE_FILE && has(arguments, i);
-        force |= command->argument[i].form == FORM_OPTION && strcmp(command->argument[i].name, "force") == 0;
+        force |= command->argument[i].form == FORM_OPTION &&
+                 strcmp(command->argument[i].name, "force") == 0;
     }
     return file && force;
 }
@@ -26,11 +27,12 @@ static bool is_choice(const struct argument *argument)
 }
 
 /* The choice that begins first at `from` or after it; NULL: none. */
-static const struct item *next_choice(const struct arguments *arguments, struct text statement, const char *from)
+static const struct item *next_choice(const struct arguments *arguments, struct text statement,
+                                      const char *from)
 {
     const struct item *next = NULL;
     for (int i = 0; i < arguments->command->arguments; i++) {
-        const struct given *given = &arguments->given[i];
+        const struct given_argument *given = &arguments->given[i];
         for (int k = 0; k < given->count && is_choice(&arguments->command->argument[i]); k++) {
             const struct item *item = &given->item[k];
             if (item->row && is_inside(item->text, statement) && item->text.at >= from &&
@@ -47,8 +49,8 @@ static void put_name(struct buffer *out, const char *name, struct text typed)
 }
 
 /* As a file has to say it: without abbreviations, with the consent that was asked for. */
-static void put_in_full(const struct session *session, const struct arguments *arguments, struct text statement,
-                        struct buffer *out)
+static void put_in_full(const struct session *session, const struct arguments *arguments,
+                        struct text statement, struct buffer *out)
 {
     const struct text word = arguments->word;
     const char *at = statement.at + word.len;
@@ -65,22 +67,24 @@ static void put_in_full(const struct session *session, const struct arguments *a
     buffer_char(out, '\n');
 }
 
-void story_tell(struct session *session, const struct arguments *arguments, struct text statement, bool nested, bool ok,
-                size_t at)
+void transcript_add(struct session *session, const struct arguments *arguments,
+                    struct text statement, bool nested, bool ok, size_t at)
 {
-    struct buffer *story = &session->story, later = {0};
+    struct buffer *transcript = &session->transcript, later = {0};
     const struct buffer *instead = &session->live.record;
     const bool replaced = !nested && instead->len > 0;
-    if ((arguments->command->flags & (COMMAND_UNRECORDED | COMMAND_NESTS)) || writes_file(arguments))
+    if ((arguments->command->flags & (COMMAND_UNRECORDED | COMMAND_NESTS)) ||
+        writes_file(arguments))
         return;
-    buffer_put(&later, (struct text){story->data ? story->data + at : NULL, story->len - at});
-    story->len = at;
+    buffer_put(&later, (struct text){transcript->data ? transcript->data + at : NULL,
+                                     transcript->len - at});
+    transcript->len = at;
     if (replaced)
-        buffer_put(story, buffer_text(instead));
+        buffer_put(transcript, buffer_text(instead));
     else
-        put_in_full(session, arguments, statement, story);
-    buffer_put(story, buffer_text(&later));
-    story->failed |= later.failed;
-    session->story_fails |= !ok && !replaced;
+        put_in_full(session, arguments, statement, transcript);
+    buffer_put(transcript, buffer_text(&later));
+    transcript->failed |= later.failed;
+    session->transcript_fails |= !ok && !replaced;
     buffer_free(&later);
 }

@@ -9,10 +9,11 @@
 
 /* What may stand in its commands. */
 bool event_executes(const struct command *command);
-bool refuse_in_event(const struct command *command, struct text where, struct error *error); /* false, always */
+bool refuse_in_event(const struct command *command, struct text where,
+                     struct error *error); /* false, always */
 
 /* Events at which a run stops only for what they change. */
-struct passage {
+struct event_pass {
     const struct event_line *stopped[LIMIT_EVENTS]; /* where it is now */
     int count;
     int passed;  /* in the present command */
@@ -25,11 +26,11 @@ struct passage {
 };
 
 /* The commands of an event, without `continue`. */
-bool event_react(struct session *session, const struct event_line *event, const struct arguments *given,
-                 struct reply *reply, struct error *error);
-/* The commands of events that pass, where the current run is at some. False: it is where it stops, *ok unless because
- * of an error. */
-bool events_pass(struct session *session, const struct run_target *target, struct passage *passage,
+bool event_react(struct session *session, const struct event_line *event,
+                 const struct arguments *given, struct reply *reply, struct error *error);
+/* The commands of events that pass, where the current run is at some. False: it is where it stops,
+ * *ok unless because of an error. */
+bool events_pass(struct session *session, const struct run_target *target, struct event_pass *pass,
                  const struct arguments *given, struct reply *reply, bool *ok, struct error *error);
 
 #endif

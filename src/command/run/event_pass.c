@@ -1,0 +1,108 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What events do where a run has stopped because of them, and how it passes them. */
+#include "command/run/event_pass.h"
+
+#include <math.h>
+#include <string.h>
+
+#define PASSES_MAX 10000 /* events whose commands let a run go on, in one command */
+#define PILE 1e-6        /* of the longest time between two: moments that pile up are closer */
+
+/*
+ * What the event that stopped it wants executed, in the parameters that the run has; those that it
+ * sets are the run's alone. The run's statement stands for it in what is recorded and saved.
+ */
+bool event_react(struct session *session, const struct event_line *event,
+                 const struct arguments *given, struct reply *reply, struct error *error)
+{
+    const struct source where = {.name = event->name, .line = 1, .parent = given->where};
+    const struct scene scene = session->setup.scene;
+    if (event->action != EVENT_COMMANDS)
+        return true;
+    journal_scene(session->run[session->current_run], true, &session->setup.scene);
+    session->reacting = true;
+    const struct text commands = event_commands(text_of(event->commands), &session->passing);
+    const bool ok = command_exec(session, commands, &where, reply);
+    session->reacting = session->passing = false;
+    session->setup.scene = scene;
+    if (!ok)
+        *error = (struct error){.code = ERROR_NONE}; /* it was reported there */
+    return ok;
+}
+
+/* The ball that bounces ever lower does so infinitely often before it lies still (Zeno). */
+static bool piles_up(const struct run_slot *slot, struct event_pass *pass, struct error *error)
+{
+    const struct run *run = slot->run;
+    if (++pass->passed > PASSES_MAX) {
+        error_set(error, ERROR_NUMERICAL,
+                  "events have stopped run %d %d times, at last at t = %.9g s: more than one "
+                  "command follows",
+                  run->number, PASSES_MAX, run->t);
+        return !error_hint(error, "'continue' goes on");
+    }
+    for (; pass->seen < run_event_records(run); pass->seen++) {
+        const struct event_record *happening = run_event_record(run, pass->seen);
+        const int i = happening->event;
+        const double since = fabs(happening->t - pass->event[i].last);
+        if (pass->event[i].known) {
+            pass->event[i].close =
+                since <= PILE * pass->event[i].longest ? pass->event[i].close + 1 : 0;
+            pass->event[i].longest = fmax(pass->event[i].longest, since);
+        }
+        pass->event[i].known = true;
+        pass->event[i].last = happening->t;
+        if (pass->event[i].close < 3 || slot->events->line[i].action != EVENT_COMMANDS)
+            continue;
+        error_set(error, ERROR_NUMERICAL,
+                  "the event %s comes again and again, at last after %.2g s: its moments pile "
+                  "up at t = %.9g s",
+                  slot->events->line[i].name, since, run->t);
+        return !error_hint(error,
+                           "run %d is kept up to there; an event with 'do stop' can end it before",
+                           run->number);
+    }
+    return false;
+}
+
+static bool is_met(const struct run_target *target)
+{
+    return target->condition &&
+           condition_holds(target->condition, condition_value(target->condition, target->scope));
+}
+
+bool events_pass(struct session *session, const struct run_target *target, struct event_pass *pass,
+                 const struct arguments *given, struct reply *reply, bool *ok, struct error *error)
+{
+    struct run_slot *slot = session->run[session->current_run];
+    bool passes = true;
+    pass->count = events_stopped_at(slot, pass->stopped);
+    for (int i = 0; i < pass->count && passes; i++)
+        event_commands(text_of(pass->stopped[i]->commands),
+                       &passes); /* none of others than EVENT_COMMANDS */
+    if (pass->count == 0 || !passes)
+        return false;
+    *ok = !piles_up(slot, pass, error);
+    const bool met = is_met(target);
+    for (int i = 0; i < pass->count && *ok; i++)
+        *ok = event_react(session, pass->stopped[i], given, reply, error);
+    if (*ok && !met && is_met(target)) { /* by what they changed */
+        pass->count = 0;
+        return false;
+    }
+    *ok = *ok && journal_go_on(slot, true, error);
+    return *ok;
+}
+
+/* An equation there is not the law, but a jump of what moves. */
+bool event_executes(const struct command *command)
+{
+    return (command->flags & (COMMAND_ANYTIME | COMMAND_IN_EVENTS)) != 0;
+}
+
+bool refuse_in_event(const struct command *command, struct text where, struct error *error)
+{
+    error_at(error, where, "an event cannot execute %s", command->row.name);
+    return error_hint(error,
+                      "it sets, prints and notes; 'continue' as the last word lets the run go on");
+}
