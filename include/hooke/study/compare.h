@@ -249,8 +249,14 @@ struct precision_cost {
     int curve;
     enum kernel path;
     double evals, minimum, median; /* [s], NAN without times */
-    bool tied;                     /* [minimum, median] overlaps that of the fastest */
+    /* Its minimum is inside of [minimum, median] of the fastest, or within PRECISION_TIE of its
+     * minimum. */
+    bool tied;
 };
+
+#define PRECISION_TIE                                                                              \
+    1.05 /* what minima of the same solve differ by from one process to the next */
+
 bool precision_cost_at(const struct precision *precision, int curve, double error,
                        struct precision_cost *cost);
 /*

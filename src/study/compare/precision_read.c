@@ -190,7 +190,7 @@ int precision_fastest(const struct precision *precision, double error, struct pr
     const bool timed = count > 0 && !isnan(costs[0].minimum);
     const int ranked = timed ? set_apart(costs, count) : count;
     for (int i = 1; i < ranked; i++)
-        costs[i].tied = costs[i].minimum <= costs[0].median;
+        costs[i].tied = costs[i].minimum <= fmax(costs[0].median, PRECISION_TIE * costs[0].minimum);
     if (others)
         *others = count - ranked;
     return ranked;

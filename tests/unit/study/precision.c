@@ -224,6 +224,13 @@ static void test_reading_costs(void **state)
     assert_true(cost[1].tied);
     assert_int_equal(cost[2].curve, 2);
     assert_false(cost[2].tied);
+    for (int i = 0; i < 6;
+         i++) /* samples of one process that do not scatter: another one takes 5 % more or less */
+        point[i].time.median = point[i].time.minimum = minimum[i % 2] * (i < 2   ? 1
+                                                                         : i < 4 ? 1.04
+                                                                                 : 1.06);
+    assert_int_equal(precision_fastest(&precision, 1e-3, cost, NULL), 3);
+    assert_true(cost[0].curve == 0 && cost[1].tied && !cost[2].tied);
     assert_int_equal(precision_fastest(&precision, 1e-5, cost, NULL), 0);
     struct precision coarse = precision;
     coarse.reference.accuracy = 1e-3;
