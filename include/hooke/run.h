@@ -236,6 +236,7 @@ struct event_record {
 struct event_doubt {
     int64_t steps;   /* 0: nowhere */
     double from, to; /* [s] the first of them and the last */
+    bool near;       /* nothing but that it comes nearer to 0 than errors of the run may be */
 };
 
 /* event: its place in the targets' lists; LIMIT_EVENTS: the condition. */

@@ -92,11 +92,11 @@ void reply_event_doubts(struct run_slot *slot, struct reply *reply)
         if (doubt.steps == 0 || run->warned_doubt)
             continue;
         reply_warning(reply,
-                      "event %s may be incomplete from t = %.6g s to %.6g s (%lld step%s): the "
-                      "step was longer "
-                      "than the event's own time scale",
+                      "event %s may be incomplete from t = %.6g s to %.6g s (%lld step%s): %s",
                       slot->events->line[i].name, doubt.from, doubt.to, (long long)doubt.steps,
-                      doubt.steps == 1 ? "" : "s");
+                      doubt.steps == 1 ? "" : "s",
+                      doubt.near ? "it comes nearer to 0 there than the run is known"
+                                 : "the step was longer than the event's own time scale");
         said = true;
     }
     const struct event_doubt doubt = run_event_doubt(run, LIMIT_EVENTS);

@@ -95,6 +95,7 @@ struct root_search {
     bool (*touches)(
         void *context,
         double x); /* is the value 0 there, within errors? NULL: who touches is not asked */
+    double near;   /* extreme values that are no farther from 0 are asked for, too */
     double min;    /* stretches are not cut below this length */
     int budget;    /* bounds asked for, beside some for each root */
 

@@ -6,10 +6,13 @@
 #include <float.h>
 #include <stdlib.h>
 
-#define ROUNDED                                                                                    \
-    16 /* of rounding units, what a sum of one term a step may be off, beside one for each step */
-#define TOUCH 1e-7 /* of a step: touches so near are one */
-#define SAME 8     /* units of the last place of t: moments so near are one */
+/* Rounding units that a sum of one term a step may be off, beside one for each step. */
+#define ROUNDED 16
+#define TOUCH 1e-7      /* of a step: touches so near are one, */
+#define TOUCH_LOOKS 4   /* and those between which it is 0 at even parts */
+#define NEAR 100        /* times the errors of a step: what may have grown on the way */
+#define NEAR_FIXED 1e-4 /* of the sizes of the state: fixed steps have errors that nobody knows */
+#define SAME 8          /* units of the last place of t: moments so near are one */
 
 static int sign_of(double value)
 {
@@ -23,7 +26,13 @@ static double share_of_error(const struct run *run)
     return run->plan.adaptive ? fmax(rounding, run->settings.tol) : rounding;
 }
 
-/* ---- where a leg begins ---- */
+/* The same for what errors that have grown may be: nearer to 0, a touch is not certain. */
+static double share_of_doubt(const struct run *run)
+{
+    return run->plan.adaptive ? NEAR * share_of_error(run) : NEAR_FIXED;
+}
+
+/* ---- where a segment begins ---- */
 
 /* The run stands where the condition became true, perhaps but for errors: not there again. */
 static void depart_from_condition(struct watch *watch, struct watched *watched)
@@ -51,6 +60,7 @@ bool events_begin(struct run *run, const struct segment *segment)
             watched->value == 0 ||
             (run->steps == 0 && events_watch_is_zero(watch, watched, run->t, run->y, DBL_EPSILON));
         watched->sign = watched->departs ? 0 : sign_of(watched->value);
+        watched->touched = run->steps == 0 && watched->departs ? run->t : watched->touched;
         if (i == watch->until && run->stop == STOP_CONDITION)
             depart_from_condition(watch, watched);
         else if (i == watch->until && watched->value == 0) {
@@ -74,6 +84,8 @@ struct look {
     int event;
     double until; /* an event that stops the run is there: what comes after does not happen */
     bool failed;
+    double
+        near; /* where it comes so near to 0 that nobody knows whether it touches; NAN: nowhere */
     const struct root_search *roots; /* that goes on */
 };
 
@@ -96,14 +108,39 @@ static struct jet look_bounds(void *context, double a, double b)
     return events_watch_bounds(look->watch, look->watched, a, b);
 }
 
-static bool look_touches(void *context, double theta)
+static bool is_zero(const struct look *look, double theta, double share)
 {
-    const struct look *look = context;
     const struct path *path = &look->watch->path;
     double y[LIMIT_VARIABLES];
     path_state(path, theta, y);
-    return events_watch_is_zero(look->watch, look->watched, path_time(path, theta), y,
-                                share_of_error(path->inside.run));
+    return events_watch_is_zero(look->watch, look->watched, path_time(path, theta), y, share);
+}
+
+/* As the last one, at the end of the step before or where the run began: it has not left 0 since.
+ */
+static bool is_same_touch(const struct look *look, double theta, double share)
+{
+    const struct path *path = &look->watch->path;
+    const double touched = look->watched->touched;
+    const double since = (touched - path->inside.t) / path->inside.h;
+    if (fabs(path_time(path, theta) - touched) <= TOUCH * fabs(path->inside.h))
+        return true;
+    bool same = since >= 0 && since < theta;
+    for (int k = 1; same && k < TOUCH_LOOKS; k++)
+        same = is_zero(look, since + (theta - since) * k / TOUCH_LOOKS, share);
+    return same;
+}
+
+static bool look_touches(void *context, double theta)
+{
+    struct look *look = context;
+    const struct run *run = look->watch->path.inside.run;
+    if (is_zero(look, theta, share_of_error(run)))
+        return true;
+    if (!is_until(look) && isnan(look->near) && is_zero(look, theta, share_of_doubt(run)) &&
+        !is_same_touch(look, theta, share_of_doubt(run)))
+        look->near = theta;
+    return false;
 }
 
 static bool add(struct watch *watch, const struct crossing *crossing)
@@ -134,9 +171,8 @@ static bool look_found(void *context, double theta, int sign)
         sign == 0 && event->touching && look->roots && look->roots->sign == -event->direction;
     if (event->direction != 0 && event->direction != direction && !touches)
         return true;
-    if (sign == 0 &&
-        fabs(path_time(path, theta) - look->watched->touched) <= TOUCH * fabs(path->inside.h))
-        return true; /* at the end of the step before */
+    if (event->touching && is_same_touch(look, theta, share_of_error(path->inside.run)))
+        return true;
     if (sign == 0)
         look->watched->touched = path_time(path, theta);
     const struct crossing crossing = {theta, path_time(path, theta), look->event, direction};
@@ -202,7 +238,7 @@ static bool is_due(const struct look *look, const struct run_target *target)
                             (ROUNDED + (double)run->steps) * DBL_EPSILON * size;
 }
 
-static void doubt(struct run *run, const struct look *look, double from)
+static void doubt(struct run *run, const struct look *look, double from, bool near)
 {
     struct event_doubt *doubt =
         &run->private_state->doubt[is_until(look) ? LIMIT_EVENTS : look->event];
@@ -210,6 +246,7 @@ static void doubt(struct run *run, const struct look *look, double from)
     doubt->from = doubt->steps == 0 ? path_time(path, from) : doubt->from;
     doubt->to = path->end_t;
     doubt->steps++;
+    doubt->near = near && (doubt->near || doubt->steps == 1);
 }
 
 static void search(struct look *look, double from, double value, double to)
@@ -228,12 +265,18 @@ static void search(struct look *look, double from, double value, double to)
                                 .budget = watched->budget,
                                 .sign = watched->sign};
     roots.nonzero = value != 0 || watched->value != 0;
+    if (roots.touches && !is_until(look))
+        roots.near = events_watch_error(watch, watched, path->end_t, path->end,
+                                        share_of_doubt(path->inside.run));
+    look->near = NAN;
     look->roots = &roots;
     roots_find(&roots, from, value, to, to < 1 ? look_value(look, to) : watched->value);
     look->roots = NULL;
     watched->sign = roots.sign;
     if (roots.unsure && roots.nonzero)
-        doubt(watch->run, look, roots.unsure_from);
+        doubt(watch->run, look, roots.unsure_from, false);
+    else if (!isnan(look->near))
+        doubt(watch->run, look, look->near, true);
     if (roots.unsure)
         watched->budget = watched->budget / 2 + 8;
     else if (watched->budget < 1000)

@@ -202,8 +202,9 @@ struct jet events_watch_bounds(struct watch *watch, const struct watched *watche
     return evaluate(watch, watched);
 }
 
-bool events_watch_is_zero(struct watch *watch, const struct watched *watched, double t,
-                          const double *y, double error)
+/* Bounds of the value where each variable may be off by that share of its size. */
+static struct interval value_within(struct watch *watch, const struct watched *watched, double t,
+                                    const double *y, double error)
 {
     for (int i = 0; i < watch->columns; i++) {
         const struct moving *column = &watch->column[i];
@@ -217,6 +218,19 @@ bool events_watch_is_zero(struct watch *watch, const struct watched *watched, do
         const double off = size * (column->kind == MOVING_TIME ? 2 * DBL_EPSILON : error);
         watch->jet[i] = (struct jet){{value - off, value + off}, {0, 0}, {0, 0}};
     }
-    const struct interval value = evaluate(watch, watched).value;
+    return evaluate(watch, watched).value;
+}
+
+bool events_watch_is_zero(struct watch *watch, const struct watched *watched, double t,
+                          const double *y, double error)
+{
+    const struct interval value = value_within(watch, watched, t, y, error);
     return value.lo <= 0 && value.hi >= 0;
+}
+
+double events_watch_error(struct watch *watch, const struct watched *watched, double t,
+                          const double *y, double error)
+{
+    const struct interval value = value_within(watch, watched, t, y, error);
+    return (value.hi - value.lo) / 2;
 }

@@ -87,5 +87,8 @@ struct jet events_watch_bounds(struct watch *watch, const struct watched *watche
 /* At a state that is known but for a share `error` of each variable's size. */
 bool events_watch_is_zero(struct watch *watch, const struct watched *watched, double t,
                           const double *y, double error);
+/* Half the width of the bounds of its value there. */
+double events_watch_error(struct watch *watch, const struct watched *watched, double t,
+                          const double *y, double error);
 
 #endif

@@ -232,7 +232,7 @@ static bool decided(struct root_search *roots, const struct stretch *s)
     if (interval_empty(jet.value))
         return true;
     const struct interval value = value_of(&jet, s);
-    if (value.lo > 0 || value.hi < 0)
+    if (value.lo > roots->near || value.hi < -roots->near)
         pass(roots, s);
     else if (jet.slope.lo >= 0 || jet.slope.hi <= 0)
         pass(roots, s);

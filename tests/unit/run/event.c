@@ -461,6 +461,33 @@ static void test_close_pairs(void **state)
         }
 }
 
+/* x = cos t touches its greatest value three times in 20 s, which nobody knows to the last digit:
+ * found, or said to be incomplete; and no doubt where it stays clear of it. */
+static void test_touches_within_errors(void **state)
+{
+    struct fixture *f = *state;
+    static const struct {
+        const char *method;
+        double dt, tol;
+    } by[] = {{"dopri5", 0.01, 1e-4}, {"dopri5", 0.01, 1e-6},  {"dopri5", 0.01, 1e-9},
+              {"radau5", 0.01, 1e-4}, {"radau5", 0.01, 1e-6},  {"radau5", 0.01, 1e-9},
+              {"odex", 0.01, 1e-9},   {"rodas5p", 0.01, 1e-6}, {"tr-bdf2", 0.01, 1e-6},
+              {"rk4", 0.01, 0},       {"rk4", 0.1, 0},         {"verlet", 0.01, 0}};
+    for (size_t m = 0; m < COUNT_OF(by); m++) {
+        start(f, by[m].method, by[m].dt, by[m].tol);
+        add(f, "x - 1 touching", false);
+        go(f, 20, -1);
+        if (run_event_records(f->run) != 3 && !run_event_doubt(f->run, 0).near)
+            fail_msg("%s, dt %g, tol %g: %zu touches, no doubt", by[m].method, by[m].dt, by[m].tol,
+                     run_event_records(f->run));
+        start(f, by[m].method, by[m].dt, by[m].tol);
+        add(f, "x - 1.05 touching", false);
+        go(f, 20, -1);
+        assert_int_equal(run_event_records(f->run), 0);
+        assert_true(run_event_doubt(f->run, 0).steps == 0);
+    }
+}
+
 /* x = cos t: conditions that hold for a small part of a step, at once, never, at the end, where
  * they touch. */
 static void test_conditions_are_met(void **state)
@@ -512,6 +539,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(test_close_pairs, set_up, tear_down),
+        cmocka_unit_test_setup_teardown(test_touches_within_errors, set_up, tear_down),
         cmocka_unit_test_setup_teardown(test_conditions_are_met, set_up, tear_down),
         TEST_CASE(test_times),
         TEST_CASE(test_counts),
