@@ -20,7 +20,7 @@ struct named_value {
     char name[LIMIT_NAME + 1];
     double value, uncertainty; /* SI */
     enum quantity quantity;    /* QUANTITY_OTHER: unknown */
-    double below; /* of a state: no digit is certain, it is less than that; 0: they are */
+    double below; /* of a state: no digit is certain, errors may be that and more; 0: they are */
 };
 
 struct events; /* private: what is watched for on the way; a list never changes and lives as long as

@@ -99,8 +99,9 @@ HANDLER(print)
     if (item->is_string) {
         safe_text(&text, item->text, true);
     } else if (named.below > 0) {
-        buffer_put(&text, TEXT("no digit is certain: less than "));
+        buffer_put(&text, TEXT("no digit is certain: it may be off by "));
         buffer_measured(&text, (struct measured){named.below, 0}, item->quantity, 2);
+        buffer_put(&text, TEXT(" and more"));
     } else {
         buffer_measured(&text, item->value, item->quantity, session->setup.settings.digits);
     }
