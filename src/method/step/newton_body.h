@@ -375,7 +375,7 @@ INLINE enum step_status motion_stage(slope_function *slope, jacobian_function *s
                                      const double *y, double *z, double *sum, double *work)
 {
     double weight[2], x = 0;
-    bool near;
+    bool near = false;
     newton_weights(step_scale(step), 2, y, weight);
     const double by_position = fabs(h) * weight[0];
     const double larger = weight[1] > by_position ? weight[1] : by_position;
