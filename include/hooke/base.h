@@ -160,7 +160,7 @@ const struct row *catalog_row(const struct catalog *catalog, size_t i);
 int catalog_index(const struct catalog *catalog, const struct row *row); /* index of a row of it */
 const struct row *catalog_find(const struct catalog *catalog,
                                struct text name); /* exact name or alias; NULL: none */
-/* Exact, else the only row whose name starts with `name` (at least `least` letters). NULL: none or
+/* Exact, else the only row whose name starts with `name` (at least `min` letters). NULL: none or
  * ambiguous. */
 const struct row *catalog_prefix(const struct catalog *catalog, struct text name, size_t min);
 /* Of a name that this build was made without: says so; returns whether it did. */

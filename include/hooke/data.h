@@ -108,7 +108,7 @@ void recording_describe(const struct recording *recording, struct buffer *text);
 bool recording_window(struct recording *recording, double from, double to, struct error *error);
 void recording_restore(struct recording *recording); /* whole file, every sample, zero 0 */
 /* The part in use without missing or masked values, zero subtracted; arrays from `arena`. At least
- * `least` samples or an error. */
+ * `min` samples or an error. */
 bool recording_series(const struct recording *recording, struct arena *arena, size_t min,
                       struct series *series, struct error *error);
 
@@ -145,13 +145,13 @@ struct finding_row {
 
 extern const struct catalog finding_catalog; /* at the enum's place */
 
-#define FINDING_PLACES 3
+#define FINDING_STRETCHES 3
 
 struct finding {
-    size_t count;   /* samples; of gaps and times: rows */
-    size_t indices; /* stretches that they form */
-    double
-        first[FINDING_PLACES]; /* [s] where the first of these begin; NAN where there are fewer */
+    size_t count;                    /* samples; of gaps and times: rows */
+    size_t stretches;                /* stretches that they form */
+    double first[FINDING_STRETCHES]; /* [s] where the first of these begin; NAN where there are
+                                        fewer */
     double size; /* SI: largest deviation; of a clipped top its level, of steps their size, of a gap
                     its length [s], of sway the modulation (rms, relative); NAN: does not apply */
 };

@@ -104,7 +104,7 @@ const struct curve *figure_band(const struct figure *figure);
 
 /*
  * Tick positions by the extended Wilkinson algorithm (Talbot, Lin, Hanrahan 2010): about `want`, at
- * most `most`, all inside [from, to], labels with `decimals` decimals. Steps are 1, 2, 2.5, 3, 4 or
+ * most `max`, all inside [from, to], labels with `decimals` decimals. Steps are 1, 2, 2.5, 3, 4 or
  * 5 times a power of ten. count 0: no range.
  */
 struct ticks {

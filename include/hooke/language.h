@@ -70,7 +70,7 @@ enum command_flag {
     COMMAND_UNRECORDED = 2, /* not written by `record` */
     COMMAND_ANYTIME = 4,    /* also while a run goes on: it does not disturb it */
     COMMAND_NESTS =
-        8, /* executes other statements, which stand in the story of the session themselves */
+        8, /* executes other statements, which stand in the transcript of the session themselves */
     COMMAND_IN_EVENTS = 16, /* also what an event executes, although it changes the session */
     COMMAND_STARTS = 32,    /* starts a run, into which its conditions look */
     COMMAND_ASSIGNS = 64,   /* NAME = VALUE is short for it */
@@ -211,7 +211,7 @@ bool setting_read(const struct setting *setting, struct parser *parser, struct s
 /* The series of another column of the subject's run, in the same window. */
 bool subject_column(struct subject *subject, const struct given_argument *column,
                     const struct given_argument *window, struct arena *arena, struct error *error);
-/* The run or recording that was given, else the latest; window: of TYPE_RANGE. At least `least`
+/* The run or recording that was given, else the latest; window: of TYPE_RANGE. At least `min`
  * samples. */
 bool subject_open(struct session *session, const struct given_argument *run,
                   const struct given_argument *data, const struct given_argument *window,

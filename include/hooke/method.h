@@ -124,7 +124,7 @@ struct method {
     struct row row;      /* name, "", brief, citation, aliases */
     const char *formula; /* one step, as text with textbook letters, for help */
     int order;           /* order of convergence; 0: exact */
-    int embedded;        /* order of the error estimator's companion, 0: none */
+    int embedded;        /* order of the embedded method, 0: none */
     double
         fraction; /* of the tolerance, what a step's estimate may be (see method_adapt), 0: 1/3 */
     int evals;    /* force evaluations a step (once warm) */

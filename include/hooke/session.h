@@ -231,7 +231,7 @@ struct session {
 
     char **history; /* lines executed, oldest first */
     int histories;
-    struct buffer transcript; /* statements that lead here, as a script (private: story.h) */
+    struct buffer transcript; /* statements that lead here, as a script (private: transcript.h) */
     bool transcript_fails;    /* one of them ends in an error, as it did: a run that diverged */
     bool confirmed;           /* the present statement was asked about, and allowed */
     char *record_path;        /* file that executed lines are appended to, NULL: none */

@@ -146,8 +146,8 @@ static double variance(const struct problem *p, const struct curve_fit *fit, siz
 
 /* One standard deviation to either side the sum of squares must change, or the data do not hold the
  * parameter there. */
-static bool slot(struct problem *p, const double *x, int j, double deviation, double variance,
-                 double rss)
+static bool is_determined(struct problem *p, const double *x, int j, double deviation,
+                          double variance, double rss)
 {
     double trial[CURVE_PARAMETERS];
     memcpy(trial, x, (size_t)p->curve->parameters * sizeof *x);
@@ -228,9 +228,9 @@ bool judge(struct problem *p, const double *x, bool probe, struct curve_fit *fit
         p->length = fmax(p->length, fabs(p->step[j]) / fmax(fabs(x[j]), fit->formal[j]));
         bool exact = length <= 1e-12 * p->size; /* nothing but rounding is left */
         fit->determined[j] =
-            fit->determined[j] &&
-            (exact || !probe ||
-             slot(p, x, j, fit->formal[j], p->robust ? p->scale * p->scale : left, fit->rss));
+            fit->determined[j] && (exact || !probe ||
+                                   is_determined(p, x, j, fit->formal[j],
+                                                 p->robust ? p->scale * p->scale : left, fit->rss));
     }
     fit->small_gradient = offset <= fmax(GRADIENT_MAX * length, rounding);
     fit->converged = fit->small_step && fit->small_gradient;

@@ -192,10 +192,10 @@ int spectrum_candidates(const struct samples *x, struct arena *arena, double *om
         }
         const struct transform spectrum = mean_transform(x, parts[k], arena);
         *memory = spectrum.memory;
-        const int fraction = max - count < CANDIDATES ? max - count : CANDIDATES;
+        const int quota = max - count < CANDIDATES ? max - count : CANDIDATES;
         if (spectrum.memory) {
             count += highest(&spectrum, (x->t[x->n - 1] - x->t[0]) / (double)parts[k],
-                             omega + count, fraction);
+                             omega + count, quota);
         }
     }
     return count;

@@ -68,9 +68,9 @@ static void line_of(const struct samples *x, const double *weight, double middle
 }
 
 /* Adds the value at a place between the points of a grid. */
-static void spread(double index, double value, double *grid)
+static void spread(double position, double value, double *grid)
 {
-    const double below = floor(index + 1e-6), s = index - below;
+    const double below = floor(position + 1e-6), s = position - below;
     double *at = grid + (size_t)below;
     if (fabs(s) < 1e-5) {
         at[0] += value;

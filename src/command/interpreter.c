@@ -109,7 +109,7 @@ static struct text without_newline(const struct buffer *lines)
 }
 
 /*
- * `record` has to tell the story in an order that can be read again: a run that was paused or
+ * `record` has to be in an order that can be read again: a run that was paused or
  * changed on the way is written as what really happened, and what was typed while it went on stands
  * after it.
  */

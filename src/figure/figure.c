@@ -156,7 +156,7 @@ static int legend_width(const struct figure *figure)
 static void draw_legend(const struct sheet *sheet, int from)
 {
     const struct figure *figure = sheet->figure;
-    int right = sheet->x + sheet->width - 2, capacity = right - from - 3, used = 0, shown = 0;
+    int right = sheet->x + sheet->width - 2, available = right - from - 3, used = 0, shown = 0;
     struct text caption = text_of(figure->caption);
 
     for (; shown < figure->curves; shown++) {
@@ -164,15 +164,15 @@ static void draw_legend(const struct sheet *sheet, int from)
         int width = has_entry(figure, shown)
                         ? entry_width(curve, figure_mark(figure, shown)) + (used ? 2 : 0)
                         : 0;
-        if (used + width > capacity)
+        if (used + width > available)
             break;
         used += width;
     }
     const struct curve *band = shown < figure->curves ? NULL : figure_band(figure);
     const int wide = band ? text_width(text_of(band->spread_label)) + 2 + (used ? 2 : 0) : 0;
-    band = used + wide <= capacity ? band : NULL;
+    band = used + wide <= available ? band : NULL;
     used += band ? wide : 0;
-    if (shown < figure->curves || used + (used ? 2 : 0) + text_width(caption) > capacity)
+    if (shown < figure->curves || used + (used ? 2 : 0) + text_width(caption) > available)
         caption = TEXT("");
     used += text_width(caption) + (used && caption.len ? 2 : 0);
     if (!used)

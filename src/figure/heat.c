@@ -41,9 +41,9 @@ static struct shades shades_of(const struct heat *heat, enum charset charset)
 }
 
 /* As many cells as there is room for, a whole number for each point where that is possible. */
-static int cells_for(int points, int capacity)
+static int cells_for(int points, int available)
 {
-    return points >= capacity ? capacity : capacity / points * points;
+    return points >= available ? available : available / points * points;
 }
 
 /* The points of cell i of `cells`: from *first, up to *end. */
@@ -147,8 +147,8 @@ bool heat_print(const struct heat *heat, int width, int height, enum charset cha
     }
     gutter += 1;
     const int columns = cells_for(heat->x.count, width - gutter > 1 ? width - gutter : 1);
-    const int capacity = height - 3 - LEGEND_LINES;
-    const int rows = cells_for(heat->y.count, capacity > 1 ? capacity : 1);
+    const int available = height - 3 - LEGEND_LINES;
+    const int rows = cells_for(heat->y.count, available > 1 ? available : 1);
     bool gaps = false;
     put_name(out, heat->title, heat->unit);
     buffer_put(out, TEXT(" over "));

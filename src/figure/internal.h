@@ -59,7 +59,7 @@ void axis_title(const struct axis *axis, const struct ticks *ticks, const char *
                 size_t size);
 /* What the lower frame says in so many cells: which curves leave it, the figure's note, how much is
  * hidden; nothing: empty. */
-void figure_note(const struct figure *figure, const struct figure_layout *layout, int capacity,
+void figure_note(const struct figure *figure, const struct figure_layout *layout, int available,
                  struct buffer *out);
 
 /* Glyph of a curve; 0: it is drawn with dots. */

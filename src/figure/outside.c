@@ -143,9 +143,9 @@ static void put_hidden(struct buffer *out, const struct figure *figure,
 }
 
 /* The last ones, until the rest fits: no sentence ends in the middle. */
-static void drop_clauses(struct buffer *out, int capacity)
+static void drop_clauses(struct buffer *out, int available)
 {
-    while (text_width(buffer_text(out)) > capacity) {
+    while (text_width(buffer_text(out)) > available) {
         size_t end = out->len;
         while (end > 0 &&
                !((out->data[end - 1] == ',' || out->data[end - 1] == ';') && out->data[end] == ' '))
@@ -157,7 +157,7 @@ static void drop_clauses(struct buffer *out, int capacity)
     }
 }
 
-void figure_note(const struct figure *figure, const struct figure_layout *layout, int capacity,
+void figure_note(const struct figure *figure, const struct figure_layout *layout, int available,
                  struct buffer *out)
 {
     static const struct {
@@ -177,10 +177,10 @@ void figure_note(const struct figure *figure, const struct figure_layout *layout
             buffer_put(out, leaving.len && other.len ? TEXT(", ") : TEXT(""));
             buffer_put(out, buffer_text(&other));
         }
-        if (!leaving.len || text_width(buffer_text(out)) <= capacity)
+        if (!leaving.len || text_width(buffer_text(out)) <= available)
             break;
     }
-    drop_clauses(out, capacity);
+    drop_clauses(out, available);
     buffer_free(&leaving);
     buffer_free(&other);
 }

@@ -286,9 +286,9 @@ static void place_panels(struct sheet *sheet, double top, double bottom)
 static void put_notes(const struct sheet *sheet, struct buffer *out)
 {
     struct buffer note = {0};
-    int capacity = (int)(sheet->page->width / CELL_WIDTH);
+    int available = (int)(sheet->page->width / CELL_WIDTH);
     for (int i = 0; i < sheet->parts; i++) {
-        figure_note(&sheet->part[i], &sheet->page[i].layout, capacity, &note);
+        figure_note(&sheet->part[i], &sheet->page[i].layout, available, &note);
         buffer_put(out, out->len && note.len ? TEXT("; ") : TEXT(""));
         buffer_put(out, buffer_text(&note));
     }

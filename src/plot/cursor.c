@@ -141,14 +141,14 @@ static size_t sample_before(const struct series *s, double t)
 
 /* ---- places to snap to ---- */
 
-struct index {
+struct snap_point {
     double t, uncertainty, y;
     int crossing; /* number, 0: none */
 };
 
 /* The vertex of the parabola through the samples around the highest one between two crossings
  * (least squares). */
-static bool peak_between(const struct ground *g, double from, double to, struct index *index)
+static bool peak_between(const struct ground *g, double from, double to, struct snap_point *point)
 {
     const struct series *s = &g->series;
     const double ceiling =
@@ -196,7 +196,8 @@ static bool peak_between(const struct ground *g, double from, double to, struct 
     const double p = (y0 - x2 * r) / n, x = -q / (2 * r);
     if (!(r < 0) || !(fabs(x) <= 0.5))
         return false;
-    *index = (struct index){.t = s->t[top] + mean + x * scale,
+    *point =
+        (struct snap_point){.t = s->t[top] + mean + x * scale,
                             .uncertainty = g->overview.noise * scale / (2 * fabs(r) * sqrt(x2)),
                             .y = s->y[top] + p + q * x + r * x * x};
     return true;
@@ -205,60 +206,63 @@ static bool peak_between(const struct ground *g, double from, double to, struct 
 /* Calls for each place of this kind in order until it says stop. Samples are no places: there are
  * too many. */
 static void each_place(const struct ground *g, enum snap snap,
-                       bool (*visit)(void *context, const struct index *index), void *context)
+                       bool (*visit)(void *context, const struct snap_point *point), void *context)
 {
-    struct index index;
+    struct snap_point point;
     for (size_t i = 0; i < g->hills; i++) {
         const struct hill *hill = &g->hill[i];
         if (snap != SNAP_PEAK)
-            index = (struct index){hill->from, hill->uncertainty, g->overview.mean, hill->number};
-        else if (!peak_between(g, hill->from, hill->to, &index))
+            point =
+                (struct snap_point){hill->from, hill->uncertainty, g->overview.mean, hill->number};
+        else if (!peak_between(g, hill->from, hill->to, &point))
             continue;
-        if (!visit(context, &index))
+        if (!visit(context, &point))
             return;
     }
 }
 
 struct search {
     double t;
-    struct index best;
+    struct snap_point best;
     bool found, forward;
     int number;
 };
 
-static bool keep_nearest(void *context, const struct index *index)
+static bool keep_nearest(void *context, const struct snap_point *point)
 {
     struct search *search = context;
-    if (!search->found || fabs(index->t - search->t) < fabs(search->best.t - search->t))
-        search->best = *index;
+    if (!search->found || fabs(point->t - search->t) < fabs(search->best.t - search->t))
+        search->best = *point;
     search->found = true;
     return true;
 }
 
-static struct index nearest_sample(const struct ground *g, double t)
+static struct snap_point nearest_sample(const struct ground *g, double t)
 {
     const struct series *s = &g->series;
     size_t i = sample_before(s, t);
     if (fabs(s->t[i + 1] - t) < fabs(t - s->t[i]))
         i++;
-    return (struct index){.t = s->t[i], .uncertainty = ground_spacing(g) / sqrt(12), .y = s->y[i]};
+    return (struct snap_point){
+        .t = s->t[i], .uncertainty = ground_spacing(g) / sqrt(12), .y = s->y[i]};
 }
 
-static struct index no_snap(const struct ground *g, double t)
+static struct snap_point no_snap(const struct ground *g, double t)
 {
     const struct series *s = &g->series;
     const size_t i = sample_before(s, t);
     const double x = (t - s->t[i]) / (s->t[i + 1] - s->t[i]);
-    return (struct index){.t = t, .uncertainty = NAN, .y = s->y[i] + x * (s->y[i + 1] - s->y[i])};
+    return (struct snap_point){
+        .t = t, .uncertainty = NAN, .y = s->y[i] + x * (s->y[i + 1] - s->y[i])};
 }
 
-static void put_place(struct cursors *cursors, int which, const struct index *index)
+static void put_point(struct cursors *cursors, int which, const struct snap_point *point)
 {
     cursors->at[which].set = true;
-    cursors->at[which].t = index->t;
-    cursors->at[which].t_uncertainty = index->uncertainty;
-    cursors->at[which].y = index->y;
-    cursors->at[which].crossing = index->crossing;
+    cursors->at[which].t = point->t;
+    cursors->at[which].t_uncertainty = point->uncertainty;
+    cursors->at[which].y = point->y;
+    cursors->at[which].crossing = point->crossing;
     cursors->at[which].amplitude = NAN;
 }
 
@@ -269,20 +273,20 @@ void cursor_put(struct cursors *cursors, const struct ground *g, int which, doub
     struct search search = {.t = t};
     if (cursors->snap == SNAP_CROSSING || cursors->snap == SNAP_PEAK)
         each_place(g, cursors->snap, keep_nearest, &search);
-    const struct index index = search.found && fabs(search.best.t - t) <= reach ? search.best
-                               : cursors->snap == SNAP_SAMPLE ? nearest_sample(g, t)
-                                                              : no_snap(g, t);
-    put_place(cursors, which, &index);
+    const struct snap_point point = search.found && fabs(search.best.t - t) <= reach ? search.best
+                                    : cursors->snap == SNAP_SAMPLE ? nearest_sample(g, t)
+                                                                   : no_snap(g, t);
+    put_point(cursors, which, &point);
 }
 
 /* ---- moves ---- */
 
-static bool keep_next(void *context, const struct index *index)
+static bool keep_next(void *context, const struct snap_point *point)
 {
     struct search *search = context;
-    const bool beyond = search->forward ? index->t > search->t : index->t < search->t;
+    const bool beyond = search->forward ? point->t > search->t : point->t < search->t;
     if (beyond)
-        search->best = *index;
+        search->best = *point;
     search->found |= beyond;
     return !(beyond && search->forward) && (beyond || search->forward);
 }
@@ -296,15 +300,15 @@ bool cursor_jump(struct cursors *cursors, const struct ground *g, bool forward, 
     if (!search.found)
         return error_set(error, ERROR_COMMAND, "there is no %s %s t = %.6g s in %s",
                          peak ? "peak" : "up-crossing", forward ? "after" : "before", t, g->name);
-    put_place(cursors, cursors->active, &search.best);
+    put_point(cursors, cursors->active, &search.best);
     return true;
 }
 
-static bool keep_number(void *context, const struct index *index)
+static bool keep_number(void *context, const struct snap_point *point)
 {
     struct search *search = context;
-    search->best = *index;
-    search->found = index->crossing == search->number;
+    search->best = *point;
+    search->found = point->crossing == search->number;
     return !search->found;
 }
 
@@ -320,7 +324,7 @@ bool cursor_span(struct cursors *cursors, const struct ground *g, double n, stru
                              search.best.crossing, cursors->at[0].crossing,
                              search.best.crossing - cursors->at[0].crossing,
                              search.best.crossing - cursors->at[0].crossing == 1 ? "" : "s");
-        put_place(cursors, 1, &search.best);
+        put_point(cursors, 1, &search.best);
         return true;
     }
     if (!g->overview.oscillates)
@@ -342,9 +346,9 @@ void cursor_spread(struct cursors *cursors, const struct ground *g)
     cursor_put(cursors, g, 1, s->t[s->n - 1], HUGE_VAL);
     if (cursors->at[0].t < cursors->at[1].t)
         return;
-    const struct index first = no_snap(g, s->t[0]), last = no_snap(g, s->t[s->n - 1]);
-    put_place(cursors, 0, &first);
-    put_place(cursors, 1, &last);
+    const struct snap_point first = no_snap(g, s->t[0]), last = no_snap(g, s->t[s->n - 1]);
+    put_point(cursors, 0, &first);
+    put_point(cursors, 1, &last);
 }
 
 void cursor_settle(struct cursors *cursors, const struct ground *g)

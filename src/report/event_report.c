@@ -33,12 +33,11 @@ static void reply_event_record(const struct session *session, const struct run_s
                                struct reply *reply)
 {
     const struct run *run = slot->run;
-    const struct event_record *happening = run_event_record(run, i);
+    const struct event_record *record = run_event_record(run, i);
     const int digits = session->setup.settings.digits;
     struct buffer text = {0};
     buffer_format(&text, "%4zu  %-10s t = ", i + 1, event_name(slot, i));
-    buffer_measured(&text, (struct measured){happening->t, 0}, QUANTITY_TIME,
-                    digits > 6 ? digits : 6);
+    buffer_measured(&text, (struct measured){record->t, 0}, QUANTITY_TIME, digits > 6 ? digits : 6);
     for (int c = 0; c < columns_of(run); c++) {
         const struct variable column = column_at(run, c);
         buffer_format(&text, "  %s = ", column.name);
@@ -51,10 +50,10 @@ static void reply_event_record(const struct session *session, const struct run_s
     reply_int(reply, "run", run->number);
     reply_string(reply, "name", event_name(slot, i));
     reply_string(reply, "direction",
-                 happening->direction > 0   ? "rising"
-                 : happening->direction < 0 ? "falling"
-                                            : "touching");
-    reply_real(reply, "t", happening->t);
+                 record->direction > 0   ? "rising"
+                 : record->direction < 0 ? "falling"
+                                         : "touching");
+    reply_real(reply, "t", record->t);
     reply_object(reply, "state");
     for (int c = 0; c < columns_of(run); c++) {
         const struct variable column = column_at(run, c);

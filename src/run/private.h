@@ -214,7 +214,7 @@ struct kick {
 };
 
 /* What events noticed, in the order of time. */
-struct happenings {
+struct event_records {
     struct event_record *at;
     double *state; /* [count][n] */
     size_t count, capacity;
@@ -247,7 +247,7 @@ struct run_private {
         *saved; /* [saves] at each CHUNK_ROWS steps up to there, where rows have no marks */
     size_t saves, save_room;
     struct turns turns;
-    struct happenings happenings;
+    struct event_records event_records;
     struct second *second;                      /* opinion.c; NULL: nobody asked */
     struct watch *watch;                        /* watch.h; NULL: there are no events */
     struct event_doubt doubt[LIMIT_EVENTS + 1]; /* the last is that of the condition */

@@ -188,8 +188,8 @@ void run_destroy(struct run *run)
         free(run->private_state->propagator);
         free(run->private_state->epoch);
         events_watch_destroy(run->private_state->watch);
-        free(run->private_state->happenings.at);
-        free(run->private_state->happenings.state);
+        free(run->private_state->event_records.at);
+        free(run->private_state->event_records.state);
         free(run->private_state->kick);
         free(run->private_state->saved);
         free(run->private_state);

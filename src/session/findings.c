@@ -201,12 +201,12 @@ static const struct finding_row *row_of(size_t kind)
 static void cell_places(struct text_table *table, const struct finding *finding)
 {
     struct buffer text = {0};
-    for (int i = 0; i < FINDING_PLACES && isfinite(finding->first[i]); i++) {
+    for (int i = 0; i < FINDING_STRETCHES && isfinite(finding->first[i]); i++) {
         buffer_put(&text, i ? TEXT(", ") : TEXT(""));
         buffer_short(&text, finding->first[i], 6);
     }
     if (text.len > 0)
-        buffer_put(&text, finding->indices > FINDING_PLACES ? TEXT(" ... s") : TEXT(" s"));
+        buffer_put(&text, finding->stretches > FINDING_STRETCHES ? TEXT(" ... s") : TEXT(" s"));
     cell_take(table, &text);
 }
 
@@ -244,8 +244,8 @@ static size_t put_table(const struct recording *recording, struct arena *arena, 
         kinds++;
         cell_text(&table, row_of(k)->row.name);
         cell_count(&table, (int64_t)finding->count);
-        if (finding->indices > 0)
-            cell_count(&table, (int64_t)finding->indices);
+        if (finding->stretches > 0)
+            cell_count(&table, (int64_t)finding->stretches);
         else
             cell_text(&table, "");
         put_size(&size, recording, k);
@@ -283,10 +283,10 @@ static void reply_record(const struct recording *recording, struct reply *reply)
         reply_object(reply, NULL);
         reply_string(reply, "kind", row_of(k)->row.name);
         reply_int(reply, "samples", (int64_t)finding->count);
-        reply_int(reply, "places", (int64_t)finding->indices);
+        reply_int(reply, "places", (int64_t)finding->stretches);
         reply_real(reply, "size", finding->size);
         reply_array(reply, "first");
-        for (int i = 0; i < FINDING_PLACES && isfinite(finding->first[i]); i++)
+        for (int i = 0; i < FINDING_STRETCHES && isfinite(finding->first[i]); i++)
             reply_real(reply, NULL, finding->first[i]);
         reply_close(reply);
         reply_string(reply, "remedy", remedies[row_of(k)->remedy]);

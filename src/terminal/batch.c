@@ -29,8 +29,8 @@ static void run_input(struct session *session, struct reply *reply, struct strea
             const char *end = memchr(rest.at, '\n', rest.len);
             size_t len = end ? (size_t)(end - rest.at) : rest.len;
             /* An endless line is cut one byte above the limit, so that the interpreter names it. */
-            size_t capacity = LIMIT_LINE + 1 > line.len ? LIMIT_LINE + 1 - line.len : 0;
-            buffer_put(&line, (struct text){rest.at, len < capacity ? len : capacity});
+            size_t left = LIMIT_LINE + 1 > line.len ? LIMIT_LINE + 1 - line.len : 0;
+            buffer_put(&line, (struct text){rest.at, len < left ? len : left});
             rest =
                 end ? (struct text){end + 1, rest.len - len - 1} : (struct text){rest.at + len, 0};
             if (end) {

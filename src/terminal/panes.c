@@ -87,7 +87,7 @@ static void log_typed(struct panes *panes, struct text typed)
 /* ---- drawing
  * ---------------------------------------------------------------------------------------------- */
 
-void panes_prompt(const struct panes *panes, struct prompt_line *prompt, struct buffer *capacity)
+void panes_prompt(const struct panes *panes, struct prompt_line *prompt, struct buffer *scratch)
 {
     *prompt = (struct prompt_line){.prompt = text_of(rl_display_prompt),
                                    .line = {rl_line_buffer, (size_t)rl_end},
@@ -97,8 +97,8 @@ void panes_prompt(const struct panes *panes, struct prompt_line *prompt, struct 
         prompt->hint = TEXT(LINES_HINT);
     }
     if (panes->question) {
-        buffer_format(capacity, "%s [y/N] ", panes->question);
-        *prompt = (struct prompt_line){.prompt = buffer_text(capacity)};
+        buffer_format(scratch, "%s [y/N] ", panes->question);
+        *prompt = (struct prompt_line){.prompt = buffer_text(scratch)};
     } else if (keys_on_plot()) {
         prompt->prompt = TEXT("cursors (q leaves, : types a command)> ");
         prompt->line = TEXT("");
@@ -109,9 +109,9 @@ void panes_prompt(const struct panes *panes, struct prompt_line *prompt, struct 
 enum shown panes_show(struct panes *panes, bool only_prompt, int bytes)
 {
     struct prompt_line prompt;
-    struct buffer capacity = {0};
+    struct buffer scratch = {0};
     int x = 0, y = 0;
-    panes_prompt(panes, &prompt, &capacity);
+    panes_prompt(panes, &prompt, &scratch);
     struct canvas *canvas = &panes->screen.canvas;
     const int choice = panes_session(panes)->setup.settings.color;
     screen_color(&panes->screen, choice == COLOR_ALWAYS || (choice == COLOR_AUTO && panes->color));
@@ -120,7 +120,7 @@ enum shown panes_show(struct panes *panes, bool only_prompt, int bytes)
         shown =
             screen_show(&panes->screen, only_prompt ? panes->screen.height - 1 : 0, bytes, x, y);
     }
-    buffer_free(&capacity);
+    buffer_free(&scratch);
     panes->echo_stale = false;
     panes->screen_stale &= only_prompt;
     return shown;

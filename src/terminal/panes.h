@@ -149,8 +149,8 @@ void panes_wait(struct panes *panes, int64_t until);
 void panes_process(struct panes *panes);
 /* A command line to be executed as soon as readline has returned. */
 void panes_enqueue(struct panes *panes, struct text line, enum line_from from);
-/* The lowest row as it is now; `room` holds a text it may need. */
-void panes_prompt(const struct panes *panes, struct prompt_line *prompt, struct buffer *capacity);
+/* The lowest row as it is now; `scratch` holds a text it may need. */
+void panes_prompt(const struct panes *panes, struct prompt_line *prompt, struct buffer *scratch);
 /* only_prompt: its row alone, so that an echo costs little on a slow link. At most about so many
  * bytes. */
 enum shown panes_show(struct panes *panes, bool only_prompt, int bytes);

@@ -56,8 +56,8 @@ static bool shot_text(void *context, const struct session *session, struct buffe
 {
     struct panes *panes = context;
     struct prompt_line prompt;
-    struct buffer capacity = {0};
-    panes_prompt(panes, &prompt, &capacity);
+    struct buffer scratch = {0};
+    panes_prompt(panes, &prompt, &scratch);
     return screenshot_text(session, &prompt, panes->screen.width, panes->screen.height, text,
                            error);
 }
@@ -67,8 +67,8 @@ static bool shot_file(void *context, const struct session *session, const char *
 {
     struct panes *panes = context;
     struct prompt_line prompt;
-    struct buffer capacity = {0};
-    panes_prompt(panes, &prompt, &capacity);
+    struct buffer scratch = {0};
+    panes_prompt(panes, &prompt, &scratch);
     return screenshot_file(session, &prompt, panes->screen.width, panes->screen.height, path,
                            policy, error);
 }

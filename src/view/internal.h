@@ -19,11 +19,11 @@ struct rectangle {
 
 /* ---- layouts.c: which panes stand where ---- */
 
-#define PLACES_MAX 8
+#define PLACED_MAX 8
 
 /* One pane on the screen. Panes that share a time axis stand over each other in one frame; only the
  * last of them has labels below. */
-struct index {
+struct placed_pane {
     enum pane pane;
     struct rectangle at;
     bool open;   /* continues in the place below: no time labels, no lower frame */
@@ -38,8 +38,8 @@ struct division {
 
 struct division screen_division(const struct session *session, int height);
 /* The area is as wide as the screen, which has `height` rows. */
-int screen_places(const struct session *session, struct rectangle area, int height,
-                  struct index index[PLACES_MAX]);
+int screen_panes(const struct session *session, struct rectangle area, int height,
+                 struct placed_pane placed[PLACED_MAX]);
 bool pane_is_timed(enum pane pane); /* its horizontal axis is the time */
 bool pane_is_plane(enum pane pane); /* one part of the state against another: phase, orbit */
 
@@ -51,22 +51,23 @@ bool view_has_time_range(const struct view *view);
 /* Moves the end of a time axis of so many cells to the next label where that is near. */
 bool is_range(const double range[2]); /* not automatic */
 void ranges_reach_label(struct axis *axis, int columns);
-bool ranges_settle(struct screen *screen, const struct index *index,
+bool ranges_settle(struct screen *screen, const struct placed_pane *placed,
                    struct figure *figure); /* false: no memory */
 
 /* ---- panes.c ---- */
 
 /* One figure for each place, all time plots with the same time axis, as they will be drawn; false:
  * no memory. */
-bool panes_figures(struct screen *screen, const struct index *index, int indices,
+bool panes_figures(struct screen *screen, const struct placed_pane *placed, int placed_count,
                    struct figure *figure);
-int pane_drawn_height(
-    const struct index *index); /* of its figure: the lowest rows may lie under the pane below */
-bool panes_draw(struct screen *screen, const struct index *index,
-                int indices); /* false: no memory */
+int pane_drawn_height(const struct placed_pane *
+                          placed); /* of its figure: the lowest rows may lie under the pane below */
+bool panes_draw(struct screen *screen, const struct placed_pane *placed,
+                int placed_count); /* false: no memory */
 /* [s] from, to of the time axis of the focused time plot, else of the first. Returns its columns,
  * 0: there is none. */
-int panes_time_axis(struct screen *screen, const struct index *index, int indices, double span[2]);
+int panes_time_axis(struct screen *screen, const struct placed_pane *placed, int placed_count,
+                    double span[2]);
 
 /* ---- cursors.c ---- */
 

@@ -94,7 +94,7 @@ static bool holds(const enum pane *pane, int count, enum pane wanted)
 /* One column from top to bottom. Returns how many places it has: panes for which there is no height
  * are left out. */
 static int stack_column(struct rectangle area, const struct arrangement *a, const enum pane *pane,
-                        int count, struct index *index)
+                        int count, struct placed_pane *placed)
 {
     bool shared = a->shared;
     for (int i = 0; i < count; i++)
@@ -114,10 +114,10 @@ static int stack_column(struct rectangle area, const struct arrangement *a, cons
         int height = shared ? fraction + 1 : (area.height * 5 + 4) / 9;
         if (last)
             height = area.y + area.height - y;
-        index[i] = (struct index){.pane = pane[i],
-                                  .at = {area.x, y, area.width, height},
-                                  .open = shared && !last,
-                                  .joined = shared && i > 0};
+        placed[i] = (struct placed_pane){.pane = pane[i],
+                                         .at = {area.x, y, area.width, height},
+                                         .open = shared && !last,
+                                         .joined = shared && i > 0};
         y += height;
     }
     return count;
@@ -133,8 +133,8 @@ static int right_width(const struct arrangement *a, const enum pane *right, int 
     return larger(smaller(square, max), PHASE_MIN);
 }
 
-int screen_places(const struct session *session, struct rectangle area, int height,
-                  struct index index[PLACES_MAX])
+int screen_panes(const struct session *session, struct rectangle area, int height,
+                 struct placed_pane placed[PLACED_MAX])
 {
     const struct view *view = &session->view;
     const enum layout layout =
@@ -151,17 +151,17 @@ int screen_places(const struct session *session, struct rectangle area, int heig
         !holds(right, rights, view->focus))
         *(lefts ? left : right) = view->focus;
     if (!lefts || !rights) {
-        int n = stack_column(area, a, lefts ? left : right, lefts ? lefts : rights, index);
+        int n = stack_column(area, a, lefts ? left : right, lefts ? lefts : rights, placed);
         for (int i = 0; i < n && a->numbered; i++)
-            index[i].number = i + 1;
+            placed[i].number = i + 1;
         return n;
     }
     int width = right_width(a, right, rights, area);
     struct rectangle sides[2] = {{area.x, area.y, area.width - width, area.height},
                                  {area.x + area.width - width, area.y, width, area.height}};
-    int n = stack_column(sides[0], a, left, lefts, index),
-        all = n + stack_column(sides[1], a, right, rights, index + n);
+    int n = stack_column(sides[0], a, left, lefts, placed),
+        all = n + stack_column(sides[1], a, right, rights, placed + n);
     for (int i = 0; i < all && a->numbered; i++) /* by rows, as one reads */
-        index[i].number = i < n ? 2 * i + 1 : 2 * (i - n) + 2;
+        placed[i].number = i < n ? 2 * i + 1 : 2 * (i - n) + 2;
     return all;
 }

@@ -36,19 +36,19 @@ static double planned_end(const struct run *run)
 }
 
 /* The present run, then those laid over it. */
-static int shown_runs(const struct session *session, int index[1 + LIMIT_OVERLAY])
+static int shown_runs(const struct session *session, int placed[1 + LIMIT_OVERLAY])
 {
     const struct run *present = session_run(session);
     int count = 0;
     if (!present)
         return 0;
-    index[count++] = session->current_run;
+    placed[count++] = session->current_run;
     for (int i = 0; i < session->view.overlays; i++) {
         for (int r = 0; r < session->runs; r++) {
             const struct run *run = session->run[r]->run;
             if (run->number == session->view.overlay[i] && run != present &&
                 run->system.model == present->system.model) /* another has other variables */
-                index[count++] = r;
+                placed[count++] = r;
         }
     }
     return count;
@@ -102,7 +102,7 @@ static struct figure_request make_request(struct screen *screen, enum pane pane,
 }
 
 /* Before anything has run: axes as the run will need them. */
-static void empty_figure(const struct screen *screen, const struct index *index,
+static void empty_figure(const struct screen *screen, const struct placed_pane *placed,
                          struct figure *figure)
 {
     const struct setup *setup = &screen->session->setup;
@@ -113,7 +113,7 @@ static void empty_figure(const struct screen *screen, const struct index *index,
         .x = {.label = "t", .unit = "s", .from = 0, .to = setup->settings.duration, .fixed = true},
         .y = {.label = first->name, .unit = quantity_unit(first->quantity), .factor = 1},
         .zero_line = true};
-    if (index->pane == PANE_POSITION && scene_bind(&setup->scene, &system, &ignored)) {
+    if (placed->pane == PANE_POSITION && scene_bind(&setup->scene, &system, &ignored)) {
         const struct unit *unit = unit_display(first->quantity, system.scale[0]);
         if (unit) {
             figure->y.unit = unit->row.name;
@@ -127,20 +127,20 @@ static void empty_figure(const struct screen *screen, const struct index *index,
 
 /* ---- one pane ---- */
 
-static const char *numbered_title(struct screen *screen, const struct index *index)
+static const char *numbered_title(struct screen *screen, const struct placed_pane *placed)
 {
     char text[64];
-    const char *title = kinds[index->pane].title;
-    if (!index->number)
+    const char *title = kinds[placed->pane].title;
+    if (!placed->number)
         return title;
-    snprintf(text, sizeof text, "%d%s%s", index->number, *title ? " " : "", title);
+    snprintf(text, sizeof text, "%d%s%s", placed->number, *title ? " " : "", title);
     return arena_text(&screen->arena, text_of(text));
 }
 
-int pane_drawn_height(const struct index *index)
+int pane_drawn_height(const struct placed_pane *placed)
 {
-    return index->at.height +
-           (index->open ? 3 : 0); /* axis, labels and lower frame will not be seen */
+    return placed->at.height +
+           (placed->open ? 3 : 0); /* axis, labels and lower frame will not be seen */
 }
 
 /* What the time plots of a screen have in common. */
@@ -152,53 +152,54 @@ struct shared_time {
 };
 
 /* One window, whatever the panes show of it. */
-static struct shared_time share_time(struct screen *screen, const struct index *index, int indices)
+static struct shared_time share_time(struct screen *screen, const struct placed_pane *placed,
+                                     int placed_count)
 {
-    struct shared_time time = {.width = index[0].at.width, .alone = indices == 1};
+    struct shared_time time = {.width = placed[0].at.width, .alone = placed_count == 1};
     int runs[1 + LIMIT_OVERLAY], first = 0;
-    while (first < indices - 1 && !pane_is_timed(index[first].pane))
+    while (first < placed_count - 1 && !pane_is_timed(placed[first].pane))
         first++;
     const struct figure_request request =
-        make_request(screen, index[first].pane, time.width, time.alone, runs);
+        make_request(screen, placed[first].pane, time.width, time.alone, runs);
     time.known = session_window(screen->session, &request, &screen->arena, &time.window);
     if (time.known && !view_has_time_range(&screen->session->view))
-        ranges_reach_label(&time.window.axis, index[first].at.width);
+        ranges_reach_label(&time.window.axis, placed[first].at.width);
     return time;
 }
 
-static bool make_figure(struct screen *screen, const struct index *index,
+static bool make_figure(struct screen *screen, const struct placed_pane *placed,
                         const struct shared_time *time, struct figure *figure)
 {
-    const struct pane_kind *kind = &kinds[index->pane];
+    const struct pane_kind *kind = &kinds[placed->pane];
     int runs[1 + LIMIT_OVERLAY];
     struct figure_request request =
-        make_request(screen, index->pane, time->width, time->alone, runs);
+        make_request(screen, placed->pane, time->width, time->alone, runs);
     struct error error = {0};
 
     request.shared = time->known ? &time->window : NULL;
     if (!request.runs && request.recording < 0) {
-        empty_figure(screen, index, figure);
+        empty_figure(screen, placed, figure);
     } else if (!session_figure(screen->session, &request, &screen->arena, figure, &error)) {
-        empty_figure(screen, index, figure);
+        empty_figure(screen, placed, figure);
         figure->note = arena_text(&screen->arena, text_of(error.text));
     } else {
-        if (!ranges_settle(screen, index, figure))
+        if (!ranges_settle(screen, placed, figure))
             return false;
         if (!request.runs && !curves_join_dense(&screen->arena, request.width, figure))
             return false;
     }
-    if (time->known && pane_is_timed(index->pane))
+    if (time->known && pane_is_timed(placed->pane))
         figure->x = time->window.axis;
     if (kind->label) /* an energy is called by the figure's title: it may be the kinetic one */
-        figure->y.label = index->pane == PANE_ENERGY ? figure->title : kind->label;
-    figure->title = numbered_title(screen, index);
-    figure->has_point = figure->has_point && pane_is_plane(index->pane);
-    if (pane_is_plane(index->pane) && index->at.width >= CAPTION_WIDTH) {
+        figure->y.label = placed->pane == PANE_ENERGY ? figure->title : kind->label;
+    figure->title = numbered_title(screen, placed);
+    figure->has_point = figure->has_point && pane_is_plane(placed->pane);
+    if (pane_is_plane(placed->pane) && placed->at.width >= CAPTION_WIDTH) {
         figure->caption = figure->note;
         figure->note = NULL;
     }
     /* The curves are those of the first pane, unless that has none of a run. */
-    if (pane_is_plane(index->pane) || (index->joined && index[-1].pane != PANE_RESIDUAL)) {
+    if (pane_is_plane(placed->pane) || (placed->joined && placed[-1].pane != PANE_RESIDUAL)) {
         struct curve *plain =
             arena_array(&screen->arena, (size_t)figure->curves + 1, sizeof *plain);
         for (int i = 0; plain && i < figure->curves; i++) {
@@ -209,7 +210,7 @@ static bool make_figure(struct screen *screen, const struct index *index,
         figure->curves = plain ? figure->curves : 0;
     }
     if (figure->title && request.runs > 1)
-        labels_shorten(screen, index->at.width, pane_drawn_height(index), &request, figure);
+        labels_shorten(screen, placed->at.width, pane_drawn_height(placed), &request, figure);
     return figure->title != NULL;
 }
 
@@ -243,9 +244,10 @@ static void copy_rows(const struct canvas *from, struct canvas *to, struct recta
                 from->cell[(size_t)y * (size_t)from->width + (size_t)x];
 }
 
-static bool draw_pane(struct screen *screen, const struct index *index, const struct figure *figure)
+static bool draw_pane(struct screen *screen, const struct placed_pane *placed,
+                      const struct figure *figure)
 {
-    struct rectangle at = {0, 0, index->at.width, pane_drawn_height(index)};
+    struct rectangle at = {0, 0, placed->at.width, pane_drawn_height(placed)};
     struct canvas sheet = {
         at.width, at.height,
         arena_array(&screen->arena, (size_t)at.width * (size_t)at.height, sizeof *sheet.cell)};
@@ -254,27 +256,27 @@ static bool draw_pane(struct screen *screen, const struct index *index, const st
     if (!sheet.cell || !figure_draw(figure, &sheet, 0, 0, at.width, at.height, screen->charset))
         return false;
     const int panels = figure_panels(figure, at.width, at.height, screen->charset, panel);
-    for (int i = 0; i < panels && pane_is_timed(index->pane); i++) {
+    for (int i = 0; i < panels && pane_is_timed(placed->pane); i++) {
         const struct rectangle part = {panel[i].x, panel[i].y, panel[i].width, panel[i].height};
         struct figure_layout layout;
         figure_layout(&panel[i].figure, part.width, part.height, screen->charset, &layout);
-        cursors_draw(screen, &layout, &sheet, part, !index->joined && i == 0);
+        cursors_draw(screen, &layout, &sheet, part, !placed->joined && i == 0);
         if (i == panels - 1)
             draw_marks(screen, &layout, &sheet, part);
     }
-    copy_rows(&sheet, screen->canvas, index->at);
-    if (index->joined)
-        draw_branches(screen, index->at);
+    copy_rows(&sheet, screen->canvas, placed->at);
+    if (placed->joined)
+        draw_branches(screen, placed->at);
     return true;
 }
 
 /* What the labels of all panels of a figure need. */
-static int widest_gutter(const struct screen *screen, const struct index *index,
+static int widest_gutter(const struct screen *screen, const struct placed_pane *placed,
                          const struct figure *figure)
 {
     struct figure_panel panel[PANELS_MAX];
     const int panels =
-        figure_panels(figure, index->at.width, pane_drawn_height(index), screen->charset, panel);
+        figure_panels(figure, placed->at.width, pane_drawn_height(placed), screen->charset, panel);
     int gutter = 0;
     for (int i = 0; i < panels; i++) {
         struct figure_layout layout;
@@ -285,49 +287,50 @@ static int widest_gutter(const struct screen *screen, const struct index *index,
 }
 
 /* All time plots over each other get labels of the same width, so that their axes are aligned. */
-bool panes_figures(struct screen *screen, const struct index *index, int indices,
+bool panes_figures(struct screen *screen, const struct placed_pane *placed, int placed_count,
                    struct figure *figure)
 {
-    const struct shared_time time = share_time(screen, index, indices);
-    for (int i = 0; i < indices; i++)
-        if (!make_figure(screen, &index[i], &time, &figure[i]))
+    const struct shared_time time = share_time(screen, placed, placed_count);
+    for (int i = 0; i < placed_count; i++)
+        if (!make_figure(screen, &placed[i], &time, &figure[i]))
             return false;
-    for (int i = 0; i < indices; i++) {
+    for (int i = 0; i < placed_count; i++) {
         int gutter = 0;
-        for (int j = 0; j < indices && pane_is_timed(index[i].pane); j++) {
-            if (!pane_is_timed(index[j].pane) || index[j].at.x != index[i].at.x)
+        for (int j = 0; j < placed_count && pane_is_timed(placed[i].pane); j++) {
+            if (!pane_is_timed(placed[j].pane) || placed[j].at.x != placed[i].at.x)
                 continue;
-            gutter = larger(gutter, widest_gutter(screen, &index[j], &figure[j]));
+            gutter = larger(gutter, widest_gutter(screen, &placed[j], &figure[j]));
         }
         figure[i].gutter = gutter;
     }
     return true;
 }
 
-bool panes_draw(struct screen *screen, const struct index *index, int indices)
+bool panes_draw(struct screen *screen, const struct placed_pane *placed, int placed_count)
 {
-    struct figure figure[PLACES_MAX];
-    if (!panes_figures(screen, index, indices, figure))
+    struct figure figure[PLACED_MAX];
+    if (!panes_figures(screen, placed, placed_count, figure))
         return false;
-    for (int i = 0; i < indices; i++)
-        if (!draw_pane(screen, &index[i], &figure[i]))
+    for (int i = 0; i < placed_count; i++)
+        if (!draw_pane(screen, &placed[i], &figure[i]))
             return false;
     return true;
 }
 
-int panes_time_axis(struct screen *screen, const struct index *index, int indices, double span[2])
+int panes_time_axis(struct screen *screen, const struct placed_pane *placed, int placed_count,
+                    double span[2])
 {
-    struct figure figure[PLACES_MAX];
+    struct figure figure[PLACED_MAX];
     struct figure_panel panel[PANELS_MAX];
     struct figure_layout layout;
     int found = -1;
-    for (int i = indices - 1; i >= 0; i--)
-        if (pane_is_timed(index[i].pane) &&
-            (found < 0 || index[found].pane != screen->session->view.focus))
+    for (int i = placed_count - 1; i >= 0; i--)
+        if (pane_is_timed(placed[i].pane) &&
+            (found < 0 || placed[found].pane != screen->session->view.focus))
             found = i;
-    if (found < 0 || !panes_figures(screen, index, indices, figure))
+    if (found < 0 || !panes_figures(screen, placed, placed_count, figure))
         return 0;
-    figure_panels(&figure[found], index[found].at.width, pane_drawn_height(&index[found]),
+    figure_panels(&figure[found], placed[found].at.width, pane_drawn_height(&placed[found]),
                   screen->charset, panel);
     figure_layout(&panel[0].figure, panel[0].width, panel[0].height, screen->charset, &layout);
     span[0] = layout.x.from;

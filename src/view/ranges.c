@@ -128,7 +128,7 @@ static void settle_decades(struct axis *axis, struct extent extent)
 }
 
 /* The axes of one panel; the run that goes on is the first curve. */
-static void settle_panel(const struct screen *screen, const struct index *index,
+static void settle_panel(const struct screen *screen, const struct placed_pane *placed,
                          const struct figure *figure, int panel, struct axis *x, struct axis *y)
 {
     const struct session *session = screen->session;
@@ -138,29 +138,29 @@ static void settle_panel(const struct screen *screen, const struct index *index,
         settle_decades(y, extent);
         return;
     }
-    if (from_zero(index->pane) && extent.low <= extent.high)
+    if (from_zero(placed->pane) && extent.low <= extent.high)
         extend(&extent, 0);
     if (first)
-        extend_expected(session, figure, index->pane, true, &extent);
-    settle(y, extent, index->at.height);
-    if (!pane_is_plane(index->pane))
+        extend_expected(session, figure, placed->pane, true, &extent);
+    settle(y, extent, placed->at.height);
+    if (!pane_is_plane(placed->pane))
         return;
     if (first)
-        extend_expected(session, figure, index->pane, false, &across);
-    settle(x, across, index->at.height);
+        extend_expected(session, figure, placed->pane, false, &across);
+    settle(x, across, placed->at.height);
     if (figure->equal && (!x->fixed || !y->fixed)) { /* at rest */
-        double capacity = 0.1 * fmax(fabs(across.low), fabs(across.high));
-        x->fixed = y->fixed = capacity > 0 && isfinite(capacity);
-        x->from = across.low - capacity;
-        x->to = across.high + capacity;
-        y->from = extent.low - capacity;
-        y->to = extent.high + capacity;
+        double margin = 0.1 * fmax(fabs(across.low), fabs(across.high));
+        x->fixed = y->fixed = margin > 0 && isfinite(margin);
+        x->from = across.low - margin;
+        x->to = across.high + margin;
+        y->from = extent.low - margin;
+        y->to = extent.high + margin;
     }
 }
 
-bool ranges_settle(struct screen *screen, const struct index *index, struct figure *figure)
+bool ranges_settle(struct screen *screen, const struct placed_pane *placed, struct figure *figure)
 {
-    settle_panel(screen, index, figure, 0, &figure->x, &figure->y);
+    settle_panel(screen, placed, figure, 0, &figure->x, &figure->y);
     if (!figure->second)
         return true;
     struct axis *second = arena_array(&screen->arena, 2, sizeof *second);
@@ -168,7 +168,7 @@ bool ranges_settle(struct screen *screen, const struct index *index, struct figu
         return false;
     second[0] = figure->plane ? figure->second[0] : figure->x;
     second[1] = figure->second[1];
-    settle_panel(screen, index, figure, 1, &second[0], &second[1]);
+    settle_panel(screen, placed, figure, 1, &second[0], &second[1]);
     figure->second = second;
     return true;
 }

@@ -12,10 +12,10 @@ static void draw_parts(struct screen *screen, const struct prompt_line *prompt, 
     if (division.state)
         state_line_draw(screen, y++);
     if (division.plots) {
-        struct index index[PLACES_MAX];
-        int indices = screen_places(session, (struct rectangle){0, y, width, division.plots},
-                                    screen->canvas->height, index);
-        *ok = panes_draw(screen, index, indices);
+        struct placed_pane placed[PLACED_MAX];
+        int placed_count = screen_panes(session, (struct rectangle){0, y, width, division.plots},
+                                        screen->canvas->height, placed);
+        *ok = panes_draw(screen, placed, placed_count);
         y += division.plots;
     }
     struct rectangle log = {0, y, width, division.log};
@@ -70,10 +70,10 @@ static int time_axis(const struct session *session, int width, int height, doubl
 {
     struct screen screen = {.session = session, .charset = session_charset(session)};
     struct division division = screen_division(session, height);
-    struct index index[PLACES_MAX];
+    struct placed_pane placed[PLACED_MAX];
     const struct rectangle area = {0, division.state, width, division.plots};
-    int indices = division.plots ? screen_places(session, area, height, index) : 0;
-    int columns = panes_time_axis(&screen, index, indices, span);
+    int placed_count = division.plots ? screen_panes(session, area, height, placed) : 0;
+    int columns = panes_time_axis(&screen, placed, placed_count, span);
     arena_reset(&screen.arena);
     return columns;
 }

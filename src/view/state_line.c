@@ -43,7 +43,7 @@ static void put_parameter(struct buffer *out, const struct scene *scene, int i, 
         buffer_quantity(out, scene->value[i], param->quantity, 3);
 }
 
-/* Those that matter, `most` in all; where it starts only on request. */
+/* Those that matter, `max` in all; where it starts only on request. */
 static void put_parameters(struct buffer *out, const struct scene *scene, int max, bool start)
 {
     const int count = (int)scene_params(scene)->count, t0 = scene_param(scene, "t0");

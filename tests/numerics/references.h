@@ -143,7 +143,7 @@ static inline bool is_of(const struct table_row *row, const char *problem, const
 }
 
 /*
- * Largest error over the rows of the problem, in units of each value, or of `least` where that is
+ * Largest error over the rows of the problem, in units of each value, or of `min` where that is
  * smaller (NAN: of what the scene holds to be the variable's size); -1: there are none. Marks them.
  */
 static inline double worst_of(struct table_row *table, size_t rows, const char *problem,
@@ -180,7 +180,7 @@ static inline double worst_of(struct table_row *table, size_t rows, const char *
 
 /*
  * Largest error over the rows of the problem in units of tol and of each variable's size along the
- * run; NAN: more than `most` steps are needed, or there is no row.
+ * run; NAN: more than `max` steps are needed, or there is no row.
  */
 static inline double error_over_tol(const struct table_row *table, size_t rows, const char *problem,
                                     const char *parameters, const struct scene *scene,

@@ -33,8 +33,8 @@ struct crossing {
 /*
  * Crossings of `level` with hysteresis (4 sigma of the noise or 5 % of the amplitude, whichever is
  * more), each placed by a line fit to the samples around it (+-5 samples of noisy data, as many as
- * the curvature allows; cubic interpolation for noise-free series). Writes up to `room`, returns
- * how many there are.
+ * the curvature allows; cubic interpolation for noise-free series). Writes up to `capacity`,
+ * returns how many there are.
  */
 size_t series_crossings(const struct series *series, const struct overview *overview, double level,
                         struct crossing *out, size_t capacity);

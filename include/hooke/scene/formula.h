@@ -112,7 +112,7 @@ struct root_search {
 /*
  * The root between a and b, where the values fa and fb have different signs: inverse quadratic
  * interpolation where that is safe, else bisection (Chandrupatla 1997, Adv. Eng. Software 28:145).
- * It is known to `least`; where it returns, the value is 0 or has the sign of fb.
+ * It is known to `min`; where it returns, the value is 0 or has the sign of fb.
  */
 double root_between(double (*value)(void *context, double x), void *context, double a, double fa,
                     double b, double fb, double min);

@@ -276,7 +276,7 @@ void system_jacobian(const struct system *system, double t, const double *y,
  * Short times at which a typed equation does something that samples would miss, as bounds of it
  * prove, along the smooth way from one state to another: between t[0] and t[1] [s], shorter than
  * 1/32 of it each. Appended to those there are, and those that meet become one; the new count, at
- * most `most`. sure: of smooth forces none, as a warning has to be true; else some where a force
+ * most `max`. sure: of smooth forces none, as a warning has to be true; else some where a force
  * has no bend, which costs steps and no more.
  */
 struct burst {

@@ -22,8 +22,8 @@ enum request_kind {
 };
 
 /*
- * The list is persistent: a leg knows the one before it and never changes while two lists have it,
- * so that the run and all undo entries share what they have in common, and a new entry costs
+ * The list is persistent: a request knows the one before it and never changes while two lists have
+ * it, so that the run and all undo entries share what they have in common, and a new entry costs
  * nothing but a count.
  */
 struct request {
@@ -41,13 +41,13 @@ struct request {
     int64_t rows;  /* REQUEST_BACK */
 
     /* Private to journal.c. */
-    int references, count; /* of legs up to this one */
+    int references, count; /* of requests up to this one */
     bool backs;            /* one of them is a REQUEST_BACK */
     struct request *before;
     const struct request *go; /* the latest REQUEST_GO before it */
     struct {                  /* of each REQUEST_SET [1], of those not by events [0]: */
         const struct request *before;
-        int count; /* up to this leg */
+        int count; /* up to this request */
         struct scene
             *scene; /* what they have made of the scene: at each so many of them, else NULL */
     } set[2];
@@ -61,10 +61,10 @@ struct request *journal_share(
     struct request *last); /* another owner of the list that ends there; NULL: an empty one */
 void journal_release(struct request *last);
 int journal_count(const struct request *last);
-/* The legs from place `first` on, in order, *count of them; free() the list, not them. False: no
- * memory, *count 0. */
+/* The requests from place `first` on, in order, *count of them; free() the list, not them. False:
+ * no memory, *count 0. */
 bool journal_list(const struct request *last, int first, const struct request ***list, int *count);
-/* The times [s] of the latest changes of parameters, at most `most`, in order; not those by events.
+/* The times [s] of the latest changes of parameters, at most `max`, in order; not those by events.
  * Returns how many. */
 int journal_changes(const struct request *last, double *t, int max);
 /* What is still to be done after a pause: the last REQUEST_GO; NULL: nothing. */
@@ -79,7 +79,7 @@ bool journal_back(struct run_slot *slot, int64_t before, double before_t, int64_
 /* The parameters in force now: those of the start and what was changed since, by events too or
  * without them. */
 void journal_scene(const struct run_slot *slot, bool by_events, struct scene *scene);
-/* Has something been changed since leg `first`, not by an event? */
+/* Has something been changed since request `first`, not by an event? */
 bool journal_changed(const struct run_slot *slot, int first);
 /*
  * Takes the run to the state at the end of the list that ends at `last`: `steps`, at time `t`. It
@@ -91,10 +91,10 @@ bool journal_restore(struct session *session, struct run_slot *slot, struct requ
 /* What a REQUEST_SET or REQUEST_KICK changed, and to what: "gamma 0.1 1/s". */
 void journal_put_change(const struct run *run, const struct request *request, struct buffer *text);
 /*
- * Appends the commands that do what was done since leg `first` and step `since` (0, -1: all): run,
- * continue, change, back. number: of the run, 0: the next. by_events: also what the run's events
- * did, which does it again where they only stop. False: a condition needs names that no saved
- * session knows; then nothing is appended.
+ * Appends the commands that do what was done since request `first` and step `since` (0, -1: all):
+ * run, continue, change, back. number: of the run, 0: the next. by_events: also what the run's
+ * events did, which does it again where they only stop. False: a condition needs names that no
+ * saved session knows; then nothing is appended.
  */
 bool journal_write(const struct session *session, const struct run_slot *slot, int first,
                    int64_t since, int number, bool by_events, struct buffer *text);

@@ -216,9 +216,9 @@ struct precision {
 };
 
 /*
- * Sweeps each contender from coarse steps to the floor of rounding (or the ends given), measures
+ * Sweeps each choice from coarse steps to the floor of rounding (or the ends given), measures
  * the errors, then times all points together. Failed points are results; of those before the first
- * success only the last is kept. A contender that does not apply is an error before anything runs.
+ * success only the last is kept. A choice that does not apply is an error before anything runs.
  * False also when cancelled: what is finished is kept (curves > 0), times may be missing.
  * precision_free() in every case.
  */
@@ -328,7 +328,7 @@ struct comparison {           /* one method at one setting */
 bool study_compare_plan(const struct compare_request *request, double *steps, double *seconds,
                         struct error *error);
 /*
- * Runs every contender at every setting, in order. rows has room for contenders * max(dts, 1) (or
+ * Runs every choice at every setting, in order. rows has room for choices * max(dts, 1) (or
  * tols); *count says how many were finished. A method that does not apply to the scene, or a
  * setting that is refused, is an error before anything runs. A diverged run is a result. False also
  * when cancelled: the finished rows are kept and *count > 0.

@@ -41,7 +41,7 @@ bool study_fit_scene(const struct scene_fit_request *request, struct arena *aren
  * (k, gamma, C of a drag that is there …). Returns how many; those of them that the user has given
  * without an uncertainty are held instead. Both arrays [PARAM_MAX].
  */
-int scene_fit_usual(const struct scene *scene, int *index, int *slot, int *slots);
+int scene_fit_usual(const struct scene *scene, int *index, int *fixed, int *fixed_count);
 
 /* ---- spread: how uncertain a motion is, for what is known of its parameters ---- */
 

@@ -164,7 +164,7 @@ bool formula_bounds(struct formula *f, struct text name, double low, double high
 
 /* ---- evaluation ---- */
 
-struct index {
+struct sample_at {
     const struct formula *formula;
     const double *parameter;
     double t;
@@ -173,7 +173,7 @@ struct index {
 
 static double load(const void *context, int slot)
 {
-    const struct index *p = context;
+    const struct sample_at *p = context;
     const struct formula *f = p->formula;
     if (slot >= FIRST_CONSTANT)
         return f->constant[slot - FIRST_CONSTANT];
@@ -186,14 +186,14 @@ bool formula_evaluate(void *context, const double *parameter, const double *t, s
                       double *value, double *derivative)
 {
     const struct formula *f = context;
-    struct index index = {.formula = f, .parameter = parameter};
-    struct expr_scope scope = {.context = &index, .load = load};
+    struct sample_at at = {.formula = f, .parameter = parameter};
+    struct expr_scope scope = {.context = &at, .load = load};
     int slot[CURVE_PARAMETERS];
     for (int j = 0; j < f->parameters; j++)
         slot[j] = FIRST_PARAMETER + j;
     for (size_t i = 0; i < n; i++) {
-        index.t = t[i];
-        index.i = i;
+        at.t = t[i];
+        at.i = i;
         value[i] = derivative ? expr_gradient(f->expr, &scope, slot, f->parameters,
                                               derivative + i * (size_t)f->parameters)
                               : expr_value(f->expr, &scope);
@@ -206,11 +206,11 @@ bool formula_evaluate(void *context, const double *parameter, const double *t, s
 void formula_values(const struct formula *formula, const double *parameter, const double *t,
                     size_t n, double *value)
 {
-    struct index index = {.formula = formula, .parameter = parameter};
-    struct expr_scope scope = {.context = &index, .load = load};
+    struct sample_at at = {.formula = formula, .parameter = parameter};
+    struct expr_scope scope = {.context = &at, .load = load};
     for (size_t i = 0; i < n; i++) {
-        index.t = t[i];
-        index.i = i;
+        at.t = t[i];
+        at.i = i;
         value[i] = expr_value(formula->expr, &scope);
     }
 }

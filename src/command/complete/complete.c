@@ -60,13 +60,13 @@ void complete_next(struct completion *c, const struct command *command, struct t
         }
     if (led)
         return;
-    int indices = count_words(before);
+    int words = count_words(before);
     const char *lead = "";
     const struct argument *index = NULL;
     for (int i = 0; i < command->arguments; i++) {
         const struct argument *argument = &command->argument[i];
         if (argument->form == FORM_PLACE && !index &&
-            (indices-- == 0 || (argument->flags & ARG_MANY)))
+            (words-- == 0 || (argument->flags & ARG_MANY)))
             index = argument;
         if (argument->form == FORM_WORD && argument->name[0] != '>' && !argument->lead)
             complete_offer(c, argument->name, "");

@@ -173,15 +173,15 @@ static struct inputs exact_in(const struct scene *scene, const int *index, int c
 }
 
 /* "k = 15 N/m, m = 0.2 kg (free= frees them)"; NULL: nothing. */
-static const char *describe_held(const struct scene *scene, const int *slot, int count,
-                                 struct arena *arena)
+static const char *describe_fixed(const struct scene *scene, const int *fixed, int count,
+                                  struct arena *arena)
 {
     struct buffer text = {0};
     for (int i = 0; i < count; i++) {
-        const struct param_row *row = param_at(scene, slot[i]);
+        const struct param_row *row = param_at(scene, fixed[i]);
         buffer_format(&text, "%s%s = ", i ? ", " : "", row->row.name);
         buffer_measured(&text,
-                        (struct measured){scene->value[slot[i]], scene->uncertainty[slot[i]]},
+                        (struct measured){scene->value[fixed[i]], scene->uncertainty[fixed[i]]},
                         row->quantity, 6);
     }
     buffer_put(&text, count ? TEXT(", as you have set (free=NAME,.. fits them)") : TEXT(""));
@@ -227,12 +227,12 @@ bool fit_the_scene(const struct fit_request *asked, struct error *error)
     struct scene scene = session->setup.scene;
     struct series series = asked->subject->series;
     struct scene_fit fit;
-    int index[PARAM_MAX], slot[PARAM_MAX], count = 0, slots = 0;
+    int index[PARAM_MAX], fixed[PARAM_MAX], count = 0, fixed_count = 0;
     double offset = NAN;
     if (!take_values(asked, &scene, &offset, error) || !take_free(asked, index, &count, error))
         return false;
     if (count == 0)
-        count = scene_fit_usual(&session->setup.scene, index, slot, &slots);
+        count = scene_fit_usual(&session->setup.scene, index, fixed, &fixed_count);
     if (isfinite(offset) && !shift(&series, offset, arena, error))
         return false;
     const struct scene_fit_request request = {.scene = &scene,
@@ -255,7 +255,7 @@ bool fit_the_scene(const struct fit_request *asked, struct error *error)
                                .curve = &fit.curve,
                                .name = fit.name,
                                .quantity = quantity,
-                               .slot = describe_held(&scene, slot, slots, arena),
+                               .fixed = describe_fixed(&scene, fixed, fixed_count, arena),
                                .inputs = exact_in(&scene, index, count),
                                .k = {NAN, NAN}};
     const int last = fit.curve.parameters - 1, friction = scene_param(&fit.scene, "friction");
@@ -279,7 +279,7 @@ bool fit_the_scene(const struct fit_request *asked, struct error *error)
 struct known_names {
     const struct expr_scope *all;
     const struct arguments *given;
-    struct buffer *slot; /* which of them were used */
+    struct buffer *fixed; /* which of them were used */
 };
 
 static bool was_named(const struct arguments *given, struct text name)
@@ -303,8 +303,9 @@ static bool find_known(const void *context, struct text name, int *slot)
             return false;
     if (!known->all->find(known->all->context, name, slot))
         return false;
-    buffer_format(known->slot, "%s%.*s = ", known->slot->len ? ", " : "", (int)name.len, name.at);
-    buffer_measured(known->slot, (struct measured){known->all->load(known->all->context, *slot), 0},
+    buffer_format(known->fixed, "%s%.*s = ", known->fixed->len ? ", " : "", (int)name.len, name.at);
+    buffer_measured(known->fixed,
+                    (struct measured){known->all->load(known->all->context, *slot), 0},
                     name_quantity(known->all, name), 6);
     return true;
 }
@@ -323,10 +324,10 @@ static bool has_parameter(const struct formula *formula, struct text name)
     return false;
 }
 
-static bool read_formula(const struct fit_request *asked, struct text text, struct buffer *slot,
+static bool read_formula(const struct fit_request *asked, struct text text, struct buffer *fixed,
                          struct formula *formula, struct error *error)
 {
-    const struct known_names known = {asked->given->scope, asked->given, slot};
+    const struct known_names known = {asked->given->scope, asked->given, fixed};
     const struct expr_scope scope = {.context = &known, .find = find_known, .load = load_known};
     const struct given_argument *starts = argument_given(asked->given, "NAME"),
                                 *names = argument_given(asked->given, "free");
@@ -352,10 +353,10 @@ bool fit_a_formula(const struct fit_request *asked, struct text text, struct err
     struct arena *arena = asked->given->arena;
     struct formula formula;
     struct curve_fit fit;
-    struct buffer slot = {0};
-    bool ok = read_formula(asked, text, &slot, &formula, error);
-    const char *held_text = slot.len ? arena_text(arena, buffer_text(&slot)) : NULL;
-    buffer_free(&slot);
+    struct buffer fixed = {0};
+    bool ok = read_formula(asked, text, &fixed, &formula, error);
+    const char *fixed_text = fixed.len ? arena_text(arena, buffer_text(&fixed)) : NULL;
+    buffer_free(&fixed);
     const struct curve_options options = {.robust = is_given(asked->given, "robust"),
                                           .bootstrap = bootstrap_of(asked->given),
                                           .seed = 1,
@@ -372,7 +373,7 @@ bool fit_a_formula(const struct fit_request *asked, struct text text, struct err
                                .curve = &fit,
                                .name = formula.name,
                                .quantity = quantity,
-                               .slot = held_text,
+                               .fixed = fixed_text,
                                .k = {NAN, NAN}};
     return conclude(asked, &told, "formula", (struct measured){0, 0}, error);
 }

@@ -268,8 +268,8 @@ static void put_curve(const struct fit_summary *told, struct arena *arena, struc
                               curve->correlation[i][j]);
                 before = ", ";
             }
-    if (told->slot)
-        buffer_format(text, "\n  held: %s", told->slot);
+    if (told->fixed)
+        buffer_format(text, "\n  held: %s", told->fixed);
     inputs_put(&told->inputs, text);
 }
 

@@ -19,7 +19,7 @@ struct fit_summary {
     const char *const *name;
     const enum quantity
         *quantity;     /* [curve->parameters] QUANTITY_OTHER: the unit follows from the formula */
-    const char *slot;  /* what was not fitted: "m = 0.2 kg, k = 15 N/m"; NULL: nothing to say */
+    const char *fixed; /* what was not fitted: "m = 0.2 kg, k = 15 N/m"; NULL: nothing to say */
     struct measured k; /* NAN: not known */
     bool spring;       /* k could be known */
     struct inputs inputs; /* what entered besides the recording */

@@ -42,16 +42,16 @@ static bool piles_up(const struct run_slot *slot, struct event_pass *pass, struc
         return !error_hint(error, "'continue' goes on");
     }
     for (; pass->seen < run_event_records(run); pass->seen++) {
-        const struct event_record *happening = run_event_record(run, pass->seen);
-        const int i = happening->event;
-        const double since = fabs(happening->t - pass->event[i].last);
+        const struct event_record *record = run_event_record(run, pass->seen);
+        const int i = record->event;
+        const double since = fabs(record->t - pass->event[i].last);
         if (pass->event[i].known) {
             pass->event[i].close =
                 since <= PILE * pass->event[i].longest ? pass->event[i].close + 1 : 0;
             pass->event[i].longest = fmax(pass->event[i].longest, since);
         }
         pass->event[i].known = true;
-        pass->event[i].last = happening->t;
+        pass->event[i].last = record->t;
         if (pass->event[i].close < 3 || slot->events->line[i].action != EVENT_COMMANDS)
             continue;
         error_set(error, ERROR_NUMERICAL,

@@ -17,7 +17,7 @@ struct event_pass {
     const struct event_line *stopped[LIMIT_EVENTS]; /* where it is now */
     int count;
     int passed;  /* in the present command */
-    size_t seen; /* happenings of the run */
+    size_t seen; /* event records of the run */
     struct {
         bool known;
         double last, longest; /* [s] when it was, and the longest time between two */

@@ -164,8 +164,8 @@ static void travel(struct session *session, struct run *run, struct advance *adv
         front->progress(front->context, run, 2);
 }
 
-/* What `record`, and the story of the session, have to say where the statement alone does not tell
- * what happened. What events did it does again. */
+/* What `record`, and the transcript of the session, have to say where the statement alone does not
+ * tell what happened. What events did it does again. */
 static void tell(struct session *session, const struct advance *advance)
 {
     const bool paused = stop_is_pause(advance->slot->run->stop);
@@ -263,8 +263,8 @@ static void reply_running(const struct session *session, struct reply *reply)
 }
 
 /*
- * On along the last leg. `steps` ends it early on purpose: the run is then as good as paused, what
- * is left of the leg can be done by `continue`.
+ * On along the last request. `steps` ends it early on purpose: the run is then as good as paused,
+ * what is left of the request can be done by `continue`.
  */
 static bool advance(struct session *session, const struct arguments *given, int64_t steps,
                     bool clocked, struct reply *reply, struct error *error)
@@ -321,7 +321,7 @@ static struct run *new_run(struct session *session, double span, int64_t steps, 
     return run;
 }
 
-/* A leg from where the current run is. */
+/* A request from where the current run is. */
 static bool new_request(struct session *session, double t, int64_t end,
                         const struct given_argument *until, struct error *error)
 {
@@ -329,7 +329,7 @@ static bool new_request(struct session *session, double t, int64_t end,
     const struct request request = {
         .kind = REQUEST_GO, .from = slot->run->steps, .from_t = slot->run->t, .t = t, .end = end};
     const struct request *last = slot->last;
-    /* Step by step is one leg, not many. */
+    /* Step by step is one request, not many. */
     if (end != INT64_MAX && last && last->kind == REQUEST_GO && last->t == t &&
         last->end == request.from) {
         struct request *edited = journal_edit_pending(slot, error);
@@ -506,7 +506,7 @@ HANDLER(step)
            advance(session, given, -1, false, reply, error);
 }
 
-/* Back by so many recorded states; what is left of a paused leg is still to be done. */
+/* Back by so many recorded states; what is left of a paused request is still to be done. */
 static bool go_back(struct session *session, struct run *run, int64_t rows, struct reply *reply,
                     struct error *error)
 {

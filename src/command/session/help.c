@@ -249,10 +249,10 @@ static void reply_wrapped(const struct session *session, struct text text, struc
         return;
     }
     while (text_split(&text, '\n', &line)) {
-        const int capacity = text_starts(line, TEXT("  ")) ? INT_MAX : width;
+        const int columns = text_starts(line, TEXT("  ")) ? INT_MAX : width;
         size_t from = 0;
         do {
-            const struct text row = log_row(line, &from, capacity, &indent);
+            const struct text row = log_row(line, &from, columns, &indent);
             buffer_format(&out, "%*s%.*s\n", indent, "", (int)row.len, row.at);
         } while (from < line.len);
     }

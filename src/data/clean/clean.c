@@ -242,12 +242,12 @@ static void trim_ends(struct cleaning *c)
     for (to = last; to > from && f->mask[to]; to--)
         ;
     if (from - first >= SHOULDER_MIN) {
-        f->of[FINDING_START].indices = 0;
+        f->of[FINDING_START].stretches = 0;
         clean_note(&f->of[FINDING_START], c->t[0], from - first);
         f->window[0] = c->t[from];
     }
     if (last - to >= SHOULDER_MIN) {
-        f->of[FINDING_END].indices = 0;
+        f->of[FINDING_END].stretches = 0;
         clean_note(&f->of[FINDING_END], c->t[to + 1], last - to);
         f->window[1] = c->t[to];
     }
@@ -384,7 +384,7 @@ static bool inspect(struct recording *recording, double period, struct findings 
     f->sway_period = f->rests = NAN;
     for (int k = 0; k < FINDINGS; k++) {
         f->of[k].size = NAN;
-        for (int i = 0; i < FINDING_PLACES; i++)
+        for (int i = 0; i < FINDING_STRETCHES; i++)
             f->of[k].first[i] = NAN;
     }
     if (!c.excluded || !c.residual || !c.model || !c.sorted || !f->mask)
@@ -425,7 +425,7 @@ void recording_keep_ends(struct recording *recording)
     f->window[1] = recording->t[recording->rows - 1];
     f->rests = NAN;
     f->of[FINDING_START].count = f->of[FINDING_END].count = 0;
-    f->of[FINDING_START].indices = f->of[FINDING_END].indices = 0;
+    f->of[FINDING_START].stretches = f->of[FINDING_END].stretches = 0;
     recording->findings = f;
 }
 

@@ -46,9 +46,9 @@ bool clean_fit(struct cleaning *cleaning);
 /* Notes a stretch of samples that begins at t. */
 static inline void clean_note(struct finding *finding, double t, size_t samples)
 {
-    if (finding->indices < FINDING_PLACES)
-        finding->first[finding->indices] = t;
-    finding->indices++;
+    if (finding->stretches < FINDING_STRETCHES)
+        finding->first[finding->stretches] = t;
+    finding->stretches++;
     finding->count += samples;
 }
 

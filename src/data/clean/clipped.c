@@ -74,21 +74,21 @@ void clean_clipped(struct cleaning *c, bool upper)
             continue;
         here = c->t[i] > until ? 0 : here;
         clean_note(&tops, c->t[i], 0);
-        tops.indices -= c->t[i] > until ? 0 : 1;
+        tops.stretches -= c->t[i] > until ? 0 : 1;
         here++;
         max = here > max ? here : max;
         tops.count++;
         sum += c->y[i];
         until = c->t[i] + 0.25 * c->period;
     }
-    if (tops.indices < 3 || 2 * max > tops.count || tops.count < 3 * tops.indices)
+    if (tops.stretches < 3 || 2 * max > tops.count || tops.count < 3 * tops.stretches)
         return;
     const bool earlier = clipped->count > 0 && clipped->first[0] < tops.first[0];
-    for (int k = 0; k < FINDING_PLACES && !earlier; k++)
+    for (int k = 0; k < FINDING_STRETCHES && !earlier; k++)
         clipped->first[k] = tops.first[k];
     clipped->size = sum / (double)tops.count;
     clipped->count += tops.count;
-    clipped->indices += tops.indices;
+    clipped->stretches += tops.stretches;
     const double margin = fmax(0.5 * (layer.high - layer.low),
                                fmin(4 * c->typical, thin)); /* noise carries some out */
     layer.low -= margin;

@@ -63,7 +63,7 @@ struct found {
     bool fraction, led_by_zero;
 };
 
-/* `run` consecutive rows of `least` fields or more; words: with words in some of them. */
+/* `run` consecutive rows of `min` fields or more; words: with words in some of them. */
 static bool find_rows(const struct table_text *text, size_t from, struct reading reading, int min,
                       bool words, int run, struct found *found)
 {

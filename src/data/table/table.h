@@ -69,7 +69,7 @@ bool table_field(struct text *rest, char separator, struct text *field);
 enum cell table_cell(struct text field, char decimal, double *value);
 bool table_grouped(struct text field, char decimal,
                    double *value);                 /* a number with marks between thousands */
-size_t text_fitting(struct text text, size_t max); /* bytes of whole characters, at most `most` */
+size_t text_fitting(struct text text, size_t max); /* bytes of whole characters, at most `max` */
 const char *short_name(struct text text, char out[SHORT_NAME]); /* safe to show */
 
 /* intake.c: what is no text, or empty. */

@@ -59,11 +59,11 @@ INLINE int64_t rk_march(const struct method *method, int n, slope_function *slop
 }
 
 /* z = y + sum_j share_j k_j, k [stages][stride] */
-typedef void combine_function(int n, int stride, const struct fractions *fractions, const double *k,
+typedef void combine_function(int n, int stride, const struct weights *weights, const double *k,
                               const double *y, double *z);
 
 /* As rk_stages(). */
-INLINE void picked_stages(const struct tableau *tableau, const struct fractions *fractions, int n,
+INLINE void picked_stages(const struct tableau *tableau, const struct weights *weights, int n,
                           int stride, combine_function *combine, slope_function *slope,
                           const void *forces, double t, double h, const double *y, double *k,
                           double *z, bool known)
@@ -72,11 +72,11 @@ INLINE void picked_stages(const struct tableau *tableau, const struct fractions 
     if (!known)
         slope(forces, t, y, k);
     for (int s = 1; s < stages; s++) {
-        combine(n, stride, &fractions[s], k, y, z);
+        combine(n, stride, &weights[s], k, y, z);
         slope(forces, t + tableau->c[s] * h, z, k + s * stride);
     }
     if (!tableau->fsal)
-        combine(n, stride, &fractions[0], k, y, z);
+        combine(n, stride, &weights[0], k, y, z);
 }
 
 /* What lies between the variables and the next stage's takes part in sums, too. */
@@ -98,10 +98,10 @@ INLINE int64_t picked_march(const struct method *method, int n, int stride,
     struct step *step = march->step;
     const int stages = tableau->stages;
     const double h = step->h;
-    struct fractions fractions[STAGES_MAX];
+    struct weights weights[STAGES_MAX];
     double k[STAGES_MAX * MOST], state[2][MOST], *y = state[0], *z = state[1];
     double *const last = k + (stages - 1) * stride, *const kept = step->work + (stages - 1) * n;
-    stages_take(fractions, tableau, h);
+    stages_take(weights, tableau, h);
     blocks_begin(stages, n, stride, k, y);
     copy_numbers(n, step->y, y);
     const bool known = tableau->fsal && step->warm;
@@ -113,7 +113,7 @@ INLINE int64_t picked_march(const struct method *method, int n, int stride,
     for (int64_t i = 0; i < march->count; i++, row += n) {
         if (tableau->fsal)
             copy_numbers(n, last, k);
-        picked_stages(tableau, fractions, n, stride, combine, slope, forces,
+        picked_stages(tableau, weights, n, stride, combine, slope, forces,
                       march->origin + (double)(march->first + i) * h, h, y, k, z, tableau->fsal);
         double *const before = y;
         y = z;

@@ -17,9 +17,9 @@ INLINE void rk_difference(int n, double h, const double *w, const double *u, int
 }
 
 /*
- * The difference from the companion; with a rough one too, that of DOP853 (II.10, eq. 10.17).
- * Returns the sum of its squares by scaled_square(): the next step waits for that, not for the
- * root.
+ * The difference from the embedded weights; with a rough one too, that of DOP853 (II.10,
+ * eq. 10.17). Returns the sum of its squares by scaled_square(): the next step waits for that, not
+ * for the root.
  */
 INLINE double rk_square(const struct tableau *tableau, int n, const double *scale, const double *y,
                         const double *z, const double *rough, double *error)

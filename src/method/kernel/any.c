@@ -87,18 +87,18 @@ static int stride_of(int n)
  */
 #define COMBINE(name, width, target)                                                               \
     typedef double name##_vector __attribute__((vector_size(8 * (width)), aligned(8), may_alias)); \
-    target static void name(int n, int stride, const struct fractions *fractions, const double *k, \
+    target static void name(int n, int stride, const struct weights *weights, const double *k,     \
                             const double *y, double *z)                                            \
     {                                                                                              \
-        const int count = fractions->count;                                                        \
+        const int count = weights->count;                                                          \
         for (int i = 0; i < n; i += BLOCK) {                                                       \
             name##_vector sum[BLOCK / (width)];                                                    \
             UNROLL for (int b = 0; b < BLOCK / (width); b++) sum[b] = -(name##_vector){0};         \
             for (int j = 0; j < count; j++) {                                                      \
-                const double fraction = fractions->fraction[j];                                    \
+                const double weight = weights->weight[j];                                          \
                 const name##_vector *slope =                                                       \
-                    (const name##_vector *)(const void *)(k + fractions->stage[j] * stride + i);   \
-                UNROLL for (int b = 0; b < BLOCK / (width); b++) sum[b] += fraction * slope[b];    \
+                    (const name##_vector *)(const void *)(k + weights->stage[j] * stride + i);     \
+                UNROLL for (int b = 0; b < BLOCK / (width); b++) sum[b] += weight * slope[b];      \
             }                                                                                      \
             const name##_vector *from = (const name##_vector *)(const void *)(y + i);              \
             name##_vector *to = (name##_vector *)(void *)(z + i);                                  \

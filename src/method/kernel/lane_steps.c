@@ -59,10 +59,10 @@ struct lane_step {
 struct lane_march {
     int64_t first, count;
     bool chain; /* the commonest: four stages, each from the one before; a drift, then a kick */
-    struct fractions fractions[STAGES_MAX]; /* of the stages from the second on; [0]: of the step */
-    double weight[WEIGHTS_MAX];             /* of drifts and kicks, times h */
-    const double *cosine;                   /* [count][places]; NULL: each lane has its own */
-    int indices;
+    struct weights weights[STAGES_MAX]; /* of the stages from the second on; [0]: of the step */
+    double weight[WEIGHTS_MAX];         /* of drifts and kicks, times h */
+    const double *cosine;               /* [count][places]; NULL: each lane has its own */
+    int times;
     double *row;
 };
 
@@ -152,7 +152,7 @@ static lane_kernel *kernel_of(const struct lanes *lanes)
 
 /* ---- the drive ---- */
 
-static int indices(const struct method *method)
+static int times(const struct method *method)
 {
     return method->tableau ? method->tableau->stages : method->splitting->count;
 }
@@ -161,7 +161,7 @@ static int indices(const struct method *method)
 static void table_step(const struct lanes *lanes, double t, double *value)
 {
     const double omega = lanes->omega[0], phase = lanes->phase[0], h = lanes->h;
-    for (int index = 0; index < indices(lanes->method); index++) {
+    for (int index = 0; index < times(lanes->method); index++) {
         if (lanes->method->tableau) {
             value[index] = cos(omega * (t + lanes->method->tableau->c[index] * h) + phase);
         } else if ((index % 2 == 0) == lanes->method->splitting->kick_first) {
@@ -183,7 +183,7 @@ static bool driven_alike(const struct lanes *lanes)
 /* Values for march->count steps from march->first on, as many as there is room for. */
 static void table_steps(struct lanes *lanes, struct lane_march *march)
 {
-    const int64_t max = TABLE_ROOM / march->indices;
+    const int64_t max = TABLE_ROOM / march->times;
     const bool same = lanes->table.method == lanes->method &&
                       lanes->table.omega == lanes->omega[0] &&
                       lanes->table.phase == lanes->phase[0] && lanes->table.t0 == lanes->t0 &&
@@ -202,11 +202,11 @@ static void table_steps(struct lanes *lanes, struct lane_march *march)
     while (lanes->table.count < max && from + lanes->table.count < end) {
         const int64_t i = lanes->table.count++;
         table_step(lanes, lanes->t0 + (double)(from + i) * lanes->h,
-                   lanes->table.value + i * march->indices);
+                   lanes->table.value + i * march->times);
     }
     const int64_t there = from + lanes->table.count - march->first;
     march->count = march->count < there ? march->count : there;
-    march->cosine = lanes->table.value + (march->first - from) * march->indices;
+    march->cosine = lanes->table.value + (march->first - from) * march->times;
 }
 
 /* ---- what callers use ---- */
@@ -313,19 +313,19 @@ static void march_prepare(const struct lanes *lanes, struct lane_march *march)
 {
     const struct tableau *tableau = lanes->method->tableau;
     const struct splitting *splitting = lanes->method->splitting;
-    march->indices = indices(lanes->method);
+    march->times = times(lanes->method);
     march->chain = tableau ? tableau->stages == 4 && !tableau->fsal
                            : splitting->count == 2 && !splitting->kick_first;
     for (int i = 0; splitting && i < splitting->count; i++)
         march->weight[i] = splitting_weight(splitting, i) * lanes->h;
     if (!tableau)
         return;
-    shares_take(&march->fractions[0], tableau->b, tableau->stages, lanes->h);
-    march->chain = march->chain && march->fractions[0].count == 4;
+    weights_take(&march->weights[0], tableau->b, tableau->stages, lanes->h);
+    march->chain = march->chain && march->weights[0].count == 4;
     for (int s = 1; s < tableau->stages; s++) {
-        shares_take(&march->fractions[s], tableau_row(tableau, s), s, lanes->h);
+        weights_take(&march->weights[s], tableau_row(tableau, s), s, lanes->h);
         march->chain =
-            march->chain && march->fractions[s].count == 1 && march->fractions[s].stage[0] == s - 1;
+            march->chain && march->weights[s].count == 1 && march->weights[s].stage[0] == s - 1;
     }
 }
 

@@ -146,19 +146,19 @@ FAST void WITH(look)(struct WITH(known) * known, int parts, int from, struct WIT
         lanes_cosine(lanes, t, from * WIDE, parts * WIDE, own);
     drive->at = t;
     UNROLL for (int q = 0; q < parts; q++) known[q].cosine =
-        drive->alike ? march->cosine[i * march->indices + index] - (vector){0} : WITH(load)(own, q);
+        drive->alike ? march->cosine[i * march->times + index] - (vector){0} : WITH(load)(own, q);
 }
 
 /* ---- explicit Runge-Kutta ---- */
 
 /* z = y + sum_j (h w_j) k_j */
-FAST void WITH(combine)(int parts, const struct fractions *fractions, int count, int only,
+FAST void WITH(combine)(int parts, const struct weights *weights, int count, int only,
                         vector (*k)[2][PARTS], int component, const vector *y, vector *z)
 {
     vector sum[PARTS];
     UNROLL for (int q = 0; q < parts; q++) sum[q] = -(vector){0};
     UNROLL for (int j = 0; j < count; j++) UNROLL for (int q = 0; q < parts; q++) sum[q] +=
-        fractions->fraction[j] * k[only < 0 ? fractions->stage[j] : only + j][component][q];
+        weights->weight[j] * k[only < 0 ? weights->stage[j] : only + j][component][q];
     UNROLL for (int q = 0; q < parts; q++) z[q] = y[q] + sum[q];
 }
 
@@ -213,17 +213,17 @@ FAST void WITH(rk)(bool chain, int parts, int from, WITH(force) * force, struct 
             WITH(slope)(parts, force, known, y, k[0]);
         }
         for (int s = 1; s < stages; s++) {
-            const struct fractions *fractions = &march->fractions[s];
+            const struct weights *weights = &march->weights[s];
             for (int j = 0; j < 2; j++)
                 WITH(combine)
-            (parts, fractions, chain ? 1 : fractions->count, chain ? s - 1 : -1, k, j, y[j], z[j]);
+            (parts, weights, chain ? 1 : weights->count, chain ? s - 1 : -1, k, j, y[j], z[j]);
             WITH(look)(known, parts, from, &drive, lanes, march, i, s, t + c[s] * h);
             WITH(slope)(parts, force, known, z, k[s]);
         }
         for (int j = 0; j < 2 && !fsal; j++)
             WITH(combine)
-        (parts, &march->fractions[0], chain ? 4 : march->fractions[0].count, chain ? 0 : -1, k, j,
-         y[j], z[j]);
+        (parts, &march->weights[0], chain ? 4 : march->weights[0].count, chain ? 0 : -1, k, j, y[j],
+         z[j]);
         if (turns && WITH(turned)(parts, y[1], z[1])) {
             struct lane_step step;
             for (int j = 0; j < 2; j++) {

@@ -57,19 +57,18 @@ static bool built_in_take(const struct system *system, struct part *part, double
 
 /* ---- typed ones ---- */
 
-static bool sum_take(struct sum *sum, struct known *known, int *capacity,
-                     const struct bound_term *term)
+static bool sum_take(struct sum *sum, struct known *known, int *left, const struct bound_term *term)
 {
     int values;
     const struct program *const program = term_program(term, &values);
-    const int indices = program ? (int)program_frame(program) : 0;
-    if (indices > *capacity)
+    const int size = program ? (int)program_frame(program) : 0;
+    if (size > *left)
         return false;
-    *capacity -= indices;
-    sum->part[sum->parts++] = (struct part){program ? program_code(program) : NULL, program, term,
-                                            known->frame + *capacity};
+    *left -= size;
+    sum->part[sum->parts++] =
+        (struct part){program ? program_code(program) : NULL, program, term, known->frame + *left};
     if (program)
-        program_prepare(program, known->frame + *capacity);
+        program_prepare(program, known->frame + *left);
     return true;
 }
 
@@ -106,17 +105,17 @@ static void sum_close(struct sum *sum, const struct system *system)
 bool known_take(struct known *known, const struct system *system)
 {
     const struct bound_term *const whole = system_whole(system);
-    int capacity = FRAME;
+    int left = FRAME;
     known->whole.parts = known->force.parts = known->drag.parts = 0;
     if (!system->typed.row)
         return built_in_take(system, &known->whole.all, known->frame);
-    if (whole && !sum_take(&known->whole, known, &capacity, whole))
+    if (whole && !sum_take(&known->whole, known, &left, whole))
         return false;
     for (int i = 0; i < system->terms; i++) {
         const struct bound_term *const term = &system->term[i];
-        if (!sum_take(term->row->flags & TERM_VELOCITY ? &known->drag : &known->force, known,
-                      &capacity, term) ||
-            (!whole && !sum_take(&known->whole, known, &capacity, term)))
+        if (!sum_take(term->row->flags & TERM_VELOCITY ? &known->drag : &known->force, known, &left,
+                      term) ||
+            (!whole && !sum_take(&known->whole, known, &left, term)))
             return false;
     }
     sum_close(&known->whole, system);

@@ -125,7 +125,7 @@ static void begin(struct typed_lanes *lanes)
 typedef double eight __attribute__((vector_size(64), aligned(64), may_alias));
 
 /* z = y + sum_j share_j k_j, each [n] */
-INLINE void combine(const struct fractions *sum, int n, const double *k, const double *y, double *z)
+INLINE void combine(const struct weights *sum, int n, const double *k, const double *y, double *z)
 {
     enum { AT_ONCE = 4 };
     const eight *from = (const eight *)(const void *)y;
@@ -134,11 +134,11 @@ INLINE void combine(const struct fractions *sum, int n, const double *k, const d
     for (int q = 0; q < size; q += AT_ONCE) {
         eight total[AT_ONCE];
         const eight *slope = (const eight *)(const void *)k + sum->stage[0] * size + q;
-        UNROLL for (int p = 0; p < AT_ONCE; p++) total[p] = sum->fraction[0] * slope[p];
+        UNROLL for (int p = 0; p < AT_ONCE; p++) total[p] = sum->weight[0] * slope[p];
         for (int j = 1; j < sum->count; j++) {
-            const double fraction = sum->fraction[j];
+            const double weight = sum->weight[j];
             slope = (const eight *)(const void *)k + sum->stage[j] * size + q;
-            UNROLL for (int p = 0; p < AT_ONCE; p++) total[p] += fraction * slope[p];
+            UNROLL for (int p = 0; p < AT_ONCE; p++) total[p] += weight * slope[p];
         }
         UNROLL for (int p = 0; p < AT_ONCE; p++) to[q + p] = from[q + p] + total[p];
     }
@@ -211,11 +211,11 @@ CLONES static void rk_march(struct typed_lanes *lanes, int64_t count, double *ro
     for (int64_t i = 0; i < count; i++) {
         const double t = lanes->t0 + (double)lanes->step * h;
         for (int s = 1; s < stages; s++) {
-            combine(&lanes->fractions[s], n, k, y, z);
+            combine(&lanes->weights[s], n, k, y, z);
             slope(lanes, t + tableau->c[s] * h, k + s * n * LANES);
         }
         if (!tableau->fsal)
-            combine(&lanes->fractions[0], n, k, y, z);
+            combine(&lanes->weights[0], n, k, y, z);
         if (lanes->turns && any_turns(y + n / 2 * LANES, z + n / 2 * LANES))
             turn(lanes, t, z);
         lanes->step++;
@@ -252,9 +252,9 @@ INLINE void kick(struct typed_lanes *lanes, int index, double t, double w, doubl
         for (int l = 0; l < count; l++)
             v[l] += w * (pull[l] + drag[l]);
     } else if (lanes->way.drag == DRAG_EXACT && !lanes->way.around) {
-        const double *lost = lanes->frozen + 2 * index * LANES, *fraction = lost + LANES;
+        const double *lost = lanes->frozen + 2 * index * LANES, *weight = lost + LANES;
         for (int l = 0; l < count; l++)
-            v[l] += pull[l] * fraction[l % LANES] - v[l] * lost[l % LANES];
+            v[l] += pull[l] * weight[l % LANES] - v[l] * lost[l % LANES];
     } else {
         for (int l = 0; l < count; l++)
             v[l] += w * pull[l];

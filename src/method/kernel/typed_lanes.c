@@ -10,7 +10,7 @@ enum { ROOM_MAX = 1 << 18 /* [double] what is larger goes alone */ };
 
 static void take(struct typed_lanes *lanes, double **where, size_t count)
 {
-    *where = lanes->capacity ? lanes->capacity + lanes->used : NULL;
+    *where = lanes->memory ? lanes->memory + lanes->used : NULL;
     lanes->used += (count + 7) / 8 * 8; /* aligned */
 }
 
@@ -80,7 +80,7 @@ bool typed_lanes_fit(const struct method *method, const struct system *system, e
 void typed_lanes_destroy(struct typed_lanes *lanes)
 {
     if (lanes)
-        free(lanes->capacity);
+        free(lanes->memory);
     free(lanes);
 }
 
@@ -93,10 +93,10 @@ bool typed_lanes_begin(struct typed_lanes **made, const struct method *method, e
     describe(lanes, method, like, drag, h);
     lay_out(lanes);
     if (lanes->used > lanes->size) {
-        free(lanes->capacity);
+        free(lanes->memory);
         lanes->size = lanes->used;
-        lanes->capacity = aligned_alloc(64, lanes->size * sizeof *lanes->capacity);
-        if (!lanes->capacity) {
+        lanes->memory = aligned_alloc(64, lanes->size * sizeof *lanes->memory);
+        if (!lanes->memory) {
             lanes->size = 0;
             return false;
         }
@@ -107,9 +107,9 @@ bool typed_lanes_begin(struct typed_lanes **made, const struct method *method, e
     for (int i = 0; i < lanes->terms; i++)
         lanes->term[i].add = lanes->term[i].program ? NULL : lane_term(lanes->term[i].row);
     for (int s = 1; method->tableau && s < method->tableau->stages; s++)
-        shares_take(&lanes->fractions[s], tableau_row(method->tableau, s), s, h);
+        weights_take(&lanes->weights[s], tableau_row(method->tableau, s), s, h);
     if (method->tableau)
-        shares_take(&lanes->fractions[0], method->tableau->b, method->tableau->stages, h);
+        weights_take(&lanes->weights[0], method->tableau->b, method->tableau->stages, h);
     lanes->scalar = lanes->turns ? method_step_kernel(method, like) : NULL;
     return true;
 }

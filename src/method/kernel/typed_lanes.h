@@ -33,8 +33,7 @@ struct typed_lanes {
     int64_t extra[LANES]; /* evaluations for turning points */
     struct lane_term term[TERM_MAX];
     int terms;
-    struct fractions
-        fractions[WEIGHT_STAGES]; /* of the stages from the second on; [0]: of the step */
+    struct weights weights[WEIGHT_STAGES]; /* of the stages from the second on; [0]: of the step */
     /* Of [LANES] each, in the room: */
     double *input; /* t, the state [n] of the stage, values [values]: the names of the programs */
     double *y;     /* [n] Runge-Kutta: the state at the start of the step */
@@ -44,7 +43,7 @@ struct typed_lanes {
     double *half;        /* [3] exact drag: its flow over h/2 (keep, least, pull) */
     double *frozen;      /* [weights][2] in each kick (lost, pull) */
     double *work;        /* of a step alone */
-    double *capacity;
+    double *memory;
     size_t size, used; /* of the room */
 };
 

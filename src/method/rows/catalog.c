@@ -16,13 +16,14 @@ static const struct method methods[] = {
 #include "method/rows/irk.def"
 #define ROSENBROCK(...) {.step = rosenbrock_step, .work = rosenbrock_work, __VA_ARGS__},
 #include "method/rows/rosenbrock.def"
-#define MULTISTEP(...) {.step = multistep_step, .work = multistep_work, .growth = multistep_growth, __VA_ARGS__},
+#define MULTISTEP(...) \
+    {.step = multistep_step, .work = multistep_work, .growth = multistep_growth, __VA_ARGS__},
 #include "method/rows/multistep.def"
 #define ALGORITHM(name, ...) {.step = name##_step, __VA_ARGS__},
 #include "method/rows/algorithms.def"
 #ifdef HOOKE_SUNDIALS
-#define YARDSTICK(known_as, known_for, known_from, ...)                                                                \
-    {.row = {known_as, "", known_for, known_from, NULL}, .step = cvode_step, .work = state_work,                      \
+#define YARDSTICK(known_as, known_for, known_from, ...) \
+    {.row = {known_as, "", known_for, known_from, NULL}, .step = cvode_step, .work = state_work, \
      .dense = cvode_dense, .begin = cvode_begin, .end = cvode_end, .adapt = cvode_adapt, __VA_ARGS__},
 #include "method/rows/cvode.def"
 #endif
@@ -30,8 +31,9 @@ static const struct method methods[] = {
 
 #ifndef HOOKE_SUNDIALS
 static const struct row absent[] = {
-#define YARDSTICK(known_as, ...)                                                                                       \
-    {known_as, "", "this program was built without SUNDIALS 6 (libsundials-dev): install it and build again", "", NULL},
+#define YARDSTICK(known_as, ...) \
+    {known_as, "", \
+     "this program was built without SUNDIALS 6 (libsundials-dev): install it and build again", "", NULL},
 #include "method/rows/cvode.def"
 };
 #endif

@@ -62,7 +62,7 @@ static void take_back(struct step *step, const struct before *before)
 
 /*
  * One step of the starter where that succeeds; else a quarter of it, and so on, and after each
- * success twice as much. Success: the estimated error, relative to the values, is at most `most`,
+ * success twice as much. Success: the estimated error, relative to the values, is at most `max`,
  * because a step far beyond the limit of stability comes out finite, but as nonsense.
  */
 static enum step_status substeps(const struct method *one_step, struct step *one, double t,

@@ -60,11 +60,11 @@ void newton_forget(double *work)
 bool newton_filter(const struct implicit_tableau *tableau, struct step *step, double t, double h,
                    const double *y, double *x, double *work)
 {
-    struct capacity capacity = room_of(tableau->stages, step->system->n, work);
+    struct workspace workspace = workspace_of(tableau->stages, step->system->n, work);
     const struct newton equations = newton_of(tableau, newton_stages, step->system);
-    if (*capacity.h != h && !newton_factor(&equations, step, step->system->n, t, h, y, &capacity))
+    if (*workspace.h != h && !newton_factor(&equations, step, step->system->n, t, h, y, &workspace))
         return false;
-    lu_solve(step->system->n, capacity.real, x);
+    lu_solve(step->system->n, workspace.real, x);
     step->cost.solves++;
     return true;
 }
@@ -78,23 +78,23 @@ bool newton_filter(const struct implicit_tableau *tableau, struct step *step, do
  */
 static enum step_status approach(const struct newton *equations, struct step *step, double t,
                                  double h, const double *y, double *z, const double *weight,
-                                 double enough, struct capacity *capacity)
+                                 double enough, struct workspace *workspace)
 {
     const struct implicit_tableau *tableau = equations->tableau;
     const int n = step->system->n, stages = tableau->stages;
-    double last = 0, left = 1;               /* left: of an increment */
-    *capacity->rate = sqrt(*capacity->rate); /* it ages, so that factors are not kept for ever
+    double last = 0, left = 1;                 /* left: of an increment */
+    *workspace->rate = sqrt(*workspace->rate); /* it ages, so that factors are not kept for ever
                                                 without being seen to be good */
     for (int iteration = 0; iteration < ADAPTIVE_ITERATIONS; iteration++) {
-        equations->rest(equations, step, n, t, h, y, z, capacity->slope, capacity->rest);
-        newton_increment(tableau, step, n, capacity, capacity->rest);
-        double size = newton_size(stages, n, weight, capacity->rest);
+        equations->rest(equations, step, n, t, h, y, z, workspace->slope, workspace->rest);
+        newton_increment(tableau, step, n, workspace, workspace->rest);
+        double size = newton_size(stages, n, weight, workspace->rest);
         if (!isfinite(size))
             return STEP_NONFINITE;
         for (int i = 0; i < stages * n; i++)
-            z[i] += capacity->rest[i];
+            z[i] += workspace->rest[i];
         if (last > 0) {
-            double rate = *capacity->rate = size / last;
+            double rate = *workspace->rate = size / last;
             if (rate >= 1)
                 return STEP_NO_SOLUTION;
             left = rate / (1 - rate);
@@ -127,21 +127,21 @@ static void weigh(int stages, int n, const double *y, const double *z, const dou
 /* Newton's iteration as long as each increment is at most CONTRACTS of the one before: the solution
  * beside z. */
 static bool contract(const struct newton *equations, struct step *step, int n, double t, double h,
-                     const double *y, double *z, const double *weight, struct capacity *capacity)
+                     const double *y, double *z, const double *weight, struct workspace *workspace)
 {
     const struct implicit_tableau *tableau = equations->tableau;
     const int stages = tableau->stages;
     double last = HUGE_VAL, now[LIMIT_VARIABLES];
     for (int iteration = 0; iteration < ITERATIONS; iteration++) {
-        if (!newton_renew(equations, step, n, t, h, y, z, capacity) ||
-            !newton_positive(tableau, n, capacity))
+        if (!newton_renew(equations, step, n, t, h, y, z, workspace) ||
+            !newton_positive(tableau, n, workspace))
             return false;
-        equations->rest(equations, step, n, t, h, y, z, capacity->slope, capacity->rest);
-        newton_increment(tableau, step, n, capacity, capacity->rest);
+        equations->rest(equations, step, n, t, h, y, z, workspace->slope, workspace->rest);
+        newton_increment(tableau, step, n, workspace, workspace->rest);
         for (int i = 0; i < stages * n; i++)
-            z[i] += capacity->rest[i];
+            z[i] += workspace->rest[i];
         weigh(stages, n, y, z, weight, now);
-        const double size = newton_size(stages, n, now, capacity->rest);
+        const double size = newton_size(stages, n, now, workspace->rest);
         if (!isfinite(size) || (size > CONTRACTS * last && size > STANDSTILL))
             return false;
         if (size <= DBL_EPSILON / 2 || (size >= last && size <= STANDSTILL))
@@ -155,13 +155,13 @@ bool newton_follow(const struct newton *equations, struct step *step, int n, dou
                    const double *y, double *z, const double *weight, double *work)
 {
     const int count = equations->tableau->stages * n;
-    struct capacity capacity = room_of(equations->tableau->stages, n, work);
+    struct workspace workspace = workspace_of(equations->tableau->stages, n, work);
     double at[STAGES_MOST * LIMIT_VARIABLES] = {0}, next[STAGES_MOST * LIMIT_VARIABLES];
     double done = 0, part = FIRST_PART; /* of h */
     for (int i = 0; i < PARTS_MOST && done < 1 && part >= PART_MIN; i++) {
         const double to = fmin(1, done + part);
         memcpy(next, at, (size_t)count * sizeof *next);
-        if (contract(equations, step, n, t, to * h, y, next, weight, &capacity)) {
+        if (contract(equations, step, n, t, to * h, y, next, weight, &workspace)) {
             memcpy(at, next, (size_t)count * sizeof *at);
             done = to;
             part *= 2;
@@ -180,15 +180,16 @@ enum step_status newton_solve(const struct newton *equations, struct step *step,
 {
     const struct system *system = step->system;
     const bool adaptive = step->tol > 0 && !system->linear;
-    struct capacity capacity = room_of(equations->tableau->stages, system->n, work);
+    struct workspace workspace = workspace_of(equations->tableau->stages, system->n, work);
     double weight[LIMIT_VARIABLES];
     newton_weights(step_scale(step), system->n, y, weight);
-    bool kept = *capacity.h == h && (system->linear || (adaptive && *capacity.rate <= FAST));
-    if (!kept && !newton_factor(equations, step, system->n, t, h, y, &capacity))
+    bool kept = *workspace.h == h && (system->linear || (adaptive && *workspace.rate <= FAST));
+    if (!kept && !newton_factor(equations, step, system->n, t, h, y, &workspace))
         return STEP_NO_SOLUTION;
-    return adaptive ? approach(equations, step, t, h, y, z, weight, fraction(step->tol) * step->tol,
-                               &capacity)
-                    : newton_to_rounding(equations, step, system->n, t, h, y, z, weight, &capacity);
+    return adaptive
+               ? approach(equations, step, t, h, y, z, weight, fraction(step->tol) * step->tol,
+                          &workspace)
+               : newton_to_rounding(equations, step, system->n, t, h, y, z, weight, &workspace);
 }
 
 /* ---- one stage ---- */

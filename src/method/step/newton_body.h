@@ -36,21 +36,21 @@ static const double newton_one[] = {1}, newton_now[] = {0};
     }
 
 /* What newton_room() holds. */
-struct capacity {
+struct workspace {
     double *h;    /* of the factors, 0: there are none */
     double *rate; /* by which increments shrank in the last solution */
     double *slope, *rest, *move, *jacobian, *real, *complex;
 };
 
-INLINE struct capacity room_of(int stages, int n, double *work)
+INLINE struct workspace workspace_of(int stages, int n, double *work)
 {
-    struct capacity capacity = {.h = work, .rate = work + 1, .slope = work + 2};
-    capacity.rest = capacity.slope + stages * n;
-    capacity.move = capacity.rest + stages * n;
-    capacity.jacobian = capacity.move + stages * n;
-    capacity.real = capacity.jacobian + n * n;
-    capacity.complex = capacity.real + LU_ROOM(n);
-    return capacity;
+    struct workspace workspace = {.h = work, .rate = work + 1, .slope = work + 2};
+    workspace.rest = workspace.slope + stages * n;
+    workspace.move = workspace.rest + stages * n;
+    workspace.jacobian = workspace.move + stages * n;
+    workspace.real = workspace.jacobian + n * n;
+    workspace.complex = workspace.real + LU_ROOM(n);
+    return workspace;
 }
 
 /* A size that the compiler knows needs no choice among them. */
@@ -66,23 +66,23 @@ INLINE void newton_lu_solve(int n, const double *a, double *x)
 
 /* The factors of real - h J and alpha + i beta - h J, with J at t and y. */
 INLINE bool newton_factor(const struct newton *equations, struct step *step, int n, double t,
-                          double h, const double *y, struct capacity *capacity)
+                          double h, const double *y, struct workspace *workspace)
 {
     const struct implicit_tableau *tableau = equations->tableau;
-    double *re = capacity->complex, *im = re + LU_ROOM(n);
-    equations->jacobian(equations->forces, t, y, capacity->jacobian);
+    double *re = workspace->complex, *im = re + LU_ROOM(n);
+    equations->jacobian(equations->forces, t, y, workspace->jacobian);
     step->cost.jacobians++;
-    *capacity->h = 0;
+    *workspace->h = 0;
     for (int i = 0; i < n * n; i++) {
-        double hj = h * capacity->jacobian[i], unit = i % (n + 1) == 0;
-        capacity->real[i] = tableau->real * unit - hj;
+        double hj = h * workspace->jacobian[i], unit = i % (n + 1) == 0;
+        workspace->real[i] = tableau->real * unit - hj;
         re[i] = tableau->alpha * unit - hj;
         im[i] = tableau->beta * unit;
     }
-    if ((tableau->real != 0 && !newton_lu(n, capacity->real)) ||
+    if ((tableau->real != 0 && !newton_lu(n, workspace->real)) ||
         (tableau->beta != 0 && !lu_factor_complex(n, re)))
         return false;
-    *capacity->h = h;
+    *workspace->h = h;
     return true;
 }
 
@@ -111,14 +111,14 @@ INLINE void newton_mix(int stages, int n, const double *m, double *x)
 
 /* x [stages][n] becomes (1 - h a J)^-1 x. */
 INLINE void newton_increment(const struct implicit_tableau *tableau, struct step *step, int n,
-                             const struct capacity *capacity, double *x)
+                             const struct workspace *workspace, double *x)
 {
     int pair = tableau->real != 0;
     newton_mix(tableau->stages, n, tableau->left, x);
     if (pair)
-        newton_lu_solve(n, capacity->real, x);
+        newton_lu_solve(n, workspace->real, x);
     if (tableau->beta != 0)
-        lu_solve_complex(n, capacity->complex, x + pair * n, x + (pair + 1) * n);
+        lu_solve_complex(n, workspace->complex, x + pair * n, x + (pair + 1) * n);
     newton_mix(tableau->stages, n, tableau->right, x);
     step->cost.solves++;
 }
@@ -159,21 +159,21 @@ INLINE double newton_size(int stages, int n, const double *weight, const double 
 
 /* A new Jacobian, at the middle stage of where the iteration has come to. */
 INLINE bool newton_renew(const struct newton *equations, struct step *step, int n, double t,
-                         double h, const double *y, const double *z, struct capacity *capacity)
+                         double h, const double *y, const double *z, struct workspace *workspace)
 {
     const struct implicit_tableau *tableau = equations->tableau;
     const int middle = tableau->stages / 2;
     double sum[LIMIT_VARIABLES];
     for (int i = 0; i < n; i++)
         sum[i] = y[i] + z[middle * n + i];
-    return newton_factor(equations, step, n, t + tableau->c[middle] * h, h, sum, capacity);
+    return newton_factor(equations, step, n, t + tableau->c[middle] * h, h, sum, workspace);
 }
 
 /* Is the determinant, as far as it is real, positive as in short steps? */
 INLINE bool newton_positive(const struct implicit_tableau *tableau, int n,
-                            const struct capacity *capacity)
+                            const struct workspace *workspace)
 {
-    return tableau->real == 0 || !lu_negative(n, capacity->real);
+    return tableau->real == 0 || !lu_negative(n, workspace->real);
 }
 
 /* Half of the last increment is taken back. */
@@ -193,37 +193,38 @@ INLINE void newton_halve(int count, double *z, double *move)
  */
 INLINE enum step_status newton_iterate(const struct newton *equations, struct step *step, int n,
                                        double t, double h, const double *y, double *z,
-                                       const double *weight, struct capacity *capacity, bool *near)
+                                       const double *weight, struct workspace *workspace,
+                                       bool *near)
 {
     const struct implicit_tableau *tableau = equations->tableau;
     const int stages = tableau->stages;
     double last = HUGE_VAL, off = HUGE_VAL;
-    *near = newton_positive(tableau, n, capacity);
+    *near = newton_positive(tableau, n, workspace);
     for (int iteration = 0, halvings = 0; iteration < ITERATIONS;) {
-        equations->rest(equations, step, n, t, h, y, z, capacity->slope, capacity->rest);
-        double rest = newton_size(stages, n, weight, capacity->rest);
+        equations->rest(equations, step, n, t, h, y, z, workspace->slope, workspace->rest);
+        double rest = newton_size(stages, n, weight, workspace->rest);
         if (iteration == 0 && !isfinite(rest))
             return STEP_NONFINITE;
         if (!(rest < off) && last > STANDSTILL) {
             if (++halvings > HALVINGS)
                 return STEP_NO_SOLUTION;
             *near = false;
-            newton_halve(stages * n, z, capacity->move);
+            newton_halve(stages * n, z, workspace->move);
             continue;
         }
-        memcpy(capacity->move, capacity->rest, (size_t)(stages * n) * sizeof *z);
-        newton_increment(tableau, step, n, capacity, capacity->move);
-        double size = newton_size(stages, n, weight, capacity->move);
+        memcpy(workspace->move, workspace->rest, (size_t)(stages * n) * sizeof *z);
+        newton_increment(tableau, step, n, workspace, workspace->move);
+        double size = newton_size(stages, n, weight, workspace->move);
         for (int i = 0; i < stages * n; i++)
-            z[i] += capacity->move[i];
+            z[i] += workspace->move[i];
         if (size > CONTRACTS * last && size > STANDSTILL)
             *near = false;
         if (step->system->linear || size <= DBL_EPSILON / 2 ||
             (size >= last && size <= STANDSTILL)) {
-            *near = *near && newton_positive(tableau, n, capacity);
+            *near = *near && newton_positive(tableau, n, workspace);
             return STEP_OK;
         }
-        if (size > SLOW * last && !newton_renew(equations, step, n, t, h, y, z, capacity))
+        if (size > SLOW * last && !newton_renew(equations, step, n, t, h, y, z, workspace))
             return STEP_NO_SOLUTION;
         last = size;
         off = rest;
@@ -241,14 +242,14 @@ INLINE enum step_status newton_iterate(const struct newton *equations, struct st
  */
 INLINE enum step_status newton_to_rounding(const struct newton *equations, struct step *step, int n,
                                            double t, double h, const double *y, double *z,
-                                           const double *weight, struct capacity *capacity)
+                                           const double *weight, struct workspace *workspace)
 {
     bool near;
     const enum step_status status =
-        newton_iterate(equations, step, n, t, h, y, z, weight, capacity, &near);
+        newton_iterate(equations, step, n, t, h, y, z, weight, workspace, &near);
     if (step->system->linear || status == STEP_NONFINITE || (status == STEP_OK && near))
         return status;
-    if (newton_follow(equations, step, n, t, h, y, z, weight, capacity->h))
+    if (newton_follow(equations, step, n, t, h, y, z, weight, workspace->h))
         return STEP_OK;
     return status;
 }
@@ -282,14 +283,14 @@ INLINE enum step_status oscillator_stage(const struct oscillator *o, bool dragge
     if (!isfinite(a) || !isfinite(r))
         return STEP_NONFINITE;
     const double v = dragged ? 2 * u / (1 + sqrt(1 + bend * fabs(r))) : u; /* drag_root() */
-    const double fraction = dragged ? o->quadratic * h * fabs(v) : -0.0;
-    const double slot = h * (o->stiffness * h + o->damping) * v,
-                 lost = dragged ? fraction * v : -0.0;
+    const double drag = dragged ? o->quadratic * h * fabs(v) : -0.0;
+    const double restoring = h * (o->stiffness * h + o->damping) * v,
+                 lost = dragged ? drag * v : -0.0;
     /* Where it is small, the increment by the force: the rounding of a would shift v in the same
      * way at every step. */
-    const bool small = fabs(a - 1 + fraction) < 1;
+    const bool small = fabs(a - 1 + drag) < 1;
     z[0] = h * v;
-    z[1] = small ? (h * force - slot) - lost : v - y[1];
+    z[1] = small ? (h * force - restoring) - lost : v - y[1];
     sum[0] = y[0] + z[0];
     sum[1] = small ? y[1] + z[1] : v;
     return isfinite(v) ? STEP_OK : STEP_NO_SOLUTION;

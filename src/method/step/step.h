@@ -17,8 +17,8 @@
 
 /*
  * k_i = f(t + c_i h, y + h sum_j a_ij k_j), y' = y + h sum_i b_i k_i, error e = h sum_i (b_i -
- * companion_i) k_i; where there is a rough companion too, e |e| / sqrt(|e|^2 + |e_rough|^2 / 100),
- * which is of a higher order.
+ * b_hat_i) k_i; where there is a rough embedded method too, e |e| / sqrt(|e|^2 + |e_rough|^2 /
+ * 100), which is of a higher order.
  *
  * Interpolant of a method with fsal, from y and y' and the slopes there, with d_m = h sum_i
  * dense_mi k_i: y(t + theta h) = y + theta (rise + (1 - theta) (h k_1 - rise + theta (2 rise - h
@@ -130,7 +130,7 @@ struct nystrom {
  * z_i = y + h sum_j a_ij f(t + c_j h, z_j), y' = y + h sum_i b_i f(t + c_i h, z_i).
  *
  * Stage by stage, where a is lower triangular with this diagonal (its first element may be 0);
- * estimated error (1 - diagonal h J)^-1 h sum_i (b_i - companion_i) f_i.
+ * estimated error (1 - diagonal h J)^-1 h sum_i (b_i - b_hat_i) f_i.
  *
  * Else (diagonal 0) all at once, by the eigenvalues of a^-1: one is real (0: none), two are alpha
  * +- i beta. With T the real and imaginary parts of the eigenvectors, so that a^-1 T = T diag(real,

@@ -50,16 +50,16 @@ INLINE enum step_status picked_step(const struct method *method, int n, int stri
 {
     const struct tableau *tableau = method->tableau;
     const int stages = tableau->stages;
-    struct fractions fractions[STAGES_MAX];
+    struct weights weights[STAGES_MAX];
     double k[STAGES_MAX * MOST], z[MOST], y[MOST];
     if (step->low)
         return rk_step(method, step);
-    stages_take(fractions, tableau, step->h);
+    stages_take(weights, tableau, step->h);
     blocks_begin(stages, n, stride, k, y);
     copy_numbers(n, step->y, y);
     const bool known = (tableau->fsal && step->warm) || step->again;
     copy_numbers(n, step->work + (tableau->fsal && step->warm ? (stages - 1) * n : 0), k);
-    picked_stages(tableau, fractions, n, stride, combine, slope, forces, step->t, step->h, y, k, z,
+    picked_stages(tableau, weights, n, stride, combine, slope, forces, step->t, step->h, y, k, z,
                   known);
     step->cost.evals += stages - known;
     for (int s = 0; s < stages; s++)

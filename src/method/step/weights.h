@@ -11,39 +11,39 @@
 enum { WEIGHT_STAGES = 16 };
 
 /* The weights of a stage that are not 0, times h. */
-struct fractions {
+struct weights {
     int count, stage[WEIGHT_STAGES];
-    double fraction[WEIGHT_STAGES];
+    double weight[WEIGHT_STAGES];
 };
 
-static inline void shares_take(struct fractions *fractions, const double *w, int count, double h)
+static inline void weights_take(struct weights *weights, const double *w, int count, double h)
 {
-    fractions->count = 0;
+    weights->count = 0;
     for (int j = 0; j < count; j++)
         if (w[j] != 0) {
-            fractions->stage[fractions->count] = j;
-            fractions->fraction[fractions->count++] = h * w[j];
+            weights->stage[weights->count] = j;
+            weights->weight[weights->count++] = h * w[j];
         }
 }
 
 /* Of w - u; those that differ. */
-static inline void shares_take_difference(struct fractions *fractions, const double *w,
-                                          const double *u, int count)
+static inline void weights_take_difference(struct weights *weights, const double *w,
+                                           const double *u, int count)
 {
-    fractions->count = 0;
+    weights->count = 0;
     for (int j = 0; j < count; j++)
         if (w[j] != u[j]) {
-            fractions->stage[fractions->count] = j;
-            fractions->fraction[fractions->count++] = w[j] - u[j];
+            weights->stage[weights->count] = j;
+            weights->weight[weights->count++] = w[j] - u[j];
         }
 }
 
 /* shares [stages]: of the stages from the second on, [0]: of the step */
-static inline void stages_take(struct fractions *fractions, const struct tableau *tableau, double h)
+static inline void stages_take(struct weights *weights, const struct tableau *tableau, double h)
 {
-    shares_take(&fractions[0], tableau->b, tableau->stages, h);
+    weights_take(&weights[0], tableau->b, tableau->stages, h);
     for (int s = 1; s < tableau->stages; s++)
-        shares_take(&fractions[s], tableau_row(tableau, s), s, h);
+        weights_take(&weights[s], tableau_row(tableau, s), s, h);
 }
 
 #endif

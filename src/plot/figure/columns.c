@@ -69,9 +69,9 @@ bool chosen_at_rows(const struct run *run, const struct chosen_column *column,
 static bool value_at(const struct run *run, const struct chosen_column *column, size_t i,
                      double *out, struct error *error)
 {
-    const struct event_record *happening = run_event_record(run, i);
+    const struct event_record *record = run_event_record(run, i);
     const struct sample sample = {
-        .run = run, .system = &run->system, .t = happening->t, .y = run_event_record_state(run, i)};
+        .run = run, .system = &run->system, .t = record->t, .y = run_event_record_state(run, i)};
     const int n = run->system.n;
     if (column->observable && (column->observable->needs & ~(unsigned)(NEED_MECHANICS | NEED_LINE |
                                                                        NEED_POWER | NEED_ENERGY) ||
@@ -100,9 +100,9 @@ bool drawing_event_records(struct drawing *d, const struct run_slot *slot)
         if (!x || !y || !label)
             return error_memory(d->error);
         for (size_t i = 0; i + 1 < capacity; i++) {
-            const struct event_record *happening = run_event_record(run, i);
-            if (!text_is(request->at, slot->events->line[happening->event].name) ||
-                happening->t < d->window[0] || happening->t > d->window[1])
+            const struct event_record *record = run_event_record(run, i);
+            if (!text_is(request->at, slot->events->line[record->event].name) ||
+                record->t < d->window[0] || record->t > d->window[1])
                 continue;
             double up;
             if (!value_at(run, request->kind == PLOT_ORBIT ? &d->against : &time, i, &x[seen],

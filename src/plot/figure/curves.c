@@ -133,23 +133,23 @@ bool choose_rows(const struct run *run, const struct row_request *request, struc
     size_t first, end;
     find_rows(run, request, &first, &end);
     const double n = (double)(end - first),
-                 fractions = 4.0 * (request->columns > 0 ? request->columns : 1);
+                 buckets = 4.0 * (request->columns > 0 ? request->columns : 1);
     const double a_period = n * request->period / (request->to - request->from) / VISITS_A_PERIOD;
     const size_t stride =
         !request->screen
             ? 1
             : power_of_two(fmax(a_period > 2 ? fmin(a_period / 2, n) : 1, n / VISITS_MAX));
     const bool all = !request->screen || n / (double)stride <= ROWS_ALL;
-    const size_t fraction = all ? stride : power_of_two(fmax(n / fractions, (double)stride));
+    const size_t bucket = all ? stride : power_of_two(fmax(n / buckets, (double)stride));
     *rows = (struct chosen_rows){
-        arena_array(
-            arena, (end - first) / fraction * (all ? 1 : EXTREMES_MAX + 2) + 3 * (EXTREMES_MAX + 2),
-            sizeof *rows->row),
+        arena_array(arena,
+                    (end - first) / bucket * (all ? 1 : EXTREMES_MAX + 2) + 3 * (EXTREMES_MAX + 2),
+                    sizeof *rows->row),
         0};
     if (!rows->row)
         return error_memory(error);
     for (size_t from = first, to; from < end; from = to) {
-        to = from - from % fraction + fraction;
+        to = from - from % bucket + bucket;
         to = to < end ? to : end;
         if (all)
             rows->row[rows->n++] = from;

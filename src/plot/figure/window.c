@@ -194,7 +194,7 @@ static bool goes_back(const struct drawing *d)
 }
 
 /*
- * The newest part of from..to [s], `most` long. A moving window starts a whole number of pages, or
+ * The newest part of from..to [s], `max` long. A moving window starts a whole number of pages, or
  * of columns, after the start: while the curve grows nothing else moves.
  */
 static void follow_window(struct drawing *d, double from, double to, double now, double max)

@@ -61,7 +61,7 @@ static void same_work(const struct tally *tally, struct work_done *done, int fro
 #define LARGER(x, y)                                                                               \
     ((four)(((four_bits)((x) > (y)) & (four_bits)(x)) | (~(four_bits)((x) > (y)) & (four_bits)(y))))
 
-/* The largest of them in pairs; `least` at least. */
+/* The largest of them in pairs; `min` at least. */
 static inline double largest(const double *x, double min)
 {
     const double a = x[0] > x[1] ? x[0] : x[1], b = x[2] > x[3] ? x[2] : x[3], max = a > b ? a : b;

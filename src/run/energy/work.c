@@ -85,12 +85,12 @@ static void add_part(const struct system *system, bool drags, const struct quint
 {
     const double at[] = {0, INNER, 1 - INNER, 1}, weight[] = {1. / 12, 5. / 12, 5. / 12, 1. / 12};
     for (int i = 0; i < 4; i++) {
-        const double s = from + at[i] * (to - from), fraction = weight[i] * (to - from) * p->h;
+        const double s = from + at[i] * (to - from), weighted = weight[i] * (to - from) * p->h;
         double y[2];
         quintic_at(p, s, &y[0], &y[1]);
         const struct power power = power_at(system, drags, t + s * p->h, y);
-        *work += fraction * power.all;
-        *drag += fraction * power.drag;
+        *work += weighted * power.all;
+        *drag += weighted * power.drag;
     }
 }
 

@@ -146,15 +146,15 @@ static bool look_touches(void *context, double theta)
 static bool add(struct watch *watch, const struct crossing *crossing)
 {
     const size_t n = (size_t)watch->run->system.n;
-    if (watch->count == watch->capacities) {
-        const size_t capacity = watch->capacities ? 2 * watch->capacities : 16;
+    if (watch->count == watch->found_capacity) {
+        const size_t capacity = watch->found_capacity ? 2 * watch->found_capacity : 16;
         struct crossing *found = realloc(watch->found, capacity * sizeof *found);
         watch->found = found ? found : watch->found;
         double *state = found ? realloc(watch->state, capacity * n * sizeof *state) : NULL;
         watch->state = state ? state : watch->state;
         if (!state)
             return false;
-        watch->capacities = capacity;
+        watch->found_capacity = capacity;
     }
     watch->found[watch->count++] = *crossing;
     return true;
@@ -183,10 +183,10 @@ static bool look_found(void *context, double theta, int sign)
 }
 
 /*
- * Where a leg begins at an event, the value there is rounding; its sign is the one a moment later,
- * up to which bounds of the slope, or of the second derivative, exclude another event. A ball that
- * has just been thrown up may be back long before the end of the step. The share of the step at
- * that moment, where *value is; 0: there is none.
+ * Where a segment begins at an event, the value there is rounding; its sign is the one a moment
+ * later, up to which bounds of the slope, or of the second derivative, exclude another event. A
+ * ball that has just been thrown up may be back long before the end of the step. The share of the
+ * step at that moment, where *value is; 0: there is none.
  */
 static double depart(struct look *look, double *value)
 {
@@ -380,7 +380,7 @@ bool events_find(struct run *run, const struct segment *segment, double t, doubl
 
 static bool keep(struct run *run, const struct crossing *crossing, const double *state)
 {
-    struct happenings *all = &run->private_state->happenings;
+    struct event_records *all = &run->private_state->event_records;
     const size_t n = (size_t)run->system.n;
     if (all->count == LIMIT_EVENT_RECORDS)
         return false;
@@ -471,7 +471,7 @@ struct event_doubt run_event_doubt(const struct run *run, int event)
 
 void event_records_truncate(struct run *run, double ahead)
 {
-    struct happenings *all = &run->private_state->happenings;
+    struct event_records *all = &run->private_state->event_records;
     for (; all->count > 0; all->count--) {
         const struct event_record *last = &all->at[all->count - 1];
         if (last->step < run->steps ||
@@ -482,15 +482,15 @@ void event_records_truncate(struct run *run, double ahead)
 
 size_t run_event_records(const struct run *run)
 {
-    return run->private_state->happenings.count;
+    return run->private_state->event_records.count;
 }
 
 const struct event_record *run_event_record(const struct run *run, size_t i)
 {
-    return &run->private_state->happenings.at[i];
+    return &run->private_state->event_records.at[i];
 }
 
 const double *run_event_record_state(const struct run *run, size_t i)
 {
-    return run->private_state->happenings.state + i * (size_t)run->system.n;
+    return run->private_state->event_records.state + i * (size_t)run->system.n;
 }

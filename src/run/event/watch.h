@@ -74,7 +74,7 @@ struct watch {
     struct path path;
     struct crossing *found; /* in the step just taken, in order */
     double *state;          /* [count][n] */
-    size_t count, capacities;
+    size_t count, found_capacity;
 };
 
 /* For a run at its present state. False: no memory. */

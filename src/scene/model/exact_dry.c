@@ -75,7 +75,7 @@ static real amplitude(const struct oscillator *o, real omega, real first, real n
     return expl(n * log_rho) * first - (1 + expl(log_rho)) * phi * sum;
 }
 
-/* The first n up to `most` where the body stays; most + 1: none. Up to there A_n falls, or it grows
+/* The first n up to `max` where the body stays; most + 1: none. Up to there A_n falls, or it grows
  * for ever. */
 static real sticking(const struct oscillator *o, real omega, real first, real max)
 {

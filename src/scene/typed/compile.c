@@ -237,11 +237,10 @@ static bool whole_row(struct compile *c, int row, const struct expr **whole)
             continue;
         const struct op mass = {.kind = OP_NAME, .slot = typed_mass_name(typed)};
         const struct expr *divisor = typed_value(arena, mass);
-        const struct expr *fraction =
-            divisor ? typed_join(arena, c->force[i], divisor, OP_DIV, c->error)
-                    : (error_memory(c->error), NULL);
-        if (!fraction ||
-            !(*whole = *whole ? typed_join(arena, *whole, fraction, OP_ADD, c->error) : fraction))
+        const struct expr *part = divisor
+                                      ? typed_join(arena, c->force[i], divisor, OP_DIV, c->error)
+                                      : (error_memory(c->error), NULL);
+        if (!part || !(*whole = *whole ? typed_join(arena, *whole, part, OP_ADD, c->error) : part))
             return false;
     }
     return true;
@@ -351,10 +350,10 @@ bool typed_compile(struct typed *typed, struct error *error)
     c.force = calloc(lines + 1, sizeof *c.force);
     typed->observe = arena_array(&typed->arena, lines + 1, sizeof *typed->observe);
     typed->observed = arena_array(&typed->arena, lines + 1, sizeof *typed->observed);
-    const bool capacity =
+    const bool allocated =
         c.symbol && c.unknown && c.own && c.force && typed->observe && typed->observed;
     const bool fine =
-        capacity ? typed_declare(&c) && read_all(&c) && make_model(&c) : error_memory(error);
+        allocated ? typed_declare(&c) && read_all(&c) && make_model(&c) : error_memory(error);
     free(c.symbol);
     free(c.unknown);
     free(c.own);

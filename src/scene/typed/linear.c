@@ -50,14 +50,14 @@ bool typed_look(const struct typed *typed, const struct program *program, bool *
     const size_t nodes = (size_t)program->nodes;
     signed char *of = malloc(nodes);
     bool *needed = calloc(nodes, sizeof *needed); /* others were made on the way */
-    const bool capacity = of && needed;
+    const bool allocated = of && needed;
     *affine = true;
     *kinks = false;
-    for (int i = 0; capacity && i < program->outputs; i++)
+    for (int i = 0; allocated && i < program->outputs; i++)
         needed[program->result[i]] = true;
-    if (capacity)
+    if (allocated)
         graph_reach(program->node, program->nodes, needed);
-    for (int i = 0; capacity && i < program->nodes; i++) {
+    for (int i = 0; allocated && i < program->nodes; i++) {
         const struct node *node = &program->node[i];
         const int arity = node_arity(node->kind), *x = node->operand;
         of[i] = (signed char)(node->kind == NODE_NAME
@@ -66,11 +66,11 @@ bool typed_look(const struct typed *typed, const struct program *program, bool *
                                            arity > 1 ? of[x[1]] : 0, arity > 2 ? of[x[2]] : 0));
         *kinks = *kinks || (needed[i] && arity > 0 && has_kink(program->node, node, 2));
     }
-    for (int i = 0; capacity && i < program->outputs; i++)
+    for (int i = 0; allocated && i < program->outputs; i++)
         *affine = *affine && of[program->result[i]] < 2;
     free(of);
     free(needed);
-    return capacity || error_memory(error);
+    return allocated || error_memory(error);
 }
 
 /* ---- one oscillator ---- */

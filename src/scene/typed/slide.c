@@ -185,8 +185,8 @@ static void solve(int count, double (*by)[LIMIT_SLIDING], const double *right, d
 }
 
 /* The share of the side above each switch. */
-static void fractions(const struct sliding *s, double t, const double *y, struct around *around,
-                      double *fraction)
+static void find_fractions(const struct sliding *s, double t, const double *y,
+                           struct around *around, double *fraction)
 {
     double right[LIMIT_SLIDING];
     look_around(s, t, y, around);
@@ -204,7 +204,7 @@ static void add(const double *c, double t, const double *y, double *a)
     const int rows = system->order == 2 ? system->n / 2 : system->n, first = system->n - rows;
     struct around around;
     double fraction[LIMIT_SLIDING];
-    fractions(s, t, y, &around, fraction);
+    find_fractions(s, t, y, &around, fraction);
     for (int i = 0; i < rows; i++) {
         double sum = around.field[first + i];
         for (int j = 0; j < s->count; j++)
@@ -394,7 +394,7 @@ void sliding_guards(const struct sliding *s, double t, const double *y, double *
 {
     struct around around;
     double fraction[LIMIT_SLIDING];
-    fractions(s, t, y, &around, fraction);
+    find_fractions(s, t, y, &around, fraction);
     for (int k = 0; k < s->count; k++)
         guard[s->at[k]] = fraction[k] * (1 - fraction[k]);
 }
@@ -403,7 +403,7 @@ double sliding_leaves(const struct sliding *s, int i, double t, const double *y)
 {
     struct around around;
     double fraction[LIMIT_SLIDING];
-    fractions(s, t, y, &around, fraction);
+    find_fractions(s, t, y, &around, fraction);
     for (int k = 0; k < s->count; k++)
         if (s->at[k] == i)
             return s->level[k] - (switch_kind_of(&s->side[0], i) == SWITCH_WHOLE) +

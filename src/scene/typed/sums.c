@@ -89,7 +89,7 @@ static enum typed_group group_of(const struct typed_sort *sort, unsigned mask)
 }
 
 /* The expression that ends at an operation. */
-struct index {
+struct operand {
     size_t begin;
     unsigned depends, groups; /* bits of the groups that its summands belong to */
 };
@@ -97,7 +97,7 @@ struct index {
 struct sorting {
     const struct typed_sort *sort;
     const struct expr *expr;
-    struct index *index;
+    struct operand *operand;
 };
 
 /* What is done with a summand, from the inside out. */
@@ -128,7 +128,7 @@ static void part(const struct sorting *s, size_t at, struct parting *p)
     }
     if (top->kind < OP_ADD || top->kind > OP_DIV)
         return;
-    const size_t right = at - 1, left = s->index[right].begin - 1;
+    const size_t right = at - 1, left = s->operand[right].begin - 1;
     p->side[0] = left;
     p->side[1] = right;
     if (top->kind == OP_ADD || top->kind == OP_SUB) {
@@ -136,8 +136,8 @@ static void part(const struct sorting *s, size_t at, struct parting *p)
         p->wrap[1].op = top->kind == OP_SUB ? OP_NEG : OP_NUMBER;
         return;
     }
-    const bool divisor = s->index[right].depends == 0;
-    p->sides = divisor || (top->kind == OP_MUL && s->index[left].depends == 0);
+    const bool divisor = s->operand[right].depends == 0;
+    p->sides = divisor || (top->kind == OP_MUL && s->operand[left].depends == 0);
     p->side[0] = divisor ? left : right;
     p->factor = divisor ? right : left;
     p->wrap[0] = (struct wrap){.op = top->kind, .before = !divisor};
@@ -149,26 +149,26 @@ static void look(struct sorting *s)
     const struct expr *expr = s->expr;
     for (size_t i = 0; i < expr->count; i++) {
         const struct op *op = &expr->op[i];
-        struct index *index = &s->index[i];
-        *index = (struct index){.begin = i,
-                                .depends = op->kind == OP_NAME ? s->sort->depends[op->slot] : 0};
+        struct operand *operand = &s->operand[i];
+        *operand = (struct operand){
+            .begin = i, .depends = op->kind == OP_NAME ? s->sort->depends[op->slot] : 0};
         for (int k = is_value(op) ? 0 : op_arity(op); k > 0; k--) {
-            index->depends |= s->index[index->begin - 1].depends;
-            index->begin = s->index[index->begin - 1].begin;
+            operand->depends |= s->operand[operand->begin - 1].depends;
+            operand->begin = s->operand[operand->begin - 1].begin;
         }
-        const enum typed_group group = group_of(s->sort, index->depends);
+        const enum typed_group group = group_of(s->sort, operand->depends);
         struct parting p = {.sides = 0};
         if (group != group_of(s->sort, 0))
             part(s, i, &p);
-        index->groups = p.sides ? 0 : 1u << group;
+        operand->groups = p.sides ? 0 : 1u << group;
         for (int k = 0; k < p.sides; k++)
-            index->groups |= s->index[p.side[k]].groups;
+            operand->groups |= s->operand[p.side[k]].groups;
     }
 }
 
 static struct expr ending(const struct sorting *s, size_t at)
 {
-    const size_t begin = s->index[at].begin;
+    const size_t begin = s->operand[at].begin;
     return (struct expr){.op = s->expr->op + begin, .count = at + 1 - begin};
 }
 
@@ -194,7 +194,7 @@ static bool sort_ending(const struct sorting *s, size_t at, const struct wrap *w
                         struct expr *group)
 {
     for (int g = 0; g < GROUPS; g++)
-        if (s->index[at].groups == 1u << g)
+        if (s->operand[at].groups == 1u << g)
             return put(s, at, wrap, &group[g]);
     struct parting p;
     part(s, at, &p);
@@ -212,15 +212,16 @@ static bool sort_ending(const struct sorting *s, size_t at, const struct wrap *w
 bool typed_sort(const struct typed_sort *sort, const struct expr *expr,
                 const struct expr *group[GROUPS])
 {
-    struct sorting s = {.sort = sort, .expr = expr, .index = malloc(expr->count * sizeof *s.index)};
+    struct sorting s = {
+        .sort = sort, .expr = expr, .operand = malloc(expr->count * sizeof *s.operand)};
     struct expr *sum = arena_array(sort->arena, GROUPS, sizeof *sum);
-    bool fine = s.index && sum;
+    bool fine = s.operand && sum;
     if (!fine)
         error_memory(sort->error);
     if (fine)
         look(&s);
     fine = fine && sort_ending(&s, expr->count - 1, NULL, sum);
-    free(s.index);
+    free(s.operand);
     for (int g = 0; fine && g < GROUPS; g++) {
         group[g] = sum[g].count > 0 ? &sum[g] : NULL;
         if (too_deep(&sum[g]))

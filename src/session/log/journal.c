@@ -54,7 +54,7 @@ void journal_release(struct request *last)
     }
 }
 
-/* What a leg knows of those before it. */
+/* What a request knows of those before it. */
 static void link_request(struct request *request, struct request *before)
 {
     request->references = 1;
@@ -69,7 +69,7 @@ static void link_request(struct request *request, struct request *before)
     }
 }
 
-/* From time to time a leg keeps the whole scene. False: no memory. */
+/* From time to time a request keeps the whole scene. False: no memory. */
 static bool keep_scene(struct run_slot *slot, bool by_events)
 {
     struct request *request = slot->last;
@@ -216,7 +216,7 @@ bool journal_changed(const struct run_slot *slot, int first)
 
 /* ---- doing it again ---- */
 
-/* On along a leg until step `end`; so_far: the run with the legs done before. */
+/* On along a request until step `end`; so_far: the run with the requests done before. */
 static void go(struct session *session, const struct run_slot *so_far,
                const struct request *request, int64_t end)
 {
@@ -389,7 +389,7 @@ static void put_start(struct composer *c)
     c->started = true;
 }
 
-/* Along a leg from step `from` to step `to`, which was reached at time t. */
+/* Along a request from step `from` to step `to`, which was reached at time t. */
 static bool put_go(struct composer *c, const struct request *request, int64_t from, int64_t to,
                    double t)
 {

@@ -34,7 +34,7 @@ void solver_free(struct solver *solver);
 void solver_start(struct solver *solver);
 int64_t solver_cost(const struct solver *solver);
 /*
- * From y to the end of the span. STOP_END, or why not: STOP_FULL is `most` used up. grid
+ * From y to the end of the span. STOP_END, or why not: STOP_FULL is `max` used up. grid
  * [STUDY_TIMES * n], or NULL: the states on the common grid, NAN where the steps do not come by.
  */
 enum stop solver_run(struct solver *solver, double *grid, const struct cancel *cancel);

@@ -9,7 +9,7 @@
 
 #include "study/compare/solve.h"
 
-/* The finest run of one contender. */
+/* The finest run of one choice. */
 struct witness {
     const struct method *by; /* NULL: none has arrived yet */
     double *grid;            /* [STUDY_TIMES * n] */
@@ -18,7 +18,7 @@ struct witness {
 };
 
 struct witnesses {
-    struct witness *one; /* [count], one for each contender */
+    struct witness *one; /* [count], one for each choice */
     double *grid;
     size_t size; /* [double] of one grid */
     int count;
@@ -27,7 +27,7 @@ struct witnesses {
 bool witnesses_init(struct witnesses *witnesses, const struct system *system,
                     int max); /* false: no memory */
 void witnesses_free(struct witnesses *witnesses);
-/* A finer run of contender i has arrived, in so many steps. */
+/* A finer run of choice i has arrived, in so many steps. */
 void witness_tell(struct witnesses *witnesses, int i, const struct reference *reference,
                   const struct method *by, int64_t steps, const double *grid);
 /* Sets the reference's against and apart; *step [s]: steps that see what they have seen. */

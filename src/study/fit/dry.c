@@ -85,14 +85,15 @@ static double release(const struct walk *w, double end)
     const double from = w->step->t;
     double a[2];
     for (int k = 1; k <= LOOKS; k++) {
-        double free = from + (end - from) * k / LOOKS, slot = from + (end - from) * (k - 1) / LOOKS;
+        double free = from + (end - from) * k / LOOKS,
+               stuck = from + (end - from) * (k - 1) / LOOKS;
         accelerations(w, free, w->step->y, a);
         if (onward(a) == 0)
             continue;
         for (int j = 0; j < HALVINGS; j++) {
-            const double middle = 0.5 * (slot + free);
+            const double middle = 0.5 * (stuck + free);
             accelerations(w, middle, w->step->y, a);
-            *(onward(a) != 0 ? &free : &slot) = middle;
+            *(onward(a) != 0 ? &free : &stuck) = middle;
         }
         return free;
     }

@@ -27,11 +27,11 @@ struct linear_motion {
     const struct variation *variation;
     double a[BLOCK * BLOCK], b[BLOCK];
     double by[LIMIT_VARIABLES * BLOCK], c[LIMIT_VARIABLES]; /* B_j, c_j one below the other */
-    double capacity[];                                      /* of the propagators */
+    double storage[];                                       /* of the propagators */
 };
 
 /* Of a propagator with all that it may hold. */
-static const size_t room_each = (size_t)LIMIT_VARIABLES * (BLOCK + 1);
+static const size_t storage_each = (size_t)LIMIT_VARIABLES * (BLOCK + 1);
 
 static bool same_step(double dt, double wanted, double t)
 {
@@ -53,7 +53,7 @@ static void place_step(struct linear_motion *m, int k, double dt)
 {
     struct propagator *p = &m->step[k];
     p->dt = dt;
-    p->base = m->capacity + (size_t)k * room_each;
+    p->base = m->storage + (size_t)k * storage_each;
     p->direction = p->base + m->n * (m->n + 1);
     p->ready = false;
 }
@@ -80,7 +80,7 @@ static bool collect_steps(struct linear_motion *m, double t0, const double *t, s
 
 struct linear_motion *linear_motion_create(double t0, const double *t, size_t n)
 {
-    struct linear_motion *m = calloc(1, sizeof *m + STEPS_MOST * room_each * sizeof(double));
+    struct linear_motion *m = calloc(1, sizeof *m + STEPS_MOST * storage_each * sizeof(double));
     if (m && !collect_steps(m, t0, t, n)) {
         free(m);
         return NULL;

@@ -29,10 +29,10 @@ static bool is_usual(const struct scene *scene, const char *name)
     return false;
 }
 
-int scene_fit_usual(const struct scene *scene, int *index, int *slot, int *slots)
+int scene_fit_usual(const struct scene *scene, int *index, int *fixed, int *fixed_count)
 {
     int count = 0;
-    *slots = 0;
+    *fixed_count = 0;
     for (int i = 0; i < (int)scene_params(scene)->count && count < CURVE_PARAMETERS - 1; i++) {
         const char *name = catalog_row(scene_params(scene), (size_t)i)->name;
         struct direction d;
@@ -42,7 +42,7 @@ int scene_fit_usual(const struct scene *scene, int *index, int *slot, int *slots
         if (d.changes > 0 && !is_usual(scene, name))
             continue;
         if (d.changes > 0 && scene->given[i] && scene->uncertainty[i] == 0)
-            slot[(*slots)++] = i;
+            fixed[(*fixed_count)++] = i;
         else
             index[count++] = i;
     }

@@ -115,8 +115,8 @@ void mode_check(const struct method_choice *by, const struct mode *mode, double 
     const double unit = mode->omega > EXTREME || mode->omega < 1 / EXTREME ? mode->omega : 1,
                  omega = mode->omega / unit;
     const double expected = log(mode_growth(by, mode, dt));
-    const double capacity = expected == 0 ? STEPS_MOST : LOG_ROOM / fabs(expected);
-    const int64_t quarter = (int64_t)fmax(4, fmin(STEPS_MOST, capacity) / 4);
+    const double possible = expected == 0 ? STEPS_MOST : LOG_ROOM / fabs(expected);
+    const int64_t quarter = (int64_t)fmax(4, fmin(STEPS_MOST, possible) / 4);
     *check = (struct stability_check){
         .dt = dt, .predicted = exp(expected), .measured = NAN, .steps = 4 * quarter};
     if (isnan(expected) || !mode_system(mode, omega, &system))

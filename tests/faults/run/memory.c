@@ -125,8 +125,8 @@ static void test_peak_of_a_long_run(void **state)
         start(&scene, "symplectic-euler", (struct run_settings){.dt = 1e-3}, HUGE_VAL);
     go_steps(run, 5 * LIMIT_SAMPLES);
     assert_true(peak - before < 64000000);
-    size_t slot = live - before;
-    assert_true(trace_bytes(run->trace) <= slot && slot < trace_bytes(run->trace) + 100000);
+    size_t used = live - before;
+    assert_true(trace_bytes(run->trace) <= used && used < trace_bytes(run->trace) + 100000);
     run_destroy(run);
     assert_int_equal(live, before);
 }

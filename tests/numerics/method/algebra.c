@@ -78,7 +78,8 @@ static void test_tableau_orders(void **state)
         assert_int_equal(method->embedded > 0, !!(method->flags & METHOD_ADAPTIVE));
         if (!tableau->b_hat)
             continue;
-        /* With a rough companion the estimate is e^2/e_rough: the order is that of the quotient. */
+        /* With a rough embedded method the estimate is e^2/e_rough: the order is that of the
+         * quotient. */
         int fine = method->embedded, rough = 3;
         if (tableau->rough) {
             fine = (method->embedded + 1 + (rough + 1)) / 2 - 1;

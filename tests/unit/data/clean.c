@@ -113,7 +113,7 @@ static void bad_echoes_are_masked_and_nothing_else(void **state)
     const struct findings *f = inspected(recording);
     assert_int_equal(f->of[FINDING_SPIKES].count, spikes);
     assert_int_equal(f->of[FINDING_SHOULDERS].count, shoulders);
-    assert_int_equal(f->of[FINDING_SHOULDERS].indices, shoulders / 6);
+    assert_int_equal(f->of[FINDING_SHOULDERS].stretches, shoulders / 6);
     assert_true(near(f->of[FINDING_SPIKES].size, 0.025, 0.001) &&
                 near(f->of[FINDING_SPIKES].first[0], 1.47, 1e-9));
     for (size_t i = 0; i < m.n; i++)
@@ -183,7 +183,7 @@ static void a_stuck_sensor_is_masked(void **state)
     struct recording *recording = recorded(&m, 0.001);
     const struct findings *f = inspected(recording);
     assert_int_equal(f->of[FINDING_STUCK].count, 112);
-    assert_int_equal(f->of[FINDING_STUCK].indices, 2);
+    assert_int_equal(f->of[FINDING_STUCK].stretches, 2);
     assert_true(near(f->of[FINDING_STUCK].first[0], 7, 1e-9) &&
                 near(f->of[FINDING_STUCK].first[1], 12, 1e-9));
     assert_only(f, FINDING_STUCK, "stuck");
@@ -227,7 +227,7 @@ static void steps_gaps_and_empty_cells_are_said(void **state)
     assert_true(near(f->of[FINDING_GAPS].size, 0.42, 1e-9) &&
                 near(f->of[FINDING_GAPS].first[0], 9.98, 1e-9));
     assert_int_equal(f->of[FINDING_MISSING].count, 3);
-    assert_int_equal(f->of[FINDING_MISSING].indices, 2);
+    assert_int_equal(f->of[FINDING_MISSING].stretches, 2);
     assert_int_equal(f->masked, 0);
     assert_int_equal(f->of[FINDING_START].count + f->of[FINDING_END].count, 0);
     recording_destroy(recording);

@@ -262,16 +262,16 @@ static void test_stick_slip(void **state)
     for (size_t i = 0; i < COUNT_OF(by); i++) {
         struct run *run =
             start(&scene, by[i].name, (struct run_settings){.dt = by[i].dt, .tol = by[i].tol}, 20);
-        int slot = 0;
+        int rests = 0;
         for (int k = 0; k < 40; k++) {
             go_to(run, 0.5 * (k + 1));
-            slot += run->y[1] == 0;
+            rests += run->y[1] == 0;
             if (i == 0)
                 wanted[k] = run->y[0];
             else
                 assert_close(run->y[0], wanted[k], by[i].off * 0.02);
         }
-        assert_true(slot > 5 && slot < 35);
+        assert_true(rests > 5 && rests < 35);
         run_destroy(run);
     }
 }

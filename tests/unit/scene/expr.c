@@ -264,7 +264,7 @@ static void put(struct buffer *out, const char *z)
     buffer_put(out, text_of(z));
 }
 
-/* Appends an operand, in parentheses where it binds less tightly than `least`. */
+/* Appends an operand, in parentheses where it binds less tightly than `min`. */
 static double write_expr(struct buffer *out, uint64_t *seed, int depth, int min);
 
 static struct written write_bare(struct buffer *out, uint64_t *seed, int depth)

@@ -217,9 +217,9 @@ static void a_held_start_must_come_first(void **state)
     struct scene late = truth;
     struct error error = {0};
     assert_true(scene_set(&late, scene_param(&late, "t0"), (struct measured){3, 0}, &error));
-    struct fitted slot = fit_to(&late, &r.series, "k gamma", false);
-    assert_false(slot.ok);
-    assert_int_equal(slot.error.code, ERROR_COMMAND);
+    struct fitted fixed = fit_to(&late, &r.series, "k gamma", false);
+    assert_false(fixed.ok);
+    assert_int_equal(fixed.error.code, ERROR_COMMAND);
     struct fitted moved =
         fit_to(&late, &r.series, "k gamma y0 v0", false); /* t0 goes to the first sample */
     assert_converged(&moved);
@@ -227,7 +227,7 @@ static void a_held_start_must_come_first(void **state)
     struct fitted whole = fit_to(&truth, &r.series, "k gamma", false); /* the true start is held */
     assert_converged(&whole);
     assert_found(&whole, "k", 15, 0.001);
-    arena_reset(&slot.arena);
+    arena_reset(&fixed.arena);
     arena_reset(&moved.arena);
     arena_reset(&whole.arena);
     forget(&r);
@@ -237,18 +237,18 @@ static void the_usual_parameters(void **state)
 {
     (void)state;
     struct error error = {0};
-    int index[PARAM_MAX], slot[PARAM_MAX], slots;
+    int index[PARAM_MAX], fixed[PARAM_MAX], fixed_count;
     struct scene scene = scene_with("drag", NO_SETTINGS);
-    assert_int_equal(scene_fit_usual(&scene, index, slot, &slots), 5); /* k gamma C y0 v0 */
-    assert_int_equal(slots, 0);
+    assert_int_equal(scene_fit_usual(&scene, index, fixed, &fixed_count), 5); /* k gamma C y0 v0 */
+    assert_int_equal(fixed_count, 0);
     const int k = scene_param(&scene, "k");
     assert_true(scene_set(&scene, k, (struct measured){15, 0}, &error));
-    assert_int_equal(scene_fit_usual(&scene, index, slot, &slots), 4);
-    assert_int_equal(slots, 1);
-    assert_int_equal(slot[0], k);
+    assert_int_equal(scene_fit_usual(&scene, index, fixed, &fixed_count), 4);
+    assert_int_equal(fixed_count, 1);
+    assert_int_equal(fixed[0], k);
     assert_true(
         scene_set(&scene, k, (struct measured){15, 0.1}, &error)); /* an estimate: fitted again */
-    assert_int_equal(scene_fit_usual(&scene, index, slot, &slots), 5);
+    assert_int_equal(scene_fit_usual(&scene, index, fixed, &fixed_count), 5);
 }
 
 static void spikes_do_not_pull(void **state)

@@ -59,10 +59,10 @@ static inline struct fitted fit_to(const struct scene *scene, const struct serie
                                    const char *names, bool robust)
 {
     struct fitted f = {.ok = false};
-    int index[PARAM_MAX], slot[PARAM_MAX], slots, count = 0;
+    int index[PARAM_MAX], fixed[PARAM_MAX], fixed_count, count = 0;
     struct text rest = text_of(names ? names : ""), name;
     if (!names)
-        count = scene_fit_usual(scene, index, slot, &slots);
+        count = scene_fit_usual(scene, index, fixed, &fixed_count);
     while (names && text_split(&rest, ' ', &name) && name.len) {
         char word[LIMIT_NAME + 1] = "";
         memcpy(word, name.at, name.len);
@@ -96,7 +96,7 @@ static inline void assert_converged(const struct fitted *f)
         fail_msg("%s", f->fit.curve.said);
 }
 
-/* Within four of its standard uncertainties, which are no more than `most` of the value. */
+/* Within four of its standard uncertainties, which are no more than `max` of the value. */
 static inline void assert_found(const struct fitted *f, const char *name, double truth, double max)
 {
     const struct measured m = fitted_value(f, name);

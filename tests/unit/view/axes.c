@@ -104,15 +104,15 @@ static void arrange(struct trial *s)
 
 /* ---- the figures ---- */
 
-#define PARTS_MOST (PANELS_MAX * PLACES_MAX)
+#define PARTS_MOST (PANELS_MAX * PLACED_MAX)
 
 /* Panes, those of two panels as two. */
 struct panes {
     struct screen screen;
-    struct index index[PARTS_MOST];
+    struct placed_pane placed[PARTS_MOST];
     struct figure figure[PARTS_MOST];
     struct figure_layout layout[PARTS_MOST];
-    int indices;
+    int placed_count;
 };
 
 /* With the curves of this panel only. */
@@ -129,25 +129,26 @@ static struct figure part_of(struct panes *p, const struct figure *figure)
     return part;
 }
 
-static void add_panels(struct panes *p, const struct index *index, const struct figure *figure)
+static void add_panels(struct panes *p, const struct placed_pane *placed,
+                       const struct figure *figure)
 {
     struct figure_panel panel[PANELS_MAX];
-    const int panels =
-        figure_panels(figure, index->at.width, pane_drawn_height(index), p->screen.charset, panel);
+    const int panels = figure_panels(figure, placed->at.width, pane_drawn_height(placed),
+                                     p->screen.charset, panel);
     for (int i = 0; i < panels; i++) {
         const bool covered =
             i + 1 < panels && !figure->plane; /* the next one has the axis of both */
         const int seen = covered         ? panel[i + 1].y - panel[i].y
                          : figure->plane ? panel[i].height
-                                         : index->at.height - panel[i].y;
-        struct index *part = &p->index[p->indices];
-        *part = *index;
-        part->at = (struct rectangle){index->at.x + panel[i].x, index->at.y + panel[i].y,
+                                         : placed->at.height - panel[i].y;
+        struct placed_pane *part = &p->placed[p->placed_count];
+        *part = *placed;
+        part->at = (struct rectangle){placed->at.x + panel[i].x, placed->at.y + panel[i].y,
                                       panel[i].width, seen};
-        part->open = covered || index->open;
-        p->figure[p->indices] = part_of(p, &panel[i].figure);
+        part->open = covered || placed->open;
+        p->figure[p->placed_count] = part_of(p, &panel[i].figure);
         figure_layout(&panel[i].figure, panel[i].width, panel[i].height, p->screen.charset,
-                      &p->layout[p->indices++]);
+                      &p->layout[p->placed_count++]);
     }
 }
 
@@ -157,21 +158,21 @@ static void open_panes(struct panes *p, const struct trial *s)
     *p = (struct panes){.screen = {.session = s->session, .charset = session_charset(s->session)}};
     if (division.plots) {
         const struct rectangle area = {0, division.state, s->width, division.plots};
-        struct index index[PLACES_MAX];
-        struct figure figure[PLACES_MAX];
-        const int indices = screen_places(s->session, area, s->height, index);
-        assert_true(panes_figures(&p->screen, index, indices, figure));
-        for (int i = 0; i < indices; i++)
-            add_panels(p, &index[i], &figure[i]);
+        struct placed_pane placed[PLACED_MAX];
+        struct figure figure[PLACED_MAX];
+        const int placed_count = screen_panes(s->session, area, s->height, placed);
+        assert_true(panes_figures(&p->screen, placed, placed_count, figure));
+        for (int i = 0; i < placed_count; i++)
+            add_panels(p, &placed[i], &figure[i]);
     }
 }
 
 /* The place whose time axis is printed below the pane. */
-static int printed_by(const struct panes *p, int index)
+static int printed_by(const struct panes *p, int placed)
 {
-    while (p->index[index].open)
-        index++;
-    return index;
+    while (p->placed[placed].open)
+        placed++;
+    return placed;
 }
 
 /* What the run has at one of its times; NAN: it was not recorded then. */
@@ -208,10 +209,10 @@ static bool is_recorded(const struct recording *recording, struct arena *arena, 
 }
 
 /* A few samples of each curve, of what is simply recorded. */
-static void check_samples(const struct trial *s, struct panes *p, int index)
+static void check_samples(const struct trial *s, struct panes *p, int placed)
 {
-    const enum pane pane = p->index[index].pane;
-    const struct figure *figure = &p->figure[index];
+    const enum pane pane = p->placed[placed].pane;
+    const struct figure *figure = &p->figure[placed];
     if (pane != PANE_POSITION && pane != PANE_VELOCITY && pane != PANE_ENERGY)
         return;
     for (int c = 0; c < figure->curves; c++) {
@@ -242,12 +243,12 @@ static void check_samples(const struct trial *s, struct panes *p, int index)
 }
 
 /* The axis that is printed puts the samples of a pane where the pane has them. */
-static void check_figure(const struct trial *s, struct panes *p, int index)
+static void check_figure(const struct trial *s, struct panes *p, int placed)
 {
-    const int printed = printed_by(p, index);
-    const struct figure_layout *own = &p->layout[index], *axis = &p->layout[printed];
-    const struct figure *figure = &p->figure[index];
-    if (pane_is_timed(p->index[index].pane) != pane_is_timed(p->index[printed].pane))
+    const int printed = printed_by(p, placed);
+    const struct figure_layout *own = &p->layout[placed], *axis = &p->layout[printed];
+    const struct figure *figure = &p->figure[placed];
+    if (pane_is_timed(p->placed[placed].pane) != pane_is_timed(p->placed[printed].pane))
         fail_msg("a stack of two kinds of axes");
     for (int c = 0; c < figure->curves; c++) {
         const struct curve *curve = &figure->curve[c];
@@ -259,7 +260,7 @@ static void check_figure(const struct trial *s, struct panes *p, int index)
             if (own->left + column != axis->left + other)
                 fail_msg("%dx%d: a sample of pane %d at x = %g is in column %d, the axis has it in "
                          "%d\n%s",
-                         s->width, s->height, index, curve->x[i], own->left + column,
+                         s->width, s->height, placed, curve->x[i], own->left + column,
                          axis->left + other, s->told);
         }
         /* Nothing of a pane is shown that is outside of the axis printed below it. */
@@ -268,7 +269,7 @@ static void check_figure(const struct trial *s, struct panes *p, int index)
                          its = scale_fraction(&axis->x, curve->x[i]);
             if (fabs(fmin(fmax(own_x, 0), 1) - fmin(fmax(its, 0), 1)) * own->columns > 0.5)
                 fail_msg("%dx%d: x = %g is at %g of pane %d, at %g of the axis\n%s", s->width,
-                         s->height, curve->x[i], own_x, index, its, s->told);
+                         s->height, curve->x[i], own_x, placed, its, s->told);
         }
     }
 }
@@ -276,36 +277,36 @@ static void check_figure(const struct trial *s, struct panes *p, int index)
 /* ---- the screen ---- */
 
 /* Reads both axes of a pane off the screen. False: it has no labels there. */
-static bool read_pane(const struct panes *p, int index, const struct canvas *canvas,
+static bool read_pane(const struct panes *p, int placed, const struct canvas *canvas,
                       struct reader *reader)
 {
-    const struct index *bottom = &p->index[printed_by(p, index)];
-    const struct rectangle at = p->index[index].at;
-    const struct figure *figure = &p->figure[index];
+    const struct placed_pane *bottom = &p->placed[printed_by(p, placed)];
+    const struct rectangle at = p->placed[placed].at;
+    const struct figure *figure = &p->figure[placed];
     *reader = (struct reader){.canvas = canvas,
                               .left = at.x,
                               .right = at.x + at.width - 1,
                               .top = at.y,
-                              .bottom = at.y + at.height - (p->index[index].open ? 0 : 1),
+                              .bottom = at.y + at.height - (p->placed[placed].open ? 0 : 1),
                               .axis_row = bottom->at.y + bottom->at.height - 3};
-    return p->layout[index].y_labels && read_x_axis(reader, axis_unit(&figure->x)) &&
-           read_y_axis(reader, axis_unit(&figure->y), p->layout[index].y.log) &&
-           p->layout[index].y_decades == p->layout[index].y.log;
+    return p->layout[placed].y_labels && read_x_axis(reader, axis_unit(&figure->x)) &&
+           read_y_axis(reader, axis_unit(&figure->y), p->layout[placed].y.log) &&
+           p->layout[placed].y_decades == p->layout[placed].y.log;
 }
 
-static int check_screen(const struct trial *s, const struct panes *p, int index,
+static int check_screen(const struct trial *s, const struct panes *p, int placed,
                         const struct canvas *canvas)
 {
     struct reader reader;
-    const struct figure *figure = &p->figure[index];
-    if (!read_pane(p, index, canvas, &reader))
+    const struct figure *figure = &p->figure[placed];
+    if (!read_pane(p, placed, canvas, &reader))
         return 0;
     char problem[200];
     if (!reader_agrees(&reader, figure, problem)) {
         struct buffer text = {0};
         canvas_print(canvas, false, &text);
         fail_msg("%dx%d, pane %s: %s\n%s%s", s->width, s->height,
-                 catalog_row(&pane_catalog, (size_t)p->index[index].pane)->name, problem, s->told,
+                 catalog_row(&pane_catalog, (size_t)p->placed[placed].pane)->name, problem, s->told,
                  text.data);
     }
     return 1;
@@ -325,7 +326,7 @@ static void every_sample_is_where_the_axes_put_it(void **state)
             arrange(&s);
             struct canvas canvas = draw(s.session, s.width, s.height);
             open_panes(&p, &s);
-            for (int i = 0; i < p.indices; i++) {
+            for (int i = 0; i < p.placed_count; i++) {
                 check_figure(&s, &p, i);
                 check_samples(&s, &p, i);
                 read += check_screen(&s, &p, i, &canvas);

@@ -33,14 +33,14 @@ struct lane_operation {
  */
 size_t program_frame_lanes(const struct program *p)
 {
-    const size_t values = (size_t)(p->indices - p->names + p->count) * PROGRAM_LANES;
+    const size_t values = (size_t)(p->slots - p->names + p->count) * PROGRAM_LANES;
     const size_t operations = 1 + (size_t)(p->count + p->copies);
     return values + (operations * sizeof(struct lane_operation) + 63) / 64 * (64 / sizeof(double));
 }
 
 static struct lane_operation *operations(const struct program *p, double *frame)
 {
-    return (struct lane_operation *)(void *)(frame + (size_t)(p->indices - p->names + p->count) *
+    return (struct lane_operation *)(void *)(frame + (size_t)(p->slots - p->names + p->count) *
                                                          PROGRAM_LANES);
 }
 
@@ -103,26 +103,26 @@ CLONES static void run(struct lane_operation *i, double *output)
 /* ---- preparing ---- */
 
 /* What is known of the value at a place. */
-struct index {
+struct slot_value {
     unsigned lanes;   /* enum program_lanes */
     const double *at; /* where it is going to be */
 };
 
 /* Of an intermediate value, kept where that would be. */
-static struct index *place_of(const struct program *p, double *frame, int index)
+static struct slot_value *value_in_slot(const struct program *p, double *frame, int slot)
 {
-    return (struct index *)(void *)(frame + (size_t)(index - p->names) * PROGRAM_LANES);
+    return (struct slot_value *)(void *)(frame + (size_t)(slot - p->names) * PROGRAM_LANES);
 }
 
-static struct index look(const struct program *p, const double *input, const unsigned char *lanes,
-                         double *frame, int index)
+static struct slot_value look(const struct program *p, const double *input,
+                              const unsigned char *lanes, double *frame, int slot)
 {
-    if (index < p->names)
-        return (struct index){lanes ? lanes[index] : 0, input + (size_t)index * PROGRAM_LANES};
-    if (index < p->names + p->numbers)
-        return (struct index){LANES_ALIKE | LANES_FIXED,
-                              frame + (size_t)(index - p->names) * PROGRAM_LANES};
-    return *place_of(p, frame, index);
+    if (slot < p->names)
+        return (struct slot_value){lanes ? lanes[slot] : 0, input + (size_t)slot * PROGRAM_LANES};
+    if (slot < p->names + p->numbers)
+        return (struct slot_value){LANES_ALIKE | LANES_FIXED,
+                                   frame + (size_t)(slot - p->names) * PROGRAM_LANES};
+    return *value_in_slot(p, frame, slot);
 }
 
 void program_prepare_lanes(const struct program *p, const double *input,
@@ -130,7 +130,7 @@ void program_prepare_lanes(const struct program *p, const double *input,
 {
     static const struct node copy = {.kind = NODE_KINDS};
     const struct lane_operation end = {.node = NULL};
-    double *fixed = frame + (size_t)(p->indices - p->names) * PROGRAM_LANES;
+    double *fixed = frame + (size_t)(p->slots - p->names) * PROGRAM_LANES;
     struct lane_operation *next = operations(p, frame);
     for (int i = 0; i < p->numbers; i++)
         for (int k = 0; k < PROGRAM_LANES; k++)
@@ -140,14 +140,14 @@ void program_prepare_lanes(const struct program *p, const double *input,
         *next =
             (struct lane_operation){.kind = i->node.kind, .output = i->output, .node = &i->node};
         for (int j = 0; j < 3; j++) {
-            const struct index operand = look(p, input, lanes_of, frame, i->node.operand[j]);
+            const struct slot_value operand = look(p, input, lanes_of, frame, i->node.operand[j]);
             next->operand[j] = operand.at;
             lanes &= operand.lanes; /* one that it does not have is the first one again */
         }
         next->once = lanes & LANES_ALIKE && (next->kind == NODE_ONE || next->kind == NODE_TWO);
         const bool now = lanes & LANES_FIXED && i->output < 0;
         double *out = now ? fixed : frame + (size_t)(i->out - p->names) * PROGRAM_LANES;
-        *place_of(p, frame, i->out) = (struct index){lanes, out};
+        *value_in_slot(p, frame, i->out) = (struct slot_value){lanes, out};
         next->out = i->output < 0 ? out : NULL;
         if (!now) {
             next++;
@@ -158,7 +158,7 @@ void program_prepare_lanes(const struct program *p, const double *input,
         fixed += PROGRAM_LANES;
     }
     for (int i = 0; i < p->outputs; i++) {
-        const struct index output = look(p, input, lanes_of, frame, p->output[i]);
+        const struct slot_value output = look(p, input, lanes_of, frame, p->output[i]);
         if (!p->written[i])
             *next++ = (struct lane_operation){.kind = NODE_KINDS,
                                               .output = i,

@@ -21,33 +21,33 @@ struct native {
 
 /* ---- values ---- */
 
-static size_t pool_place(const struct emitter *e, int index)
+static size_t pool_offset(const struct emitter *e, int slot)
 {
-    return POOL_NUMBERS + 8 * (size_t)(index - e->program->names);
+    return POOL_NUMBERS + 8 * (size_t)(slot - e->program->names);
 }
 
-static void with_memory(struct emitter *e, int code, int reg, int index)
+static void with_memory(struct emitter *e, int code, int reg, int slot)
 {
     const struct program *p = e->program;
-    if (index >= p->moving && index < p->names)
-        with_address(e, DOUBLE, code, reg, e->given, index - p->moving);
-    else if (index >= LEADING && index < p->moving)
-        with_address(e, DOUBLE, code, reg, e->state, index - 1);
+    if (slot >= p->moving && slot < p->names)
+        with_address(e, DOUBLE, code, reg, e->given, slot - p->moving);
+    else if (slot >= LEADING && slot < p->moving)
+        with_address(e, DOUBLE, code, reg, e->state, slot - 1);
     else
-        with_address(e, DOUBLE, code, reg, e->frame, index);
+        with_address(e, DOUBLE, code, reg, e->frame, slot);
 }
 
 /* An operation on a register and the value of a place, wherever it is. immediate < 0: none. */
-static void with_place(struct emitter *e, int code, int reg, int index, int immediate)
+static void with_slot(struct emitter *e, int code, int reg, int slot, int immediate)
 {
     const int behind = immediate >= 0;
-    if (e->where[index] != NOTHING) {
-        e->used[e->where[index]] = ++e->clock;
-        with_register(e, DOUBLE, code, reg, e->where[index]);
-    } else if (index >= e->program->names && index < e->program->names + e->program->numbers) {
-        with_pool(e, DOUBLE, code, reg, pool_place(e, index), behind);
+    if (e->where[slot] != NOTHING) {
+        e->used[e->where[slot]] = ++e->clock;
+        with_register(e, DOUBLE, code, reg, e->where[slot]);
+    } else if (slot >= e->program->names && slot < e->program->names + e->program->numbers) {
+        with_pool(e, DOUBLE, code, reg, pool_offset(e, slot), behind);
     } else {
-        with_memory(e, code, reg, index);
+        with_memory(e, code, reg, slot);
     }
     if (behind)
         byte(e, immediate);
@@ -56,15 +56,15 @@ static void with_place(struct emitter *e, int code, int reg, int index, int imme
 static void save(struct emitter *e, int reg)
 {
     if (e->dirty[reg])
-        with_address(e, DOUBLE, STORE, reg, e->frame, e->slot[reg]);
+        with_address(e, DOUBLE, STORE, reg, e->frame, e->holds[reg]);
     e->dirty[reg] = false;
 }
 
 static void forget(struct emitter *e, int reg)
 {
-    if (e->slot[reg] >= 0)
-        e->where[e->slot[reg]] = NOTHING;
-    e->slot[reg] = NOTHING;
+    if (e->holds[reg] >= 0)
+        e->where[e->holds[reg]] = NOTHING;
+    e->holds[reg] = NOTHING;
     e->dirty[reg] = false;
 }
 
@@ -73,34 +73,34 @@ static int take(struct emitter *e)
 {
     int best = NOTHING;
     for (int r = 0; r < REGISTERS; r++) {
-        if (e->slot[r] == NOTHING) {
+        if (e->holds[r] == NOTHING) {
             best = r;
             break;
         }
-        if (e->slot[r] >= 0 && (best == NOTHING || e->used[r] < e->used[best]))
+        if (e->holds[r] >= 0 && (best == NOTHING || e->used[r] < e->used[best]))
             best = r;
     }
     save(e, best);
     forget(e, best);
-    e->slot[best] = TAKEN;
+    e->holds[best] = TAKEN;
     return best;
 }
 
 /* A register with the value of a place, to be changed: its own where that is needed no more (last).
  */
-static int take_value(struct emitter *e, int index, bool last)
+static int take_value(struct emitter *e, int slot, bool last)
 {
-    const int own = e->where[index];
+    const int own = e->where[slot];
     if (own != NOTHING && last) {
         forget(e, own);
-        e->slot[own] = TAKEN;
+        e->holds[own] = TAKEN;
         return own;
     }
     const int reg = take(e);
-    if (e->where[index] != NOTHING)
-        with_register(e, PACKED, MOVE, reg, e->where[index]);
+    if (e->where[slot] != NOTHING)
+        with_register(e, PACKED, MOVE, reg, e->where[slot]);
     else
-        with_place(e, LOAD, reg, index, -1);
+        with_slot(e, LOAD, reg, slot, -1);
     return reg;
 }
 
@@ -108,23 +108,23 @@ static int take_value(struct emitter *e, int index, bool last)
 
 static int binary(struct emitter *e, const struct instruction *i, int code)
 {
-    const int *index = i->node.operand;
+    const int *slot = i->node.operand;
     /* x + y is y + x: what is needed no more takes the result. */
     const bool swap =
-        (code == PLUS || code == TIMES) && index[0] != index[1] && i->last[1] && !i->last[0];
-    const int reg = take_value(e, index[swap], i->last[swap]);
-    with_place(e, code, reg, index[!swap], -1);
+        (code == PLUS || code == TIMES) && slot[0] != slot[1] && i->last[1] && !i->last[0];
+    const int reg = take_value(e, slot[swap], i->last[swap]);
+    with_slot(e, code, reg, slot[!swap], -1);
     return reg;
 }
 
 /* 1 or 0; all bits set, which is a NaN, where an operand is one. */
 static int comparison(struct emitter *e, const struct instruction *i, int how)
 {
-    const int *index = i->node.operand;
-    const int unordered = take_value(e, index[0], false);
-    with_place(e, COMPARE, unordered, index[1], UNORDERED);
-    const int reg = take_value(e, index[0], i->last[0]);
-    with_place(e, COMPARE, reg, index[1], how);
+    const int *slot = i->node.operand;
+    const int unordered = take_value(e, slot[0], false);
+    with_slot(e, COMPARE, unordered, slot[1], UNORDERED);
+    const int reg = take_value(e, slot[0], i->last[0]);
+    with_slot(e, COMPARE, reg, slot[1], how);
     with_pool(e, PACKED, AND, reg, POOL_ONE, 0);
     with_register(e, PACKED, OR, reg, unordered);
     return reg;
@@ -132,13 +132,13 @@ static int comparison(struct emitter *e, const struct instruction *i, int how)
 
 static int choice(struct emitter *e, const struct instruction *i)
 {
-    const int *index = i->node.operand;
-    const int unordered = take_value(e, index[0], false), positive = take(e);
+    const int *slot = i->node.operand;
+    const int unordered = take_value(e, slot[0], false), positive = take(e);
     with_register(e, PACKED, XOR, positive, positive);
-    with_place(e, COMPARE, positive, index[0], LESS_THAN);
+    with_slot(e, COMPARE, positive, slot[0], LESS_THAN);
     with_register(e, DOUBLE, COMPARE, unordered, unordered);
     byte(e, UNORDERED);
-    const int yes = take_value(e, index[1], i->last[1]), no = take_value(e, index[2], i->last[2]);
+    const int yes = take_value(e, slot[1], i->last[1]), no = take_value(e, slot[2], i->last[2]);
     with_register(e, PACKED, AND, yes, positive);
     with_register(e, PACKED, AND_NOT, positive, no);
     with_register(e, PACKED, OR, yes, positive);
@@ -149,43 +149,43 @@ static int choice(struct emitter *e, const struct instruction *i)
 /* A call keeps no register: what is still needed goes into the frame. */
 static int call(struct emitter *e, const struct instruction *i)
 {
-    const int *index = i->node.operand, arity = node_arity(i->node.kind);
+    const int *slot = i->node.operand, arity = node_arity(i->node.kind);
     for (int r = 0; r < REGISTERS; r++)
-        if (e->slot[r] >= 0 && !(e->slot[r] == index[0] && i->last[0]))
+        if (e->holds[r] >= 0 && !(e->holds[r] == slot[0] && i->last[0]))
             save(e, r);
-    const int first = e->where[index[0]];
+    const int first = e->where[slot[0]];
     if (first > 0)
         with_register(e, PACKED, MOVE, 0, first);
     if (first < 0)
-        with_place(e, LOAD, 0, index[0], -1);
+        with_slot(e, LOAD, 0, slot[0], -1);
     for (int r = 0; r < REGISTERS; r++)
         forget(e, r);
     if (arity == 2)
-        with_place(e, LOAD, 1, index[1], -1);
+        with_slot(e, LOAD, 1, slot[1], -1);
     uint64_t address;
     memcpy(&address, &i->node.one, sizeof address);
     word(e, 0xB848, 2); /* mov rax, address; call rax */
     word(e, address, 8);
     word(e, 0xD0FF, 2);
-    e->slot[0] = TAKEN;
+    e->holds[0] = TAKEN;
     return 0;
 }
 
 static int operation(struct emitter *e, const struct instruction *i)
 {
-    const int *index = i->node.operand;
+    const int *slot = i->node.operand;
     int reg, other;
     switch (i->node.kind) {
     case NODE_NEG:
-        reg = take_value(e, index[0], i->last[0]);
+        reg = take_value(e, slot[0], i->last[0]);
         with_pool(e, PACKED, XOR, reg, POOL_SIGN, 0);
         return reg;
     case NODE_ABS:
-        reg = take_value(e, index[0], i->last[0]);
+        reg = take_value(e, slot[0], i->last[0]);
         with_pool(e, PACKED, AND, reg, POOL_MAGNITUDE, 0);
         return reg;
     case NODE_SQRT:
-        reg = take_value(e, index[0], i->last[0]);
+        reg = take_value(e, slot[0], i->last[0]);
         with_register(e, DOUBLE, ROOT, reg, reg);
         return reg;
     case NODE_ADD:
@@ -205,7 +205,7 @@ static int operation(struct emitter *e, const struct instruction *i)
     case NODE_MUL_ADD:
     case NODE_MUL_SUB:
         reg = binary(e, i, TIMES);
-        with_place(e, i->node.kind == NODE_MUL_ADD ? PLUS : MINUS, reg, index[2], -1);
+        with_slot(e, i->node.kind == NODE_MUL_ADD ? PLUS : MINUS, reg, slot[2], -1);
         return reg;
     case NODE_NEG_MUL:
         reg = binary(e, i, TIMES);
@@ -213,7 +213,7 @@ static int operation(struct emitter *e, const struct instruction *i)
         return reg;
     case NODE_SUB_MUL:
         other = binary(e, i, TIMES);
-        reg = take_value(e, index[2], i->last[2]);
+        reg = take_value(e, slot[2], i->last[2]);
         with_register(e, DOUBLE, MINUS, reg, other);
         return reg;
     default: /* NODE_ONE, NODE_TWO */
@@ -228,9 +228,9 @@ static void instruction(struct emitter *e, const struct instruction *i)
         if (i->last[k] && e->where[i->node.operand[k]] != NOTHING)
             forget(e, e->where[i->node.operand[k]]);
     for (int r = 0; r < REGISTERS; r++)
-        if (e->slot[r] == TAKEN)
-            e->slot[r] = NOTHING;
-    e->slot[result] = i->out;
+        if (e->holds[r] == TAKEN)
+            e->holds[r] = NOTHING;
+    e->holds[result] = i->out;
     e->where[i->out] = result;
     e->dirty[result] = true;
     e->used[result] = ++e->clock;
@@ -265,13 +265,13 @@ static void write_leading(struct emitter *e)
         e->where[second] = spare;
     }
     if (e->where[first] == NOTHING)
-        with_place(e, LOAD, 0, first, -1);
+        with_slot(e, LOAD, 0, first, -1);
     else if (e->where[first] != 0)
         with_register(e, PACKED, MOVE, 0, e->where[first]);
     if (p->outputs < 2)
         return;
     if (e->where[second] == NOTHING)
-        with_place(e, LOAD, 1, second, -1);
+        with_slot(e, LOAD, 1, second, -1);
     else if (e->where[second] != 1)
         with_register(e, PACKED, MOVE, 1, e->where[second]);
 }
@@ -295,7 +295,7 @@ static void write_code(struct emitter *e, bool calls)
     e->frame = calls ? R15 : R8;
     for (int i = 0; i < p->uses; i++)
         if (p->used[i] < LEADING && p->used[i] < p->moving) {
-            e->slot[p->used[i]] = p->used[i];
+            e->holds[p->used[i]] = p->used[i];
             e->where[p->used[i]] = p->used[i];
             e->dirty[p->used[i]] = true;
         }
@@ -305,7 +305,7 @@ static void write_code(struct emitter *e, bool calls)
         int reg = e->where[p->output[i]];
         if (reg == NOTHING) {
             reg = take_value(e, p->output[i], false);
-            e->slot[reg] = NOTHING;
+            e->holds[reg] = NOTHING;
         }
         with_address(e, DOUBLE, STORE, reg, e->output, i);
     }
@@ -325,15 +325,15 @@ struct native *native_create(const struct program *p, program_function **run)
     e.size =
         8 * (size_t)p->numbers + LONGEST * (size_t)p->count + OUTPUT * (size_t)p->outputs + REST;
     for (int r = 0; r < REGISTERS; r++)
-        e.slot[r] = NOTHING;
+        e.holds[r] = NOTHING;
     struct native *native = malloc(sizeof *native);
-    e.where = malloc(((size_t)p->indices + 1) * sizeof *e.where);
+    e.where = malloc(((size_t)p->slots + 1) * sizeof *e.where);
     void *page = native && e.where ? mmap(NULL, e.size, PROT_READ | PROT_WRITE,
                                           MAP_PRIVATE | MAP_ANONYMOUS, -1, 0)
                                    : MAP_FAILED;
     if (page != MAP_FAILED) {
         *native = (struct native){.page = page, .size = e.size};
-        for (int i = 0; i < p->indices; i++)
+        for (int i = 0; i < p->slots; i++)
             e.where[i] = NOTHING;
         e.page = page;
         write_pool(&e);

@@ -44,7 +44,7 @@ static bool bind(const struct equations *e, int first, const bool *bound, const 
 /* What is known of each node of the bound graph. */
 struct usage {
     int uses;   /* by operations and outputs */
-    int index;  /* in the frame */
+    int slot;   /* in the frame */
     int output; /* that it is, the last one of them; -1: none */
     bool fused;
 };
@@ -53,8 +53,8 @@ struct schedule {
     struct program *program;
     struct usage *usage;
     struct node *node; /* what is kept is a name, then products are fused */
-    int *free_index;   /* a stack */
-    int free_places;
+    int *free_slot;    /* a stack */
+    int free_slots;
 };
 
 /* A product that is used once, by a sum, a difference or a minus sign, becomes part of it. */
@@ -85,8 +85,8 @@ static void release(struct schedule *s, const struct node *node, struct instruct
     for (int k = 0; k < node_arity(node->kind); k++) {
         struct usage *usage = &s->usage[node->operand[k]];
         instruction->last[k] = --usage->uses == 0;
-        if (instruction->last[k] && usage->index >= constant)
-            s->free_index[s->free_places++] = usage->index;
+        if (instruction->last[k] && usage->slot >= constant)
+            s->free_slot[s->free_slots++] = usage->slot;
     }
 }
 
@@ -100,9 +100,9 @@ static void emit(struct schedule *s, const struct node *node, int i)
         p->written[instruction->output] = true;
     for (int k = 0; k < 3; k++) /* an operand that it does not have: any that is there */
         instruction->node.operand[k] =
-            s->usage[node->operand[k < node_arity(node->kind) ? k : 0]].index;
-    instruction->out = s->free_places > 0 ? s->free_index[--s->free_places] : p->indices++;
-    s->usage[i].index = instruction->out;
+            s->usage[node->operand[k < node_arity(node->kind) ? k : 0]].slot;
+    instruction->out = s->free_slots > 0 ? s->free_slot[--s->free_slots] : p->slots++;
+    s->usage[i].slot = instruction->out;
     release(s, node, instruction);
 }
 
@@ -135,14 +135,14 @@ static bool prepare(struct schedule *s)
     p->code = arena_array(&p->arena, (size_t)operations + 1, sizeof *p->code);
     if (!p->number || !p->used || !p->code)
         return false;
-    p->indices = p->names;
+    p->slots = p->names;
     p->uses = 0;
     for (int i = 0; i < p->nodes; i++) {
         if (usage[i].uses > 0 && node[i].kind == NODE_NUMBER) {
-            p->number[p->indices - p->names] = node[i].number;
-            usage[i].index = p->indices++;
+            p->number[p->slots - p->names] = node[i].number;
+            usage[i].slot = p->slots++;
         } else if (usage[i].uses > 0 && node[i].kind == NODE_NAME) {
-            usage[i].index = p->used[p->uses++] = node[i].operand[0];
+            usage[i].slot = p->used[p->uses++] = node[i].operand[0];
         }
     }
     return true;
@@ -154,8 +154,8 @@ static bool schedule(struct program *p, const int *kept)
     const size_t nodes = (size_t)p->nodes;
     struct schedule s = {.program = p, .usage = calloc(nodes, sizeof *s.usage)};
     s.node = malloc(nodes * sizeof *s.node);
-    s.free_index = malloc(nodes * sizeof *s.free_index);
-    bool fine = s.usage && s.node && s.free_index;
+    s.free_slot = malloc(nodes * sizeof *s.free_slot);
+    bool fine = s.usage && s.node && s.free_slot;
     if (fine)
         memcpy(s.node, p->node, nodes * sizeof *s.node);
     for (int i = 0; fine && i < p->keeps; i++)
@@ -165,12 +165,12 @@ static bool schedule(struct program *p, const int *kept)
         if (s.usage[i].uses > 0 && !s.usage[i].fused && s.node[i].kind > NODE_NAME)
             emit(&s, &s.node[i], i);
     for (int i = 0; fine && i < p->outputs; i++) {
-        p->output[i] = s.usage[p->result[i]].index;
+        p->output[i] = s.usage[p->result[i]].slot;
         p->copies += !p->written[i];
     }
     free(s.usage);
     free(s.node);
-    free(s.free_index);
+    free(s.free_slot);
     return fine;
 }
 
@@ -190,10 +190,10 @@ static struct leading interpret(const struct program *p, double x0, double x1, d
 #define CASE(kind)                                                                                 \
     case kind:                                                                                     \
         frame[i->out] =                                                                            \
-            node_value(kind, &i->node, frame[index[0]], frame[index[1]], frame[index[2]]);         \
+            node_value(kind, &i->node, frame[slot[0]], frame[slot[1]], frame[slot[2]]);            \
         break;
     for (const struct instruction *i = p->code, *end = i + p->count; i < end; i++) {
-        const int *index = i->node.operand;
+        const int *slot = i->node.operand;
         switch (i->node.kind) {
             OPERATIONS(CASE)
         default: /* no operations */
@@ -252,7 +252,7 @@ static bool make_keep(struct program *p, const struct given_argument *given, con
         memcpy(keep->result, kept, (size_t)count * sizeof *kept);
         fine = schedule(keep, NULL);
     }
-    if (!fine || keep->indices > PROGRAM_KEEP) {
+    if (!fine || keep->slots > PROGRAM_KEEP) {
         program_destroy(keep);
         return fine;
     }
@@ -390,7 +390,7 @@ program_function *program_code(const struct program *p)
 
 size_t program_frame(const struct program *p)
 {
-    return (size_t)p->indices;
+    return (size_t)p->slots;
 }
 
 void program_prepare(const struct program *p, double *frame)

@@ -193,7 +193,7 @@ enum { LEADING = 3 }; /* names that a program's function takes as numbers */
 struct program {
     program_function *run;
     struct arena arena;
-    int moving, names, numbers, indices;
+    int moving, names, numbers, slots;
     int keeps;            /* the last names: what depends on given ones only */
     struct program *keep; /* their values, from the names before; NULL: there are none */
     double *number;

@@ -144,26 +144,26 @@ bool equations_freeze(struct equations *e, int first, int count, struct switches
     struct freezing f = {e, found, calloc((size_t)nodes, sizeof *f.map),
                          calloc((size_t)nodes, sizeof *f.moving)};
     bool *reached = calloc((size_t)nodes, sizeof *reached);
-    const bool capacity =
+    const bool allocated =
         f.map && f.moving && reached && equations_reserve(e, count + LIMIT_TYPED_SWITCHES);
     found->count = 0;
     found->full = false;
-    for (int i = 0; capacity && i < count; i++)
+    for (int i = 0; allocated && i < count; i++)
         reached[e->output[first + i]] = true;
-    if (capacity) {
+    if (allocated) {
         graph_reach(e->graph.node, nodes, reached);
         freeze_nodes(&f, nodes, reached);
     }
     if (found->full)
         found->count = 0;
-    for (int i = 0; capacity && i < found->count; i++)
+    for (int i = 0; allocated && i < found->count; i++)
         e->output[e->outputs++] = found->argument[i];
-    for (int i = 0; capacity && found->count > 0 && i < count; i++)
+    for (int i = 0; allocated && found->count > 0 && i < count; i++)
         e->output[e->outputs++] = f.map[e->output[first + i]];
     free(f.map);
     free(f.moving);
     free(reached);
-    return capacity ? graph_check(&e->graph, error) : error_memory(error);
+    return allocated ? graph_check(&e->graph, error) : error_memory(error);
 }
 
 /* ---- is there any? ---- */

@@ -30,7 +30,7 @@ struct emitter {
     size_t at, size; /* [byte] next, of the page */
     bool full;
     int state, given, output, frame; /* the registers that hold these addresses */
-    int slot[REGISTERS];   /* place whose value it is, NOTHING, or TAKEN by the operation at hand */
+    int holds[REGISTERS];  /* place whose value it is, NOTHING, or TAKEN by the operation at hand */
     bool dirty[REGISTERS]; /* not in the frame */
     int64_t used[REGISTERS], clock;
     int *where; /* [places] register, NOTHING: in memory */
@@ -65,9 +65,9 @@ static inline void with_register(struct emitter *e, int prefix, int code, int re
 }
 
 static inline void with_address(struct emitter *e, int prefix, int code, int reg, int base,
-                                int index)
+                                int slot)
 {
-    const int64_t offset = 8 * (int64_t)index;
+    const int64_t offset = 8 * (int64_t)slot;
     opcode(e, prefix, code, reg, base);
     byte(e, (offset < 128 ? 0x40 : 0x80) | (reg & 7) << 3 | (base & 7));
     word(e, (uint64_t)offset, offset < 128 ? 1 : 4);
