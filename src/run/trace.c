@@ -2,7 +2,6 @@
 /* The trace: rows in chunks, decimation that keeps every peak, times from grids. */
 #include "run/private.h"
 
-#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 
@@ -494,67 +493,6 @@ void trace_truncate(struct trace *trace, size_t i)
         trace->grids--;
     if (trace->bucket > 1)
         find_tail(trace, trace->now_step & ~(trace->bucket - 1));
-}
-
-/* ---- times ---- */
-
-double grid_time(const struct grid *grid, int64_t step)
-{
-    return grid->origin + (double)(step - grid->first) * grid->h;
-}
-
-const struct grid *trace_grid(const struct trace *trace)
-{
-    return &trace->grid[trace->grids - 1];
-}
-
-const struct grid *trace_grid_of(const struct trace *trace, int64_t step)
-{
-    size_t low = 0, high = trace->grids;
-    while (high - low > 1) {
-        size_t middle = low + (high - low) / 2;
-        if (trace->grid[middle].first <= step)
-            low = middle;
-        else
-            high = middle;
-    }
-    return &trace->grid[low];
-}
-
-bool trace_reserve_grids(struct trace *trace, size_t more)
-{
-    if (trace->grids + more <= trace->grid_room)
-        return true;
-    size_t capacity = 2 * trace->grid_room + more;
-    struct grid *grid = realloc(trace->grid, capacity * sizeof *grid);
-    if (!grid)
-        return false;
-    trace->grid = grid;
-    trace->grid_room = capacity;
-    return true;
-}
-
-void trace_regrid(struct trace *trace, struct grid grid)
-{
-    if (trace->grids > 0 && trace_grid(trace)->first == grid.first)
-        trace->grids--;
-    trace->grid[trace->grids++] = grid;
-}
-
-struct stretch stretch_measure(double from, double to, double dt)
-{
-    double ratio = fabs(to - from) / dt;
-    if (!(ratio <= LIMIT_STEPS))
-        return (struct stretch){.ratio = ratio, .whole = (int64_t)LIMIT_STEPS};
-    /* The difference carries the rounding of both times, which is what the second bound allows for.
-     */
-    double near = round(ratio), size = fmax(fabs(from), fabs(to)) / dt;
-    if (fabs(ratio - near) <= 4 * DBL_EPSILON * fmax(near, size))
-        return (struct stretch){.ratio = ratio, .whole = (int64_t)near, .exact = true};
-    double whole = floor(ratio);
-    return (struct stretch){.ratio = ratio,
-                            .whole = (int64_t)whole,
-                            .partial = to - (from + whole * copysign(dt, to - from))};
 }
 
 /* ---- reading ---- */

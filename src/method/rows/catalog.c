@@ -24,7 +24,8 @@ static const struct method methods[] = {
 #ifdef HOOKE_SUNDIALS
 #define YARDSTICK(known_as, known_for, known_from, ...) \
     {.row = {known_as, "", known_for, known_from, NULL}, .step = cvode_step, .work = state_work, \
-     .dense = cvode_dense, .begin = cvode_begin, .end = cvode_end, .adapt = cvode_adapt, __VA_ARGS__},
+     .dense = cvode_dense, .begin = cvode_begin, .end = cvode_end, .adapt = cvode_adapt, \
+     __VA_ARGS__},
 #include "method/rows/cvode.def"
 #endif
 };
@@ -33,7 +34,8 @@ static const struct method methods[] = {
 static const struct row absent[] = {
 #define YARDSTICK(known_as, ...) \
     {known_as, "", \
-     "this program was built without SUNDIALS 6 (libsundials-dev): install it and build again", "", NULL},
+     "this program was built without SUNDIALS 6 (libsundials-dev): install it and build again", \
+     "", NULL},
 #include "method/rows/cvode.def"
 };
 #endif

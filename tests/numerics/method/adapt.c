@@ -206,7 +206,7 @@ static void test_end_is_met_exactly(void **state)
     assert_true(shared.step.t == 1.0 / 3);
     double planned = shared.controller.h;
     assert_above("natural step", planned, 0.01);
-    /* A tiny request neither shortens the plan nor confuses the error history. */
+    /* A tiny segment neither shortens the plan nor confuses the error history. */
     assert_int_equal(method_adapt(dopri5, &shared.step, &shared.controller, 1.0 / 3 + 1e-9),
                      STEP_OK);
     assert_true(shared.step.t == 1.0 / 3 + 1e-9);

@@ -1,0 +1,289 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* A run on its way: until it is where it should be, is paused, or would take too long. */
+#include "command/run/going.h"
+#include "command/run/event_pass.h"
+
+#include <math.h>
+#include <stdio.h>
+
+#define SECONDS_ASKED 60    /* predicted run times above it need --force or a yes */
+#define STEPS_JUDGED 100000 /* of an adaptive run, before its speed says how long it will take */
+#define SLICE_NS 10000000   /* 10 ms between looks at the front end */
+
+bool allow_long(struct session *session, double seconds, double steps, bool force,
+                struct error *error)
+{
+    char question[200];
+    if (!(seconds > SECONDS_ASKED) || force)
+        return true;
+    snprintf(question, sizeof question, "this takes about %.0f s (%.3g steps)", seconds, steps);
+    if (session->typed && (session->front.watched || session->front.confirm)) {
+        /* Who watches it can pause it. */
+        session->confirmed =
+            session->front.watched || session->front.confirm(session->front.context, question);
+        return session->confirmed || error_set(error, ERROR_CANCELLED, "not run");
+    }
+    error_set(error, ERROR_COMMAND, "%s", question);
+    return session->setup.settings.duration_given || session->setup.scene.preset->duration == 0
+               ? error_hint(error, "--force runs it all the same")
+               : error_hint(error,
+                            "%.4g s is the scene's own duration: give a shorter one ('duration = "
+                            "10 s'), or choose "
+                            "a method that adapts; --force runs it all the same",
+                            session->setup.settings.duration);
+}
+
+/* The current run goes on along what was asked for last, at most `steps` steps of it (< 0: no
+ * limit). */
+struct advance {
+    struct run_slot *slot;
+    struct request request; /* as it was: the list may grow on the way */
+    struct run_target target;
+    int requests; /* journal and run as they were before */
+    int64_t steps;
+    double t;
+    bool force;
+    double left; /* [s] that it would have taken when it was given up */
+};
+
+/* Where an adaptive run was last looked at, on its way. */
+struct pace {
+    int64_t steps;
+    double t, seconds;
+};
+
+/* The run's own events, in the names of its own scene. */
+static bool watch(struct session *session, const struct arguments *given, struct advance *advance,
+                  struct error *error)
+{
+    struct in_force *force = arena_alloc(given->arena, sizeof *force);
+    struct names *names = arena_alloc(given->arena, sizeof *names);
+    struct expr_scope *scope = arena_alloc(given->arena, sizeof *scope);
+    const struct run_slot *slot = advance->slot;
+    if (!force || !names || !scope)
+        return error_memory(error);
+    *force = (struct in_force){.slot = slot};
+    *names =
+        (struct names){.session = session, .in_force = force, .saved_only = true, .run = slot->run};
+    *scope = names_scope(names);
+    return events_compile(slot->events, scope, given->arena, &advance->target.event,
+                          &advance->target.events, error);
+}
+
+static bool set_out(struct session *session, const struct arguments *given, int64_t steps,
+                    struct advance *advance, struct error *error)
+{
+    struct run_slot *slot = session->run[session->current_run];
+    const struct request *request = journal_pending(slot);
+    const struct run *run = slot->run;
+    const int64_t left = request->end == INT64_MAX ? -1 : request->end - run->steps;
+    *advance = (struct advance){.slot = slot,
+                                .request = *request,
+                                .requests = journal_count(slot->last),
+                                .steps = run->steps,
+                                .t = run->t};
+    advance->target =
+        (struct run_target){.t = request->t,
+                            .steps = steps >= 0 && (left < 0 || steps < left) ? steps : left,
+                            .scope = given->scope};
+    if (request->condition) {
+        struct condition *condition = arena_alloc(given->arena, sizeof *condition);
+        size_t used;
+        if (!condition)
+            return error_memory(error);
+        if (!condition_compile(text_of(request->condition), given->scope, given->arena, condition,
+                               &used, error)) {
+            error->where = (struct text){NULL, 0};
+            return false;
+        }
+        advance->target.condition = condition;
+    }
+    return !slot->events || watch(session, given, advance, error);
+}
+
+/*
+ * How many steps an adaptive run takes nobody knows before. Each time that their number has doubled
+ * the last half says how long the rest takes [s]; 0: not yet known.
+ */
+static double time_left(const struct run *run, const struct run_target *target, int64_t first,
+                        struct pace *pace)
+{
+    const double rest = target->t - run->t;
+    if (!run->plan.adaptive || target->condition || target->steps >= 0 || !(fabs(rest) < FAR) ||
+        run->steps - first < (pace->steps ? 2 * (pace->steps - first) : STEPS_JUDGED))
+        return 0;
+    const double way = run->t - pace->t,
+                 left = pace->steps ? (run->seconds - pace->seconds) * (rest / way) : 0;
+    *pace = (struct pace){run->steps, run->t, run->seconds};
+    return left;
+}
+
+/* False: it would take too long, and nobody wants that. */
+static bool goes_on(struct session *session, const struct run *run, struct advance *advance,
+                    int64_t first, struct pace *pace)
+{
+    struct error ignored = {0};
+    const double steps = (double)pace->steps, t = pace->t;
+    advance->left = advance->force ? 0 : time_left(run, &advance->target, first, pace);
+    if (!(advance->left > SECONDS_ASKED))
+        return true;
+    const double more =
+        ((double)run->steps - steps) * ((advance->target.t - run->t) / (run->t - t));
+    return advance->force = allow_long(session, advance->left, more, false, &ignored);
+}
+
+static void travel(struct session *session, struct run *run, struct advance *advance, bool clocked)
+{
+    const struct front *front = &session->front;
+    const struct run_target *target = &advance->target;
+    const double from = run->t;
+    struct pace pace = {.steps = 0};
+    if (front->watched && front->slice) {
+        live_advance(session, run, target, clocked && session->typed);
+        return;
+    }
+    struct run_target rest = *target; /* its steps are counted from each call */
+    const int64_t first = run->steps;
+    while (run_advance(run, &rest, SLICE_NS, front->cancel)) {
+        rest.steps = target->steps < 0 ? -1 : target->steps - (run->steps - first);
+        if (!goes_on(session, run, advance, first, &pace)) {
+            run->stop = STOP_GIVEN_UP;
+            break;
+        }
+        if (front->progress)
+            front->progress(front->context, run,
+                            fabs(target->t) < FAR ? (run->t - from) / (target->t - from) : -1);
+    }
+    if (front->progress)
+        front->progress(front->context, run, 2);
+}
+
+/* What `record`, and the transcript of the session, have to say where the statement alone does not
+ * tell what happened. What events did it does again. */
+static void tell(struct session *session, const struct advance *advance)
+{
+    const bool paused = stop_is_pause(advance->slot->run->stop);
+    const bool whole = advance->requests == 1 && advance->steps == 0;
+    if (paused || journal_changed(advance->slot, advance->requests))
+        journal_write(session, advance->slot, whole ? 0 : advance->requests,
+                      whole ? -1 : advance->steps, 0, false, &session->live.record);
+}
+
+static void reply_event(const struct run_slot *slot, const struct event_line *stopped,
+                        struct reply *reply)
+{
+    const size_t count = run_event_records(slot->run);
+    if (stopped)
+        reply_line(reply, "event %s: stopped at t = %.9g s; 'continue' goes on%s", stopped->name,
+                   slot->run->t,
+                   stopped->action == EVENT_COMMANDS
+                       ? ", as the last word of its commands by itself"
+                       : "");
+    if (count > (stopped ? 1 : 0))
+        reply_line(reply, "%zu event%s noticed so far: 'list events' shows them", count,
+                   count == 1 ? "" : "s");
+}
+
+/* Says how it went; false if it did not get where it should. */
+static bool arrive(struct session *session, const struct advance *advance,
+                   const struct event_pass *pass, struct reply *reply, struct error *error)
+{
+    struct run *run = advance->slot->run;
+    run_diagnose(run);
+    session->data_is_latest = false;
+    session_changed(session);
+    if (run->stop == STOP_CONDITION && pass->count == 0) {
+        struct request *request = journal_edit_pending(advance->slot, error);
+        if (!request)
+            return false;
+        request->met = run->steps;
+    }
+    tell(session, advance);
+    if (run->stop == STOP_CANCELLED)
+        reply_line(reply, "%s at t = %.6g s; 'continue' goes on",
+                   session->front.watched ? "paused" : "stopped", run->t);
+    seek_opinion(session, run);
+    reply_run(session, run, reply);
+    reply_event(advance->slot, pass->count > 0 ? pass->stopped[0] : NULL, reply);
+    reply_growth(run, reply);
+    reply_unsound(run, reply);
+    reply_vanished(run, reply);
+    struct error lost = {0};
+    const bool right = reply_opinion(session, run, reply, &lost);
+    reply_below_tolerance(run, reply);
+    reply_missed_burst(run, reply);
+    reply_phase_unknown(run, reply);
+    reply_sliding(run, reply);
+    reply_event_doubts(advance->slot, reply);
+    if (run->stop == STOP_CANCELLED) {
+        session->halted = session->front.watched;
+        return session->front.watched ||
+               error_set(error, ERROR_CANCELLED,
+                         "run %d was interrupted and is kept up to t = %.6g s", run->number,
+                         run->t);
+    }
+    if (run->stop == STOP_GIVEN_UP) {
+        error_set(error, ERROR_COMMAND,
+                  "given up at t = %.6g s after %lld steps: at this pace the rest takes about "
+                  "%.2g s; run %d is kept up to there",
+                  run->t, (long long)run->steps, advance->left, run->number);
+        return error_hint(error, "--force runs it all the same%s",
+                          run->method->flags & METHOD_IMPLICIT
+                              ? ""
+                              : "; try an implicit method that adapts, as radau5");
+    }
+    if (run->stop == STOP_END && advance->target.condition)
+        return error_set(error, ERROR_COMMAND, "the condition did not become true up to t = %.6g s",
+                         run->t);
+    if (stop_is_failure(run->stop) || run->stop == STOP_FULL) {
+        struct buffer why = {0};
+        run_explain(run, &why);
+        error_set(error, run->stop == STOP_FULL ? ERROR_COMMAND : ERROR_NUMERICAL, "%s",
+                  buffer_view(&why));
+        error_hint(error, "run %d is kept up to there", run->number);
+        buffer_free(&why);
+        return false;
+    }
+    if (!right)
+        *error = lost;
+    return right;
+}
+
+static void reply_running(const struct session *session, struct reply *reply)
+{
+    reply_line(reply, "running... (pause: Ctrl-C or F5; you can keep typing commands)");
+    if (isfinite(session->live.speed))
+        reply_line(reply, "it follows the clock; 'speed max': as fast as possible");
+}
+
+bool run_go_on(struct session *session, const struct arguments *given, int64_t steps, bool clocked,
+               struct reply *reply, struct error *error)
+{
+    struct advance advance;
+    struct event_pass pass = {.count = 0};
+    struct error why = {0};
+    bool ok = true;
+    if (!set_out(session, given, steps, &advance, error))
+        return false;
+    advance.force = advance.target.steps >= 0 || is_given(given, "force");
+    struct run *run = advance.slot->run;
+    const int64_t last = advance.target.steps < 0 ? -1 : run->steps + advance.target.steps;
+    if (clocked && session->typed && session->front.watched && session->front.slice)
+        reply_running(session, reply);
+    do {
+        advance.target.steps = last < 0 ? -1 : last - run->steps;
+        travel(session, run, &advance, clocked);
+    } while (events_pass(session, &advance.target, &pass, given, reply, &ok, &why));
+    const bool early = run->stop == STOP_END && run->t != advance.request.t && steps >= 0 &&
+                       run->steps < advance.request.end;
+    if (early)
+        advance.target.condition = NULL; /* it was not waited for */
+    const bool arrived = arrive(session, &advance, &pass, reply, error);
+    if (early && !stop_is_failure(run->stop))
+        run->stop = STOP_CANCELLED;
+    for (int i = 0; i < pass.count && arrived && ok; i++)
+        ok = event_react(session, pass.stopped[i], given, reply, &why);
+    if (arrived && !ok)
+        *error = why;
+    return arrived && ok;
+}

@@ -1,0 +1,15 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* A run on its way. */
+#ifndef HOOKE_COMMAND_RUN_GOING_H
+#define HOOKE_COMMAND_RUN_GOING_H
+
+#include "command/internal.h"
+
+/*
+ * On along the last request. `steps` ends it early on purpose: the run is then as good as paused,
+ * what is left of the request can be done by `continue`.
+ */
+bool run_go_on(struct session *session, const struct arguments *given, int64_t steps, bool clocked,
+               struct reply *reply, struct error *error);
+
+#endif
