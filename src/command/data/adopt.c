@@ -129,6 +129,10 @@ static void reply_adoption(const struct adoption *a, struct buffer *text, struct
         buffer_quantity(text, rms, quantity, 3);
         buffer_put(text, TEXT(", of the fit "));
         buffer_quantity(text, fit->rms, quantity, 3);
+        const struct method *method = a->session->setup.method;
+        if (!a->session->setup.method_chosen && method->order < 4)
+            buffer_format(text, " (to rounding; %s's is farther off: 'method rk4')",
+                          method->row.name);
     }
     inputs_put(&a->inputs, text);
     reply_text(reply, buffer_text(text));

@@ -331,6 +331,18 @@ static void help_all(const struct session *session, struct reply *reply)
     buffer_free(&text);
 }
 
+/* Of a statement as it is typed, `set opinion`, the word behind the command. */
+static struct text topic_of(struct text words)
+{
+    words = text_trim(words);
+    const struct text first = peek_word(words, "");
+    const struct text rest = text_trim((struct text){words.at + first.len, words.len - first.len});
+    return rest.len > 0 && peek_word(rest, "").len == rest.len &&
+                   catalog_find(&command_catalog, first)
+               ? rest
+               : words;
+}
+
 HANDLER(help)
 {
     const struct given_argument *word = argument_given(given, "WORD");
@@ -338,7 +350,7 @@ HANDLER(help)
         help_all(session, reply);
         return true;
     }
-    struct suggestion near = {.wanted = word->item->text};
+    struct suggestion near = {.wanted = topic_of(word->item->text)};
     struct buffer text = {0};
     for (size_t i = 0; i < COUNT_OF(topics); i++) {
         const struct row *row = catalog_find(topics[i].catalog, near.wanted);
