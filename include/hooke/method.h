@@ -129,6 +129,7 @@ struct method {
         fraction; /* of the tolerance, what a step's estimate may be (see method_adapt), 0: 1/3 */
     int evals;    /* force evaluations a step (once warm) */
     unsigned flags;
+    int index; /* in the file of its family: kernels, which compile rows again, find theirs by it */
     enum drag
         drag; /* default; DRAG_DEFAULT: drag is part of the right-hand side and has no variants */
     unsigned drags; /* bit 1 << enum drag for each variant offered */

@@ -23,7 +23,7 @@ static const char *step_word(double count)
 static bool is_bound(const struct system *system, const struct row *row)
 {
     for (int i = 0; i < system->terms; i++) {
-        if (strcmp(system->term[i].row->row.name, row->name) == 0)
+        if (&system->term[i].row->row == row)
             return true;
     }
     return false;

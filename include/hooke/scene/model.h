@@ -180,6 +180,7 @@ struct oscillator {
 struct term_row {
     struct row row; /* name, unit of what `add` adds, brief, citation */
     unsigned flags;
+    int force; /* enum force of src/scene/model/forces.h: its text is compiled again by kernels */
     /* Coefficients from the parameters, also added into `oscillator`; false: the term is absent
      * (its coefficient is zero). */
     bool (*bind)(const double *param, double *c, struct oscillator *oscillator);

@@ -19,8 +19,6 @@ enum { MOST = 4 };
 #include "method/rows/rows.h"
 #include "method/step/step_body.h"
 
-#define JOIN_(a, b) a##b
-#define JOIN(a, b) JOIN_(a, b)
 #define RK_ROW JOIN(rk_, __LINE__)
 #define STEP_NAME(shape) JOIN(shape##_step_, __LINE__)
 #define TYPED_STEP(name, n)                                                                        \
@@ -44,11 +42,9 @@ enum { MOST = 4 };
 
 step_function *method_step_kernel(const struct method *method, const struct system *system)
 {
-    static const struct {
-        const struct method *method;
-        step_function *step[TYPED_COUNT];
-    } steps[] = {
-#define RUNGE_KUTTA(...) {&RK_ROW, {TYPED_MOTIONS(TYPED_ENTRY) TYPED_FLOWS(TYPED_ENTRY)}},
+    static step_function *const steps[][TYPED_COUNT] = {
+        {NULL},
+#define RUNGE_KUTTA(...) {TYPED_MOTIONS(TYPED_ENTRY) TYPED_FLOWS(TYPED_ENTRY)},
 #include "method/rows/rk.def"
     };
     if (method->rosenbrock)
@@ -58,8 +54,5 @@ step_function *method_step_kernel(const struct method *method, const struct syst
     const int typed = typed_shape(system, false);
     if (typed < 0)
         return system->typed.row ? any_step_kernel(method) : NULL;
-    for (size_t i = 0; i < COUNT_OF(steps); i++)
-        if (strcmp(steps[i].method->row.name, method->row.name) == 0)
-            return steps[i].step[typed];
-    return NULL;
+    return steps[method->index][typed];
 }

@@ -228,18 +228,15 @@ INLINE bool solved(const struct method *method, int shape)
 controlled_function *method_controlled_kernel(const struct method *method,
                                               const struct system *system)
 {
-    static const struct {
-        const struct method *method;
-        controlled_function *step[SHAPE_COUNT];
-    } steps[] = {
-#define RUNGE_KUTTA(...) {&RK_ROW, {SOLVED_SHAPES(ENTRY)}},
+    static controlled_function *const steps[][SHAPE_COUNT] = {
+        {NULL},
+#define RUNGE_KUTTA(...) {SOLVED_SHAPES(ENTRY)},
 #include "method/rows/rk.def"
     };
     const int shape = shape_of(system);
-    for (size_t i = 0; shape >= 0 && solved(method, shape) && i < COUNT_OF(steps); i++)
-        if (strcmp(steps[i].method->row.name, method->row.name) == 0)
-            return steps[i].step[shape];
-    return NULL;
+    return shape >= 0 && method->step == rk_step && solved(method, shape)
+               ? steps[method->index][shape]
+               : NULL;
 }
 
 void method_choose_kernels(const struct method *method, struct step *step, bool special)

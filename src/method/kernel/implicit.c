@@ -175,18 +175,14 @@ march_function *implicit_kernel(const struct method *method, const struct system
 {
     static march_function *const any[SHAPE_COUNT] = {CLOSED_SHAPES(ANY_ENTRY)
                                                          NEWTON_SHAPES(ANY_ENTRY)};
-    static const struct {
-        const struct method *method;
-        march_function *march[SHAPE_COUNT];
-    } unrolled[] = {
-#define IMPLICIT_RUNGE_KUTTA(...) {&IRK_ROW, {CLOSED_SHAPES(IRK_ENTRY)}},
+    static march_function *const unrolled[][SHAPE_COUNT] = {
+        {NULL},
+#define IMPLICIT_RUNGE_KUTTA(...) {CLOSED_SHAPES(IRK_ENTRY)},
 #include "method/rows/irk.def"
     };
     const int shape = shape_of(system);
     if (shape < 0 || !method->implicit || method->implicit->diagonal == 0)
         return NULL;
-    for (size_t i = 0; method->flags & METHOD_UNROLLED && i < COUNT_OF(unrolled); i++)
-        if (unrolled[i].march[shape] && strcmp(unrolled[i].method->row.name, method->row.name) == 0)
-            return unrolled[i].march[shape];
-    return any[shape];
+    march_function *const own = unrolled[method->index][shape];
+    return method->flags & METHOD_UNROLLED && own ? own : any[shape];
 }

@@ -63,18 +63,17 @@ INLINE bool unrolled(const struct method *method, int shape)
 
 /* ---- the table ---- */
 
-struct kernels {
-    const struct method *method;
-    march_function *march[SHAPE_COUNT];
-};
-
 #define RK_ENTRY(shape) RK_NAME(shape),
 #define SPLIT_ENTRY(shape) SPLIT_NAME(shape),
 
-static const struct kernels kernels[] = {
-#define RUNGE_KUTTA(...) {&RK_ROW, {ALL_SHAPES(RK_ENTRY)}},
+static march_function *const runge_kutta[][SHAPE_COUNT] = {
+    {NULL},
+#define RUNGE_KUTTA(...) {ALL_SHAPES(RK_ENTRY)},
 #include "method/rows/rk.def"
-#define SPLITTING(...) {&SPLIT_ROW, {ALL_SHAPES(SPLIT_ENTRY)}},
+};
+static march_function *const splittings[][SHAPE_COUNT] = {
+    {NULL},
+#define SPLITTING(...) {ALL_SHAPES(SPLIT_ENTRY)},
 #include "method/rows/split.def"
 };
 
@@ -88,10 +87,8 @@ march_function *method_kernel(const struct method *method, const struct system *
         return system->order != 2 ? NULL
                : method->tableau  ? typed_kernel(method, system, drag)
                                   : any_kernel(method);
-    for (size_t i = 0; unrolled(method, shape) && i < COUNT_OF(kernels); i++)
-        if (method->step == kernels[i].method->step &&
-            strcmp(kernels[i].method->row.name, method->row.name) == 0)
-            return kernels[i].march[shape];
+    if (unrolled(method, shape) && (method->step == rk_step || method->step == split_step))
+        return (method->step == rk_step ? runge_kutta : splittings)[method->index][shape];
     return method->splitting ? shape_split(shape)
            : method->tableau ? typed_kernel(method, system, drag)
                              : implicit_kernel(method, system);

@@ -11,12 +11,9 @@
 #include "scene/model/params.h"
 #define FORCE_TERMS "scene/model/terms.def"
 #define FORCE_WEIGHT "scene/model/weight.def"
-enum { N = 2, MOST = 4, SHAPE_TERMS = 4 };
+enum { N = 2, MOST = 4, SHAPE_TERMS = 4, FORCE_BITS = 8 };
 #include "method/control/march_body.h"
 #include "method/rows/rows.h"
-
-#define JOIN_(a, b) a##b
-#define JOIN(a, b) JOIN_(a, b)
 
 /* Coefficients of the terms, in order, where the compiler can keep them in registers. */
 struct forces {
@@ -69,7 +66,7 @@ enum {
 #define TERMS_OF_kepler(T) T(0, attraction)
 #define TERMS_OF_henon_heiles(T) T(0, well)
 
-/* Their variables and models. */
+/* Their variables. */
 #define SHAPE_SIZE(shape) SIZE_##shape = 2,
 enum {
     SHAPES(SHAPE_SIZE) LINEAR_SHAPES(SHAPE_SIZE) SIZE_pendulum = 2,
@@ -78,11 +75,6 @@ enum {
     SIZE_henon_heiles = 4
 };
 
-#define model_of_pendulum pendulum_model
-#define model_of_driven_pendulum pendulum_model
-#define model_of_kepler kepler_model
-#define model_of_henon_heiles henon_heiles_model
-
 #define TERM_ALWAYS(i, name) name##_add(forces->c[i], t, y, a);
 #define TERM_IF_FORCE(i, name)                                                                     \
     if (!(name##_flags & TERM_VELOCITY))                                                           \
@@ -90,7 +82,6 @@ enum {
 #define TERM_IF_DRAG(i, name)                                                                      \
     if (name##_flags & TERM_VELOCITY)                                                              \
         name##_add(forces->c[i], t, y, a);
-#define TERM_NAME(i, name) #name,
 
 #define ONE_MORE(i, name) +1
 #define HAS_VELOCITY(i, name) | (name##_flags & TERM_VELOCITY)
@@ -121,40 +112,33 @@ ALL_SHAPES(SHAPE_FUNCTIONS)
 #define SHAPE_PLACE(shape) SHAPE_##shape,
 enum { ALL_SHAPES(SHAPE_PLACE) SHAPE_COUNT };
 
-static inline bool has_terms(const struct system *system, const struct model *model,
-                             const char *const *name)
+/* The terms of a system, in their order, as one number; 0: no shape. */
+static inline unsigned forces_of(const struct system *system)
 {
-    const int n = system->terms;
-    if (system->model != model || n > SHAPE_TERMS || name[n] || (n > 0 && !name[n - 1]))
-        return false;
-    int i = 0;
-    while (i < n && strcmp(system->term[i].row->row.name, name[i]) == 0)
-        i++;
-    return i == n;
+    unsigned forces = 0;
+    if (!system->model || system->model->typed || system->terms > SHAPE_TERMS)
+        return 0;
+    for (int i = 0; i < system->terms; i++) {
+        if (!system->term[i].row->force)
+            return 0;
+        forces |= (unsigned)system->term[i].row->force << FORCE_BITS * i;
+    }
+    return forces;
 }
 
-struct shape_row {
-    const struct model *model;
-    const char *term[SHAPE_TERMS + 1];
-};
+#define FORCE_AT(i, name) | ((unsigned)FORCE_##name << FORCE_BITS * (i))
+#define SHAPE_CASE(shape)                                                                          \
+    case 0u TERMS_OF_##shape(FORCE_AT):                                                            \
+        return SHAPE_##shape;
 
-#define OSCILLATOR_ROW(shape) {&oscillator_model, {TERMS_OF_##shape(TERM_NAME)}},
-#define MODEL_ROW(shape) {&model_of_##shape, {TERMS_OF_##shape(TERM_NAME)}},
-
-/* Which of these rows is the system's, -1: none. */
-static inline int shape_among(const struct system *system, const struct shape_row *rows, int count)
-{
-    for (int shape = 0; shape < count; shape++)
-        if (has_terms(system, rows[shape].model, rows[shape].term))
-            return shape;
-    return -1;
-}
-
+/* Which shape is the system's, -1: none. */
 static inline int shape_of(const struct system *system)
 {
-    static const struct shape_row rows[] = {SHAPES(OSCILLATOR_ROW) LINEAR_SHAPES(OSCILLATOR_ROW)
-                                                MODEL_SHAPES(MODEL_ROW)};
-    return shape_among(system, rows, SHAPE_COUNT);
+    switch (forces_of(system)) {
+        ALL_SHAPES(SHAPE_CASE)
+    default:
+        return -1;
+    }
 }
 
 #endif

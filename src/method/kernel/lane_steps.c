@@ -77,6 +77,9 @@ typedef void lane_kernel(struct lanes *lanes, const struct lane_march *march);
 #define LANE_PLACE(shape) LANE_##shape,
 enum { LANE_SHAPES(LANE_PLACE) LANE_SHAPE_COUNT };
 
+#define LANE_CASE(shape)                                                                           \
+    case 0u TERMS_OF_##shape(FORCE_AT):                                                            \
+        return LANE_##shape;
 #define LANE_FLAG(i, name) | (name##_flags)
 #define LANE_FLAGS(shape) (0 TERMS_OF_##shape(LANE_FLAG))
 
@@ -228,9 +231,11 @@ void lanes_destroy(struct lanes *lanes)
 
 static int lane_shape_of(const struct system *system)
 {
-    static const struct shape_row rows[] = {LANE_OSCILLATORS(OSCILLATOR_ROW)
-                                                LANE_MODELS(MODEL_ROW)};
-    return shape_among(system, rows, LANE_SHAPE_COUNT);
+    switch (forces_of(system)) {
+        LANE_SHAPES(LANE_CASE)
+    default:
+        return -1;
+    }
 }
 
 bool lanes_fit(const struct method *method, const struct system *system, enum drag drag, double h)

@@ -31,19 +31,10 @@
 
 lane_term_function *lane_term(const struct term_row *row)
 {
-    static const struct {
-        const char *name;
-        lane_term_function *add;
-    } rows[] = {
-#define CONSERVATIVE_TERM(name, ...) {#name, name##_lanes},
-#define POWERED_TERM(name, ...) {#name, name##_lanes},
+    static lane_term_function *const add[FORCE_TERMS_END] = {
+#define CONSERVATIVE_TERM(name, ...) [FORCE_##name] = name##_lanes,
+#define POWERED_TERM(name, ...) [FORCE_##name] = name##_lanes,
 #include FORCE_TERMS
     };
-    const struct row *own = catalog_find(&term_catalog, text_of(row->row.name));
-    if (!own || ((const struct term_row *)(const void *)own)->add != row->add)
-        return NULL;
-    for (size_t i = 0; i < COUNT_OF(rows); i++)
-        if (strcmp(rows[i].name, row->row.name) == 0)
-            return rows[i].add;
-    return NULL;
+    return row->force < FORCE_TERMS_END ? add[row->force] : NULL;
 }

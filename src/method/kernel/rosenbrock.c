@@ -76,26 +76,26 @@ FLOWS(FLOW_FUNCTIONS)
 #define FLOW_PLACE(shape, n) SHAPE_##shape,
 enum { LAST_MOTION = SHAPE_COUNT - 1, FLOWS(FLOW_PLACE) PLACES };
 
+#define FLOW_CASE(name, n)                                                                         \
+    case 0u TERMS_OF_##name(FORCE_AT):                                                             \
+        shape = SHAPE_##name;                                                                      \
+        break;
 #define MOTION_ENTRY(shape) [SHAPE_##shape] = NAME(shape),
 #define FLOW_ENTRY(shape, n) [SHAPE_##shape] = NAME(shape),
-static const struct {
-    const struct method *method;
-    step_function *step[PLACES]; /* NULL: four variables, linear */
-} steps[] = {
-#define ROSENBROCK(...) {&ROW, {MOTIONS(MOTION_ENTRY) FLOWS(FLOW_ENTRY)}},
+/* NULL: four variables, linear */
+static step_function *const steps[][PLACES] = {
+    {NULL},
+#define ROSENBROCK(...) {MOTIONS(MOTION_ENTRY) FLOWS(FLOW_ENTRY)},
 #include "method/rows/rosenbrock.def"
 };
 
-#define model_of_robertson robertson_model
-#define FLOW_ROW(shape, n) MODEL_ROW(shape)
-
 step_function *rosenbrock_step_kernel(const struct method *method, const struct system *system)
 {
-    static const struct shape_row flows[] = {FLOWS(FLOW_ROW)};
-    const int flow = shape_among(system, flows, COUNT_OF(flows));
-    const int shape = flow >= 0 ? SHAPE_COUNT + flow : shape_of(system);
-    for (size_t i = 0; shape >= 0 && i < COUNT_OF(steps); i++)
-        if (strcmp(steps[i].method->row.name, method->row.name) == 0)
-            return steps[i].step[shape];
-    return NULL;
+    int shape = shape_of(system);
+    switch (forces_of(system)) {
+        FLOWS(FLOW_CASE)
+    default:
+        break;
+    }
+    return shape >= 0 ? steps[method->index][shape] : NULL;
 }

@@ -8,8 +8,6 @@ enum { MOST = 4 };
 #include "method/kernel/typed.h"
 #include "method/rows/rows.h"
 
-#define JOIN_(a, b) a##b
-#define JOIN(a, b) JOIN_(a, b)
 #define RK_ROW JOIN(rk_, __LINE__)
 #define RK_NAME(shape) JOIN(shape##_rk_, __LINE__)
 
@@ -29,11 +27,9 @@ enum { MOST = 4 };
 #undef RUNGE_KUTTA
 
 #define RK_ENTRY(name, n) RK_NAME(name),
-static const struct {
-    const struct method *method;
-    march_function *march[TYPED_COUNT];
-} kernels[] = {
-#define RUNGE_KUTTA(...) {&RK_ROW, {TYPED_MOTIONS(RK_ENTRY) TYPED_FLOWS(RK_ENTRY)}},
+static march_function *const kernels[][TYPED_COUNT] = {
+    {NULL},
+#define RUNGE_KUTTA(...) {TYPED_MOTIONS(RK_ENTRY) TYPED_FLOWS(RK_ENTRY)},
 #include "method/rows/rk.def"
 };
 
@@ -45,9 +41,5 @@ march_function *typed_kernel(const struct method *method, const struct system *s
         return any_kernel(method);
     if (method->splitting)
         return typed_split(shape);
-    for (size_t i = 0; i < COUNT_OF(kernels); i++)
-        if (method->step == kernels[i].method->step &&
-            strcmp(kernels[i].method->row.name, method->row.name) == 0)
-            return kernels[i].march[shape];
-    return NULL;
+    return method->step == rk_step ? kernels[method->index][shape] : NULL;
 }

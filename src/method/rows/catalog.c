@@ -6,15 +6,17 @@
 
 /* clang-format off */
 static const struct method methods[] = {
-#define RUNGE_KUTTA(...) {.step = rk_step, .work = rk_work, __VA_ARGS__},
+#define RUNGE_KUTTA(...) {.step = rk_step, .work = rk_work, .index = AT(RK), __VA_ARGS__},
 #include "method/rows/rk.def"
-#define SPLITTING(...) {.step = split_step, .work = split_work, __VA_ARGS__},
+#define SPLITTING(...) {.step = split_step, .work = split_work, .index = AT(SPLIT), __VA_ARGS__},
 #include "method/rows/split.def"
 #define NYSTROM(...) {.step = nystrom_step, .work = nystrom_work, __VA_ARGS__},
 #include "method/rows/nystrom.def"
-#define IMPLICIT_RUNGE_KUTTA(...) {.step = implicit_step, .work = implicit_work, __VA_ARGS__},
+#define IMPLICIT_RUNGE_KUTTA(...) \
+    {.step = implicit_step, .work = implicit_work, .index = AT(IRK), __VA_ARGS__},
 #include "method/rows/irk.def"
-#define ROSENBROCK(...) {.step = rosenbrock_step, .work = rosenbrock_work, __VA_ARGS__},
+#define ROSENBROCK(...) \
+    {.step = rosenbrock_step, .work = rosenbrock_work, .index = AT(ROSENBROCK), __VA_ARGS__},
 #include "method/rows/rosenbrock.def"
 #define MULTISTEP(...) \
     {.step = multistep_step, .work = multistep_work, .growth = multistep_growth, __VA_ARGS__},

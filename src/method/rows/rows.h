@@ -16,4 +16,34 @@
 #define DRAG_VARIANTS (1u << DRAG_EXACT | 1u << DRAG_IMPLICIT | 1u << DRAG_EXPLICIT)
 /* clang-format on */
 
+/* Places of rows in their files, from 1 on: 0 is a method that stands in none. A row is known by
+ * the line where it ends. */
+#define JOIN_(a, b) a##b
+#define JOIN(a, b) JOIN_(a, b)
+#define AT(family) JOIN(family##_AT_, __LINE__)
+enum {
+    RK_AT_NONE,
+#define RUNGE_KUTTA(...) AT(RK),
+#include "method/rows/rk.def"
+#undef RUNGE_KUTTA
+};
+enum {
+    SPLIT_AT_NONE,
+#define SPLITTING(...) AT(SPLIT),
+#include "method/rows/split.def"
+#undef SPLITTING
+};
+enum {
+    IRK_AT_NONE,
+#define IMPLICIT_RUNGE_KUTTA(...) AT(IRK),
+#include "method/rows/irk.def"
+#undef IMPLICIT_RUNGE_KUTTA
+};
+enum {
+    ROSENBROCK_AT_NONE,
+#define ROSENBROCK(...) AT(ROSENBROCK),
+#include "method/rows/rosenbrock.def"
+#undef ROSENBROCK
+};
+
 #endif

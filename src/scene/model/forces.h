@@ -6,6 +6,19 @@
 
 #include "scene/model/model.h"
 
+/* Which text a term's force is; 0: one that no kernel knows. */
+enum force {
+    FORCE_OTHER,
+#define CONSERVATIVE_TERM(name, ...) FORCE_##name,
+#define POWERED_TERM(name, ...) FORCE_##name,
+#include "scene/model/terms.def"
+    FORCE_TERMS_END, /* of the oscillator */
+    FORCE_weight,
+    FORCE_attraction,
+    FORCE_well,
+    FORCE_reaction,
+};
+
 #define MODEL_FORCE(name)                                                                          \
     static inline void name##_add(const double *c, UNUSED double t, const double *y, double *a)
 

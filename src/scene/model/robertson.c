@@ -22,6 +22,7 @@ TERM_BIND(reaction)
 
 static const struct term_row terms[] = {
     {.row = {"reaction", "1/s", "A -> B, B + B -> C + B, B + C -> A + C", "Robertson 1966", NULL},
+     .force = FORCE_reaction,
      .bind = reaction_bind,
      .add = reaction_add,
      .jacobian = reaction_jacobian},

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The functions and the table of the force terms, all from terms.def. */
+#include "scene/model/forces.h"
 #include "scene/model/params.h"
 
 #define TERM_BODIES
@@ -7,8 +8,8 @@
 #undef TERM_BODIES
 
 #define TERM_ROW(term, term_flags, text, source)                                                   \
-    .row = {#term, "m/s^2", (text), (source), NULL}, .flags = (term_flags), .bind = term##_bind,   \
-    .add = term##_add, .jacobian = term##_jacobian
+    .row = {#term, "m/s^2", (text), (source), NULL}, .flags = (term_flags), .force = FORCE_##term, \
+    .bind = term##_bind, .add = term##_add, .jacobian = term##_jacobian
 
 static const struct term_row rows[] = {
 #define CONSERVATIVE_TERM(name, flags, brief, citation)                                            \
