@@ -12,7 +12,14 @@
 
 /* ---- tables ---- */
 
-enum table_format { TABLE_CSV, TABLE_TSV, TABLE_JSON, TABLE_MARKDOWN };
+enum table_format {
+    TABLE_CSV,
+    TABLE_TSV,
+    TABLE_JSON,
+    TABLE_MARKDOWN,
+    TABLE_HTML,
+    TABLE_LATEX,
+};
 
 struct table_column {
     const char *name, *unit;
@@ -33,7 +40,7 @@ struct table {
 };
 
 extern const struct catalog
-    table_format_catalog; /* struct row at the enum's place: csv, tsv, json, md */
+    table_format_catalog; /* struct row at the enum's place: csv, tsv, json, md, html, tex */
 
 /* Every double reads back bit for bit; `.` and newline whatever the locale. Text cells that could
  * be a formula or contain the separator are quoted. */

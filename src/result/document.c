@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include <hooke/result.h>
+#include "result/outlet.h"
 
 #include <string.h>
 
@@ -43,7 +43,7 @@ static const char style[] =
 
 /* ---- escaping ---- */
 
-static void put_html(struct buffer *out, struct text text)
+void buffer_html(struct buffer *out, struct text text)
 {
     static const struct {
         char c;
@@ -93,7 +93,7 @@ void document_begin(struct document *document, const char *title)
     buffer_put(
         &document->html,
         TEXT("<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<title>"));
-    put_html(&document->html, text_of(title));
+    buffer_html(&document->html, text_of(title));
     buffer_put(&document->html, TEXT("</title>\n<style>\n"));
     buffer_put(&document->html, TEXT(style));
     buffer_put(&document->html, TEXT("</style>\n</head>\n<body>\n"));
@@ -139,7 +139,7 @@ void document_say(struct document *document, const char *format, ...)
         else
             buffer_char(&text, words.data[i]);
     put_md(&document->md, buffer_text(&text));
-    put_html(&document->html, buffer_text(&text));
+    buffer_html(&document->html, buffer_text(&text));
     document->md.failed |= words.failed || text.failed;
     buffer_free(&words);
     buffer_free(&text);
@@ -164,7 +164,7 @@ void document_name(struct document *document, struct text name)
     buffer_put(&document->md, ticks > 1 || text.len == 0 ? TEXT(" ") : TEXT(""));
     put_many(&document->md, '`', ticks);
     buffer_put(&document->html, TEXT("<code>"));
-    put_html(&document->html, text);
+    buffer_html(&document->html, text);
     buffer_put(&document->html, TEXT("</code>"));
     document->md.failed |= safe.failed;
     buffer_free(&safe);
@@ -216,7 +216,7 @@ void document_code(struct document *document, struct text code)
     put_many(&document->md, '`', ticks);
     buffer_put(&document->md, TEXT("\n\n"));
     buffer_put(&document->html, TEXT("<pre>"));
-    put_html(&document->html, code);
+    buffer_html(&document->html, code);
     buffer_put(&document->html, TEXT("</pre>\n"));
 }
 

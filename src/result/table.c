@@ -1,14 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
  * Tables to files: CSV and TSV with "# key = value" lines and a header with units, JSON as one
- * object, Markdown. The text goes out in chunks, so that a large table needs no memory for itself.
+ * object; markup is table_markup.c. The text goes out in chunks, so that a large table needs no
+ * memory for itself.
  */
-#include <hooke/result.h>
+#include "result/outlet.h"
 
 #include <math.h>
 #include <string.h>
-
-#define CHUNK 65536u /* [byte] */
 
 static const struct row rows[] = {
     [TABLE_CSV] = {"csv", "", "comma-separated values, with the set-up as # lines", "RFC 4180",
@@ -18,16 +17,13 @@ static const struct row rows[] = {
                     NULL},
     [TABLE_MARKDOWN] = {"md", "", "a table in Markdown, below a list of the set-up",
                         "GitHub Flavored Markdown", NULL},
+    [TABLE_HTML] = {"html", "", "a page with the table, below a list of the set-up", "HTML5", NULL},
+    [TABLE_LATEX] = {"tex", "", "a tabular for \\input, the set-up as comments", "LaTeX2e", NULL},
 };
 
 const struct catalog table_format_catalog = CATALOG("table format", rows);
 
-struct outlet {
-    struct buffer *text;
-    struct writer *writer; /* NULL: everything stays in `text` */
-};
-
-static void pass_on(struct outlet *sink, size_t max)
+void outlet_pass(struct outlet *sink, size_t max)
 {
     if (!sink->writer || sink->text->len <= max || sink->text->failed)
         return;
@@ -96,7 +92,7 @@ static void put_separated(const struct table *table, char separator, struct outl
                 buffer_real(out, column->value[row]);
         }
         buffer_char(out, '\n');
-        pass_on(sink, CHUNK);
+        outlet_pass(sink, OUTLET_CHUNK);
     }
 }
 
@@ -156,81 +152,22 @@ static void put_json(const struct table *table, struct outlet *sink)
                 buffer_json_real(out, column->value[row]);
             else
                 buffer_json_text(out, text_of(column->text[row]));
-            pass_on(sink, CHUNK);
+            outlet_pass(sink, OUTLET_CHUNK);
         }
         buffer_put(out, TEXT("]}"));
     }
     buffer_put(out, TEXT("\n]}\n"));
 }
 
-/* ---- Markdown ---- */
-
-/* What could be markup is text, also in a cell, which a bar would end. */
-static void put_marked(struct buffer *out, struct text text)
-{
-    struct buffer safe = {0};
-    safe_text(&safe, text, false);
-    for (size_t i = 0; i < safe.len; i++) {
-        if (strchr("\\`*_<>[]|#~&", safe.data[i]))
-            buffer_char(out, '\\');
-        buffer_char(out, safe.data[i]);
-    }
-    out->failed |= safe.failed;
-    buffer_free(&safe);
-}
-
-static void put_heading(const struct table *table, struct buffer *out)
-{
-    for (int i = 0; i < table->columns; i++) {
-        const struct table_column *column = &table->column[i];
-        buffer_put(out, i ? TEXT(" | ") : TEXT("| "));
-        put_marked(out, text_of(column->name));
-        if (column->unit && column->unit[0]) {
-            buffer_put(out, TEXT(" ("));
-            put_marked(out, text_of(column->unit));
-            buffer_char(out, ')');
-        }
-    }
-    buffer_put(out, TEXT(" |\n|"));
-    for (int i = 0; i < table->columns; i++)
-        buffer_put(out, table->column[i].value ? TEXT(" ---: |") : TEXT(" --- |"));
-    buffer_char(out, '\n');
-}
-
-static void put_markdown(const struct table *table, struct outlet *sink)
-{
-    struct buffer *out = sink->text;
-    for (int i = 0; i < table->keys; i++) {
-        buffer_put(out, TEXT("- "));
-        put_marked(out, text_of(table->key[i].key));
-        buffer_put(out, TEXT(": "));
-        put_marked(out, text_of(table->key[i].value));
-        buffer_put(out, i + 1 < table->keys ? TEXT("\n") : TEXT("\n\n"));
-    }
-    put_heading(table, out);
-    for (size_t row = 0; row < table->rows; row++) {
-        for (int i = 0; i < table->columns; i++) {
-            const struct table_column *column = &table->column[i];
-            buffer_put(out, i ? TEXT(" | ") : TEXT("| "));
-            if (!column->value)
-                put_marked(out, text_of(column->text[row]));
-            else if (!isnan(column->value[row]))
-                buffer_real(out, column->value[row]);
-        }
-        buffer_put(out, TEXT(" |\n"));
-        pass_on(sink, CHUNK);
-    }
-}
-
 static void put_table(const struct table *table, enum table_format format, struct outlet *sink)
 {
     if (format == TABLE_JSON)
         put_json(table, sink);
-    else if (format == TABLE_MARKDOWN)
-        put_markdown(table, sink);
-    else
+    else if (format == TABLE_CSV || format == TABLE_TSV)
         put_separated(table, format == TABLE_CSV ? ',' : '\t', sink);
-    pass_on(sink, 0);
+    else
+        table_put_markup(table, format, sink);
+    outlet_pass(sink, 0);
 }
 
 void table_format(const struct table *table, enum table_format format, struct buffer *out)

@@ -10,6 +10,7 @@
 #include <hooke/result.h>
 
 #include <math.h>
+#include <string.h>
 
 struct pendulum {
     const char *maker;
@@ -162,6 +163,34 @@ static void markdown_shows_text_as_text(void **state)
     buffer_free(&out);
 }
 
+static void html_and_latex_show_text_as_text(void **state)
+{
+    (void)state;
+    static const struct table_key keys[] = {{"note", "5 % <b>"}};
+    static const double y[] = {-0.5, 2.5e-17, NAN};
+    static const char *const words[] = {"a&b", "[_{i}^2$", "--\\"};
+    static const struct table_column column[] = {{"y_0", "m/s^2", y, NULL},
+                                                 {"word", "", NULL, words}};
+    const struct table table = {keys, 1, column, 2, 3};
+    struct buffer out = {0};
+    table_format(&table, TABLE_LATEX, &out);
+    assert_string_equal(buffer_view(&out),
+                        "% note = 5 % <b>\n\\begin{tabular}{rl}\n\\hline\n"
+                        "y\\_0 [m/s\\textasciicircum{}2] & word \\\\\n\\hline\n"
+                        "$-0.5$ & a\\&b \\\\\n"
+                        "$2.5 \\times 10^{-17}$ & {[}\\_\\{i\\}\\textasciicircum{}2\\$ \\\\\n"
+                        " & -{}-{}\\textbackslash{} \\\\\n\\hline\n\\end{tabular}\n");
+    buffer_clear(&out);
+    table_format(&table, TABLE_HTML, &out);
+    assert_non_null(strstr(buffer_view(&out),
+                           "<ul>\n<li>note: 5 % &lt;b&gt;</li>\n</ul>\n<table>\n<thead>\n"
+                           "<tr><th>y_0 (m/s^2)</th><th>word</th></tr>\n</thead>\n<tbody>\n"
+                           "<tr><td class=\"number\">-0.5</td><td>a&amp;b</td></tr>\n"));
+    assert_non_null(strstr(buffer_view(&out), "<tr><td class=\"number\"></td><td>--\\</td></tr>\n"
+                                              "</tbody>\n</table>\n</body>\n</html>\n"));
+    buffer_free(&out);
+}
+
 /* ---- people ---- */
 
 static void seen(const struct pendulum *from, size_t count, bool wide, const char *expected)
@@ -200,6 +229,7 @@ int main(void)
         cmocka_unit_test(records_have_every_key_and_null_for_what_is_missing),
         cmocka_unit_test(a_file_has_units_and_leaves_cells_empty),
         cmocka_unit_test(markdown_shows_text_as_text),
+        cmocka_unit_test(html_and_latex_show_text_as_text),
         cmocka_unit_test(people_see_columns_in_their_places_where_a_row_has_a_value),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,0 +1,228 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * Tables as Markdown, HTML and LaTeX: the same walk over keys, heading and rows, each with its own
+ * words between. Text is escaped: what stands in a cell is never markup.
+ */
+#include "result/outlet.h"
+
+#include <math.h>
+#include <string.h>
+
+struct markup {
+    const char *begin;
+    const char *keys, *key, *key_between, *key_end, *keys_end;
+    bool bare_keys;    /* not escaped: a comment */
+    const char *table; /* before what says how columns are aligned, where that comes first */
+    const char *head, *unit, *unit_end, *head_end, *between, *heading_end;
+    const char *aligned[3]; /* of text, of numbers, behind all */
+    const char *row, *text, *number, *cell_end, *row_end;
+    const char *end;
+    void (*escape)(struct buffer *out, struct text text);
+    void (*real)(struct buffer *out, double value);
+};
+
+/* ---- escaping ---- */
+
+static void markdown_text(struct buffer *out, struct text text)
+{
+    for (size_t i = 0; i < text.len; i++) {
+        if (strchr("\\`*_<>[]|#~&", text.at[i]))
+            buffer_char(out, '\\');
+        buffer_char(out, text.at[i]);
+    }
+}
+
+/* The ten signs that mean something to TeX, those that its oldest fonts lack, and what would join
+ * to a dash or be read as the argument of the line end before it. */
+static void latex_text(struct buffer *out, struct text text)
+{
+    static const struct {
+        char c;
+        const char *as;
+    } signs[] = {{'\\', "\\textbackslash{}"},
+                 {'~', "\\textasciitilde{}"},
+                 {'^', "\\textasciicircum{}"},
+                 {'<', "\\textless{}"},
+                 {'>', "\\textgreater{}"},
+                 {'|', "\\textbar{}"},
+                 {'-', "-{}"},
+                 {'[', "{[}"},
+                 {'*', "{*}"},
+                 {'#', "\\#"},
+                 {'$', "\\$"},
+                 {'%', "\\%"},
+                 {'&', "\\&"},
+                 {'_', "\\_"},
+                 {'{', "\\{"},
+                 {'}', "\\}"}};
+    for (size_t i = 0; i < text.len; i++) {
+        const char *as = NULL;
+        for (size_t s = 0; s < COUNT_OF(signs); s++)
+            if (signs[s].c == text.at[i])
+                as = signs[s].as;
+        buffer_put(out, as ? text_of(as) : (struct text){text.at + i, 1});
+    }
+}
+
+/* $-1.5 \times 10^{-7}$ */
+static void latex_real(struct buffer *out, double value)
+{
+    char z[REAL_TEXT_SIZE];
+    const size_t len = real_format(value, z), digits = strcspn(z, "e");
+    buffer_format(out, "$%.*s", (int)digits, z);
+    if (digits < len)
+        buffer_format(out, " \\times 10^{%s}", z + digits + 1 + (z[digits + 1] == '+'));
+    buffer_char(out, '$');
+}
+
+static const struct markup markups[] = {
+    [TABLE_MARKDOWN] = {.key = "- ",
+                        .key_between = ": ",
+                        .key_end = "\n",
+                        .keys_end = "\n",
+                        .head = " ",
+                        .unit = " (",
+                        .unit_end = ")",
+                        .head_end = " |",
+                        .heading_end = "\n|",
+                        .aligned = {" --- |", " ---: |", "\n"},
+                        .row = "|",
+                        .text = " ",
+                        .number = " ",
+                        .cell_end = " |",
+                        .row_end = "\n",
+                        .escape = markdown_text,
+                        .real = buffer_real},
+    [TABLE_HTML] = {.begin = "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n"
+                             "<meta charset=\"utf-8\">\n<title>table</title>\n<style>\n"
+                             "table { border-collapse: collapse }\n"
+                             "th, td { padding: 0.2em 0.6em; border-bottom: 1px solid #ccc }\n"
+                             "td.number { text-align: right }\n"
+                             "</style>\n</head>\n<body>\n",
+                    .keys = "<ul>\n",
+                    .key = "<li>",
+                    .key_between = ": ",
+                    .key_end = "</li>\n",
+                    .keys_end = "</ul>\n",
+                    .table = "<table>\n<thead>\n",
+                    .head = "<th>",
+                    .unit = " (",
+                    .unit_end = ")",
+                    .head_end = "</th>",
+                    .heading_end = "</tr>\n</thead>\n<tbody>\n",
+                    .row = "<tr>",
+                    .text = "<td>",
+                    .number = "<td class=\"number\">",
+                    .cell_end = "</td>",
+                    .row_end = "</tr>\n",
+                    .end = "</tbody>\n</table>\n</body>\n</html>\n",
+                    .escape = buffer_html,
+                    .real = buffer_real},
+    [TABLE_LATEX] = {.key = "% ",
+                     .key_between = " = ",
+                     .key_end = "\n",
+                     .bare_keys = true,
+                     .table = "\\begin{tabular}{",
+                     .unit = " [",
+                     .unit_end = "]",
+                     .between = " & ",
+                     .heading_end = " \\\\\n\\hline\n",
+                     .aligned = {"l", "r", "}\n\\hline\n"},
+                     .row_end = " \\\\\n",
+                     .end = "\\hline\n\\end{tabular}\n",
+                     .escape = latex_text,
+                     .real = latex_real},
+};
+
+/* ---- the walk ---- */
+
+static void put(struct buffer *out, const char *words)
+{
+    buffer_put(out, text_of(words));
+}
+
+static void put_escaped(struct buffer *out, const struct markup *as, const char *text)
+{
+    struct buffer safe = {0};
+    safe_text(&safe, text_of(text), false);
+    as->escape(out, buffer_text(&safe));
+    out->failed |= safe.failed;
+    buffer_free(&safe);
+}
+
+static void put_key(struct buffer *out, const struct markup *as, const struct table_key *key)
+{
+    const char *const of[] = {key->key, key->value};
+    put(out, as->key);
+    for (int i = 0; i < 2; i++) {
+        if (as->bare_keys)
+            safe_text(out, text_of(of[i]), false);
+        else
+            put_escaped(out, as, of[i]);
+        put(out, i ? as->key_end : as->key_between);
+    }
+}
+
+static void put_alignment(struct buffer *out, const struct markup *as, const struct table *table)
+{
+    for (int i = 0; i < table->columns; i++)
+        put(out, as->aligned[table->column[i].value != NULL]);
+    put(out, as->aligned[2]);
+}
+
+static void put_heading(struct buffer *out, const struct markup *as, const struct table *table)
+{
+    put(out, as->table);
+    if (as->table)
+        put_alignment(out, as, table);
+    put(out, as->row);
+    for (int i = 0; i < table->columns; i++) {
+        const struct table_column *column = &table->column[i];
+        put(out, i ? as->between : NULL);
+        put(out, as->head);
+        put_escaped(out, as, column->name);
+        if (column->unit && column->unit[0]) {
+            put(out, as->unit);
+            put_escaped(out, as, column->unit);
+            put(out, as->unit_end);
+        }
+        put(out, as->head_end);
+    }
+    put(out, as->heading_end);
+    if (!as->table)
+        put_alignment(out, as, table);
+}
+
+static void put_row(struct buffer *out, const struct markup *as, const struct table *table,
+                    size_t row)
+{
+    put(out, as->row);
+    for (int i = 0; i < table->columns; i++) {
+        const struct table_column *column = &table->column[i];
+        put(out, i ? as->between : NULL);
+        put(out, column->value ? as->number : as->text);
+        if (!column->value)
+            put_escaped(out, as, column->text[row]);
+        else if (!isnan(column->value[row]))
+            as->real(out, column->value[row]);
+        put(out, as->cell_end);
+    }
+    put(out, as->row_end);
+}
+
+void table_put_markup(const struct table *table, enum table_format format, struct outlet *sink)
+{
+    const struct markup *as = &markups[format];
+    struct buffer *out = sink->text;
+    put(out, as->begin);
+    put(out, table->keys ? as->keys : NULL);
+    for (int i = 0; i < table->keys; i++)
+        put_key(out, as, &table->key[i]);
+    put(out, table->keys ? as->keys_end : NULL);
+    put_heading(out, as, table);
+    for (size_t row = 0; row < table->rows; row++) {
+        put_row(out, as, table, row);
+        outlet_pass(sink, OUTLET_CHUNK);
+    }
+    put(out, as->end);
+}
