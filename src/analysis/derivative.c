@@ -5,24 +5,17 @@
  * it is sum(i y_i)/(h sum(i^2)), i = -p…p.
  */
 #include <hooke/analysis.h>
+#include <hooke/base/numeric.h>
 
 #include <math.h>
-#include <stdlib.h>
 
 #define GAP 1.5 /* median steps: no parabola across that */
-
-static int ascending(const void *a, const void *b)
-{
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
 
 static double median_step(const struct series *s, double *work)
 {
     for (size_t i = 0; i + 1 < s->n; i++)
         work[i] = s->t[i + 1] - s->t[i];
-    qsort(work, s->n - 1, sizeof *work, ascending);
-    return work[(s->n - 1) / 2];
+    return quantile(work, s->n - 1, 0.5);
 }
 
 /* Slope at t[at] of the parabola through the samples [from, to); gain: of independent noise [1/s].
@@ -80,7 +73,6 @@ bool series_derivative(const struct series *series, int points, struct arena *ar
         value[i] = to - from >= 3 ? slope_at(series, from, to, i, &gain[known]) : NAN;
         known += to - from >= 3;
     }
-    qsort(gain, known, sizeof *gain, ascending);
     static const enum quantity rate_of[QUANTITY_COUNT] = {
         [QUANTITY_LENGTH] = QUANTITY_VELOCITY,
         [QUANTITY_VELOCITY] = QUANTITY_ACCELERATION,
@@ -89,7 +81,7 @@ bool series_derivative(const struct series *series, int points, struct arena *ar
     const enum quantity rate = rate_of[series->quantity];
     *derivative = (struct derivative){.value = value,
                                       .known = known,
-                                      .gain = known ? gain[known / 2] : NAN,
+                                      .gain = quantile(gain, known, 0.5),
                                       .points = points,
                                       .step = longest / GAP,
                                       .quantity = rate == QUANTITY_NUMBER ? QUANTITY_OTHER : rate};

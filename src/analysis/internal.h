@@ -4,11 +4,9 @@
 #define HOOKE_ANALYSIS_INTERNAL_H
 
 #include <hooke/analysis.h>
+#include <hooke/base/numeric.h>
 
-#define PI 3.14159265358979323846
-#define TWO_PI 6.28318530717958647692
-#define HALVES_DIFFER 2.5   /* standard deviations from which two halves are said to differ */
-#define MAD_TO_SIGMA 1.4826 /* median |x| of normal noise -> its standard deviation */
+#define HALVES_DIFFER 2.5 /* standard deviations from which two halves are said to differ */
 
 /* ---- samples.c: a series with a mask, and robust statistics ---- */
 
@@ -46,9 +44,7 @@ bool samples_spectrum(const struct samples *samples, struct arena *arena,
                       struct spectrum *out); /* false: no memory */
 double samples_noise(const struct samples *samples, double *scratch);
 void samples_flag_spikes(struct samples *samples,
-                         double *scratch);           /* clears `use` of short far excursions */
-double quantile(double *values, size_t n, double q); /* reorders the values */
-double random_fraction(uint64_t *state); /* [0, 1): splitmix64 (Steele, Lea & Flood 2014) */
+                         double *scratch); /* clears `use` of short far excursions */
 
 /* ---- harmonic.c: y = c + d s + exp(-gamma s/2) (a cos(omega s) + b sin(omega s)), s = t - origin
  * ---- */

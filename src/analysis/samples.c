@@ -2,26 +2,11 @@
 /* A series prepared for analysis: its time grid, its noise, its spikes. */
 #include "analysis/internal.h"
 
-#include <gsl/gsl_statistics_double.h>
 #include <math.h>
 #include <string.h>
 
 #define SPIKES_MAX 0.2 /* of the samples */
 #define OUTLIER 6.0    /* standard deviations: a spike is no noise */
-
-double random_fraction(uint64_t *state)
-{
-    uint64_t z = (*state += 0x9E3779B97F4A7C15u);
-    z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
-    z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;
-    return (double)((z ^ (z >> 31)) >> 11) * 0x1p-53;
-}
-
-double quantile(double *values, size_t n, double q)
-{
-    double at = q * (double)(n - 1);
-    return gsl_stats_select(values, 1, n, (size_t)(at + 0.5));
-}
 
 /*
  * Instruments print i/60 s as 0.017 0.033 0.050: such times are the grid's, rounded to a multiple

@@ -1,11 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "base/decimal.h"
-#include <hooke/base.h>
+#include <hooke/base/numeric.h>
 
 #include <math.h>
 #include <string.h>
-
-#define PI 3.14159265358979323846
 
 /* Within a quantity from the largest unit shown to the smallest. */
 static const struct unit units[] = {

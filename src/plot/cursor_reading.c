@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What the two cursors say. */
+#include <hooke/base/numeric.h>
 #include <hooke/plot.h>
 
 #include <math.h>
 #include <stdio.h>
 
-#define PI 3.14159265358979323846
 #define ROUNDING                                                                                   \
     1e-9 /* of the amplitude, or of 1: below it is nothing to show, and Q means nothing */
 

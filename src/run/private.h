@@ -3,6 +3,7 @@
 #ifndef HOOKE_RUN_PRIVATE_H
 #define HOOKE_RUN_PRIVATE_H
 
+#include <hooke/base/numeric.h>
 #include <hooke/run.h>
 #include <string.h>
 
@@ -339,14 +340,6 @@ bool events_stop(const struct run *run);
 void events_until_at(struct run *run, double theta);
 /* Drops those after the present step; of that step those ahead of the present time. */
 void event_records_truncate(struct run *run, double ahead);
-
-/* The best instructions that the machine has, chosen when the program starts; the same bits with
- * all of them. */
-#if defined(__x86_64__) && !defined(__SANITIZE_ADDRESS__) && !defined(__clang__)
-#define CLONES __attribute__((target_clones("default", "avx2", "avx512f")))
-#else
-#define CLONES
-#endif
 
 /* Four numbers at once, in whatever registers there are; of wider ones, where there are none,
  * compilers make a mess. */

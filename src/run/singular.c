@@ -285,8 +285,8 @@ static bool row_across(const struct run *run, size_t i)
         return false;
     system_derivative(&run->system, t, y, slope);
     system_derivative(&run->system, t_end, end, end_slope);
-    for (int k = 0; k < run->system.n; k++) /* Hermite's polynomial */
-        middle[k] = (y[k] + end[k]) / 2 + (t_end - t) * (slope[k] - end_slope[k]) / 8;
+    for (int k = 0; k < run->system.n; k++)
+        middle[k] = hermite(0.5, t_end - t, y[k], slope[k], end[k], end_slope[k]);
     system_derivative(&run->system, t + (t_end - t) / 2, middle, middle_slope);
     for (int k = 0; k < run->system.n; k++)
         if (looks_across(t_end - t, y[k], slope[k], middle_slope[k], end[k], end_slope[k]))

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+#include <hooke/base/numeric.h>
 #include <hooke/session/subject.h>
 
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
-#define TWO_PI 6.28318530717958647692
 #define NEAR 1.5 /* steps between two of the sensor's velocities: no line is drawn across more */
 
 static bool fitted(const struct session *session, const struct recording *recording)

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+#include <hooke/base/numeric.h>
 #include <hooke/session/subject.h>
 
 #include <math.h>
@@ -55,12 +56,6 @@ static const struct findings *run_findings(const struct series *series, struct r
     return find_faults(as, arena, &ignored) ? as->findings : NULL;
 }
 
-static int by_size(const void *a, const void *b)
-{
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 /* The median over blocks of the standard deviation within. */
 static double local_scatter(const struct series *series)
 {
@@ -74,8 +69,7 @@ static double local_scatter(const struct series *series)
             sum += (series->y[i] - mean) * (series->y[i] - mean);
         scatter[b] = sqrt(sum / (double)(to - from));
     }
-    qsort(scatter, BLOCKS, sizeof *scatter, by_size);
-    return scatter[BLOCKS / 2];
+    return quantile(scatter, BLOCKS, 0.5);
 }
 
 /* Swings to and fro of more than the local scatter: at least half of all half periods, for half of

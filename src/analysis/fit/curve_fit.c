@@ -14,7 +14,6 @@
 enum { ITERATIONS = 500, ROBUST_ROUNDS = 40, SOFT_ROUNDS = 5, MANY = 20000 };
 
 #define NO_VALUE 1e140 /* residual where the curve has none: the step is refused */
-#define BISQUARE 4.685 /* robust standard deviations: 95 % efficient for normal noise */
 #define SOFT_L1 1.345
 #define WEIGHTS_STAY 1e-3 /* change of a weight from which on they stay */
 #define LENGTH_EXACT                                                                               \

@@ -30,39 +30,6 @@ struct block {
 
 /* ---- small systems ---- */
 
-/* A = L L^T of the first n rows; false: not positive. */
-static bool cholesky(int n, int width, const double *a, double *l)
-{
-    for (int i = 0; i < n; i++)
-        for (int j = 0; j <= i; j++) {
-            double sum = a[i * width + j];
-            for (int k = 0; k < j; k++)
-                sum -= l[i * width + k] * l[j * width + k];
-            if (i == j && !(sum > 1e-14 * a[i * width + i]))
-                return false;
-            l[i * width + j] = i == j ? sqrt(sum) : sum / l[j * width + j];
-        }
-    return true;
-}
-
-static void forward(int n, int width, const double *l, double *x)
-{
-    for (int i = 0; i < n; i++) {
-        for (int k = 0; k < i; k++)
-            x[i] -= l[i * width + k] * x[k];
-        x[i] /= l[i * width + i];
-    }
-}
-
-static void backward(int n, int width, const double *l, double *x)
-{
-    for (int i = n - 1; i >= 0; i--) {
-        for (int k = i + 1; k < n; k++)
-            x[i] -= l[k * width + i] * x[k];
-        x[i] /= l[i * width + i];
-    }
-}
-
 /* (A + lambda diag A) step = right, the columns scaled to length one; false: not positive. */
 static bool damped_step(int n, const struct normal *normal, double lambda, const double *right,
                         double *step)
@@ -78,10 +45,10 @@ static bool damped_step(int n, const struct normal *normal, double lambda, const
                 normal->product[i][j] / (scale[i] * scale[j]) + (i == j ? lambda : 0);
         step[i] = right[i] / scale[i];
     }
-    if (!cholesky(n, LAW_PARAMETERS, a, l))
+    if (!cholesky(n, LAW_PARAMETERS, a, 1e-14, l))
         return false;
-    forward(n, LAW_PARAMETERS, l, step);
-    backward(n, LAW_PARAMETERS, l, step);
+    cholesky_forward(n, LAW_PARAMETERS, l, step);
+    cholesky_backward(n, LAW_PARAMETERS, l, step);
     for (int i = 0; i < n; i++)
         step[i] /= scale[i];
     return true;
@@ -128,7 +95,7 @@ static void add_row(int count, int terms, const double *column, const double *ba
 /* As many terms of the baseline as the block's samples hold; their number. */
 static int factor_block(const struct block *block, int terms, double *l)
 {
-    while (terms > 0 && !cholesky(terms, BASELINE_TERMS, &block->gram[0][0], l))
+    while (terms > 0 && !cholesky(terms, BASELINE_TERMS, &block->gram[0][0], 1e-14, l))
         terms--;
     return terms;
 }
@@ -141,7 +108,7 @@ static void project(int count, int terms, const struct block *block, struct norm
     for (int j = 0; j < count; j++) {
         for (int m = 0; m < terms; m++)
             part[j][m] = block->cross[m][j];
-        forward(terms, BASELINE_TERMS, l, part[j]);
+        cholesky_forward(terms, BASELINE_TERMS, l, part[j]);
         for (int k = 0; k <= j; k++)
             for (int m = 0; m < terms; m++)
                 normal->product[j][k] -= part[j][m] * part[k][m];
@@ -318,8 +285,8 @@ bool law_residuals(const struct law_samples *x, const struct law_fit *fit, doubl
         double coefficient[BASELINE_TERMS] = {0};
         for (int m = 0; m < terms; m++)
             coefficient[m] = block.cross[m][0];
-        forward(terms, BASELINE_TERMS, l, coefficient);
-        backward(terms, BASELINE_TERMS, l, coefficient);
+        cholesky_forward(terms, BASELINE_TERMS, l, coefficient);
+        cholesky_backward(terms, BASELINE_TERMS, l, coefficient);
         for (size_t i = from; i < to; i++) {
             basis(&block, terms, time_of(samples, i), base);
             for (int m = 0; m < terms; m++)

@@ -69,22 +69,13 @@ static struct moments collect(const struct samples *x, const struct track_window
 /* In place: the Cholesky factor; false where a column is hardly independent of those before it. */
 static bool factorise(struct moments *m)
 {
-    for (int i = 0; i <= COLUMNS; i++) {
-        const double before = m->gram[i][i];
-        for (int j = 0; j <= i; j++) {
-            double sum = m->gram[i][j];
-            for (int k = 0; k < j; k++) {
-                sum -= m->gram[i][k] * m->gram[j][k];
-            }
-            if (j < i) {
-                m->gram[i][j] = sum / m->gram[j][j];
-            } else if (i < COLUMNS && !(sum > PIVOT_MIN * before)) {
-                return false;
-            } else {
-                m->gram[i][i] = sqrt(fmax(sum, 0));
-            }
-        }
-    }
+    double *r = m->gram[COLUMNS], square = r[COLUMNS];
+    if (!cholesky(COLUMNS, COLUMNS + 1, &m->gram[0][0], PIVOT_MIN, &m->gram[0][0]))
+        return false;
+    cholesky_forward(COLUMNS, COLUMNS + 1, &m->gram[0][0], r);
+    for (int k = 0; k < COLUMNS; k++)
+        square -= r[k] * r[k];
+    r[COLUMNS] = sqrt(fmax(square, 0));
     return true;
 }
 

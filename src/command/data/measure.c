@@ -5,12 +5,12 @@
 #include "command/internal.h"
 #include "command/data/measuring.h"
 
+#include <hooke/base/numeric.h>
+
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#define PI 3.14159265358979323846
 
 /* ---- what every measurement leaves behind: a record, a result, a row of the list ---- */
 

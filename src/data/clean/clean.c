@@ -7,6 +7,8 @@
  */
 #include "data/clean/clean.h"
 
+#include <hooke/base/numeric.h>
+
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -33,7 +35,7 @@ static void find_gaps(struct cleaning *c)
     struct finding *gaps = &c->findings->of[FINDING_GAPS];
     for (size_t i = 0; i + 1 < c->n; i++)
         c->sorted[i] = c->t[i + 1] - c->t[i];
-    c->step = selected_quantile(c->sorted, c->n - 1, 0.5);
+    c->step = quantile(c->sorted, c->n - 1, 0.5);
     for (size_t i = 0; i + 1 < c->n; i++)
         if (c->t[i + 1] - c->t[i] > GAP * c->step) {
             clean_note(gaps, c->t[i], 1);
@@ -73,7 +75,7 @@ static void find_steps(struct cleaning *c)
         before = now;
         c->sorted[n++] = c->y[i];
     }
-    c->swing = sorted_quantile(c->sorted, n, 0.995) - c->sorted[(size_t)(0.005 * (double)n)];
+    c->swing = quantile(c->sorted, n, 0.995) - quantile(c->sorted, n, 0.005);
     before = NAN;
     for (size_t i = 0, others = 0; i < c->n; i++) {
         const double multiple = (column->value[i] - before) / quantum;
@@ -130,7 +132,7 @@ static double usual_fall(struct cleaning *c)
     for (size_t k = 0; k + 1 < c->locals; k++)
         if (c->local[k].fitted && c->local[k + 1].fitted && c->local[k].amplitude > min)
             c->sorted[n++] = c->local[k + 1].amplitude / c->local[k].amplitude;
-    return n > 0 ? fmin(selected_quantile(c->sorted, n, 0.5), 1) : 1;
+    return n > 0 ? fmin(quantile(c->sorted, n, 0.5), 1) : 1;
 }
 
 static size_t far_off(const struct cleaning *c, const struct local *local)

@@ -33,10 +33,6 @@ struct cleaning {
     size_t locals;
 };
 
-double sorted_quantile(double *value, size_t n, double q); /* sorts */
-double selected_quantile(double *value, size_t n,
-                         double q); /* the same value; only changes the order; no NAN */
-
 /*
  * Fits offset, line, cos, sin and both with an amplitude that changes linearly, over two periods
  * about each whole period, robustly; fills local, residual, model and typical. False: no memory.

@@ -2,6 +2,7 @@
 /* Flat tops: a nearer object echoes first, or the range of the sensor ends. */
 #include "data/clean/clean.h"
 
+#include <gsl/gsl_sort.h>
 #include <math.h>
 
 #define CLIPPED_MIN 12 /* samples */
@@ -61,7 +62,7 @@ void clean_clipped(struct cleaning *c, bool upper)
     for (size_t i = 0; i < c->n; i++)
         if (!isnan(c->y[i]))
             c->sorted[n++] = c->y[i];
-    sorted_quantile(c->sorted, n, 0);
+    gsl_sort(c->sorted, 1, n);
     const double thin = fmax(0.01 * c->swing, 2.1 * c->quantum),
                  widths[] = {0, thin, fmax(thin, 6 * c->typical)};
     bool found = false;

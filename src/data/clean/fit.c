@@ -6,62 +6,15 @@
  */
 #include "data/clean/clean.h"
 
-#include <gsl/gsl_statistics_double.h>
+#include <hooke/base/numeric.h>
+
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum { TERMS = 6, SAMPLES_MIN = 2 * TERMS, ROUNDS_HUBER = 6, ROUNDS = 12 };
 
-#define TWO_PI 6.28318530717958647692
-#define MAD_TO_SIGMA 1.4826
-#define BISQUARE 4.685    /* robust standard deviations: 95 % efficiency */
 #define COVERED 1.25      /* of the two periods: across a gap a fit is none */
 #define NEAR_ENOUGH 0.002 /* of the swing: so far the amplitude may bend within two periods */
-
-static int ascending(const void *a, const void *b)
-{
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
-double sorted_quantile(double *value, size_t n, double q)
-{
-    qsort(value, n, sizeof *value, ascending);
-    return n > 0 ? value[(size_t)(q * (double)(n - 1))] : NAN;
-}
-
-double selected_quantile(double *value, size_t n, double q)
-{
-    return n > 0 ? gsl_stats_select(value, 1, n, (size_t)(q * (double)(n - 1))) : NAN;
-}
-
-/* Cholesky; a ridge that no determined parameter feels. */
-static bool solve(double a[TERMS][TERMS], double b[TERMS])
-{
-    for (int i = 0; i < TERMS; i++) {
-        a[i][i] *= 1 + 1e-10;
-        for (int j = 0; j <= i; j++) {
-            double sum = a[i][j];
-            for (int k = 0; k < j; k++)
-                sum -= a[i][k] * a[j][k];
-            if (i == j && !(sum > 0))
-                return false;
-            a[i][j] = i == j ? sqrt(sum) : sum / a[j][j];
-        }
-    }
-    for (int i = 0; i < TERMS; i++) {
-        for (int k = 0; k < i; k++)
-            b[i] -= a[i][k] * b[k];
-        b[i] /= a[i][i];
-    }
-    for (int i = TERMS; i-- > 0;) {
-        for (int k = i + 1; k < TERMS; k++)
-            b[i] -= a[k][i] * b[k];
-        b[i] /= a[i][i];
-    }
-    return true;
-}
 
 struct stretch {
     size_t n;
@@ -79,8 +32,12 @@ static bool weighted_fit(const struct stretch *s, double parameter[TERMS])
             for (int k = 0; k <= j; k++)
                 a[j][k] += wx * s->term[i][k];
         }
-    if (!solve(a, b))
+    for (int i = 0; i < TERMS; i++)
+        a[i][i] *= 1 + 1e-10; /* a ridge that no determined parameter feels */
+    if (!cholesky(TERMS, TERMS, &a[0][0], 1e-14, &a[0][0]))
         return false;
+    cholesky_forward(TERMS, TERMS, &a[0][0], b);
+    cholesky_backward(TERMS, TERMS, &a[0][0], b);
     memcpy(parameter, b, sizeof b);
     return true;
 }
@@ -100,7 +57,7 @@ static double residual_scale(const struct stretch *s, const double parameter[TER
         s->residual[i] = s->y[i] - value_of(parameter, s->term[i]);
         s->size[i] = fabs(s->residual[i]);
     }
-    return MAD_TO_SIGMA * selected_quantile(s->size, s->n, 0.5);
+    return MAD_TO_SIGMA * quantile(s->size, s->n, 0.5);
 }
 
 static bool robust_fit(const struct stretch *s, double min, double parameter[TERMS], double *scale)
@@ -193,7 +150,6 @@ bool clean_fit(struct cleaning *c)
         if (c->local[k].fitted)
             c->sorted[fitted++] = c->local[k].scale;
     }
-    c->typical =
-        fitted > 0 ? fmax(selected_quantile(c->sorted, fitted, 0.5), c->quantum / sqrt(12.0)) : NAN;
+    c->typical = fitted > 0 ? fmax(quantile(c->sorted, fitted, 0.5), c->quantum / sqrt(12.0)) : NAN;
     return true;
 }

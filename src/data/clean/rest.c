@@ -2,6 +2,8 @@
 /* Where a motion comes to rest before its recording ends. */
 #include "data/clean/clean.h"
 
+#include <hooke/base/numeric.h>
+
 #include <math.h>
 
 #define PERIODS_MIN 2.0 /* of rest, and of motion before it */
@@ -10,7 +12,6 @@
 #define FADED 0.4       /* of what an exponential decay leaves: less is there in a rest */
 #define CLEAR 3.0       /* standard deviations of an amplitude */
 #define SAMPLES_MIN 8.0 /* of a stretch whose amplitude is asked for */
-#define TWO_PI 6.28318530717958647692
 
 struct spread {
     double mean, deviation, count;

@@ -5,6 +5,8 @@
  */
 #include "data/table/table.h"
 
+#include <hooke/base/numeric.h>
+
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -277,12 +279,6 @@ void recording_reverse(struct recording *recording)
                    "the newest row comes first: the rows are taken in the order of their times");
 }
 
-static int compare_reals(const void *a, const void *b)
-{
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 static double median_step(const struct recording *recording)
 {
     double step[MEDIAN_SAMPLE];
@@ -290,8 +286,7 @@ static double median_step(const struct recording *recording)
     size_t count = 0;
     for (size_t i = 0; i < steps; i += stride)
         step[count++] = recording->t[i + 1] - recording->t[i];
-    qsort(step, count, sizeof *step, compare_reals);
-    return step[count / 2];
+    return quantile(step, count, 0.5);
 }
 
 static void warn_steps(struct recording *recording)

@@ -6,11 +6,7 @@
 
 #include "method/kernel/lanes.h"
 
-#if defined(__x86_64__) && !defined(__clang__)
-#define CLONES __attribute__((target_clones("default", "avx2", "avx512f")))
-#else
-#define CLONES
-#endif
+#include <hooke/base/numeric.h>
 
 #define LANE_TERM(name)                                                                            \
     CLONES static void name##_lanes(const double *restrict c, double t, const double *restrict y,  \

@@ -11,11 +11,7 @@
 #define UNROLL _Pragma("GCC unroll 16")
 #include "method/kernel/typed_lanes.h"
 
-#if defined(__x86_64__) && !defined(__clang__)
-#define CLONES __attribute__((target_clones("default", "avx2", "avx512f")))
-#else
-#define CLONES
-#endif
+#include <hooke/base/numeric.h>
 
 _Static_assert(LANES == PROGRAM_LANES, "they are the same lanes");
 

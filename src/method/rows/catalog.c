@@ -2,6 +2,8 @@
 /* The table of methods, and what is the same for all of them. */
 #include "method/rows/rows.h"
 
+#include <hooke/base/numeric.h>
+
 #include <assert.h>
 
 /* clang-format off */
@@ -181,16 +183,12 @@ void method_dense(const struct method *method, const struct step *step, const do
         method->dense(method, step, theta, y);
         return;
     }
-    /* Cubic Hermite through both ends (Hairer, Norsett, Wanner I, eq. II.6.7). */
     const struct system *system = step->system;
     double f0[LIMIT_VARIABLES], f1[LIMIT_VARIABLES], h = step->h;
     system_derivative(system, step->t - h, before, f0);
     system_derivative(system, step->t, step->y, f1);
-    for (int i = 0; i < system->n; i++) {
-        double rise = step->y[i] - before[i];
-        double bend = (1 - 2 * theta) * rise + (theta - 1) * h * f0[i] + theta * h * f1[i];
-        y[i] = (1 - theta) * before[i] + theta * step->y[i] + theta * (theta - 1) * bend;
-    }
+    for (int i = 0; i < system->n; i++)
+        y[i] = hermite(theta, h, before[i], f0[i], step->y[i], f1[i]);
 }
 
 void method_polynomial(const struct method *method, const struct step *step, int i,

@@ -2,6 +2,7 @@
 /* The numbers behind the curves of a session's figures. */
 #include "plot/figure/curves.h"
 
+#include <hooke/base/numeric.h>
 #include <hooke/plot.h>
 
 #include <math.h>
@@ -220,15 +221,6 @@ bool values_at_rows(const struct run *run, const struct observable *observable,
         out[i] = observable->value(&sample);
     }
     return true;
-}
-
-/* Cubic Hermite between two values with their slopes; x: part of the way, h: its length. */
-static double hermite(double x, double h, double left, double left_slope, double right,
-                      double right_slope)
-{
-    const double z = 1 - x;
-    return z * z * (1 + 2 * x) * left + x * x * (3 - 2 * x) * right +
-           h * x * z * (z * left_slope - x * right_slope);
 }
 
 static double acceleration(const struct system *system, double t, const double *y)

@@ -2,6 +2,7 @@
 /* What lies between the rows of an adaptive run, which may be far apart, for the eye. */
 #include "plot/figure/drawing.h"
 
+#include <hooke/base/numeric.h>
 #include <hooke/plot.h>
 
 #define SMOOTH_MAX 32 /* points for a row */
@@ -47,12 +48,10 @@ static bool smooth_rows(const struct run *run, const struct chosen_rows *rows, i
         system_derivative(system, a, left, slope[0]);
         system_derivative(system, a + h, right, slope[1]);
         for (size_t k = 0; k < (last ? 1 : each); k++) {
-            /* Cubic Hermite through both states. */
-            const double x = (double)k / (double)each, z = 1 - x;
+            const double x = (double)k / (double)each;
             double *y = smooth->y + smooth->n * (size_t)n;
             for (int i = 0; i < n; i++)
-                y[i] = z * z * (1 + 2 * x) * left[i] + x * x * (3 - 2 * x) * right[i] +
-                       h * x * z * (z * slope[0][i] - x * slope[1][i]);
+                y[i] = hermite(x, h, left[i], slope[0][i], right[i], slope[1][i]);
             smooth->t[smooth->n++] = a + x * h;
         }
     }

@@ -2,11 +2,11 @@
 /* The kinds of plots, for which models they are, and which part of the time they show. */
 #include "plot/figure/drawing.h"
 
+#include <hooke/base/numeric.h>
 #include <hooke/plot.h>
 
 #include <math.h>
 
-#define TWO_PI 6.28318530717958647692
 #define TRAIL_PERIODS 2 /* of the phase plot */
 
 const struct plot_row plot_rows[] = {

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The numbers and files of a report: values, tables of runs, data. */
+#include <hooke/base/numeric.h>
 #include <hooke/report/lab.h>
 
 #include <hooke/report.h>
@@ -7,7 +8,6 @@
 #include <stdio.h>
 #include <string.h>
 
-#define PI 3.14159265358979323846
 #define FIT_VALUES 16 /* of one fit, at most */
 #define RUN_VALUES 8  /* besides its parameters */
 

@@ -11,6 +11,7 @@
 #include <float.h>
 #include <math.h>
 
+#include <hooke/base/numeric.h>
 #include <hooke/scene.h>
 
 extern const struct model pendulum_model, elastic_pendulum_model, kepler_model, henon_heiles_model,
@@ -33,8 +34,6 @@ extern const struct catalog no_derived; /* of a model without derived quantities
      range},
 
 /* ---- derived quantities: rows as in derived.c, name(scene) gives the value ---- */
-
-#define TWO_PI 6.283185307179586476925
 
 struct measured scene_propagate(const struct scene *scene, double (*value)(const struct scene *));
 double scene_start_energy(const struct scene *scene); /* [J] */

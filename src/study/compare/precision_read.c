@@ -3,7 +3,8 @@
  * measured cost. */
 #include "study/compare/solve.h"
 
-#include <stdlib.h>
+#include <hooke/base/numeric.h>
+
 #include <string.h>
 
 /* ---- slopes ---- */
@@ -20,12 +21,6 @@ static double abscissa(const struct precision_point *point)
     return log(point->tol > 0 ? point->tol : point->dt);
 }
 
-static int ascending(const void *a, const void *b)
-{
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 /* Median of the local orders of points [begin, end) after the first. */
 static double typical_order(const struct precision_point *point, int begin, int end)
 {
@@ -34,8 +29,7 @@ static double typical_order(const struct precision_point *point, int begin, int 
     for (int i = begin + 1; i < end && count < (int)COUNT_OF(order); i++)
         if (!isnan(point[i].order))
             order[count++] = point[i].order;
-    qsort(order, (size_t)count, sizeof *order, ascending);
-    return count ? order[count / 2] : NAN;
+    return quantile(order, (size_t)count, 0.5);
 }
 
 /* A multistep method has not had its own way yet where its starter did much of the work. */

@@ -2,6 +2,9 @@
 /* How long solves take: chained, batched, warmed up, interleaved at random, minimum and median. */
 #include "study/compare/solve.h"
 
+#include <hooke/base/numeric.h>
+
+#include <gsl/gsl_statistics_double.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -60,18 +63,6 @@ static double time_batch(struct solver *s, int64_t batch, const struct cancel *c
     return (double)(clock_ns() - begin) * 1e-9;
 }
 
-static int by_value(const void *a, const void *b)
-{
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
-static double median_of(double *values, int count)
-{
-    qsort(values, (size_t)count, sizeof values[0], by_value);
-    return count % 2 ? values[count / 2] : 0.5 * (values[count / 2 - 1] + values[count / 2]);
-}
-
 static int quota(const struct protocol *protocol, double each, double seconds)
 {
     const double max = fmin(each, protocol->budget_seconds) / seconds;
@@ -98,19 +89,10 @@ static void share_out(struct bench *bench, int count, const struct protocol *pro
         bench[i].quota = quota(protocol, low, bench[i].seconds);
 }
 
-/* Marsaglia, Journal of Statistical Software 8 (2003), 14: 64 bits, shifts 13, 7, 17. */
-static uint64_t next_random(uint64_t *state)
-{
-    *state ^= *state << 13;
-    *state ^= *state >> 7;
-    *state ^= *state << 17;
-    return *state;
-}
-
 static void shuffle(int *order, int count, uint64_t *state)
 {
     for (int i = count - 1; i > 0; i--) {
-        const int j = (int)(next_random(state) % (uint64_t)(i + 1)), keep = order[i];
+        const int j = (int)(random_fraction(state) * (i + 1)), keep = order[i];
         order[i] = order[j];
         order[j] = keep;
     }
@@ -123,11 +105,11 @@ static void summarize(struct bench *bench, const struct protocol *protocol,
         return;
     result->samples = bench->samples;
     result->few = bench->samples < protocol->samples;
-    result->median = median_of(bench->sample, bench->samples);
+    result->median = gsl_stats_median(bench->sample, 1, (size_t)bench->samples);
     result->minimum = bench->sample[0];
     for (int i = 0; i < bench->samples; i++)
         bench->sample[i] = fabs(bench->sample[i] - result->median);
-    result->spread = median_of(bench->sample, bench->samples) / result->median;
+    result->spread = gsl_stats_median(bench->sample, 1, (size_t)bench->samples) / result->median;
 }
 
 static void run_rounds(struct bench *bench, int *order, int count, const struct protocol *protocol,

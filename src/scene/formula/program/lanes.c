@@ -8,15 +8,11 @@
 #ifndef __clang__
 #pragma GCC optimize("O3") /* vectors */
 #endif
+#include <hooke/base/numeric.h>
+
 #include <string.h>
 
 #include "scene/formula/program/program.h"
-
-#if defined(__x86_64__) && !defined(__SANITIZE_ADDRESS__) && !defined(__clang__)
-#define CLONES __attribute__((target_clones("default", "avx2", "avx512f")))
-#else
-#define CLONES
-#endif
 
 struct lane_operation {
     enum node_kind kind; /* NODE_KINDS: a copy */

@@ -1,0 +1,44 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Arithmetic that several layers need: robust statistics, interpolation, small systems. */
+#ifndef HOOKE_BASE_NUMERIC_H
+#define HOOKE_BASE_NUMERIC_H
+
+#include <hooke/base.h>
+
+#define PI 3.14159265358979323846
+#define TWO_PI 6.28318530717958647692
+#define MAD_TO_SIGMA 1.4826 /* median |x| of normal noise -> its standard deviation */
+#define BISQUARE 4.685 /* robust standard deviations: 95 % efficiency (Holland & Welsch 1977) */
+
+/* The best instructions that the machine has, chosen when the program starts; the same bits with
+ * all of them. */
+#if defined(__x86_64__) && !defined(__SANITIZE_ADDRESS__) && !defined(__clang__)
+#define CLONES __attribute__((target_clones("default", "avx2", "avx512f")))
+#else
+#define CLONES
+#endif
+
+/* The value [n] nearest to that share of the way through their order, of an even number the upper
+ * median; reorders them. Without NAN; of none: NAN. */
+double quantile(double *values, size_t n, double share);
+
+double random_fraction(uint64_t *state); /* [0, 1): splitmix64 (Steele, Lea & Flood 2014) */
+
+/* Cubic through y0 and y1 with slopes f0 and f1 at the ends of h, at the share theta of it
+ * (Hairer, Norsett, Wanner I, eq. II.6.7). */
+static inline double hermite(double theta, double h, double y0, double f0, double y1, double f1)
+{
+    const double bend = (1 - 2 * theta) * (y1 - y0) + (theta - 1) * h * f0 + theta * h * f1;
+    return (1 - theta) * y0 + theta * y1 + theta * (theta - 1) * bend;
+}
+
+/*
+ * A = L L^T of the first n rows and columns of `a`, whose lower triangle is read; rows are `width`
+ * long; l may be a. False: a column is independent of those before it by less than this part of its
+ * square (rounding: 1e-14).
+ */
+bool cholesky(int n, int width, const double *a, double independent, double *l);
+void cholesky_forward(int n, int width, const double *l, double *x);  /* x = L^-1 x */
+void cholesky_backward(int n, int width, const double *l, double *x); /* x = L^-T x */
+
+#endif

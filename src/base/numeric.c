@@ -1,0 +1,51 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include <hooke/base/numeric.h>
+
+#include <gsl/gsl_statistics_double.h>
+
+double quantile(double *values, size_t n, double share)
+{
+    return n ? gsl_stats_select(values, 1, n, (size_t)(share * (double)(n - 1) + 0.5)) : NAN;
+}
+
+double random_fraction(uint64_t *state)
+{
+    uint64_t z = (*state += 0x9E3779B97F4A7C15u);
+    z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
+    z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;
+    return (double)((z ^ (z >> 31)) >> 11) * 0x1p-53;
+}
+
+bool cholesky(int n, int width, const double *a, double independent, double *l)
+{
+    for (int i = 0; i < n; i++) {
+        const double min = independent * a[i * width + i];
+        for (int j = 0; j <= i; j++) {
+            double sum = a[i * width + j];
+            for (int k = 0; k < j; k++)
+                sum -= l[i * width + k] * l[j * width + k];
+            if (i == j && !(sum > min))
+                return false;
+            l[i * width + j] = i == j ? sqrt(sum) : sum / l[j * width + j];
+        }
+    }
+    return true;
+}
+
+void cholesky_forward(int n, int width, const double *l, double *x)
+{
+    for (int i = 0; i < n; i++) {
+        for (int k = 0; k < i; k++)
+            x[i] -= l[i * width + k] * x[k];
+        x[i] /= l[i * width + i];
+    }
+}
+
+void cholesky_backward(int n, int width, const double *l, double *x)
+{
+    for (int i = n - 1; i >= 0; i--) {
+        for (int k = i + 1; k < n; k++)
+            x[i] -= l[k * width + i] * x[k];
+        x[i] /= l[i * width + i];
+    }
+}
