@@ -9,22 +9,85 @@
 
 /* ---- figures of the session ---- */
 
+/* Those that others ask for by themselves; rows that stand behind them need no name here. */
 enum plot_kind {
     PLOT_POSITION,
-    PLOT_VELOCITY,
-    PLOT_ACCELERATION,
-    PLOT_PHASE,
-    PLOT_ORBIT, /* of two coordinates */
     PLOT_ENERGY,
+    PLOT_PHASE,
+    PLOT_VELOCITY,
     PLOT_ERROR,
     PLOT_RESIDUAL,
     PLOT_SPECTRUM,
+    PLOT_ORBIT, /* of two coordinates */
+    PLOT_ACCELERATION,
     PLOT_ENVELOPE,  /* amplitudes read window by window */
     PLOT_PERIOD,    /* against the amplitude, window by window */
     PLOT_PRECISION, /* of the last precision study, not of runs */
 };
 
-extern const struct catalog plot_catalog;
+enum plot_across { ACROSS_TIME, ACROSS_STATE, ACROSS_FREQUENCY, ACROSS_OTHER };
+/* The variable on the vertical axis: of first order the rate is the second value. */
+enum plot_vertical { VERTICAL_FIRST, VERTICAL_RATE, VERTICAL_SECOND };
+/* What a recording may hold that such a plot shows as it is. */
+enum plot_recorded { RECORDED_OTHER, RECORDED_POSITION, RECORDED_VELOCITY, RECORDED_ACCELERATION };
+
+struct drawing; /* a figure while it is built up: src/plot/figure/drawing.h */
+
+/* A plot, which is a pane of the screen, too: all about it stands here (src/plot/plots.c). */
+struct plot_row {
+    struct row row;
+    enum plot_across across;     /* the horizontal axis */
+    enum plot_vertical vertical; /* where it shows the state */
+    const char *observable; /* on the vertical axis; NULL: state variables, or something else */
+    const char *label;      /* of that axis, where the names of the variables are not */
+    const char
+        *log_label; /* of its size on a logarithmic one; NULL: that is no plot of both signs */
+    const char *title,
+        *pane_label; /* in a pane: before the axis label, and instead of it; NULL: - */
+    /* What it needs. */
+    bool (*fits)(const struct model *model);        /* NULL: any */
+    const char *needs;                              /* what others lack, for the message */
+    bool (*offered)(const struct session *session); /* NULL: a run that fits, or such a recording */
+    enum plot_recorded recorded;
+    bool any_recording; /* without a run it shows whatever was recorded */
+    bool of_motion;     /* of a recording's velocities, which are found from its positions */
+    bool residual;      /* what is left of a recording beside a fit or a run */
+    bool study;         /* of the last precision study, not of runs */
+    /* Its curves; NULL: columns of the trace. Of the whole figure nothing else is done then. */
+    bool (*run_curve)(struct drawing *d, const struct run *run, struct curve *curve);
+    bool (*data_curve)(struct drawing *d, const struct series *series, struct curve *curve);
+    bool (*figure)(struct drawing *d, struct figure *figure);
+    void (*note)(const struct drawing *d, struct buffer *text); /* of its own; NULL: none */
+    bool coordinates; /* all of one quantity, on one axis */
+    bool energy;      /* of what all runs have: the kinetic one, where some have no potential */
+    bool scaled;      /* 'set phase-axes': v over omega0 */
+    bool equal;       /* axes of the same scale */
+    /* Its limits. */
+    bool periods; /* each period has to be seen: the window is limited to what the width can show */
+    bool positive;   /* never below zero: curves of different size get a logarithmic axis */
+    bool from_zero;  /* zero belongs to the vertical range, without a line */
+    bool flat;       /* drawn from zero where it hardly varies */
+    bool in_layouts; /* some layout has it: any other takes the first place of each */
+};
+
+extern const struct catalog plot_catalog; /* struct plot_row, at the enum's place */
+
+const struct plot_row *plot_row(enum plot_kind kind);
+bool plot_is_timed(enum plot_kind kind);      /* against the time */
+bool plot_is_plane(enum plot_kind kind);      /* one part of the state against another */
+bool plot_shows_state(enum plot_kind kind);   /* variables on its vertical axis */
+bool plot_of_recordings(enum plot_kind kind); /* some recordings have one */
+/* Whether such a plot makes sense for a model: velocities, or a second coordinate, are not
+ * everywhere. */
+bool plot_fits(enum plot_kind kind, const struct model *model);
+/* Whether it makes sense for this session: no error where nothing exact is known. */
+bool plot_offered(const struct session *session, enum plot_kind kind);
+/* On its axes, of the session's run or scene. */
+enum quantity plot_quantity(const struct session *session, enum plot_kind kind, bool x);
+
+/* The pane that commands and zooming act on. */
+enum plot_kind view_focus(const struct view *view);
+void view_focus_on(struct view *view, enum plot_kind kind);
 
 /* The part of the time that plots over each other share. */
 struct figure_window {
@@ -95,10 +158,6 @@ bool session_window(const struct session *session, const struct figure_request *
 /* Builds the figure; all memory from the arena. */
 bool session_figure(const struct session *session, const struct figure_request *request,
                     struct arena *arena, struct figure *figure, struct error *error);
-bool plot_is_timed(enum plot_kind kind); /* against the time */
-/* Whether such a plot makes sense for a model: velocities, or a second coordinate, are not
- * everywhere. */
-bool plot_fits(enum plot_kind kind, const struct model *model);
 /* Coordinates of the same quantity, which share the plot of the position: those of a second-order
  * scene, the values of one of first order; at most as many as have marks of their own. */
 int plot_coordinates(const struct model *model);
@@ -114,11 +173,6 @@ char precision_letter(int curve);
  * arena. */
 bool precision_figure(const struct precision *precision, struct arena *arena, struct figure *figure,
                       struct error *error);
-
-/* ---- panes ---- */
-
-/* Whether it makes sense for this session: no error pane where nothing exact is known. */
-bool pane_offered(const struct session *session, enum pane pane);
 
 /* ---- cursors ---- */
 

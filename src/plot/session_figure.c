@@ -22,20 +22,19 @@ static const struct run *run_of(const struct drawing *d, int i)
 /* What is drawn of runs; of the energy what all of them have. NULL: states. */
 static const struct observable *observable(const struct drawing *d)
 {
-    const enum plot_kind kind = d->request->kind;
-    if (!plot_rows[kind].observable)
+    const struct plot_row *row = kind_of(d);
+    if (!row->observable)
         return NULL;
-    for (int i = 0; i < d->request->runs && kind == PLOT_ENERGY; i++)
+    for (int i = 0; i < d->request->runs && row->energy; i++)
         if (!run_of(d, i)->system.energy)
             return observable_energy(&run_of(d, i)->system);
-    return (const struct observable *)(const void *)catalog_find(
-        &observable_catalog, text_of(plot_rows[kind].observable));
+    return observable_named(row->observable);
 }
 
 /* The energy of forces without a potential is the kinetic one. */
 static bool is_kinetic(const struct drawing *d)
 {
-    const struct observable *drawn = d->request->kind == PLOT_ENERGY ? observable(d) : NULL;
+    const struct observable *drawn = kind_of(d)->energy ? observable(d) : NULL;
     return drawn && !(drawn->needs & NEED_ENERGY);
 }
 
@@ -56,17 +55,14 @@ static bool find_model(struct drawing *d)
     }
     if (request->columns)
         return drawing_columns(d, &first->system);
-    const char *kind = plot_rows[request->kind].row.name;
     if (!plot_fits(request->kind, d->model)) {
-        error_set(d->error, ERROR_COMMAND, "%s has no %s: %s", first->scene.preset->row.name, kind,
-                  request->kind == PLOT_ORBIT ? "that needs two coordinates"
-                                              : "that needs positions and velocities");
+        error_set(d->error, ERROR_COMMAND, "%s has no %s: %s", first->scene.preset->row.name,
+                  kind_of(d)->row.name, kind_of(d)->needs);
         return d->model->n > 1 ? error_hint(d->error, "plot %s against %s",
                                             d->model->variable[1].name, d->model->variable[0].name)
                                : false;
     }
-    if ((request->kind == PLOT_POSITION || request->kind == PLOT_VELOCITY) && request->runs == 1 &&
-        !recording_of(d))
+    if (kind_of(d)->coordinates && request->runs == 1 && !recording_of(d))
         d->coordinates = plot_coordinates(d->model);
     return true;
 }
@@ -94,7 +90,7 @@ const char *drawing_run_label(const struct drawing *d, const struct run *run)
 /* Errors have both signs: a logarithmic axis shows how large they are. */
 static bool shows_size(const struct drawing *d)
 {
-    return d->request->kind == PLOT_ERROR && d->request->log;
+    return kind_of(d)->log_label && d->request->log;
 }
 
 static bool vertical_values(struct drawing *d, const struct run *run, int coordinate,
@@ -103,7 +99,7 @@ static bool vertical_values(struct drawing *d, const struct run *run, int coordi
     const enum plot_kind kind = d->request->kind;
     if (d->request->columns)
         return chosen_at_rows(run, &d->column[coordinate], rows, d->arena, y, d->error);
-    if (plot_rows[kind].observable) {
+    if (plot_row(kind)->observable) {
         if (!values_at_rows(run, observable(d), rows, d->arena, y, d->error))
             return false;
         for (size_t i = 0; i < rows->n && shows_size(d); i++)
@@ -137,17 +133,9 @@ static bool add_run(struct drawing *d, const struct run *run)
     *curve = (struct curve){.label = label};
     if (!label)
         return error_memory(d->error);
-    if (d->request->kind == PLOT_SPECTRUM) {
+    if (kind_of(d)->run_curve) {
         d->curves++;
-        return drawing_run_spectrum(d, run, curve);
-    }
-    if (d->request->kind == PLOT_ENVELOPE) {
-        struct series series;
-        d->curves++;
-        if (!run_series(run, false, d->arena, &series, d->error))
-            return false;
-        series = series_window(series, d->window[0], d->window[1]);
-        return data_envelope(&series, d->arena, curve, d->error);
+        return kind_of(d)->run_curve(d, run, curve);
     }
     double window[2];
     own_window(d, run, window);
@@ -225,12 +213,12 @@ static const char *make_note(const struct drawing *d)
         buffer_format(&text, "last %.4g of %.4g s", d->shown, d->total);
     else if (part)
         buffer_format(&text, "last %.4g s", d->shown);
-    else if (isfinite(d->period) && plot_rows[request->kind].periods &&
+    else if (isfinite(d->period) && kind_of(d)->periods &&
              d->shown * PERIOD_COLUMNS_DOTS > d->period * (request->width - FRAME_COLUMNS))
         buffer_format(&text, "%.0f periods: envelope", d->shown / d->period);
-    else if (request->kind == PLOT_SPECTRUM)
-        spectrum_note(d, &text);
-    else if (request->kind == PLOT_ENERGY && d->motion.n > 0)
+    else if (kind_of(d)->note)
+        kind_of(d)->note(d, &text);
+    else if (kind_of(d)->energy && d->motion.n > 0)
         buffer_put(&text, text_of(d->motion.how_k));
     const char *note = text.len ? arena_text(d->arena, buffer_text(&text)) : NULL;
     buffer_free(&text);
@@ -240,15 +228,15 @@ static const char *make_note(const struct drawing *d)
 bool drawing_needs_motion(const struct drawing *d, const struct recording *recording)
 {
     const struct run *run = d->request->runs > 0 ? d->session->run[d->request->run[0]]->run : NULL;
-    return plot_needs_motion(d->request->kind) &&
-           !recording_shows(recording, run, d->request->kind);
+    return kind_of(d)->of_motion && !recording_shows(recording, run, d->request->kind);
 }
 
 static enum quantity y_quantity(const struct drawing *d)
 {
     const struct recording *recording = recording_of(d);
     const enum plot_kind kind = d->request->kind;
-    const bool own = d->request->runs == 0 || (kind == PLOT_RESIDUAL && !recorded_bare(recording));
+    const bool own =
+        d->request->runs == 0 || (plot_row(kind)->residual && !recorded_bare(recording));
     if (recording && own && !drawing_needs_motion(d, recording))
         return recording->column[recording->value].quantity;
     if (d->omega0 != 1)
@@ -256,7 +244,7 @@ static enum quantity y_quantity(const struct drawing *d)
     if (d->request->columns)
         return chosen_variable(&d->session->run[d->request->run[0]]->run->system, &d->column[0])
             .quantity;
-    if (plot_rows[kind].observable)
+    if (plot_row(kind)->observable)
         return model_quantity(d->model, observable(d));
     return vertical_variable(d->model, kind)->quantity;
 }
@@ -264,13 +252,13 @@ static enum quantity y_quantity(const struct drawing *d)
 /* "y", "x, y", "v/omega0", "E", of the curves in a panel; NULL: no memory. */
 const char *drawing_y_label(const struct drawing *d, int panel)
 {
-    const enum plot_kind kind = d->request->kind;
+    const struct plot_row *row = kind_of(d);
     if (is_kinetic(d))
         return "E kin";
     if (shows_size(d))
-        return "|error|";
-    if (plot_rows[kind].label && (!d->model || kind != PLOT_POSITION))
-        return plot_rows[kind].label;
+        return row->log_label;
+    if (row->label && (!d->model || !row->coordinates))
+        return row->label;
     struct buffer text = {0};
     for (int i = 0; i < d->coordinates; i++) {
         const char *name = drawing_label(d, i);
@@ -301,8 +289,8 @@ static void mark_present(const struct drawing *d, struct figure *figure)
 /* What a recording has of the motion; without a run it is that of an oscillator. */
 static bool find_motion(struct drawing *d, const struct recording *recording)
 {
-    if (!data_motion(d->session, recording, NULL, d->request->kind == PLOT_ENERGY, d->arena,
-                     &d->motion, d->error))
+    if (!data_motion(d->session, recording, NULL, kind_of(d)->energy, d->arena, &d->motion,
+                     d->error))
         return false;
     if (d->request->runs > 0)
         return d->model == &oscillator_model ||
@@ -312,8 +300,7 @@ static bool find_motion(struct drawing *d, const struct recording *recording)
     const double omega = d->motion.omega;
     d->model = &oscillator_model;
     d->period = 6.283185307179586 / omega;
-    if (d->request->kind == PLOT_PHASE && d->session->setup.settings.phase_axes == PHASE_SCALED &&
-        omega > 0)
+    if (kind_of(d)->scaled && d->session->setup.settings.phase_axes == PHASE_SCALED && omega > 0)
         d->omega0 = omega;
     return true;
 }
@@ -334,21 +321,20 @@ bool session_figure(const struct session *session, const struct figure_request *
                         .coordinates = 1,
                         .omega0 = 1,
                         .period = NAN};
-    if (request->kind == PLOT_PRECISION)
-        return precision_figure(session->precision, arena, figure, error);
+    const struct plot_row *row = kind_of(&d);
     d.curve = arena_array(arena, (size_t)request->runs + LIMIT_OVERLAY + 2, sizeof *d.curve);
     if (!d.curve)
         return error_memory(error);
-    if (request->kind == PLOT_PERIOD)
-        return period_figure(&d, figure);
+    if (row->figure)
+        return row->figure(&d, figure);
     if (request->runs > 0 && !find_model(&d))
         return false;
-    const bool phase = request->kind == PLOT_PHASE, plane = plot_is_plane(request->kind);
+    const bool plane = plot_is_plane(request->kind), spectrum = row->across == ACROSS_FREQUENCY;
     if (request->runs > 0) {
         const struct run *run = session->run[request->run[0]]->run;
         const double stiffness = run->system.oscillator.stiffness; /* now in force */
         d.period = request->at.len ? NAN : run_rhythm(run);
-        if (phase && session->setup.settings.phase_axes == PHASE_SCALED && stiffness > 0)
+        if (row->scaled && session->setup.settings.phase_axes == PHASE_SCALED && stiffness > 0)
             d.omega0 = sqrt(stiffness);
     }
     const struct recording *recording = recording_of(&d);
@@ -356,18 +342,17 @@ bool session_figure(const struct session *session, const struct figure_request *
         return false;
     drawing_window(&d);
     /* No law says how fast it goes: as it was seen to. */
-    if (request->kind == PLOT_SPECTRUM && request->runs > 0 && isnan(d.period) && !request->follow)
+    if (spectrum && request->runs > 0 && isnan(d.period) && !request->follow)
         d.period = seen_period(&d, session->run[request->run[0]]->run);
-    const bool residual = request->kind == PLOT_RESIDUAL, spectrum = request->kind == PLOT_SPECTRUM;
-    if (residual && !recording)
+    if (row->residual && !recording)
         return error_set(error, ERROR_COMMAND, "a residual needs a recording");
-    for (int i = 0; i < request->runs && !residual; i++)
+    for (int i = 0; i < request->runs && !row->residual; i++)
         if (!(request->at.len ? drawing_event_records(&d, session->run[request->run[i]])
                               : add_run(&d, session->run[request->run[i]]->run)))
             return false;
     if (request->band.len ? !drawing_band(&d) : request->stored_band && !drawing_stored_band(&d))
         return false;
-    if (recording && !(residual ? drawing_residual : drawing_recording)(&d, recording))
+    if (recording && !(row->residual ? drawing_residual : drawing_recording)(&d, recording))
         return false;
     size_t points = 0;
     for (int i = 0; i < d.curves; i++)
@@ -375,8 +360,7 @@ bool session_figure(const struct session *session, const struct figure_request *
     if (points == 0 && !request->follow)
         return error_set(error, ERROR_COMMAND, "nothing was recorded in this window of time");
 
-    const bool values =
-        request->columns || (d.model && d.model->order == 1 && request->kind == PLOT_POSITION);
+    const bool values = request->columns || (d.model && d.model->order == 1 && row->coordinates);
     struct variable across = {.quantity = QUANTITY_NUMBER};
     if (plane && request->columns)
         across = chosen_variable(&session->run[request->run[0]]->run->system, &d.against);
@@ -385,16 +369,16 @@ bool session_figure(const struct session *session, const struct figure_request *
     const char *x_name = arena_text(arena, text_of(across.name));
     if (!x_name)
         return error_memory(error);
-    *figure = (struct figure){
-        .title = values           ? "values"
-                 : is_kinetic(&d) ? "kinetic"
-                                  : plot_rows[request->kind].row.name,
-        .curve = d.curve,
-        .curves = d.curves,
-        .plane = plane,
-        .zero_line = request->kind != PLOT_ENERGY && request->kind != PLOT_ENVELOPE && !spectrum,
-        .equal = (phase && d.omega0 != 1) || (request->kind == PLOT_ORBIT && !request->columns),
-        .note = make_note(&d)};
+    *figure = (struct figure){.title = values           ? "values"
+                                       : is_kinetic(&d) ? "kinetic"
+                                                        : row->row.name,
+                              .curve = d.curve,
+                              .curves = d.curves,
+                              .plane = plane,
+                              .zero_line = !row->from_zero,
+                              .equal = (row->scaled && d.omega0 != 1) ||
+                                       (row->equal && !request->columns),
+                              .note = make_note(&d)};
     figure->x = plane      ? quantity_axis(x_name, across.quantity, size_of(&d, true))
                 : spectrum ? spectrum_axis(&d)
                            : quantity_axis("t", QUANTITY_TIME, d.window[1]);
@@ -409,7 +393,7 @@ bool session_figure(const struct session *session, const struct figure_request *
     }
     if (request->follow && plot_is_timed(request->kind))
         figure->x = request->shared ? request->shared->axis : time_axis(d.window);
-    if (!residual && !spectrum && request->kind != PLOT_ENVELOPE && !request->at.len)
+    if (!row->residual && !row->run_curve && !request->at.len)
         mark_present(&d, figure);
     const enum quantity quantities[2] = {plane      ? across.quantity
                                          : spectrum ? QUANTITY_FREQUENCY

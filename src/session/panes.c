@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What the screen can be made of: layouts, panes, what cursors snap to. */
+/* What the screen can be made of: layouts, what cursors snap to. */
 #include <hooke/session/subject.h>
 
 #define ROW(name, brief)                                                                           \
@@ -33,22 +33,3 @@ static const struct row snaps[] = {
     [SNAP_NONE] = ROW("none", "where it was put"),
 };
 const struct catalog snap_catalog = CATALOG("way to snap", snaps);
-
-static const struct pane_row panes[] = {
-    [PANE_POSITION] = {{"position", "m", "y against t, with the recording", "", NULL},
-                       PANE_OF_SERIES},
-    [PANE_ENERGY] = {{"energy", "J", "energy against t", "", NULL}, PANE_OF_MECHANICS},
-    [PANE_PHASE] = {{"phase", "m", "v against y; of first order the second value against the first",
-                     "", NULL},
-                    PANE_OF_PHASE},
-    [PANE_VELOCITY] = {{"velocity", "m/s", "v against t", "", NULL}, PANE_OF_MECHANICS},
-    [PANE_ERROR] = {{"error", "m", "distance from the exact solution against t", "", NULL},
-                    PANE_OF_EXACT},
-    [PANE_RESIDUAL] = {{"residual", "m", "the recording minus its fit, or minus the run, against t",
-                        "", NULL},
-                       PANE_OF_RESIDUAL},
-    [PANE_SPECTRUM] = {{"spectrum", "m", "amplitude against frequency", "", NULL}, PANE_OF_SERIES},
-    [PANE_ORBIT] = {{"orbit", "m", "the second coordinate against the first", "", NULL},
-                    PANE_OF_ORBIT},
-};
-const struct catalog pane_catalog = CATALOG("pane", panes);

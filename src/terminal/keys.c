@@ -101,35 +101,35 @@ static void say_page_down(const struct session *session, int count, struct buffe
 }
 
 /* The pane alone; once more: all of them. */
-static void fill(const struct session *session, enum pane pane, struct buffer *line)
+static void fill(const struct session *session, enum plot_kind pane, struct buffer *line)
 {
-    const bool full = session->view.full && session->view.focus == pane;
-    buffer_format(line, "focus %s %s", catalog_row(&pane_catalog, (size_t)pane)->name,
+    const bool full = session->view.full && view_focus(&session->view) == pane;
+    buffer_format(line, "focus %s %s", catalog_row(&plot_catalog, (size_t)pane)->name,
                   full ? "shared" : "full");
 }
 
 static void say_first(const struct session *session, int count, struct buffer *line)
 {
     (void)count;
-    fill(session, PANE_POSITION, line);
+    fill(session, PLOT_POSITION, line);
 }
 
 static void say_second(const struct session *session, int count, struct buffer *line)
 {
     (void)count;
-    fill(session, PANE_PHASE, line);
+    fill(session, PLOT_PHASE, line);
 }
 
 static void say_third(const struct session *session, int count, struct buffer *line)
 {
     (void)count;
-    fill(session, PANE_VELOCITY, line);
+    fill(session, PLOT_VELOCITY, line);
 }
 
 static void say_fourth(const struct session *session, int count, struct buffer *line)
 {
     (void)count;
-    fill(session, PANE_ENERGY, line);
+    fill(session, PLOT_ENERGY, line);
 }
 
 /* ---- on the plot

@@ -24,7 +24,7 @@ struct rectangle {
 /* One pane on the screen. Panes that share a time axis stand over each other in one frame; only the
  * last of them has labels below. */
 struct placed_pane {
-    enum pane pane;
+    enum plot_kind pane;
     struct rectangle at;
     bool open;   /* continues in the place below: no time labels, no lower frame */
     bool joined; /* continues the place above: its upper frame is a divider */
@@ -40,8 +40,6 @@ struct division screen_division(const struct session *session, int height);
 /* The area is as wide as the screen, which has `height` rows. */
 int screen_panes(const struct session *session, struct rectangle area, int height,
                  struct placed_pane placed[PLACED_MAX]);
-bool pane_is_timed(enum pane pane); /* its horizontal axis is the time */
-bool pane_is_plane(enum pane pane); /* one part of the state against another: phase, orbit */
 
 /* ---- ranges.c ---- */
 

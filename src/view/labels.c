@@ -20,7 +20,7 @@ void labels_shorten(struct screen *screen, int width, int height,
                (layout.y_ticks.exponent ? POWER : 0);
     for (int i = 0; i < figure->curves; i++)
         need += figure->curve[i].label ? text_width(text_of(figure->curve[i].label)) + ENTRY : 0;
-    if (need <= width || request->kind == PLOT_RESIDUAL)
+    if (need <= width || plot_row(request->kind)->residual)
         return;
     struct curve *brief = arena_array(&screen->arena, (size_t)figure->curves + 1, sizeof *brief);
     for (int i = 0; brief && i < figure->curves; i++) {

@@ -33,57 +33,48 @@ struct arrangement {
     bool numbered;
     int first; /* share of the first pane of the left column, the others have 1 */
     int lefts, rights;
-    enum pane left[3], right[2];
+    enum plot_kind left[3], right[2];
 };
 
 static const struct arrangement arrangements[] = {
-    [LAYOUT_SINGLE] = {.first = 1, .lefts = 1, .left = {PANE_POSITION}},
+    [LAYOUT_SINGLE] = {.first = 1, .lefts = 1, .left = {PLOT_POSITION}},
     [LAYOUT_DUO] =
-        {.first = 1, .lefts = 1, .left = {PANE_POSITION}, .rights = 1, .right = {PANE_PHASE}},
+        {.first = 1, .lefts = 1, .left = {PLOT_POSITION}, .rights = 1, .right = {PLOT_PHASE}},
     [LAYOUT_TRIO] = {.shared = true,
                      .first = 2,
                      .lefts = 2,
-                     .left = {PANE_POSITION, PANE_ENERGY},
+                     .left = {PLOT_POSITION, PLOT_ENERGY},
                      .rights = 1,
-                     .right = {PANE_PHASE}},
+                     .right = {PLOT_PHASE}},
     [LAYOUT_STACK] = {.shared = true,
                       .first = 1,
                       .lefts = 3,
-                      .left = {PANE_POSITION, PANE_VELOCITY, PANE_ENERGY}},
+                      .left = {PLOT_POSITION, PLOT_VELOCITY, PLOT_ENERGY}},
     [LAYOUT_QUAD] = {.numbered = true,
                      .first = 1,
                      .lefts = 2,
-                     .left = {PANE_POSITION, PANE_VELOCITY},
+                     .left = {PLOT_POSITION, PLOT_VELOCITY},
                      .rights = 2,
-                     .right = {PANE_PHASE, PANE_ENERGY}},
-    [LAYOUT_PLOT] = {.first = 1, .lefts = 1, .left = {PANE_POSITION}},
+                     .right = {PLOT_PHASE, PLOT_ENERGY}},
+    [LAYOUT_PLOT] = {.first = 1, .lefts = 1, .left = {PLOT_POSITION}},
     [LAYOUT_LOG] = {.first = 1},
 };
 
-bool pane_is_timed(enum pane pane)
-{
-    return !pane_is_plane(pane) && pane != PANE_SPECTRUM;
-}
-
-bool pane_is_plane(enum pane pane)
-{
-    return pane == PANE_PHASE || pane == PANE_ORBIT;
-}
-
 /* The panes that make sense here. An orbit, where there is one, says more than the phase plot of
  * one coordinate. */
-static int choose_panes(const struct session *session, const enum pane *wanted, int count,
-                        enum pane *out)
+static int choose_panes(const struct session *session, const enum plot_kind *wanted, int count,
+                        enum plot_kind *out)
 {
-    const bool orbit = pane_offered(session, PANE_ORBIT) && session->view.focus != PANE_PHASE;
+    const bool orbit =
+        plot_offered(session, PLOT_ORBIT) && view_focus(&session->view) != PLOT_PHASE;
     int n = 0;
     for (int i = 0; i < count; i++)
-        if (pane_offered(session, wanted[i]))
-            out[n++] = wanted[i] == PANE_PHASE && orbit ? PANE_ORBIT : wanted[i];
+        if (plot_offered(session, wanted[i]))
+            out[n++] = wanted[i] == PLOT_PHASE && orbit ? PLOT_ORBIT : wanted[i];
     return n;
 }
 
-static bool holds(const enum pane *pane, int count, enum pane wanted)
+static bool holds(const enum plot_kind *pane, int count, enum plot_kind wanted)
 {
     for (int i = 0; i < count; i++)
         if (pane[i] == wanted)
@@ -93,12 +84,12 @@ static bool holds(const enum pane *pane, int count, enum pane wanted)
 
 /* One column from top to bottom. Returns how many places it has: panes for which there is no height
  * are left out. */
-static int stack_column(struct rectangle area, const struct arrangement *a, const enum pane *pane,
-                        int count, struct placed_pane *placed)
+static int stack_column(struct rectangle area, const struct arrangement *a,
+                        const enum plot_kind *pane, int count, struct placed_pane *placed)
 {
     bool shared = a->shared;
     for (int i = 0; i < count; i++)
-        shared &= pane_is_timed(pane[i]);
+        shared &= plot_is_timed(pane[i]);
     int each = shared ? CURVE_ROWS + 1 : PLOT_ROWS, common = shared ? SHARED_ROWS : 0;
     while (count > 1 && area.height < count * each + common)
         count--;
@@ -124,11 +115,11 @@ static int stack_column(struct rectangle area, const struct arrangement *a, cons
 }
 
 /* The phase plot is square: twice as many columns as rows. */
-static int right_width(const struct arrangement *a, const enum pane *right, int rights,
+static int right_width(const struct arrangement *a, const enum plot_kind *right, int rights,
                        struct rectangle area)
 {
     int max = area.width * 2 / 5, square = 2 * (area.height - SHARED_ROWS - 1) + PHASE_LABELS;
-    if (a->numbered || !pane_is_plane(right[0]) || rights > 1)
+    if (a->numbered || !plot_is_plane(right[0]) || rights > 1)
         return max;
     return larger(smaller(square, max), PHASE_MIN);
 }
@@ -141,15 +132,15 @@ int screen_panes(const struct session *session, struct rectangle area, int heigh
         layout_drawn(view->full ? LAYOUT_SINGLE : view->layout, area.width, height);
     const struct arrangement *a = &arrangements[layout];
 
-    enum pane left[3], right[2];
+    enum plot_kind left[3], right[2];
     int lefts = choose_panes(session, a->left, a->lefts, left),
         rights = choose_panes(session, a->right, a->rights, right);
     if (!lefts && !rights)
-        left[lefts++] = PANE_POSITION;
+        left[lefts++] = PLOT_POSITION;
     /* The focused one stands in the first place if the layout does not have it. */
-    if (pane_offered(session, view->focus) && !holds(left, lefts, view->focus) &&
-        !holds(right, rights, view->focus))
-        *(lefts ? left : right) = view->focus;
+    if (plot_offered(session, view_focus(view)) && !holds(left, lefts, view_focus(view)) &&
+        !holds(right, rights, view_focus(view)))
+        *(lefts ? left : right) = view_focus(view);
     if (!lefts || !rights) {
         int n = stack_column(area, a, lefts ? left : right, lefts ? lefts : rights, placed);
         for (int i = 0; i < n && a->numbered; i++)

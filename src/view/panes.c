@@ -8,24 +8,6 @@
 #define CAPTION_WIDTH 40 /* [cell] from here on the phase plot has it in its title */
 #define PAGES 4          /* a live view moves on by a quarter of its window */
 
-/* How a pane is drawn; its name and when it is offered stand in pane_catalog. */
-struct pane_kind {
-    enum plot_kind plot;
-    const char *title; /* beside the axis label */
-    const char *label; /* of the vertical axis instead of the figure's; NULL: that */
-};
-
-static const struct pane_kind kinds[] = {
-    [PANE_POSITION] = {PLOT_POSITION, "", NULL},
-    [PANE_ENERGY] = {PLOT_ENERGY, "", "energy"},
-    [PANE_PHASE] = {PLOT_PHASE, "phase", NULL},
-    [PANE_VELOCITY] = {PLOT_VELOCITY, "", NULL},
-    [PANE_ERROR] = {PLOT_ERROR, "", "error"},
-    [PANE_RESIDUAL] = {PLOT_RESIDUAL, "", NULL},
-    [PANE_SPECTRUM] = {PLOT_SPECTRUM, "spectrum", NULL},
-    [PANE_ORBIT] = {PLOT_ORBIT, "orbit", NULL},
-};
-
 /* ---- what is asked of the session ---- */
 
 static double planned_end(const struct run *run)
@@ -65,18 +47,17 @@ static const struct figure_range *fixed_range(struct screen *screen, const doubl
 }
 
 /* `width` [cell] decides how much time is shown: the same for all panes of a screen. */
-static struct figure_request make_request(struct screen *screen, enum pane pane, int width,
+static struct figure_request make_request(struct screen *screen, enum plot_kind pane, int width,
                                           bool alone, int runs[1 + LIMIT_OVERLAY])
 {
     const struct session *session = screen->session;
     const struct view *view = &session->view;
     const struct run *run = session_run(session);
-    enum plot_kind kind = kinds[pane].plot;
     struct figure_request request = {
-        .kind = kind,
+        .kind = pane,
         .run = runs,
         .runs = shown_runs(session, runs),
-        .recording = figure_recording(session, kind),
+        .recording = figure_recording(session, pane),
         .window = {NAN, NAN},
         .width = width,
         .charset = screen->charset,
@@ -94,9 +75,9 @@ static struct figure_request make_request(struct screen *screen, enum pane pane,
         request.window[0] = view->x[0];
         request.window[1] = view->x[1];
     }
-    if (view->focus == pane) {
+    if (view_focus(view) == pane) {
         request.y = fixed_range(screen, view->y);
-        request.x = pane_is_timed(pane) ? NULL : fixed_range(screen, view->x);
+        request.x = plot_is_timed(pane) ? NULL : fixed_range(screen, view->x);
     }
     return request;
 }
@@ -113,7 +94,7 @@ static void empty_figure(const struct screen *screen, const struct placed_pane *
         .x = {.label = "t", .unit = "s", .from = 0, .to = setup->settings.duration, .fixed = true},
         .y = {.label = first->name, .unit = quantity_unit(first->quantity), .factor = 1},
         .zero_line = true};
-    if (placed->pane == PANE_POSITION && scene_bind(&setup->scene, &system, &ignored)) {
+    if (placed->pane == PLOT_POSITION && scene_bind(&setup->scene, &system, &ignored)) {
         const struct unit *unit = unit_display(first->quantity, system.scale[0]);
         if (unit) {
             figure->y.unit = unit->row.name;
@@ -130,7 +111,7 @@ static void empty_figure(const struct screen *screen, const struct placed_pane *
 static const char *numbered_title(struct screen *screen, const struct placed_pane *placed)
 {
     char text[64];
-    const char *title = kinds[placed->pane].title;
+    const char *own = plot_row(placed->pane)->title, *title = own ? own : "";
     if (!placed->number)
         return title;
     snprintf(text, sizeof text, "%d%s%s", placed->number, *title ? " " : "", title);
@@ -157,7 +138,7 @@ static struct shared_time share_time(struct screen *screen, const struct placed_
 {
     struct shared_time time = {.width = placed[0].at.width, .alone = placed_count == 1};
     int runs[1 + LIMIT_OVERLAY], first = 0;
-    while (first < placed_count - 1 && !pane_is_timed(placed[first].pane))
+    while (first < placed_count - 1 && !plot_is_timed(placed[first].pane))
         first++;
     const struct figure_request request =
         make_request(screen, placed[first].pane, time.width, time.alone, runs);
@@ -170,7 +151,7 @@ static struct shared_time share_time(struct screen *screen, const struct placed_
 static bool make_figure(struct screen *screen, const struct placed_pane *placed,
                         const struct shared_time *time, struct figure *figure)
 {
-    const struct pane_kind *kind = &kinds[placed->pane];
+    const struct plot_row *row = plot_row(placed->pane);
     int runs[1 + LIMIT_OVERLAY];
     struct figure_request request =
         make_request(screen, placed->pane, time->width, time->alone, runs);
@@ -188,18 +169,18 @@ static bool make_figure(struct screen *screen, const struct placed_pane *placed,
         if (!request.runs && !curves_join_dense(&screen->arena, request.width, figure))
             return false;
     }
-    if (time->known && pane_is_timed(placed->pane))
+    if (time->known && plot_is_timed(placed->pane))
         figure->x = time->window.axis;
-    if (kind->label) /* an energy is called by the figure's title: it may be the kinetic one */
-        figure->y.label = placed->pane == PANE_ENERGY ? figure->title : kind->label;
+    if (row->pane_label) /* an energy is called by the figure's title: it may be the kinetic one */
+        figure->y.label = row->energy ? figure->title : row->pane_label;
     figure->title = numbered_title(screen, placed);
-    figure->has_point = figure->has_point && pane_is_plane(placed->pane);
-    if (pane_is_plane(placed->pane) && placed->at.width >= CAPTION_WIDTH) {
+    figure->has_point = figure->has_point && plot_is_plane(placed->pane);
+    if (plot_is_plane(placed->pane) && placed->at.width >= CAPTION_WIDTH) {
         figure->caption = figure->note;
         figure->note = NULL;
     }
     /* The curves are those of the first pane, unless that has none of a run. */
-    if (pane_is_plane(placed->pane) || (placed->joined && placed[-1].pane != PANE_RESIDUAL)) {
+    if (plot_is_plane(placed->pane) || (placed->joined && !plot_row(placed[-1].pane)->residual)) {
         struct curve *plain =
             arena_array(&screen->arena, (size_t)figure->curves + 1, sizeof *plain);
         for (int i = 0; plain && i < figure->curves; i++) {
@@ -256,7 +237,7 @@ static bool draw_pane(struct screen *screen, const struct placed_pane *placed,
     if (!sheet.cell || !figure_draw(figure, &sheet, 0, 0, at.width, at.height, screen->charset))
         return false;
     const int panels = figure_panels(figure, at.width, at.height, screen->charset, panel);
-    for (int i = 0; i < panels && pane_is_timed(placed->pane); i++) {
+    for (int i = 0; i < panels && plot_is_timed(placed->pane); i++) {
         const struct rectangle part = {panel[i].x, panel[i].y, panel[i].width, panel[i].height};
         struct figure_layout layout;
         figure_layout(&panel[i].figure, part.width, part.height, screen->charset, &layout);
@@ -296,8 +277,8 @@ bool panes_figures(struct screen *screen, const struct placed_pane *placed, int 
             return false;
     for (int i = 0; i < placed_count; i++) {
         int gutter = 0;
-        for (int j = 0; j < placed_count && pane_is_timed(placed[i].pane); j++) {
-            if (!pane_is_timed(placed[j].pane) || placed[j].at.x != placed[i].at.x)
+        for (int j = 0; j < placed_count && plot_is_timed(placed[i].pane); j++) {
+            if (!plot_is_timed(placed[j].pane) || placed[j].at.x != placed[i].at.x)
                 continue;
             gutter = larger(gutter, widest_gutter(screen, &placed[j], &figure[j]));
         }
@@ -325,8 +306,8 @@ int panes_time_axis(struct screen *screen, const struct placed_pane *placed, int
     struct figure_layout layout;
     int found = -1;
     for (int i = placed_count - 1; i >= 0; i--)
-        if (pane_is_timed(placed[i].pane) &&
-            (found < 0 || placed[found].pane != screen->session->view.focus))
+        if (plot_is_timed(placed[i].pane) &&
+            (found < 0 || placed[found].pane != view_focus(&screen->session->view)))
             found = i;
     if (found < 0 || !panes_figures(screen, placed, placed_count, figure))
         return 0;

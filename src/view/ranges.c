@@ -18,13 +18,7 @@ bool is_range(const double range[2])
 
 bool view_has_time_range(const struct view *view)
 {
-    return is_range(view->x) && pane_is_timed(view->focus);
-}
-
-/* Zero belongs to the vertical range. */
-static bool from_zero(enum pane pane)
-{
-    return pane == PANE_ENERGY || pane == PANE_SPECTRUM;
+    return is_range(view->x) && plot_is_timed(view_focus(view));
 }
 
 struct extent {
@@ -93,14 +87,14 @@ void ranges_reach_label(struct axis *axis, int columns)
 /* While a run goes on the range holds the amplitude the scene is expected to have, from the first
  * frame on. */
 static void extend_expected(const struct session *session, const struct figure *figure,
-                            enum pane pane, bool vertical, struct extent *extent)
+                            enum plot_kind pane, bool vertical, struct extent *extent)
 {
     const struct run *run = session_run(session);
-    if (!run || !run_in_progress(session) || pane == PANE_ERROR || pane == PANE_RESIDUAL ||
-        pane == PANE_SPECTRUM)
+    const struct plot_row *row = plot_row(pane);
+    if (!run || !run_in_progress(session) || !(row->energy || plot_shows_state(pane)))
         return;
     const struct system *system = &run->system;
-    if (pane == PANE_ENERGY) {
+    if (row->energy) {
         if (system->order == 2)
             extend(extent,
                    system_kinetic(system, system->start) + system_potential(system, system->start));
@@ -108,7 +102,8 @@ static void extend_expected(const struct session *session, const struct figure *
     }
     if (system->model->typed && system->oscillator.whole && !(system->oscillator.stiffness > 0))
         return; /* it falls: an event may catch it */
-    bool speed = pane == PANE_VELOCITY || (pane == PANE_PHASE && vertical && !figure->equal);
+    bool speed = row->vertical == VERTICAL_RATE &&
+                 (row->across == ACROSS_TIME || (vertical && !figure->equal));
     double size = system->scale[speed ? system->n / 2 : 0];
     extend(extent, size);
     extend(extent, system->order == 2 ? -size : 0);
@@ -138,12 +133,12 @@ static void settle_panel(const struct screen *screen, const struct placed_pane *
         settle_decades(y, extent);
         return;
     }
-    if (from_zero(placed->pane) && extent.low <= extent.high)
+    if (plot_row(placed->pane)->from_zero && extent.low <= extent.high)
         extend(&extent, 0);
     if (first)
         extend_expected(session, figure, placed->pane, true, &extent);
     settle(y, extent, placed->at.height);
-    if (!pane_is_plane(placed->pane))
+    if (!plot_is_plane(placed->pane))
         return;
     if (first)
         extend_expected(session, figure, placed->pane, false, &across);

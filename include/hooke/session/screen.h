@@ -34,36 +34,6 @@ static inline const struct layout_row *layout_row(enum layout layout)
 /* What a screen of that size shows of it. */
 enum layout layout_drawn(enum layout layout, int width, int height);
 
-enum pane {
-    PANE_POSITION,
-    PANE_ENERGY,
-    PANE_PHASE,
-    PANE_VELOCITY,
-    PANE_ERROR,
-    PANE_RESIDUAL,
-    PANE_SPECTRUM,
-    PANE_ORBIT,
-    PANE_COUNT
-};
-
-/* What a pane is drawn of. */
-enum pane_of {
-    PANE_OF_SERIES,    /* a run or a recording */
-    PANE_OF_MECHANICS, /* velocities */
-    PANE_OF_PHASE,
-    PANE_OF_ORBIT,    /* a second coordinate */
-    PANE_OF_EXACT,    /* an exact solution */
-    PANE_OF_RESIDUAL, /* a recording and what was fitted to it, or a run beside it */
-};
-
-/* A pane is a kind of plot. */
-struct pane_row {
-    struct row row; /* name, unit of the vertical axis, brief */
-    enum pane_of of;
-};
-
-extern const struct catalog pane_catalog; /* at the enum's place */
-
 enum snap { SNAP_CROSSING, SNAP_PEAK, SNAP_SAMPLE, SNAP_NONE };
 
 extern const struct catalog snap_catalog; /* struct row at the enum's place */
@@ -90,13 +60,14 @@ struct cursors {
 
 struct view {
     enum layout layout;
-    enum pane focus;   /* the pane that commands and zooming act on */
-    bool full;         /* the focused pane alone */
-    double x[2], y[2]; /* fixed ranges of the focused pane (time [s], SI); NAN: automatic */
-    double window;     /* [s] of time shown; 0: automatic */
-    double trail;      /* periods of the phase trail; HUGE_VAL: all */
-    int scroll;        /* rows the log is scrolled up */
-    bool paging;       /* the live view sweeps, then pages; otherwise it scrolls by whole cells */
+    const struct row *focus; /* pane that commands and zooming act on, of plot_catalog; NULL: the
+                                position */
+    bool full;               /* the focused pane alone */
+    double x[2], y[2];       /* fixed ranges of the focused pane (time [s], SI); NAN: automatic */
+    double window;           /* [s] of time shown; 0: automatic */
+    double trail;            /* periods of the phase trail; HUGE_VAL: all */
+    int scroll;              /* rows the log is scrolled up */
+    bool paging; /* the live view sweeps, then pages; otherwise it scrolls by whole cells */
     int overlay[LIMIT_OVERLAY]; /* numbers of the runs drawn besides the present one; those that are
                                    gone are passed over */
     int overlays;

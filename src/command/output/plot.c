@@ -41,13 +41,12 @@ static bool choose_runs(struct session *session, const struct arguments *given,
     if (runs->count == 0 && data->count == 0 && session->current_run >= 0)
         index[request->runs++] = session->current_run;
     request->recording = data->count ? data->item->index
-                         : (runs->count && request->kind != PLOT_RESIDUAL) || request->columns
+                         : (runs->count && !plot_row(request->kind)->residual) || request->columns
                              ? -1
                              : figure_recording(session, request->kind);
-    if (request->runs == 0 && request->recording >= 0 &&
-        (request->kind == PLOT_ORBIT || request->kind == PLOT_ERROR))
+    if (request->runs == 0 && request->recording >= 0 && !plot_of_recordings(request->kind))
         return error_at(error, data->where, "of a recording there is no plot of %s",
-                        catalog_row(&plot_catalog, (size_t)request->kind)->name);
+                        plot_row(request->kind)->row.name);
     if (request->runs > 0 || request->recording >= 0)
         return true;
     if (session_recording(session)) {
@@ -106,7 +105,7 @@ static bool choose_ranges(const struct arguments *given, struct figure_request *
     for (int i = 0; i < 2; i++) {
         if (axis[i]->count == 0)
             continue;
-        if (request->kind == PLOT_PRECISION)
+        if (plot_row(request->kind)->study)
             return error_at(error, axis[i]->where,
                             "the axes of 'precision' hold all of its points");
         const struct item *item = axis[i]->item;
@@ -144,8 +143,7 @@ static bool choose_picture(struct text path, enum plot_kind kind, bool *text, en
         error_at(
             error, path,
             "a figure is a picture in a file that ends in .svg, .pdf or .png, or text in .txt");
-        return error_hint(error, "plot %s > figure.svg",
-                          catalog_row(&plot_catalog, (size_t)kind)->name);
+        return error_hint(error, "plot %s > figure.svg", plot_row(kind)->row.name);
     }
     *picture = (enum picture)catalog_index(&picture_catalog, row);
     return true;
@@ -194,11 +192,9 @@ static bool write_file(const struct session *session, const struct arguments *gi
 static void reply_where(const struct session *session, const struct figure_request *request,
                         struct reply *reply)
 {
-    const char *name =
-        request->columns ? "" : catalog_row(&plot_catalog, (size_t)request->kind)->name;
-    const struct row *row = catalog_find(&pane_catalog, text_of(name));
-    if (row && pane_offered(session, (enum pane)catalog_index(&pane_catalog, row)))
-        reply_line(reply, "'layout log' shows it whole, 'focus %s full' keeps it in a pane", name);
+    if (!request->columns && plot_offered(session, request->kind))
+        reply_line(reply, "'layout log' shows it whole, 'focus %s full' keeps it in a pane",
+                   plot_row(request->kind)->row.name);
     else
         reply_line(reply, "'layout log' shows it whole");
 }
@@ -282,8 +278,8 @@ HANDLER(plot)
         memcpy(request.window, window->item->range, sizeof request.window);
     if (!choose_ranges(given, &request, error))
         return false;
-    if (request.kind == PLOT_PRECISION ? !has_study(session, error)
-                                       : !choose_runs(session, given, &request, error))
+    if (plot_row(request.kind)->study ? !has_study(session, error)
+                                      : !choose_runs(session, given, &request, error))
         return false;
     if (!session_figure(session, &request, given->arena, &figure, error)) {
         if (!error->where.at)
@@ -292,7 +288,7 @@ HANDLER(plot)
     }
     if (file->count) {
         struct buffer content = {0};
-        bool ok = as_text || request.kind != PLOT_PRECISION ||
+        bool ok = as_text || !plot_row(request.kind)->study ||
                   label_methods(session->precision, given->arena, &figure, error);
         if (ok && as_text)
             ok = figure_print(&figure, width, height, request.charset, false, &content) ||
@@ -313,7 +309,7 @@ HANDLER(plot)
     struct buffer text = {0};
     const bool ok = figure_print(&figure, width, height, request.charset,
                                  color && reply->format == FORMAT_TEXT, &text);
-    if (ok && request.kind == PLOT_PRECISION)
+    if (ok && plot_row(request.kind)->study)
         precision_legend(session->precision, width, &text);
     if (ok)
         reply_text(reply, buffer_text(&text));

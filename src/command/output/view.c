@@ -30,11 +30,10 @@ static void describe_layout(const struct session *session, struct buffer *text)
     const enum layout drawn = layout_drawn(view->layout, width, height);
     const struct layout_row *row = layout_row(view->layout);
     /* A pane that no layout has takes the first place of each. */
-    const bool guest =
-        view->focus > PANE_VELOCITY && view->focus != PANE_ORBIT && view->layout != LAYOUT_LOG;
+    const struct plot_row *focus = plot_row(view_focus(view));
+    const bool guest = !focus->in_layouts && view->layout != LAYOUT_LOG;
     buffer_format(text, "layout %s: %s%s%s", row->row.name, row->row.brief,
-                  guest ? "; first, until 'focus position': " : "",
-                  guest ? catalog_row(&pane_catalog, (size_t)view->focus)->name : "");
+                  guest ? "; first, until 'focus position': " : "", guest ? focus->row.name : "");
     if (drawn == view->layout)
         return;
     buffer_format(text, "\nit needs %d columns", row->width);
@@ -66,30 +65,28 @@ HANDLER(focus)
 {
     const struct given_argument *pane = argument_given(given, "PANE");
     struct view *view = &session->view;
-    const enum pane wanted = pane->count ? (enum pane)pane->item->index : view->focus;
-    const struct pane_row *row =
-        (const struct pane_row *)(const void *)catalog_row(&pane_catalog, (size_t)wanted);
-    if (pane->count && !pane_offered(session, wanted)) {
+    const enum plot_kind wanted =
+        pane->count ? (enum plot_kind)pane->item->index : view_focus(view);
+    const struct row *row = &plot_row(wanted)->row;
+    if (pane->count && !plot_offered(session, wanted)) {
         struct buffer offered = {0};
-        error_at(error, pane->item->text, "there is nothing to show in the pane %s: %s",
-                 row->row.name, row->row.brief);
-        for (size_t i = 0; i < pane_catalog.count; i++) {
-            const struct pane_row *other =
-                (const struct pane_row *)(const void *)catalog_row(&pane_catalog, i);
-            if (pane_offered(session, (enum pane)i))
-                buffer_format(&offered, "%s%s", offered.len ? ", " : "", other->row.name);
-        }
+        error_at(error, pane->item->text, "there is nothing to show in the pane %s: %s", row->name,
+                 row->brief);
+        for (size_t i = 0; i < plot_catalog.count; i++)
+            if (plot_offered(session, (enum plot_kind)i))
+                buffer_format(&offered, "%s%s", offered.len ? ", " : "",
+                              catalog_row(&plot_catalog, i)->name);
         error_hint(error, offered.len ? "now there are: %s" : "type: run, or: load FILE%s",
                    buffer_view(&offered));
         buffer_free(&offered);
         return false;
     }
-    if (wanted != view->focus)
+    if (wanted != view_focus(view))
         free_ranges(view); /* they were those of the other pane */
-    view->focus = wanted;
+    view_focus_on(view, wanted);
     if (is_given(given, "full") || is_given(given, "shared"))
         view->full = is_given(given, "full");
-    reply_line(reply, "focus %s%s: %s", row->row.name, view->full ? " full" : "", row->row.brief);
+    reply_line(reply, "focus %s%s: %s", row->name, view->full ? " full" : "", row->brief);
     return changed(session);
 }
 
@@ -99,35 +96,20 @@ static const struct row axes[] = {{"x", "", "horizontal axis", "", NULL},
                                   {"y", "", "vertical axis", "", NULL}};
 const struct catalog axis_catalog = CATALOG("axis", axes);
 
-static enum quantity axis_quantity(const struct session *session, bool x)
-{
-    const struct run *run = session_run(session);
-    const struct model *model = run ? run->system.model : session->setup.scene.model;
-    const enum quantity first = model->variable[0].quantity;
-    const enum pane pane = session->view.focus;
-    const bool plane = pane == PANE_PHASE || pane == PANE_ORBIT;
-    if (x)
-        return plane ? first : pane == PANE_SPECTRUM ? QUANTITY_FREQUENCY : QUANTITY_TIME;
-    if (pane == PANE_ENERGY)
-        return first == QUANTITY_NUMBER ? QUANTITY_NUMBER : QUANTITY_ENERGY;
-    /* The phase plot of a spring has v/omega0. */
-    const bool raw = pane == PANE_PHASE && (session->setup.settings.phase_axes == PHASE_RAW ||
-                                            (run && !(run->system.oscillator.stiffness > 0)));
-    return pane == PANE_VELOCITY || raw ? model->variable[model->n / 2].quantity : first;
-}
-
 static void reply_range(const struct session *session, bool x, struct reply *reply)
 {
     const double *range = x ? session->view.x : session->view.y;
-    const char *pane = catalog_row(&pane_catalog, (size_t)session->view.focus)->name;
+    const char *pane = plot_row(view_focus(&session->view))->row.name;
     struct buffer text = {0};
     buffer_format(&text, "range %s of %s: ", x ? "x" : "y", pane);
     if (isnan(range[0])) {
         buffer_put(&text, TEXT("auto"));
     } else {
-        buffer_measured(&text, (struct measured){range[0], 0}, axis_quantity(session, x), 6);
+        buffer_measured(&text, (struct measured){range[0], 0},
+                        plot_quantity(session, view_focus(&session->view), x), 6);
         buffer_put(&text, TEXT(" to "));
-        buffer_measured(&text, (struct measured){range[1], 0}, axis_quantity(session, x), 6);
+        buffer_measured(&text, (struct measured){range[1], 0},
+                        plot_quantity(session, view_focus(&session->view), x), 6);
     }
     reply_text(reply, buffer_text(&text));
     buffer_free(&text);
@@ -143,7 +125,8 @@ HANDLER(range)
     } else if (value->count) {
         struct parser parser = {session, given->scope, given->arena, value->item->text};
         struct item item = {0};
-        if (!parse_range(&parser, "range", axis_quantity(session, x), &item, error) ||
+        if (!parse_range(&parser, "range", plot_quantity(session, view_focus(&session->view), x),
+                         &item, error) ||
             !refuse_rest(&parser, &item, error))
             return false;
         if (isnan(item.range[0]) || isnan(item.range[1]))
@@ -187,18 +170,18 @@ static bool shown_span(struct session *session, double shown[2], double whole[2]
                        struct error *error)
 {
     struct view *view = &session->view;
-    if (axis_quantity(session, true) != QUANTITY_TIME && view->full) {
+    if (plot_quantity(session, view_focus(&session->view), true) != QUANTITY_TIME && view->full) {
         error_set(error, ERROR_COMMAND, "the pane %s has no time axis",
-                  catalog_row(&pane_catalog, (size_t)view->focus)->name);
+                  plot_row(view_focus(view))->row.name);
         return error_hint(error, "type: focus position, or: range x FROM:TO");
     }
     if (!whole_span(session, whole)) {
         error_set(error, ERROR_COMMAND, "there is nothing to look at: no run and no recording");
         return error_hint(error, "type: run, or: load FILE");
     }
-    if (axis_quantity(session, true) != QUANTITY_TIME) {
+    if (plot_quantity(session, view_focus(&session->view), true) != QUANTITY_TIME) {
         free_ranges(view);
-        view->focus = PANE_POSITION;
+        view_focus_on(view, PLOT_POSITION);
     }
     if (on_screen(session, shown))
         return true;
@@ -398,7 +381,7 @@ COMMAND(focus, .row = {"focus", "", "choose the pane that range, zoom and pan ac
                 "spectrum.",
         .examples = "run; focus phase\nrun; focus energy full", .see = "layout range zoom",
         .flags = COMMAND_ANYTIME,
-        ARGUMENTS(PLACE("PANE", TYPE_CHOICE, .choices = &pane_catalog),
+        ARGUMENTS(PLACE("PANE", TYPE_CHOICE, .choices = &plot_catalog),
                   WORD("full", TYPE_NONE, .group = 1), WORD("shared", TYPE_NONE, .group = 1)))
 
 COMMAND(range, .row = {"range", "", "fix an axis of the focused pane", "", NULL}, .group = "PLOT",

@@ -220,7 +220,6 @@ static const struct topic {
     {&format_catalog, NULL},
     {&drag_catalog, NULL},
     {&layout_catalog, NULL},
-    {&pane_catalog, NULL},
     {&snap_catalog, NULL},
 };
 

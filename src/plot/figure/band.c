@@ -94,9 +94,9 @@ static int first_variable(const struct drawing *d)
     const struct figure_request *request = d->request;
     if (request->columns > 0 || request->at.len > 0)
         return -1;
-    return request->kind == PLOT_POSITION               ? 0
-           : request->kind == PLOT_VELOCITY && d->model ? d->model->n / 2
-                                                        : -1;
+    if (!kind_of(d)->coordinates || (!d->model && kind_of(d)->vertical != VERTICAL_FIRST))
+        return -1;
+    return d->model ? (int)(vertical_variable(d->model, request->kind) - d->model->variable) : 0;
 }
 
 static const char *label_of(int coordinate)
@@ -147,7 +147,7 @@ bool drawing_stored_band(struct drawing *d)
         d->session->run[d->request->run[0]]->run->number != band->run)
         return true;
     for (int i = 0; i < d->coordinates; i++) {
-        double *half = new_spread(d, i, d->request->kind == PLOT_POSITION);
+        double *half = new_spread(d, i, first == 0);
         if (!half)
             return false;
         for (size_t k = 0; k < d->curve[i].n; k++)

@@ -105,7 +105,7 @@ bool drawing_event_records(struct drawing *d, const struct run_slot *slot)
                 record->t < d->window[0] || record->t > d->window[1])
                 continue;
             double up;
-            if (!value_at(run, request->kind == PLOT_ORBIT ? &d->against : &time, i, &x[seen],
+            if (!value_at(run, plot_is_plane(request->kind) ? &d->against : &time, i, &x[seen],
                           d->error) ||
                 !value_at(run, &d->column[c], i, &up, d->error))
                 return false;

@@ -273,45 +273,6 @@ double run_position(const struct run *run, double t)
     return run_motion(run, t, 0);
 }
 
-/* ---- envelopes ---- */
-
-#define ENVELOPE_MAX 120
-#define ENVELOPE_MIN 3
-
-/* Windows of two periods, or more where there are many; fewer and longer ones where a gap leaves
- * one empty. */
-bool data_envelope(const struct series *series, struct arena *arena, struct curve *curve,
-                   struct error *error)
-{
-    struct overview overview;
-    struct reading reading[ENVELOPE_MAX];
-    double at[ENVELOPE_MAX];
-    series_overview(series, arena, &overview);
-    int count =
-        overview.oscillates ? (int)fmin(fmax(overview.periods / 2, ENVELOPE_MIN), ENVELOPE_MAX) : 1;
-    const double from = series->t[0], span = series->t[series->n - 1] - from;
-    for (;; count /= 2) {
-        for (int i = 0; i < count; i++)
-            at[i] = from + (i + 0.5) / count * span;
-        if (series_amplitudes(series, arena, at, count, span / count, reading, error))
-            break;
-        if (count < 2 * ENVELOPE_MIN)
-            return false;
-    }
-    double *x = arena_array(arena, (size_t)count, sizeof *x),
-           *y = arena_array(arena, (size_t)count, sizeof *y);
-    if (!x || !y)
-        return error_memory(error);
-    for (int i = 0; i < count; i++) {
-        x[i] = reading[i].t;
-        y[i] = reading[i].amplitude.value;
-    }
-    curve->x = x;
-    curve->y = y;
-    curve->n = (size_t)count;
-    return true;
-}
-
 /* ---- spectra ---- */
 
 bool data_spectrum(const struct series *series, struct arena *arena, struct curve *curve,

@@ -47,9 +47,6 @@ double run_motion(const struct run *run, double t, int derivative);
  * newest part where that is not all of it. */
 bool run_even_series(const struct run *run, double from, double to, double period,
                      struct arena *arena, struct series *series, struct error *error);
-/* Amplitudes of successive windows against their times. */
-bool data_envelope(const struct series *series, struct arena *arena, struct curve *curve,
-                   struct error *error);
 bool data_spectrum(const struct series *series, struct arena *arena, struct curve *curve,
                    struct error *error);
 

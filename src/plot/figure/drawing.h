@@ -12,16 +12,6 @@
 #define DRAWN_COLUMNS (LIMIT_OVERLAY + 1) /* of one run, as many as have marks of their own */
 #define FRAME_COLUMNS 10                  /* [cell] of the width that labels and frame take */
 
-struct plot_row {
-    struct row row;
-    const char *observable; /* on the vertical axis; NULL: state variables, or something else */
-    const char *label;      /* of that axis, where the names of the variables are not */
-    bool periods; /* each period has to be seen: the window is limited to what the width can show */
-    bool positive; /* never below zero: curves of different size get a logarithmic axis */
-};
-
-extern const struct plot_row plot_rows[]; /* those of plot_catalog */
-
 /* What is built up. */
 struct drawing {
     const struct session *session;
@@ -42,10 +32,13 @@ struct drawing {
     struct data_motion motion; /* of the recording, where the plot needs it */
 };
 
-bool plot_needs_motion(enum plot_kind kind); /* velocities, of a recording too */
-bool plot_is_plane(enum plot_kind kind);     /* one part of the state against another */
 /* On the vertical axis: the first of the coordinates that are drawn. */
 const struct variable *vertical_variable(const struct model *model, enum plot_kind kind);
+
+static inline const struct plot_row *kind_of(const struct drawing *d)
+{
+    return plot_row(d->request->kind);
+}
 
 static inline const struct recording *recording_of(const struct drawing *d)
 {
@@ -83,7 +76,7 @@ const char *drawing_y_label(const struct drawing *d, int panel);
 /* Ranges, logarithm and panels (figure_scales.c); quantities of x and y. */
 bool drawing_scales(struct drawing *d, struct figure *figure, const enum quantity quantity[2]);
 /* The spectrum of a series, or of the window of a run, and its lines (figure_spectrum.c). */
-bool drawing_spectrum(struct drawing *d, const struct series *series, struct curve *curve);
+bool drawing_data_spectrum(struct drawing *d, const struct series *series, struct curve *curve);
 bool drawing_run_spectrum(struct drawing *d, const struct run *run, struct curve *curve);
 struct axis spectrum_axis(const struct drawing *d);
 void spectrum_note(const struct drawing *d,
@@ -95,6 +88,12 @@ bool drawing_band(struct drawing *d);
 /* The same from what the session keeps; false: no memory. */
 bool drawing_stored_band(struct drawing *d);
 
+/* v against y: about the equilibrium, in the units of the phase plot. */
+bool drawing_phase_data(struct drawing *d, const struct series *series, struct curve *curve);
+/* Amplitudes of successive windows against their times. */
+bool drawing_data_envelope(struct drawing *d, const struct series *series, struct curve *curve);
+bool drawing_run_envelope(struct drawing *d, const struct run *run, struct curve *curve);
+bool drawing_precision(struct drawing *d, struct figure *figure);
 /* The period against the amplitude (figure_period.c). */
 bool period_figure(struct drawing *d, struct figure *figure);
 

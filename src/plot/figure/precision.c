@@ -73,3 +73,8 @@ bool precision_figure(const struct precision *precision, struct arena *arena, st
                                                                  : "against two methods"};
     return true;
 }
+
+bool drawing_precision(struct drawing *d, struct figure *figure)
+{
+    return precision_figure(d->session->precision, d->arena, figure, d->error);
+}

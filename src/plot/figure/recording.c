@@ -17,36 +17,25 @@ static bool has_fit_of(const struct session *session, const struct recording *re
     return session->has_fit && strcmp(name, session->fit_of) == 0;
 }
 
-/* The derivative of the position that a kind of plot shows; -1: something else. */
-static int shown_derivative(enum plot_kind kind)
-{
-    return kind == PLOT_POSITION       ? 0
-           : kind == PLOT_VELOCITY     ? 1
-           : kind == PLOT_ACCELERATION ? 2
-                                       : -1;
-}
-
 bool recording_shows(const struct recording *recording, const struct run *run, enum plot_kind kind)
 {
-    const int shown = shown_derivative(kind);
-    return shown >= 0 && recorded_derivative(recording, run) == shown;
+    const enum plot_recorded shown = plot_row(kind)->recorded;
+    return shown && recorded_derivative(recording, run) == (int)shown - (int)RECORDED_POSITION;
 }
 
 int figure_recording(const struct session *session, enum plot_kind kind)
 {
     const struct run *run = session_run(session);
     const struct recording *recording = session_recording(session);
-    if (!recording || (kind == PLOT_RESIDUAL && !run && !has_fit_of(session, recording)))
+    const struct plot_row *row = plot_row(kind);
+    if (!recording || (row->residual && !run && !has_fit_of(session, recording)))
         return -1;
     const bool own = recording_shows(recording, run, kind);
-    /* Without a run the plot of positions shows whatever was recorded. */
-    const bool alone = kind == PLOT_POSITION || kind == PLOT_SPECTRUM || kind == PLOT_ENVELOPE ||
-                       kind == PLOT_PERIOD || kind == PLOT_RESIDUAL;
     const bool derived =
-        plot_needs_motion(kind) && recording->column[recording->value].quantity == QUANTITY_LENGTH;
+        row->of_motion && recording->column[recording->value].quantity == QUANTITY_LENGTH;
     if (!run)
-        return own || alone || derived ? session->current_recording : -1;
-    if (!own && !(kind == PLOT_RESIDUAL && recorded_derivative(recording, run) >= 0))
+        return own || row->any_recording || derived ? session->current_recording : -1;
+    if (!own && !(row->residual && recorded_derivative(recording, run) >= 0))
         return -1;
     const double a = trace_time(run->trace, 0),
                  b = trace_time(run->trace, trace_count(run->trace) - 1);
@@ -66,25 +55,24 @@ static bool recorded_values(struct drawing *d, const struct recording *recording
         *series = series_window(*series, d->window[0], d->window[1]);
         return true;
     }
-    return motion_series(motion, d->request->kind == PLOT_ENERGY, d->window[0], d->window[1],
-                         d->arena, series, d->error);
+    return motion_series(motion, kind_of(d)->energy, d->window[0], d->window[1], d->arena, series,
+                         d->error);
 }
 
-/* v against y: about the equilibrium, in the units of the phase plot. */
-static bool recorded_phase(struct drawing *d, struct series series, struct curve *curve)
+bool drawing_phase_data(struct drawing *d, const struct series *series, struct curve *curve)
 {
     const struct data_motion *motion = &d->motion;
-    double *x = arena_array(d->arena, series.n, sizeof *x),
-           *y = arena_array(d->arena, series.n, sizeof *y);
+    double *x = arena_array(d->arena, series->n, sizeof *x),
+           *y = arena_array(d->arena, series->n, sizeof *y);
     if (!x || !y)
         return error_memory(d->error);
-    for (size_t i = 0, row = 0; i < series.n; i++) {
-        while (motion->t[row] < series.t[i])
+    for (size_t i = 0, row = 0; i < series->n; i++) {
+        while (motion->t[row] < series->t[i])
             row++;
         x[i] = motion->y[row] - motion->middle;
-        y[i] = series.y[i] / d->omega0;
+        y[i] = series->y[i] / d->omega0;
     }
-    curve->t = series.t;
+    curve->t = series->t;
     curve->x = x;
     curve->y = y;
     return true;
@@ -114,7 +102,7 @@ bool drawing_recording(struct drawing *d, const struct recording *recording)
     struct curve *curve = &d->curve[d->curves];
     if (!recorded_values(d, recording, &series))
         return false;
-    if (d->request->runs > 0 && d->request->kind == PLOT_POSITION &&
+    if (d->request->runs > 0 && kind_of(d)->recorded == RECORDED_POSITION &&
         quantity_is_scaled(recording->column[recording->value].quantity)) {
         if (!scale_values(d, &series))
             return false;
@@ -127,14 +115,7 @@ bool drawing_recording(struct drawing *d, const struct recording *recording)
                             .n = series.n,
                             .points = true};
     d->curves++;
-    if (d->request->kind == PLOT_PHASE)
-        return recorded_phase(d, series, curve);
-    if (d->request->kind == PLOT_ENVELOPE)
-        return data_envelope(&series, d->arena, curve, d->error);
-    if (d->request->kind != PLOT_SPECTRUM)
-        return true;
-    curve->points = false;
-    return drawing_spectrum(d, &series, curve);
+    return !kind_of(d)->data_curve || kind_of(d)->data_curve(d, &series, curve);
 }
 
 bool drawing_residual(struct drawing *d, const struct recording *recording)

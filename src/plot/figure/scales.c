@@ -137,7 +137,7 @@ static double parting_size(const double *size, int n)
 
 static bool is_positive(const struct drawing *d, enum quantity quantity)
 {
-    if (!plot_rows[d->request->kind].positive && quantity != QUANTITY_ENERGY)
+    if (!kind_of(d)->positive && quantity != QUANTITY_ENERGY)
         return false;
     for (int c = 0; c < d->curves; c++)
         for (size_t i = 0; i < d->curve[c].n; i++)
@@ -207,9 +207,7 @@ bool drawing_scales(struct drawing *d, struct figure *figure, const enum quantit
     figure->y.log = request->log;
     if (!fix_range(d, true, quantity[1], figure) || !fix_range(d, false, quantity[0], figure))
         return false;
-    figure->y.flat = request->y                                                       ? -1
-                     : request->kind == PLOT_ENERGY || request->kind == PLOT_ENVELOPE ? FLAT
-                                                                                      : 0;
+    figure->y.flat = request->y ? -1 : kind_of(d)->flat ? FLAT : 0;
     const bool one = asked || request->full || request->log;
     if (one)
         return true;

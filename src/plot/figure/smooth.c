@@ -69,7 +69,7 @@ static int state_on_axis(const struct drawing *d, int coordinate)
         return !column->observable && column->variable < d->model->n ? column->variable : -1;
     if (coordinate < 0)
         return 0;
-    return plot_rows[kind].observable
+    return plot_row(kind)->observable
                ? -1
                : (int)(vertical_variable(d->model, kind) - d->model->variable) + coordinate;
 }

@@ -9,8 +9,9 @@
 #define TIMES                                                                                      \
     10 /* the axis goes to so many times the main line: beyond it there is little to see */
 
-bool drawing_spectrum(struct drawing *d, const struct series *series, struct curve *curve)
+bool drawing_data_spectrum(struct drawing *d, const struct series *series, struct curve *curve)
 {
+    curve->points = false;
     struct figure_peaks ignored = {0}, *peaks = d->request->peaks ? d->request->peaks : &ignored;
     struct spectrum_peak found[PEAKS_EACH];
     const int max = d->request->peaks ? PEAKS_EACH : 1,
@@ -28,7 +29,7 @@ bool drawing_run_spectrum(struct drawing *d, const struct run *run, struct curve
     struct series series;
     return run_even_series(run, d->window[0], d->window[1], d->period, d->arena, &series,
                            d->error) &&
-           drawing_spectrum(d, &series, curve);
+           drawing_data_spectrum(d, &series, curve);
 }
 
 struct axis spectrum_axis(const struct drawing *d)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The kinds of plots, for which models they are, and which part of the time they show. */
+/* Which part of the time a plot shows. */
 #include "plot/figure/drawing.h"
 
 #include <hooke/base/numeric.h>
@@ -8,74 +8,6 @@
 #include <math.h>
 
 #define TRAIL_PERIODS 2 /* of the phase plot */
-
-const struct plot_row plot_rows[] = {
-    [PLOT_POSITION] = {.row = {"position", "", "y against t, or all coordinates", "", NULL},
-                       .label = "y",
-                       .periods = true},
-    [PLOT_VELOCITY] = {.row = {"velocity", "", "v against t", "", NULL}, .periods = true},
-    [PLOT_ACCELERATION] = {.row = {"acceleration", "", "a against t", "", NULL},
-                           .observable = "a",
-                           .label = "a",
-                           .periods = true},
-    [PLOT_PHASE] = {.row = {"phase", "",
-                            "v against y, the last two periods unless a window is given; of first "
-                            "order the second "
-                            "value against the first",
-                            "", NULL}},
-    [PLOT_ORBIT] = {.row = {"orbit", "",
-                            "the second coordinate against the first, as long as phase", "", NULL}},
-    [PLOT_ENERGY] = {.row = {"energy", "", "energy against t", "", NULL},
-                     .observable = "energy",
-                     .label = "E",
-                     .positive = true},
-    [PLOT_ERROR] = {.row = {"error", "", "distance from the exact solution against t", "", NULL},
-                    .observable = "error",
-                    .label = "error",
-                    .positive = true},
-    [PLOT_RESIDUAL] = {.row = {"residual", "",
-                               "the recording minus its fit, or minus the run, against t", "",
-                               NULL},
-                       .label = "residual"},
-    [PLOT_SPECTRUM] = {.row = {"spectrum", "", "amplitude spectrum of y", "", NULL},
-                       .label = "amplitude",
-                       .positive = true},
-    [PLOT_ENVELOPE] = {.row = {"envelope", "", "amplitude of successive windows against t", "",
-                               NULL},
-                       .label = "A",
-                       .positive = true},
-    [PLOT_PERIOD] = {.row = {"period", "",
-                             "period against amplitude, window by window; a pendulum's closed form",
-                             "", NULL},
-                     .label = "T"},
-    [PLOT_PRECISION] = {.row = {"precision", "", "error against run time, of the last 'precision'",
-                                "", NULL},
-                        .label = "error"},
-};
-const struct catalog plot_catalog = CATALOG("plot", plot_rows);
-
-bool plot_needs_motion(enum plot_kind kind)
-{
-    return kind == PLOT_VELOCITY || kind == PLOT_PHASE || kind == PLOT_ENERGY;
-}
-
-bool plot_is_timed(enum plot_kind kind)
-{
-    return !plot_is_plane(kind) && kind != PLOT_SPECTRUM && kind != PLOT_PERIOD &&
-           kind != PLOT_PRECISION;
-}
-
-bool plot_is_plane(enum plot_kind kind)
-{
-    return kind == PLOT_PHASE || kind == PLOT_ORBIT;
-}
-
-const struct variable *vertical_variable(const struct model *model, enum plot_kind kind)
-{
-    if (kind == PLOT_ORBIT || (kind == PLOT_PHASE && model->order == 1))
-        return &model->variable[1];
-    return &model->variable[kind == PLOT_VELOCITY || kind == PLOT_PHASE ? model->n / 2 : 0];
-}
 
 int plot_coordinates(const struct model *model)
 {
@@ -86,18 +18,6 @@ int plot_coordinates(const struct model *model)
         n++;
     return n;
 }
-
-bool plot_fits(enum plot_kind kind, const struct model *model)
-{
-    if (kind == PLOT_ORBIT)
-        return model->order == 2 && model->n == 4 && plot_coordinates(model) == 2;
-    if (kind == PLOT_PHASE)
-        return model->n > 1;
-    return model->order == 2 ||
-           (kind != PLOT_VELOCITY && kind != PLOT_ACCELERATION && kind != PLOT_ENERGY);
-}
-
-/* ---- which part of the time ---- */
 
 double run_rhythm(const struct run *run)
 {
@@ -146,8 +66,7 @@ static double longest_window(const struct drawing *d)
     const int each = request->charset == CHARSET_ASCII ? PERIOD_COLUMNS_ASCII : PERIOD_COLUMNS_DOTS;
     const int columns =
         request->width > 2 * FRAME_COLUMNS ? request->width - FRAME_COLUMNS : FRAME_COLUMNS;
-    const double max =
-        plot_rows[request->kind].periods || !request->alone ? d->period * columns / each : NAN;
+    const double max = kind_of(d)->periods || !request->alone ? d->period * columns / each : NAN;
     return d->total > max && isnormal(max) ? short_number(max) : max;
 }
 
@@ -233,7 +152,7 @@ void drawing_window(struct drawing *d)
     if (plane && !asked && !request->full && trail < d->total) {
         d->window[0] = goes_back(d) ? from : to - trail;
         d->window[1] = d->window[0] + trail;
-    } else if (request->follow && plot_is_timed(request->kind) && request->kind != PLOT_ENVELOPE &&
+    } else if (request->follow && plot_is_timed(request->kind) && !kind_of(d)->run_curve &&
                !asked &&
                (request->span > 0 ||
                 (request->runs > 0 && d->total > max))) { /* nothing is added to a recording */

@@ -235,7 +235,7 @@ int recording_beside(struct report *report, int run, enum plot_kind kind)
 /* All of it: a long recording is an envelope then, and says so. */
 static void choose_window(const struct session *session, struct figure_request *request)
 {
-    if (request->kind == PLOT_PHASE || request->kind == PLOT_ORBIT)
+    if (plot_is_plane(request->kind))
         return;
     double from = HUGE_VAL, to = -HUGE_VAL;
     for (int i = 0; i < request->runs; i++) {
@@ -261,8 +261,7 @@ static void put_caption(struct report *report, const struct figure_request *requ
     struct document *document = &report->document;
     const struct session *session = report->session;
     document_open(document, BLOCK_PARAGRAPH);
-    document_say(document, "Figure %d: %s of ", report->figures,
-                 catalog_row(&plot_catalog, (size_t)request->kind)->name);
+    document_say(document, "Figure %d: %s of ", report->figures, plot_row(request->kind)->row.name);
     for (int i = 0; i < request->runs; i++) {
         const struct run *run = session->run[request->run[i]]->run;
         document_say(document, "%srun %d (%s)", i ? ", " : "", run->number, run->method->row.name);
@@ -281,7 +280,7 @@ static void put_caption(struct report *report, const struct figure_request *requ
 static bool write_figure(struct report *report, const struct figure_request *request,
                          const struct figure *figure, struct error *error)
 {
-    const char *kind = catalog_row(&plot_catalog, (size_t)request->kind)->name;
+    const char *kind = plot_row(request->kind)->row.name;
     char picture_file[64], text_file[64];
     struct buffer text = {0}, picture = {0};
     struct error why = {0};

@@ -133,8 +133,8 @@ static void save_view(const struct view *view, struct buffer *text)
             buffer_real(text, view->trail);
         buffer_char(text, '\n');
     }
-    if (view->focus != PANE_POSITION || view->full)
-        buffer_format(text, "focus %s%s\n", catalog_row(&pane_catalog, (size_t)view->focus)->name,
+    if (view->focus || view->full)
+        buffer_format(text, "focus %s%s\n", view->focus ? view->focus->name : "position",
                       view->full ? " full" : "");
     for (size_t i = 0; i < COUNT_OF(ranges); i++) {
         if (isnan(ranges[i].range[0]))
@@ -184,7 +184,7 @@ void session_save(const struct session *session, struct buffer *text)
     save_settings(&session->setup.settings, false, text);
     save_recordings(session, false, text);
     save_current_recording(session, false, text);
-    if (session->view.focus == PANE_POSITION) /* other panes show runs, which are not saved */
+    if (!session->view.focus) /* other panes show runs, which are not saved */
         save_view(&session->view, text);
 }
 
@@ -268,6 +268,6 @@ void session_autosave(const struct session *session, struct buffer *text)
         buffer_format(text, "use %d\n", session->run[session->current_run]->run->number);
     if (session->data_is_latest)
         save_current_recording(session, true, text);
-    if (current || session->view.focus == PANE_POSITION)
+    if (current || !session->view.focus)
         save_view(&session->view, text);
 }

@@ -111,7 +111,7 @@ static void zoom_starts_from_what_is_shown(void **state)
     type_ok(&b, "zoom 0.1"); /* automatic would not show all of it */
     assert_true(view->x[0] == 0 && view->x[1] == 20);
     type_ok(&b, "focus phase; zoom 2"); /* the time axis beside it */
-    assert_true(view->focus == PANE_POSITION && view->x[0] == 16.5);
+    assert_true(view_focus(view) == PLOT_POSITION && view->x[0] == 16.5);
     bench_close(&b);
 }
 
@@ -142,7 +142,7 @@ static void ranges_zoom_and_pan(void **state)
     type_ok(&b, "focus energy"); /* its axes are others */
     assert_true(isnan(view->x[0]) && isnan(view->y[0]));
     type_ok(&b, "focus phase full");
-    assert_true(view->full && view->focus == PANE_PHASE);
+    assert_true(view->full && view_focus(view) == PLOT_PHASE);
     assert_false(type(&b, "zoom 2"));
     assert_says(&b.err, "no time axis");
     type_ok(&b, "set view scroll");
@@ -159,13 +159,14 @@ static void offered_panes(void **state)
     static const struct {
         const char *line, *offered;
     } steps[] = {{"echo", ""},
-                 {"C = 10; run 1 s", "peuvs"},
-                 {"C = 0; run 1 s", "peuvxs"},
-                 {"load swing.txt; cursor off", "peuvxrs"},
-                 {"data window 2:4", "peuvxs"},
-                 {"drop all", "peuvs"}}; /* velocity and energy of a recording */
-    static const char letters[] =
-        "peuvxrs"; /* of enum pane: position energy phase velocity error residual spectrum */
+                 {"C = 10; run 1 s", "peuvsanT"},
+                 {"C = 0; run 1 s", "peuvxsanT"},
+                 {"load swing.txt; cursor off", "peuvxrsanT"},
+                 {"data window 2:4", "peuvxsanT"},
+                 {"drop all", "peuvsnT"}}; /* velocity and energy of a recording */
+    /* position energy phase velocity error residual spectrum orbit acceleration envelope period
+     * precision */
+    static const char letters[] = "peuvxrsoanTq";
     struct buffer text = {0};
     buffer_put(&text, TEXT("t\ty\ns\tcm\n"));
     for (int i = 0; i < 200; i++)
@@ -173,11 +174,11 @@ static void offered_panes(void **state)
     write_file("swing.txt", text.data, text.len);
     buffer_free(&text);
     for (size_t i = 0; i < COUNT_OF(steps); i++) {
-        char now[PANE_COUNT + 1];
+        char now[16];
         size_t n = 0;
         type_ok(&b, steps[i].line);
-        for (size_t p = 0; p < pane_catalog.count; p++)
-            if (pane_offered(b.session, (enum pane)p))
+        for (size_t p = 0; p < sizeof letters - 1; p++)
+            if (plot_offered(b.session, (enum plot_kind)p))
                 now[n++] = letters[p];
         now[n] = 0;
         assert_string_equal(now, steps[i].offered);

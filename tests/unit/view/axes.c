@@ -77,7 +77,7 @@ static void arrange(struct trial *s)
     SAY(s, "layout %s", catalog_row(&layout_catalog, (size_t)dice_below(dice, LAYOUT_LOG))->name);
     if (dice_below(dice, 3) == 0)
         SAY(s, "focus %s%s",
-            catalog_row(&pane_catalog, (size_t)dice_below(dice, (int)pane_catalog.count))->name,
+            catalog_row(&plot_catalog, (size_t)dice_below(dice, (int)plot_catalog.count))->name,
             dice_below(dice, 3) ? "" : " full");
     if (dice_below(dice, 4) == 0)
         SAY(s, "window %.2g s", dice_between(dice, 0.5, 30));
@@ -176,7 +176,7 @@ static int printed_by(const struct panes *p, int placed)
 }
 
 /* What the run has at one of its times; NAN: it was not recorded then. */
-static double value_at(const struct run *run, enum pane pane, double t)
+static double value_at(const struct run *run, enum plot_kind pane, double t)
 {
     size_t low = 0, high = trace_count(run->trace);
     const double way = trace_time(run->trace, high - 1) < trace_time(run->trace, 0) ? -1 : 1;
@@ -190,8 +190,8 @@ static double value_at(const struct run *run, enum pane pane, double t)
     if (low == trace_count(run->trace) || trace_time(run->trace, low) != t)
         return NAN;
     const double *y = trace_state(run->trace, low);
-    return pane == PANE_POSITION ? y[0]
-           : pane == PANE_VELOCITY
+    return pane == PLOT_POSITION ? y[0]
+           : pane == PLOT_VELOCITY
                ? y[run->system.n / 2]
                : system_kinetic(&run->system, y) + system_potential(&run->system, y);
 }
@@ -211,9 +211,9 @@ static bool is_recorded(const struct recording *recording, struct arena *arena, 
 /* A few samples of each curve, of what is simply recorded. */
 static void check_samples(const struct trial *s, struct panes *p, int placed)
 {
-    const enum pane pane = p->placed[placed].pane;
+    const enum plot_kind pane = p->placed[placed].pane;
     const struct figure *figure = &p->figure[placed];
-    if (pane != PANE_POSITION && pane != PANE_VELOCITY && pane != PANE_ENERGY)
+    if (pane != PLOT_POSITION && pane != PLOT_VELOCITY && pane != PLOT_ENERGY)
         return;
     for (int c = 0; c < figure->curves; c++) {
         const struct curve *curve = &figure->curve[c];
@@ -225,7 +225,7 @@ static void check_samples(const struct trial *s, struct panes *p, int placed)
             for (int r = 0; r < s->session->runs; r++) {
                 const struct run *run = s->session->run[r]->run;
                 const double its =
-                    run->system.order == 2 || pane == PANE_POSITION ? value_at(run, pane, t) : NAN;
+                    run->system.order == 2 || pane == PLOT_POSITION ? value_at(run, pane, t) : NAN;
                 known |= !isnan(its);
                 own |= fabs(its - y) <= 1e-9 * fabs(y) || run->system.n > 2; /* other coordinates */
             }
@@ -233,11 +233,11 @@ static void check_samples(const struct trial *s, struct panes *p, int placed)
                 s->session->current_run < 0)
                 fail_msg("a line from t = %g to %g, where nothing was recorded\n%s", t,
                          curve->x[i + 1], s->told);
-            own |= pane == PANE_POSITION &&
+            own |= pane == PLOT_POSITION &&
                    is_recorded(session_recording(s->session), &p->screen.arena, t, y);
             if (known && !own)
                 fail_msg("%s: nothing has %g at t = %g in\n%s",
-                         catalog_row(&pane_catalog, (size_t)pane)->name, y, t, s->told);
+                         catalog_row(&plot_catalog, (size_t)pane)->name, y, t, s->told);
         }
     }
 }
@@ -248,7 +248,7 @@ static void check_figure(const struct trial *s, struct panes *p, int placed)
     const int printed = printed_by(p, placed);
     const struct figure_layout *own = &p->layout[placed], *axis = &p->layout[printed];
     const struct figure *figure = &p->figure[placed];
-    if (pane_is_timed(p->placed[placed].pane) != pane_is_timed(p->placed[printed].pane))
+    if (plot_is_timed(p->placed[placed].pane) != plot_is_timed(p->placed[printed].pane))
         fail_msg("a stack of two kinds of axes");
     for (int c = 0; c < figure->curves; c++) {
         const struct curve *curve = &figure->curve[c];
@@ -306,7 +306,7 @@ static int check_screen(const struct trial *s, const struct panes *p, int placed
         struct buffer text = {0};
         canvas_print(canvas, false, &text);
         fail_msg("%dx%d, pane %s: %s\n%s%s", s->width, s->height,
-                 catalog_row(&pane_catalog, (size_t)p->placed[placed].pane)->name, problem, s->told,
+                 catalog_row(&plot_catalog, (size_t)p->placed[placed].pane)->name, problem, s->told,
                  text.data);
     }
     return 1;

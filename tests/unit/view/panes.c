@@ -143,11 +143,11 @@ static void the_window_is_the_newest_part(void **state)
     tell(session, "run 60 s");
     session->view.paging = true;
     assert_shows(session, 80, 24, "last 8 of 60 s");
-    session->view.focus = PANE_ENERGY; /* alone it can be seen from beginning to end */
+    view_focus_on(&session->view, PLOT_ENERGY); /* alone it can be seen from beginning to end */
     session->view.full = true;
     assert_hides(session, 80, 24, "last ");
     assert_shows(session, 80, 24, " 60 ");
-    session->view.focus = PANE_POSITION;
+    view_focus_on(&session->view, PLOT_POSITION);
     assert_shows(session, 80, 24, "last 16 of 60 s");
     session->view.full = false;
     session->view.window = 4;
@@ -177,9 +177,9 @@ static void the_vertical_range_of_the_focus_can_be_fixed(void **state)
     tell(session, "run 9.6 s");
     session->view.y[0] = -0.4;
     session->view.y[1] = 0.4;
-    session->view.focus = PANE_POSITION;
+    view_focus_on(&session->view, PLOT_POSITION);
     assert_shows(session, 80, 24, " 40+");
-    session->view.focus = PANE_ENERGY;
+    view_focus_on(&session->view, PLOT_ENERGY);
     assert_hides(session, 80, 24, " 40+");
     tell(session, "focus phase; range x -60 cm:60 cm; range y auto"); /* no time: the other panes
                                                                          stay as they are */
@@ -408,7 +408,7 @@ static void a_residual_is_what_is_left_of_the_recording(void **state)
     figure = figure_of(session, PLOT_RESIDUAL, false, &arena);
     assert_string_equal(figure.curve[0].label, "data - fit");
     assert_true(largest(figure.curve[0].y, figure.curve[0].n) < 1e-4);
-    session->view.focus = PANE_RESIDUAL;
+    view_focus_on(&session->view, PLOT_RESIDUAL);
     assert_shows(session, 80, 24, "o data - fit");
     assert_shows(session, 80, 24,
                  "-- verlet"); /* of the pane below: a run has its name somewhere */

@@ -97,19 +97,25 @@ static void the_focused_pane_is_shown(void **state)
     (void)state;
     struct session *session = begin(false, swing);
     tell(session, "run 9.6 s");
-    for (size_t i = 0; i < pane_catalog.count; i++) {
+    for (size_t i = 0; i < plot_catalog.count; i++) {
         static const char *const title[] = {
-            [PANE_POSITION] = "- y [",       [PANE_ENERGY] = "- energy [",
-            [PANE_PHASE] = "- phase ",       [PANE_VELOCITY] = "- v [",
-            [PANE_ERROR] = "- error [",      [PANE_RESIDUAL] = "- residual [",
-            [PANE_SPECTRUM] = "- spectrum ", [PANE_ORBIT] = "- orbit "};
-        session->view.focus = (enum pane)i;
+            [PLOT_POSITION] = "- y [",       [PLOT_ENERGY] = "- energy [",
+            [PLOT_PHASE] = "- phase ",       [PLOT_VELOCITY] = "- v [",
+            [PLOT_ERROR] = "- error [",      [PLOT_RESIDUAL] = "- residual [",
+            [PLOT_SPECTRUM] = "- spectrum ", [PLOT_ORBIT] = "- orbit "};
+        const struct plot_row *row = plot_row((enum plot_kind)i);
+        char its[64];
+        snprintf(its, sizeof its, "- %s",
+                 i < COUNT_OF(title) ? title[i] + 2
+                 : row->title        ? row->title
+                                     : row->label);
+        view_focus_on(&session->view, (enum plot_kind)i);
         session->view.full = false;
-        bool offered = pane_offered(session, (enum pane)i);
-        assert_int_equal(shows(session, 80, 24, title[i]), offered);
+        bool offered = plot_offered(session, (enum plot_kind)i);
+        assert_int_equal(shows(session, 80, 24, its), offered);
         session->view.full = true;
-        assert_int_equal(shows(session, 80, 24, title[i]), offered);
-        if (offered && i != PANE_PHASE)
+        assert_int_equal(shows(session, 80, 24, its), offered);
+        if (offered && i != PLOT_PHASE)
             assert_hides(session, 80, 24, "phase");
     }
     session_destroy(session);

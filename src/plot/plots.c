@@ -1,0 +1,234 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The plots, which are the panes of the screen, too: all that is known of one stands in its row. */
+#include "plot/figure/drawing.h"
+
+#include <hooke/plot.h>
+
+/* ---- what they need ---- */
+
+static bool has_velocities(const struct model *model)
+{
+    return model->order == 2;
+}
+
+static bool has_two(const struct model *model)
+{
+    return model->n > 1;
+}
+
+static bool has_plane(const struct model *model)
+{
+    return model->order == 2 && model->n == 4 && plot_coordinates(model) == 2;
+}
+
+static bool exact_known(const struct session *session)
+{
+    const struct run *run = session_run(session);
+    return run && run->plan.exact_known;
+}
+
+static bool residual_known(const struct session *session)
+{
+    return figure_recording(session, PLOT_RESIDUAL) >= 0;
+}
+
+static bool precision_known(const struct session *session)
+{
+    return session->precision;
+}
+
+/* ---- the rows ---- */
+
+#define ROW(name, brief)                                                                           \
+    {                                                                                              \
+        name, "", brief, "", NULL                                                                  \
+    }
+#define MOTION_NEEDED "that needs positions and velocities"
+
+static const struct plot_row rows[] = {
+    [PLOT_POSITION] = {.row = ROW("position", "y against t, or all coordinates"),
+                       .label = "y",
+                       .coordinates = true,
+                       .recorded = RECORDED_POSITION,
+                       .any_recording = true,
+                       .in_layouts = true,
+                       .periods = true},
+    [PLOT_ENERGY] = {.row = ROW("energy", "energy against t"),
+                     .observable = "energy",
+                     .label = "E",
+                     .pane_label = "energy",
+                     .energy = true,
+                     .of_motion = true,
+                     .fits = has_velocities,
+                     .needs = MOTION_NEEDED,
+                     .in_layouts = true,
+                     .positive = true,
+                     .from_zero = true,
+                     .flat = true},
+    [PLOT_PHASE] = {.row = ROW("phase",
+                               "v against y, the last two periods unless a window is given; of "
+                               "first order the second value against the first"),
+                    .across = ACROSS_STATE,
+                    .vertical = VERTICAL_RATE,
+                    .title = "phase",
+                    .scaled = true,
+                    .of_motion = true,
+                    .data_curve = drawing_phase_data,
+                    .fits = has_two,
+                    .needs = MOTION_NEEDED,
+                    .in_layouts = true},
+    [PLOT_VELOCITY] = {.row = ROW("velocity", "v against t"),
+                       .vertical = VERTICAL_RATE,
+                       .coordinates = true,
+                       .recorded = RECORDED_VELOCITY,
+                       .of_motion = true,
+                       .fits = has_velocities,
+                       .needs = MOTION_NEEDED,
+                       .in_layouts = true,
+                       .periods = true},
+    [PLOT_ERROR] = {.row = ROW("error", "distance from the exact solution against t"),
+                    .observable = "error",
+                    .label = "error",
+                    .log_label = "|error|",
+                    .pane_label = "error",
+                    .offered = exact_known,
+                    .positive = true},
+    [PLOT_RESIDUAL] = {.row = ROW("residual",
+                                  "the recording minus its fit, or minus the run, against t"),
+                       .label = "residual",
+                       .residual = true,
+                       .any_recording = true,
+                       .offered = residual_known},
+    [PLOT_SPECTRUM] = {.row = ROW("spectrum", "amplitude against frequency"),
+                       .across = ACROSS_FREQUENCY,
+                       .label = "amplitude",
+                       .title = "spectrum",
+                       .any_recording = true,
+                       .run_curve = drawing_run_spectrum,
+                       .data_curve = drawing_data_spectrum,
+                       .note = spectrum_note,
+                       .positive = true,
+                       .from_zero = true},
+    [PLOT_ORBIT] = {.row =
+                        ROW("orbit", "the second coordinate against the first, as long as phase"),
+                    .across = ACROSS_STATE,
+                    .vertical = VERTICAL_SECOND,
+                    .title = "orbit",
+                    .equal = true,
+                    .fits = has_plane,
+                    .needs = "that needs two coordinates",
+                    .in_layouts = true},
+    [PLOT_ACCELERATION] = {.row = ROW("acceleration", "a against t"),
+                           .observable = "a",
+                           .label = "a",
+                           .recorded = RECORDED_ACCELERATION,
+                           .fits = has_velocities,
+                           .needs = MOTION_NEEDED,
+                           .periods = true},
+    [PLOT_ENVELOPE] = {.row = ROW("envelope", "amplitude of successive windows against t"),
+                       .label = "A",
+                       .any_recording = true,
+                       .run_curve = drawing_run_envelope,
+                       .data_curve = drawing_data_envelope,
+                       .positive = true,
+                       .from_zero = true,
+                       .flat = true},
+    [PLOT_PERIOD] = {.row = ROW("period", "period against amplitude, window by window; a "
+                                          "pendulum's closed form"),
+                     .across = ACROSS_OTHER,
+                     .label = "T",
+                     .title = "period",
+                     .any_recording = true,
+                     .figure = period_figure},
+    [PLOT_PRECISION] = {.row = ROW("precision", "error against run time, of the last 'precision'"),
+                        .across = ACROSS_OTHER,
+                        .label = "error",
+                        .title = "precision",
+                        .study = true,
+                        .figure = drawing_precision,
+                        .offered = precision_known},
+};
+const struct catalog plot_catalog = CATALOG("plot", rows);
+
+/* ---- what follows from a row ---- */
+
+const struct plot_row *plot_row(enum plot_kind kind)
+{
+    return &rows[kind];
+}
+
+bool plot_is_timed(enum plot_kind kind)
+{
+    return rows[kind].across == ACROSS_TIME;
+}
+
+bool plot_is_plane(enum plot_kind kind)
+{
+    return rows[kind].across == ACROSS_STATE;
+}
+
+bool plot_shows_state(enum plot_kind kind)
+{
+    const struct plot_row *row = &rows[kind];
+    return !row->observable && !row->residual && !row->run_curve && !row->figure;
+}
+
+bool plot_fits(enum plot_kind kind, const struct model *model)
+{
+    return !rows[kind].fits || rows[kind].fits(model);
+}
+
+bool plot_of_recordings(enum plot_kind kind)
+{
+    return rows[kind].any_recording || rows[kind].of_motion || rows[kind].recorded;
+}
+
+bool plot_offered(const struct session *session, enum plot_kind kind)
+{
+    const struct run *run = session_run(session);
+    if (rows[kind].offered)
+        return rows[kind].offered(session);
+    return run ? plot_fits(kind, run->system.model) : figure_recording(session, kind) >= 0;
+}
+
+const struct variable *vertical_variable(const struct model *model, enum plot_kind kind)
+{
+    const enum plot_vertical vertical = rows[kind].vertical;
+    return &model->variable[vertical == VERTICAL_FIRST                         ? 0
+                            : vertical == VERTICAL_SECOND || model->order == 1 ? 1
+                                                                               : model->n / 2];
+}
+
+enum quantity plot_quantity(const struct session *session, enum plot_kind kind, bool x)
+{
+    const struct run *run = session_run(session);
+    const struct model *model = run ? run->system.model : session->setup.scene.model;
+    const enum quantity first = model->variable[0].quantity;
+    const struct plot_row *row = &rows[kind];
+    if (row->across == ACROSS_OTHER)
+        return QUANTITY_NUMBER;
+    if (x)
+        return row->across == ACROSS_STATE       ? first
+               : row->across == ACROSS_FREQUENCY ? QUANTITY_FREQUENCY
+                                                 : QUANTITY_TIME;
+    if (row->observable)
+        return model_quantity(model, observable_named(row->observable));
+    /* The phase plot of a spring has v/omega0. */
+    const bool scaled = row->scaled && session->setup.settings.phase_axes == PHASE_SCALED &&
+                        !(run && !(run->system.oscillator.stiffness > 0));
+    return scaled || !plot_shows_state(kind) || !plot_fits(kind, model)
+               ? first
+               : vertical_variable(model, kind)->quantity;
+}
+
+/* ---- the pane that commands act on ---- */
+
+enum plot_kind view_focus(const struct view *view)
+{
+    return view->focus ? (enum plot_kind)catalog_index(&plot_catalog, view->focus) : PLOT_POSITION;
+}
+
+void view_focus_on(struct view *view, enum plot_kind kind)
+{
+    view->focus = kind == PLOT_POSITION ? NULL : &rows[kind].row;
+}
