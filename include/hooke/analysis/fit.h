@@ -103,10 +103,10 @@ struct formula {
     bool linear[CURVE_PARAMETERS];      /* the formula is linear in these together */
     bool given[CURVE_PARAMETERS];       /* a start was given */
     double start[CURVE_PARAMETERS];
-    double low[CURVE_PARAMETERS], high[CURVE_PARAMETERS]; /* bounds */
-    const struct formula_column *column;                  /* variables; t is always one */
+    const struct formula_column *column; /* variables; t is always one */
     int columns;
-    double *constant; /* values of the known names, from the arena */
+    double *constant;                /* values of the known names, from the arena */
+    struct formula_program *program; /* during a fit */
 };
 
 /*
@@ -117,11 +117,8 @@ struct formula {
 bool formula_compile(struct text text, const struct expr_scope *known,
                      const struct formula_column *column, int columns, struct arena *arena,
                      struct formula *formula, size_t *used, struct error *error);
-/* Start and bounds of a parameter by name; false: the formula has no such parameter (with
- * suggestion). */
+/* The start of a parameter by name; false: the formula has no such parameter (with suggestion). */
 bool formula_start(struct formula *formula, struct text name, double start, struct error *error);
-bool formula_bounds(struct formula *formula, struct text name, double low, double high,
-                    struct error *error);
 /*
  * Fits it. Starts that are not given are looked for: parameters in which the formula is linear are
  * solved for exactly, the others tried on scales that the series suggests (its spectrum, span,
@@ -130,10 +127,6 @@ bool formula_bounds(struct formula *formula, struct text name, double low, doubl
 bool formula_fit(const struct formula *formula, const struct series *series,
                  const struct curve_options *options, struct arena *arena, struct curve_fit *fit,
                  struct error *error);
-/* Values at n times (columns other than t: as fitted, by index). */
-void formula_values(const struct formula *formula, const double *parameter, const double *t,
-                    size_t n, double *value);
-
 /* ---- fits ---- */
 
 /* What damps an oscillation: terms of y'' + gamma y' + b|y'|y' + f sign(y') + omega0^2 y = 0, and

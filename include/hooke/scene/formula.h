@@ -43,14 +43,8 @@ extern const struct catalog function_catalog; /* sin, cos, …: help and complet
  */
 const struct expr *expr_compile(struct text text, const struct expr_scope *scope,
                                 struct arena *arena, size_t *used, struct error *error);
-double expr_value(const struct expr *expr,
-                  const struct expr_scope *scope);          /* NaN and infinities pass through */
-bool expr_constant(const struct expr *expr, double *value); /* no names inside */
-/* The value and its exact partial derivatives [count] with respect to the names in these slots:
- * dual numbers, not differences. A step (sign, floor …) has derivative 0, a corner (abs, min, if)
- * that of the branch taken. */
-double expr_gradient(const struct expr *expr, const struct expr_scope *scope, const int *slot,
-                     int count, double *gradient);
+/* NaN and infinities pass through. */
+double expr_value(const struct expr *expr, const struct expr_scope *scope);
 /* Is it, as it is written, linear in these names together: a0 + a1 x1 + a2 x2 with other names only
  * in the a? */
 bool expr_linear(const struct expr *expr, const int *slot, int count);
@@ -161,6 +155,9 @@ bool equations_add(struct equations *equations, const struct expr *expr, struct 
  * the branch taken; abs has 0 at 0. */
 bool equations_derive(struct equations *equations, int first, int count, const int *name, int names,
                       struct error *error);
+/* From here on a factor of 0 in a derivative stays so: the infinite slope of sqrt at 0 does not
+ * spoil what does not depend on it, nor that of a branch what does not take it. */
+void equations_keep_limits(struct equations *equations);
 int equations_count(const struct equations *equations); /* outputs */
 
 /*

@@ -116,10 +116,6 @@ bool formula_compile(struct text text, const struct expr_scope *known,
         return error_hint(error,
                           "names that are not known yet are its parameters: a*exp(-b*t) + c");
     }
-    for (int j = 0; j < formula->parameters; j++) {
-        formula->low[j] = -INFINITY;
-        formula->high[j] = INFINITY;
-    }
     mark_linear(formula);
     return true;
 }
@@ -148,69 +144,84 @@ bool formula_start(struct formula *f, struct text name, double start, struct err
     return j >= 0;
 }
 
-bool formula_bounds(struct formula *f, struct text name, double low, double high,
-                    struct error *error)
-{
-    int j = require_parameter(f, name, error);
-    if (j < 0)
-        return false;
-    if (!(low < high))
-        return error_at(error, name, "the bounds of %s are no range: %g to %g", f->name[j], low,
-                        high);
-    f->low[j] = low;
-    f->high[j] = high;
-    return true;
-}
-
 /* ---- evaluation ---- */
 
-struct sample_at {
-    const struct formula *formula;
-    const double *parameter;
-    double t;
-    size_t i;
+enum { NAMES = FIRST_CONSTANT + CONSTANTS_MAX };
+
+struct formula_program {
+    struct program *value, *all; /* the value; with its derivatives by the parameters */
+    double *input, *output, *frame[2];
 };
 
-static double load(const void *context, int slot)
+static bool make_programs(struct formula *f, struct equations *e, struct arena *arena,
+                          struct error *error)
 {
-    const struct sample_at *p = context;
-    const struct formula *f = p->formula;
-    if (slot >= FIRST_CONSTANT)
-        return f->constant[slot - FIRST_CONSTANT];
-    if (slot >= FIRST_PARAMETER)
-        return p->parameter[slot - FIRST_PARAMETER];
-    return slot < f->columns && f->column[slot].value ? f->column[slot].value[p->i] : p->t;
+    struct formula_program *p = f->program;
+    bool *known = arena_array(arena, NAMES, sizeof *known);
+    double *constant = arena_array(arena, NAMES, sizeof *constant);
+    int name[CURVE_PARAMETERS];
+    if (!known || !constant)
+        return error_memory(error);
+    for (int j = 0; j < f->parameters; j++)
+        name[j] = FIRST_PARAMETER + j;
+    for (int i = 0; i < CONSTANTS_MAX; i++) {
+        known[FIRST_CONSTANT + i] = true;
+        constant[FIRST_CONSTANT + i] = f->constant[i];
+    }
+    equations_keep_limits(e);
+    if (!equations_add(e, f->expr, error) ||
+        !equations_derive(e, 0, 1, name, f->parameters, error) ||
+        !(p->value = program_create(e, 0, 1, known, constant, true, error)) ||
+        !(p->all = program_create(e, 0, 1 + f->parameters, known, constant, true, error)))
+        return false;
+    p->input = arena_array(arena, NAMES, sizeof *p->input);
+    p->output = arena_array(arena, 1 + CURVE_PARAMETERS, sizeof *p->output);
+    for (int i = 0; i < 2; i++) {
+        const struct program *program = i ? p->all : p->value;
+        p->frame[i] = arena_array(arena, program_frame(program), sizeof **p->frame);
+        if (!p->frame[i])
+            return error_memory(error);
+        program_prepare(program, p->frame[i]);
+    }
+    return (p->input && p->output) || error_memory(error);
+}
+
+bool formula_ready(struct formula *f, struct arena *arena, struct error *error)
+{
+    f->program = arena_alloc(arena, sizeof *f->program);
+    if (!f->program)
+        return error_memory(error);
+    struct equations *equations = equations_create(NAMES, error);
+    const bool made = equations && make_programs(f, equations, arena, error);
+    equations_destroy(equations);
+    if (!made)
+        formula_done(f);
+    return made;
+}
+
+void formula_done(struct formula *f)
+{
+    program_destroy(f->program->value);
+    program_destroy(f->program->all);
 }
 
 bool formula_evaluate(void *context, const double *parameter, const double *t, size_t n,
                       double *value, double *derivative)
 {
     const struct formula *f = context;
-    struct sample_at at = {.formula = f, .parameter = parameter};
-    struct expr_scope scope = {.context = &at, .load = load};
-    int slot[CURVE_PARAMETERS];
-    for (int j = 0; j < f->parameters; j++)
-        slot[j] = FIRST_PARAMETER + j;
+    const struct formula_program *p = f->program;
+    const struct program *program = derivative ? p->all : p->value;
+    const size_t parameters = (size_t)f->parameters;
+    memcpy(p->input + FIRST_PARAMETER, parameter, parameters * sizeof *parameter);
     for (size_t i = 0; i < n; i++) {
-        at.t = t[i];
-        at.i = i;
-        value[i] = derivative ? expr_gradient(f->expr, &scope, slot, f->parameters,
-                                              derivative + i * (size_t)f->parameters)
-                              : expr_value(f->expr, &scope);
+        for (int k = 0; k < f->columns; k++)
+            p->input[k] = f->column[k].value ? f->column[k].value[i] : t[i];
+        p->input[f->columns] = t[i];
+        value[i] = program_eval(program, p->input, p->output, p->frame[!!derivative]);
         if (!isfinite(value[i]))
             return false;
+        if (derivative)
+            memcpy(derivative + i * parameters, p->output + 1, parameters * sizeof *derivative);
     }
     return true;
-}
-
-void formula_values(const struct formula *formula, const double *parameter, const double *t,
-                    size_t n, double *value)
-{
-    struct sample_at at = {.formula = formula, .parameter = parameter};
-    struct expr_scope scope = {.context = &at, .load = load};
-    for (size_t i = 0; i < n; i++) {
-        at.t = t[i];
-        at.i = i;
-        value[i] = expr_value(formula->expr, &scope);
-    }
 }

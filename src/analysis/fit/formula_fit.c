@@ -95,16 +95,12 @@ static void find_scales(struct search *s, const struct series *series, struct ar
             s->scale[s->scales++] = sizes[i];
 }
 
-/* A value to try: a scale of the series or any size, of either sign, within the bounds. */
-static double pick(struct search *s, int j)
+/* A value to try: a scale of the series or any size, of either sign. */
+static double pick(struct search *s)
 {
-    double low = s->formula.low[j], high = s->formula.high[j];
-    if (isfinite(low) && isfinite(high))
-        return low + (high - low) * uniform(s);
-    double size =
+    const double size =
         uniform(s) < 0.6 ? s->scale[(size_t)(uniform(s) * s->scales)] : pow(10, 8 * uniform(s) - 5);
-    size = uniform(s) < 0.3 ? -size : size;
-    return isfinite(low) ? low + fabs(size) : isfinite(high) ? high - fabs(size) : size;
+    return uniform(s) < 0.3 ? -size : size;
 }
 
 /* The best trials, the best first. Returns how many there are. */
@@ -116,7 +112,7 @@ static int try_scales(struct search *s, const struct cancel *cancel, const doubl
         struct trial trial;
         memcpy(trial.x, given, sizeof trial.x);
         for (int i = 0; i < s->unknowns; i++)
-            trial.x[s->unknown[i]] = pick(s, s->unknown[i]);
+            trial.x[s->unknown[i]] = pick(s);
         if (!project(&s->projection, trial.x, NULL, NULL, &trial.rss))
             continue;
         int at = kept;
@@ -199,9 +195,9 @@ static bool refine_projected(struct refining *r, const double *x)
     return on;
 }
 
-bool formula_fit(const struct formula *formula, const struct series *series,
-                 const struct curve_options *options, struct arena *arena, struct curve_fit *fit,
-                 struct error *error)
+static bool fit_ready(const struct formula *formula, const struct series *series,
+                      const struct curve_options *options, struct arena *arena,
+                      struct curve_fit *fit, struct error *error)
 {
     static const struct curve_options none;
     struct curve_options o = options ? *options : none;
@@ -210,11 +206,7 @@ bool formula_fit(const struct formula *formula, const struct series *series,
     struct trial best[REFINED + 1];
     double answer[CURVE_PARAMETERS];
     bool all = true;
-    o.low = formula->low;
-    o.high = formula->high;
     o.bootstrap = 0;
-    if (!enough_samples(series, formula->parameters, error))
-        return false;
     gsl_set_error_handler_off(); /* GSL's default ends the program; statuses are checked here */
     for (int j = 0; j < formula->parameters; j++) {
         all = all && formula->given[j];
@@ -248,4 +240,16 @@ bool formula_fit(const struct formula *formula, const struct series *series,
     o.bootstrap = options->bootstrap;
     r.found = false;
     return refine(&r, answer);
+}
+
+bool formula_fit(const struct formula *formula, const struct series *series,
+                 const struct curve_options *options, struct arena *arena, struct curve_fit *fit,
+                 struct error *error)
+{
+    struct formula ready = *formula;
+    if (!enough_samples(series, formula->parameters, error) || !formula_ready(&ready, arena, error))
+        return false;
+    const bool fitted = fit_ready(&ready, series, options, arena, fit, error);
+    formula_done(&ready);
+    return fitted;
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The stack machine that evaluates an expression once. What is evaluated often becomes a program.
- */
+/* The stack machine: values of expressions that are evaluated once (what is evaluated often becomes
+ * a program), and which names an expression is linear in. */
 #include <math.h>
 
 #include "scene/formula/expr.h"
@@ -76,11 +76,48 @@ double expr_value(const struct expr *expr, const struct expr_scope *scope)
     return top[-1]; /* the one value that is left */
 }
 
-bool expr_constant(const struct expr *expr, double *value)
+/* ---- linearity ---- */
+
+static bool among(int wanted, const int *slot, int count)
 {
-    for (size_t i = 0; i < expr->count; i++)
-        if (expr->op[i].kind == OP_NAME)
-            return false;
-    *value = expr_value(expr, NULL);
-    return true;
+    for (int i = 0; i < count; i++)
+        if (slot[i] == wanted)
+            return true;
+    return false;
+}
+
+/* Degree of each value on the stack in the chosen names: 0, 1, or 2 for anything that is not
+ * linear. */
+bool expr_linear(const struct expr *expr, const int *slot, int count)
+{
+    int stack[LIMIT_EXPR_DEPTH], *top = stack;
+    for (const struct op *op = expr->op; op < expr->op + expr->count; op++) {
+        if (op->kind == OP_NUMBER || op->kind == OP_NAME) {
+            *top++ = op->kind == OP_NAME && among(op->slot, slot, count);
+            continue;
+        }
+        int arity = op_arity(op);
+        int first = top[-arity], last = top[-1], all = 0;
+        for (int i = 1; i <= arity; i++)
+            all += top[-i];
+        top -= arity - 1;
+        switch (op->kind) {
+        case OP_ADD:
+        case OP_SUB:
+            top[-1] = first > last ? first : last;
+            break;
+        case OP_MUL:
+            top[-1] = all < 2 ? all : 2;
+            break;
+        case OP_DIV:
+            top[-1] = last == 0 ? first : 2;
+            break;
+        case OP_NEG:
+            top[-1] = last;
+            break;
+        default:
+            top[-1] = all == 0 ? 0 : 2;
+        }
+    }
+    return stack[0] < 2;
 }

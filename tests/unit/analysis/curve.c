@@ -9,6 +9,7 @@
 
 #include <cmocka.h>
 
+#include "analysis/fit/formula.h"
 #include "unit/analysis/testing.h"
 
 #include <string.h>
@@ -175,17 +176,16 @@ static void bounds_hold(void **state)
     random_state = 34;
     sample(decaying, 8, 0.02);
     compile("a*exp(-b*t) + c", &arena, &formula);
-    assert_true(formula_bounds(&formula, TEXT("c"), -INFINITY, 0.5, &error));
-    fit(&formula, NULL, &arena, &result);
+    const double low[3] = {-INFINITY, -INFINITY, -INFINITY}, high[3] = {INFINITY, INFINITY, 0.5};
+    fit(&formula, &(struct curve_options){.low = low, .high = high}, &arena, &result);
     assert_true(result.bound[2] && result.value[2].value <= 0.5 &&
                 close_to(result.value[2].value, 0.5, 1e-6));
     assert_true(result.converged && !result.bound[1] && result.value[2].uncertainty == 0);
     /* a bound that does not matter changes nothing */
-    assert_true(formula_bounds(&formula, TEXT("c"), 0, 2, &error));
-    fit(&formula, NULL, &arena, &result);
+    const double zero[3] = {-INFINITY, -INFINITY, 0}, two[3] = {INFINITY, INFINITY, 2};
+    fit(&formula, &(struct curve_options){.low = zero, .high = two}, &arena, &result);
     assert_true(result.converged && !result.bound[2] && close_to(result.value[2].value, 1, 0.02));
-    assert_false(formula_bounds(&formula, TEXT("c"), 2, 2, &error));
-    assert_false(formula_bounds(&formula, TEXT("d"), 1, 2, &error));
+    assert_false(formula_start(&formula, TEXT("d"), 1, &error));
     assert_true(strstr(error.text, "no parameter 'd'"));
     arena_reset(&arena);
 }
@@ -306,7 +306,9 @@ static void known_names_are_constants(void **state)
     assert_string_equal(formula.name[1], "k");
     assert_true(formula.linear[0] && !formula.linear[1] && formula.linear[2]);
     double x[4] = {3, 1.4, 1.0 / 3, 0}, value[2];
-    formula_values(&formula, x, t, 2, value);
+    assert_true(formula_ready(&formula, &arena, &error));
+    assert_true(formula_evaluate(&formula, x, t, 2, value, NULL));
+    formula_done(&formula);
     assert_true(close_to(value[1], decaying(t[1]), 1e-12));
     arena_reset(&arena);
 }

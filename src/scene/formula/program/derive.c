@@ -58,7 +58,9 @@ static int difference(struct graph *g, int a, int b)
 
 static int product(struct graph *g, int factor, int slope)
 {
-    return slope ? MUL(factor, slope) : 0;
+    if (!slope || !g->limits)
+        return slope ? MUL(factor, slope) : 0;
+    return IF(ABS(factor), IF(ABS(slope), MUL(factor, slope), 0), 0);
 }
 
 /* The derivative of node i, where those of its operands are known. */
@@ -70,9 +72,9 @@ static int derivative(struct graph *g, const struct node *node, int i, const int
     case NODE_NEG:
         return NEG(da);
     case NODE_ABS:
-        return da ? MUL(slope_one(g, fabs, a, i), da) : 0;
+        return da ? product(g, slope_one(g, fabs, a, i), da) : 0;
     case NODE_SQRT:
-        return da ? MUL(slope_one(g, sqrt, a, i), da) : 0;
+        return da ? product(g, slope_one(g, sqrt, a, i), da) : 0;
     case NODE_ADD:
         return sum(g, da, db);
     case NODE_SUB:

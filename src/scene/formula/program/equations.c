@@ -127,6 +127,11 @@ bool equations_add(struct equations *e, const struct expr *expr, struct error *e
     return true;
 }
 
+void equations_keep_limits(struct equations *e)
+{
+    e->graph.limits = true;
+}
+
 int equations_count(const struct equations *e)
 {
     return e->outputs;

@@ -52,8 +52,9 @@ struct graph {
     int count, capacity;
     int *table; /* hashed nodes, 0: free; `slots` is a power of two */
     unsigned slots;
-    bool binds; /* known names are numbers: powers become multiplications, products with 0 are
-                   absent */
+    bool binds;  /* known names are numbers: powers become multiplications, products with 0 are
+                    absent */
+    bool limits; /* in derivatives a factor of 0 beside an infinite one gives 0 */
     enum { GRAPH_FINE, GRAPH_NO_MEMORY, GRAPH_FULL } failed;
 };
 
