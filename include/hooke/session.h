@@ -158,9 +158,8 @@ struct front {
 
 /* What `adopt` took last: the scene as it became, and covariances of what is uncertain in it. */
 struct adopted_fit {
-    struct scene scene;                                     /* model NULL: nothing was adopted */
-    int index[CURVE_PARAMETERS], count;                     /* of the parameters */
-    double covariance[CURVE_PARAMETERS * CURVE_PARAMETERS]; /* [count][count] */
+    struct scene scene; /* model NULL: nothing was adopted */
+    struct scene_covariance known;
     struct exact_names exact;
     char of[LIMIT_NAME + 16]; /* "data swing3": what was fitted */
 };
