@@ -77,6 +77,7 @@ enum command_flag {
     COMMAND_EQUATES = 128,  /* NAME' = EXPR is */
     COMMAND_JUMPS =
         256, /* what NAME' = EXPR is while a run goes on: what moves gets another value */
+    COMMAND_TABLES = 512, /* its result is a table: > FILE may stand behind it */
 };
 
 /* What can stand after it, where its arguments do not say it. */
@@ -111,8 +112,6 @@ struct command {
     bool (*handler)(struct session *session, const struct arguments *given, struct reply *reply,
                     struct error *error);
 };
-
-#define USAGE_CHOICES 8 /* as many choices stand in the line of usage themselves */
 
 /* "run [DURATION | to T | until COND] [--force]", made from the arguments. */
 void command_usage(const struct command *command, struct buffer *text);

@@ -27,19 +27,44 @@ bool export_recording(const struct session *session, struct export *export, stru
 bool export_recorded(const struct session *session, const struct given_argument *column,
                      const struct given_argument *every, struct export *export,
                      struct error *error);
-bool export_measurements(const struct session *session, struct export *export, struct error *error);
-/* The result of a study is what export_study() writes, until there is another run; without memory
- * what was there stays. method, reference: what is said of it beside duration and scene, NULL:
- * nothing. */
-void keep_study(struct session *session, const struct result_columns *columns, const void *rows,
-                size_t count, const char *method, const char *reference);
-/* What the last study found; the runs where there were runs since. */
-bool export_study(const struct session *session, struct export *export, struct error *error);
 /* Fills the keys of the table: what made this run. */
 bool export_run_keys(const struct session *session, int index, struct export *export,
                      struct error *error);
+/* The same: the present scene. */
+bool export_scene_keys(const struct session *session, struct export *export, struct error *error);
+
+/* ---- results that are tables (results.c) ---- */
+
+struct result_row {
+    struct row row;
+    const char *kind; /* of its records; NULL: as the row is called */
+    bool (*table)(const struct session *session, struct export *export,
+                  struct error *error); /* of what there is now; NULL: the last that was found */
+    void (*say)(const struct session *session,
+                struct reply *reply); /* records of what there is now; NULL: what was said last */
+    bool study;                       /* `export FILE table` alone writes it, until there is
+                                         another run */
+    const char *type;                 /* what makes one */
+};
+
+extern const struct catalog result_catalog; /* of struct result_row */
+
+/* The table of a row of that catalog. It lives as long as the session keeps it, or the arena. */
+bool export_result(struct session *session, const struct row *of, struct export *export,
+                   struct error *error);
+/* What the last study found; the runs where there were runs since. */
+bool export_latest(struct session *session, struct export *export, struct error *error);
 /* A row for each run. */
 bool export_run_table(const struct session *session, struct export *export, struct error *error);
+/* The table of a result whose records say more, or less. method, reference: what is said of it
+ * beside duration and scene; NULL: nothing. Without memory it is lost. */
+void reply_result(const struct session *session, struct reply *reply, const char *kind,
+                  const struct result_columns *columns, const void *rows, size_t count,
+                  const char *method, const char *reference);
+/* What a statement has said becomes the last result of its kind. Returns which of them the result
+ * of that command is; NULL: none is a table. */
+const struct row *session_keep_results(struct session *session, struct table_store *said,
+                                       const char *command);
 
 /* Which rows of many are written, by `every`: a count of rows, or a time [s]. */
 struct thinning {
@@ -80,6 +105,28 @@ void reply_event_records(const struct session *session, struct reply *reply);
 bool export_event_records(const struct session *session, struct export *export,
                           struct error *error);
 
+/* ---- a run as it is now (run_record.c) ---- */
+
+struct run_record {
+    const struct run *run;
+    int number;
+    const char *method, *status;
+    double dt, tol; /* NAN: the other one holds */
+    double y, v;    /* NAN: the scene has no such variable, or none of its digits is certain */
+    double rest;    /* [s] held by dry friction from then on; NAN */
+    struct ledger ledger;
+    struct data_distance data;
+    /* Only for records: */
+    struct run_errors errors;
+    double below[LIMIT_VARIABLES];
+};
+
+void run_record_init(struct run_record *record, const struct session *session,
+                     const struct run *run);
+void reply_run_record(struct run_record *record, struct reply *reply);
+/* Of the current run, where there is one. */
+void reply_current_run(const struct session *session, struct reply *reply);
+
 /* ---- a precision study as tables, figure and records ---- */
 
 #define LEVELS 13
@@ -91,7 +138,8 @@ void precision_tables(const struct precision *precision, int width, struct arena
 void precision_summary(const struct precision *precision, struct arena *arena, struct buffer *out);
 /* "a euler  b verlet …", in lines of that width. */
 void precision_legend(const struct precision *precision, int width, struct buffer *out);
-void reply_precision(const struct precision *precision, struct arena *arena, struct reply *reply);
+void reply_precision(const struct session *session, const struct precision *precision,
+                     struct arena *arena, struct reply *reply);
 
 /* ---- a sweep as text ---- */
 
@@ -104,7 +152,7 @@ struct swept {
 
 void sweep_text(const struct session *session, const struct swept *swept, struct arena *arena,
                 struct buffer *text);
-/* Columns: point, the axes, the measures, status. */
-bool sweep_table(const struct swept *swept, struct export *export, struct error *error);
+/* Columns: point, the axes, the measures, status. False: no memory. */
+bool sweep_table(const struct swept *swept, struct arena *arena, struct table *table);
 
 #endif

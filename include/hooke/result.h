@@ -47,8 +47,49 @@ extern const struct catalog
 void table_format(const struct table *table, enum table_format format, struct buffer *out);
 bool table_write(const struct table *table, enum table_format format, const char *path,
                  struct write_policy policy, struct error *error);
+bool table_send(const struct table *table, enum table_format format, struct writer *writer,
+                struct error *error); /* to a file that is open, which is closed in every case */
 void buffer_json_text(struct buffer *out, struct text text); /* quoted and escaped, valid UTF-8 */
 void buffer_json_real(struct buffer *out, double value);     /* null where not finite */
+
+/* ---- tables by kind ----
+ *
+ * The last result of each kind. Records become rows of such tables: a field is a column, those of
+ * objects and arrays are called by their path, "halves.gamma.1"; of an object in an array its name
+ * stands for the number, where "name" is its first field. */
+
+struct growth; /* private: columns that grow */
+
+struct stored_table {
+    const char *kind; /* "compare"; lives as long as the arena, or longer */
+    struct arena arena;
+    struct table table;
+    struct growth *growth; /* NULL: the table is whole, records add nothing */
+};
+
+struct table_store {
+    struct stored_table **of; /* [count] allocated */
+    int count;
+    struct stored_table *row; /* private: takes the cells of the present record */
+};
+
+void table_store_free(struct table_store *store);
+struct stored_table *table_store_find(const struct table_store *store,
+                                      struct text kind); /* NULL: none */
+/* A whole table, which replaces that of the same kind; the arena that it lives in is taken over.
+ * False: no memory, nothing has changed. */
+bool table_store_put(struct table_store *store, const char *kind, struct arena *arena,
+                     const struct table *table);
+/* Takes over those that are wanted, in the place of those of the same kind; `from` is empty then.
+ * wanted() may add keys to the table. Without memory a table is lost. */
+void table_store_take(struct table_store *store, struct table_store *from,
+                      bool (*wanted)(void *context, struct stored_table *stored), void *context);
+/* What reply_begin() to reply_end() do where records are collected. */
+void store_row_begin(struct table_store *store, const char *kind);
+void store_cell_none(struct table_store *store, const char *name);
+void store_cell_real(struct table_store *store, const char *name, const char *unit, double value);
+void store_cell_text(struct table_store *store, const char *name, const char *text);
+void store_row_end(struct table_store *store);
 
 /* ---- reply: what a command says ----
  *
@@ -69,6 +110,7 @@ struct sink {
 };
 
 #define REPLY_DEPTH 8
+#define REPLY_NAME 48 /* [byte] of an object in an array, for its columns */
 
 struct reply {
     struct sink sink;
@@ -80,10 +122,14 @@ struct reply {
     struct buffer lines;       /* lines of a command that may yet make a record */
     struct buffer last_header; /* what stands above the last CSV row */
     bool recorded;             /* this command made a record */
+    bool muted;                /* lines and records are not written, only collected */
+    struct table_store *store; /* records are rows of its tables, too; NULL: they are not */
     int depth;                 /* objects and arrays open in the record */
     struct {
         const char *key;
         bool array, empty;
+        int element;           /* of an array: the present one, from 1 */
+        char name[REPLY_NAME]; /* of an object in an array: its first field, where that is "name" */
     } level[REPLY_DEPTH];
 };
 
@@ -98,10 +144,14 @@ void reply_warning(struct reply *reply, const char *format, ...) PRINTF_LIKE(2, 
 void reply_note(struct reply *reply, const char *format, ...)
     PRINTF_LIKE(2, 3); /* a message on the error stream, as it is */
 
+/* Whether anybody wants records: where they cost much. */
+bool reply_wants_records(const struct reply *reply);
 /* A record. key NULL: the next element of an array. Numbers that are not finite become null. */
 void reply_begin(struct reply *reply, const char *kind);
 void reply_string(struct reply *reply, const char *key, const char *value); /* NULL: null */
 void reply_real(struct reply *reply, const char *key, double value);
+void reply_quantity(struct reply *reply, const char *key, double value,
+                    const char *unit); /* the same; its column has that unit */
 void reply_int(struct reply *reply, const char *key, int64_t value);
 void reply_bool(struct reply *reply, const char *key, bool value);
 void reply_null(struct reply *reply, const char *key);
@@ -112,6 +162,8 @@ void reply_object(struct reply *reply, const char *key);
 void reply_array(struct reply *reply, const char *key);
 void reply_close(struct reply *reply); /* the innermost object or array */
 void reply_end(struct reply *reply);   /* the record */
+/* A record with the cells of a row of a table; reply_end() is left to the caller. */
+void reply_table_row(struct reply *reply, const char *kind, const struct table *table, size_t row);
 
 /* ---- how the interpreter brackets what a command says ---- */
 
@@ -172,6 +224,7 @@ void cell_quantity(struct text_table *table, double value, enum quantity quantit
 void cell_error(struct text_table *table, double value); /* 1.3e-05 */
 void cell_count(struct text_table *table, int64_t value);
 void cell_seconds(struct text_table *table, double seconds); /* with us below a millisecond */
+const char *cell_last(const struct text_table *table);       /* the cell just made */
 void text_table_put(const struct text_table *table, struct buffer *out);
 
 /* ---- columns: what a result consists of, described once beside its struct ----
@@ -213,7 +266,10 @@ struct result_column {
     int64_t (*number)(const void *row);   /* COLUMN_COUNT */
     const char *(*text)(const void *row); /* COLUMN_NAME */
     bool (*any)(const void *row);         /* COLUMN_IF_ANY: where that is more than a value */
-    int digits;                           /* for people, of a real; 0: 3 */
+    bool (*defined)(const void *row);     /* without it the record has no such key */
+    /* Of an object or an array: only records have it. */
+    void (*record)(struct reply *reply, const char *key, const void *row);
+    int digits; /* for people, of a real; 0: 3 */
     void (*look)(struct text_table *table,
                  double value); /* a real for people, cell_error for one */
     void (*cell)(struct text_table *table, const void *row); /* or the whole cell */

@@ -317,6 +317,9 @@ void run_explain(const struct run *run, struct buffer *text);
  * where the error so far makes the rest doubtful. src/run/opinion.c has the way.
  */
 void run_second_opinion(struct run *run, bool whole, const struct cancel *cancel);
+/* Whether there is one, which has seen what the run may have missed: what no step has seen the
+ * second solution has not seen either, unless they differ by much. */
+bool run_opinion_known(const struct run *run);
 /* below [n]: how small a variable of an adaptive run is next to the error that it allows, or has by
  * its second opinion, and not only because it passes through 0: none of its digits is certain, it
  * is less than that [SI]. 0: others. How many. */

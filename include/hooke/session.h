@@ -158,8 +158,9 @@ struct front {
 
 /* What `adopt` took last: the scene as it became, and covariances of what is uncertain in it. */
 struct adopted_fit {
-    struct scene scene; /* model NULL: nothing was adopted */
-    struct scene_covariance known;
+    struct scene scene;                                     /* model NULL: nothing was adopted */
+    int index[CURVE_PARAMETERS], count;                     /* of the parameters */
+    double covariance[CURVE_PARAMETERS * CURVE_PARAMETERS]; /* [count][count] */
     struct exact_names exact;
     char of[LIMIT_NAME + 16]; /* "data swing3": what was fitted */
 };
@@ -175,8 +176,6 @@ struct fit_band {
     double from, step; /* [s] */
     double *half;      /* [variables][n] half the width */
 };
-
-enum studied { STUDIED_NONE, STUDIED_PRECISION, STUDIED_SWEEP, STUDIED_TABLE };
 
 struct session {
     struct front front;
@@ -200,7 +199,7 @@ struct session {
     char fit_of[LIMIT_NAME + 16]; /* "data swing3", "run 2" */
     double fit_zero;              /* of the recording at that time: its offset counts from there */
     /* Where the last fit was one of the scene or of a formula: */
-    double *fit_curve[2]; /* [fit_samples] its times and values; NULL: fit_values() */
+    double *fit_curve[2]; /* [fit_samples] its times and values; NULL: fit_value() */
     size_t fit_samples;
     struct scene fit_scene;   /* as fitted; model NULL: it was no fit of the scene */
     bool fit_free[PARAM_MAX]; /* what was fitted there */
@@ -211,17 +210,12 @@ struct session {
     int measurements;
     struct stored_fit *stored_fit;
     int stored_fits;
-    struct precision
-        *precision; /* the last study, for `plot precision` and `export FILE table`; NULL: none */
-    struct arena study_arena; /* of the table that follows */
-    struct table study;       /* of compare, order or stability: for `export FILE table` */
-    enum studied studied;     /* which of them was the last */
-    int studied_runs;         /* next_run at that time: after a later run its table is the latest */
+    struct precision *precision; /* the last study, for `plot precision`; NULL: none */
+    struct table_store found;    /* the last of each kind */
+    const char *studied;         /* kind of the last study; NULL: none */
+    int studied_runs; /* next_run at that time: after a later run its table is the latest */
 
     struct references references; /* of the scenes that were studied last */
-    struct sweep *sweep;          /* the last one, for `export FILE table`; NULL: none */
-    struct sweep_measure sweep_measure[SWEEP_MEASURES];
-    struct scene sweep_scene;
 
     struct snapshot *undo[LIMIT_UNDO], *redo[LIMIT_UNDO];
     int undos, redos;
@@ -296,8 +290,6 @@ enum charset session_charset(const struct session *session);
 /* ---- the session ---- */
 
 void session_changed(struct session *session);
-/* The result of that study is what `export FILE table` writes, until there is another run. */
-void session_studied(struct session *session, enum studied studied);
 /* Takes the run over (also when it fails: then it is destroyed) and makes it the current one. */
 bool session_add_run(struct session *session, struct run *run, struct error *error);
 bool session_add_recording(struct session *session, struct recording *recording,

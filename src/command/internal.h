@@ -52,6 +52,9 @@ struct parser value_parser(struct session *session, const struct arguments *give
 bool read_value(struct parser *parser, const char *what, enum quantity quantity, struct item *item,
                 struct error *error);
 
+/* The line and the record of a table that was written. */
+void reply_exported(struct reply *reply, struct text file, const struct table *table);
+
 /* ---- runs in text (run_text.c, subject.c) ---- */
 
 /* A prediction above a minute is refused, or asked about at the prompt, unless --force was given.
@@ -76,8 +79,7 @@ void plan_opinion(const struct session *session, const struct system *system,
 /* Its line, and a warning where the error is large; false: nothing is right, which is an error. */
 bool reply_opinion(const struct session *session, struct run *run, struct reply *reply,
                    struct error *error);
-void reply_opinion_values(const struct run *run, struct reply *reply); /* its keys in JSON */
-void reply_missed_burst(struct run *run, struct reply *reply);         /* once */
+void reply_missed_burst(struct run *run, struct reply *reply); /* once */
 /* Of an exact solution so long that roundings of the parameters move its phase. */
 void reply_phase_unknown(const struct run *run, struct reply *reply);
 /* Warns of a state whose squares underflow. */

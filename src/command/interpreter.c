@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Lines to statements, statements to handlers: atomic, undoable, recorded. */
 #include "command/internal.h"
+#include "command/redirect.h"
 #include "command/run/event_pass.h"
 #include "command/transcript.h"
 
@@ -103,6 +104,31 @@ static bool run_handler(struct session *session, const struct arguments *argumen
     return ok;
 }
 
+/* What it finds is kept, and goes to the file where there is one. */
+static bool run_collected(struct session *session, const struct arguments *arguments,
+                          struct text statement, struct redirect *redirect, struct reply *reply,
+                          struct error *error)
+{
+    struct table_store said = {0}, *outer = reply->store;
+    const bool muted = reply->muted, redirected = redirect->file.len > 0;
+    if (redirected && !redirect_open(session, redirect, arguments->arena, error))
+        return false;
+    reply->store = &said;
+    reply->muted |= redirected;
+    bool ok = run_handler(session, arguments, statement, reply, error);
+    reply->store = outer;
+    reply->muted = muted;
+    const struct row *of = session_keep_results(session, &said, arguments->command->row.name);
+    if (!redirected)
+        return ok;
+    if (!ok) {
+        writer_abandon(&redirect->writer);
+        return false;
+    }
+    buffer_clear(&reply->lines);
+    return redirect_finish(session, redirect, of, reply, error);
+}
+
 static struct text without_newline(const struct buffer *lines)
 {
     return (struct text){lines->data, lines->len - 1};
@@ -161,12 +187,18 @@ static bool exec_statement(struct session *session, struct text statement,
     /* Only a condition looks into a run that is about to start. */
     names.expects_run = (arguments->command->flags & COMMAND_STARTS) != 0;
     reply_command_begin(reply, (enum output_format)session->setup.settings.format);
-    if (!parse_arguments(&parser, arguments->command, arguments, error))
+    const struct text typed = statement;
+    struct redirect redirect;
+    redirect_take(arguments->command, &statement, &redirect);
+    parser.rest.len = (size_t)(statement.at + statement.len - parser.rest.at);
+    if (!parse_arguments(&parser, arguments->command, arguments, error)) {
+        redirect_explain(arguments->command, typed, error);
         return false;
+    }
     const size_t told = session->transcript.len;
     const uint64_t changes = session->changes;
     session->confirmed = false;
-    const bool ok = run_handler(session, arguments, statement, reply, error);
+    const bool ok = run_collected(session, arguments, statement, &redirect, reply, error);
     if ((ok || session->changes != changes) && !session->reacting)
         transcript_add(session, arguments, statement, running != NULL, ok, told);
     reply_command_end(reply, arguments->command->row.name);
@@ -181,7 +213,7 @@ static bool exec_statement(struct session *session, struct text statement,
     if (told_by_source && !running)
         buffer_free(&session->live.record);
     if (!(arguments->command->flags & COMMAND_UNRECORDED) && !told_by_source &&
-        !record_statement(session, statement, running != NULL, error))
+        !record_statement(session, typed, running != NULL, error))
         return false;
     if (reply->failed) {
         error_set(error, ERROR_IO,

@@ -86,7 +86,7 @@ void reply_event_doubts(struct run_slot *slot, struct reply *reply)
     bool said = false;
     for (int i = 0; slot->events && i < slot->events->count; i++) {
         const struct event_doubt doubt = run_event_doubt(run, i);
-        if (reply->format != FORMAT_TEXT)
+        if (reply_wants_records(reply))
             reply_count(slot, i, &doubt, reply);
         if (doubt.steps == 0 || run->warned_doubt)
             continue;

@@ -34,12 +34,17 @@ static void reply_fastest(const struct precision *precision, struct reply *reply
     free(cost);
 }
 
-void reply_precision(const struct precision *precision, struct arena *arena, struct reply *reply)
+void reply_precision(const struct session *session, const struct precision *precision,
+                     struct arena *arena, struct reply *reply)
 {
-    const struct precision_row *rows =
-        reply->format == FORMAT_TEXT ? NULL : precision_rows(precision, arena);
+    const struct precision_row *rows = precision_rows(precision, arena);
+    struct buffer reference = {0};
     if (!rows)
         return;
+    reference_describe(&precision->reference, &reference);
+    reply_result(session, reply, "precision", &precision_columns, rows, (size_t)precision->points,
+                 NULL, buffer_view(&reference));
+    buffer_free(&reference);
     reply_records(reply, "precision", &precision_columns, rows, (size_t)precision->points);
     reply_fastest(precision, reply);
 }

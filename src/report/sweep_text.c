@@ -255,36 +255,38 @@ void sweep_text(const struct session *session, const struct swept *swept, struct
                       sweep->reason);
 }
 
-bool sweep_table(const struct swept *swept, struct export *export, struct error *error)
+bool sweep_table(const struct swept *swept, struct arena *arena, struct table *table)
 {
     const struct sweep *sweep = swept->sweep;
     const size_t n = (size_t)sweep->count;
     const int columns = 1 + sweep->axes + sweep->measures;
-    struct table_column *out = arena_array(export->arena, (size_t)columns + 1, sizeof *out);
-    const char **status = arena_array(export->arena, n + 1, sizeof *status);
+    struct table_column *out = arena_array(arena, (size_t)columns + 1, sizeof *out);
+    const char **status = arena_array(arena, n + 1, sizeof *status);
     if (!out || !status)
-        return error_memory(error);
+        return false;
     for (int c = 0; c < columns; c++) {
-        double *value = arena_array(export->arena, n + 1, sizeof *value);
+        double *value = arena_array(arena, n + 1, sizeof *value);
         const int axis = c - 1, measure = axis - sweep->axes;
         if (!value)
-            return error_memory(error);
+            return false;
         for (size_t i = 0; i < n; i++)
             value[i] = c == 0        ? (double)(sweep->first + (int64_t)i)
                        : measure < 0 ? place_at(sweep, axis, (int64_t)i)
                                      : value_at(sweep, (int64_t)i, measure);
         out[c] = (struct table_column){.name = "point", .unit = "", .value = value};
         if (c > 0 && measure < 0) {
-            out[c].name = sweep->axis[axis].name;
+            out[c].name = arena_text(arena, text_of(sweep->axis[axis].name));
             out[c].unit = quantity_unit(sweep->axis[axis].quantity);
         } else if (c > 0) {
-            out[c].name = sweep_measure_name(&swept->measure[measure]);
+            out[c].name = arena_text(arena, text_of(sweep_measure_name(&swept->measure[measure])));
             out[c].unit = quantity_unit(quantity_of(swept, measure));
         }
+        if (!out[c].name)
+            return false;
     }
     for (size_t i = 0; i < n; i++)
         status[i] = sweep_status_name(sweep->status[i]);
     out[columns] = (struct table_column){.name = "status", .unit = "", .text = status};
-    export->table = (struct table){.column = out, .columns = columns + 1, .rows = n};
+    *table = (struct table){.column = out, .columns = columns + 1, .rows = n};
     return true;
 }

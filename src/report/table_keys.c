@@ -136,6 +136,15 @@ bool keys_finish(const struct keys *keys, struct export *export, struct error *e
     return !keys->failed || error_memory(error);
 }
 
+bool export_scene_keys(const struct session *session, struct export *export, struct error *error)
+{
+    struct keys keys;
+    if (!keys_begin(&keys, export, error))
+        return false;
+    keys_add_scene(&keys, &session->setup.scene);
+    return keys_finish(&keys, export, error);
+}
+
 bool export_run_keys(const struct session *session, int index, struct export *export,
                      struct error *error)
 {

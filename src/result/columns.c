@@ -53,11 +53,15 @@ void reply_columns(struct reply *reply, const struct result_columns *columns, co
 {
     for (const struct result_column *c = columns->column; c < columns->column + columns->count;
          c++) {
-        if (c->flags & COLUMN_NO_RECORD)
+        if (c->flags & COLUMN_NO_RECORD || (c->defined && !c->defined(row)))
             continue;
+        if (c->record) {
+            c->record(reply, c->name, row);
+            continue;
+        }
         switch (c->kind) {
         case COLUMN_REAL:
-            reply_real(reply, c->name, real_of(c, row));
+            reply_quantity(reply, c->name, real_of(c, row), quantity_unit(quantity_in(c, row)));
             break;
         case COLUMN_INT:
         case COLUMN_COUNT:
@@ -77,7 +81,7 @@ void reply_columns(struct reply *reply, const struct result_columns *columns, co
 void reply_records(struct reply *reply, const char *kind, const struct result_columns *columns,
                    const void *rows, size_t count)
 {
-    for (size_t i = 0; i < count && reply->format != FORMAT_TEXT; i++) {
+    for (size_t i = 0; i < count && (reply_wants_records(reply) || reply->store); i++) {
         reply_begin(reply, kind);
         reply_columns(reply, columns, row_at(columns, rows, i));
         reply_end(reply);
@@ -125,7 +129,7 @@ bool columns_table(const struct result_columns *columns, const void *rows, size_
     int used = 0;
     for (int i = 0; out && i < columns->count; i++) {
         const struct result_column *column = &columns->column[i];
-        if (column->flags & COLUMN_NO_FILE)
+        if (column->flags & COLUMN_NO_FILE || column->record)
             continue;
         if (!fill_values(columns, column, rows, count, arena, &out[used++]))
             return false;

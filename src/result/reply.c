@@ -21,7 +21,8 @@ void reply_free(struct reply *reply)
 
 static void write_out(struct reply *reply, struct text text)
 {
-    if (!reply->failed && text.len > 0 && !reply->sink.out(reply->sink.context, text))
+    if (!reply->failed && !reply->muted && text.len > 0 &&
+        !reply->sink.out(reply->sink.context, text))
         reply->failed = true;
 }
 
@@ -146,6 +147,38 @@ static void put_path(struct reply *reply, const char *key)
     buffer_put(&reply->header, text_of(key));
 }
 
+/* Of the column that the field is in: "halves.gamma.1", "parameters.k.value". */
+static void put_column(struct reply *reply, const char *key, struct buffer *name)
+{
+    for (int i = 1; i <= reply->depth; i++) {
+        const bool last = i == reply->depth, array = reply->level[i - 1].array;
+        const char *own = last ? key : reply->level[i].key;
+        const char *word = array && !last && reply->level[i].name[0] ? reply->level[i].name : own;
+        buffer_put(name, name->len ? TEXT(".") : TEXT(""));
+        if (array && (last || !reply->level[i].name[0]))
+            buffer_format(name, "%d", reply->level[i - 1].element);
+        else
+            buffer_put(name, text_of(word));
+    }
+}
+
+/* A number, a text, or neither. */
+static void collect(struct reply *reply, const char *key, const double *value, const char *unit,
+                    const char *text)
+{
+    if (!reply->store || !reply->store->row)
+        return;
+    struct buffer name = {0};
+    put_column(reply, key, &name);
+    if (!name.failed && value)
+        store_cell_real(reply->store, buffer_view(&name), unit, *value);
+    else if (!name.failed && text)
+        store_cell_text(reply->store, buffer_view(&name), text);
+    else if (!name.failed)
+        store_cell_none(reply->store, buffer_view(&name));
+    buffer_free(&name);
+}
+
 static bool inside_array(const struct reply *reply)
 {
     for (int i = 0; i < reply->depth; i++)
@@ -191,6 +224,7 @@ static void put_key(struct reply *reply, const char *key)
         if (!reply->level[reply->depth - 1].empty)
             buffer_char(&reply->json, ',');
         reply->level[reply->depth - 1].empty = false;
+        reply->level[reply->depth - 1].element++;
     }
     if (key && !(reply->depth > 0 && reply->level[reply->depth - 1].array)) {
         buffer_json_text(&reply->json, text_of(key));
@@ -218,6 +252,8 @@ static void open_level(struct reply *reply, const char *key, bool array)
         reply->level[reply->depth].key = key;
         reply->level[reply->depth].array = array;
         reply->level[reply->depth].empty = true;
+        reply->level[reply->depth].element = 0;
+        reply->level[reply->depth].name[0] = 0;
         reply->depth++;
     }
 }
@@ -230,6 +266,23 @@ void reply_begin(struct reply *reply, const char *kind)
     reply->depth = 0;
     open_level(reply, NULL, false);
     reply_string(reply, "kind", kind);
+    if (reply->store)
+        store_row_begin(reply->store, kind);
+}
+
+bool reply_wants_records(const struct reply *reply)
+{
+    return reply->format != FORMAT_TEXT || reply->muted;
+}
+
+/* The first field of an object in an array is what its others are called by. */
+static bool names_object(struct reply *reply, const char *key, const char *value)
+{
+    const int d = reply->depth - 1;
+    if (d < 1 || !reply->level[d - 1].array || !reply->level[d].empty || strcmp(key, "name") != 0)
+        return false;
+    snprintf(reply->level[d].name, sizeof reply->level[d].name, "%s", value);
+    return true;
 }
 
 void reply_string(struct reply *reply, const char *key, const char *value)
@@ -239,7 +292,10 @@ void reply_string(struct reply *reply, const char *key, const char *value)
         return;
     }
     struct buffer safe = {0};
+    const bool names = names_object(reply, key, value);
     put_key(reply, key);
+    if (!names)
+        collect(reply, key, NULL, "", value);
     buffer_json_text(&reply->json, text_of(value));
     safe_text(&safe, text_of(value), true);
     reply->row.failed |= safe.failed;
@@ -247,42 +303,58 @@ void reply_string(struct reply *reply, const char *key, const char *value)
     buffer_free(&safe);
 }
 
-void reply_real(struct reply *reply, const char *key, double value)
+void reply_quantity(struct reply *reply, const char *key, double value, const char *unit)
 {
     char z[REAL_TEXT_SIZE];
-    if (!isfinite(value)) {
-        reply_null(reply, key);
-        return;
-    }
-    const struct text text = {z, real_format(value, z)};
-    put_literal(reply, key, text, text);
+    const bool known = isfinite(value);
+    const struct text text = {z, known ? real_format(value, z) : 0};
+    put_literal(reply, key, known ? text : TEXT("null"), text);
+    collect(reply, key, &value, unit, NULL);
+}
+
+void reply_real(struct reply *reply, const char *key, double value)
+{
+    reply_quantity(reply, key, value, "");
 }
 
 void reply_int(struct reply *reply, const char *key, int64_t value)
 {
     char z[24];
+    const double real = (double)value;
     snprintf(z, sizeof z, "%lld", (long long)value);
     put_literal(reply, key, text_of(z), text_of(z));
+    collect(reply, key, &real, "", NULL);
 }
 
 void reply_bool(struct reply *reply, const char *key, bool value)
 {
     const struct text text = value ? TEXT("true") : TEXT("false");
     put_literal(reply, key, text, text);
+    collect(reply, key, NULL, "", text.at);
 }
 
 void reply_null(struct reply *reply, const char *key)
 {
     put_literal(reply, key, TEXT("null"), TEXT(""));
+    collect(reply, key, NULL, "", NULL);
 }
 
+/* Two columns, which have the unit: NAME and NAME_uncertainty. */
 void reply_in_unit(struct reply *reply, const char *key, struct measured value, const char *unit)
 {
+    struct table_store *store = reply->store;
+    char uncertainty[64];
+    snprintf(uncertainty, sizeof uncertainty, "%s_uncertainty", key ? key : "");
+    reply->store = NULL;
     reply_object(reply, key);
     reply_real(reply, "value", value.value);
     reply_real(reply, "uncertainty", value.uncertainty);
     reply_string(reply, "unit", unit);
     reply_close(reply);
+    reply->store = store;
+    collect(reply, key, &value.value, unit, NULL);
+    if (key)
+        collect(reply, uncertainty, &value.uncertainty, unit, NULL);
 }
 
 void reply_measured(struct reply *reply, const char *key, struct measured value,
@@ -312,6 +384,8 @@ void reply_end(struct reply *reply)
     while (reply->depth > 0)
         reply_close(reply);
     reply->recorded = true;
+    if (reply->store)
+        store_row_end(reply->store);
     if (reply->format == FORMAT_JSON) {
         buffer_char(&reply->json, '\n');
         flush_out(reply, &reply->json);
@@ -325,6 +399,16 @@ void reply_end(struct reply *reply)
         }
         flush_out(reply, &reply->row);
     }
+}
+
+void reply_table_row(struct reply *reply, const char *kind, const struct table *table, size_t row)
+{
+    reply_begin(reply, kind);
+    for (const struct table_column *c = table->column; c < table->column + table->columns; c++)
+        if (c->value)
+            reply_quantity(reply, c->name, c->value[row], c->unit);
+        else
+            reply_string(reply, c->name, c->text[row]);
 }
 
 /* ---- one statement ---- */

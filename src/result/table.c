@@ -179,15 +179,19 @@ bool table_write(const struct table *table, enum table_format format, const char
                  struct write_policy policy, struct error *error)
 {
     struct writer writer;
+    return writer_open(&writer, path, policy, error) && table_send(table, format, &writer, error);
+}
+
+bool table_send(const struct table *table, enum table_format format, struct writer *writer,
+                struct error *error)
+{
     struct buffer text = {0};
-    if (!writer_open(&writer, path, policy, error))
-        return false;
-    put_table(table, format, &(struct outlet){&text, &writer});
+    put_table(table, format, &(struct outlet){&text, writer});
     const bool failed = text.failed;
     buffer_free(&text);
     if (failed) {
-        writer_abandon(&writer);
+        writer_abandon(writer);
         return error_memory(error);
     }
-    return writer_commit(&writer, error);
+    return writer_commit(writer, error);
 }

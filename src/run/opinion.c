@@ -74,6 +74,11 @@ static double work_of(const struct cost *cost)
     return (double)(cost->evals + cost->jacobians);
 }
 
+static const struct method *named(const char *name)
+{
+    return (const struct method *)(const void *)catalog_find(&method_catalog, text_of(name));
+}
+
 void opinion_forget(struct run *run)
 {
     struct second *second = run->private_state->second;
@@ -204,8 +209,7 @@ static const struct method *choose_method(const struct run *run, bool other)
 {
     const double evals = (double)run->cost.evals;
     const bool stiff = !(EVALS_A_UNIT * stiffness_over(run) <= fmax(STIFF * evals, EVALS_FREE));
-    return stiff == other ? method_find("dop853")
-                          : method_find(run->method->rosenbrock ? "radau5" : "rodas5p");
+    return stiff == other ? named("dop853") : named(run->method->rosenbrock ? "radau5" : "rodas5p");
 }
 
 static bool second_begin(struct run *run, bool other)
@@ -449,4 +453,16 @@ void run_second_opinion(struct run *run, bool whole, const struct cancel *cancel
     }
     against_second(run, whole, cancel);
     run->opinion.work = p->second ? work_of(&p->second->step.cost) : 0;
+}
+
+bool run_opinion_known(const struct run *run)
+{
+    const struct opinion *opinion = &run->opinion;
+    const struct burst *missed = &run->missed;
+    const bool known = isfinite(opinion->error) && !isnan(opinion->t);
+    const bool passed =
+        missed->from != missed->to && (missed->from < run->t) == (run->system.t0 < run->t);
+    const bool blind =
+        opinion->by && passed && !(opinion->error > OPINION_WRONG * run->controller.tol);
+    return known && !blind;
 }

@@ -22,7 +22,8 @@ struct session *session_create(const struct front *front)
         return NULL;
     }
     scene_init(&session->setup.scene, NULL);
-    session->setup.method = method_find("euler");
+    session->setup.method =
+        (const struct method *)(const void *)catalog_find(&method_catalog, TEXT("euler"));
     session_default_settings(&session->setup.settings);
     session->current_run = session->current_recording = -1;
     session->next_run = 1;
@@ -56,11 +57,8 @@ void session_destroy(struct session *session)
     if (session->precision)
         precision_free(session->precision);
     free(session->precision);
-    arena_reset(&session->study_arena);
+    table_store_free(&session->found);
     references_free(&session->references);
-    if (session->sweep)
-        sweep_free(session->sweep);
-    free(session->sweep);
     log_clear(&session->log);
     buffer_free(&session->live.record);
     buffer_free(&session->live.typed);
@@ -70,12 +68,6 @@ void session_destroy(struct session *session)
     typed_destroy(session->models);
     events_destroy(session->events);
     free(session);
-}
-
-void session_studied(struct session *session, enum studied studied)
-{
-    session->studied = studied;
-    session->studied_runs = session->next_run;
 }
 
 void session_changed(struct session *session)

@@ -97,6 +97,10 @@ static void complete_arguments(struct completion *c, const struct command *comma
                                struct text before)
 {
     const struct text last = last_word(before);
+    if (command->flags & COMMAND_TABLES && text_is(last, ">")) {
+        c->wants_file = true;
+        return;
+    }
     if (command->completes == COMPLETES_SWEEP) {
         complete_sweep(c, command, before);
         return;

@@ -375,7 +375,7 @@ COMMAND(data,
                 "sensor's own velocities from another recording, by time, for the plots of "
                 "velocity, phase and energy.",
         .examples = "load disk.txt; data clean; data clean apply\ndata mass 199.9 +- 0.1 g",
-        .see = "load fit measure", .flags = COMMAND_CHANGES,
+        .see = "load fit measure", .flags = COMMAND_CHANGES | COMMAND_TABLES,
         ARGUMENTS(WORD("list", TYPE_NONE, .group = 1), WORD("use", TYPE_RECORDING, .group = 1),
                   WORD("window", TYPE_RANGE, .quantity = QUANTITY_TIME, .group = 1),
                   WORD("zero", TYPE_VALUE, .flags = ARG_NEGATIVE, .quantity = QUANTITY_OTHER,

@@ -201,7 +201,7 @@ COMMAND(
     .examples =
         "load bare.txt; m = 200 g; fit damped; adopt; fit scene free=k,gamma,y0,v0; adopt; run\n"
         "load disk.txt; fit modes 2; fit a*exp(-b*t)*cos(w*t+p)+c b=0.01 w=8.3",
-    .see = "adopt measure load",
+    .see = "adopt measure load", .flags = COMMAND_TABLES,
     ARGUMENTS(PLACE("MODEL", TYPE_MODEL, .choices = &fit_kind_catalog),
               PLACE("COUNT", TYPE_INTEGER), WORD("to", TYPE_RECORDING, .group = 1),
               WORD("run", TYPE_RUN, .group = 1),
@@ -228,6 +228,6 @@ COMMAND(adopt,
                 "and the amplitude of\n"
                 "the scene stays; scale=2.3cm says what 1 V or 1 N is.",
         .examples = "load bare.txt; m = 200 g; fit; adopt; run\nadopt amplitude", .see = "fit run",
-        .flags = COMMAND_CHANGES,
+        .flags = COMMAND_CHANGES | COMMAND_TABLES,
         ARGUMENTS(WORD("amplitude", TYPE_NONE),
                   KEY("scale", TYPE_VALUE, .flags = ARG_NEGATIVE, .quantity = QUANTITY_OTHER)))

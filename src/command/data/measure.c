@@ -512,7 +512,7 @@ COMMAND(
         "alone.",
     .examples = "load disk.txt; measure amplitude windows=6\nload bare.txt; load disk.txt; measure "
                 "repeat bare disk",
-    .see = "fit list plot", .flags = COMMAND_ANYTIME,
+    .see = "fit list plot", .flags = COMMAND_ANYTIME | COMMAND_TABLES,
     ARGUMENTS(PLACE("QUANTITY", TYPE_CHOICE, .flags = ARG_REQUIRED, .choices = &quantity_catalog),
               WORD("run", TYPE_RUN, .lead = "of", .group = 1),
               WORD("data", TYPE_RECORDING, .lead = "of", .group = 1),

@@ -23,23 +23,50 @@ static bool fill_table(struct session *session, const struct arguments *given,
                        struct export *export, struct error *error)
 {
     const struct given_argument *runs = argument_given(given, "run"),
-                                *band = argument_given(given, "band");
+                                *band = argument_given(given, "band"),
+                                *of = argument_given(given, "of");
     static const char *const others[] = {"measurements", "events", "table", "data"};
     for (size_t i = 0; i < COUNT_OF(others) && is_given(given, "band"); i++)
         if (is_given(given, others[i]))
             return error_at(error, band->where, "--band is for the columns of a run");
+    if (of->count && !is_given(given, "table"))
+        return error_at(error, of->where, "'of' stands after 'table': export FILE table of %s",
+                        of->item->row->name);
     if (is_given(given, "measurements"))
-        return export_measurements(session, export, error);
+        return export_result(session, catalog_find(&result_catalog, TEXT("measurements")), export,
+                             error);
     if (is_given(given, "events"))
         return export_event_records(session, export, error);
     if (is_given(given, "table"))
-        return export_study(session, export, error);
+        return of->count ? export_result(session, of->item->row, export, error)
+                         : export_latest(session, export, error);
     if (is_given(given, "data"))
         return export_recorded(session, argument_given(given, "COLUMN"),
                                argument_given(given, "every"), export, error);
     return export_runs(session, runs, argument_given(given, "COLUMN"),
                        argument_given(given, "every"), export, error) &&
            (!is_given(given, "band") || export_band(session, runs, band->where, export, error));
+}
+
+void reply_exported(struct reply *reply, struct text file, const struct table *table)
+{
+    struct buffer names = {0}, shown = {0}, path = {0};
+    buffer_put(&path, file);
+    for (int i = 0; i < table->columns; i++)
+        buffer_format(&names, "%s%s", i ? "," : "", table->column[i].name);
+    safe_text(&shown, file, false);
+    reply_line(reply, "%s: %zu row%s of %s", buffer_view(&shown), table->rows,
+               table->rows == 1 ? "" : "s", buffer_view(&names));
+    reply_begin(reply, "export");
+    reply_string(reply, "file", buffer_view(&path));
+    reply_int(reply, "rows", (int64_t)table->rows);
+    reply_array(reply, "columns");
+    for (int i = 0; i < table->columns; i++)
+        reply_string(reply, NULL, table->column[i].name);
+    reply_end(reply);
+    buffer_free(&names);
+    buffer_free(&shown);
+    buffer_free(&path);
 }
 
 HANDLER(export)
@@ -68,21 +95,7 @@ HANDLER(export)
             error->where = file->text;
         return false;
     }
-    struct buffer names = {0}, shown = {0};
-    for (int i = 0; i < export.table.columns; i++)
-        buffer_format(&names, "%s%s", i ? "," : "", export.table.column[i].name);
-    safe_text(&shown, file->text, false);
-    reply_line(reply, "%s: %zu row%s of %s", buffer_view(&shown), export.table.rows,
-               export.table.rows == 1 ? "" : "s", buffer_view(&names));
-    reply_begin(reply, "export");
-    reply_string(reply, "file", path);
-    reply_int(reply, "rows", (int64_t) export.table.rows);
-    reply_array(reply, "columns");
-    for (int i = 0; i < export.table.columns; i++)
-        reply_string(reply, NULL, export.table.column[i].name);
-    reply_end(reply);
-    buffer_free(&names);
-    buffer_free(&shown);
+    reply_exported(reply, file->text, &export.table);
     return true;
 }
 
@@ -139,36 +152,37 @@ HANDLER(echo)
 }
 #endif
 
-COMMAND(export,
-        .row = {"export", "", "write columns of runs, a recording or measurements to a file", "",
-                NULL},
-        .group = "OUTPUT",
-        .text = "Of the current run t, the state (y and v of a spring) and energy in SI units, "
-                "unless told; any "
-                "observable can be a\n"
-                "column. Several runs stand below each other with a column run. every= takes every "
-                "N-th row or one "
-                "row each so much\n"
-                "time, as the steps fall; at even times, from inside the steps, are those of: set "
-                "record every 0.1 s; "
-                "run; export\n"
-                "FILE. The form follows the end of the name: .csv .tsv .json .md .html .tex.\n"
-                "'table' has "
-                "one row for each\n"
-                "run, or right after compare, order, precision, stability and sweep what they have "
-                "found. --band adds NAME_low and "
-                "NAME_high to each variable of a run of what 'adopt' took: the 95 % "
-                "band of the fit's uncertainty. The file - is the output.",
-        .examples = "run; export run1.csv t,y,v\nexport - run all every=100ms",
-        .see = "print save plot list", .flags = COMMAND_ANYTIME,
-        ARGUMENTS(PLACE("FILE", TYPE_FILE, .flags = ARG_REQUIRED),
-                  WORD("run", TYPE_RUN, .flags = ARG_MANY | ARG_ALL, .group = 1),
-                  WORD("data", TYPE_NONE, .group = 1), WORD("measurements", TYPE_NONE, .group = 1),
-                  WORD("table", TYPE_NONE, .group = 1), WORD("events", TYPE_NONE, .group = 1),
-                  PLACE("COLUMN", TYPE_COLUMN, .flags = ARG_MANY),
-                  KEY("every", TYPE_VALUE, .quantity = QUANTITY_OTHER), OPTION("force", TYPE_NONE),
-                  OPTION("band", TYPE_NONE),
-                  OPTION("format", TYPE_CHOICE, .choices = &table_format_catalog)))
+COMMAND(
+    export,
+    .row = {"export", "", "write columns of runs, a recording or measurements to a file", "", NULL},
+    .group = "OUTPUT",
+    .text = "Of the current run t, the state (y and v of a spring) and energy in SI units, "
+            "unless told; any "
+            "observable can be a\n"
+            "column. Several runs stand below each other with a column run. every= takes every "
+            "N-th row or one "
+            "row each so much\n"
+            "time, as the steps fall; at even times, from inside the steps, are those of: set "
+            "record every 0.1 s; "
+            "run; export\n"
+            "FILE. The form follows the end of the name: .csv .tsv .json .md .html .tex.\n"
+            "'table' has one row for each run, or right after a study (compare, order, precision, "
+            "stability, stress, selftest, sweep) what it has found; 'table of NAME' is the "
+            "last result of that name. STATEMENT > FILE.csv writes the same at once, instead "
+            "of what the statement says. --band adds NAME_low and "
+            "NAME_high to each variable of a run of what 'adopt' took: the 95 % "
+            "band of the fit's uncertainty. The file - is the output.",
+    .examples = "run; export run1.csv t,y,v\nexport - run all every=100ms",
+    .see = "print save plot list", .flags = COMMAND_ANYTIME,
+    ARGUMENTS(PLACE("FILE", TYPE_FILE, .flags = ARG_REQUIRED),
+              WORD("run", TYPE_RUN, .flags = ARG_MANY | ARG_ALL, .group = 1),
+              WORD("data", TYPE_NONE, .group = 1), WORD("measurements", TYPE_NONE, .group = 1),
+              WORD("table", TYPE_NONE, .group = 1), WORD("events", TYPE_NONE, .group = 1),
+              WORD("of", TYPE_CHOICE, .choices = &result_catalog),
+              PLACE("COLUMN", TYPE_COLUMN, .flags = ARG_MANY),
+              KEY("every", TYPE_VALUE, .quantity = QUANTITY_OTHER), OPTION("force", TYPE_NONE),
+              OPTION("band", TYPE_NONE),
+              OPTION("format", TYPE_CHOICE, .choices = &table_format_catalog)))
 
 COMMAND(print, .row = {"print", "", "show the value of an expression, or a text", "", NULL},
         .group = "OUTPUT",

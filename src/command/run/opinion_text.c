@@ -36,21 +36,6 @@ void plan_opinion(const struct session *session, const struct system *system,
                       OPINION_BUDGET / system->n, OPINION_BUDGET_DOUBT / system->n);
 }
 
-static bool has_opinion(const struct run *run)
-{
-    return isfinite(run->opinion.error) && !isnan(run->opinion.t);
-}
-
-/* What no step has seen the second solution has not seen either, unless they differ by much. */
-static bool is_blind(const struct run *run)
-{
-    const struct burst *missed = &run->missed;
-    const bool passed =
-        missed->from != missed->to && (missed->from < run->t) == (run->system.t0 < run->t);
-    return has_opinion(run) && run->opinion.by && passed &&
-           !(run->opinion.error > OPINION_WRONG * run->controller.tol);
-}
-
 static void put_solution(const struct opinion *opinion, struct buffer *text)
 {
     if (!opinion->by) {
@@ -124,7 +109,7 @@ bool reply_opinion(const struct session *session, struct run *run, struct reply 
     const struct opinion *opinion = &run->opinion;
     struct buffer by = {0};
     bool ok = true;
-    if (!has_opinion(run) || is_blind(run))
+    if (!run_opinion_known(run))
         return true;
     const double times = opinion->error / run->controller.tol;
     put_witness(run, &by);
@@ -149,15 +134,6 @@ bool reply_opinion(const struct session *session, struct run *run, struct reply 
     run->warned_error |= times > OPINION_WRONG;
     buffer_free(&by);
     return ok;
-}
-
-void reply_opinion_values(const struct run *run, struct reply *reply)
-{
-    const bool known = has_opinion(run) && !is_blind(run);
-    reply_real(reply, "error_estimate", known ? run->opinion.error : NAN);
-    reply_real(reply, "error_on_the_way", known ? run->opinion.max : NAN);
-    reply_real(reply, "estimated_to", known ? run->opinion.t : NAN);
-    reply_real(reply, "digits_lost_from", known ? run->opinion.lost : NAN);
 }
 
 /* In text; JSON has a list of them. */

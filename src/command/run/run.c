@@ -278,7 +278,7 @@ COMMAND(run, .row = {"run", "", "start a new run at t0", "", "r"}, .group = "RUN
                 "--number is for saved\n"
                 "sessions: the number of the new run.",
         .examples = "run 10 s\nrun until y < 0", .see = "continue step back plan runs compare",
-        .flags = COMMAND_STARTS | COMMAND_CHANGES,
+        .flags = COMMAND_STARTS | COMMAND_CHANGES | COMMAND_TABLES,
         ARGUMENTS(PLACE("DURATION", TYPE_VALUE, .flags = ARG_NEGATIVE, .quantity = QUANTITY_TIME,
                         .group = 1),
                   WORD("to", TYPE_VALUE, .flags = ARG_NEGATIVE, .quantity = QUANTITY_TIME,
@@ -297,7 +297,7 @@ COMMAND(continue, .row = {"continue", "", "let the current run go on", "", NULL}
                 "pauses after N "
                 "steps.",
         .examples = "run; continue 5 s\nrun 3 s; continue to 10 s", .see = "run step back change",
-        .flags = COMMAND_CHANGES,
+        .flags = COMMAND_CHANGES | COMMAND_TABLES,
         ARGUMENTS(PLACE("DURATION", TYPE_VALUE, .quantity = QUANTITY_TIME, .group = 1),
                   WORD("to", TYPE_VALUE, .flags = ARG_NEGATIVE, .quantity = QUANTITY_TIME,
                        .group = 1),
@@ -306,7 +306,8 @@ COMMAND(continue, .row = {"continue", "", "let the current run go on", "", NULL}
 
 COMMAND(step, .row = {"step", "", "N steps more of the current run", "", "s"}, .group = "RUN",
         .text = "Starts a run where there is none.", .examples = "step\nstep 100",
-        .see = "back continue run", .flags = COMMAND_CHANGES, ARGUMENTS(PLACE("N", TYPE_INTEGER)))
+        .see = "back continue run", .flags = COMMAND_CHANGES | COMMAND_TABLES,
+        ARGUMENTS(PLACE("N", TYPE_INTEGER)))
 
 COMMAND(back, .row = {"back", "", "take the current run back by N recorded states", "", NULL},
         .group = "RUN", .text = "Restores what was recorded; nothing is integrated backwards.",

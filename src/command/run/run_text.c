@@ -7,13 +7,6 @@
 
 #define TINY 1.5e-154 /* its square is the least normal number */
 
-/* NAN: the scene has no variable of that name, or none of its digits is certain. */
-static double state_value(const struct run *run, const double *below, const char *name)
-{
-    const int variable = model_variable(run->system.model, text_of(name));
-    return variable < 0 || below[variable] > 0 ? NAN : run->y[variable];
-}
-
 #define STANDARD_GRAVITY 9.80665 /* [m/s^2] */
 #define NEAR_GRAVITY 0.05        /* share of it by which a sensor may be off */
 
@@ -106,84 +99,43 @@ static void put_peak(const struct run *run, const struct ledger *ledger, struct 
 
 void reply_run(const struct session *session, const struct run *run, struct reply *reply)
 {
-    struct ledger ledger;
-    run_ledger(run, &ledger);
+    struct run_record record;
+    run_record_init(&record, session, run);
+    const struct ledger *ledger = &record.ledger;
+    const struct data_distance *data = &record.data;
     const int digits = session->setup.settings.digits;
     struct buffer text = {0};
     buffer_put(&text, TEXT("t = "));
     buffer_measured(&text, (struct measured){run->t, 0}, QUANTITY_TIME, digits > 6 ? digits : 6);
     buffer_format(&text, ", %lld step%s, %s", (long long)run->steps, run->steps == 1 ? "" : "s",
                   run->method->row.name);
-    if (run->stop == STOP_SINGULAR)
-        ledger.error_max = NAN; /* what is left there is the difference of numbers without bound */
-    if (isfinite(ledger.error_max)) {
+    if (isfinite(ledger->error_max)) {
         buffer_put(&text, TEXT(", dE/E0 max "));
-        buffer_short(&text, ledger.error_max, 2);
-        put_peak(run, &ledger, &text);
+        buffer_short(&text, ledger->error_max, 2);
+        put_peak(run, ledger, &text);
     }
     if (run->cost.turns > 0)
         buffer_format(&text, ", %lld extra step%s to end at %s", (long long)run->cost.turns,
                       run->cost.turns == 1 ? "" : "s",
                       run->system.switches > run->system.dry ? "switches" : "turning points");
-    const double rest = run_rest(run);
-    if (isfinite(rest)) {
+    if (isfinite(record.rest)) {
         buffer_put(&text, TEXT(", held by dry friction from "));
-        buffer_quantity(&text, rest, QUANTITY_TIME, 4);
+        buffer_quantity(&text, record.rest, QUANTITY_TIME, 4);
     }
-    const struct data_distance data = run_data_distance(run, session_recording(session));
-    if (isfinite(data.rms)) {
-        const struct variable compared = run_derivative(run, data.derivative);
+    if (isfinite(data->rms)) {
+        const struct variable compared = run_derivative(run, data->derivative);
         buffer_format(&text, ", rms(%s-data) = ", compared.name);
-        buffer_quantity(&text, data.rms, data.quantity, 2);
-        if (data.bad > 0)
-            buffer_format(&text, " (%zu bad sample%s left out)", data.bad,
-                          data.bad == 1 ? "" : "s");
+        buffer_quantity(&text, data->rms, data->quantity, 2);
+        if (data->bad > 0)
+            buffer_format(&text, " (%zu bad sample%s left out)", data->bad,
+                          data->bad == 1 ? "" : "s");
     }
     reply_text(reply, buffer_text(&text));
     buffer_free(&text);
-    say_scale(session, run, &data, reply);
+    say_scale(session, run, data, reply);
     say_apart(session, run, reply);
-    if (reply->format == FORMAT_TEXT)
-        return;
-    struct run_errors errors;
-    double below[LIMIT_VARIABLES];
-    run_errors(run, &errors);
-    run_below_tolerance(run, below);
-    reply_begin(reply, "run");
-    reply_int(reply, "run", run->number);
-    reply_string(reply, "method", run->method->row.name);
-    reply_real(reply, "dt", run->plan.adaptive ? NAN : run->settings.dt);
-    reply_real(reply, "tol", run->plan.adaptive ? run->settings.tol : NAN);
-    reply_int(reply, "steps", run->steps);
-    reply_int(reply, "evals", run->cost.evals);
-    reply_int(reply, "turning_steps", run->cost.turns);
-    reply_real(reply, "t", run->t);
-    reply_real(reply, "y", state_value(run, below, "y"));
-    reply_real(reply, "v", state_value(run, below, "v"));
-    reply_object(reply, "state");
-    for (int i = 0; i < run->system.n; i++)
-        reply_real(reply, system_variable(&run->system, i).name, below[i] > 0 ? NAN : run->y[i]);
-    reply_close(reply);
-    reply_array(reply, "below_tolerance");
-    for (int i = 0; i < run->system.n; i++)
-        if (below[i] > 0)
-            reply_string(reply, NULL, system_variable(&run->system, i).name);
-    reply_close(reply);
-    reply_real(reply, "energy", ledger.final);
-    if (run->system.order == 2 && !run->system.energy)
-        reply_real(reply, "kinetic", run_observable(run, observable_energy(&run->system)));
-    reply_real(reply, "energy_error", ledger.error_max);
-    reply_real(reply, "error", errors.max);
-    reply_opinion_values(run, reply);
-    reply_real(reply, "rest_from", rest);
-    if (isfinite(data.rms)) {
-        reply_real(reply, "rms_from_data", data.rms);
-        reply_real(reply, "data_gain", data.gain);
-        reply_real(reply, "data_at_zero", data.at_zero);
-    }
-    reply_string(reply, "status", stop_name(run->stop));
-    reply_real(reply, "time", run->seconds);
-    reply_end(reply);
+    if (reply_wants_records(reply))
+        reply_run_record(&record, reply);
 }
 
 void reply_growth(struct run *run, struct reply *reply)

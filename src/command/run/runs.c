@@ -120,7 +120,7 @@ HANDLER(note)
 
 COMMAND(runs, .row = {"runs", "", "list the runs", "", NULL}, .group = "RUNS",
         .text = "The current one has a star.", .examples = "runs\ncompare euler verlet; runs",
-        .see = "use drop rename note", .flags = COMMAND_ANYTIME)
+        .see = "use drop rename note", .flags = COMMAND_ANYTIME | COMMAND_TABLES)
 
 COMMAND(use, .row = {"use", "", "make a run the current one", "", NULL}, .group = "RUNS",
         .text = "measure, plot, continue and names in expressions act on the current run.",

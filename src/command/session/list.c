@@ -131,5 +131,5 @@ COMMAND(list, .row = {"list", "", "list what there is of a kind", "", "ls"}, .gr
                 "limits, measurements,\n"
                 "events, runs, recordings. parameters and derived are those of the present scene.",
         .examples = "list methods\nlist measurements", .see = "help show",
-        .flags = COMMAND_UNRECORDED | COMMAND_ANYTIME,
+        .flags = COMMAND_UNRECORDED | COMMAND_ANYTIME | COMMAND_TABLES,
         ARGUMENTS(PLACE("KIND", TYPE_CHOICE, .flags = ARG_REQUIRED, .choices = &list_catalog)))

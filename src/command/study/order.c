@@ -82,9 +82,9 @@ HANDLER(order)
         put_order(session, &order, given->arena, &text);
         reply_text(reply, buffer_text(&text));
         buffer_free(&text);
+        reply_result(session, reply, "order", &order_point_columns, order.point,
+                     (size_t)order.points, order.by.method->row.name, NULL);
         reply_order(&order, reply);
-        keep_study(session, &order_point_columns, order.point, (size_t)order.points,
-                   order.by.method->row.name, NULL);
     }
     return ok;
 }
@@ -185,7 +185,7 @@ COMMAND(order,
                 "drag=explicit), it "
                 "says so.",
         .examples = "order verlet\nduration = 2 s; order rk4 dt=1ms:100ms",
-        .see = "precision compare stability",
+        .see = "precision compare stability", .flags = COMMAND_TABLES,
         ARGUMENTS(PLACE("METHOD", TYPE_CHOICE, .flags = ARG_REQUIRED, .choices = &method_catalog),
                   KEY("dt", TYPE_RANGE, .quantity = QUANTITY_TIME),
                   KEY("drag", TYPE_CHOICE, .choices = &drag_catalog)))
@@ -198,4 +198,4 @@ COMMAND(selftest,
                 "both sides of\n"
                 "the stability limit, for every method. The exit status is 3 if one fails.",
         .examples = "selftest\nset format json; selftest; set format text",
-        .see = "order stability stress")
+        .see = "order stability stress", .flags = COMMAND_TABLES)

@@ -144,7 +144,6 @@ static void keep_precision(struct session *session, struct precision *precision)
         precision_free(session->precision);
     free(session->precision);
     session->precision = kept;
-    session_studied(session, STUDIED_PRECISION);
 }
 
 HANDLER(precision)
@@ -182,7 +181,7 @@ HANDLER(precision)
     if (precision.curves > 0) {
         reply_study(session, given, &precision, &absentees.text,
                     (double)(clock_ns() - begin) * 1e-9, reply);
-        reply_precision(&precision, given->arena, reply);
+        reply_precision(session, &precision, given->arena, reply);
         keep_precision(session, &precision);
     }
     buffer_free(&absentees.text);
@@ -219,7 +218,7 @@ COMMAND(
             "that suit the scene.",
     .examples = "duration = 5 s; precision rk4 verlet dt=5ms:100ms\n"
                 "timing off; duration = 5 s; precision dopri5 rk4 tol=1e-9:1e-3",
-    .see = "compare method plot timing export",
+    .see = "compare method plot timing export", .flags = COMMAND_TABLES,
     ARGUMENTS(PLACE("METHOD", TYPE_CHOICE, .flags = ARG_MANY, .choices = &method_catalog),
               KEY("dt", TYPE_RANGE, .quantity = QUANTITY_TIME),
               KEY("tol", TYPE_RANGE, .quantity = QUANTITY_NUMBER),

@@ -264,10 +264,11 @@ HANDLER(stability)
     if (count > 0)
         reply_text(reply, buffer_text(&text));
     buffer_free(&text);
-    for (int i = 0; i < count && reply->format != FORMAT_TEXT; i++)
-        reply_stability(&rows[i], reply);
     if (count > 0)
-        keep_study(session, &stability_columns, rows, (size_t)count, NULL, NULL);
+        reply_result(session, reply, "stability", &stability_columns, rows, (size_t)count, NULL,
+                     NULL);
+    for (int i = 0; i < count && reply_wants_records(reply); i++)
+        reply_stability(&rows[i], reply);
     return ok;
 }
 #endif
@@ -288,7 +289,7 @@ COMMAND(stability,
                 "stability is drawn. marginal: so slow a growth that it shows only after hundreds "
                 "of steps.",
         .examples = "stability verlet\nstability euler heun rk4 dt=20ms",
-        .see = "order stress plan compare",
+        .see = "order stress plan compare", .flags = COMMAND_TABLES,
         ARGUMENTS(PLACE("METHOD", TYPE_CHOICE, .flags = ARG_MANY, .choices = &method_catalog),
                   KEY("dt", TYPE_VALUE, .quantity = QUANTITY_TIME),
                   KEY("drag", TYPE_CHOICE, .choices = &drag_catalog)))

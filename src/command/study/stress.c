@@ -223,7 +223,7 @@ HANDLER(stress)
         put_stress(session, &stress, method, methods, &text);
     reply_text(reply, buffer_text(&text));
     buffer_free(&text);
-    for (int i = 0; i < stress.rows && reply->format != FORMAT_TEXT; i++)
+    for (int i = 0; i < stress.rows && true; i++)
         reply_row(&stress, &stress.row[i], reply);
     stress_free(&stress);
     return ok;
@@ -247,6 +247,6 @@ COMMAND(stress,
                 "sign, initial\n"
                 "values of 1e-310, 1e-150 and 1e150.",
         .examples = "stress euler rk4 radau5\nscene pendulum; stress scene rk4 verlet dop853",
-        .see = "stability compare precision",
+        .see = "stability compare precision", .flags = COMMAND_TABLES,
         ARGUMENTS(WORD("scene", TYPE_NONE),
                   PLACE("METHOD", TYPE_CHOICE, .flags = ARG_MANY, .choices = &method_catalog)))

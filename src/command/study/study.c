@@ -115,7 +115,8 @@ static void reply_table(const struct session *session, const struct comparison *
     buffer_free(&text);
 }
 
-static void keep_comparison(struct session *session, const struct compared_row *rows, int count)
+static void reply_comparison(const struct session *session, const struct compared_row *rows,
+                             int count, struct reply *reply)
 {
     const struct comparison *first = &rows[0].by;
     struct buffer reference = {0};
@@ -126,8 +127,10 @@ static void keep_comparison(struct session *session, const struct compared_row *
     } else if (isfinite(first->errors.max)) {
         buffer_put(&reference, TEXT("the closed form"));
     }
-    keep_study(session, &compared_columns, rows, (size_t)count, NULL, buffer_view(&reference));
+    reply_result(session, reply, "compare", &compared_columns, rows, (size_t)count, NULL,
+                 buffer_view(&reference));
     buffer_free(&reference);
+    reply_records(reply, "compare", &compared_columns, rows, (size_t)count);
 }
 
 /* ---- the command ---- */
@@ -263,8 +266,7 @@ HANDLER(compare)
         overlay_runs(&session->view, rows, count);
         fill_rows(session, rows, count, given->arena, compared);
         reply_table(session, rows, compared, count, given->arena, reply);
-        reply_records(reply, "compare", &compared_columns, compared, (size_t)count);
-        keep_comparison(session, compared, count);
+        reply_comparison(session, compared, count, reply);
         for (int i = 0; i < count; i++)
             reply_unsound(rows[i].run, reply);
         reply_saved(rows, count, reply);
@@ -295,7 +297,8 @@ COMMAND(compare,
                 "so is one that\n"
                 "adapts and has not arrived after 2e6 steps (status given-up).",
         .examples = "compare euler symplectic-euler\ncompare euler verlet rk4 dt=10ms,5ms",
-        .see = "precision method runs plot timing export", .flags = COMMAND_CHANGES,
+        .see = "precision method runs plot timing export",
+        .flags = COMMAND_CHANGES | COMMAND_TABLES,
         ARGUMENTS(PLACE("METHOD", TYPE_CHOICE, .flags = ARG_REQUIRED | ARG_MANY,
                         .choices = &method_catalog),
                   KEY("dt", TYPE_VALUE, .flags = ARG_MANY, .quantity = QUANTITY_TIME),

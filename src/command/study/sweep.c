@@ -231,58 +231,39 @@ static void report_sweep(void *context, double fraction)
         front->progress(front->context, NULL, fraction);
 }
 
-static void reply_point(const struct swept *swept, int64_t i, struct reply *reply)
+/* Only the first shard has the header, so that shards put together are the whole. */
+static void reply_points(const struct sweep *sweep, const struct table *table, struct reply *reply)
 {
-    const struct sweep *sweep = swept->sweep;
-    reply_begin(reply, "sweep");
-    reply_int(reply, "point", sweep->first + i);
-    for (int a = 0; a < sweep->axes; a++)
-        reply_real(reply, sweep->axis[a].name,
-                   sweep_axis_value(&sweep->axis[a], (int)sweep_number(sweep, a, i)));
-    for (int m = 0; m < sweep->measures; m++)
-        reply_real(reply, sweep_measure_name(&swept->measure[m]),
-                   sweep->value[i * sweep->measures + m]);
-    reply_string(reply, "status", sweep_status_name(sweep->status[i]));
-    /* Only the first shard has the header, so that shards put together are the whole. */
-    if (i == 0 && sweep->first > 0) {
-        buffer_clear(&reply->last_header);
-        buffer_put(&reply->last_header, buffer_text(&reply->header));
-        buffer_char(&reply->last_header, '\n');
+    for (int64_t i = 0; i < sweep->count && !reply->failed; i++) {
+        if (sweep->status[i] == SWEEP_MISSING)
+            continue;
+        reply_table_row(reply, "sweep", table, (size_t)i);
+        if (i == 0 && sweep->first > 0) {
+            buffer_clear(&reply->last_header);
+            buffer_put(&reply->last_header, buffer_text(&reply->header));
+            buffer_char(&reply->last_header, '\n');
+        }
+        reply_end(reply);
     }
-    reply_end(reply);
 }
 
 static void reply_sweep(struct session *session, const struct swept *swept, struct arena *arena,
                         struct reply *reply)
 {
     struct buffer text = {0};
+    struct arena own = {0};
+    struct table table;
+    const bool made = sweep_table(swept, &own, &table);
+    if (made && reply->store)
+        table_store_put(reply->store, "sweep", &own, &table);
     if (reply->format == FORMAT_TEXT) {
         sweep_text(session, swept, arena, &text);
         reply_text(reply, buffer_text(&text));
         buffer_free(&text);
-        return;
+    } else if (made) {
+        reply_points(swept->sweep, &table, reply);
     }
-    for (int64_t i = 0; i < swept->sweep->count && !reply->failed; i++)
-        if (swept->sweep->status[i] != SWEEP_MISSING)
-            reply_point(swept, i, reply);
-}
-
-/* The session takes it over; without memory the one before stays. */
-static void keep_sweep(struct session *session, const struct sweep_request *request,
-                       struct sweep *sweep)
-{
-    struct sweep *kept = malloc(sizeof *kept);
-    if (!kept)
-        return;
-    *kept = *sweep;
-    *sweep = (struct sweep){0};
-    if (session->sweep)
-        sweep_free(session->sweep);
-    free(session->sweep);
-    session->sweep = kept;
-    session->sweep_scene = *request->scene;
-    memcpy(session->sweep_measure, request->measure, sizeof session->sweep_measure);
-    session_studied(session, STUDIED_SWEEP);
+    arena_reset(&own);
 }
 
 HANDLER(sweep)
@@ -314,7 +295,6 @@ HANDLER(sweep)
     if (sweep.finished > 0 && (ok || error->code == ERROR_CANCELLED)) {
         const struct swept swept = {&sweep, request.measure, request.scene->model};
         reply_sweep(session, &swept, given->arena, reply);
-        keep_sweep(session, &request, &sweep);
     }
     sweep_free(&sweep);
     return ok;
@@ -345,7 +325,8 @@ COMMAND(sweep,
                 "not depend on threads or shards.",
         .examples = "scene driven; method rk4; duration = 60 s; sweep omega=6:12:0.1\n"
                     "scene damped; sweep gamma=0.1:10:x2 k=10:20:5 measure=period,energy",
-        .see = "compare precision export plot", .completes = COMPLETES_SWEEP,
+        .see = "compare precision export plot", .flags = COMMAND_TABLES,
+        .completes = COMPLETES_SWEEP,
         ARGUMENTS(PLACE("NAME=RANGE", TYPE_REST, .flags = ARG_REQUIRED),
                   KEY("measure", TYPE_TEXT, .flags = ARG_MANY), OPTION("threads", TYPE_INTEGER),
                   OPTION("shard", TYPE_TEXT), OPTION("force", TYPE_NONE)))

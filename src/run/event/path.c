@@ -92,7 +92,7 @@ void path_begin(struct path *path, const struct inside *inside)
     const struct run *run = inside->run;
     path->inside = *inside;
     path->end_t = run->t;
-    path->known = false;
+    path->known = path->fine = false;
     copy_state(path->end, run->y, run->system.n);
 }
 
@@ -133,18 +133,21 @@ static void through_middle(struct path *path)
     }
 }
 
-/* The error of each variable: rounding. */
-static void judge(struct path *path)
+/* The error of each variable: rounding, and what its last terms say. */
+static void judge(struct path *path, double tail)
 {
     for (int i = 0; i < path->inside.run->system.n; i++) {
-        double sum = 0, power = 1;
-        for (int k = 0; k <= path->degree; k++, power /= 2)
-            sum += fabs(path->c[k][i]) * power;
-        path->error[i] = ROUNDING * sum;
+        double sum = 0, power = 1, last = 0;
+        for (int k = 0; k <= path->degree; k++, power /= 2) {
+            const double term = fabs(path->c[k][i]) * power;
+            sum += term;
+            last += k > path->degree - 2 ? term : 0;
+        }
+        path->error[i] = ROUNDING * sum + tail * last;
     }
 }
 
-static void through_samples(struct path *path, int degree)
+static void through_samples(struct path *path, int degree, double tail)
 {
     double sample[DENSE_DEGREE + 1][LIMIT_VARIABLES];
     for (int k = 0; k <= degree; k++)
@@ -152,7 +155,7 @@ static void through_samples(struct path *path, int degree)
     path->degree = degree;
     for (int i = 0; i < path->inside.run->system.n; i++)
         fit(&sample[0][i], LIMIT_VARIABLES, degree, &path->c[0][i], LIMIT_VARIABLES);
-    judge(path);
+    judge(path, tail);
 }
 
 void path_make(struct path *path)
@@ -161,15 +164,25 @@ void path_make(struct path *path)
     if (path->known)
         return;
     path->known = true;
+    path->fine = !side;
     if (path->inside.method.dense) {
-        through_samples(path, method_dense_degree(&path->inside.method));
+        through_samples(path, method_dense_degree(&path->inside.method), 0);
         return;
     }
     through_ends(path);
     if (side)
         through_middle(path);
     else
-        judge(path);
+        judge(path, 0);
+}
+
+bool path_refine(struct path *path)
+{
+    if (path->fine)
+        return false;
+    path->fine = true;
+    through_samples(path, DENSE_DEGREE, TAIL);
+    return true;
 }
 
 double path_time(const struct path *path, double theta)

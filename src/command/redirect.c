@@ -1,0 +1,111 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "command/redirect.h"
+
+#include <string.h>
+
+/* What stands behind the last > outside of quotes; {NULL, 0}: there is none. */
+static struct text behind_sign(struct text statement)
+{
+    struct text found = {NULL, 0};
+    char quote = 0;
+    for (size_t i = 0; i < statement.len; i++) {
+        const char c = statement.at[i];
+        if (quote)
+            quote = c == quote ? 0 : quote;
+        else if (c == '\'' || c == '"')
+            quote = c;
+        else if (c == '>')
+            found = (struct text){statement.at + i + 1, statement.len - i - 1};
+    }
+    return found;
+}
+
+static const struct row *format_of(struct text file)
+{
+    size_t dot = file.len;
+    while (dot > 0 && file.at[dot - 1] != '.' && file.at[dot - 1] != '/')
+        dot--;
+    if (dot < 2 || file.at[dot - 1] != '.')
+        return NULL;
+    return catalog_find(&table_format_catalog, (struct text){file.at + dot, file.len - dot});
+}
+
+/* The name of the file, and whether --force stands behind it; false: there is something else. */
+static bool read_file(struct text rest, struct redirect *redirect)
+{
+    rest = text_trim(rest);
+    struct text file = peek_word(rest, "");
+    const char quote = rest.len > 1 && strchr("'\"", rest.at[0]) ? rest.at[0] : 0;
+    const char *end = quote ? memchr(rest.at + 1, quote, rest.len - 1) : NULL;
+    if (end)
+        file = (struct text){rest.at, (size_t)(end - rest.at) + 1};
+    const struct text left = text_trim((struct text){file.at + file.len, rest.len - file.len});
+    redirect->force = text_is(left, "--force");
+    redirect->file = end ? (struct text){file.at + 1, file.len - 2} : file;
+    return redirect->file.len > 0 && (left.len == 0 || redirect->force);
+}
+
+void redirect_take(const struct command *command, struct text *statement, struct redirect *redirect)
+{
+    const struct text rest = behind_sign(*statement);
+    *redirect = (struct redirect){.file = {NULL, 0}};
+    if (!(command->flags & COMMAND_TABLES) || !rest.at || !read_file(rest, redirect)) {
+        redirect->file = (struct text){NULL, 0};
+        return;
+    }
+    const struct row *format = format_of(redirect->file);
+    if (!format) {
+        redirect->file = (struct text){NULL, 0};
+        return;
+    }
+    redirect->format = (enum table_format)catalog_index(&table_format_catalog, format);
+    statement->len = (size_t)(rest.at - 1 - statement->at);
+}
+
+void redirect_explain(const struct command *command, struct text statement, struct error *error)
+{
+    const struct text rest = behind_sign(statement);
+    struct redirect redirect;
+    if (!(command->flags & COMMAND_TABLES) || !rest.at || !read_file(rest, &redirect) ||
+        !(error->where.at >= rest.at - 1 && error->where.at <= statement.at + statement.len))
+        return;
+    struct buffer list = {0};
+    for (size_t i = 0; i < table_format_catalog.count; i++)
+        buffer_format(&list, "%s.%s", i ? " " : "", catalog_row(&table_format_catalog, i)->name);
+    *error = (struct error){.code = ERROR_NONE};
+    error_at(error, redirect.file, "a table goes to a file that ends in one of %s",
+             buffer_view(&list));
+    error_hint(error, "%s .. > FILE.csv", command->row.name);
+    buffer_free(&list);
+}
+
+bool redirect_open(const struct session *session, struct redirect *redirect, struct arena *arena,
+                   struct error *error)
+{
+    const char *path = arena_text(arena, redirect->file);
+    if (!path)
+        return error_memory(error);
+    if (writer_open(&redirect->writer, path, session_policy(session, redirect->force), error))
+        return true;
+    error->where = redirect->file;
+    return false;
+}
+
+bool redirect_finish(struct session *session, struct redirect *redirect, const struct row *of,
+                     struct reply *reply, struct error *error)
+{
+    struct arena arena = {0};
+    struct export export = {.arena = &arena};
+    bool ok = of ? export_result(session, of, &export, error)
+                 : error_at(error, redirect->file, "this found nothing that is a table");
+    if (ok)
+        ok = table_send(&export.table, redirect->format, &redirect->writer, error);
+    else
+        writer_abandon(&redirect->writer);
+    if (ok)
+        reply_exported(reply, redirect->file, &export.table);
+    else if (!error->where.at)
+        error->where = redirect->file;
+    arena_reset(&arena);
+    return ok;
+}

@@ -1,0 +1,29 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* STATEMENT > FILE: the table of what the statement finds goes into a file, and nothing else is
+ * said. */
+#ifndef HOOKE_COMMAND_REDIRECT_H
+#define HOOKE_COMMAND_REDIRECT_H
+
+#include "command/internal.h"
+
+struct redirect {
+    struct text file;         /* as typed, without quotes; empty: there is none */
+    bool force;               /* --force stands behind it */
+    enum table_format format; /* by its ending */
+    struct writer writer;
+};
+
+/* Takes "> FILE [--force]" off the end of a statement, whose command has COMMAND_TABLES. An ending
+ * that no format has is left to the command, which may compare. */
+void redirect_take(const struct command *command, struct text *statement,
+                   struct redirect *redirect);
+/* Opens the file before anything is computed: one that exists is refused. */
+bool redirect_open(const struct session *session, struct redirect *redirect, struct arena *arena,
+                   struct error *error);
+/* `of`: which result the statement has found, NULL: none. */
+bool redirect_finish(struct session *session, struct redirect *redirect, const struct row *of,
+                     struct reply *reply, struct error *error);
+/* Where a statement that cannot be read ends in a file of another name: says which there are. */
+void redirect_explain(const struct command *command, struct text statement, struct error *error);
+
+#endif

@@ -1,0 +1,178 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The results that have a table: what there is at any time, and the last of what was found. */
+#include <hooke/report.h>
+
+#include <math.h>
+
+/* ---- what there is ---- */
+
+static bool export_measurements(const struct session *session, struct export *export,
+                                struct error *error)
+{
+    if (session->measurements == 0) {
+        error_set(error, ERROR_COMMAND, "there is no measurement to export");
+        return error_hint(error, "type: measure period");
+    }
+    return columns_table(&measurement_columns, session->measurement, (size_t)session->measurements,
+                         export->arena, &export->table)
+               ? export_scene_keys(session, export, error)
+               : error_memory(error);
+}
+
+bool export_run_table(const struct session *session, struct export *export, struct error *error)
+{
+    struct run_row *row = arena_array(export->arena, (size_t)session->runs + 1, sizeof *row);
+    if (session->runs == 0) {
+        error_set(error, ERROR_COMMAND, "there is no run for a table");
+        return error_hint(error, "type: compare euler verlet");
+    }
+    for (int i = 0; row && i < session->runs; i++)
+        row[i] = (struct run_row){session->run[i], i == session->current_run};
+    return row && columns_table(&run_columns, row, (size_t)session->runs, export->arena,
+                                &export->table)
+               ? export_scene_keys(session, export, error)
+               : error_memory(error);
+}
+
+/* ---- their rows ---- */
+
+#define FOUND(name, brief, command)                                                                \
+    {                                                                                              \
+        .row = {name, "", brief, "", NULL}, .type = command                                        \
+    }
+#define STUDIED(name, brief)                                                                       \
+    {                                                                                              \
+        .row = {name, "", brief, "", NULL}, .study = true, .type = name                            \
+    }
+
+static const struct result_row rows[] = {
+    {.row = {"runs", "", "a row for each run", "", NULL}, .table = export_run_table},
+    {.row = {"run", "", "the current run as it is now", "", NULL},
+     .say = reply_current_run,
+     .type = "run"},
+    {.row = {"measurements", "", "what was measured", "", NULL}, .table = export_measurements},
+    {.row = {"events", "", "what happened in the current run", "", NULL},
+     .kind = "event",
+     .table = export_event_records},
+    STUDIED("compare", "a row for each method and setting"),
+    STUDIED("precision", "a row for each point of work and precision"),
+    FOUND("fastest", "the fastest method for each error, after precision", "precision"),
+    STUDIED("order", "errors and orders by step"),
+    STUDIED("stability", "a row for each method"),
+    STUDIED("stress", "a row for each case and method"),
+    STUDIED("selftest", "a row for each method"),
+    STUDIED("sweep", "a row for each point"),
+    FOUND("fit", "the last one: its values, laws and parameters", "fit"),
+    FOUND("measure", "the last value that was measured", "measure period"),
+    FOUND("peak", "lines of the last spectrum", "plot spectrum"),
+    FOUND("recording", "what is known of recordings, after data or load", "load FILE"),
+    FOUND("clean", "what is wrong with a recording", "data clean"),
+    FOUND("adopt", "what was taken from a fit", "adopt"),
+    FOUND("cursor", "what the cursors stand on", "cursor A 0"),
+    FOUND("loaded", "a table read from a file", "load FILE"),
+};
+
+const struct catalog result_catalog = CATALOG("result", rows);
+
+static const struct result_row *row_of(struct text kind)
+{
+    for (size_t i = 0; i < COUNT_OF(rows); i++)
+        if (text_is(kind, rows[i].kind ? rows[i].kind : rows[i].row.name))
+            return &rows[i];
+    return NULL;
+}
+
+static void say_now(struct session *session, const struct result_row *row)
+{
+    struct table_store said = {0};
+    struct reply reply;
+    reply_init(&reply, (struct sink){NULL, NULL, NULL});
+    reply.muted = true;
+    reply.store = &said;
+    row->say(session, &reply);
+    reply_free(&reply);
+    session_keep_results(session, &said, row->row.name);
+}
+
+bool export_result(struct session *session, const struct row *of, struct export *export,
+                   struct error *error)
+{
+    const struct result_row *row = (const struct result_row *)(const void *)of;
+    if (row->table)
+        return row->table(session, export, error);
+    if (row->say)
+        say_now(session, row);
+    const struct stored_table *stored = table_store_find(&session->found, text_of(of->name));
+    if (!stored) {
+        error_set(error, ERROR_COMMAND, "there is no table of %s yet", of->name);
+        return error_hint(error, "type: %s", row->type);
+    }
+    export->table = stored->table;
+    return true;
+}
+
+bool export_latest(struct session *session, struct export *export, struct error *error)
+{
+    const struct row *studied = session->studied_runs == session->next_run && session->studied
+                                    ? catalog_find(&result_catalog, text_of(session->studied))
+                                    : NULL;
+    return studied ? export_result(session, studied, export, error)
+                   : export_run_table(session, export, error);
+}
+
+/* ---- keeping them ---- */
+
+void reply_result(const struct session *session, struct reply *reply, const char *kind,
+                  const struct result_columns *columns, const void *rows_of, size_t count,
+                  const char *method, const char *reference)
+{
+    struct arena arena = {0};
+    struct export export = {.arena = &arena};
+    struct keys keys;
+    struct error ignored;
+    struct buffer duration = {0};
+    if (reply->store && columns_table(columns, rows_of, count, &arena, &export.table) &&
+        keys_begin(&keys, &export, &ignored)) {
+        buffer_exact(&duration, (struct measured){session->setup.settings.duration, 0},
+                     QUANTITY_TIME);
+        if (method)
+            keys_add_text(&keys, "method", method);
+        keys_add(&keys, "duration", &duration);
+        if (reference && reference[0])
+            keys_add_text(&keys, "reference", reference);
+        keys_add_scene(&keys, &session->setup.scene);
+        if (keys_finish(&keys, &export, &ignored))
+            table_store_put(reply->store, kind, &arena, &export.table);
+    }
+    arena_reset(&arena);
+}
+
+static bool keep(void *context, struct stored_table *stored)
+{
+    struct session *session = context;
+    const struct result_row *row = row_of(text_of(stored->kind));
+    struct export export = {&stored->arena, stored->table};
+    struct error ignored;
+    if (!row || row->table || stored->table.rows == 0)
+        return false;
+    if (!stored->table.key && export_scene_keys(session, &export, &ignored))
+        stored->table = export.table;
+    if (row->study) {
+        session->studied = row->row.name;
+        session->studied_runs = session->next_run;
+    }
+    return true;
+}
+
+const struct row *session_keep_results(struct session *session, struct table_store *said,
+                                       const char *command)
+{
+    const struct row *of = catalog_find(&result_catalog, text_of(command));
+    for (int i = 0; i < said->count; i++) {
+        const struct result_row *row = row_of(text_of(said->of[i]->kind));
+        if (row && (!of || !table_store_find(said, text_of(of->name))))
+            of = &row->row;
+    }
+    table_store_take(&session->found, said, keep, session);
+    return of;
+}

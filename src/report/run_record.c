@@ -1,0 +1,174 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* A run as it is now, for programs and files. */
+#include <hooke/report.h>
+
+#include <math.h>
+
+void run_record_init(struct run_record *record, const struct session *session,
+                     const struct run *run)
+{
+    *record = (struct run_record){.run = run,
+                                  .number = run->number,
+                                  .method = run->method->row.name,
+                                  .dt = run->plan.adaptive ? NAN : run->settings.dt,
+                                  .tol = run->plan.adaptive ? run->settings.tol : NAN,
+                                  .y = NAN,
+                                  .v = NAN,
+                                  .rest = run_rest(run),
+                                  .data = run_data_distance(run, session_recording(session)),
+                                  .status = stop_name(run->stop)};
+    run_ledger(run, &record->ledger);
+    if (run->stop == STOP_SINGULAR)
+        record->ledger.error_max = NAN; /* the difference of numbers without bound */
+}
+
+/* What takes long, and only records say. */
+static void complete(struct run_record *record)
+{
+    const struct run *run = record->run;
+    const struct model *model = run->system.model;
+    run_errors(run, &record->errors);
+    run_below_tolerance(run, record->below);
+    const int variable[] = {model_variable(model, TEXT("y")), model_variable(model, TEXT("v"))};
+    double *const value[] = {&record->y, &record->v};
+    for (int i = 0; i < 2; i++)
+        if (variable[i] >= 0 && !(record->below[variable[i]] > 0))
+            *value[i] = run->y[variable[i]];
+}
+
+static const struct run *of(const void *row)
+{
+    return ((const struct run_record *)row)->run;
+}
+
+static bool is_mechanical(const void *row) /* without a potential for all of it */
+{
+    return of(row)->system.order == 2 && !of(row)->system.energy;
+}
+
+static bool has_data(const void *row)
+{
+    return isfinite(((const struct run_record *)row)->data.rms);
+}
+
+static double kinetic(const void *row)
+{
+    return run_observable(of(row), observable_energy(&of(row)->system));
+}
+
+static int64_t steps(const void *row)
+{
+    return of(row)->steps;
+}
+
+static int64_t evals(const void *row)
+{
+    return of(row)->cost.evals;
+}
+
+static int64_t turns(const void *row)
+{
+    return of(row)->cost.turns;
+}
+
+static double t(const void *row)
+{
+    return of(row)->t;
+}
+
+static double seconds(const void *row)
+{
+    return of(row)->seconds;
+}
+
+static double opinion_error(const void *row)
+{
+    return run_opinion_known(of(row)) ? of(row)->opinion.error : NAN;
+}
+
+static double opinion_max(const void *row)
+{
+    return run_opinion_known(of(row)) ? of(row)->opinion.max : NAN;
+}
+
+static double opinion_t(const void *row)
+{
+    return run_opinion_known(of(row)) ? of(row)->opinion.t : NAN;
+}
+
+static double opinion_lost(const void *row)
+{
+    return run_opinion_known(of(row)) ? of(row)->opinion.lost : NAN;
+}
+
+static void put_state(struct reply *reply, const char *key, const void *row)
+{
+    const struct run *run = of(row);
+    const double *below = ((const struct run_record *)row)->below;
+    reply_object(reply, key);
+    for (int i = 0; i < run->system.n; i++) {
+        const struct variable variable = system_variable(&run->system, i);
+        reply_quantity(reply, variable.name, below[i] > 0 ? NAN : run->y[i],
+                       quantity_unit(variable.quantity));
+    }
+    reply_close(reply);
+}
+
+static void put_below(struct reply *reply, const char *key, const void *row)
+{
+    const struct run *run = of(row);
+    reply_array(reply, key);
+    for (int i = 0; i < run->system.n; i++)
+        if (((const struct run_record *)row)->below[i] > 0)
+            reply_string(reply, NULL, system_variable(&run->system, i).name);
+    reply_close(reply);
+}
+
+#define AT(member) .at = offsetof(struct run_record, member)
+#define TIME .quantity = QUANTITY_TIME
+
+static const struct result_column of_run[] = {
+    {.name = "run", .kind = COLUMN_INT, AT(number)},
+    {.name = "method", .kind = COLUMN_NAME, AT(method)},
+    {.name = "dt", AT(dt), TIME},
+    {.name = "tol", AT(tol)},
+    {.name = "steps", .kind = COLUMN_COUNT, .number = steps},
+    {.name = "evals", .kind = COLUMN_COUNT, .number = evals},
+    {.name = "turning_steps", .kind = COLUMN_COUNT, .number = turns},
+    {.name = "t", .real = t, TIME},
+    {.name = "y", AT(y)},
+    {.name = "v", AT(v)},
+    {.name = "state", .record = put_state},
+    {.name = "below_tolerance", .record = put_below},
+    {.name = "energy", AT(ledger.final), .quantity = QUANTITY_ENERGY},
+    {.name = "kinetic", .real = kinetic, .defined = is_mechanical, .quantity = QUANTITY_ENERGY},
+    {.name = "energy_error", AT(ledger.error_max)},
+    {.name = "error", AT(errors.max)},
+    {.name = "error_estimate", .real = opinion_error},
+    {.name = "error_on_the_way", .real = opinion_max},
+    {.name = "estimated_to", .real = opinion_t, TIME},
+    {.name = "digits_lost_from", .real = opinion_lost, TIME},
+    {.name = "rest_from", AT(rest), TIME},
+    {.name = "rms_from_data", AT(data.rms), .defined = has_data},
+    {.name = "data_gain", AT(data.gain), .defined = has_data},
+    {.name = "data_at_zero", AT(data.at_zero), .defined = has_data},
+    {.name = "status", .kind = COLUMN_NAME, AT(status)},
+    {.name = "time", .real = seconds, TIME},
+};
+
+static const struct result_columns columns = RESULT_COLUMNS(of_run, struct run_record);
+
+void reply_run_record(struct run_record *record, struct reply *reply)
+{
+    complete(record);
+    reply_records(reply, "run", &columns, record, 1);
+}
+
+void reply_current_run(const struct session *session, struct reply *reply)
+{
+    struct run_record record;
+    if (!session_run(session))
+        return;
+    run_record_init(&record, session, session_run(session));
+    reply_run_record(&record, reply);
+}

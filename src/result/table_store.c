@@ -1,0 +1,251 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Tables by the kind of their rows, and records as rows of such tables. */
+#include <hooke/result.h>
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* A column that grows; neither numbers nor texts: so far all cells are empty. */
+struct cells {
+    const char *name, *unit;
+    double *value;
+    const char **text;
+};
+
+struct growth {
+    struct cells *cells;
+    int columns, column_capacity, next; /* next: the column that most likely comes next */
+    size_t rows, capacity;
+    bool failed;
+};
+
+struct stored_table *table_store_find(const struct table_store *store, struct text kind)
+{
+    for (int i = 0; i < store->count; i++)
+        if (text_is(kind, store->of[i]->kind))
+            return store->of[i];
+    return NULL;
+}
+
+static void destroy(struct stored_table *stored)
+{
+    arena_reset(&stored->arena);
+    free(stored);
+}
+
+void table_store_free(struct table_store *store)
+{
+    for (int i = 0; i < store->count; i++)
+        destroy(store->of[i]);
+    free(store->of);
+    *store = (struct table_store){0};
+}
+
+/* In the place of the one of that kind; false: no memory. */
+static bool add(struct table_store *store, struct stored_table *stored)
+{
+    struct stored_table *before = table_store_find(store, text_of(stored->kind));
+    for (int i = 0; i < store->count && before; i++)
+        if (store->of[i] == before) {
+            destroy(before);
+            store->of[i] = stored;
+            return true;
+        }
+    struct stored_table **of =
+        realloc(store->of, ((size_t)store->count + 1) * sizeof(struct stored_table *));
+    if (!of)
+        return false;
+    store->of = of;
+    store->of[store->count++] = stored;
+    return true;
+}
+
+bool table_store_put(struct table_store *store, const char *kind, struct arena *arena,
+                     const struct table *table)
+{
+    struct stored_table *stored = malloc(sizeof *stored);
+    if (stored)
+        *stored = (struct stored_table){kind, *arena, *table, NULL};
+    if (stored && add(store, stored)) {
+        *arena = (struct arena){0};
+        return true;
+    }
+    free(stored);
+    return false;
+}
+
+/* ---- a row ---- */
+
+void store_row_begin(struct table_store *store, const char *kind)
+{
+    struct stored_table *stored = table_store_find(store, text_of(kind));
+    struct arena arena = {0};
+    struct growth *growth = stored ? NULL : arena_alloc(&arena, sizeof *growth);
+    const char *name = growth ? arena_text(&arena, text_of(kind)) : NULL;
+    if (name && table_store_put(store, name, &arena, &(struct table){0})) {
+        *growth = (struct growth){0};
+        stored = table_store_find(store, text_of(kind));
+        stored->growth = growth;
+    }
+    arena_reset(&arena);
+    store->row = stored && stored->growth ? stored : NULL;
+    if (store->row)
+        store->row->growth->next = 0;
+}
+
+static bool grow_rows(struct arena *arena, struct growth *stored)
+{
+    const size_t capacity = stored->capacity ? 2 * stored->capacity : 4;
+    for (int c = 0; c < stored->columns; c++) {
+        struct cells *cells = &stored->cells[c];
+        double *value = cells->value ? arena_array(arena, capacity, sizeof *value) : NULL;
+        const char **text = cells->text ? arena_array(arena, capacity, sizeof *text) : NULL;
+        if ((cells->value && !value) || (cells->text && !text))
+            return false;
+        for (size_t i = 0; i < capacity; i++) {
+            if (value)
+                value[i] = i < stored->rows ? cells->value[i] : NAN;
+            if (text)
+                text[i] = i < stored->rows ? cells->text[i] : "";
+        }
+        cells->value = value;
+        cells->text = text;
+    }
+    stored->capacity = capacity;
+    return true;
+}
+
+static struct cells *column_of(struct arena *arena, struct growth *growth, const char *name,
+                               const char *unit)
+{
+    for (int i = 0; i < growth->columns; i++) {
+        const int c = (growth->next + i) % growth->columns;
+        if (strcmp(growth->cells[c].name, name) != 0)
+            continue;
+        growth->next = c + 1;
+        return &growth->cells[c];
+    }
+    if (growth->columns == growth->column_capacity) {
+        const int capacity = growth->column_capacity ? 2 * growth->column_capacity : 16;
+        struct cells *more = arena_array(arena, (size_t)capacity, sizeof *more);
+        if (!more)
+            return NULL;
+        if (growth->columns)
+            memcpy(more, growth->cells, (size_t)growth->columns * sizeof *more);
+        growth->cells = more;
+        growth->column_capacity = capacity;
+    }
+    const char *copy = arena_text(arena, text_of(name)), *its = arena_text(arena, text_of(unit));
+    if (!copy || !its)
+        return NULL;
+    growth->next = growth->columns + 1;
+    growth->cells[growth->columns] = (struct cells){copy, its, NULL, NULL};
+    return &growth->cells[growth->columns++];
+}
+
+/* The cell's column, with room for the present row; NULL: nothing is collected, or no memory. */
+static struct cells *cell_of(struct table_store *store, const char *name, const char *unit)
+{
+    struct growth *growth = store->row ? store->row->growth : NULL;
+    struct arena *arena = store->row ? &store->row->arena : NULL;
+    if (!growth || growth->failed)
+        return NULL;
+    if (growth->rows >= growth->capacity && !grow_rows(arena, growth))
+        growth->failed = true;
+    struct cells *cells = growth->failed ? NULL : column_of(arena, growth, name, unit);
+    growth->failed |= !cells;
+    return cells;
+}
+
+void store_cell_none(struct table_store *store, const char *name)
+{
+    cell_of(store, name, "");
+}
+
+void store_cell_real(struct table_store *store, const char *name, const char *unit, double value)
+{
+    struct cells *cells = cell_of(store, name, unit);
+    if (!cells)
+        return;
+    struct arena *arena = &store->row->arena;
+    struct growth *growth = store->row->growth;
+    if (cells->text) { /* among words */
+        char z[REAL_TEXT_SIZE];
+        const char *copy = arena_text(arena, (struct text){z, real_format(value, z)});
+        cells->text[growth->rows] = copy ? copy : "";
+        return;
+    }
+    if (!cells->value) {
+        cells->unit = arena_text(arena, text_of(unit));
+        cells->value = arena_array(arena, growth->capacity, sizeof *cells->value);
+        for (size_t i = 0; cells->value && i < growth->capacity; i++)
+            cells->value[i] = NAN;
+    }
+    if (cells->value && cells->unit)
+        cells->value[growth->rows] = value;
+    else
+        growth->failed = true;
+}
+
+void store_cell_text(struct table_store *store, const char *name, const char *text)
+{
+    struct cells *cells = cell_of(store, name, "");
+    if (!cells || cells->value)
+        return;
+    struct arena *arena = &store->row->arena;
+    struct growth *growth = store->row->growth;
+    if (!cells->text) {
+        cells->text = arena_array(arena, growth->capacity, sizeof *cells->text);
+        for (size_t i = 0; cells->text && i < growth->capacity; i++)
+            cells->text[i] = "";
+    }
+    const char *copy = arena_text(arena, text_of(text));
+    if (cells->text && copy)
+        cells->text[growth->rows] = copy;
+    else
+        growth->failed = true;
+}
+
+void store_row_end(struct table_store *store)
+{
+    if (store->row)
+        store->row->growth->rows++;
+    store->row = NULL;
+}
+
+/* ---- what the rows have become ---- */
+
+static bool finish(struct stored_table *stored)
+{
+    const struct growth *growth = stored->growth;
+    if (!growth)
+        return true;
+    struct table_column *column =
+        arena_array(&stored->arena, (size_t)growth->columns + 1, sizeof *column);
+    bool ok = column && !growth->failed;
+    for (int c = 0; ok && c < growth->columns; c++) {
+        const struct cells *cells = &growth->cells[c];
+        const bool empty = !cells->value && !cells->text;
+        double *none = empty ? arena_array(&stored->arena, growth->capacity, sizeof *none) : NULL;
+        for (size_t i = 0; none && i < growth->capacity; i++)
+            none[i] = NAN;
+        ok = !empty || none;
+        column[c] = (struct table_column){cells->name, cells->unit, empty ? none : cells->value,
+                                          cells->text};
+    }
+    stored->table =
+        (struct table){.column = column, .columns = growth->columns, .rows = growth->rows};
+    stored->growth = NULL;
+    return ok;
+}
+
+void table_store_take(struct table_store *store, struct table_store *from,
+                      bool (*wanted)(void *context, struct stored_table *stored), void *context)
+{
+    for (int i = 0; i < from->count; i++)
+        if (!finish(from->of[i]) || !wanted(context, from->of[i]) || !add(store, from->of[i]))
+            destroy(from->of[i]);
+    from->count = 0;
+    table_store_free(from);
+}

@@ -1,0 +1,127 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Records become rows of tables: names of columns, units, gaps; what is kept of them. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <hooke/result.h>
+
+#include <math.h>
+#include <string.h>
+
+static bool out(void *context, struct text text)
+{
+    buffer_put(context, text);
+    return true;
+}
+
+static bool all(void *context, struct stored_table *stored)
+{
+    (void)context;
+    (void)stored;
+    return true;
+}
+
+static bool none(void *context, struct stored_table *stored)
+{
+    (void)context;
+    (void)stored;
+    return false;
+}
+
+static void say_swing(struct reply *reply, double period, const char *note)
+{
+    reply_begin(reply, "swing");
+    reply_quantity(reply, "period", period, "s");
+    reply_string(reply, "note", note);
+    reply_measured(reply, "mass", (struct measured){2, 0.5}, QUANTITY_MASS);
+    reply_array(reply, "window");
+    reply_real(reply, NULL, 1);
+    reply_real(reply, NULL, 3);
+    reply_close(reply);
+    reply_array(reply, "parameters");
+    reply_object(reply, NULL);
+    reply_string(reply, "name", "k");
+    reply_int(reply, "value", 7);
+    reply_close(reply);
+    reply_object(reply, NULL);
+    reply_bool(reply, "held", true);
+    reply_close(reply);
+    reply_close(reply);
+    reply_null(reply, "never");
+    reply_end(reply);
+}
+
+static void fields_are_columns_called_by_their_path(void **state)
+{
+    (void)state;
+    struct buffer said = {0}, text = {0};
+    struct table_store made = {0}, store = {0};
+    struct reply reply;
+    reply_init(&reply, (struct sink){out, out, &said});
+    reply.store = &made;
+    reply.muted = true;
+    say_swing(&reply, 1.5, NULL);
+    say_swing(&reply, NAN, "a,b");
+    for (int i = 0; i < 9; i++)
+        say_swing(&reply, i, "more");
+    assert_int_equal(said.len, 0);
+    table_store_take(&store, &made, all, NULL);
+    assert_int_equal(made.count, 0);
+    const struct stored_table *stored = table_store_find(&store, TEXT("swing"));
+    assert_non_null(stored);
+    assert_int_equal(stored->table.rows, 11);
+    struct table table = stored->table;
+    table.rows = 3;
+    table_format(&table, TABLE_CSV, &text);
+    assert_string_equal(buffer_view(&text),
+                        "period [s],note,mass [kg],mass_uncertainty [kg],window.1,window.2,"
+                        "parameters.k.value,parameters.2.held,never\n"
+                        "1.5,,2,0.5,1,3,7,true,\n"
+                        ",\"a,b\",2,0.5,1,3,7,true,\n"
+                        "0,more,2,0.5,1,3,7,true,\n");
+    table_store_free(&store);
+    buffer_free(&text);
+    buffer_free(&said);
+    reply_free(&reply);
+}
+
+static void the_last_of_a_kind_is_kept_and_a_whole_table_as_it_is(void **state)
+{
+    (void)state;
+    static const double x[] = {1, 2};
+    static const struct table_column column[] = {{"x", "m", x, NULL}};
+    const struct table whole = {.column = column, .columns = 1, .rows = 2};
+    struct table_store made = {0}, store = {0};
+    struct arena arena = {0};
+    struct reply reply;
+    reply_init(&reply, (struct sink){out, out, NULL});
+    reply.muted = true;
+    for (int i = 0; i < 2; i++) {
+        reply.store = &made;
+        say_swing(&reply, i, NULL);
+        table_store_take(&store, &made, i ? none : all, NULL);
+    }
+    assert_int_equal(store.count, 1);
+    assert_true(store.of[0]->table.column[0].value[0] == 0);
+    assert_true(table_store_put(&made, "swing", &arena, &whole));
+    say_swing(&reply, 5, NULL);
+    table_store_take(&store, &made, all, NULL);
+    assert_int_equal(store.count, 1);
+    assert_int_equal(store.of[0]->table.columns, 1);
+    assert_int_equal(store.of[0]->table.rows, 2);
+    table_store_free(&store);
+    reply_free(&reply);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(fields_are_columns_called_by_their_path),
+        cmocka_unit_test(the_last_of_a_kind_is_kept_and_a_whole_table_as_it_is),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
