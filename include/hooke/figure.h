@@ -45,9 +45,6 @@ void canvas_print(const struct canvas *canvas, bool color, struct buffer *out);
 
 enum charset { CHARSET_ASCII, CHARSET_BLOCK, CHARSET_BRAILLE };
 
-extern const struct catalog
-    charset_catalog; /* struct row at the enum's place: ascii, block, braille */
-
 /* ---- figures ---- */
 
 struct axis {
@@ -118,7 +115,6 @@ struct ticks ticks_linear(double from, double to, int want, int max);
 /* Labels of decades for a log axis (0 < from < to): powers of ten from `first` in steps of `step`
  * decades. */
 struct ticks ticks_log(double from, double to, int max);
-void tick_label(const struct ticks *ticks, int i, bool log, struct buffer *out);
 
 /* Where a value lies between the two ends of an axis. Never overflows, whatever the values. */
 struct scale {
@@ -129,7 +125,6 @@ struct scale {
 };
 /* 0 at from, 1 at to; cut off at +-1e6; NAN for what cannot be shown. */
 double scale_fraction(const struct scale *scale, double value);
-double scale_value(const struct scale *scale, double fraction);
 
 /* What figure_draw will do with a rectangle: for cursors, and for callers that keep ranges and
  * gutters steady. */

@@ -113,6 +113,8 @@ struct command {
                     struct error *error);
 };
 
+#define USAGE_CHOICES 8 /* as many choices stand in the line of usage themselves */
+
 /* "run [DURATION | to T | until COND] [--force]", made from the arguments. */
 void command_usage(const struct command *command, struct buffer *text);
 

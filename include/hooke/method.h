@@ -157,6 +157,7 @@ struct method {
 };
 
 extern const struct catalog method_catalog;
+const struct method *method_find(const char *name); /* NULL: this build has no such method */
 
 /* Whether this method can step this system with this drag variant; false: a reason. Resolves
  * DRAG_DEFAULT. */

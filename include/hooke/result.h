@@ -224,7 +224,6 @@ void cell_quantity(struct text_table *table, double value, enum quantity quantit
 void cell_error(struct text_table *table, double value); /* 1.3e-05 */
 void cell_count(struct text_table *table, int64_t value);
 void cell_seconds(struct text_table *table, double seconds); /* with us below a millisecond */
-const char *cell_last(const struct text_table *table);       /* the cell just made */
 void text_table_put(const struct text_table *table, struct buffer *out);
 
 /* ---- columns: what a result consists of, described once beside its struct ----

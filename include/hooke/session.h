@@ -158,9 +158,8 @@ struct front {
 
 /* What `adopt` took last: the scene as it became, and covariances of what is uncertain in it. */
 struct adopted_fit {
-    struct scene scene;                                     /* model NULL: nothing was adopted */
-    int index[CURVE_PARAMETERS], count;                     /* of the parameters */
-    double covariance[CURVE_PARAMETERS * CURVE_PARAMETERS]; /* [count][count] */
+    struct scene scene; /* model NULL: nothing was adopted */
+    struct scene_covariance known;
     struct exact_names exact;
     char of[LIMIT_NAME + 16]; /* "data swing3": what was fitted */
 };
@@ -199,7 +198,7 @@ struct session {
     char fit_of[LIMIT_NAME + 16]; /* "data swing3", "run 2" */
     double fit_zero;              /* of the recording at that time: its offset counts from there */
     /* Where the last fit was one of the scene or of a formula: */
-    double *fit_curve[2]; /* [fit_samples] its times and values; NULL: fit_value() */
+    double *fit_curve[2]; /* [fit_samples] its times and values; NULL: fit_values() */
     size_t fit_samples;
     struct scene fit_scene;   /* as fitted; model NULL: it was no fit of the scene */
     bool fit_free[PARAM_MAX]; /* what was fitted there */

@@ -4,14 +4,6 @@
 
 #include <stdio.h>
 
-static const struct row charset_rows[] = {
-    [CHARSET_ASCII] = {"ascii", "", "plain characters: ' - . _ / \\ |", "", NULL},
-    [CHARSET_BLOCK] = {"block", "", "quarter blocks, 2x2 dots a cell", "", NULL},
-    [CHARSET_BRAILLE] = {"braille", "", "braille patterns, 2x4 dots a cell", "", NULL},
-};
-
-const struct catalog charset_catalog = CATALOG("charset", charset_rows);
-
 /* What lines are drawn with. Box characters are code points: alternate character sets break in
  * captures and mosh. */
 struct strokes {

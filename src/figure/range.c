@@ -20,12 +20,6 @@ double scale_fraction(const struct scale *scale, double value)
     return fraction_of(scale, value);
 }
 
-double scale_value(const struct scale *scale, double fraction)
-{
-    double value = scale->origin + fraction / scale->gain;
-    return scale->log ? pow(10, value) : value / scale->unit;
-}
-
 static bool fixed_range(const struct axis *axis)
 {
     double size = fmax(fabs(axis->from), fabs(axis->to));

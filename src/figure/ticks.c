@@ -173,10 +173,3 @@ int tick_text(const struct ticks *ticks, int i, bool log, char out[TICK_TEXT_SIZ
     }
     return decimal_text(value, decimals, out);
 }
-
-void tick_label(const struct ticks *ticks, int i, bool log, struct buffer *out)
-{
-    char text[TICK_TEXT_SIZE];
-    int len = tick_text(ticks, i, log, text);
-    buffer_put(out, (struct text){text, (size_t)len});
-}

@@ -15,7 +15,7 @@ static void put_item(const struct argument *argument, struct buffer *out)
         [TYPE_REST] = "TEXT",      [TYPE_FORMULA] = "EXPR",   [TYPE_COLUMN] = "COLUMN",
         [TYPE_PARAM] = "NAME",     [TYPE_EVENT] = "EVENT",    [TYPE_START] = "START"};
     const bool model = argument->type == TYPE_MODEL;
-    if (model || (argument->type == TYPE_CHOICE && argument->choices->count <= 8)) {
+    if (model || (argument->type == TYPE_CHOICE && argument->choices->count <= USAGE_CHOICES)) {
         for (size_t i = 0; i < argument->choices->count; i++)
             buffer_format(out, "%s%s", i ? "|" : "", catalog_row(argument->choices, i)->name);
         buffer_put(out, model ? TEXT("|EXPR") : TEXT(""));

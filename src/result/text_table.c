@@ -65,11 +65,6 @@ void cell_seconds(struct text_table *table, double seconds)
     cell_take(table, &text);
 }
 
-const char *cell_last(const struct text_table *table)
-{
-    return table->cells ? table->cell[table->cells - 1] : "";
-}
-
 void text_table_put(const struct text_table *table, struct buffer *out)
 {
     int width[TABLE_COLUMNS_MAX] = {0};

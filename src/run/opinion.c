@@ -74,11 +74,6 @@ static double work_of(const struct cost *cost)
     return (double)(cost->evals + cost->jacobians);
 }
 
-static const struct method *named(const char *name)
-{
-    return (const struct method *)(const void *)catalog_find(&method_catalog, text_of(name));
-}
-
 void opinion_forget(struct run *run)
 {
     struct second *second = run->private_state->second;
@@ -209,7 +204,8 @@ static const struct method *choose_method(const struct run *run, bool other)
 {
     const double evals = (double)run->cost.evals;
     const bool stiff = !(EVALS_A_UNIT * stiffness_over(run) <= fmax(STIFF * evals, EVALS_FREE));
-    return stiff == other ? named("dop853") : named(run->method->rosenbrock ? "radau5" : "rodas5p");
+    return stiff == other ? method_find("dop853")
+                          : method_find(run->method->rosenbrock ? "radau5" : "rodas5p");
 }
 
 static bool second_begin(struct run *run, bool other)

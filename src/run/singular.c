@@ -60,8 +60,7 @@ static double speed_of(const struct system *system, double t, const double *y)
 static bool approach_end(const struct system *system, double *t, const double *y, double end,
                          int64_t max, struct approach *approach)
 {
-    const struct method *method =
-        (const struct method *)(const void *)catalog_find(&method_catalog, TEXT("dop853"));
+    const struct method *method = method_find("dop853");
     double state[LIMIT_VARIABLES],
         *work = method ? malloc((method_work_size(method, system->n) + 1) * sizeof *work) : NULL;
     struct step step = {.system = system, .y = state, .work = work, .t = *t};

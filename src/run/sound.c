@@ -20,8 +20,7 @@
 bool run_solve(const struct system *system, double t, const double *y, double end, const char *by,
                double tol, double *to)
 {
-    const struct method *method =
-        (const struct method *)(const void *)catalog_find(&method_catalog, text_of(by));
+    const struct method *method = method_find(by);
     double state[LIMIT_VARIABLES],
         *work = method ? malloc((method_work_size(method, system->n) + 1) * sizeof *work) : NULL;
     struct step step = {.system = system, .y = state, .work = work, .t = t};

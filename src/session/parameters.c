@@ -5,39 +5,6 @@
 
 #include <string.h>
 
-const struct param_row *param_at(const struct scene *scene, int index)
-{
-    return (const struct param_row *)(const void *)catalog_row(scene_params(scene), (size_t)index);
-}
-
-int scene_param_at(const struct scene *scene, struct text name)
-{
-    const struct row *row = catalog_find(scene_params(scene), name);
-    return row ? catalog_index(scene_params(scene), row) : -1;
-}
-
-double param_value(const struct scene *scene, const char *name)
-{
-    const int index = scene_param(scene, name);
-    return index >= 0 ? scene->value[index] : NAN;
-}
-
-bool param_given(const struct scene *scene, const char *name)
-{
-    const int index = scene_param(scene, name);
-    return index >= 0 && scene->given[index];
-}
-
-bool is_oscillator(const struct scene *scene)
-{
-    return typed_base(scene->model) == &oscillator_model;
-}
-
-bool is_pendulum(const struct scene *scene)
-{
-    return strcmp(typed_base(scene->model)->row.name, "pendulum") == 0;
-}
-
 void scene_lines(const struct scene *scene, const char *before, struct buffer *text)
 {
     for (int i = 0; i < typed_lines(scene->model); i++) {

@@ -22,8 +22,7 @@ struct session *session_create(const struct front *front)
         return NULL;
     }
     scene_init(&session->setup.scene, NULL);
-    session->setup.method =
-        (const struct method *)(const void *)catalog_find(&method_catalog, TEXT("euler"));
+    session->setup.method = method_find("euler");
     session_default_settings(&session->setup.settings);
     session->current_run = session->current_recording = -1;
     session->next_run = 1;

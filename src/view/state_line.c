@@ -34,8 +34,7 @@ static void put_quantity(struct buffer *out, double value, enum quantity quantit
 
 static void put_parameter(struct buffer *out, const struct scene *scene, int i, const char *gap)
 {
-    const struct param_row *param =
-        (const struct param_row *)(const void *)catalog_row(scene_params(scene), (size_t)i);
+    const struct param_row *param = param_at(scene, i);
     buffer_format(out, "%s%s=", gap, param->row.name);
     if (scene->value[i] == 0 || param->quantity == QUANTITY_RATE) /* 1/s goes without saying */
         buffer_short(out, scene->value[i], 3);

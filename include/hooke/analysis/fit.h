@@ -174,7 +174,6 @@ enum {
  * angle). */
 enum restoring_force { RESTORING_LINEAR, RESTORING_CUBIC, RESTORING_SINE, RESTORING_FORCES };
 
-extern const struct catalog restoring_catalog;
 const char *restoring_name(enum restoring_force force); /* "linear", "Duffing", "pendulum" */
 
 /* One motion under such a law: y and y' at t0 [without the offset], omega0, gamma, b, f, beta, and
@@ -306,7 +305,6 @@ struct fit_model {
 extern const struct catalog fit_catalog;
 
 /* Model value at time t [s] (absolute). */
-double fit_value(const struct fit *fit, double t);
 /* At n ascending times. */
 void fit_values(const struct fit *fit, const double *t, size_t n, double *value);
 /* k = m (omega^2 + gamma^2/4) with the mass's and the fit's uncertainties. */

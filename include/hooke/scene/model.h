@@ -73,6 +73,13 @@ const struct catalog *scene_params(const struct scene *scene);
 const struct catalog *scene_derived(const struct scene *scene);
 int scene_param(const struct scene *scene,
                 const char *name); /* place, -1: this scene has no such parameter */
+int scene_param_at(const struct scene *scene, struct text name);
+const struct param_row *param_at(const struct scene *scene, int index);
+double param_value(const struct scene *scene,
+                   const char *name); /* NAN: the scene has no such parameter */
+bool param_given(const struct scene *scene, const char *name);
+bool is_oscillator(const struct scene *scene); /* also with forces that were typed */
+bool is_pendulum(const struct scene *scene);   /* on a rigid rod */
 
 void scene_init(struct scene *scene,
                 const struct preset *preset); /* NULL: "spring" with the lab's defaults */

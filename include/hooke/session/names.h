@@ -8,13 +8,6 @@
 
 /* ---- what a scene has, by name ---- */
 
-const struct param_row *param_at(const struct scene *scene, int index);
-int scene_param_at(const struct scene *scene, struct text name); /* as scene_param() */
-double param_value(const struct scene *scene,
-                   const char *name); /* NAN: the scene has no such parameter */
-bool param_given(const struct scene *scene, const char *name);
-bool is_oscillator(const struct scene *scene); /* also with forces that were typed */
-bool is_pendulum(const struct scene *scene);   /* on a rigid rod */
 /* What was typed, a line each after `before`. */
 void scene_lines(const struct scene *scene, const char *before, struct buffer *text);
 /* The same, each before `end`, in an order in which they can be typed: a line may use one that was

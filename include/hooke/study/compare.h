@@ -46,11 +46,6 @@ enum kernel study_path(const struct system *system, const struct method *method,
                        const struct run_settings *settings);
 const char *path_name(enum kernel path); /* as in kernel_catalog */
 
-/* tol > 0: adaptive. Solves from system->t0 over `span`. */
-void time_solve(const struct system *system, const struct method *method,
-                const struct run_settings *settings, double span, enum timing timing,
-                const struct cancel *cancel, struct timing_result *result);
-
 /* ---- reference: what errors are measured against ----
  *
  * On a common grid of 257 times, so that a coarse method is not sampled kindly: the closed form

@@ -43,15 +43,56 @@ bool study_fit_scene(const struct scene_fit_request *request, struct arena *aren
  */
 int scene_fit_usual(const struct scene *scene, int *index, int *fixed, int *fixed_count);
 
+/* ---- what the fit of an oscillation makes of a scene: a spring and a mass, or a pendulum ---- */
+
+enum adopted_value {
+    ADOPTED_STIFFNESS,
+    ADOPTED_CUBIC,
+    ADOPTED_LINEAR,
+    ADOPTED_QUADRATIC,
+    ADOPTED_DRY,
+    ADOPTED_POSITION, /* from here on: how it starts */
+    ADOPTED_VELOCITY,
+    ADOPTED_LENGTH,
+    ADOPTED_ANGLE,
+    ADOPTED_TURNING,
+    ADOPTED_VALUES
+};
+
+/*
+ * The parameters k, k3, gamma … that move as the fit does, with the mass, gravity and air of the
+ * scene; uncertainties are those of the fit, of k and of a length also those of mass and gravity.
+ * At its t0, or at_rest at its amplitude; n: how often a position was differentiated to give what
+ * was fitted.
+ */
+void adopted_values(const struct scene *scene, const struct fit *fit, int n, bool at_rest,
+                    struct measured out[ADOPTED_VALUES]);
+/* The fit of what is `scale` times as large: of a position [m, rad] from a voltage [V] or a force
+ * [N]; and the scale with which its motion is as wide as the scene's, which may be 0. */
+void adopted_scale(struct fit *fit, double scale);
+double adopted_scale_of(const struct scene *scene, const struct fit *fit);
+
+/* Covariances of what is uncertain in a scene. */
+struct scene_covariance {
+    int index[CURVE_PARAMETERS], count;                     /* of the parameters */
+    double covariance[CURVE_PARAMETERS * CURVE_PARAMETERS]; /* [count][count] SI */
+};
+
+/* From those of the fit; the mass counts as exact, as it is one motion. starts: it starts as the
+ * fit does. */
+void adopted_motion(const struct scene *scene, const struct fit *fit, int n, bool at_rest,
+                    bool starts, struct scene_covariance *adopted);
+/* Of those that were free in a fit of the scene. */
+void adopted_free(const bool *is_free, const struct fit_covariance *covariance,
+                  struct scene_covariance *adopted);
+
 /* ---- spread: how uncertain a motion is, for what is known of its parameters ---- */
 
 struct spread_request {
     const struct scene *scene;
-    const int *index; /* [count] of the parameters that are uncertain */
-    int count;
-    const double *covariance; /* [count][count] SI */
-    int variable;             /* of the state */
-    const double *t;          /* [n] [s] ascending, none before the start */
+    const struct scene_covariance *known; /* of its parameters */
+    int variable;                         /* of the state */
+    const double *t;                      /* [n] [s] ascending, none before the start */
     size_t n;
     const struct cancel *cancel;
 };
@@ -63,5 +104,9 @@ struct spread_request {
  */
 bool study_spread(const struct spread_request *request, struct arena *arena, double *deviation,
                   struct error *error);
+
+/* The scene from its start to `end` [s] to 1e-10, in rows so dense that a cubic between them is as
+ * good; NULL: it does not get there. */
+struct run *study_run(const struct scene *scene, double end, const struct cancel *cancel);
 
 #endif

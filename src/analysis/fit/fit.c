@@ -292,13 +292,6 @@ void fit_values(const struct fit *fit, const double *t, size_t n, double *value)
         value[i] += fit->drift.value * (t[i] - fit->t0);
 }
 
-double fit_value(const struct fit *fit, double t)
-{
-    double value;
-    fit_values(fit, &t, 1, &value);
-    return value;
-}
-
 struct measured fit_stiffness(const struct fit *fit, struct measured mass)
 {
     double w = fit->omega.value, g = fit->gamma.value, square = w * w + 0.25 * g * g,

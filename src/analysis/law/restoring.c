@@ -16,21 +16,12 @@ enum { FIRST_PERIODS = 4, LEAST = 16 };
 #define FAR                                                                                        \
     100.0 /* variances beyond another force, with which a search that did not end is no answer */
 
-static const struct row rows[] = {
-    [RESTORING_LINEAR] = {"linear", "", "a spring", "omega0^2 y", NULL},
-    [RESTORING_CUBIC] = {"Duffing", "", "a spring that hardens or softens", "omega0^2 y + beta y^3",
-                         NULL},
-    [RESTORING_SINE] = {"pendulum", "", "gravity on a rod, y is the angle", "omega0^2 sin(y)",
-                        NULL},
-};
-
-_Static_assert(COUNT_OF(rows) == RESTORING_FORCES, "a row for each");
-
-const struct catalog restoring_catalog = CATALOG("restoring force", rows);
-
 const char *restoring_name(enum restoring_force force)
 {
-    return rows[force].name;
+    static const char *const name[RESTORING_FORCES] = {[RESTORING_LINEAR] = "linear",
+                                                       [RESTORING_CUBIC] = "Duffing",
+                                                       [RESTORING_SINE] = "pendulum"};
+    return name[force];
 }
 
 /* The first samples of the whole, with a line for a baseline. */

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* adopt: all that the last fit found becomes the scene, and is proved by a run over the recording.
  */
-#include "command/data/adopted.h"
 #include "command/data/fit_text.h"
 #include "command/internal.h"
 
@@ -63,37 +62,20 @@ static void leave_out(struct adoption *a, const char *what)
 
 /* ---- the proof ---- */
 
-#define AGREES 1.2    /* rms of the run over that of the fit, at most */
-#define ROUNDING 1e-8 /* of the amplitude: what the run's own errors may add */
-#define ACCURATE 1e-10
+#define AGREES 1.2      /* rms of the run over that of the fit, at most */
+#define ROUNDING 1e-8   /* of the amplitude: what the run's own errors may add */
 #define SMALL_SWING 0.1 /* [rad] wider swings are slower by more than amplitude^2/16 = 0.06 % */
-#define ROWS 200        /* recorded in a radian of the natural frequency */
 
 /* Rms of the scene, run from its start over the window of the fit; NAN: it cannot be compared, or
  * was stopped. */
 static double rms_of_run(const struct adoption *a)
 {
     const struct session *session = a->session;
-    const double span = session->fit.window[1] - param_value(&a->scene, "t0");
-    struct run_settings settings = {.dt = span / 1e4, .tol = ACCURATE};
-    struct error ignored = {0};
-    struct system system;
-    if (a->data < 0 || !a->as_on_data || !(span > 0) || !scene_bind(&a->scene, &system, &ignored))
-        return NAN;
-    settings.record =
-        (struct recording_rule){RECORD_TIMES, 1, system.scale[0] / (ROWS * system.scale[1])};
-    settings.record.interval = fmax(settings.record.interval, span / 1e6);
-    const struct method *method =
-        (const struct method *)(const void *)catalog_find(&method_catalog, TEXT("dop853"));
-    struct run *run = run_create(&a->scene, method, &settings, span, &ignored);
-    if (!run)
-        return NAN;
-    const struct run_target target = {.t = session->fit.window[1], .steps = -1};
-    while (run_advance(run, &target, 0, session->front.cancel))
-        continue;
-    const double rms = run->stop == STOP_END
-                           ? run_data_distance(run, session->recording[a->data]->recording).rms
-                           : NAN;
+    struct run *run = a->data >= 0 && a->as_on_data
+                          ? study_run(&a->scene, session->fit.window[1], session->front.cancel)
+                          : NULL;
+    const double rms =
+        run ? run_data_distance(run, session->recording[a->data]->recording).rms : NAN;
     run_destroy(run);
     return rms;
 }
@@ -226,7 +208,7 @@ static bool adopt_curve(struct session *session, const struct arguments *given, 
     }
     inputs_use_motion(&a.inputs, fitted, session->fit_free);
     become(&a);
-    adopted_free(&session->adopted, session->fit_free, &session->fit.covariance);
+    adopted_free(session->fit_free, &session->fit.covariance, &session->adopted.known);
     put_taken(&a, &text);
     if (a.data >= 0 && session->fit.offset.value != 0) {
         struct recording *recording = session->recording[a.data]->recording;
@@ -243,29 +225,25 @@ static bool adopt_curve(struct session *session, const struct arguments *given, 
 
 /* ---- of an oscillation ---- */
 
-/* A coefficient that these parameters turn into one of the scene, `factor` times as large. */
-static struct measured converted(struct adoption *a, struct measured rate, double factor,
-                                 const char *names)
+/* A coefficient that these parameters turned into one of the scene. */
+static struct measured converted(struct adoption *a, struct measured rate, const char *names)
 {
     struct inputs used = {.exacts = 0};
     inputs_use_params(&used, &a->scene, names);
     if (rate.value != 0)
         inputs_use_params(&a->inputs, &a->scene, names);
-    return inputs_widen(&used, (struct measured){rate.value * factor, rate.uncertainty * factor});
+    return inputs_widen(&used, rate);
 }
 
 /* Every term of the law, those it does not have as 0. */
-static bool take_law(struct adoption *a, const struct fit *fit, struct error *error)
+static bool take_law(struct adoption *a, const struct fit *fit, const struct measured *value,
+                     struct error *error)
 {
     if (fit->drag.candidates == 0) {
         const bool decays = isfinite(fit->gamma.value);
         return take(a, "gamma", decays ? fit->gamma : (struct measured){0, 0}, error);
     }
     const struct drag_candidate *law = &fit->drag.candidate[fit->drag.best - 1];
-    const double m = param_value(&a->scene, "m");
-    const double drag = param_value(&a->scene, "rho") * param_value(&a->scene, "area") / m;
-    const double along =
-        a->pendulum ? m * param_value(&a->scene, "length") : m; /* of a force, by its f */
     if (a->unscaled) {
         if (law->law & (LAW_QUADRATIC | LAW_DRY))
             leave_out(a, "quadratic drag and dry friction without a scale");
@@ -275,15 +253,15 @@ static bool take_law(struct adoption *a, const struct fit *fit, struct error *er
     }
     if ((fit->drag.force == RESTORING_CUBIC || param_value(&a->scene, "k3") != 0) &&
         scene_param(&a->scene, "k3") >= 0 &&
-        !take(a, "k3", converted(a, fit->drag.cubic, m, "m"), error))
+        !take(a, "k3", converted(a, value[ADOPTED_CUBIC], "m"), error))
         return false;
     const bool quadratic = law->law & LAW_QUADRATIC, dry = law->law & LAW_DRY;
     if (!take(a, "gamma", law->rate[0], error))
         return false;
-    if (quadratic && !(drag > 0))
+    if (quadratic && !(param_value(&a->scene, "rho") * param_value(&a->scene, "area") > 0))
         leave_out(a, a->pendulum ? "quadratic drag" : "quadratic drag (rho or area is 0)");
     else if ((quadratic || param_value(&a->scene, "C") > 0) &&
-             !take(a, "C", converted(a, law->rate[1], 1 / drag, "m rho area"), error))
+             !take(a, "C", converted(a, value[ADOPTED_QUADRATIC], "m rho area"), error))
         return false;
     if (scene_param(&a->scene, "friction") < 0) {
         if (dry)
@@ -291,44 +269,28 @@ static bool take_law(struct adoption *a, const struct fit *fit, struct error *er
         return true;
     }
     return !(dry || param_value(&a->scene, "friction") > 0) ||
-           take(a, "friction", converted(a, law->rate[2], along, a->pendulum ? "m g" : "m"), error);
+           take(a, "friction", converted(a, value[ADOPTED_DRY], a->pendulum ? "m g" : "m"), error);
 }
 
-/* The spring of the fit, or the rod that swings as fast; middle: where the motion is about. With
- * gravity that is the equilibrium of the spring, not y = 0. */
-static bool take_force(struct adoption *a, const struct fit *fit, double *middle,
+/* The spring of the fit, or the rod that swings as fast. */
+static bool take_force(struct adoption *a, const struct measured *value, struct error *error)
+{
+    if (a->pendulum && !(param_value(&a->scene, "g") > 0))
+        return error_set(error, ERROR_COMMAND,
+                         "the length of a pendulum needs its gravity: g = 9.81 m/s^2");
+    inputs_use_params(&a->inputs, &a->scene, a->pendulum ? "g" : "m g");
+    return a->pendulum ? take(a, "length", value[ADOPTED_LENGTH], error)
+                       : take(a, "k", value[ADOPTED_STIFFNESS], error);
+}
+
+static bool take_start(struct adoption *a, const struct measured *value, double t0,
                        struct error *error)
 {
-    const int m = scene_param(&a->scene, "m"), g = scene_param(&a->scene, "g");
-    const struct measured mass = {a->scene.value[m], a->scene.uncertainty[m]};
-    const struct measured gravity = {a->scene.value[g], a->scene.uncertainty[g]};
-    if (a->pendulum) {
-        const struct measured square = fit_stiffness(fit, (struct measured){1, 0});
-        const double length = gravity.value / square.value;
-        if (!(gravity.value > 0))
-            return error_set(error, ERROR_COMMAND,
-                             "the length of a pendulum needs its gravity: g = 9.81 m/s^2");
-        inputs_use_params(&a->inputs, &a->scene, "g");
-        return take(a, "length",
-                    (struct measured){length, length * hypot(square.uncertainty / square.value,
-                                                             gravity.uncertainty / gravity.value)},
-                    error);
-    }
-    const struct measured stiffness = fit_stiffness(fit, mass);
-    *middle = -mass.value * gravity.value / stiffness.value;
-    inputs_use_params(&a->inputs, &a->scene, "m g");
-    return take(a, "k", stiffness, error);
-}
-
-static bool take_start(struct adoption *a, const struct fit *fit, int n, bool at_rest,
-                       double middle, struct error *error)
-{
-    struct measured start[2];
-    adopted_start(fit, n, at_rest, start);
-    start[0].value += middle;
-    return take(a, a->pendulum ? "theta0" : "y0", start[0], error) &&
-           take(a, a->pendulum ? "rate0" : "v0", start[1], error) &&
-           take(a, "t0", (struct measured){at_rest ? 0 : fit->t0, 0}, error);
+    const bool taken = a->pendulum ? take(a, "theta0", value[ADOPTED_ANGLE], error) &&
+                                         take(a, "rate0", value[ADOPTED_TURNING], error)
+                                   : take(a, "y0", value[ADOPTED_POSITION], error) &&
+                                         take(a, "v0", value[ADOPTED_VELOCITY], error);
+    return taken && take(a, "t0", (struct measured){t0, 0}, error);
 }
 
 static bool can_have_spring(const struct scene *scene, const struct fit *fit, struct error *error)
@@ -353,14 +315,7 @@ static bool find_scale(const struct adoption *a, const struct fit *fit,
         return error_at(error, given->item->text, "scale needs %s %s other than 0",
                         quantity_article(needs), quantity_name(needs));
     }
-    const double half = isfinite(fit->gamma.value) ? 0.5 * fit->gamma.value : 0,
-                 omega = fit->omega.value;
-    const double m = param_value(&a->scene, "m"), g = param_value(&a->scene, "g");
-    const double middle =
-        a->pendulum ? 0 : -m * g / fit_stiffness(fit, (struct measured){m, 0}).value;
-    const double y = param_value(&a->scene, a->pendulum ? "theta0" : "y0") - middle;
-    *scale = hypot(y, (param_value(&a->scene, a->pendulum ? "rate0" : "v0") + half * y) / omega) /
-             fit->amplitude.value;
+    *scale = adopted_scale_of(&a->scene, fit);
     return true;
 }
 
@@ -417,14 +372,18 @@ bool adopt_fit(struct session *session, const struct arguments *given, struct re
     }
     const int n = scale != 0 ? 0 : derivatives(fitted.quantity);
     a.as_on_data = n >= 0 && !at_rest;
-    double middle = 0;
-    if (!take_force(&a, fit, &middle, error) || !take_law(&a, fit, error) ||
-        (n >= 0 && !take_start(&a, fit, n, at_rest, middle, error)))
+    struct measured value[ADOPTED_VALUES];
+    adopted_values(&a.scene, fit, n > 0 ? n : 0, at_rest, value);
+    if (!take_force(&a, value, error) || !take_law(&a, fit, value, error) ||
+        (n >= 0 && !take_start(&a, value, at_rest ? 0 : fit->t0, error)))
         return false;
     if ((fit->drift.value != 0 || fit->drag.wander > 0) && fit->drag.candidates > 0)
         leave_out(&a, "the drift of the offset");
     become(&a);
-    adopted_motion(&session->adopted, fit, n > 0 ? n : 0, at_rest, n >= 0);
+    adopted_motion(&a.scene, fit, n > 0 ? n : 0, at_rest, n >= 0, &session->adopted.known);
+    const double middle = a.pendulum ? 0
+                                     : -param_value(&a.scene, "m") * param_value(&a.scene, "g") /
+                                           value[ADOPTED_STIFFNESS].value;
     const double zero =
         session->fit_zero + session->fit.offset.value - (n == 0 && !scaled ? middle : 0);
     if (a.data >= 0)

@@ -326,9 +326,7 @@ HANDLER(plot)
 
 COMMAND(
     plot,
-    .row = {"plot", "",
-            "draw position, velocity, phase, orbit, energy, error, residual, spectrum, period, "
-            "precision; or any columns",
+    .row = {"plot", "", "draw position, velocity, phase, energy, a spectrum, ...; or any columns",
             "", "p"},
     .group = "PLOT",
     .text =

@@ -372,13 +372,9 @@ COMMAND(layout, .row = {"layout", "", "choose which panes are shown", "", NULL},
 
 COMMAND(focus, .row = {"focus", "", "choose the pane that range, zoom and pan act on", "", NULL},
         .group = "PLOT",
-        .text = "full shows it alone, shared together with the others again. Panes: position, "
-                "energy, phase, velocity, "
-                "orbit (of two\n"
-                "coordinates), error (where an exact solution is known), residual (where a "
-                "recording has a fit or "
-                "overlaps the run),\n"
-                "spectrum.",
+        .text = "full shows it alone, shared together with the others again. What there is to show "
+                "now is offered:\n"
+                "no orbit without two coordinates, no error where no exact solution is known.",
         .examples = "run; focus phase\nrun; focus energy full", .see = "layout range zoom",
         .flags = COMMAND_ANYTIME,
         ARGUMENTS(PLACE("PANE", TYPE_CHOICE, .choices = &plot_catalog),

@@ -29,6 +29,25 @@ static void put_paragraphs(struct buffer *text, const char *lines)
     }
 }
 
+#define CHOICES_SHOWN 16 /* of more there is a list of its own */
+
+/* The rows that an argument can be, where usage has no room for them. */
+static void put_choices(const struct command *command, struct buffer *text)
+{
+    for (int i = 0; i < command->arguments; i++) {
+        const struct argument *argument = &command->argument[i];
+        const struct catalog *choices = argument->choices;
+        bool shown = false;
+        for (int k = 0; k < i; k++)
+            shown |= command->argument[k].choices == choices;
+        if (shown || !choices || choices->count <= USAGE_CHOICES || choices->count > CHOICES_SHOWN)
+            continue;
+        buffer_format(text, "\n%s:", argument->name);
+        for (size_t k = 0; k < choices->count; k++)
+            buffer_format(text, "%s %s", k ? "," : "", catalog_row(choices, k)->name);
+    }
+}
+
 static void help_command(const struct row *row, struct buffer *text)
 {
     const struct command *command = command_at(row);
@@ -39,6 +58,7 @@ static void help_command(const struct row *row, struct buffer *text)
         buffer_format(text, " (also: %s)", row->alias);
     buffer_char(text, '\n');
     put_paragraphs(text, command->text);
+    put_choices(command, text);
     buffer_put(text, TEXT("\nexamples:\n"));
     put_indented(text, command->examples);
     buffer_format(text, "see also: %s", command->see);
@@ -221,6 +241,11 @@ static const struct topic {
     {&drag_catalog, NULL},
     {&layout_catalog, NULL},
     {&snap_catalog, NULL},
+    {&term_catalog, NULL},
+    {&drag_law_catalog, NULL},
+    {&sweep_measure_catalog, NULL},
+    {&table_format_catalog, NULL},
+    {&picture_catalog, NULL},
 };
 
 static void help_topic(const struct topic *topic, const struct row *row, struct buffer *text)

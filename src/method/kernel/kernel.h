@@ -10,7 +10,6 @@
 #include "scene/model/forces.h"
 #include "scene/model/params.h"
 #define FORCE_TERMS "scene/model/terms.def"
-#define FORCE_WEIGHT "scene/model/weight.def"
 enum { N = 2, MOST = 4, SHAPE_TERMS = 4, FORCE_BITS = 8 };
 #include "method/control/march_body.h"
 #include "method/rows/rows.h"

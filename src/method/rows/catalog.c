@@ -56,6 +56,11 @@ const struct catalog method_catalog = {
 #endif
 };
 
+const struct method *method_find(const char *name)
+{
+    return (const struct method *)(const void *)catalog_find(&method_catalog, text_of(name));
+}
+
 static const struct row drags[] = {
     {"exact", "", "the drag's own motion is solved exactly: no limit on the step, no loss of order",
      "", NULL},

@@ -29,7 +29,7 @@ static const double SENSIBLE = 1e-4; /* estimated error, relative to the values 
 static const struct method *starter(const struct method *method)
 {
     const char *name = method->multistep->values ? "radau5" : "dop853";
-    return (const struct method *)(const void *)catalog_find(&method_catalog, text_of(name));
+    return method_find(name);
 }
 
 size_t multistep_work(const struct method *method, int n)

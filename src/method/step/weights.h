@@ -26,18 +26,6 @@ static inline void weights_take(struct weights *weights, const double *w, int co
         }
 }
 
-/* Of w - u; those that differ. */
-static inline void weights_take_difference(struct weights *weights, const double *w,
-                                           const double *u, int count)
-{
-    weights->count = 0;
-    for (int j = 0; j < count; j++)
-        if (w[j] != u[j]) {
-            weights->stage[weights->count] = j;
-            weights->weight[weights->count++] = w[j] - u[j];
-        }
-}
-
 /* shares [stages]: of the stages from the second on, [0]: of the step */
 static inline void stages_take(struct weights *weights, const struct tableau *tableau, double h)
 {

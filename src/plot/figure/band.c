@@ -60,7 +60,8 @@ bool band_of_run(const struct session *session, const struct run *run, struct te
     if (run_goes_back(run))
         return refuse(where, error,
                       "the run goes back in time: the band is that of a run forwards");
-    return adopted->count > 0 || refuse(where, error, "the adopted fit states no uncertainties");
+    return adopted->known.count > 0 ||
+           refuse(where, error, "the adopted fit states no uncertainties");
 }
 
 bool band_half(const struct session *session, const struct run *run, int variable, const double *t,
@@ -68,9 +69,7 @@ bool band_half(const struct session *session, const struct run *run, int variabl
 {
     const struct adopted_fit *adopted = &session->adopted;
     const struct spread_request request = {.scene = &run->scene,
-                                           .index = adopted->index,
-                                           .count = adopted->count,
-                                           .covariance = adopted->covariance,
+                                           .known = &adopted->known,
                                            .variable = variable,
                                            .t = t,
                                            .n = n,
@@ -207,7 +206,7 @@ void session_store_band(struct session *session)
     const struct run *run = session_run(session);
     struct fit_band *band = &session->band;
     struct error ignored = {0};
-    if (session->setup.settings.band != BAND_ON || session->adopted.count == 0 || !run ||
+    if (session->setup.settings.band != BAND_ON || session->adopted.known.count == 0 || !run ||
         session->live.state == LIVE_RUNNING)
         return;
     const size_t rows = trace_count(run->trace);
@@ -235,7 +234,7 @@ void band_plan(const struct session *session, const struct system *system, struc
 {
     const struct adopted_fit *adopted = &session->adopted;
     const struct scene *scene = &session->setup.scene;
-    const int n = system->n, count = adopted->count;
+    const int n = system->n, count = adopted->known.count;
     if (count == 0 || adopted->scene.model != scene->model)
         return;
     for (int i = 0; i < (int)scene_params(scene)->count; i++)

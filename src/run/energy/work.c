@@ -101,8 +101,7 @@ static void add_part(const struct system *system, bool drags, const struct quint
 static bool across_dry(const struct system *system, const struct quintic *p, double t, double *work,
                        double *drag)
 {
-    const struct method *method =
-        (const struct method *)(const void *)catalog_find(&method_catalog, TEXT("dopri5"));
+    const struct method *method = method_find("dopri5");
     double y[2] = {p->q0, p->v0}, memory[STEP_MEMORY];
     struct step step = {.system = system, .y = y, .work = memory, .t = t};
     struct controller controller = {.tol = FINE, .h = p->h};

@@ -92,7 +92,7 @@ void path_begin(struct path *path, const struct inside *inside)
     const struct run *run = inside->run;
     path->inside = *inside;
     path->end_t = run->t;
-    path->known = path->fine = false;
+    path->known = false;
     copy_state(path->end, run->y, run->system.n);
 }
 
@@ -133,21 +133,18 @@ static void through_middle(struct path *path)
     }
 }
 
-/* The error of each variable: rounding, and what its last terms say. */
-static void judge(struct path *path, double tail)
+/* The error of each variable: rounding. */
+static void judge(struct path *path)
 {
     for (int i = 0; i < path->inside.run->system.n; i++) {
-        double sum = 0, power = 1, last = 0;
-        for (int k = 0; k <= path->degree; k++, power /= 2) {
-            const double term = fabs(path->c[k][i]) * power;
-            sum += term;
-            last += k > path->degree - 2 ? term : 0;
-        }
-        path->error[i] = ROUNDING * sum + tail * last;
+        double sum = 0, power = 1;
+        for (int k = 0; k <= path->degree; k++, power /= 2)
+            sum += fabs(path->c[k][i]) * power;
+        path->error[i] = ROUNDING * sum;
     }
 }
 
-static void through_samples(struct path *path, int degree, double tail)
+static void through_samples(struct path *path, int degree)
 {
     double sample[DENSE_DEGREE + 1][LIMIT_VARIABLES];
     for (int k = 0; k <= degree; k++)
@@ -155,7 +152,7 @@ static void through_samples(struct path *path, int degree, double tail)
     path->degree = degree;
     for (int i = 0; i < path->inside.run->system.n; i++)
         fit(&sample[0][i], LIMIT_VARIABLES, degree, &path->c[0][i], LIMIT_VARIABLES);
-    judge(path, tail);
+    judge(path);
 }
 
 void path_make(struct path *path)
@@ -164,25 +161,15 @@ void path_make(struct path *path)
     if (path->known)
         return;
     path->known = true;
-    path->fine = !side;
     if (path->inside.method.dense) {
-        through_samples(path, method_dense_degree(&path->inside.method), 0);
+        through_samples(path, method_dense_degree(&path->inside.method));
         return;
     }
     through_ends(path);
     if (side)
         through_middle(path);
     else
-        judge(path, 0);
-}
-
-bool path_refine(struct path *path)
-{
-    if (path->fine)
-        return false;
-    path->fine = true;
-    through_samples(path, DENSE_DEGREE, TAIL);
-    return true;
+        judge(path);
 }
 
 double path_time(const struct path *path, double theta)

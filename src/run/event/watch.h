@@ -11,12 +11,12 @@
 
 /*
  * The step just taken as a polynomial of the share theta of it: y = sum c_k (theta - 1/2)^k, but
- * for `error`. Of a method whose steps have no polynomial a rough one first, on demand a finer one.
+ * for `error`. Of a method whose steps have no polynomial through the ends and the middle.
  */
 struct path {
     struct inside inside;
     double end_t;
-    bool known, fine; /* made for this step */
+    bool known; /* made for this step */
     int degree;
     double end[LIMIT_VARIABLES];
     double c[DENSE_DEGREE + 1][LIMIT_VARIABLES];
@@ -24,8 +24,6 @@ struct path {
 };
 
 void path_begin(struct path *path, const struct inside *inside);
-/* False: it is as fine as it can be. */
-bool path_refine(struct path *path);
 void path_make(struct path *path);
 double path_time(const struct path *path, double theta);
 /* By the method itself, at the ends the states that were computed. */

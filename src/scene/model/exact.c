@@ -82,14 +82,14 @@ static node divided3(node a, node b, node c, real t)
     return t * t * exponential(mean * t) * taylor(a * b + b * c + c * a, a * b * c, 2);
 }
 
-static bool is_oscillator(const struct system *system)
+static bool is_linear_oscillator(const struct system *system)
 {
     return system->order == 2 && system->n == 2 && system->linear && system->oscillator.whole;
 }
 
 bool system_has_exact(const struct system *system)
 {
-    return (system->model && system->model->exact) || is_oscillator(system) ||
+    return (system->model && system->model->exact) || is_linear_oscillator(system) ||
            dry_has_exact(system) || linear_has_exact(system);
 }
 
@@ -172,7 +172,7 @@ void system_exact(const struct system *system, double t0, const double *start, d
         system->model->exact(system, t0, start, t, y, floor);
         return;
     }
-    if (is_oscillator(system))
+    if (is_linear_oscillator(system))
         oscillator_exact(&system->oscillator, t0, start, t, y, floor);
     else if (dry_has_exact(system))
         dry_exact(system, t0, start, t, y, floor);
@@ -243,7 +243,7 @@ struct exact_table *exact_table_create(const struct system *system, double t0, c
                                        double h)
 {
     const struct oscillator *o = &system->oscillator;
-    if ((system->model && system->model->exact) || !is_oscillator(system) || h == 0)
+    if ((system->model && system->model->exact) || !is_linear_oscillator(system) || h == 0)
         return NULL;
     const struct roots z = roots_of(o);
     const node c = (real)o->omega * (node)I;

@@ -11,17 +11,15 @@ static const struct param_row rows[] = {
 
 const struct catalog param_catalog = CATALOG("parameter", rows);
 
-static int place_of(const struct catalog *catalog, const char *name)
+static int place_of(const struct catalog *catalog, struct text name)
 {
-    const struct row *found = catalog_find(catalog, text_of(name));
-    return found ? (int)((size_t)((const char *)found - (const char *)catalog->rows) /
-                         catalog->stride)
-                 : -1;
+    const struct row *found = catalog_find(catalog, name);
+    return found ? catalog_index(catalog, found) : -1;
 }
 
 int param_index(const char *name)
 {
-    int index = place_of(&param_catalog, name);
+    int index = place_of(&param_catalog, text_of(name));
     assert(index >= 0);
     return index;
 }
@@ -38,13 +36,40 @@ const struct catalog *scene_derived(const struct scene *scene)
 
 int scene_param(const struct scene *scene, const char *name)
 {
+    return place_of(scene->model->params, text_of(name));
+}
+
+const struct param_row *param_at(const struct scene *scene, int index)
+{
+    assert(index >= 0 && (size_t)index < scene->model->params->count);
+    return (const struct param_row *)(const void *)catalog_row(scene->model->params, (size_t)index);
+}
+
+int scene_param_at(const struct scene *scene, struct text name)
+{
     return place_of(scene->model->params, name);
 }
 
-static const struct param_row *row_of(const struct scene *scene, int param)
+double param_value(const struct scene *scene, const char *name)
 {
-    assert(param >= 0 && (size_t)param < scene->model->params->count);
-    return (const struct param_row *)(const void *)catalog_row(scene->model->params, (size_t)param);
+    const int index = scene_param(scene, name);
+    return index >= 0 ? scene->value[index] : NAN;
+}
+
+bool param_given(const struct scene *scene, const char *name)
+{
+    const int index = scene_param(scene, name);
+    return index >= 0 && scene->given[index];
+}
+
+bool is_oscillator(const struct scene *scene)
+{
+    return typed_base(scene->model) == &oscillator_model;
+}
+
+bool is_pendulum(const struct scene *scene)
+{
+    return typed_base(scene->model) == &pendulum_model;
 }
 
 static double preset_value(const struct scene *scene, int param)
@@ -53,7 +78,7 @@ static double preset_value(const struct scene *scene, int param)
     for (size_t i = 0; i < COUNT_OF(preset->value) && preset->value[i].param; i++)
         if (scene_param(scene, preset->value[i].param) == param)
             return preset->value[i].value;
-    return row_of(scene, param)->initial;
+    return param_at(scene, param)->initial;
 }
 
 void scene_init(struct scene *scene, const struct preset *preset)
@@ -105,11 +130,11 @@ bool params_coherent(const double *param, struct error *error)
 
 bool scene_set(struct scene *scene, int param, struct measured value, struct error *error)
 {
-    if (!in_range(row_of(scene, param), value.value, error))
+    if (!in_range(param_at(scene, param), value.value, error))
         return false;
     if (value.uncertainty < 0 || isinf(value.uncertainty))
         return error_set(error, ERROR_COMMAND, "the uncertainty of %s must be a finite number >= 0",
-                         row_of(scene, param)->row.name);
+                         param_at(scene, param)->row.name);
     double before = scene->value[param];
     scene->value[param] = value.value;
     if (scene->model->coherent && !scene->model->coherent(scene->value, error)) {

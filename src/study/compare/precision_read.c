@@ -301,9 +301,7 @@ int precision_defaults(const struct system *system, double duration, struct meth
     int count = 0;
     for (size_t i = 0; i < max && count < PRECISION_DEFAULTS; i++) {
         struct error reason;
-        struct method_choice by = {
-            (const struct method *)(const void *)catalog_find(&method_catalog, text_of(names[i])),
-            DRAG_DEFAULT};
+        struct method_choice by = {method_find(names[i]), DRAG_DEFAULT};
         if (!by.method)
             continue;
         if (method_applies(by.method, system, &by.drag, &reason))

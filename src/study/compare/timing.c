@@ -156,15 +156,3 @@ void time_solvers(struct solver *solver, struct timing_result *result, int count
     free(bench);
     free(order);
 }
-
-void time_solve(const struct system *system, const struct method *method,
-                const struct run_settings *settings, double span, enum timing timing,
-                const struct cancel *cancel, struct timing_result *result)
-{
-    struct solver solver;
-    *result = (struct timing_result){.minimum = NAN, .median = NAN, .spread = NAN};
-    if (timing == TIMING_OFF || !solver_init(&solver, system, method, settings, span))
-        return;
-    time_solvers(&solver, result, 1, timing, 0, cancel);
-    solver_free(&solver);
-}

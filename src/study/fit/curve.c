@@ -244,7 +244,7 @@ static enum meshing try_mesh(struct scene_curve *c, const struct system *system,
     double y[LIMIT_VARIABLES];
     struct step step = {.system = system, .t = system->t0, .y = y};
     struct controller controller = {.tol = tol};
-    c->method = (const struct method *)(const void *)catalog_find(&method_catalog, text_of(name));
+    c->method = method_find(name);
     c->points = 0;
     free(c->work);
     c->work = calloc(method_work_size(c->method, system->n * (c->frees + 1)) + 1, sizeof *c->work);
@@ -279,8 +279,7 @@ bool scene_curve_mesh(struct scene_curve *c, const double *parameter, const stru
                     ? linear_motion_create(system.t0, series->t, series->n)
                     : NULL;
     if (c->linear) {
-        c->method =
-            (const struct method *)(const void *)catalog_find(&method_catalog, TEXT("exact"));
+        c->method = method_find("exact");
         c->points = series->n;
         return true;
     }

@@ -2,6 +2,8 @@
 /* The uncertainty of a motion from that of its parameters. */
 #include "study/fit/curve.h"
 
+#include <hooke/base/numeric.h>
+
 #include <math.h>
 #include <string.h>
 
@@ -24,33 +26,39 @@ static double quadratic(const double *slope, const double *covariance, int count
  */
 
 #define SHIFT 0.1 /* standard deviations that a parameter is moved */
-#define ROWS 100  /* recorded in a radian: their cubic is good to 1e-11 */
+#define ROWS 200  /* recorded in a radian: their cubic is good to 1e-12 */
 #define ROWS_MAX 1e6
 
-static struct run *run_with(const struct spread_request *request, int index, double by)
+struct run *study_run(const struct scene *scene, double end, const struct cancel *cancel)
 {
-    struct scene scene = *request->scene;
-    const double end = request->t[request->n - 1], value = scene.value[index] + by;
-    const struct method *method =
-        (const struct method *)(const void *)catalog_find(&method_catalog, TEXT("dop853"));
+    const struct method *method = method_find("dop853");
     struct system system;
     struct error ignored;
-    if (!scene_set(&scene, index, (struct measured){value, 0}, &ignored) ||
-        !scene_bind(&scene, &system, &ignored))
+    if (!scene_bind(scene, &system, &ignored))
         return NULL;
     const double span = end - system.t0, natural = system.scale[0] / (ROWS * system.scale[1]);
     struct run_settings settings = {.dt = span / 1e4, .tol = TOLERANCE};
     settings.record = (struct recording_rule){RECORD_TIMES, 1, natural};
     if (system.order != 2 || !(natural > span / ROWS_MAX))
         settings.record.interval = span / ROWS_MAX;
-    struct run *run = span > 0 ? run_create(&scene, method, &settings, span, &ignored) : NULL;
+    struct run *run = span > 0 ? run_create(scene, method, &settings, span, &ignored) : NULL;
     const struct run_target target = {.t = end, .steps = -1};
-    while (run && run_advance(run, &target, 0, request->cancel))
+    while (run && run_advance(run, &target, 0, cancel))
         continue;
     if (run && run->stop == STOP_END)
         return run;
     run_destroy(run);
     return NULL;
+}
+
+static struct run *run_with(const struct spread_request *request, int index, double by)
+{
+    struct scene scene = *request->scene;
+    const struct measured value = {scene.value[index] + by, 0};
+    struct error ignored;
+    return scene_set(&scene, index, value, &ignored)
+               ? study_run(&scene, request->t[request->n - 1], request->cancel)
+               : NULL;
 }
 
 /* Adds factor times the variable at all times to every count-th of `out`. */
@@ -69,27 +77,26 @@ static void add_run(const struct spread_request *request, struct run *run, doubl
         const double from = trace_time(run->trace, row);
         const double h = trace_time(run->trace, next) - from;
         const double *left = trace_state(run->trace, row), *right = trace_state(run->trace, next);
-        const double x = h > 0 ? (t - from) / h : 0, z = 1 - x;
+        const double x = h > 0 ? (t - from) / h : 0;
         system_derivative(&run->system, from, left, rate[0]);
         system_derivative(&run->system, from + h, right, rate[1]);
-        out[i * (size_t)request->count] +=
-            factor * (z * z * (1 + 2 * x) * left[k] + x * x * (3 - 2 * x) * right[k] +
-                      h * x * z * (z * rate[0][k] - x * rate[1][k]));
+        out[i * (size_t)request->known->count] +=
+            factor * hermite(x, h, left[k], rate[0][k], right[k], rate[1][k]);
     }
 }
 
 /* On one side only where the other is no scene: friction is not negative. */
 static bool differences(const struct spread_request *request, double *slope, struct error *error)
 {
-    memset(slope, 0, request->n * (size_t)request->count * sizeof *slope);
-    for (int j = 0; j < request->count; j++) {
-        const double by = SHIFT * sqrt(request->covariance[j * request->count + j]);
-        struct run *side[2] = {run_with(request, request->index[j], -by),
-                               run_with(request, request->index[j], by)};
+    memset(slope, 0, request->n * (size_t)request->known->count * sizeof *slope);
+    for (int j = 0; j < request->known->count; j++) {
+        const double by = SHIFT * sqrt(request->known->covariance[j * request->known->count + j]);
+        struct run *side[2] = {run_with(request, request->known->index[j], -by),
+                               run_with(request, request->known->index[j], by)};
         double ends[2] = {-1, 1};
         for (int s = 0; s < 2 && by > 0; s++)
             if (!side[s] && side[1 - s]) {
-                side[s] = run_with(request, request->index[j], 0);
+                side[s] = run_with(request, request->known->index[j], 0);
                 ends[s] = 0;
             }
         const bool ok = side[0] && side[1];
@@ -128,29 +135,31 @@ static bool slopes(struct scene_curve *c, const struct spread_request *request, 
 bool study_spread(const struct spread_request *request, struct arena *arena, double *deviation,
                   struct error *error)
 {
-    const size_t n = request->n, count = (size_t)request->count;
+    const size_t n = request->n, count = (size_t)request->known->count;
     struct scene_curve c = {.scene = *request->scene,
-                            .frees = request->count,
+                            .frees = request->known->count,
                             .variable = request->variable,
                             .tol = TOLERANCE,
                             .cancel = request->cancel};
     struct system system;
     if (!scene_bind(&c.scene, &system, error))
         return false;
-    if (request->count > CURVE_PARAMETERS || system.n * (request->count + 1) > LIMIT_VARIABLES)
+    if (request->known->count > CURVE_PARAMETERS ||
+        system.n * (request->known->count + 1) > LIMIT_VARIABLES)
         return error_set(error, ERROR_COMMAND,
-                         "%d uncertain parameters are too many for this scene", request->count);
+                         "%d uncertain parameters are too many for this scene",
+                         request->known->count);
     double *value = arena_array(arena, n, sizeof *value),
            *slope = arena_array(arena, n * count, sizeof *slope);
     c.variation = arena_alloc(arena, sizeof *c.variation);
     if (!value || !slope || !c.variation)
         return error_memory(error);
-    memcpy(c.index, request->index, count * sizeof *c.index);
+    memcpy(c.index, request->known->index, count * sizeof *c.index);
     const bool ok = system.switches > 0 ? differences(request, slope, error)
                                         : slopes(&c, request, value, slope, error);
     scene_curve_free(&c);
     for (size_t i = 0; i < n && ok; i++)
-        deviation[i] =
-            sqrt(fmax(quadratic(slope + i * count, request->covariance, request->count), 0));
+        deviation[i] = sqrt(fmax(
+            quadratic(slope + i * count, request->known->covariance, request->known->count), 0));
     return ok;
 }

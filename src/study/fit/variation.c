@@ -42,8 +42,7 @@ static void find_changes(const struct system side[2], struct direction *d)
 
 bool direction_find(const struct scene *scene, int index, struct direction *d)
 {
-    const struct param_row *row =
-        (const struct param_row *)(const void *)catalog_row(scene_params(scene), (size_t)index);
+    const struct param_row *row = param_at(scene, index);
     const double value = scene->value[index],
                  size = row->least_excluded ? fabs(value) : fmax(fabs(value), SMALL);
     struct scene trial = *scene;

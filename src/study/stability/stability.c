@@ -253,8 +253,7 @@ static void modes_along(const struct system *system, const struct stability_requ
     const struct run_settings settings = {.tol = 1e-6}; /* chooses its first step */
     double *grid = malloc((size_t)STUDY_TIMES * (size_t)n * sizeof *grid);
     for (size_t i = 0; grid && i < COUNT_OF(able); i++) {
-        const struct method *method =
-            (const struct method *)(const void *)catalog_find(&method_catalog, text_of(able[i]));
+        const struct method *method = method_find(able[i]);
         struct solver solver;
         if (!method || !solver_init(&solver, system, method, &settings, request->duration))
             continue;

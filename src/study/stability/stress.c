@@ -174,8 +174,7 @@ static void find_reference(struct bench *bench)
     reference->y = calloc(size, sizeof *reference->y);
     for (size_t i = 0; reference->y && i < COUNT_OF(able) && !reference->by[1]; i++) {
         const struct run_settings settings = {.tol = REFERENCE_TOL};
-        const struct method *method =
-            (const struct method *)(const void *)catalog_find(&method_catalog, text_of(able[i]));
+        const struct method *method = method_find(able[i]);
         struct solver solver;
         if (!method || !solver_init(&solver, system, method, &settings, bench->span))
             continue;

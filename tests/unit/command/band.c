@@ -63,9 +63,9 @@ enum { DRAWS = 400, MOST = 8 };
 /* covariance = L L^T; what is not positive within rounding becomes 0. */
 static void factorise(const struct adopted_fit *adopted, double l[MOST][MOST])
 {
-    for (int i = 0; i < adopted->count; i++)
+    for (int i = 0; i < adopted->known.count; i++)
         for (int j = 0; j <= i; j++) {
-            double sum = adopted->covariance[i * adopted->count + j];
+            double sum = adopted->known.covariance[i * adopted->known.count + j];
             for (int k = 0; k < j; k++)
                 sum -= l[i][k] * l[j][k];
             l[i][j] = i == j ? sqrt(fmax(sum, 0)) : l[j][j] > 0 ? sum / l[j][j] : 0;
@@ -102,18 +102,19 @@ static void draw(const struct session *session, const struct run *run, int varia
     double l[MOST][MOST] = {{0}};
     uint64_t seed = 7;
     struct error error;
-    assert_in_range(adopted->count, 3, MOST);
+    assert_in_range(adopted->known.count, 3, MOST);
     factorise(adopted, l);
     for (int d = 0; d < DRAWS; d++) {
         double z[MOST];
         struct scene scene = run->scene;
-        for (int i = 0; i < adopted->count; i++)
+        for (int i = 0; i < adopted->known.count; i++)
             z[i] = normal(&seed);
-        for (int i = 0; i < adopted->count; i++) {
-            double value = scene.value[adopted->index[i]];
+        for (int i = 0; i < adopted->known.count; i++) {
+            double value = scene.value[adopted->known.index[i]];
             for (int j = 0; j <= i; j++)
                 value += l[i][j] * z[j];
-            assert_true(scene_set(&scene, adopted->index[i], (struct measured){value, 0}, &error));
+            assert_true(
+                scene_set(&scene, adopted->known.index[i], (struct measured){value, 0}, &error));
         }
         run_drawn(run, &scene, variable, values[d], n);
     }

@@ -93,22 +93,12 @@ static void test_empty_canvas(void **state)
     canvas_free(&canvas);
 }
 
-static void test_charset_names(void **state)
-{
-    static const char *const names[] = {"ascii", "block", "braille"};
-    (void)state;
-    assert_int_equal(charset_catalog.count, 3);
-    for (size_t i = 0; i < 3; i++)
-        assert_string_equal(catalog_row(&charset_catalog, i)->name, names[i]);
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_text_is_clipped),        cmocka_unit_test(test_wide_characters),
         cmocka_unit_test(test_controls_never_printed), cmocka_unit_test(test_colors),
         cmocka_unit_test(test_no_color_no_escape),     cmocka_unit_test(test_empty_canvas),
-        cmocka_unit_test(test_charset_names),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

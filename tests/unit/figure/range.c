@@ -398,10 +398,8 @@ static void test_scale_at_any_magnitude(void **state)
             y[0] = y[1] * 1e-5 * uniform();
         figure_layout(&figure, 80, 24, CHARSET_BRAILLE, &layout);
         for (int k = 0; k < 2; k++) {
-            double fraction = scale_fraction(&layout.y, y[k]),
-                   back = scale_value(&layout.y, fraction);
+            const double fraction = scale_fraction(&layout.y, y[k]);
             assert_true(fraction >= 0 && fraction <= 1);
-            assert_true(fabs(back - y[k]) <= 1e-9 * fmax(fabs(y[0]), fabs(y[1])));
         }
     }
     struct curve all = {

@@ -7,7 +7,7 @@
 
 #include <cmocka.h>
 
-#include <hooke/figure.h>
+#include "figure/internal.h"
 
 #include <locale.h>
 #include <math.h>
@@ -25,13 +25,20 @@ static double uniform(void) /* [0, 1) xorshift64, Marsaglia 2003 */
     return (double)(random_state >> 11) / 9007199254740992.0;
 }
 
+static void put_label(const struct ticks *ticks, int i, bool log, struct buffer *out)
+{
+    char text[TICK_TEXT_SIZE];
+    const int len = tick_text(ticks, i, log, text);
+    buffer_put(out, (struct text){text, (size_t)len});
+}
+
 static void labels(const struct ticks *ticks, bool log, char *out, size_t size)
 {
     struct buffer buffer = {0};
     for (int i = 0; i < ticks->count; i++) {
         if (i)
             buffer_char(&buffer, ' ');
-        tick_label(ticks, i, log, &buffer);
+        put_label(ticks, i, log, &buffer);
     }
     assert_false(buffer.failed);
     snprintf(out, size, "%s", buffer.data ? buffer.data : "");
@@ -60,7 +67,7 @@ static void check_range(double from, double to, int want, int max)
     for (int i = 0; i < ticks.count; i++) {
         double value = ticks.first + i * ticks.step, rounding = 1e-6 * ticks.step;
         struct buffer buffer = {0};
-        tick_label(&ticks, i, false, &buffer);
+        put_label(&ticks, i, false, &buffer);
         snprintf(text[i % 2], sizeof text[0], "%s", buffer.data);
         buffer_free(&buffer);
         double read = 0;
@@ -121,7 +128,7 @@ static void test_narrow_ranges_have_an_offset(void **state)
         struct ticks ticks = ticks_linear(from, to, 5, 9);
         for (int t = 0; t < ticks.count && ticks.offset != 0; t++) {
             struct buffer label = {0};
-            tick_label(&ticks, t, false, &label);
+            put_label(&ticks, t, false, &label);
             if (label.len > 5 || label.data[0] == '-')
                 fail_msg("[%.17g, %.17g]: label %s, offset %.17g", from, to, label.data,
                          ticks.offset);

@@ -11,6 +11,8 @@
 
 #include <hooke/study.h>
 
+#include "study/compare/solve.h"
+
 static const struct method *method_named(const char *name)
 {
     const struct row *row = catalog_find(&method_catalog, text_of(name));
@@ -226,6 +228,17 @@ static void test_cancelled(void **state)
     assert_int_equal(count, 0);
 }
 
+static struct timing_result time_of(const struct system *system, const struct method *method,
+                                    const struct run_settings *settings, double span)
+{
+    struct solver solver;
+    struct timing_result result;
+    assert_true(solver_init(&solver, system, method, settings, span));
+    time_solvers(&solver, &result, 1, TIMING_QUICK, 0, NULL);
+    solver_free(&solver);
+    return result;
+}
+
 static void test_times_grow_with_the_work(void **state)
 {
     (void)state;
@@ -241,8 +254,8 @@ static void test_times_grow_with_the_work(void **state)
     settings.drag = drag;
     struct timing_result few;
     struct timing_result many;
-    time_solve(&system, rk4, &settings, 1, TIMING_QUICK, NULL, &few);
-    time_solve(&system, rk4, &settings, 100, TIMING_QUICK, NULL, &many);
+    few = time_of(&system, rk4, &settings, 1);
+    many = time_of(&system, rk4, &settings, 100);
     assert_true(few.samples >= 1 && few.minimum > 0 && few.minimum <= few.median);
     /* A hundred times the steps: the factor says only that work is timed, not how fast the machine
      * is. */

@@ -1,28 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* From the covariances of a fit to those of the scene's parameters, to first order. */
-#include "command/data/adopted.h"
-#include "command/internal.h"
+/* What the fit of an oscillation makes of a scene: its values, and to first order their covariances
+ * from those of the fit. */
+#include <hooke/study/fit.h>
 
 #include <math.h>
 #include <string.h>
 
-/* What a fit of an oscillation can set. */
-enum target {
-    STIFFNESS,
-    CUBIC,
-    LINEAR,
-    QUADRATIC,
-    DRY,
-    POSITION,
-    VELOCITY,
-    LENGTH,
-    ANGLE,
-    TURNING,
-    TARGETS
-};
-
-static const char *const names[TARGETS] = {"k",  "k3", "gamma",  "C",      "friction",
-                                           "y0", "v0", "length", "theta0", "rate0"};
+static const char *const names[ADOPTED_VALUES] = {"k",  "k3", "gamma",  "C",      "friction",
+                                                  "y0", "v0", "length", "theta0", "rate0"};
 
 static void start_in_motion(const struct fit *fit, int n, struct measured start[2])
 {
@@ -44,7 +29,7 @@ static void start_in_motion(const struct fit *fit, int n, struct measured start[
                                  omega * hypot(spread * sin(phi), angle * cos(phi))};
 }
 
-void adopted_start(const struct fit *fit, int n, bool at_rest, struct measured start[2])
+static void start_of(const struct fit *fit, int n, bool at_rest, struct measured start[2])
 {
     start_in_motion(fit, n, start);
     if (!at_rest)
@@ -82,25 +67,51 @@ static void shift(struct fit *fit, int i, double by)
     }
 }
 
-static void values_of(const struct scene *scene, const struct fit *fit, int n, bool at_rest,
-                      double out[TARGETS])
+static struct measured times(struct measured value, double factor)
 {
-    const double m = param_value(scene, "m");
-    const double drag = param_value(scene, "rho") * param_value(scene, "area") / m;
+    return (struct measured){value.value * factor, value.uncertainty * factor};
+}
+
+static struct measured param_measured(const struct scene *scene, const char *name)
+{
+    const int index = scene_param(scene, name);
+    return index >= 0 ? (struct measured){scene->value[index], scene->uncertainty[index]}
+                      : (struct measured){NAN, NAN};
+}
+
+void adopted_values(const struct scene *scene, const struct fit *fit, int n, bool at_rest,
+                    struct measured out[ADOPTED_VALUES])
+{
+    const struct measured mass = param_measured(scene, "m"), g = param_measured(scene, "g"),
+                          none = {0};
+    const double m = mass.value, drag = param_value(scene, "rho") * param_value(scene, "area") / m;
     const struct drag_candidate *law =
         fit->drag.candidates ? &fit->drag.candidate[fit->drag.best - 1] : NULL;
+    const struct measured square = fit_stiffness(fit, (struct measured){1, 0});
+    const double length = g.value / square.value;
     struct measured start[2];
-    adopted_start(fit, n, at_rest, start);
-    out[STIFFNESS] = fit_stiffness(fit, (struct measured){m, 0}).value;
-    out[CUBIC] = fit->drag.cubic.value * m;
-    out[LINEAR] = law ? law->rate[0].value : fit->gamma.value;
-    out[QUADRATIC] = law && drag > 0 ? law->rate[1].value / drag : 0;
-    const double w = fit_stiffness(fit, (struct measured){1, 0}).value;
-    out[LENGTH] = is_pendulum(scene) ? param_value(scene, "g") / w : 0;
-    out[DRY] = law ? law->rate[2].value * m * (is_pendulum(scene) ? out[LENGTH] : 1) : 0;
-    out[POSITION] = start[0].value - m * param_value(scene, "g") / out[STIFFNESS];
-    out[ANGLE] = start[0].value;
-    out[VELOCITY] = out[TURNING] = start[1].value;
+    start_of(fit, n, at_rest, start);
+    out[ADOPTED_STIFFNESS] = fit_stiffness(fit, mass);
+    out[ADOPTED_CUBIC] = times(fit->drag.cubic, m);
+    out[ADOPTED_LINEAR] = law ? law->rate[0] : fit->gamma;
+    out[ADOPTED_QUADRATIC] = law && drag > 0 ? times(law->rate[1], 1 / drag) : none;
+    out[ADOPTED_LENGTH] = (struct measured){
+        length, length * hypot(square.uncertainty / square.value, g.uncertainty / g.value)};
+    out[ADOPTED_DRY] = law ? times(law->rate[2], is_pendulum(scene) ? m * length : m) : none;
+    out[ADOPTED_POSITION] = out[ADOPTED_ANGLE] = start[0];
+    out[ADOPTED_POSITION].value += -m * g.value / out[ADOPTED_STIFFNESS].value;
+    out[ADOPTED_VELOCITY] = out[ADOPTED_TURNING] = start[1];
+}
+
+double adopted_scale_of(const struct scene *scene, const struct fit *fit)
+{
+    const bool pendulum = is_pendulum(scene);
+    const double half = isfinite(fit->gamma.value) ? 0.5 * fit->gamma.value : 0,
+                 m = param_value(scene, "m"), g = param_value(scene, "g"),
+                 middle = pendulum ? 0 : -m * g / fit_stiffness(fit, (struct measured){m, 0}).value,
+                 y = param_value(scene, pendulum ? "theta0" : "y0") - middle,
+                 v = param_value(scene, pendulum ? "rate0" : "v0");
+    return hypot(y, (v + half * y) / fit->omega.value) / fit->amplitude.value;
 }
 
 static void scale_measured(struct measured *m, double by)
@@ -140,30 +151,30 @@ void adopted_scale(struct fit *fit, double scale)
 
 /* Derivative of all targets by one parameter of the fit. */
 static void slope_of(const struct scene *scene, const struct fit *fit, int i, int n, bool at_rest,
-                     double slope[TARGETS])
+                     double slope[ADOPTED_VALUES])
 {
     const double deviation = sqrt(fit->covariance.at[i][i]), by = 1e-2 * deviation;
-    double side[2][TARGETS];
+    struct measured side[2][ADOPTED_VALUES];
     for (int s = 0; s < 2; s++) {
         struct fit moved = *fit;
         shift(&moved, i, s ? by : -by);
-        values_of(scene, &moved, n, at_rest, side[s]);
+        adopted_values(scene, &moved, n, at_rest, side[s]);
     }
-    for (int k = 0; k < TARGETS; k++)
-        slope[k] = by > 0 ? (side[1][k] - side[0][k]) / (2 * by) : 0;
+    for (int k = 0; k < ADOPTED_VALUES; k++)
+        slope[k] = by > 0 ? (side[1][k].value - side[0][k].value) / (2 * by) : 0;
 }
 
-void adopted_motion(struct adopted_fit *adopted, const struct fit *fit, int n, bool at_rest,
-                    bool starts)
+void adopted_motion(const struct scene *scene, const struct fit *fit, int n, bool at_rest,
+                    bool starts, struct scene_covariance *adopted)
 {
-    const int max = starts ? TARGETS : POSITION;
+    const int max = starts ? ADOPTED_VALUES : ADOPTED_POSITION;
     const struct fit_covariance *covariance = &fit->covariance;
-    double slope[CURVE_PARAMETERS][TARGETS];
-    int target[TARGETS];
+    double slope[CURVE_PARAMETERS][ADOPTED_VALUES];
+    int target[ADOPTED_VALUES];
     for (int i = 0; i < covariance->n; i++)
-        slope_of(&adopted->scene, fit, i, n, at_rest, slope[i]);
+        slope_of(scene, fit, i, n, at_rest, slope[i]);
     for (int k = 0; k < max && covariance->n > 0; k++) {
-        const int index = scene_param(&adopted->scene, names[k]);
+        const int index = scene_param(scene, names[k]);
         double size = 0;
         for (int i = 0; i < covariance->n; i++)
             size += fabs(slope[i][k]) * covariance->at[i][i];
@@ -180,8 +191,8 @@ void adopted_motion(struct adopted_fit *adopted, const struct fit *fit, int n, b
                         slope[i][target[k]] * covariance->at[i][j] * slope[j][target[l]];
 }
 
-void adopted_free(struct adopted_fit *adopted, const bool *is_free,
-                  const struct fit_covariance *covariance)
+void adopted_free(const bool *is_free, const struct fit_covariance *covariance,
+                  struct scene_covariance *adopted)
 {
     for (int i = 0; i < PARAM_MAX && adopted->count < covariance->n; i++)
         if (is_free[i])

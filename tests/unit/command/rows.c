@@ -1,0 +1,141 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* All that can be chosen by name: one meaning each, explained by help, completed where it stands.
+ * A row that is added is tested here the moment it exists. */
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include "unit/command/testing.h"
+
+#include <hooke/plot.h>
+
+static const struct catalog *const catalogs[] = {
+    &command_catalog, &setting_catalog,  &method_catalog,        &observable_catalog,
+    &preset_catalog,  &unit_catalog,     &function_catalog,      &plot_catalog,
+    &fit_catalog,     &quantity_catalog, &drag_catalog,          &format_catalog,
+    &layout_catalog,  &snap_catalog,     &term_catalog,          &param_catalog,
+    &derived_catalog, &drag_law_catalog, &sweep_measure_catalog, &table_format_catalog,
+    &picture_catalog};
+
+/* Names that two catalogs share, and why nobody is misled. Every other name is the only one. */
+static const struct {
+    const char *names, *reason;
+} shared[] = {
+    {"amplitude energy energy-error energy_error error period spectrum",
+     "one quantity: observed, drawn, measured, swept"},
+    {"k", "the fit 'k' measures the parameter k"},
+    {"exact", "the exact solution: stepped by, printed, of the drag alone"},
+    {"spring drag vanderpol friction damped",
+     "a force, what it depends on, the scene that shows it"},
+    {"potential record timing precision", "a command, and what it sets or makes"},
+    {"plot", "the layout is that of the command's figure alone"},
+    {"phase", "'plot phase' is of v against y, phase = 0 is that of the drive: by INTERFACE.md"},
+    {"m g s min", "a unit stands behind a number"},
+    {"min max step", "a function stands before a parenthesis"},
+    {"log", "'layout log', log(x)"},
+};
+
+static bool is_shared(const char *name, bool *used)
+{
+    bool found = false;
+    const size_t len = strlen(name);
+    for (size_t i = 0; i < COUNT_OF(shared); i++) {
+        const char *const names = shared[i].names;
+        for (const char *at = strstr(names, name); at; at = strstr(at + 1, name))
+            if ((at == names || at[-1] == ' ') && (!at[len] || at[len] == ' '))
+                found = used[i] = true;
+    }
+    return found;
+}
+
+static void every_name_has_one_meaning(void **state)
+{
+    (void)state;
+    bool used[COUNT_OF(shared)] = {false};
+    struct buffer wrong = {0};
+    for (size_t c = 0; c < COUNT_OF(catalogs); c++)
+        for (size_t i = 0; i < catalogs[c]->count; i++)
+            for (size_t d = 0; d < COUNT_OF(catalogs); d++) {
+                const char *name = catalog_row(catalogs[c], i)->name;
+                const struct row *other = catalog_find(catalogs[d], text_of(name));
+                if (!other || other == catalog_row(catalogs[c], i))
+                    continue;
+                if (c == d || !is_shared(name, used))
+                    buffer_format(&wrong, "\n'%s' is a %s and a %s", name, catalogs[c]->kind,
+                                  catalogs[d]->kind);
+            }
+    for (size_t i = 0; i < COUNT_OF(shared); i++)
+        if (!used[i])
+            buffer_format(&wrong, "\nnothing shares '%s' any more", shared[i].names);
+    if (wrong.len)
+        fail_msg("%s", buffer_view(&wrong));
+    buffer_free(&wrong);
+}
+
+static void every_name_is_explained(void **state)
+{
+    (void)state;
+    struct bench b;
+    bench_open(&b, false);
+    for (size_t c = 0; c < COUNT_OF(catalogs); c++)
+        for (size_t i = 0; i < catalogs[c]->count; i++) {
+            const struct row *row = catalog_row(catalogs[c], i);
+            char line[128];
+            snprintf(line, sizeof line, "help %s", row->name);
+            type_ok(&b, line);
+            if (!row->brief[0])
+                fail_msg("%s %s has no explanation", catalogs[c]->kind, row->name);
+        }
+    bench_close(&b);
+}
+
+struct found {
+    const char *name;
+    bool offered;
+};
+
+static void look(void *context, const char *candidate, const char *brief)
+{
+    struct found *found = context;
+    assert_non_null(brief);
+    found->offered |= strcmp(candidate, found->name) == 0;
+}
+
+/* Where names of a catalog stand. */
+static const struct {
+    const struct catalog *catalog;
+    const char *before;
+} places[] = {
+    {&command_catalog, ""},        {&setting_catalog, "set "},      {&method_catalog, "method "},
+    {&method_catalog, "compare "}, {&preset_catalog, "scene "},     {&plot_catalog, "plot "},
+    {&plot_catalog, "focus "},     {&layout_catalog, "layout "},    {&param_catalog, "set "},
+    {&fit_catalog, "fit "},        {&quantity_catalog, "measure "}, {&snap_catalog, "cursor snap "},
+};
+
+static void every_name_is_completed(void **state)
+{
+    (void)state;
+    struct bench b;
+    bench_open(&b, false);
+    for (size_t p = 0; p < COUNT_OF(places); p++)
+        for (size_t i = 0; i < places[p].catalog->count; i++) {
+            struct found found = {catalog_row(places[p].catalog, i)->name, false};
+            char line[128];
+            size_t start;
+            const int len = snprintf(line, sizeof line, "%s%.2s", places[p].before, found.name);
+            command_complete(b.session, text_of(line), (size_t)len, &start, look, &found);
+            if (!found.offered)
+                fail_msg("'%s' does not offer %s", line, found.name);
+        }
+    bench_close(&b);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(every_name_has_one_meaning),
+                                       cmocka_unit_test(every_name_is_explained),
+                                       cmocka_unit_test(every_name_is_completed)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
