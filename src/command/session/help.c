@@ -246,6 +246,7 @@ static const struct topic {
     {&sweep_measure_catalog, NULL},
     {&table_format_catalog, NULL},
     {&picture_catalog, NULL},
+    {&result_catalog, NULL},
 };
 
 static void help_topic(const struct topic *topic, const struct row *row, struct buffer *text)

@@ -17,7 +17,7 @@ static const struct catalog *const catalogs[] = {
     &fit_catalog,     &quantity_catalog, &drag_catalog,          &format_catalog,
     &layout_catalog,  &snap_catalog,     &term_catalog,          &param_catalog,
     &derived_catalog, &drag_law_catalog, &sweep_measure_catalog, &table_format_catalog,
-    &picture_catalog};
+    &picture_catalog, &result_catalog};
 
 /* Names that two catalogs share, and why nobody is misled. Every other name is the only one. */
 static const struct {
@@ -30,6 +30,9 @@ static const struct {
     {"spring drag vanderpol friction damped",
      "a force, what it depends on, the scene that shows it"},
     {"potential record timing precision", "a command, and what it sets or makes"},
+    {"compare order stability stress selftest sweep run runs fit measure adopt cursor",
+     "a command, and the table of what it found"},
+    {"peak", "what a cursor snaps to, and lines of a spectrum"},
     {"plot", "the layout is that of the command's figure alone"},
     {"phase", "'plot phase' is of v against y, phase = 0 is that of the drive: by INTERFACE.md"},
     {"m g s min", "a unit stands behind a number"},
@@ -112,6 +115,7 @@ static const struct {
     {&method_catalog, "compare "}, {&preset_catalog, "scene "},     {&plot_catalog, "plot "},
     {&plot_catalog, "focus "},     {&layout_catalog, "layout "},    {&param_catalog, "set "},
     {&fit_catalog, "fit "},        {&quantity_catalog, "measure "}, {&snap_catalog, "cursor snap "},
+    {&result_catalog, "export x.csv table of "},
 };
 
 static void every_name_is_completed(void **state)
