@@ -90,7 +90,7 @@ $(shell mkdir -p build && printf '#include "../%s"\n' $(FORMATS) >build/formats.
 LIBRARY_OBJECTS := $(foreach l,$(LIBRARY_LAYERS),$(call objects,$(l)))
 PROGRAM_OBJECTS := $(foreach l,$(PROGRAM_LAYERS),$(call objects,$(l))) $(B)/main.o
 
-TEST_SOURCES := $(sort $(wildcard $(foreach kind,unit numerics data faults terminal,tests/$(kind)/*/*.c) tests/fuzz/*.c))
+TEST_SOURCES := $(sort $(wildcard $(foreach kind,unit numerics data faults growth terminal,tests/$(kind)/*/*.c) tests/fuzz/*.c))
 TEST_PROGRAMS := $(patsubst tests/%.c,$(D)/tests/%,$(TEST_SOURCES))
 TEST_SCRIPTS := $(sort $(wildcard tests/*/*.sh))
 FUZZERS      := $(patsubst tests/fuzz/%.c,%,$(sort $(wildcard tests/fuzz/*.c)))

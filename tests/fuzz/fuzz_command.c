@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #define CORPUS "fuzz_command"
+#define MUTATIONS 40
 #include "terminal/folder.h"
 #include "fuzz/replay.h"
 

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #define CORPUS "fuzz_expression"
+#define MUTATIONS 300
 #include "fuzz/replay.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
  * A fuzz target without libFuzzer: replays the corpus and a fixed number of mutations of it, as an
- * ordinary test. The target's file is named on the command line of the compiler through CORPUS, its
- * folder below tests/fuzz/corpus.
+ * ordinary test. CORPUS is its folder below tests/fuzz/corpus, MUTATIONS how many of each file the
+ * quick form tries.
  */
 #ifndef REPLAY_H
 #define REPLAY_H
@@ -74,7 +74,7 @@ int main(void)
     static uint8_t original[ROOM / 2];
     static uint8_t data[ROOM];
     const char *longer = getenv("LONG");
-    long rounds = longer && *longer ? 200000 : 300;
+    long rounds = longer && *longer ? 200000 : MUTATIONS;
     uint64_t state = 20261121;
     int replayed = 0;
     for (int i = 0; i < files; i++) {

@@ -187,18 +187,24 @@ static double variance_with(const struct phases *p, size_t at, int turns, double
  * makes the line straightest. */
 static void count_across_gaps(struct phases *p, double *scratch, unsigned char *use)
 {
-    enum { TURNS = 4 };
+    enum { TURNS = 4, SIDE = 512 }; /* so many phases on each side tell, however many there are */
     for (size_t i = 1; i < p->n && p->n > PHASES_MIN; i++) {
         const double width =
             2.0 / (double)(p->n - 1); /* at least that of a window: gaps take some of the time */
+        const size_t from = i > SIDE ? i - SIDE : 0, to = i + SIDE < p->n ? i + SIDE : p->n;
+        const struct phases near = {.t = p->t + from,
+                                    .phase = p->phase + from,
+                                    .sigma = p->sigma + from,
+                                    .residual = p->residual + from,
+                                    .n = to - from};
         double min = HUGE_VAL;
         int best = 0;
         for (int turns = -TURNS; turns <= TURNS && p->t[i] - p->t[i - 1] > GAP * width; turns++) {
-            const double variance = variance_with(p, i, turns, scratch, use);
+            const double variance = variance_with(&near, i - from, turns, scratch, use);
             best = variance < min ? turns : best;
             min = fmin(min, variance);
         }
-        for (size_t j = i; j < p->n; j++) {
+        for (size_t j = i; j < p->n && best != 0; j++) {
             p->phase[j] += best * TWO_PI;
         }
     }
