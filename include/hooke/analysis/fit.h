@@ -287,20 +287,24 @@ struct fit {
     struct fit_covariance covariance;
 };
 
+/* What is fitted: the row's own function says it, or the study of a scene, or of several modes. */
+enum fit_by { FIT_OWN, FIT_SCENE, FIT_MODES };
+
 struct fit_model {
     struct row row; /* damped, sine, … */
+    enum fit_by by;
     bool (*fit)(const struct series *series, struct arena *arena, const struct cancel *cancel,
                 struct fit *fit, struct error *error);
 };
 
 /*
- * Rows damped, sine, drag and law need no guess. law: drag under the restoring force that BIC
- * prefers. drag: the fit's values are those of the best law (by BIC), `preferred` is LAW_UNDECIDED
- * where the data do not decide. Uncertainties: least squares, widened for what the residuals share
- * with each parameter (sway, wandering); of period, omega and gamma also half the difference of the
- * window's halves where these differ by more than 2.5 standard deviations. ERROR_COMMAND: does not
- * oscillate; ERROR_NUMERICAL: did not converge. A fit switches GSL's error handler off
- * (process-wide: GSL has no other way).
+ * Rows damped (the first, which is taken where nothing is said), sine, drag and law need no guess.
+ * law: drag under the restoring force that BIC prefers. drag: the fit's values are those of the
+ * best law (by BIC), `preferred` is LAW_UNDECIDED where the data do not decide. Uncertainties:
+ * least squares, widened for what the residuals share with each parameter (sway, wandering); of
+ * period, omega and gamma also half the difference of the window's halves where these differ by
+ * more than 2.5 standard deviations. ERROR_COMMAND: does not oscillate; ERROR_NUMERICAL: did not
+ * converge. A fit switches GSL's error handler off (process-wide: GSL has no other way).
  */
 extern const struct catalog fit_catalog;
 

@@ -270,6 +270,10 @@ static const struct fit_model models[] = {
                  "the same, and which force pulls back: a spring, a Duffing spring, a pendulum",
              .citation = "Nayfeh & Mook 1979; Schwarz 1978 (BIC)"},
      .fit = fit_law},
+    {.row = {"scene", "", "the scene's own equation of motion, integrated", "", NULL},
+     .by = FIT_SCENE},
+    {.row = {"modes", "", "several damped sines at once: normal modes, beats, coupling", "", NULL},
+     .by = FIT_MODES},
 };
 
 const struct catalog fit_catalog = CATALOG("model", models);

@@ -51,26 +51,6 @@ static void keep_fit(struct session *session, const struct subject *subject, con
             session_set_result(session, results[i].name, results[i].value, results[i].quantity);
 }
 
-enum fit_kind { KIND_DAMPED, KIND_SINE, KIND_DRAG, KIND_LAW, KIND_SCENE, KIND_MODES };
-
-static const struct row kinds[] = {
-    [KIND_DAMPED] = {"damped", "", "y = c + A exp(-gamma t/2) cos(omega t + phase): the default",
-                     "", NULL},
-    [KIND_SINE] = {"sine", "", "the same without damping", "", NULL},
-    [KIND_DRAG] =
-        {"drag", "",
-         "linear, quadratic, dry friction and their sums, integrated, and which of them it is", "",
-         NULL},
-    [KIND_LAW] = {"law", "",
-                  "the same, and which force pulls back: a spring, a Duffing spring, a pendulum",
-                  "", NULL},
-    [KIND_SCENE] = {"scene", "", "the scene's own equation of motion, integrated", "", NULL},
-    [KIND_MODES] = {"modes", "", "several damped sines at once: normal modes, beats, coupling", "",
-                    NULL},
-};
-
-const struct catalog fit_kind_catalog = CATALOG("fit", kinds);
-
 static bool not_converged(const char *why, struct error *error)
 {
     error_set(error, ERROR_NUMERICAL, "the fit %s", why);
@@ -78,18 +58,19 @@ static bool not_converged(const char *why, struct error *error)
 }
 
 /* Arguments that belong to other kinds of fit. */
-static bool refuse_others(const struct fit_request *asked, enum fit_kind kind, struct error *error)
+static bool refuse_others(const struct fit_request *asked, const struct fit_model *model,
+                          struct error *error)
 {
     static const char *const others[] = {"free", "NAME", "bootstrap", "robust"};
-    const char *name = kinds[kind].name;
-    for (size_t i = 0; i < COUNT_OF(others) && kind != KIND_SCENE; i++)
+    const char *name = model->row.name;
+    for (size_t i = 0; i < COUNT_OF(others) && model->by != FIT_SCENE; i++)
         if (is_given(asked->given, others[i])) {
             error->where = argument_given(asked->given, others[i])->where;
             error_set(error, ERROR_COMMAND, "'fit %s' needs no starts and frees what it needs",
                       name);
             return error_hint(error, "that belongs to 'fit scene' and 'fit EXPR'");
         }
-    if (kind != KIND_MODES && is_given(asked->given, "COUNT")) {
+    if (model->by != FIT_MODES && is_given(asked->given, "COUNT")) {
         error_at(error, argument_given(asked->given, "COUNT")->where, "'fit %s' takes no number",
                  name);
         return error_hint(error, "for several frequencies: fit modes 2");
@@ -97,14 +78,13 @@ static bool refuse_others(const struct fit_request *asked, enum fit_kind kind, s
     return true;
 }
 
-static bool fit_motion(const struct fit_request *asked, const char *name, struct error *error)
+static bool fit_motion(const struct fit_request *asked, const struct fit_model *model,
+                       struct error *error)
 {
     struct session *session = asked->session;
     const struct subject *subject = asked->subject;
     struct arena *arena = asked->given->arena;
     struct fit fit = {0};
-    const struct fit_model *model =
-        (const struct fit_model *)(const void *)catalog_find(&fit_catalog, text_of(name));
     if (!model->fit(&subject->series, arena, session->front.cancel, &fit, error))
         return false;
     struct measured mass, stiffness = {NAN, NAN};
@@ -148,17 +128,16 @@ HANDLER(fit)
     const struct fit_request asked = {session, given, &subject, reply};
     if (formula)
         return fit_a_formula(&asked, model->item->text, error);
-    const enum fit_kind kind =
-        model->count ? (enum fit_kind)catalog_index(&fit_kind_catalog, model->item->row)
-                     : KIND_DAMPED;
-    if (!refuse_others(&asked, kind, error))
+    const struct row *row = model->count ? model->item->row : catalog_row(&fit_catalog, 0);
+    const struct fit_model *chosen = (const struct fit_model *)(const void *)row;
+    if (!refuse_others(&asked, chosen, error))
         return false;
     struct measured mass;
-    if (kind == KIND_MODES)
+    if (chosen->by == FIT_MODES)
         return fit_the_modes(&asked, known_mass(&session->setup.scene, &mass) ? &mass : NULL,
                              error);
-    return kind == KIND_SCENE ? fit_the_scene(&asked, error)
-                              : fit_motion(&asked, kinds[kind].name, error);
+    return chosen->by == FIT_SCENE ? fit_the_scene(&asked, error)
+                                   : fit_motion(&asked, chosen, error);
 }
 
 HANDLER(adopt)
@@ -202,9 +181,8 @@ COMMAND(
         "load bare.txt; m = 200 g; fit damped; adopt; fit scene free=k,gamma,y0,v0; adopt; run\n"
         "load disk.txt; fit modes 2; fit a*exp(-b*t)*cos(w*t+p)+c b=0.01 w=8.3",
     .see = "adopt measure load", .flags = COMMAND_TABLES,
-    ARGUMENTS(PLACE("MODEL", TYPE_MODEL, .choices = &fit_kind_catalog),
-              PLACE("COUNT", TYPE_INTEGER), WORD("to", TYPE_RECORDING, .group = 1),
-              WORD("run", TYPE_RUN, .group = 1),
+    ARGUMENTS(PLACE("MODEL", TYPE_MODEL, .choices = &fit_catalog), PLACE("COUNT", TYPE_INTEGER),
+              WORD("to", TYPE_RECORDING, .group = 1), WORD("run", TYPE_RUN, .group = 1),
               KEY("window", TYPE_RANGE, .quantity = QUANTITY_TIME),
               KEY("free", TYPE_PARAM, .flags = ARG_MANY),
               KEY("NAME", TYPE_START, .flags = ARG_MANY | ARG_NEGATIVE),

@@ -19,13 +19,15 @@ static inline int function_arity(const struct function *function)
 }
 
 /* What a NaN argument has to give NaN for, and what programs know without a call. */
-double function_power(double x, double n);
-double function_least(double a, double b);
-double function_most(double a, double b);
+/* Those that have a slope, of libm or our own. */
+#define ONE(function, ...) double function(double x);
+#define TWO(function, ...) double function(double x, double y);
+#include "scene/formula/slopes.def"
+#undef ONE
+#undef TWO
 double function_sign(double x);
 double function_step(double x);
 double function_choose(double condition, double yes, double no);
-double function_mod(double a, double b);
 
 /* 1 or 0; NaN where an argument is. */
 static inline double less(double a, double b)

@@ -29,7 +29,7 @@ static const struct {
     {"exact", "the exact solution: stepped by, printed, of the drag alone"},
     {"spring drag vanderpol friction damped",
      "a force, what it depends on, the scene that shows it"},
-    {"potential record timing precision", "a command, and what it sets or makes"},
+    {"potential record timing precision scene", "a command, and what it sets, makes or fits"},
     {"compare order stability stress selftest sweep run runs fit measure adopt cursor",
      "a command, and the table of what it found"},
     {"peak", "what a cursor snaps to, and lines of a spectrum"},
@@ -111,10 +111,18 @@ static const struct {
     const struct catalog *catalog;
     const char *before;
 } places[] = {
-    {&command_catalog, ""},        {&setting_catalog, "set "},      {&method_catalog, "method "},
-    {&method_catalog, "compare "}, {&preset_catalog, "scene "},     {&plot_catalog, "plot "},
-    {&plot_catalog, "focus "},     {&layout_catalog, "layout "},    {&param_catalog, "set "},
-    {&fit_catalog, "fit "},        {&quantity_catalog, "measure "}, {&snap_catalog, "cursor snap "},
+    {&command_catalog, ""},
+    {&setting_catalog, "set "},
+    {&method_catalog, "method "},
+    {&method_catalog, "compare "},
+    {&preset_catalog, "scene "},
+    {&plot_catalog, "plot "},
+    {&plot_catalog, "focus "},
+    {&layout_catalog, "layout "},
+    {&param_catalog, "set "},
+    {&fit_catalog, "fit "},
+    {&quantity_catalog, "measure "},
+    {&snap_catalog, "cursor snap "},
     {&result_catalog, "export x.csv table of "},
 };
 
