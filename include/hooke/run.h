@@ -29,7 +29,9 @@ struct recording_rule {
 struct trace;
 
 size_t trace_count(const struct trace *trace);
-double trace_time(const struct trace *trace, size_t i);         /* [s] */
+double trace_time(const struct trace *trace, size_t i); /* [s] */
+/* The first row whose time is at or after t [s] on the way of the run, which may go backwards. */
+size_t trace_row_at(const struct trace *trace, double t);
 int64_t trace_step(const struct trace *trace, size_t i);        /* step index of the row */
 const double *trace_state(const struct trace *trace, size_t i); /* [n] */
 bool trace_decimated(const struct trace *trace);

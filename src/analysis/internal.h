@@ -22,8 +22,12 @@ struct samples {
 bool samples_init(struct samples *samples, const struct series *series,
                   struct arena *arena); /* false: no memory */
 struct samples samples_part(const struct samples *samples, size_t from,
-                            size_t to);                        /* [from, to), shares memory */
-size_t samples_index(const struct samples *samples, double t); /* first sample at or after t [s] */
+                            size_t to); /* [from, to), shares memory */
+/* The first sample at or after t [s]. */
+static inline size_t samples_index(const struct samples *samples, double t)
+{
+    return first_from(samples->t, samples->n, t);
+}
 /* The first sample from which on nothing is seen to move, be it that the decay was strong; n: none.
  */
 static inline size_t samples_quiet(const struct samples *x, double period)

@@ -66,20 +66,6 @@ struct samples samples_part(const struct samples *samples, size_t from, size_t t
     return part;
 }
 
-size_t samples_index(const struct samples *samples, double t)
-{
-    size_t low = 0, high = samples->n;
-    while (low < high) {
-        size_t mid = low + (high - low) / 2;
-        if (samples->t[mid] < t) {
-            low = mid + 1;
-        } else {
-            high = mid;
-        }
-    }
-    return low;
-}
-
 /* Sizes of the sixth differences: a sine with m samples a period enters them only as (2 pi/m)^6,
  * white noise as sqrt(924). How many. */
 static size_t sixth_differences(const struct samples *samples, double *size)

@@ -8,6 +8,19 @@ double quantile(double *values, size_t n, double share)
     return n ? gsl_stats_select(values, 1, n, (size_t)(share * (double)(n - 1) + 0.5)) : NAN;
 }
 
+size_t first_from(const double *ascending, size_t n, double x)
+{
+    size_t low = 0, high = n;
+    while (low < high) {
+        const size_t middle = low + (high - low) / 2;
+        if (ascending[middle] < x)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low;
+}
+
 double random_fraction(uint64_t *state)
 {
     uint64_t z = (*state += 0x9E3779B97F4A7C15u);

@@ -2,6 +2,8 @@
 #include "data/container/container.h"
 #include "data/table/table.h"
 
+#include <hooke/base/numeric.h>
+
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -265,26 +267,12 @@ void recording_restore(struct recording *recording)
     recording->velocity[0] = 0;
 }
 
-/* First row with t >= from. */
-static size_t row_from(const struct recording *recording, double from)
-{
-    size_t low = 0, high = recording->rows;
-    while (low < high) {
-        size_t middle = low + (high - low) / 2;
-        if (recording->t[middle] < from)
-            low = middle + 1;
-        else
-            high = middle;
-    }
-    return low;
-}
-
 bool recording_window(struct recording *recording, double from, double to, struct error *error)
 {
     const double first = recording->t[0], last = recording->t[recording->rows - 1];
     from = isnan(from) || from < first ? first : from;
     to = isnan(to) || to > last ? last : to;
-    size_t row = row_from(recording, from);
+    size_t row = first_from(recording->t, recording->rows, from);
     if (!(from < to) || row >= recording->rows || recording->t[row] > to)
         return error_set(error, ERROR_COMMAND,
                          "no samples of %s in this window; it spans %.6g to %.6g s",
@@ -297,7 +285,7 @@ bool recording_window(struct recording *recording, double from, double to, struc
 bool recording_series(const struct recording *recording, struct arena *arena, size_t min,
                       struct series *series, struct error *error)
 {
-    const size_t begin = row_from(recording, recording->window[0]);
+    const size_t begin = first_from(recording->t, recording->rows, recording->window[0]);
     size_t end = begin, n = 0;
     while (end < recording->rows && recording->t[end] <= recording->window[1])
         end++;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include <hooke/plot/cursor.h>
 
+#include <hooke/base/numeric.h>
 #include <hooke/plot.h>
 
 #include <math.h>
@@ -128,15 +129,8 @@ double ground_spacing(const struct ground *g)
 /* Last sample at or before t, one that has another after it. */
 static size_t sample_before(const struct series *s, double t)
 {
-    size_t low = 0, high = s->n - 1;
-    while (high - low > 1) {
-        const size_t middle = low + (high - low) / 2;
-        if (s->t[middle] <= t)
-            low = middle;
-        else
-            high = middle;
-    }
-    return low;
+    const size_t at = first_from(s->t, s->n - 1, t);
+    return at > 0 && (at == s->n - 1 || s->t[at] > t) ? at - 1 : at;
 }
 
 /* ---- places to snap to ---- */

@@ -473,6 +473,21 @@ size_t trace_row_from(const struct trace *trace, int64_t step)
     return low;
 }
 
+size_t trace_row_at(const struct trace *trace, double t)
+{
+    const size_t n = trace_count(trace);
+    const double way = n > 0 && trace_time(trace, n - 1) < trace_time(trace, 0) ? -1 : 1;
+    size_t low = 0, high = n;
+    while (low < high) {
+        const size_t middle = low + (high - low) / 2;
+        if (way * trace_time(trace, middle) < way * t)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low;
+}
+
 const double *trace_rows(const struct trace *trace, size_t i, size_t end, size_t *count)
 {
     const size_t in_chunk = CHUNK_ROWS - (i & (CHUNK_ROWS - 1));

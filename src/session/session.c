@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The session: its runs, recordings and results. */
+#include <hooke/base/numeric.h>
 #include <hooke/session/events.h>
 #include <hooke/session/log.h>
 #include <hooke/session/subject.h>
@@ -327,14 +328,7 @@ void session_drop_band(struct session *session)
 static double curve_value(const struct session *session, double t)
 {
     const double *time = session->fit_curve[0], *value = session->fit_curve[1];
-    size_t low = 0, high = session->fit_samples;
-    while (low < high) {
-        const size_t middle = low + (high - low) / 2;
-        if (time[middle] < t)
-            low = middle + 1;
-        else
-            high = middle;
-    }
+    const size_t low = first_from(time, session->fit_samples, t);
     if (low < session->fit_samples && time[low] == t)
         return value[low];
     if (low == 0 || low == session->fit_samples)

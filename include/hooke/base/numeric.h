@@ -24,6 +24,9 @@ double quantile(double *values, size_t n, double share);
 
 double random_fraction(uint64_t *state); /* [0, 1): splitmix64 (Steele, Lea & Flood 2014) */
 
+/* The first of n ascending values that is at least x; n: none is. */
+size_t first_from(const double *ascending, size_t n, double x);
+
 /* Cubic through y0 and y1 with slopes f0 and f1 at the ends of h, at the share theta of it
  * (Hairer, Norsett, Wanner I, eq. II.6.7). */
 static inline double hermite(double theta, double h, double y0, double f0, double y1, double f1)

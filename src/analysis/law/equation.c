@@ -10,6 +10,8 @@
  */
 #include "analysis/internal.h"
 
+#include <hooke/scene.h>
+
 #include <string.h>
 
 enum {
@@ -149,37 +151,24 @@ static void evaluate(const struct equation_walk *s, double x, int order, int col
     *(row *)out = sum;
 }
 
-static double speed(const struct equation_walk *s, double x)
+static double speed(void *walk, double x)
 {
     double v;
-    evaluate(s, x, 1, 1, &v);
+    evaluate(walk, x, 1, 1, &v);
     return v;
 }
 
-/* Where the velocity changes its sign in (0, h]: regula falsi (Illinois: Dowell & Jarratt 1971). */
-static double turning_time(const struct equation_walk *s, double h, double v)
+/* Where the velocity changes its sign in (0, h]. */
+static double turning_time(struct equation_walk *s, double h, double v)
 {
-    double low = 0, high = h, at_low = speed(s, 0), at_high = v;
+    double low = 0, at_low = speed(s, 0);
     if (at_low == 0) { /* just turned: the other side is where it accelerates to */
         low = 1e-9 * h;
         at_low = speed(s, low);
         if (at_low * v > 0)
             return 0;
     }
-    for (int i = 0; i < 60 && fabs(high - low) > 1e-15 * h; i++) {
-        const double x = (low * at_high - high * at_low) / (at_high - at_low), at = speed(s, x);
-        if (at == 0)
-            return x;
-        if (at * at_high < 0) {
-            low = high;
-            at_low = at_high;
-        } else {
-            at_low *= 0.5;
-        }
-        high = x;
-        at_high = at;
-    }
-    return high;
+    return root_between(speed, s, low, at_low, h, v, 1e-15 * h);
 }
 
 /* The direction in which it goes on from v = 0, 0: it sticks. */

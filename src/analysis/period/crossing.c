@@ -2,6 +2,9 @@
 /* Crossings of a level. */
 #include "analysis/internal.h"
 
+#include <hooke/scene.h>
+
+#include <float.h>
 #include <math.h>
 
 #define HALF_WIDTH 0.1  /* [periods] samples on each side of a crossing that place it */
@@ -37,38 +40,27 @@ static double interpolate(const struct series *s, size_t from, size_t count, dou
     return p[0];
 }
 
-/* Noise-free: the root of the quintic through the six samples around the bracket [i - 1, i], by
- * false position (Illinois). */
+struct polynomial {
+    const struct context *of;
+    size_t from, count;
+};
+
+static double above_level(void *context, double t)
+{
+    const struct polynomial *p = context;
+    return interpolate(p->of->series, p->from, p->count, t) - p->of->level;
+}
+
+/* Noise-free: the root of the quintic through the six samples around the bracket [i - 1, i]. */
 static bool place_exact(const struct context *c, size_t i, struct crossing *out)
 {
     const struct series *s = c->series;
-    size_t count = s->n < 6 ? s->n : 6, from = i < 3 ? 0 : i - 3;
-    from = from + count > s->n ? s->n - count : from;
-    double a = s->t[i - 1], b = s->t[i], fa = s->y[i - 1] - c->level, fb = s->y[i] - c->level,
-           t = a;
-    double slope = (fb - fa) / (b - a), close = 1e-15 * (fabs(fa) + fabs(fb));
-    int side = 0;
-    for (int k = 0; k < 60; k++) {
-        t = (a * fb - b * fa) / (fb - fa);
-        double f = interpolate(s, from, count, t) - c->level;
-        if (fabs(f) <= close) {
-            break;
-        }
-        bool right = (f > 0) == (fb > 0);
-        if (right) {
-            b = t;
-            fb = f;
-            fa *= side > 0 ? 0.5 : 1;
-        } else {
-            a = t;
-            fa = f;
-            fb *= side < 0 ? 0.5 : 1;
-        }
-        side = right ? 1 : -1;
-    }
-    out->t = t;
-    out->uncertainty = fabs(c->noise / slope);
-    return isfinite(t);
+    const size_t count = s->n < 6 ? s->n : 6, from = i < 3 ? 0 : i - 3;
+    struct polynomial p = {c, from + count > s->n ? s->n - count : from, count};
+    const double a = s->t[i - 1], b = s->t[i], fa = s->y[i - 1] - c->level, fb = s->y[i] - c->level;
+    out->t = root_between(above_level, &p, a, fa, b, fb, 4 * DBL_EPSILON * fmax(fabs(a), fabs(b)));
+    out->uncertainty = fabs(c->noise / ((fb - fa) / (b - a)));
+    return isfinite(out->t);
 }
 
 /*

@@ -52,7 +52,4 @@ static inline void clean_note(struct finding *finding, double t, size_t samples)
  * holds half of them (that were a rest): noted, and excluded from the local fits. */
 void clean_clipped(struct cleaning *cleaning, bool upper);
 
-/* The first row at or after t. */
-size_t first_row(const struct motion_rows *rows, double t);
-
 #endif

@@ -88,7 +88,7 @@ static void terms_at(double t, double middle, double period, double term[TERMS])
 
 static size_t row_at(const struct cleaning *c, double t)
 {
-    return first_row(&(struct motion_rows){.t = c->t, .n = c->n}, t);
+    return first_from(c->t, c->n, t);
 }
 
 static void fit_local(struct cleaning *c, struct local *local, const struct stretch *work)

@@ -30,19 +30,6 @@ static struct spread spread_of(const struct motion_rows *x, size_t from, size_t 
     return s;
 }
 
-size_t first_row(const struct motion_rows *x, double t)
-{
-    size_t low = 0, high = x->n;
-    while (low < high) {
-        const size_t middle = low + (high - low) / 2;
-        if (x->t[middle] < t)
-            low = middle + 1;
-        else
-            high = middle;
-    }
-    return low;
-}
-
 /* The amplitude of the sine of this period in rows from … to, beside their mean; NAN: they do not
  * determine it. */
 static double amplitude_of(const struct motion_rows *x, size_t from, size_t to, double period,
@@ -82,8 +69,8 @@ static bool stops(const struct motion_rows *x, size_t rest, double period, doubl
     const double from = x->t[rest] + 0.5 * stretch;
     double w = 0, mean_t = 0, mean_l = 0, tt = 0, tl = 0, largest = 0, count;
     for (double t = x->t[0]; t + stretch <= x->t[rest]; t += stretch) {
-        const double a =
-            amplitude_of(x, first_row(x, t), first_row(x, t + stretch), period, &count);
+        const double a = amplitude_of(x, first_from(x->t, x->n, t),
+                                      first_from(x->t, x->n, t + stretch), period, &count);
         const double weight = a * a * count, off_t = t - mean_t, off_l = log(a) - mean_l;
         if (!(a > CLEAR * noise * sqrt(2 / count)))
             continue;
@@ -101,8 +88,8 @@ static bool stops(const struct motion_rows *x, size_t rest, double period, doubl
         tt += weight * off_t * (t - mean_t);
         tl += weight * off_t * (log(a) - mean_l);
     }
-    const double a =
-        amplitude_of(x, first_row(x, from), first_row(x, from + stretch), period, &count);
+    const double a = amplitude_of(x, first_from(x->t, x->n, from),
+                                  first_from(x->t, x->n, from + stretch), period, &count);
     const double left = exp(mean_l + (tt > 0 ? fmin(tl / tt, 0) : 0) * (from - mean_t));
     return w > 0 && count > 0 && left > CLEAR * noise * sqrt(2 / count) &&
            (isnan(a) ? 0 : a) + CLEAR * noise * sqrt(2 / count) < FADED * left;
@@ -125,14 +112,14 @@ size_t motion_quiet(const struct motion_rows *x, double period)
     const double min = PERIODS_MIN * stretch;
     if (!(last - first >= 2 * min))
         return x->n;
-    const struct spread start = spread_of(x, 0, first_row(x, first + min));
-    const struct spread end = spread_of(x, first_row(x, last - min), x->n);
+    const struct spread start = spread_of(x, 0, first_from(x->t, x->n, first + min));
+    const struct spread end = spread_of(x, first_from(x->t, x->n, last - min), x->n);
     if (!(end.count > 4) || !(end.deviation < QUIET * start.deviation))
         return x->n;
-    size_t rest = first_row(x, last - min), to = rest;
+    size_t rest = first_from(x->t, x->n, last - min), to = rest;
     int moves = 0; /* half stretches in a row: a single one may be chance */
     for (double t = last - min - 0.5 * stretch; t > first + min; t -= 0.5 * stretch) {
-        const size_t from = first_row(x, t);
+        const size_t from = first_from(x->t, x->n, t);
         const struct spread s = spread_of(x, from, to);
         const double off = fabs(s.mean - end.mean);
         moves = s.count > 1 && (s.deviation > ALIKE * end.deviation || off > end.deviation)

@@ -16,22 +16,6 @@
 
 /* ---- rows ---- */
 
-/* The first row whose time is at or after t on the way of the run, which may go backwards. */
-static size_t row_after(const struct run *run, double t)
-{
-    const size_t n = trace_count(run->trace);
-    const double way = trace_time(run->trace, n - 1) < trace_time(run->trace, 0) ? -1 : 1;
-    size_t low = 0, high = n;
-    while (low < high) {
-        const size_t middle = low + (high - low) / 2;
-        if (way * trace_time(run->trace, middle) < way * t)
-            low = middle + 1;
-        else
-            high = middle;
-    }
-    return low;
-}
-
 #define VARIABLES_MAX 8 /* whose extremes are kept */
 #define EXTREMES_MAX (2 * VARIABLES_MAX + 2)
 
@@ -112,8 +96,8 @@ static void find_rows(const struct run *run, const struct row_request *request, 
     const size_t count = trace_count(run->trace);
     const bool backwards = trace_time(run->trace, count - 1) < trace_time(run->trace, 0);
     const double last = backwards ? request->from : request->to;
-    *first = row_after(run, backwards ? request->to : request->from);
-    *end = row_after(run, last);
+    *first = trace_row_at(run->trace, backwards ? request->to : request->from);
+    *end = trace_row_at(run->trace, last);
     while (*end < count && trace_time(run->trace, *end) == last)
         ++*end;
     if (request->screen) {
@@ -245,7 +229,7 @@ static double acceleration_between(const struct system *system, double t, double
 
 double run_motion(const struct run *run, double t, int derivative)
 {
-    const size_t after = row_after(run, t), count = trace_count(run->trace);
+    const size_t after = trace_row_at(run->trace, t), count = trace_count(run->trace);
     const int half = run->system.order == 2 ? run->system.n / 2 : 0;
     if (after == count || (half == 0 && derivative > 0))
         return NAN;

@@ -10,17 +10,10 @@
 /* The first row from `first` on whose time is beyond t, in the direction of the run. */
 static size_t row_beyond(const struct trace *trace, size_t first, double t)
 {
-    const size_t last = trace_count(trace) - 1;
-    const double sign = copysign(1, trace_time(trace, last) - trace_time(trace, first));
-    size_t low = first, high = last + 1;
-    while (low < high) {
-        const size_t middle = low + (high - low) / 2;
-        if ((trace_time(trace, middle) - t) * sign > 0)
-            high = middle;
-        else
-            low = middle + 1;
-    }
-    return low;
+    size_t row = trace_row_at(trace, t);
+    while (row < trace_count(trace) && trace_time(trace, row) == t)
+        row++;
+    return row > first ? row : first;
 }
 
 /* A recorded state inside, of those from row `first` on. */
