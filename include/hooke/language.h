@@ -47,6 +47,7 @@ enum argument_flag {
     ARG_MANY = 2, /* several items: blanks or commas between them in a place or after a word, commas
                      after a key */
     ARG_ALL = 4,  /* the word `all` stands for every run */
+    ARG_OF = 16,  /* TYPE_COLUMN: any word where `of` stands behind it: a column of a table */
     ARG_NEGATIVE = 8, /* TYPE_INTEGER and TYPE_VALUE may be negative or zero */
 };
 

@@ -125,7 +125,9 @@ struct figure_request {
     const struct text *column; /* names of variables and observables; NULL: the kind says all */
     int columns;
     struct text against;
-    struct text at; /* only at the moments of this event, as points; empty: all along */
+    const struct table *table; /* whose columns they are; NULL: those of runs */
+    const char *title;         /* of the table */
+    struct text at;            /* only at the moments of this event, as points; empty: all along */
     bool next; /* then the columns at the event after the one where `against` is taken: a return map
                 */
     double window[2];                 /* [s] NAN: choose */

@@ -121,11 +121,26 @@ static bool typed_column(const struct session *session, struct text name)
     return known;
 }
 
+/* Whether the word `of` stands in the rest of the statement. */
+static bool is_of_table(struct text rest)
+{
+    for (struct text word; (rest = text_trim(rest)).len > 0;) {
+        word = peek_word(rest, "");
+        if (text_is(word, "of"))
+            return true;
+        const size_t used = word.len ? word.len : 1;
+        rest = (struct text){rest.at + used, rest.len - used};
+    }
+    return false;
+}
+
 static bool read_column(struct parser *parser, const struct argument *argument, struct item *item,
                         struct error *error)
 {
     if (!parse_word(parser, ",", item, error))
         return false;
+    if ((argument->flags & ARG_OF) && is_of_table(parser->rest))
+        return true;
     const struct row *choice =
         argument->choices ? catalog_find(argument->choices, item->text) : NULL;
     if (choice) {

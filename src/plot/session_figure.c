@@ -325,6 +325,8 @@ bool session_figure(const struct session *session, const struct figure_request *
     d.curve = arena_array(arena, (size_t)request->runs + LIMIT_OVERLAY + 2, sizeof *d.curve);
     if (!d.curve)
         return error_memory(error);
+    if (request->table)
+        return drawing_table(&d, figure);
     if (row->figure)
         return row->figure(&d, figure);
     if (request->runs > 0 && !find_model(&d))

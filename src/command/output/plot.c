@@ -65,7 +65,12 @@ static bool choose_kind(const struct arguments *given, struct figure_request *re
     const struct given_argument *what = argument_given(given, "WHAT"),
                                 *against = argument_given(given, "against"),
                                 *at = argument_given(given, "at"),
+                                *of = argument_given(given, "of"),
                                 *data = argument_given(given, "data");
+    if (of->count && (!against->count || at->count || data->count || is_given(given, "run"))) {
+        error_at(error, of->where, "of a table one column is drawn against another");
+        return error_hint(error, "plot COLUMN against COLUMN of %s", of->item->row->name);
+    }
     if (what->count == 1 && what->item->index >= 0 && !against->count && !at->count) {
         request->kind = (enum plot_kind)what->item->index;
         return true;
@@ -278,9 +283,14 @@ HANDLER(plot)
         memcpy(request.window, window->item->range, sizeof request.window);
     if (!choose_ranges(given, &request, error))
         return false;
-    if (plot_row(request.kind)->study ? !has_study(session, error)
-                                      : !choose_runs(session, given, &request, error))
+    const struct given_argument *of = argument_given(given, "of");
+    struct export export = {.arena = given->arena};
+    if (of->count                       ? !export_result(session, of->item->row, &export, error)
+        : plot_row(request.kind)->study ? !has_study(session, error)
+                                        : !choose_runs(session, given, &request, error))
         return false;
+    request.table = of->count ? &export.table : NULL;
+    request.title = of->count ? of->item->row->name : NULL;
     if (!session_figure(session, &request, given->arena, &figure, error)) {
         if (!error->where.at)
             error->where = window->where; /* nothing there, unless it is memory */
@@ -336,6 +346,9 @@ COMMAND(
         "is drawn upwards is "
         "taken where it\nhappened the next time: 'plot z against z at top --next' is a return "
         "map.\n"
+        "'plot error against dt of precision' is of the columns of a result, 'export FILE table of "
+        "NAME' has\n"
+        "them: points, in a curve for each method or event.\n"
         "Of the current run and of the recording where they overlap in time, unless told; all of "
         "the time, unless\n"
         "a window is given: more periods than the width can show are an envelope, and the frame "
@@ -358,9 +371,10 @@ COMMAND(
         "compare euler symplectic-euler; plot energy run all y=0:40mJ; plot momentum against y\n"
         "load bare.txt; m = 200 g; fit drag; adopt; run; plot position --band",
     .see = "set export measure", .flags = COMMAND_ANYTIME,
-    ARGUMENTS(PLACE("WHAT", TYPE_COLUMN, .flags = ARG_REQUIRED | ARG_MANY,
+    ARGUMENTS(PLACE("WHAT", TYPE_COLUMN, .flags = ARG_REQUIRED | ARG_MANY | ARG_OF,
                     .choices = &plot_catalog),
-              WORD("against", TYPE_COLUMN), WORD("at", TYPE_EVENT),
+              WORD("against", TYPE_COLUMN, .flags = ARG_OF), WORD("at", TYPE_EVENT),
+              WORD("of", TYPE_CHOICE, .choices = &result_catalog),
               WORD("run", TYPE_RUN, .flags = ARG_MANY | ARG_ALL), WORD("data", TYPE_RECORDING),
               KEY("window", TYPE_RANGE, .quantity = QUANTITY_TIME),
               KEY("x", TYPE_RANGE, .quantity = QUANTITY_OTHER),

@@ -73,6 +73,11 @@ bool drawing_residual(struct drawing *d, const struct recording *recording);
 void axis_suit(struct axis *axis, enum quantity quantity, double size);
 /* Of the vertical axis; NULL: no memory. */
 const char *drawing_y_label(const struct drawing *d, int panel);
+/* Of columns of the request's table (table.c). */
+bool drawing_table(struct drawing *d, struct figure *figure);
+/* Ranges that were asked for; quantities of x and y. */
+bool drawing_ranges(const struct drawing *d, struct figure *figure,
+                    const enum quantity quantity[2]);
 /* Ranges, logarithm and panels (figure_scales.c); quantities of x and y. */
 bool drawing_scales(struct drawing *d, struct figure *figure, const enum quantity quantity[2]);
 /* The spectrum of a series, or of the window of a run, and its lines (figure_spectrum.c). */

@@ -80,6 +80,11 @@ static bool fix_range(const struct drawing *d, bool vertical, enum quantity quan
     return true;
 }
 
+bool drawing_ranges(const struct drawing *d, struct figure *figure, const enum quantity quantity[2])
+{
+    return fix_range(d, true, quantity[1], figure) && fix_range(d, false, quantity[0], figure);
+}
+
 /* ---- curves of different size ---- */
 
 /* Of what is inside of the window of time. */
@@ -205,7 +210,7 @@ bool drawing_scales(struct drawing *d, struct figure *figure, const enum quantit
     const struct figure_request *request = d->request;
     const bool asked = has_ends(request->y) || (figure->plane && has_ends(request->x));
     figure->y.log = request->log;
-    if (!fix_range(d, true, quantity[1], figure) || !fix_range(d, false, quantity[0], figure))
+    if (!drawing_ranges(d, figure, quantity))
         return false;
     figure->y.flat = request->y ? -1 : kind_of(d)->flat ? FLAT : 0;
     const bool one = asked || request->full || request->log;

@@ -203,6 +203,7 @@ static void completion_follows_the_type(void **state)
         {"export x.csv table of ", " precision ", " of ", 22, false},
         {"compare euler > ", "", " rk4 ", 16, true},
         {"sweep k=1:2 > ", "", " measure= ", 14, true},
+        {"plot error against dt of ", " stability ", " position ", 25, false},
         {"print sq", " sqrt ", " y ", 6, false},
         {"scene ", " damped ", " euler ", 6, false},
         {"echo 'a; ", "", " run ", 0, false},

@@ -1,0 +1,155 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Columns of a table against each other: points, a curve for each method, event or the like. */
+#include "plot/figure/drawing.h"
+
+#include <hooke/plot.h>
+
+#include <math.h>
+#include <string.h>
+
+#define DECADES 300 /* of positive values: from this ratio on an axis is logarithmic */
+#define DECADE 10   /* the same across where the other axis is: a power law is a line */
+#define GROUPS_MAX 8
+#define MARKS_MAX 100 /* points that are told apart */
+
+static const struct table_column *find_column(const struct drawing *d, struct text name)
+{
+    const struct table *table = d->request->table;
+    struct suggestion near = {.wanted = name};
+    struct buffer names = {0};
+    for (int c = 0; c < table->columns; c++) {
+        const struct table_column *column = &table->column[c];
+        if (column->value && text_is(name, column->name))
+            return column;
+        if (!column->value)
+            continue;
+        suggestion_offer(&near, column->name);
+        buffer_format(&names, "%s%s", names.len ? ", " : "", column->name);
+    }
+    error_at(d->error, name, "the table has no column of numbers '%.*s'",
+             (int)(name.len < 64 ? name.len : 64), name.at);
+    suggestion_hint(&near, d->error);
+    error_hint(d->error, "it has %s", buffer_view(&names));
+    buffer_free(&names);
+    return NULL;
+}
+
+static enum quantity quantity_of(const struct table_column *column)
+{
+    const struct unit *unit = unit_find(text_of(column->unit));
+    return unit && unit->factor == 1 ? unit->quantity : QUANTITY_NUMBER;
+}
+
+/* asked: of the user; NULL: none. What begins at 0 is not logarithmic. */
+static struct axis axis_of(const struct table_column *column, size_t rows, double decades,
+                           const struct figure_range *asked)
+{
+    struct axis axis = {.label = column->name, .unit = column->unit};
+    double low = HUGE_VAL, high = 0, size = 0;
+    for (size_t i = 0; i < rows; i++) {
+        const double value = column->value[i];
+        if (!isfinite(value))
+            continue;
+        low = fmin(low, value);
+        high = fmax(high, value);
+        size = fmax(size, fabs(value));
+    }
+    axis.log = low > 0 && high > decades * low && !(asked && asked->end[0] <= 0);
+    if (!axis.log)
+        axis_suit(&axis, quantity_of(column), size);
+    return axis;
+}
+
+/* ---- curves ---- */
+
+/* Which of the values a row's is; added where it is new. -1: too many. */
+static int group_of(const char *const *value, int *count, const char *group[GROUPS_MAX])
+{
+    for (int g = 0; g < *count; g++)
+        if (strcmp(group[g], *value) == 0)
+            return g;
+    if (*count == GROUPS_MAX)
+        return -1;
+    group[*count] = *value;
+    return (*count)++;
+}
+
+/* The first column of words with more than one, but few; NULL: none. */
+static const struct table_column *find_groups(const struct table *table, int *count,
+                                              const char *group[GROUPS_MAX])
+{
+    for (int c = 0; c < table->columns; c++) {
+        const struct table_column *column = &table->column[c];
+        bool few = column->text;
+        *count = 0;
+        for (size_t i = 0; i < table->rows && few; i++)
+            few = group_of(&column->text[i], count, group) >= 0;
+        if (few && *count > 1)
+            return column;
+    }
+    *count = 1;
+    return NULL;
+}
+
+static bool add_curve(struct drawing *d, const struct table_column *x, const struct table_column *y,
+                      const struct table_column *of, const char *group)
+{
+    const struct table *table = d->request->table;
+    double *value = arena_array(d->arena, 2 * table->rows + 1, sizeof *value);
+    size_t n = 0;
+    if (!value)
+        return error_memory(d->error);
+    for (size_t i = 0; i < table->rows; i++) {
+        if (!isfinite(x->value[i]) || !isfinite(y->value[i]) ||
+            (of && strcmp(of->text[i], group) != 0))
+            continue;
+        value[n] = x->value[i];
+        value[table->rows + n++] = y->value[i];
+    }
+    if (n > 0)
+        d->curve[d->curves++] = (struct curve){.label = group,
+                                               .x = value,
+                                               .y = value + table->rows,
+                                               .n = n,
+                                               .points = true,
+                                               .cloud = n > MARKS_MAX};
+    return true;
+}
+
+bool drawing_table(struct drawing *d, struct figure *figure)
+{
+    const struct figure_request *request = d->request;
+    const struct table *table = request->table;
+    const struct table_column *x = find_column(d, request->against), *first = NULL;
+    const char *group[GROUPS_MAX] = {NULL};
+    int groups = 1;
+    const struct table_column *of =
+        request->columns == 1 ? find_groups(table, &groups, group) : NULL;
+    d->curve = arena_array(d->arena, (size_t)request->columns + GROUPS_MAX, sizeof *d->curve);
+    if (!x || !d->curve)
+        return x && error_memory(d->error);
+    for (int i = 0; i < request->columns; i++) {
+        const struct table_column *y = find_column(d, request->column[i]);
+        if (!y)
+            return false;
+        first = first ? first : y;
+        if (strcmp(first->unit, y->unit) != 0) {
+            error_at(d->error, request->column[i], "%s [%s] and %s [%s] do not share an axis",
+                     first->name, first->unit[0] ? first->unit : "1", y->name,
+                     y->unit[0] ? y->unit : "1");
+            return false;
+        }
+        for (int g = 0; g < groups; g++)
+            if (!add_curve(d, x, y, of, request->columns > 1 ? y->name : group[g]))
+                return false;
+    }
+    if (d->curves == 0)
+        return error_at(d->error, request->column[0], "no row has numbers in both columns");
+    *figure = (struct figure){.title = request->title,
+                              .curve = d->curve,
+                              .curves = d->curves,
+                              .y = axis_of(first, table->rows, DECADES, request->y)};
+    figure->y.log |= request->log;
+    figure->x = axis_of(x, table->rows, figure->y.log ? DECADE : DECADES, request->x);
+    return drawing_ranges(d, figure, (enum quantity[]){quantity_of(x), quantity_of(first)});
+}
