@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Lines to statements, statements to handlers: atomic, undoable, recorded. */
+#include "command/finding.h"
 #include "command/internal.h"
 #include "command/redirect.h"
 #include "command/run/event_pass.h"
@@ -261,6 +262,7 @@ static bool exec_line(struct session *session, struct text line, const struct so
         /* An error without a code was reported where it happened: in a sourced file. */
         if (!ok && error.code != ERROR_NONE) {
             reply->format = (enum output_format)session->setup.settings.format;
+            explain_unknown(statement, &error);
             if (!error.where.at && statement.len < line.len)
                 error.where = statement; /* which of several it was */
             reply_error(reply, &error, where, line);

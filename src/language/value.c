@@ -43,7 +43,31 @@ struct part {
     double number;
     const struct unit *unit;
     const struct expr *expr;
+    double last_digits; /* 200.0(1): 0.1 */
 };
+
+/* The uncertainty of the last digits in parentheses, right behind a number that was typed: 200.0(1)
+ * is 200.0 +- 0.1. Nothing else is taken: 0. */
+static double take_last_digits(struct text typed, struct text *rest)
+{
+    size_t end = 1, decimals = 0, i = typed.len;
+    double digits = 0, unit = 1;
+    while (i > 0 && typed.at[i - 1] >= '0' && typed.at[i - 1] <= '9')
+        i--;
+    if (i > 0 && typed.at[i - 1] == '.')
+        decimals = typed.len - i;
+    if (typed.len == 0 || rest->len < 3 || rest->at[0] != '(' ||
+        strspn(typed.at, "0123456789.+-") < typed.len)
+        return 0;
+    while (end < rest->len && end < 10 && rest->at[end] >= '0' && rest->at[end] <= '9')
+        digits = 10 * digits + (rest->at[end++] - '0');
+    if (end == 1 || end >= rest->len || rest->at[end] != ')')
+        return 0;
+    advance(rest, end + 1);
+    while (decimals-- > 0)
+        unit *= 10;
+    return digits / unit;
+}
 
 static bool parse_part(struct parser *parser, struct part *part, struct error *error)
 {
@@ -57,6 +81,7 @@ static bool parse_part(struct parser *parser, struct part *part, struct error *e
         used--;
     part->number = expr_value(part->expr, parser->scope);
     advance(&parser->rest, used);
+    part->last_digits = take_last_digits((struct text){start.at, used}, &parser->rest);
     struct text after = parser->rest;
     text_skip_blanks(&after);
     part->unit = unit_match(after);
@@ -119,8 +144,9 @@ bool parse_value(struct parser *parser, const char *what, enum quantity wanted, 
         return false;
     struct text after = parser->rest;
     text_skip_blanks(&after);
-    const bool uncertain = starts_uncertainty(after);
-    if (uncertain) {
+    const bool signs = starts_uncertainty(after), uncertain = signs || number.last_digits > 0;
+    spread.number = number.last_digits;
+    if (signs) {
         parser->rest = after;
         advance(&parser->rest, 2);
         if (!parse_part(parser, &spread, error))

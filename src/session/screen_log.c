@@ -24,6 +24,7 @@ static void add_line(struct log *log, struct text line)
         log->count++;
     }
     log->line[index] = safe.data;
+    log->said++;
 }
 
 void log_add(struct log *log, struct text text)

@@ -71,6 +71,9 @@ static void on_line(char *typed)
     panes->echo_stale = true;
     if (!typed) {
         panes_enqueue(panes, TEXT("quit"), LINE_KEY);
+    } else if (panes_session(panes)->view.reading &&
+               text_starts(text_of(typed), TEXT(READING_FIND))) {
+        panes_enqueue(panes, text_of(typed), LINE_SILENT);
     } else if (text_trim(text_of(typed)).len > 0) {
         if (!history_append(typed, &error) && !panes->history_told) {
             panes->history_told = true;

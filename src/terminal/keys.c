@@ -186,12 +186,39 @@ static void type_export(const struct session *session, int count, struct buffer 
     type("export measurements.csv measurements");
 }
 
+/* What was typed goes into a line of its own, and the panes come back. */
+static void leave_reading(const char *text, struct buffer *line)
+{
+    type(text);
+    buffer_put(line, TEXT("scroll close"));
+}
+
 static void type_command(const struct session *session, int count, struct buffer *line)
 {
     (void)session;
     (void)count;
     (void)line;
     type("");
+}
+
+/* ---- reading ---- */
+
+static void type_find(const struct session *session, int count, struct buffer *line)
+{
+    (void)session;
+    (void)count;
+    (void)line;
+    type(READING_FIND);
+}
+
+/* Where nothing was looked for it is the beginning of a command. */
+static void say_next(const struct session *session, int count, struct buffer *line)
+{
+    (void)count;
+    if (*session->view.wanted)
+        buffer_put(line, TEXT("scroll next"));
+    else
+        leave_reading("n", line);
 }
 
 /* ---- the table
@@ -248,14 +275,44 @@ static const struct key cursor_keys[] = {
     {{"q", "\004"}, NULL, "cursor off", NULL, false},
 };
 
+/* On the log while it has the whole screen; any other key begins a command. */
+static const struct key reading_keys[] = {
+    {{" "}, NULL, NULL, say_page_down, true},
+    {{"\033[A", "\033OA"}, "kcuu1", "scroll 1", NULL, true},
+    {{"\033[B", "\033OB", "\r", "\n"}, "kcud1", "scroll -1", NULL, true},
+    {{"\033[H", "\033OH", "\033[1~"}, "khome", "scroll home", NULL, true},
+    {{"\033[F", "\033OF", "\033[4~"}, "kend", "scroll end", NULL, true},
+    {{"/"}, NULL, NULL, type_find, true},
+    {{"n"}, NULL, NULL, say_next, true},
+    {{"q", "\004", "\007"}, NULL, "scroll close", NULL, true},
+};
+
 /* ---- from a key to its row: readline only says what was typed
  * --------------------------------------------- */
 
 static Keymap on_plot; /* while the cursors have the keys */
+static Keymap on_text; /* while the log has the whole screen */
 
 bool keys_on_plot(void)
 {
     return on_plot && rl_get_keymap() == on_plot;
+}
+
+bool keys_on_text(void)
+{
+    return on_text && rl_get_keymap() == on_text;
+}
+
+/* The first character of a command. */
+static int on_character(int count, int last)
+{
+    (void)count;
+    struct buffer line = {0};
+    leave_reading((const char[]){(char)last, '\0'}, &line);
+    if (panes_active)
+        panes_enqueue(panes_active, buffer_text(&line), LINE_SILENT);
+    buffer_free(&line);
+    return 0;
 }
 
 static const char *sequence(const struct key *key, size_t i)
@@ -297,7 +354,9 @@ static int on_key(int count, int last)
     size_t longest = 0;
     const struct key *key = find_key(keys, COUNT_OF(keys), &longest);
     const struct key *on_cursors =
-        keys_on_plot() ? find_key(cursor_keys, COUNT_OF(cursor_keys), &longest) : NULL;
+        keys_on_plot()   ? find_key(cursor_keys, COUNT_OF(cursor_keys), &longest)
+        : keys_on_text() ? find_key(reading_keys, COUNT_OF(reading_keys), &longest)
+                         : NULL;
     key = on_cursors ? on_cursors : key;
     if (!key) {
         return rl_ding();
@@ -337,13 +396,25 @@ void keys_bind(void)
         bind(keys, COUNT_OF(keys), on_plot);
         bind(cursor_keys, COUNT_OF(cursor_keys), on_plot);
     }
+    on_text = rl_make_bare_keymap();
+    if (on_text) {
+        bind(keys, COUNT_OF(keys), on_text);
+        for (int c = ' ' + 1; c < KEYMAP_SIZE - 1; c++) {
+            if (c != 127) {
+                rl_bind_key_in_map(c, on_character, on_text);
+            }
+        }
+        bind(reading_keys, COUNT_OF(reading_keys), on_text);
+    }
 }
 
 void keys_choose(const struct session *session)
 {
     if (session->view.cursors.shown && on_plot && rl_end == 0) {
         rl_set_keymap(on_plot);
-    } else if (keys_on_plot()) {
+    } else if (session->view.reading && on_text && rl_end == 0) {
+        rl_set_keymap(on_text);
+    } else if (keys_on_plot() || keys_on_text()) {
         rl_set_keymap_from_edit_mode();
     }
 }

@@ -84,6 +84,23 @@ static void log_typed(struct panes *panes, struct text typed)
     }
 }
 
+static bool say_nothing(void *context, struct text text)
+{
+    (void)context;
+    (void)text;
+    return true;
+}
+
+/* What only looks at the screen says nothing, unless it could not. */
+static void execute_silently(struct panes *panes, struct text line)
+{
+    const struct source nobody = {0};
+    struct reply reply;
+    reply_init(&reply, (struct sink){say_nothing, note, panes});
+    command_exec(panes_session(panes), line, &(struct source){.parent = &nobody}, &reply);
+    reply_free(&reply);
+}
+
 /* ---- drawing
  * ---------------------------------------------------------------------------------------------- */
 
@@ -103,6 +120,9 @@ void panes_prompt(const struct panes *panes, struct prompt_line *prompt, struct 
         prompt->prompt = TEXT("cursors (q leaves, : types a command)> ");
         prompt->line = TEXT("");
         prompt->cursor = 0;
+    } else if (keys_on_text()) {
+        reading_prompt(panes_session(panes), buffer_text(&panes->notice), scratch);
+        *prompt = (struct prompt_line){.prompt = buffer_text(scratch)};
     }
 }
 
@@ -261,23 +281,6 @@ void panes_wait(struct panes *panes, int64_t until)
 /* ---- executing
  * -------------------------------------------------------------------------------------------- */
 
-static bool say_nothing(void *context, struct text text)
-{
-    (void)context;
-    (void)text;
-    return true;
-}
-
-/* What only looks at the screen says nothing, unless it could not. */
-static void execute_silently(struct panes *panes, struct text line)
-{
-    const struct source nobody = {0};
-    struct reply reply;
-    reply_init(&reply, (struct sink){say_nothing, note, panes});
-    command_exec(panes_session(panes), line, &(struct source){.parent = &nobody}, &reply);
-    reply_free(&reply);
-}
-
 /* A line typed during a run is executed inside the command that runs: it speaks through a reply of
  * its own. */
 static void execute_line(struct panes *panes)
@@ -290,8 +293,10 @@ static void execute_line(struct panes *panes)
     const enum line_from from = panes->line_from;
     if (from != LINE_SILENT) {
         session->view.scroll = 0;
+        session->view.reading = false;
         log_typed(panes, buffer_text(&line));
     }
+    const uint64_t said_before = session->log.said;
     const bool nested = panes->running;
     struct reply own, *outer = program->reply;
     if (nested) {
@@ -317,6 +322,13 @@ static void execute_line(struct panes *panes)
         panes->interrupted = false;
     }
     panes->screen_stale = true;
+    if (from != LINE_SILENT && !nested) {
+        struct buffer reading = {0};
+        reading_command(panes, said_before, &reading);
+        if (reading.len > 0)
+            execute_silently(panes, buffer_text(&reading));
+        buffer_free(&reading);
+    }
     keys_choose(session);
     if (from != LINE_SILENT && !keys_on_plot()) {
         buffer_clear(&panes->notice); /* the log can be read */

@@ -172,6 +172,15 @@ void edit_clear(struct panes *panes);
  * nothing. */
 void edit_paste(struct panes *panes, struct text paste);
 
+/* ---- what is longer than the log (reading.c)
+ * ------------------------------------------------------------------ */
+
+/* Where the page is, or the notice, and what the keys do. */
+void reading_prompt(const struct session *session, struct text notice, struct buffer *text);
+/* The command that shows what was said since on the whole screen; none where the log can, or where
+ * more was typed already. */
+void reading_command(const struct panes *panes, uint64_t said_before, struct buffer *line);
+
 /* ---- what the session asks for (watch.c)
  * ------------------------------------------------------------------ */
 
@@ -186,5 +195,8 @@ void keys_bind(void);
 /* Chooses the keymap: that of the cursors while they stand on the plot. */
 void keys_choose(const struct session *session);
 bool keys_on_plot(void); /* they act on the cursors now */
+bool keys_on_text(void); /* they scroll what is read on the whole screen */
+
+#define READING_FIND "scroll find " /* a line that begins so is none of the session's */
 
 #endif

@@ -20,6 +20,8 @@ struct division screen_division(const struct session *session, int height)
     struct division d = {.state = height >= 3, .numbers = height >= PLOT_ROWS + 4};
     int rest = larger(height - 1 - d.state - d.numbers, 0);
 
+    if (session->view.reading)
+        return (struct division){.log = larger(height - 1, 0)};
     if (layout == LAYOUT_LOG || height < 4)
         d.log = rest;
     else if (layout != LAYOUT_PLOT || session->view.cursors.shown)

@@ -67,6 +67,9 @@ struct view {
     double window;           /* [s] of time shown; 0: automatic */
     double trail;            /* periods of the phase trail; HUGE_VAL: all */
     int scroll;              /* rows the log is scrolled up */
+    bool reading;            /* the log has the whole screen */
+    int found;               /* line that was found last, from the newest */
+    char wanted[LIMIT_NAME + 1]; /* what it has */
     bool paging; /* the live view sweeps, then pages; otherwise it scrolls by whole cells */
     int overlay[LIMIT_OVERLAY]; /* numbers of the runs drawn besides the present one; those that are
                                    gone are passed over */
@@ -81,6 +84,7 @@ struct log {
     char **line; /* [LIMIT_LOG], allocated when the first line comes; each made safe, without
                     newline */
     int first, count;
+    uint64_t said; /* lines, also those that are gone */
 };
 
 void log_add(struct log *log,

@@ -2,6 +2,7 @@
 /* Completion: what there is of each kind. */
 #include "command/complete/complete.h"
 #include "command/internal.h"
+#include "command/session/topics.h"
 
 #include <stdio.h>
 
@@ -199,9 +200,9 @@ void complete_set(struct completion *c, struct text name, struct text before)
 
 void complete_topics(struct completion *c)
 {
-    static const struct catalog *const topics[] = {&command_catalog, &setting_catalog,
-                                                   &method_catalog,  &observable_catalog,
-                                                   &preset_catalog,  &unit_catalog};
+    static const struct catalog *const topics[] = {
+        &command_catalog, &setting_catalog, &method_catalog, &observable_catalog,
+        &preset_catalog,  &unit_catalog,    &guide_catalog};
     for (size_t i = 0; i < COUNT_OF(topics); i++)
         complete_catalog(c, topics[i]);
     for (const struct model *const *model = scene_models; *model; model++) {

@@ -193,15 +193,12 @@ static bool write_file(const struct session *session, const struct arguments *gi
     return ok;
 }
 
-/* The log of a screen has few rows: where the whole figure can be seen, and kept. */
+/* Where a figure that is read on the whole screen can be kept in sight. */
 static void reply_where(const struct session *session, const struct figure_request *request,
                         struct reply *reply)
 {
     if (!request->columns && plot_offered(session, request->kind))
-        reply_line(reply, "'layout log' shows it whole, 'focus %s full' keeps it in a pane",
-                   plot_row(request->kind)->row.name);
-    else
-        reply_line(reply, "'layout log' shows it whole");
+        reply_line(reply, "'focus %s full' keeps it in a pane", plot_row(request->kind)->row.name);
 }
 
 /* How wide the band is at most. */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* layout, focus, range, zoom, pan, window, trail, scroll, screenshot */
+/* layout, focus, range, zoom, pan, window, trail, screenshot */
 #ifndef COMMAND_ROWS
 #include "command/internal.h"
 
@@ -304,25 +304,6 @@ HANDLER(trail)
     return changed(session);
 }
 
-HANDLER(scroll)
-{
-    UNUSED(reply);
-    UNUSED(error);
-    const struct given_argument *rows = argument_given(given, "ROWS");
-    const int width = session->front.width ? session->front.width : 80;
-    int max = 0;
-    for (int i = 0; i < session->log.count; i++)
-        max += log_rows(text_of(log_line(&session->log, i)), width);
-    max -= max > 0;
-    double scroll = is_given(given, "home")  ? max
-                    : is_given(given, "end") ? 0
-                                             : session->view.scroll;
-    if (rows->count)
-        scroll += rows->item->value.value;
-    session->view.scroll = scroll < 0 ? 0 : scroll > max ? max : (int)scroll;
-    return true;
-}
-
 /* ---- screenshot ---- */
 
 HANDLER(screenshot)
@@ -423,13 +404,6 @@ COMMAND(trail, .row = {"trail", "", "how many periods the phase pane shows", "",
         .see = "window layout", .flags = COMMAND_ANYTIME,
         ARGUMENTS(WORD("all", TYPE_NONE, .group = 1),
                   PLACE("PERIODS", TYPE_VALUE, .quantity = QUANTITY_NUMBER, .group = 1)))
-
-COMMAND(scroll, .row = {"scroll", "", "scroll the log", "", NULL}, .group = "PLOT",
-        .text = "Up by so many rows; negative: down. home is the oldest line, end the newest.",
-        .examples = "scroll 10\nscroll end", .see = "layout clear",
-        .flags = COMMAND_ANYTIME | COMMAND_UNRECORDED,
-        ARGUMENTS(WORD("home", TYPE_NONE, .group = 1), WORD("end", TYPE_NONE, .group = 1),
-                  PLACE("ROWS", TYPE_INTEGER, .flags = ARG_NEGATIVE, .group = 1)))
 
 COMMAND(screenshot, .row = {"screenshot", "", "write the screen as text", "", NULL},
         .group = "PLOT",

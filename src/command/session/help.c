@@ -2,6 +2,8 @@
 /* help, apropos */
 #ifndef COMMAND_ROWS
 #include "command/internal.h"
+#include "command/finding.h"
+#include "command/session/topics.h"
 
 #include <limits.h>
 #include <math.h>
@@ -223,6 +225,18 @@ static void help_preset(const struct row *row, struct buffer *text)
                   row->name, row->name);
 }
 
+/* Where a command or a method of that name was explained only the lines. */
+static void help_guide(const struct row *row, struct buffer *text)
+{
+    const struct guide_topic *topic = (const struct guide_topic *)(const void *)row;
+    if (text->len > 0)
+        buffer_put(text, TEXT("one after another:\n"));
+    else
+        buffer_format(text, "%s: %s\n%s\n", row->name, row->brief, topic->text);
+    put_indented(text, topic->recipe);
+    text->len--; /* the last newline */
+}
+
 static const struct topic {
     const struct catalog *catalog;
     void (*help)(const struct row *row, struct buffer *text); /* NULL: a line */
@@ -247,6 +261,8 @@ static const struct topic {
     {&table_format_catalog, NULL},
     {&picture_catalog, NULL},
     {&result_catalog, NULL},
+    {&guide_catalog, help_guide},
+    {&word_catalog, NULL},
 };
 
 static void help_topic(const struct topic *topic, const struct row *row, struct buffer *text)
@@ -336,24 +352,32 @@ static void help_models(const struct model *present, struct text name, struct su
     }
 }
 
-static void help_all(const struct session *session, struct reply *reply)
+/* Every command in a line, by what it is about. */
+static void help_commands(struct buffer *text)
 {
-    struct buffer text = {0};
     const char *group = "";
     for (size_t i = 0; i < command_catalog.count; i++) {
         const struct command *command = command_at(catalog_row(&command_catalog, i));
         if (strcmp(command->group, group) != 0)
-            buffer_format(&text, "%s%s\n", i ? "\n" : "", command->group);
+            buffer_format(text, "%s%s\n", i ? "\n" : "", command->group);
         group = command->group;
-        buffer_format(&text, "  %-12s %s\n", command->row.name, command->row.brief);
+        buffer_format(text, "  %-12s %s\n", command->row.name, command->row.brief);
     }
-    buffer_put(
-        &text,
-        TEXT(
-            "\nNAME = value sets a parameter; 'help WORD' explains a command, parameter, method or "
-            "unit; 'apropos WORD' searches"));
-    reply_wrapped(session, buffer_text(&text), reply);
-    buffer_free(&text);
+}
+
+/* One screen: the topics, and the names of the commands. */
+static void help_all(struct buffer *text)
+{
+    buffer_put(text,
+               TEXT("A laboratory for oscillators and methods of integration. To begin with:\n"));
+    for (size_t i = 0; i < guide_catalog.count; i++) {
+        const struct row *row = catalog_row(&guide_catalog, i);
+        buffer_format(text, "  help %-10s %s\n", row->name, row->brief);
+    }
+    buffer_put(text, TEXT("help WORD explains a command, parameter, method; apropos WORD searches. "
+                          "All:\n"));
+    for (size_t i = 0; i < command_catalog.count; i++)
+        buffer_format(text, "%s%s", i ? " " : "", catalog_row(&command_catalog, i)->name);
 }
 
 /* Of a statement as it is typed, `set opinion`, the word behind the command. */
@@ -371,12 +395,14 @@ static struct text topic_of(struct text words)
 HANDLER(help)
 {
     const struct given_argument *word = argument_given(given, "WORD");
-    if (word->count == 0) {
-        help_all(session, reply);
+    struct suggestion near = {.wanted = word->count ? topic_of(word->item->text) : TEXT("")};
+    struct buffer text = {0};
+    if (word->count == 0 || text_is(near.wanted, "commands")) {
+        (word->count ? help_commands : help_all)(&text);
+        reply_wrapped(session, buffer_text(&text), reply);
+        buffer_free(&text);
         return true;
     }
-    struct suggestion near = {.wanted = topic_of(word->item->text)};
-    struct buffer text = {0};
     for (size_t i = 0; i < COUNT_OF(topics); i++) {
         const struct row *row = catalog_find(topics[i].catalog, near.wanted);
         if (row)
@@ -405,29 +431,15 @@ HANDLER(help)
 
 /* ---- apropos ---- */
 
-static char lower(char c)
-{
-    return c >= 'A' && c <= 'Z' ? (char)(c - 'A' + 'a') : c;
-}
-
-static bool mentions(const char *where, struct text word)
-{
-    for (const char *at = where; at && *at; at++) {
-        size_t i = 0;
-        while (i < word.len && at[i] && lower(at[i]) == lower(word.at[i]))
-            i++;
-        if (i == word.len)
-            return true;
-    }
-    return false;
-}
-
 static int search(const struct catalog *catalog, struct text word, struct reply *reply)
 {
     int found = 0;
     for (size_t i = 0; i < catalog->count; i++) {
         const struct row *row = catalog_row(catalog, i);
-        const bool in_text = catalog == &command_catalog && mentions(command_at(row)->text, word);
+        const bool in_text =
+            (catalog == &command_catalog && mentions(command_at(row)->text, word)) ||
+            (catalog == &guide_catalog &&
+             mentions(((const struct guide_topic *)(const void *)row)->text, word));
         if (mentions(row->name, word) || mentions(row->brief, word) ||
             mentions(row->citation, word) || in_text) {
             reply_line(reply, "%-18s %-10s %s", row->name, catalog->kind, row->brief);

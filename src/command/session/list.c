@@ -2,9 +2,35 @@
 /* list */
 #ifndef COMMAND_ROWS
 #include "command/internal.h"
+#include "command/session/list_methods.h"
 
 #include <math.h>
 #include <stdio.h>
+
+static void record_names(const struct catalog *catalog, const struct row *row, struct reply *reply)
+{
+    reply_begin(reply, catalog->kind);
+    reply_string(reply, "name", row->name);
+    reply_string(reply, "unit", *row->unit ? row->unit : NULL);
+    reply_string(reply, "brief", row->brief);
+    reply_string(reply, "citation", *row->citation ? row->citation : NULL);
+    reply_string(reply, "alias", row->alias);
+}
+
+static void record_method(const struct row *row, struct reply *reply)
+{
+    const struct method *method = (const struct method *)(const void *)row;
+    record_names(&method_catalog, row, reply);
+    reply_int(reply, "order", method->order);
+    reply_int(reply, "evals", method->evals);
+    reply_bool(reply, "implicit", (method->flags & METHOD_IMPLICIT) != 0);
+    reply_bool(reply, "symplectic", (method->flags & METHOD_SYMPLECTIC) != 0);
+    reply_bool(reply, "adaptive", (method->flags & METHOD_ADAPTIVE) != 0);
+    reply_bool(reply, "yardstick", (method->flags & METHOD_EXTERNAL) != 0);
+    reply_real(reply, "stable_limit", method_stable_limit(method, DRAG_DEFAULT, 0));
+    reply_string(reply, "formula", method->formula);
+    reply_end(reply);
+}
 
 static void list_row(const struct catalog *catalog, const struct row *row, struct reply *reply)
 {
@@ -13,12 +39,7 @@ static void list_row(const struct catalog *catalog, const struct row *row, struc
         snprintf(value, sizeof value, "%16.0f ", ((const struct limit *)(const void *)row)->value);
     reply_line(reply, "%-22s %s%-7s %s%s%s%s", row->name, value, row->unit, row->brief,
                *row->citation ? " (" : "", row->citation, *row->citation ? ")" : "");
-    reply_begin(reply, catalog->kind);
-    reply_string(reply, "name", row->name);
-    reply_string(reply, "unit", *row->unit ? row->unit : NULL);
-    reply_string(reply, "brief", row->brief);
-    reply_string(reply, "citation", *row->citation ? row->citation : NULL);
-    reply_string(reply, "alias", row->alias);
+    record_names(catalog, row, reply);
     if (catalog == &command_catalog) {
         struct buffer usage = {0};
         command_usage(command_at(row), &usage);
@@ -28,17 +49,6 @@ static void list_row(const struct catalog *catalog, const struct row *row, struc
         reply_string(reply, "examples", command_at(row)->examples);
         reply_string(reply, "see", command_at(row)->see);
         buffer_free(&usage);
-    }
-    if (catalog == &method_catalog) {
-        const struct method *method = (const struct method *)(const void *)row;
-        reply_int(reply, "order", method->order);
-        reply_int(reply, "evals", method->evals);
-        reply_bool(reply, "implicit", (method->flags & METHOD_IMPLICIT) != 0);
-        reply_bool(reply, "symplectic", (method->flags & METHOD_SYMPLECTIC) != 0);
-        reply_bool(reply, "adaptive", (method->flags & METHOD_ADAPTIVE) != 0);
-        reply_bool(reply, "yardstick", (method->flags & METHOD_EXTERNAL) != 0);
-        reply_real(reply, "stable_limit", method_stable_limit(method, DRAG_DEFAULT, 0));
-        reply_string(reply, "formula", method->formula);
     }
     if (catalog == &limit_catalog)
         reply_real(reply, "value", ((const struct limit *)(const void *)row)->value);
@@ -96,6 +106,12 @@ HANDLER(list)
         [LIST_FORMATS] = &format_catalog,   [LIST_LIMITS] = &limit_catalog};
     static const char *const others[] = {[LIST_RUNS] = "runs", [LIST_RECORDINGS] = "data"};
     const enum listed kind = (enum listed)argument_given(given, "KIND")->item->index;
+    const struct given_argument *words = argument_given(given, "WORDS");
+    if (words->count && kind != LIST_METHODS)
+        return error_at(error, words->where, "only methods can be chosen from: list methods stiff");
+    if (kind == LIST_METHODS)
+        return list_methods(words->count ? words->item->text : TEXT(""), record_method, reply,
+                            error);
     if (kind == LIST_OBSERVABLES) {
         list_observables(session->setup.scene.model, reply);
     } else if (kind == LIST_MEASUREMENTS) {
@@ -129,7 +145,11 @@ COMMAND(list, .row = {"list", "", "list what there is of a kind", "", "ls"}, .gr
         .text = "commands, scenes, methods, parameters, derived, observables, settings, units, "
                 "functions, formats, "
                 "limits, measurements,\n"
-                "events, runs, recordings. parameters and derived are those of the present scene.",
-        .examples = "list methods\nlist measurements", .see = "help show",
+                "events, runs, recordings. parameters and derived are those of the present scene. "
+                "Methods: all, "
+                "or those that are stiff (made for it), symplectic, symmetric, adaptive, implicit, "
+                "explicit, multistep, exact, order N.",
+        .examples = "list methods stiff adaptive\nlist measurements", .see = "help show",
         .flags = COMMAND_UNRECORDED | COMMAND_ANYTIME | COMMAND_TABLES,
-        ARGUMENTS(PLACE("KIND", TYPE_CHOICE, .flags = ARG_REQUIRED, .choices = &list_catalog)))
+        ARGUMENTS(PLACE("KIND", TYPE_CHOICE, .flags = ARG_REQUIRED, .choices = &list_catalog),
+                  PLACE("WORDS", TYPE_REST)))

@@ -274,7 +274,21 @@ static void test_keys(void **state)
     type(&p, "\x18"
              "a");
     expect(&p, "set charset block");
+    enter(&p, "help"); /* longer than the log: on the whole screen */
+    expect(&p, "q: panes)>");
+    expect(&p, "source record history");
+    type(&p, "/fit\r");
+    expect(&p, "n again");
+    type(&p, "/zwiebel\r");
+    expect(&p, "no line has 'zwiebel'");
+    type(&p, "q");
+    expect_prompt(&p, "hooke>");
+    expect(&p, "F1 help");
     enter(&p, "help");
+    expect(&p, "q: panes)>");
+    type(&p, "print 7*6\r"); /* any other key begins a command */
+    expect(&p, "42");
+    expect(&p, "F1 help");
     type(&p, "\033[5~");
     expect(&p, "newer lines");
     type(&p, "\x18\033[F");
@@ -286,10 +300,9 @@ static void test_keys(void **state)
     type(&p, "\x18\033[F");
     wait_for(&p, "newer lines", false);
     enter(&p, "plot energy");
-    expect(&p, "'layout log' shows it whole, 'focus energy full' keeps it in a pane");
-    enter(&p, "layout log");
     expect(&p, "energy E ["); /* its first row */
-    enter(&p, "layout trio");
+    expect(&p, "'focus energy full' keeps it in a pane");
+    type(&p, "q");
     type(&p, "\033[18~"); /* F7: the cursors have the keys */
     expect(&p, "cursors (q leaves");
     type(&p, "n\t\033[C\r");

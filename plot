@@ -1,0 +1,1 @@
+# set-up saved by hooke 0.1.0

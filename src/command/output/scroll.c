@@ -1,0 +1,99 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* scroll: the log, and what is read of it on the whole screen */
+#ifndef COMMAND_ROWS
+#include "command/finding.h"
+#include "command/internal.h"
+
+#include <math.h>
+#include <string.h>
+
+#define WIDTH 80 /* [cell] where there is no screen */
+#define HEIGHT 24
+
+static int width_of(const struct session *session)
+{
+    return session->front.width ? session->front.width : WIDTH;
+}
+
+/* [row] of the newest `lines` lines. */
+static int rows_of(const struct session *session, int lines)
+{
+    int rows = 0;
+    for (int i = 0; i < lines; i++)
+        rows += log_rows(text_of(log_line(&session->log, i)), width_of(session));
+    return rows;
+}
+
+/* Line i, counted from the newest, comes to the top of the page. */
+static void show_line(struct session *session, int i)
+{
+    const int height = session->front.height ? session->front.height : HEIGHT,
+              scroll = rows_of(session, i + 1) - (height - 1);
+    session->view.scroll = scroll > 0 ? scroll : 0;
+    session->view.found = i;
+}
+
+/* From the line behind the last that was found; behind the newest the oldest follows. */
+static bool find_line(struct session *session, struct text word, struct error *error)
+{
+    const struct log *log = &session->log;
+    for (int i = 1; i <= log->count; i++) {
+        const int at = (session->view.found - i + 2 * log->count) % log->count;
+        if (mentions(log_line(log, at), word)) {
+            show_line(session, at);
+            return true;
+        }
+    }
+    return error_at(error, word, "no line has '%.*s'", (int)(word.len < 64 ? word.len : 64),
+                    word.at);
+}
+
+HANDLER(scroll)
+{
+    UNUSED(reply);
+    struct view *view = &session->view;
+    const struct given_argument *rows = argument_given(given, "ROWS"),
+                                *read = argument_given(given, "read"),
+                                *word = argument_given(given, "find");
+    if (word->count) {
+        const size_t len = word->item->text.len < LIMIT_NAME ? word->item->text.len : LIMIT_NAME;
+        memcpy(view->wanted, word->item->text.at, len);
+        view->wanted[len] = '\0';
+    }
+    if (word->count || is_given(given, "next"))
+        return *view->wanted ? find_line(session, text_of(view->wanted), error)
+                             : error_set(error, ERROR_COMMAND, "nothing was looked for yet");
+    if (is_given(given, "close")) {
+        view->reading = false;
+        view->scroll = 0;
+        return true;
+    }
+    if (read->count) {
+        const int lines = (int)fmin(read->item->value.value, session->log.count);
+        view->reading = lines > 0;
+        if (lines > 0)
+            show_line(session, lines - 1);
+        return true;
+    }
+    int max = rows_of(session, session->log.count);
+    max -= max > 0;
+    double scroll = is_given(given, "home") ? max : is_given(given, "end") ? 0 : view->scroll;
+    if (rows->count)
+        scroll += rows->item->value.value;
+    view->scroll = scroll < 0 ? 0 : scroll > max ? max : (int)scroll;
+    return true;
+}
+#endif
+
+COMMAND(scroll, .row = {"scroll", "", "scroll the log, read it on the whole screen", "", NULL},
+        .group = "PLOT",
+        .text = "Up by so many rows; negative: down. home is the oldest line, end the newest. read "
+                "N shows the N newest lines on the whole screen, from their beginning, until "
+                "'scroll close' or the next command; in panes what is longer than the log is shown "
+                "so by itself. find TEXT goes to the next line that has it, next once more.",
+        .examples = "scroll 10\nhelp; scroll read 20; scroll find sweep", .see = "layout clear",
+        .flags = COMMAND_ANYTIME | COMMAND_UNRECORDED,
+        ARGUMENTS(WORD("home", TYPE_NONE, .group = 1), WORD("end", TYPE_NONE, .group = 1),
+                  WORD("read", TYPE_INTEGER, .group = 1), WORD("find", TYPE_REST, .group = 1),
+                  WORD("next", TYPE_NONE, .group = 1), WORD("close", TYPE_NONE, .group = 1),
+                  PLACE("ROWS", TYPE_INTEGER, .flags = ARG_NEGATIVE, .group = 1)))

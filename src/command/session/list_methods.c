@@ -1,0 +1,140 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* list methods: a table of 80 columns, all of them or those that are wanted. */
+#include "command/session/list_methods.h"
+#include "command/internal.h"
+
+#include <math.h>
+
+/* Words that choose: any of these flags, and none of those. */
+#define FILTER(word, says, any_of, none_of)                                                        \
+    {                                                                                              \
+        .row = {word, "", says, "", NULL}, .any = any_of, .none = none_of                          \
+    }
+
+static const struct filter {
+    struct row row;
+    unsigned any, none;
+} filters[] = {
+    FILTER("stiff", "for stiff scenes", METHOD_L_STABLE | METHOD_A_STABLE, METHOD_EXTERNAL),
+    FILTER("symplectic", "for long runs without drag", METHOD_SYMPLECTIC, 0),
+    FILTER("symmetric", "there and back again", METHOD_SYMMETRIC, 0),
+    FILTER("adaptive", "chooses its steps by tol", METHOD_ADAPTIVE, METHOD_EXTERNAL),
+    FILTER("implicit", "solves equations at each step", METHOD_IMPLICIT, METHOD_EXTERNAL),
+    FILTER("explicit", "evaluates forces only", ~0u,
+           METHOD_IMPLICIT | METHOD_EXACT | METHOD_EXTERNAL),
+    FILTER("multistep", "remembers steps", METHOD_MULTISTEP, METHOD_EXTERNAL),
+    FILTER("exact", "the closed form", METHOD_EXACT, 0),
+};
+static const struct catalog filter_catalog = CATALOG("kind of method", filters);
+
+struct wanted {
+    unsigned any[COUNT_OF(filters)], none[COUNT_OF(filters)];
+    int filters, order; /* order 0: any */
+};
+
+static bool read_wanted(struct text words, struct wanted *wanted, struct error *error)
+{
+    while ((words = text_trim(words)).len > 0) {
+        const struct text word = peek_word(words, "");
+        words = (struct text){words.at + word.len, words.len - word.len};
+        if (text_is(word, "order")) {
+            words = text_trim(words);
+            const struct text number = peek_word(words, "");
+            double order;
+            if (real_parse(number, &order) != REAL_OK || order < 1 || order > 99)
+                return error_at(error, number.len ? number : word,
+                                "order needs a number: list methods order 4");
+            wanted->order = (int)order;
+            words = (struct text){words.at + number.len, words.len - number.len};
+            continue;
+        }
+        const struct row *row = catalog_find(&filter_catalog, word);
+        if (!row) {
+            catalog_unknown(&filter_catalog, word, error);
+            return error_hint(error, "(or 'order N')");
+        }
+        const struct filter *filter = (const struct filter *)(const void *)row;
+        if (wanted->filters < (int)COUNT_OF(filters)) {
+            wanted->any[wanted->filters] = filter->any;
+            wanted->none[wanted->filters++] = filter->none;
+        }
+    }
+    return true;
+}
+
+static bool is_wanted(const struct wanted *wanted, const struct method *method)
+{
+    bool is = wanted->order == 0 ||
+              (wanted->order == method->order && !(method->flags & METHOD_EXTERNAL));
+    for (int i = 0; i < wanted->filters; i++)
+        is = is && (wanted->any[i] == ~0u || (method->flags & wanted->any[i])) &&
+             !(method->flags & wanted->none[i]);
+    return is;
+}
+
+/* What people take it for, by its properties. */
+static const char *use_of(const struct method *method)
+{
+    const unsigned flags = method->flags;
+    return flags & METHOD_EXTERNAL ? "an outside judge"
+           : flags & METHOD_EXACT  ? "scenes with a closed form"
+           : flags & METHOD_L_STABLE
+               ? flags & METHOD_ADAPTIVE ? "stiff scenes, by tol" : "stiff scenes"
+           : flags & METHOD_A_STABLE ? "any step; undamped, stiff"
+           : flags & METHOD_NO_VELOCITY
+               ? flags & METHOD_ADAPTIVE ? "no drag, many digits" : "no drag, smooth forces"
+           : flags & METHOD_SYMPLECTIC ? "long runs: energy bounded"
+           : flags & METHOD_ADAPTIVE
+               ? method->order >= 8 ? "many digits, by tol" : "accuracy by tol"
+           : flags & METHOD_IMPLICIT  ? "stiff scenes, steps alike"
+           : flags & METHOD_MULTISTEP ? "dear forces, steps alike"
+           : method->order == 1       ? "the lab: how errors grow"
+                                      : "short runs, steps alike";
+}
+
+static void put_stable(double limit, struct buffer *line)
+{
+    if (limit == 0)
+        buffer_put(line, TEXT("no dt    "));
+    else if (isinf(limit))
+        buffer_put(line, TEXT("any dt   "));
+    else if (isnan(limit))
+        buffer_put(line, TEXT("-        "));
+    else
+        buffer_format(line, "%-8.3g ", limit);
+}
+
+bool list_methods(struct text words, void (*record)(const struct row *row, struct reply *reply),
+                  struct reply *reply, struct error *error)
+{
+    struct wanted wanted = {.filters = 0};
+    int count = 0;
+    if (!read_wanted(words, &wanted, error))
+        return false;
+    for (size_t i = 0; i < method_catalog.count; i++) {
+        const struct row *row = catalog_row(&method_catalog, i);
+        const struct method *method = (const struct method *)(const void *)row;
+        if (!is_wanted(&wanted, method))
+            continue;
+        if (count++ == 0)
+            reply_line(reply, "%-22s order forces stable to adapts for", "method");
+        struct buffer line = {0};
+        buffer_format(&line, "%-22s ", row->name);
+        if (method->order > 0)
+            buffer_format(&line, "%5d ", method->order);
+        else
+            buffer_put(&line, TEXT("exact "));
+        buffer_format(&line, "%6d ", method->evals);
+        put_stable(method_stable_limit(method, DRAG_DEFAULT, 0), &line);
+        buffer_format(&line, "%-6s %s", method->flags & METHOD_ADAPTIVE ? "yes" : "-",
+                      use_of(method));
+        reply_text(reply, buffer_text(&line));
+        buffer_free(&line);
+        record(row, reply);
+    }
+    if (count > 0)
+        reply_line(reply, "stable to omega0 dt, undamped; 'help NAME' has formula "
+                          "and source");
+    return count > 0 ||
+           error_at(error, words, "no method is all of that: 'list methods' has them all");
+}

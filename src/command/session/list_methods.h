@@ -1,0 +1,12 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef HOOKE_COMMAND_SESSION_LIST_METHODS_H
+#define HOOKE_COMMAND_SESSION_LIST_METHODS_H
+
+#include <hooke/result.h>
+
+/* Those methods that all of the words choose ("stiff adaptive", "order 4"; none: all) as a table,
+ * each with its record. False: a word is unknown, or no method is all of that. */
+bool list_methods(struct text words, void (*record)(const struct row *row, struct reply *reply),
+                  struct reply *reply, struct error *error);
+
+#endif

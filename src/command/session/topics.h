@@ -1,0 +1,16 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#ifndef HOOKE_COMMAND_SESSION_TOPICS_H
+#define HOOKE_COMMAND_SESSION_TOPICS_H
+
+#include <hooke/base.h>
+
+/* What a newcomer asks for, and lines that show it; each works after those above it. */
+struct guide_topic {
+    struct row row;
+    const char *text;   /* a paragraph */
+    const char *recipe; /* lines of commands */
+};
+
+extern const struct catalog guide_catalog; /* struct guide_topic */
+
+#endif

@@ -1,0 +1,83 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: GPL-3.0-or-later
+# What newcomers ask: at most two commands, found by help, apropos or the hint of an error, solve it. A line is the
+# task | what somebody types to find out | what the answer has to name | that, as it is then typed (it has to succeed).
+set -u
+hooke=$(realpath "${HOOKE:-build/hooke}")
+work=$(mktemp -d) || exit 2
+trap 'rm -rf "$work"' EXIT
+cd "$work" || exit 2
+"$hooke" -n -q -c 'scene damped; method rk4; run 30 s; export swing.csv t,y' >/dev/null || exit 2
+
+count=0
+ok() { count=$((count + 1)); echo "ok $count - $1"; }
+bad() { count=$((count + 1)); echo "not ok $count - $1"; sed 's/^/#   /' answer | tail -n 8; }
+
+while read -r line; do
+    IFS='|' read -r task asked named typed < <(sed 's/ *| */|/g' <<<"$line")
+    [ -n "$asked" ] || continue
+    "$hooke" -n --size 80x24 -c "$asked" >answer 2>&1
+    tr -s ' \n' ' ' <answer | grep -qF -- "$named" || { bad "$task: '$asked' does not name '$named'"; continue; }
+    "$hooke" -n -q --size 80x24 -c "$typed" >answer 2>&1 || { bad "$task: '$typed' fails"; continue; }
+    ok "$task"
+done <<'TASKS'
+see the velocity               | velocity              | plot velocity         | run; plot velocity
+see position against time      | help                  | help start            | run; plot position
+draw the phase plane           | apropos phase         | phase plot            | run; plot phase
+is energy conserved            | dE/E0                 | plot energy-error     | method verlet; run; plot energy-error; measure drift
+what is E                      | print E               | print energy          | run; print energy
+period of the oscillation      | period                | measure period        | run; measure period
+frequency of it                | frequency             | measure frequency     | run; measure frequency
+how fast does it die out       | help damping          | measure decay         | scene damped; method rk4; run; measure decay
+add friction                   | friction              | friction = VALUE      | friction = 10 mN; run
+add air drag                   | apropos resistance    | C = 1                 | scene drag; C = 1; run
+a damped spring                | apropos damped        | damped scene          | scene damped; run
+a pendulum                     | apropos pendulum      | pendulum scene        | scene pendulum; run
+choose a method                | solver                | method NAME           | method rk4
+what methods are there         | methods               | list methods          | list methods
+which method for stiff scenes  | apropos stiff         | radau5                | list methods stiff; scene stiff-damped; method radau5 tol=1e-6; run 1 s
+which one is fastest           | fastest               | precision             | duration = 2 s; precision euler rk4
+compare two methods            | help compare          | compare euler         | compare euler rk4; plot energy run all
+the order of a method          | apropos order         | order command         | duration = 2 s; order rk4
+largest stable step            | apropos stable        | stability command     | stability rk4
+change the time step           | timestep              | dt =                  | dt = 5 ms
+run for longer                 | help time             | run 20 s              | run 20 s
+accuracy of an adaptive method | tolerance             | tol =                 | method dopri5; tol = 1e-8; run
+set the mass                   | mass = 2 kg           | m =                   | m = 2 kg
+set the spring constant        | stiffness             | k =                   | k = 20 N/m
+set the start                  | initial               | y0 =                  | y0 = 5 cm; v0 = 0 cm/s
+read my sensor's file          | open swing.csv        | load FILE             | load swing.csv
+an Excel file                  | help excel            | help recording        | help recording
+only part of a recording       | help recording        | data window           | load swing.csv; data window 2:20
+fit a damped oscillation       | help fit              | fit damped            | load swing.csv; fit damped
+which drag does the bob have   | help fit              | fit drag              | load swing.csv; fit drag
+simulate what was fitted       | apropos fit           | adopt                 | load swing.csv; fit damped; adopt; run
+save the plot                  | picture               | plot position > FILE.svg | run; plot position > p.svg --force
+save the numbers               | table                 | export FILE.csv       | run; export run.csv --force
+spectrum of a run              | fft                   | plot spectrum         | method rk4; run; plot spectrum
+type my own equation           | ode                   | help equations        | scene new; var x = 1; x' = -x; run 1 s
+resonance curve                | apropos resonance     | sweep omega           | scene driven; method rk4; duration = 9 s; sweep omega=6:12:1
+take a command back            | help                  | undo                  | m = 1 kg; undo
+save the session               | apropos save          | save command          | save s.hk --force
+run a script                   | script                | source FILE.hk        | save s.hk --force; source s.hk
+hand in                        | hand-in               | report FOLDER         | run; report handin --force
+forget a run                   | delete                | drop                  | run; drop 1
+what units are there           | units                 | list units            | list units
+moment of the highest point    | help equations        | event top             | event top when v falling do record; method rk4; run; list events
+see all values                 | help start            | show all              | show all
+stop a run that goes on        | stop                  | pause                 | run 1 s
+leave                          | close                 | quit                  | quit
+duration in a sweep            | sweep gamma=0:1 duration=20 | duration =      | duration = 5 s; sweep gamma=0:1:0.5
+method given to run            | run symplectic-euler  | method symplectic-euler | method symplectic-euler; run
+TASKS
+
+# What the topics of help show can be pasted, line after line.
+"$hooke" -n --size 200x60 -c help | awk '$1 == "help" && /^  / {print $2}' >topics
+[ "$(wc -l <topics)" -ge 10 ] && ok 'ten topics' || { cp topics answer; bad 'ten topics'; }
+while read -r topic; do
+    "$hooke" -n --size 1000x60 -c "help $topic" | tac | awk '/^  / {print; next} {exit}' | tac | grep -v '^  .*panes$' >"$topic.hk"
+    if [ -s "$topic.hk" ] && "$hooke" -n -q --size 80x24 "$topic.hk" >answer 2>&1; then ok "help $topic: its lines run"
+    else bad "help $topic: its lines fail"; fi
+done <topics
+[ "$("$hooke" -n --size 80x24 -c help | wc -l)" -le 20 ] && ok 'help is one screen' || bad 'help is more than 20 lines'
+echo "1..$count"
