@@ -79,6 +79,8 @@ enum command_flag {
     COMMAND_JUMPS =
         256, /* what NAME' = EXPR is while a run goes on: what moves gets another value */
     COMMAND_TABLES = 512, /* its result is a table: > FILE may stand behind it */
+    COMMAND_RESTORES =
+        1024, /* may stand in a session that saved itself, as may what undo takes back */
 };
 
 /* What can stand after it, where its arguments do not say it. */

@@ -298,6 +298,9 @@ void run_unbind(struct run *run);
  * no run may reach, no room.
  */
 bool run_kick(struct run *run, int i, double value, struct error *error);
+/* Its steps or rows depend on steps before, not on the present state alone: to come to the same
+ * bits, it has to go all the way again. */
+bool run_remembers(const struct run *run);
 /*
  * Where the solution through (t, y) ends before `end`. Integrates at most 20000 steps of dop853;
  * allocates. src/run/singular.c has the criterion.

@@ -239,8 +239,9 @@ struct session {
     int nesting;      /* command_exec inside command_exec */
     bool halted;      /* a run was paused: what stands after it on the line and in the file is not
                          executed */
-    bool reacting; /* commands of an event are executed: part of the statement that ran into it */
-    bool passing;  /* the run goes on after them: what they set is not told each time */
+    bool reacting;  /* commands of an event are executed: part of the statement that ran into it */
+    bool passing;   /* the run goes on after them: what they set is not told each time */
+    bool restoring; /* a session that saved itself is read: nothing but what recreates it */
 
     struct view view;
     struct log log;
@@ -309,6 +310,8 @@ void session_store_fit(struct session *session, const struct stored_fit *fit);
 void session_set_result(struct session *session, const char *name, struct measured value,
                         enum quantity quantity);
 struct write_policy session_policy(const struct session *session, bool force);
+/* That of a new session, which nobody has chosen. */
+void session_unset_method(struct setup *setup);
 void session_default_settings(struct settings *settings);
 /* Whether the user has set it; what he has not may follow the scene: settings_of_scene(). */
 bool setting_is_given(const struct setting *setting, const struct settings *settings);

@@ -185,6 +185,8 @@ static bool exec_statement(struct session *session, struct text statement,
     }
     if (session->reacting && !event_executes(arguments->command))
         return refuse_in_event(arguments->command, arguments->word, error);
+    if (session->restoring && !(arguments->command->flags & (COMMAND_CHANGES | COMMAND_RESTORES)))
+        return error_set(error, ERROR_COMMAND, "this command does not belong into a saved session");
     /* Only a condition looks into a run that is about to start. */
     names.expects_run = (arguments->command->flags & COMMAND_STARTS) != 0;
     reply_command_begin(reply, (enum output_format)session->setup.settings.format);

@@ -163,6 +163,8 @@ struct epoch {
     double start[LIMIT_VARIABLES]; /* where the exact solution starts: its own value at the end of
                                       the epoch before */
     struct system system;
+    struct plan plan;
+    enum drag drag;
 };
 
 /* The energy balance up to a state of the run. */

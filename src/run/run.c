@@ -69,7 +69,11 @@ static bool push_epoch(struct run *run, const struct system *system, const doubl
         p->epoch_room = capacity;
     }
     struct epoch *epoch = &p->epoch[p->epochs++];
-    *epoch = (struct epoch){.first = run->steps, .t = run->t, .system = *system};
+    *epoch = (struct epoch){.first = run->steps,
+                            .t = run->t,
+                            .system = *system,
+                            .plan = run->plan,
+                            .drag = run->settings.drag};
     memcpy(epoch->start, start, (size_t)system->n * sizeof *start);
     return true;
 }
@@ -197,11 +201,18 @@ void run_destroy(struct run *run)
     free(run);
 }
 
-static void use_system(struct run *run, const struct system *system)
+/* System and plan of the last epoch are in force. */
+static void use_epoch(struct run *run)
 {
-    run->system = *system;
-    run->private_state->step.warm = false;
-    forget_rounding(run->private_state, system->n);
+    struct run_private *p = run->private_state;
+    const struct epoch *epoch = &p->epoch[p->epochs - 1];
+    run->system = epoch->system;
+    run->plan = epoch->plan;
+    run->plan.exact_known &= p->kicks == 0;
+    run->plan.ledger |= p->kicks > 0;
+    p->step.drag = run->settings.drag = epoch->drag;
+    p->step.warm = false;
+    forget_rounding(p, run->system.n);
     set_bounds(run);
     choose_kernel(run);
 }
@@ -254,10 +265,19 @@ bool run_back(struct run *run, int64_t rows)
         p->kicks--;
     while (p->epochs > 1 && p->epoch[p->epochs - 1].first > run->steps)
         p->epochs--;
-    use_system(run, &p->epoch[p->epochs - 1].system);
+    use_epoch(run);
     ledger_back(run);
     opinion_forget(run);
     return enough;
+}
+
+bool run_remembers(const struct run *run)
+{
+    /* A decimated trace stays as coarse as it is; blocks of the propagator begin at steps that need
+     * not be rows. */
+    return run->method->flags & (METHOD_MULTISTEP | METHOD_EXTERNAL | METHOD_IMPLICIT) ||
+           (run->settings.compensated && !run->plan.adaptive) || trace_decimated(run->trace) ||
+           (run->plan.propagates && trace_count(run->trace) <= (size_t)run->steps);
 }
 
 bool run_rebind(struct run *run, const struct scene *scene, struct error *error)
@@ -279,26 +299,26 @@ bool run_rebind(struct run *run, const struct scene *scene, struct error *error)
         return error_memory(error);
     struct epoch *last = &p->epoch[p->epochs - 1];
     double start[LIMIT_VARIABLES];
-    bool exact = run->plan.exact_known && plan.exact_known;
+    const bool exact = (run->plan.exact_known || run->steps == 0) && plan.exact_known;
     memcpy(start, last->start, sizeof start);
-    if (last->first == run->steps) {
-        last->system = system;
-    } else {
+    if (last->first != run->steps) {
         if (exact)
             system_exact(&last->system, last->t, last->start, run->t, start, NULL);
         if (!push_epoch(run, &system, start))
             return error_memory(error);
+        last = &p->epoch[p->epochs - 1];
     }
+    last->system = system;
+    last->drag = drag;
+    last->plan.exact_known = exact;
+    last->plan.ledger = true; /* changing a parameter does work */
+    last->plan.propagates = plan.propagates;
+    last->plan.growth = plan.growth;
+    last->plan.limit = plan.limit;
     ledger_rescale(run, 1);
     if (run->steps == 0)
         ledger_back(run);
-    p->step.drag = run->settings.drag = drag;
-    run->plan.exact_known = exact;
-    run->plan.ledger = true; /* changing a parameter does work */
-    run->plan.propagates = plan.propagates;
-    run->plan.growth = plan.growth;
-    run->plan.limit = plan.limit;
-    use_system(run, &system);
+    use_epoch(run);
     return true;
 }
 
@@ -315,7 +335,7 @@ void run_unbind(struct run *run)
     /* The balance has not entered what begins here; the present step need not be a row to go back
      * to. */
     p->epochs--;
-    use_system(run, &p->epoch[p->epochs - 1].system);
+    use_epoch(run);
 }
 
 static bool reserve_kick(struct run_private *p)

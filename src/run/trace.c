@@ -504,6 +504,8 @@ void trace_truncate(struct trace *trace, size_t i)
         trace->count = i + 1;
         trace->next = (int64_t)trace->count * trace->every;
     }
+    if (i == 0)
+        trace->bucket = 1; /* as it began */
     while (trace->grids > 1 && trace_grid(trace)->first > trace->now_step)
         trace->grids--;
     if (trace->bucket > 1)

@@ -23,7 +23,7 @@ struct session *session_create(const struct front *front)
         return NULL;
     }
     scene_init(&session->setup.scene, NULL);
-    session->setup.method = method_find("euler");
+    session_unset_method(&session->setup);
     session_default_settings(&session->setup.settings);
     session->current_run = session->current_recording = -1;
     session->next_run = 1;
@@ -74,6 +74,13 @@ void session_changed(struct session *session)
 {
     session->changes++;
     session->view.paging = session->setup.settings.view == VIEW_PAGE;
+}
+
+void session_unset_method(struct setup *setup)
+{
+    setup->method = method_find("euler");
+    setup->drag = DRAG_DEFAULT;
+    setup->method_chosen = setup->fixed = false;
 }
 
 /* ---- runs and recordings ---- */

@@ -200,41 +200,6 @@ bool autosave_write(struct autosave *autosave, struct error *error)
 /* ---- restoring
  * -------------------------------------------------------------------------------------------- */
 
-/* The commands that session_save writes; nothing else may stand in a saved session. */
-static bool is_allowed(struct text line)
-{
-    static const char *const allowed[] = {
-        "scene",     "set",      "unset",  "let",   "method", "load",    "data",
-        "run",       "continue", "change", "step",  "back",   "reset",   "use",
-        "rename",    "note",     "force",  "var",   "param",  "observe", "event",
-        "potential", "layout",   "focus",  "range", "window", "trail"};
-    size_t name = 0;
-    while (name < line.len && !strchr(" \t='", line.at[name])) {
-        name++;
-    }
-    size_t after =
-        name + strspn(line.at + name, " \t'"); /* the text is NUL-terminated behind the line */
-    bool known = after < line.len && line.at[after] == '='; /* an assignment or an equation */
-    for (size_t i = 0; i < COUNT_OF(allowed); i++) {
-        known |= text_is((struct text){line.at, name}, allowed[i]);
-    }
-    /* One statement a line: a semicolon only inside quotes. A ' directly after a name is a
-     * derivative mark. */
-    char quote = 0;
-    for (size_t i = 0; i < line.len; i++) {
-        const char c = line.at[i];
-        const bool mark = c == '\'' && i > 0 && !strchr(" \t=,;", line.at[i - 1]);
-        if (quote) {
-            quote = c == quote ? 0 : quote;
-        } else if (c == '"' || (c == '\'' && !mark)) {
-            quote = c;
-        } else if (c == ';') {
-            return false;
-        }
-    }
-    return known;
-}
-
 static bool drop(void *context, struct text text)
 {
     (void)context;
@@ -264,11 +229,7 @@ static bool execute(struct session *session, const char *name, struct text conte
             continue;
         }
         buffer_clear(&said);
-        if (!is_allowed(line)) {
-            ok = error_set(error, ERROR_COMMAND,
-                           "%s:%d: this command does not belong into a saved session", name,
-                           where.line);
-        } else if (!command_exec(session, line, &where, &reply)) {
+        if (!command_exec(session, line, &where, &reply)) {
             struct text rest = text_trim(buffer_text(&said)), first = TEXT("");
             text_split(&rest, '\n', &first);
             ok = error_set(error, ERROR_COMMAND, "%.*s", (int)first.len, first.at);
@@ -326,7 +287,9 @@ bool autosave_resume(struct session **session, const char *name, struct buffer *
     if (ok) {
         restored->safe = (*session)->safe;
         restored->keep_going = (*session)->keep_going;
+        restored->restoring = true;
         ok = execute(restored, shown, buffer_text(&content), error);
+        restored->restoring = false;
     }
     if (ok) {
         buffer_format(told, "%s restored: %d run%s, %d recording%s", shown, restored->runs,

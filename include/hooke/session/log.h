@@ -17,8 +17,8 @@ enum request_kind {
     REQUEST_GO,   /* towards a time, a step or a condition */
     REQUEST_SET,  /* a parameter changes */
     REQUEST_KICK, /* a variable of the state changes, in a step of its own */
-    REQUEST_BACK, /* recorded states are dropped; only of adaptive runs, the others keep no memory
-                     of it */
+    REQUEST_BACK, /* recorded states are dropped; of runs that remember their way, the others keep
+                     no memory of it */
 };
 
 /*

@@ -153,6 +153,8 @@ void complete_item(struct completion *c, const struct argument *argument, struct
             complete_offer(c, c->session->recording[i]->recording->name, "recording");
         break;
     case TYPE_NAME:
+        if (argument->choices)
+            complete_catalog(c, argument->choices);
         complete_settable(c);
         break;
     case TYPE_PARAM:

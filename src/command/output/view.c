@@ -68,7 +68,8 @@ HANDLER(focus)
     const enum plot_kind wanted =
         pane->count ? (enum plot_kind)pane->item->index : view_focus(view);
     const struct row *row = &plot_row(wanted)->row;
-    if (pane->count && !plot_offered(session, wanted)) {
+    /* A saved session may have one whose run has changed, or whose fit is gone. */
+    if (pane->count && !session->restoring && !plot_offered(session, wanted)) {
         struct buffer offered = {0};
         error_at(error, pane->item->text, "there is nothing to show in the pane %s: %s", row->name,
                  row->brief);
@@ -347,7 +348,7 @@ COMMAND(layout, .row = {"layout", "", "choose which panes are shown", "", NULL},
                 "are left out. How the\n"
                 "screen looks is not undone; it is saved only where it differs from a new session.",
         .examples = "layout duo\nlayout next", .see = "focus range window screenshot",
-        .flags = COMMAND_ANYTIME,
+        .flags = COMMAND_ANYTIME | COMMAND_RESTORES,
         ARGUMENTS(WORD("next", TYPE_NONE, .group = 1),
                   PLACE("NAME", TYPE_CHOICE, .choices = &layout_catalog, .group = 1)))
 
@@ -357,13 +358,13 @@ COMMAND(focus, .row = {"focus", "", "choose the pane that range, zoom and pan ac
                 "now is offered:\n"
                 "no orbit without two coordinates, no error where no exact solution is known.",
         .examples = "run; focus phase\nrun; focus energy full", .see = "layout range zoom",
-        .flags = COMMAND_ANYTIME,
+        .flags = COMMAND_ANYTIME | COMMAND_RESTORES,
         ARGUMENTS(PLACE("PANE", TYPE_CHOICE, .choices = &plot_catalog),
                   WORD("full", TYPE_NONE, .group = 1), WORD("shared", TYPE_NONE, .group = 1)))
 
 COMMAND(range, .row = {"range", "", "fix an axis of the focused pane", "", NULL}, .group = "PLOT",
         .text = "FROM:TO with units, or auto.", .examples = "range y -5cm:5cm\nrange x auto",
-        .see = "zoom pan window focus", .flags = COMMAND_ANYTIME,
+        .see = "zoom pan window focus", .flags = COMMAND_ANYTIME | COMMAND_RESTORES,
         ARGUMENTS(PLACE("AXIS", TYPE_CHOICE, .flags = ARG_REQUIRED, .choices = &axis_catalog),
                   PLACE("FROM:TO", TYPE_REST)))
 
@@ -383,7 +384,8 @@ COMMAND(pan, .row = {"pan", "", "move the time axis of the focused pane", "", NU
 
 COMMAND(window, .row = {"window", "", "how much time the panes show", "", NULL}, .group = "PLOT",
         .text = "auto keeps at least 8 columns a period (5 with dots).",
-        .examples = "window 5 s\nwindow auto", .see = "range trail zoom", .flags = COMMAND_ANYTIME,
+        .examples = "window 5 s\nwindow auto", .see = "range trail zoom",
+        .flags = COMMAND_ANYTIME | COMMAND_RESTORES,
         ARGUMENTS(WORD("auto", TYPE_NONE, .group = 1),
                   PLACE("TIME", TYPE_VALUE, .quantity = QUANTITY_TIME, .group = 1)))
 
@@ -401,7 +403,7 @@ COMMAND(overlay,
 
 COMMAND(trail, .row = {"trail", "", "how many periods the phase pane shows", "", NULL},
         .group = "PLOT", .text = "2 in a new session.", .examples = "trail 5\ntrail all",
-        .see = "window layout", .flags = COMMAND_ANYTIME,
+        .see = "window layout", .flags = COMMAND_ANYTIME | COMMAND_RESTORES,
         ARGUMENTS(WORD("all", TYPE_NONE, .group = 1),
                   PLACE("PERIODS", TYPE_VALUE, .quantity = QUANTITY_NUMBER, .group = 1)))
 

@@ -142,4 +142,5 @@ COMMAND(drop, .row = {"drop", "", "forget runs", "", NULL}, .group = "RUNS",
 COMMAND(note, .row = {"note", "", "write a note for the current run", "", NULL}, .group = "RUNS",
         .text = "It stands in the list of runs and in exports.",
         .examples = "run; note with the large disk\nruns", .see = "runs export",
-        .flags = COMMAND_ANYTIME, ARGUMENTS(PLACE("TEXT", TYPE_REST, .flags = ARG_REQUIRED)))
+        .flags = COMMAND_ANYTIME | COMMAND_RESTORES,
+        ARGUMENTS(PLACE("TEXT", TYPE_REST, .flags = ARG_REQUIRED)))

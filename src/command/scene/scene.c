@@ -353,6 +353,11 @@ HANDLER(set)
     return ok;
 }
 
+static const struct row unset_rows[] = {
+    {"method", "", "the choice of a method, its fixed step and its drag", "", NULL},
+};
+const struct catalog unset_catalog = CATALOG("choice", unset_rows);
+
 HANDLER(unset)
 {
     const struct text name = argument_given(given, "NAME")->item->text;
@@ -385,6 +390,9 @@ HANDLER(unset)
         buffer_clear(&text);
         buffer_format(&text, "%s = ", row->name);
         setting_show(setting, &session->setup.settings, &text);
+    } else if (catalog_find(&unset_catalog, name)) {
+        session_unset_method(&session->setup);
+        buffer_format(&text, "method = %s", session->setup.method->row.name);
     } else {
         int index = 0;
         while (index < session->setup.lets && !text_is(name, session->setup.let[index].name))
@@ -472,10 +480,10 @@ COMMAND(set, .row = {"set", "", "set a parameter or a setting", "", NULL}, .grou
 COMMAND(unset, .row = {"unset", "", "give a parameter or a setting its default again", "", NULL},
         .group = "SCENE",
         .text = "Parameters get the value of the scene, settings that of a new session; a variable "
-                "made by let is removed.",
-        .examples = "unset gamma\nunset dt", .see = "set scene",
+                "made by let is removed.\n'unset method' takes the choice of a method back.",
+        .examples = "unset gamma\nunset dt", .see = "set scene method",
         .flags = COMMAND_CHANGES | COMMAND_ANYTIME,
-        ARGUMENTS(PLACE("NAME", TYPE_NAME, .flags = ARG_REQUIRED)))
+        ARGUMENTS(PLACE("NAME", TYPE_NAME, .flags = ARG_REQUIRED, .choices = &unset_catalog)))
 
 COMMAND(let, .row = {"let", "", "make a variable", "", NULL}, .group = "SCENE",
         .text = "The value is computed at once. Variables can be used wherever a number can.",

@@ -174,7 +174,8 @@ bool journal_back(struct run_slot *slot, int64_t before, double before_t, int64_
                   struct error *error)
 {
     const struct run *run = slot->run;
-    if ((run->plan.adaptive || run->settings.record.rule == RECORD_TIMES) && run->steps > 0)
+    if ((run->plan.adaptive || run_remembers(run) || run->settings.record.rule == RECORD_TIMES) &&
+        run->steps > 0)
         return journal_add(slot,
                            (struct request){.kind = REQUEST_BACK,
                                             .from = before,
@@ -325,8 +326,7 @@ bool journal_restore(struct session *session, struct run_slot *slot, struct requ
     if (run->steps != steps || run->t != t || way < steps || changed) {
         /* What these remember of earlier steps comes back only by doing them again; a row at an
          * even time is no step, and a step control starts anew from any but the first. */
-        if (run->method->flags & (METHOD_MULTISTEP | METHOD_EXTERNAL) ||
-            run->settings.record.rule == RECORD_TIMES ||
+        if (run_remembers(run) || run->settings.record.rule == RECORD_TIMES ||
             (run->settings.record.rule == RECORD_EVERY && run->plan.adaptive))
             way = 0;
         size_t rows = trace_count(run->trace), back = 0;
@@ -369,6 +369,7 @@ struct composer {
     const struct run *run;
     int number;   /* of the run, 0: the next */
     bool started; /* it exists already */
+    bool waits;   /* it has not got where the last line of these sends it */
     struct buffer *text;
 };
 
@@ -389,14 +390,25 @@ static void put_start(struct composer *c)
     c->started = true;
 }
 
-/* Along a request from step `from` to step `to`, which was reached at time t. */
+/* Along a request from step `from` to step `to`, which was reached at time t. last: nothing was
+ * asked of the run after it. */
 static bool put_go(struct composer *c, const struct request *request, int64_t from, int64_t to,
-                   double t)
+                   double t, bool last)
 {
     const struct run *run = c->run;
     const bool met = request->condition && request->met == to;
     if (met && !portable(c->session, run, request->condition))
         return false;
+    /* `step` leaves nothing to be gone on with; it would go on with what the line before left. */
+    const bool ends = request->end < INT64_MAX || (last && !run->plan.adaptive),
+               waits = last && stop_is_pause(run->stop);
+    if (ends && !waits && !met && !c->waits && t != request->t &&
+        (c->started || request->t > request->from_t)) {
+        put_start(c);
+        buffer_format(c->text, "step %lld\n", (long long)(to - from));
+        return true;
+    }
+    c->waits = !met && t != request->t;
     /* Options first: after a condition they would be read as minus signs. */
     buffer_put(c->text, c->started ? TEXT("continue") : TEXT("run"));
     put_number(c);
@@ -431,7 +443,7 @@ bool journal_write(const struct session *session, const struct run_slot *slot, i
 {
     const struct run *run = slot->run;
     const size_t before = text->len;
-    struct composer c = {session, run, number, since >= 0, text};
+    struct composer c = {session, run, number, since >= 0, false, text};
     const struct request **list, *going = slot->last;
     int64_t at = since < 0 ? 0 : since;
     int count;
@@ -450,7 +462,7 @@ bool journal_write(const struct session *session, const struct run_slot *slot, i
         /* No step, but the time: it was the one asked for but for rounding. */
         const bool ends = !next && going && going->from == at && going->from_t != run->t;
         if (going && (to > at || ends)) {
-            if (!put_go(&c, going, at, to, next ? next->from_t : run->t)) {
+            if (!put_go(&c, going, at, to, next ? next->from_t : run->t, !next)) {
                 text->len = before;
                 free(list);
                 return false;
@@ -474,6 +486,9 @@ bool journal_write(const struct session *session, const struct run_slot *slot, i
                                           : at;
     }
     free(list);
+    /* Taken back to its start, but still on its way. */
+    if (!c.started && going && stop_is_pause(run->stop) && put_go(&c, going, 0, 1, NAN, true))
+        buffer_put(text, TEXT("back 1\n"));
     put_start(&c);
     return true;
 }

@@ -34,10 +34,12 @@ static void save_scene(const struct scene *scene, bool always, struct buffer *te
 
 static void save_method(const struct setup *setup, bool always, struct buffer *text)
 {
-    if (!always && strcmp(setup->method->row.name, "euler") == 0 && !setup->fixed &&
-        setup->drag == DRAG_DEFAULT)
+    if (always && !setup->method_chosen)
+        buffer_put(text, TEXT("unset method\n"));
+    if (!setup->method_chosen && !setup->fixed && setup->drag == DRAG_DEFAULT)
         return;
-    buffer_format(text, "method %s", setup->method->row.name);
+    buffer_format(text, "method%s%s", setup->method_chosen ? " " : "",
+                  setup->method_chosen ? setup->method->row.name : "");
     if (setup->fixed) {
         buffer_put(text, TEXT(" dt="));
         buffer_exact(text, (struct measured){setup->settings.dt, 0}, QUANTITY_TIME);
@@ -45,6 +47,8 @@ static void save_method(const struct setup *setup, bool always, struct buffer *t
     if (setup->drag != DRAG_DEFAULT)
         buffer_format(text, " drag=%s", catalog_row(&drag_catalog, (size_t)setup->drag - 1)->name);
     buffer_char(text, '\n');
+    if (setup->fixed && !setup->settings.dt_given)
+        buffer_put(text, TEXT("unset dt\n"));
 }
 
 static void save_settings(const struct settings *settings, bool always, struct buffer *text)
@@ -133,9 +137,10 @@ static void save_view(const struct view *view, struct buffer *text)
             buffer_real(text, view->trail);
         buffer_char(text, '\n');
     }
-    if (view->focus || view->full)
-        buffer_format(text, "focus %s%s\n", view->focus ? view->focus->name : "position",
-                      view->full ? " full" : "");
+    if (view->focus)
+        buffer_format(text, "focus %s\n", view->focus->name);
+    if (view->full) /* without its name: in a new session the pane has nothing to show */
+        buffer_put(text, TEXT("focus full\n"));
     for (size_t i = 0; i < COUNT_OF(ranges); i++) {
         if (isnan(ranges[i].range[0]))
             continue;
