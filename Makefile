@@ -16,11 +16,16 @@ PROGRAM_LAYERS := session language plot report command view terminal
 LAYERS := $(LIBRARY_LAYERS) $(PROGRAM_LAYERS)
 
 Q := $(if $(filter 1,$(V)),,@)
-say = $(if $(filter 1,$(V)),,@printf '  %-6s %s\n' $(1) $(2))
+say = $(if $(filter 1,$(V)),,$(info $() $() $(1) $(2)))
 
 # ---- flags: each is probed once ---------------------------------------------------------------------------------------
 
 probe = $(shell echo 'int main(void){return 0;}' | $(CC) -Werror $(1) -x c -o /dev/null - >/dev/null 2>&1 && echo '$(1)')
+
+# The same of a linker's flag, which the C library has to understand as well.
+comma := ,
+probe_run = $(shell mkdir -p build && echo 'int f(void); int (*p)(void) = f; int f(void) {return p != f;} int main(void) {return p();}' | \
+  $(CC) -fPIE -pie -Wl,--fatal-warnings $(1) -x c -o build/probe - >/dev/null 2>&1 && build/probe && echo '$(1)'; rm -f build/probe)
 
 WARNINGS := -Wall -Wextra -Wpedantic -Wformat=2 -Wconversion -Wsign-conversion -Wshadow -Wvla -Wnull-dereference \
   -Wimplicit-fallthrough -Wdouble-promotion -Wundef -Wcast-qual -Wstrict-prototypes -Wmissing-prototypes -Wwrite-strings \
@@ -29,12 +34,13 @@ NUMBERS := -ffp-contract=off
 HARDEN  := -fno-common -fno-delete-null-pointer-checks -fstack-protector-strong $(call probe,-fstack-clash-protection) \
   $(call probe,-fcf-protection=full)
 FORTIFY := -U_FORTIFY_SOURCE -D_FORTIFY_SOURCE=3
-LDHARDEN := -pie -Wl,-z,relro,-z,now,-z,noexecstack,--as-needed
+LDHARDEN := -pie -Wl,-z,relro,-z,now,-z,noexecstack,--as-needed $(call probe_run,-Wl$(comma)-z$(comma)pack-relative-relocs)
 
-OPT_release  := -O2 -g $(FORTIFY)
+# Line numbers only, and no tables for unwinding by exceptions, which C has none of.
+OPT_release  := -O2 -g1 -fno-asynchronous-unwind-tables $(FORTIFY)
 OPT_asan     := -O1 -g -fsanitize=address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer
 OPT_coverage := -O0 -g --coverage
-OPT_clang    := -O2 -g $(FORTIFY)
+OPT_clang    := $(OPT_release)
 OPT_debug    := -O0 -g
 
 PKG := pkg-config
@@ -65,7 +71,8 @@ OPTIONAL_SOURCES := $(wildcard src/figure/*.c tests/unit/figure/*.c) src/method/
 # Tests that say something else with them than without.
 OPTIONAL_TESTS = $(shell grep -liE 'cairo|cvode|libarchive|"\# needs' $(TEST_SOURCES) $(TEST_SCRIPTS))
 
-CPPFLAGS += -D_GNU_SOURCE -DHOOKE_VERSION='"$(VERSION)"' -Iinclude -Isrc -Ibuild
+CPPFLAGS += -D_DEFAULT_SOURCE -DHOOKE_VERSION='"$(VERSION)"' -Iinclude -Isrc -Ibuild
+TEST_CPPFLAGS := -D_GNU_SOURCE -Itests
 CFLAGS   := -std=c11 $(OPT_$(CONFIG)) $(WARNINGS) $(NUMBERS) $(HARDEN) -fPIE $(CFLAGS_EXTRA)
 LDFLAGS  := $(filter -fsanitize% --coverage,$(OPT_$(CONFIG))) $(LDHARDEN) $(LDFLAGS_EXTRA)
 LIBS     := $(SUNDIALS_LIBS) $(GSL_LIBS) -lm -ldl
@@ -76,6 +83,12 @@ LIBS     := $(SUNDIALS_LIBS) $(GSL_LIBS) -lm -ldl
 B   := build/$(CONFIG)
 D   := $(if $(filter no,$(OPTIONAL)),build/plain$(if $(filter release,$(CONFIG)),,-$(CONFIG)),$(B))
 TOP := $(if $(filter build/release,$(D)),build,$(D))
+
+# What they were built with: see "objects" below.
+FLAGS_STAMP    := $(B)/flags
+LINE_STAMP     := $(B)/line
+LINK_STAMP     := $(D)/link
+OPTIONAL_STAMP := $(D)/optional
 
 # Objects of sources: src/PATH.c is $(B)/PATH.o, tests/PATH.c is $(B)/tests/PATH.o.
 object   = $(foreach s,$(1),$(if $(filter $(OPTIONAL_SOURCES),$(s)),$(D),$(B))/$(patsubst src/%,%,$(s:.c=.o)))
@@ -109,9 +122,9 @@ $(TOP)/libhooke.a: $(LIBRARY_OBJECTS)
 	$(call say,AR,$@)
 	$(Q)rm -f $@ && ar rcs $@ $^
 
-$(TOP)/hooke: $(PROGRAM_OBJECTS) $(TOP)/libhooke.a
+$(TOP)/hooke: $(PROGRAM_OBJECTS) $(TOP)/libhooke.a $(LINK_STAMP)
 	$(call say,LINK,$@)
-	$(Q)$(CC) $(LDFLAGS) -o $@ $^ $(LINE_LIBS) $(LIBS)
+	$(Q)$(CC) $(LDFLAGS) -o $@ $(filter %.o %.a,$^) $(LINE_LIBS) $(LIBS)
 
 $(PAGES): $(TOP)/pages/%: scripts/pages/% $(TOP)/hooke scripts/reference $(EXAMPLES)
 	$(call say,PAGE,$@)
@@ -123,41 +136,73 @@ $(TOP)/pages/hooke.bash: $(TOP)/hooke scripts/reference
 	@mkdir -p $(@D)
 	$(Q)scripts/reference completion $(TOP)/hooke > $@
 
+# ---- optimisation, by what is compiled --------------------------------------------------------------------------------
+# -O2 but for these, where the configuration is for speed at all:
+
+# What goes once through a command, a table, a picture or a screen, and not once through each step: a quarter shorter.
+ONCE := $(foreach l,result scene/typed figure study $(PROGRAM_LAYERS),$(call objects,$(l))) $(B)/main.o
+# Loops over many steps: unrolled and vectorised.
+LOOPS := $(addprefix $(B)/,run/many.o run/propagate.o run/energy/work.o run/energy/ledger.o analysis/law/equation.o)
+# In vectors, twice: loops for what remains of a block are not worth their length.
+WORK_TERMS := $(B)/run/energy/work_terms.o
+FORMULA_LANES := $(B)/scene/formula/program/lanes.o
 KERNELS := $(patsubst src/%.c,$(B)/%.o,$(wildcard src/method/kernel/*.c))
-# Loops over many steps: unrolled and vectorised where the configuration is for speed at all.
-$(addprefix $(B)/,run/many.o run/propagate.o run/energy/work.o run/energy/ledger.o analysis/law/equation.o) \
-  $(KERNELS): \
-  CFLAGS += $(if $(filter -O2,$(OPT_$(CONFIG))),-O3)
-# In vectors, three times; loops for what remains of a block are not worth their length.
-$(B)/run/energy/work_terms.o: CFLAGS += $(if $(filter -O2,$(OPT_$(CONFIG))),-ftree-vectorize \
-  $(call probe,-fvect-cost-model=dynamic) $(call probe,--param=vect-epilogues-nomask=0))
-$(B)/scene/formula/program/lanes.o: CFLAGS += $(if $(filter -O2,$(OPT_$(CONFIG))),-O3) -fno-math-errno
-# Hundreds of unrolled bodies: under the sanitizers they would take minutes to compile. The general path, which gives the
-# same bits, is instrumented.
-$(KERNELS): CFLAGS += $(if $(findstring sanitize,$(OPT_$(CONFIG))),-fno-sanitize=all)
-# Packing position and velocity into one register lengthens the chain from step to step.
-$(KERNELS): CFLAGS += $(call probe,-fno-tree-slp-vectorize)
-# Roots without a way out to a library that would say what is wrong with them: nothing reads that.
-$(KERNELS): CFLAGS += -fno-math-errno
+# Of these, those that gain by -O3: in the others the force is waited for.
+FAST_KERNELS := $(filter $(addprefix %/,lane_steps.o lane_terms.o kernel.o controlled.o adapt.o rosenbrock.o),$(KERNELS))
 
-compile_source = $(CC) $(CPPFLAGS) $(if $(findstring /terminal/,$@),$(LINE_CFLAGS)) $(GSL_CFLAGS) $(CFLAGS) -MMD -MP -c -o $@ $<
+ifneq ($(filter -O2,$(OPT_$(CONFIG))),)
+# Without the passes that take longest to compile.
+O_ONCE          := -Os $(call probe,-fno-expensive-optimizations -fno-gcse -fno-tree-pre -fno-tree-vrp \
+  -fno-schedule-insns2 -fno-tree-dominator-opts -fno-code-hoisting)
+O_LOOPS         := -O3
+O_WORK_TERMS    := -ftree-vectorize $(call probe,-fvect-cost-model=dynamic) $(call probe,--param=vect-epilogues-nomask=0)
+O_FORMULA_LANES := -O3
+O_FAST_KERNELS  := -O3
+endif
+O_FORMULA_LANES += -fno-math-errno
+# Packing position and velocity into one register lengthens the chain from step to step. Roots without a way out to a
+# library that would say what is wrong with them: nothing reads that. Hundreds of unrolled bodies: under the sanitizers
+# they would take minutes to compile; the general path, which gives the same bits, is instrumented.
+O_KERNELS += $(call probe,-fno-tree-slp-vectorize) -fno-math-errno $(if $(findstring sanitize,$(OPT_$(CONFIG))),-fno-sanitize=all)
 
-$(B)/%.o: src/%.c Makefile
+KINDS := ONCE LOOPS WORK_TERMS FORMULA_LANES KERNELS FAST_KERNELS
+$(foreach kind,$(KINDS),$(eval $($(kind)): CFLAGS += $(O_$(kind))))
+
+# ---- objects ----------------------------------------------------------------------------------------------------------
+# Where the compiler, its flags or what is known of a library changes, what depends on it is built again: a file of one
+# line that is written when the line is another one, as make reads this.
+
+DIRECTORIES := $(sort $(dir $(LIBRARY_OBJECTS) $(PROGRAM_OBJECTS) $(call object,$(TEST_SOURCES)) $(TEST_PROGRAMS)))
+$(shell mkdir -p $(DIRECTORIES))
+
+equal = $(if $(subst <$(1)>,,<$(2)>),,yes)
+stamp = $(if $(and $(wildcard $(1)),$(call equal,$(strip $(file <$(1))),$(strip $(2)))),,$(file >$(1),$(strip $(2))))
+
+# The compiler by its version: cc, gcc and ccache gcc are one.
+COMPILER := $(filter -%,$(CC)) $(wordlist 2,99,$(shell $(CC) --version | head -1))
+$(call stamp,$(FLAGS_STAMP),$(filter-out -Werror,$(COMPILER) $(CPPFLAGS) $(TEST_CPPFLAGS) $(CFLAGS) $(GSL_CFLAGS)) \
+  $(foreach kind,$(KINDS),$(kind) $(O_$(kind))))
+$(call stamp,$(LINE_STAMP),$(LINE_CFLAGS))
+$(call stamp,$(LINK_STAMP),$(LDFLAGS) $(LINE_LIBS) $(LIBS) $(TEST_LIBS))
+$(call stamp,$(OPTIONAL_STAMP),$(OPTIONAL_CPPFLAGS) $(SUNDIALS_LIBS))
+
+# Only the terminal's files see curses and readline.
+LINE_OBJECTS := $(call objects,terminal)
+$(LINE_OBJECTS): CPPFLAGS += $(LINE_CFLAGS)
+$(LINE_OBJECTS): $(LINE_STAMP)
+
+compile_source = $(CC) $(CPPFLAGS) $(GSL_CFLAGS) $(CFLAGS) -MMD -MP -c -o $@ $<
+
+$(B)/%.o: src/%.c $(FLAGS_STAMP)
 	$(call say,CC,$<)
-	@mkdir -p $(@D)
 	$(Q)$(compile_source)
 
-# What is known of optional libraries: where one appears or goes, what depends on it is built again.
-OPTIONAL_STAMP := $(D)/optional
-$(shell mkdir -p $(D) && echo '$(OPTIONAL_CPPFLAGS) $(SUNDIALS_LIBS)' | cmp -s - $(OPTIONAL_STAMP) || \
-  echo '$(OPTIONAL_CPPFLAGS) $(SUNDIALS_LIBS)' >$(OPTIONAL_STAMP))
 OPTIONAL_OBJECTS := $(call object,$(OPTIONAL_SOURCES))
 $(OPTIONAL_OBJECTS): CPPFLAGS += $(OPTIONAL_CPPFLAGS)
 $(OPTIONAL_OBJECTS): $(OPTIONAL_STAMP)
 ifneq ($(D),$(B))
-$(filter-out $(D)/tests/%,$(OPTIONAL_OBJECTS)): $(D)/%.o: src/%.c Makefile
+$(filter-out $(D)/tests/%,$(OPTIONAL_OBJECTS)): $(D)/%.o: src/%.c $(FLAGS_STAMP)
 	$(call say,CC,$<)
-	@mkdir -p $(@D)
 	$(Q)$(compile_source)
 endif
 
@@ -167,17 +212,15 @@ optional: ## the optional libraries that this build uses
 # ---- tests ------------------------------------------------------------------------------------------------------------
 # tests/<kind>/<layer>/<subject>.c is linked with the layers up to <layer> only.
 
-compile_test = $(CC) $(CPPFLAGS) -Itests $(GSL_CFLAGS) $(CFLAGS) -MMD -MP -c -o $@ $<
+compile_test = $(CC) $(CPPFLAGS) $(TEST_CPPFLAGS) $(GSL_CFLAGS) $(CFLAGS) -MMD -MP -c -o $@ $<
 
-$(B)/tests/%.o: tests/%.c Makefile
+$(B)/tests/%.o: tests/%.c $(FLAGS_STAMP)
 	$(call say,CC,$<)
-	@mkdir -p $(@D)
 	$(Q)$(compile_test)
 
 ifneq ($(D),$(B))
-$(filter $(D)/tests/%,$(OPTIONAL_OBJECTS)): $(D)/tests/%.o: tests/%.c Makefile
+$(filter $(D)/tests/%,$(OPTIONAL_OBJECTS)): $(D)/tests/%.o: tests/%.c $(FLAGS_STAMP)
 	$(call say,CC,$<)
-	@mkdir -p $(@D)
 	$(Q)$(compile_test)
 endif
 
@@ -185,10 +228,9 @@ layer_of = $(if $(findstring fuzz/,$(1)),command,$(word 2,$(subst /, ,$(1))))
 
 .SECONDEXPANSION:
 $(TEST_PROGRAMS): $(D)/tests/%: $$(call object,tests/%.c) \
-  $$(foreach l,$$(call upto,$$(call layer_of,$$*),$(LAYERS)),$$(call objects,$$l))
+  $$(foreach l,$$(call upto,$$(call layer_of,$$*),$(LAYERS)),$$(call objects,$$l)) $(LINK_STAMP)
 	$(call say,LINK,$@)
-	@mkdir -p $(@D)
-	$(Q)$(CC) $(LDFLAGS) -o $@ $^ $(if $(filter terminal,$(call layer_of,$*)),$(LINE_LIBS)) $(TEST_LIBS) $(LIBS)
+	$(Q)$(CC) $(LDFLAGS) -o $@ $(filter %.o,$^) $(if $(filter terminal,$(call layer_of,$*)),$(LINE_LIBS)) $(TEST_LIBS) $(LIBS)
 
 tests-build: $(TOP)/hooke $(TOP)/libhooke.a $(TEST_PROGRAMS)
 

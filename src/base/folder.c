@@ -4,6 +4,7 @@
  * by anything but an empty folder; with force both names are exchanged, and the old folder is
  * removed under the hidden one.
  */
+#define _GNU_SOURCE /* renameat2 */
 #include <hooke/base.h>
 #include "base/internal.h"
 

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+#define _GNU_SOURCE /* strtod_l */
 #include "base/decimal.h"
 #include <hooke/base.h>
 

@@ -5,6 +5,7 @@
  * exists; with force a second step, rename(2), replaces the old file. Every name is looked up in
  * the folder opened at the start, wherever that is moved.
  */
+#define _GNU_SOURCE /* O_TMPFILE, renameat2 */
 #include <hooke/base.h>
 #include "base/internal.h"
 

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Lines to statements, statements to handlers: atomic, undoable, recorded. */
+#define _GNU_SOURCE /* memmem */
 #include "command/finding.h"
 #include "command/internal.h"
 #include "command/redirect.h"

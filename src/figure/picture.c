@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Pictures: the page, its axes, titles and legend, and the file that comes of it. */
+#define _GNU_SOURCE /* memmem */
 #include "figure/picture.h"
 
 #ifdef HAVE_CAIRO

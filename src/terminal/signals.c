@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Signals only set flags and wake the loop through a pipe; the loops look at them. */
+#define _GNU_SOURCE /* pipe2 */
 #include "terminal/terminal.h"
 
 #include <errno.h>

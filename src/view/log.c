@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The log: the last lines that commands said, from the top as on paper; once the pane is full the
  * newest line is the lowest. What is longer than the pane is wide goes on in the next row. */
+#define _GNU_SOURCE /* memmem */
 #include "view/internal.h"
 
 #include <string.h>

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The state line: what is simulated, how, and how far it is. The longest form that fits. */
+#define _GNU_SOURCE /* memmem */
 #include "view/internal.h"
 
 #include <string.h>

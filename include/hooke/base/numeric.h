@@ -13,10 +13,11 @@
 /* The best instructions that the machine has, chosen when the program starts; the same bits with
  * all of them. */
 #if defined(__x86_64__) && !defined(__SANITIZE_ADDRESS__) && !defined(__clang__)
-#define CLONES __attribute__((target_clones("default", "avx2", "avx512f")))
+#define CLONES_FOR(...) __attribute__((target_clones("default", __VA_ARGS__)))
 #else
-#define CLONES
+#define CLONES_FOR(...)
 #endif
+#define CLONES CLONES_FOR("avx2", "avx512f")
 
 /* The value [n] nearest to that share of the way through their order, of an even number the upper
  * median; reorders them. Without NAN; of none: NAN. */

@@ -21,8 +21,8 @@ FAST vector WITH(magnitude)(vector x)
     return (vector)((WITH(bits))x & INT64_MAX);
 }
 
-/* The library's sine of each: several at once wait for each other less than one after the other. */
-FAST vector WITH(sine)(vector x)
+/* The library's sine of each. */
+TARGET static __attribute__((noinline)) vector WITH(sine)(vector x)
 {
     double each[WIDE];
     memcpy(each, &x, sizeof each);
@@ -55,7 +55,7 @@ struct WITH(known) {
     vector cosine;
 };
 
-#define ANY_PARTS (PARTS < 8 ? PARTS : 8)
+#define ANY_PARTS (WIDE == 8 ? 8 : 4)
 
 /* a: of the first `parts` vectors of the states z */
 typedef void WITH(force)(int parts, const struct WITH(known) * known, vector z[2][PARTS],

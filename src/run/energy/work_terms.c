@@ -268,9 +268,11 @@ ALWAYS_INLINE void block_work(unsigned terms, const struct line *line, const str
     }
 }
 
+/* Wider vectors gain nothing: memory is waited for. */
 #define KIND(name, terms)                                                                          \
-    CLONES static void block_##name(const struct line *line, const struct work *work,              \
-                                    struct block *restrict b, struct work_done *restrict done)     \
+    CLONES_FOR("avx2")                                                                             \
+    static void block_##name(const struct line *line, const struct work *work,                     \
+                             struct block *restrict b, struct work_done *restrict done)            \
     {                                                                                              \
         block_work((terms), line, work, b, done);                                                  \
     }
