@@ -110,9 +110,10 @@ static void describe_scene(const struct scene *scene, const struct system *syste
  * the run. */
 static void describe_evaluations(const struct scene *scene, const struct system *system,
                                  const struct method *method, const struct run_settings *settings,
-                                 const struct plan *plan, bool turns, struct buffer *text)
+                                 const struct plan *plan, struct buffer *text)
 {
-    const bool varies = turns || method->flags & (METHOD_IMPLICIT | METHOD_MULTISTEP);
+    const bool varies =
+        method_turns(method, system) || method->flags & (METHOD_IMPLICIT | METHOD_MULTISTEP);
     double each = plan->propagates ? 0 : method->evals;
     int64_t tried = 0;
     if (varies && !plan->propagates && plan->steps >= 1) {
@@ -137,9 +138,7 @@ static void describe_evaluations(const struct scene *scene, const struct system 
         buffer_format(text, " at least");
 }
 
-static void describe_method(const struct scene *scene, const struct system *system,
-                            const struct method *method, const struct run_settings *settings,
-                            const struct plan *plan, struct buffer *text)
+static void describe_method(const struct method *method, bool compensated, struct buffer *text)
 {
     static const struct {
         unsigned flag;
@@ -158,9 +157,14 @@ static void describe_method(const struct scene *scene, const struct system *syst
         if (method->flags & property[i].flag)
             buffer_format(text, ", %s", property[i].word);
     }
-    buffer_format(text, settings->compensated && !plan->adaptive ? ", compensated sums\n" : "\n");
+    buffer_format(text, compensated ? ", compensated sums\n" : "\n");
+}
 
-    enum drag drag = settings->drag;
+/* Returns how it is evaluated. */
+static enum drag describe_drag(const struct system *system, const struct method *method,
+                               enum drag asked, struct buffer *text)
+{
+    enum drag drag = asked;
     struct error ignored;
     key(text, "drag");
     if (!system->velocity)
@@ -170,47 +174,55 @@ static void describe_method(const struct scene *scene, const struct system *syst
         buffer_format(text, "part of the force\n");
     else
         buffer_format(text, "%s%s\n", catalog_row(&drag_catalog, (size_t)drag - 1)->name,
-                      settings->drag == DRAG_DEFAULT ? " (the method's default)" : "");
-    const bool turns = method_turns(method, system);
-    if (system->dry)
-        buffer_format(text,
-                      "%-10ssteps end where the body turns, sticks and breaks away ('set turning "
-                      "off' goes across)\n",
-                      "");
-    else if (system->oscillator.friction != 0)
-        buffer_format(text,
-                      "%-10sturning points: crossed (turning off), the order is lost there: dry "
-                      "friction jumps\n",
-                      "");
-    else if (system->switches > 0 && (system->pieces || system->across) && !plan->adaptive)
-        buffer_format(
-            text, "%-10s%s\n", "",
-            method_meets_switches(method, system)
-                ? "steps end at switches (if, abs, sign, ...) ('set turning off' goes across)"
-            : system->across
-                ? "switches (if, abs, sign, ...): crossed (turning off), the order is lost there"
-                : "switches (if, abs, sign, ...): crossed by this method, the order is lost there");
-    else if (system->kinks && method->order > 2)
-        buffer_format(
-            text, "%-10s%s because quadratic drag is only C^1 there\n", "",
-            turns ? "turning points: located by extra steps ('set turning off' goes across),"
-            : system->across ? "turning points: crossed (turning off), the order is lost there,"
-                             : "order is lost at turning points,");
+                      asked == DRAG_DEFAULT ? " (the method's default)" : "");
+    return drag;
+}
 
-    key(text, "steps");
-    if (plan->adaptive) {
-        buffer_format(text, "chosen by the error estimate, tol = ");
-        buffer_short(text, settings->tol, 3);
-        buffer_format(text, " of the scene's own scale; the first guess is dt = ");
-        buffer_quantity(text, settings->dt, QUANTITY_TIME, 6);
-        for (int i = 0; i < system->n; i++)
-            if (system->atol[i] > 0) {
-                buffer_format(text, "\n%-10satol %s = ", "", system_variable(system, i).name);
-                buffer_quantity(text, system->atol[i], system_variable(system, i).quantity, 6);
-            }
-        buffer_char(text, '\n');
-        return;
-    }
+/* What steps do where forces jump or bend; NULL: nothing is said. */
+static const char *about_turns(const struct system *system, const struct method *method,
+                               bool adaptive)
+{
+    if (system->dry)
+        return "steps end where the body turns, sticks and breaks away ('set turning off' goes "
+               "across)";
+    if (system->oscillator.friction != 0)
+        return "turning points: crossed (turning off), the order is lost there: dry friction jumps";
+    if (system->switches > 0 && (system->pieces || system->across) && !adaptive)
+        return method_meets_switches(method, system)
+                   ? "steps end at switches (if, abs, sign, ...) ('set turning off' goes across)"
+               : system->across
+                   ? "switches (if, abs, sign, ...): crossed (turning off), the order is lost there"
+                   : "switches (if, abs, sign, ...): crossed by this method, the order is lost "
+                     "there";
+    if (!system->kinks || method->order <= 2)
+        return NULL;
+    return method_turns(method, system)
+               ? "turning points: located by extra steps ('set turning off' goes across), because "
+                 "quadratic drag is only C^1 there"
+           : system->across ? "turning points: crossed (turning off), the order is lost there, "
+                              "because quadratic drag is only C^1 there"
+                            : "order is lost at turning points, because quadratic drag is only "
+                              "C^1 there";
+}
+
+static void describe_tolerance(const struct system *system, const struct run_settings *settings,
+                               struct buffer *text)
+{
+    buffer_format(text, "chosen by the error estimate, tol = ");
+    buffer_short(text, settings->tol, 3);
+    buffer_format(text, " of the scene's own scale; the first guess is dt = ");
+    buffer_quantity(text, settings->dt, QUANTITY_TIME, 6);
+    for (int i = 0; i < system->n; i++)
+        if (system->atol[i] > 0) {
+            buffer_format(text, "\n%-10satol %s = ", "", system_variable(system, i).name);
+            buffer_quantity(text, system->atol[i], system_variable(system, i).quantity, 6);
+        }
+    buffer_char(text, '\n');
+}
+
+static void describe_grid(const struct method *method, const struct run_settings *settings,
+                          const struct plan *plan, struct buffer *text)
+{
     if (isnan(plan->steps))
         buffer_format(text, "no end is set, fixed dt = ");
     else
@@ -227,6 +239,22 @@ static void describe_method(const struct scene *scene, const struct system *syst
         buffer_format(text, ", which end exactly at the time asked for");
     }
     buffer_char(text, '\n');
+}
+
+static void describe_steps(const struct scene *scene, const struct system *system,
+                           const struct method *method, const struct run_settings *settings,
+                           const struct plan *plan, struct buffer *text)
+{
+    const enum drag drag = describe_drag(system, method, settings->drag, text);
+    const char *turns = about_turns(system, method, plan->adaptive);
+    if (turns)
+        buffer_format(text, "%-10s%s\n", "", turns);
+    key(text, "steps");
+    if (plan->adaptive) {
+        describe_tolerance(system, settings, text);
+        return;
+    }
+    describe_grid(method, settings, plan, text);
     key(text, "kernel");
     if (plan->propagates)
         buffer_format(text, "propagator: powers of the one-step matrix, no forces are evaluated\n");
@@ -237,7 +265,7 @@ static void describe_method(const struct scene *scene, const struct system *syst
         buffer_format(text, "general: each force is called at each stage\n");
     if (!isnan(plan->steps)) {
         key(text, "evals");
-        describe_evaluations(scene, system, method, settings, plan, turns, text);
+        describe_evaluations(scene, system, method, settings, plan, text);
         buffer_format(text, ", estimated time ");
         buffer_quantity(text, plan->seconds, QUANTITY_TIME, 1);
         buffer_char(text, '\n');
@@ -295,7 +323,8 @@ void plan_describe(const struct scene *scene, const struct system *system,
                    const struct plan *plan, struct buffer *text)
 {
     describe_scene(scene, system, text);
-    describe_method(scene, system, method, settings, plan, text);
+    describe_method(method, settings->compensated && !plan->adaptive, text);
+    describe_steps(scene, system, method, settings, plan, text);
     describe_record(system, settings, plan, text);
     describe_prediction(system, method, settings, plan, text);
     key(text, "exact");

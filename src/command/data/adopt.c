@@ -336,6 +336,33 @@ static void put_scaled(const struct adoption *a, const struct fit *fit, double s
         buffer_put(text, TEXT("\nquadratic drag and dry friction follow from that scale"));
 }
 
+/* What the scene does not have of what was fitted, or the fit not of the scene. */
+static void warn_left(const struct adoption *a, const struct fit *fit, bool starts, bool scaled,
+                      enum quantity quantity, struct reply *reply)
+{
+    if (a->unscaled && a->left > 0)
+        reply_warning(reply, "the scene does not take %s%s%s", a->left_out[0],
+                      a->left > 1 ? ", " : "", a->left > 1 ? a->left_out[1] : "");
+    if (!starts)
+        reply_warning(reply,
+                      scaled ? "y0, v0 and t0 stay: the scene is at rest, and nobody says what 1 "
+                               "%s is ('adopt scale=..')"
+                             : "y0, v0 and t0 stay: what was fitted (%s) is no position, velocity "
+                               "or acceleration",
+                      scaled ? quantity_unit(quantity) : quantity_name(quantity));
+    if (a->pendulum && fit->drag.force != RESTORING_SINE && fit->amplitude.value > SMALL_SWING)
+        reply_warning(reply, "the fit knows nothing of the slower wide swings of a pendulum: fit "
+                             "law, then adopt again");
+    if (!a->pendulum && !param_given(&a->scene, "m"))
+        reply_warning(reply, "k was computed with the mass of the scene, which nobody has set: m = "
+                             "200 g, then adopt again");
+    if ((fit->drag.candidates == 0 && param_value(&a->scene, "C") > 0) ||
+        param_value(&a->scene, "F0") > 0)
+        reply_warning(
+            reply,
+            "the scene also has quadratic drag or a driving force, which the fit knows nothing of");
+}
+
 bool adopt_fit(struct session *session, const struct arguments *given, struct reply *reply,
                struct error *error)
 {
@@ -358,7 +385,6 @@ bool adopt_fit(struct session *session, const struct arguments *given, struct re
     a.pendulum = is_pendulum(&a.scene) && (scaled || is_turning(fitted.quantity));
     if (!a.pendulum && !can_have_spring(&a.scene, fit, error))
         return false;
-    const int m = scene_param(&a.scene, "m");
     if (told->count > 0 && !scaled)
         return error_at(error, told->where, "scale is for voltages and forces; %s %s was fitted",
                         quantity_article(fitted.quantity), quantity_name(fitted.quantity));
@@ -404,26 +430,6 @@ bool adopt_fit(struct session *session, const struct arguments *given, struct re
                       drag_law_name(fit->drag.best));
     reply_adoption(&a, &text, reply);
     buffer_free(&text);
-    if (a.unscaled && a.left > 0)
-        reply_warning(reply, "the scene does not take %s%s%s", a.left_out[0],
-                      a.left > 1 ? ", " : "", a.left > 1 ? a.left_out[1] : "");
-    if (n < 0)
-        reply_warning(reply,
-                      scaled ? "y0, v0 and t0 stay: the scene is at rest, and nobody says what 1 "
-                               "%s is ('adopt scale=..')"
-                             : "y0, v0 and t0 stay: what was fitted (%s) is no position, velocity "
-                               "or acceleration",
-                      scaled ? quantity_unit(fitted.quantity) : quantity_name(fitted.quantity));
-    if (a.pendulum && fit->drag.force != RESTORING_SINE && fit->amplitude.value > SMALL_SWING)
-        reply_warning(reply, "the fit knows nothing of the slower wide swings of a pendulum: fit "
-                             "law, then adopt again");
-    if (!a.pendulum && !a.scene.given[m])
-        reply_warning(reply, "k was computed with the mass of the scene, which nobody has set: m = "
-                             "200 g, then adopt again");
-    if ((fit->drag.candidates == 0 && param_value(&a.scene, "C") > 0) ||
-        param_value(&a.scene, "F0") > 0)
-        reply_warning(
-            reply,
-            "the scene also has quadratic drag or a driving force, which the fit knows nothing of");
+    warn_left(&a, fit, n >= 0, scaled, fitted.quantity, reply);
     return true;
 }

@@ -229,69 +229,57 @@ static double fastest(const struct system *system)
     return max;
 }
 
-static void explain(const struct system *system, bool rests, struct order *order)
+/* What turning points and switches do to the order; NULL: nothing. misses: another one was found,
+ * or none. */
+static const char *explain_jumps(const struct system *system, const struct order *order,
+                                 bool misses)
 {
-    const bool beside = order->verdict == ORDER_LOWER || order->verdict == ORDER_ERRATIC;
+    const struct method *method = order->by.method;
+    const bool meets = method_meets_switches(method, system), turns = method_turns(method, system);
+    if (misses && system->oscillator.friction != 0 && system->across)
+        return "dry friction jumps where the velocity is 0: each turning point that is crossed "
+               "spoils the order";
+    if (misses && system->switches > 0 && !meets && !turns)
+        return "the forces switch (if, abs, sign, ...), and each switch that is crossed spoils "
+               "the order";
+    if (order->verdict == ORDER_AGREES && system->switches > system->dry && system->pieces && meets)
+        return "the forces switch (if, abs, sign, ...): the order holds because steps end at the "
+               "switches";
+    if (order->verdict == ORDER_AGREES && system->pieces && system->dry)
+        return "dry friction jumps where the velocity is 0: the order holds because steps end at "
+               "the turning points";
+    if (misses && system->oscillator.quadratic != 0 && order->claimed > 2)
+        return "quadratic drag is smooth only up to its first derivative where the velocity is 0: "
+               "each turning point spoils higher orders";
+    if (order->verdict == ORDER_AGREES && turns)
+        return "drag has a kink where the velocity is 0: the order holds because steps end at the "
+               "turning points";
+    return NULL;
+}
+
+/* What the sizes of steps and errors say where the order is another one, or none was found. */
+static void explain_sizes(const struct system *system, struct order *order)
+{
     const bool none = order->verdict == ORDER_NO_RANGE,
                over = none && !(order->by.method->flags & METHOD_IMPLICIT);
-    double dt = NAN, best = HUGE_VAL, rate = fastest(system);
-    order->switches = system->switches > system->dry;
+    const double rate = fastest(system),
+                 last = order->points ? order->point[order->points - 1].dt : NAN;
+    double dt = NAN, best = HUGE_VAL;
+    char *out = order->words;
+    const size_t size = sizeof order->words;
     for (int i = 0; i < order->points; i++) {
         dt = order->point[i].fitted || isnan(dt) ? order->point[i].dt : dt;
         best = fmin(best, order->point[i].error);
     }
-    const double last = order->points ? order->point[order->points - 1].dt : NAN;
-    char *out = order->words;
-    const size_t size = sizeof order->words;
-    if (order->by.drag == DRAG_EXPLICIT && order->by.method->drag != DRAG_EXPLICIT &&
-        system->velocity)
-        snprintf(out, size, "with drag=explicit %s is of first order, not %d",
-                 order->by.method->row.name, order->by.method->order);
-    else if (order->verdict != ORDER_AGREES && rests)
-        snprintf(out, size,
-                 "the body is at rest at the end: all that is left is the error of where, which "
-                 "may be of another "
-                 "order; a duration that ends before shows that of the motion");
-    else if ((beside || none) && system->oscillator.friction != 0 && system->across)
-        snprintf(out, size,
-                 "dry friction jumps where the velocity is 0: each turning point that is crossed "
-                 "spoils the order");
-    else if ((beside || none) && system->switches > 0 &&
-             !method_meets_switches(order->by.method, system) &&
-             !method_turns(order->by.method, system))
-        snprintf(out, size,
-                 "the forces switch (if, abs, sign, ...), and each switch that is crossed spoils "
-                 "the order");
-    else if (order->verdict == ORDER_AGREES && system->switches > system->dry && system->pieces &&
-             method_meets_switches(order->by.method, system))
-        snprintf(out, size,
-                 "the forces switch (if, abs, sign, ...): the order holds because steps end at the "
-                 "switches");
-    else if (order->verdict == ORDER_AGREES && system->pieces && system->dry)
-        snprintf(out, size,
-                 "dry friction jumps where the velocity is 0: the order holds because steps end at "
-                 "the turning points");
-    else if ((beside || none) && system->oscillator.quadratic != 0 && order->claimed > 2)
-        snprintf(out, size,
-                 "quadratic drag is smooth only up to its first derivative where the velocity is "
-                 "0: each "
-                 "turning point spoils higher orders");
-    else if (order->verdict == ORDER_AGREES && method_turns(order->by.method, system))
-        snprintf(out, size,
-                 "drag has a kink where the velocity is 0: the order holds because steps end at "
-                 "the turning "
-                 "points");
-    else if (over && !(best < TOP) && rate * last > 0.5)
+    if (over && !(best < TOP) && rate * last > 0.5)
         snprintf(out, size,
                  "the scene's fastest rate is %.2g 1/s: steps that %s survives are too many to "
-                 "afford; an "
-                 "implicit method would do",
+                 "afford; an implicit method would do",
                  rate, order->by.method->row.name);
-    else if ((beside || none) && rate * dt > 1)
+    else if (rate * dt > 1)
         snprintf(out, size,
                  "stiff: these steps leave the fastest motion (%.2g 1/s) unresolved, where methods "
-                 "lose order "
-                 "(order reduction)",
+                 "lose order (order reduction)",
                  rate);
     else if (none && best < TOP && ACCURACIES * order->floor > ROUNDING_FAR)
         snprintf(out, size,
@@ -299,18 +287,39 @@ static void explain(const struct system *system, bool rests, struct order *order
                  "left above that",
                  order->floor);
     else if (none && best < TOP)
-        snprintf(out, size,
-                 "double precision leaves no asymptotic part on this scene, even with compensated "
-                 "sums: the "
-                 "error falls from above %.1g to rounding within two step sizes; a longer duration "
-                 "may help",
-                 TOP);
+        snprintf(
+            out, size,
+            "double precision leaves no asymptotic part on this scene, even with compensated "
+            "sums: the error falls from above %.1g to rounding within two step sizes; a longer "
+            "duration may help",
+            TOP);
     else if (none)
         snprintf(out, size, "no step that could be afforded gave an error below %.1g", TOP);
-    else if (beside)
+    else
         snprintf(
             out, size,
             "the scene is not smooth enough, or these steps are still too coarse; try dt=RANGE");
+}
+
+static void explain(const struct system *system, bool rests, struct order *order)
+{
+    const bool misses = order->verdict == ORDER_LOWER || order->verdict == ORDER_ERRATIC ||
+                        order->verdict == ORDER_NO_RANGE;
+    const struct method *method = order->by.method;
+    const char *jumps = explain_jumps(system, order, misses);
+    const size_t size = sizeof order->words;
+    order->switches = system->switches > system->dry;
+    if (order->by.drag == DRAG_EXPLICIT && method->drag != DRAG_EXPLICIT && system->velocity)
+        snprintf(order->words, size, "with drag=explicit %s is of first order, not %d",
+                 method->row.name, method->order);
+    else if (order->verdict != ORDER_AGREES && rests)
+        snprintf(order->words, size,
+                 "the body is at rest at the end: all that is left is the error of where, which "
+                 "may be of another order; a duration that ends before shows that of the motion");
+    else if (jumps)
+        snprintf(order->words, size, "%s", jumps);
+    else if (misses)
+        explain_sizes(system, order);
 }
 
 bool study_order(const struct order_request *request, struct order *order, struct error *error)
