@@ -420,10 +420,11 @@ void balance_begin(const struct run *run, struct balance *balance); /* at the st
 /*
  * On over at most `count` steps whose states follow in `row`, and adaptive ones' times in `time`,
  * each `stride` on. Returns how many of them were taken, at least 1: none of them crosses a change
- * of the scene or of the grid.
+ * of the scene or of the grid. marking: rows of the trace among them get their marks.
  */
 int balance_block(const struct run *run, struct balance *balance, const double *row,
-                  const double *time, size_t stride, int64_t count, struct work_done *done);
+                  const double *time, size_t stride, int64_t count, struct work_done *done,
+                  bool marking);
 void balance_present(const struct run *run,
                      struct balance *balance); /* at the present state, even inside of a step */
 /* Before so many rows are offered to the trace: where it will leave some out, the balance has to be

@@ -81,7 +81,7 @@ static void work_on_the_way(struct walk *walk, size_t i, double *work, double *d
         const double *time = run->plan.adaptive ? row + run->system.n : NULL;
         walk->from = i;
         walk->to += (size_t)balance_block(run, &walk->balance, row, time, run->trace->width,
-                                          (int64_t)count, &walk->done);
+                                          (int64_t)count, &walk->done, false);
     }
     *work = walk->done.all_work[i - walk->from];
     *drag = walk->done.all_drag[i - walk->from];

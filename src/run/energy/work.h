@@ -33,4 +33,11 @@ void work_across(const struct system *system, const struct quintic *p, double t,
 /* Systems whose terms are those of the oscillator or the pendulum; false: it is something else. */
 bool work_of_terms(const struct work *work, struct work_done *done);
 
+/* ---- balance.c ---- */
+
+/* Of the run's state, in units of factor^2 J. */
+double balance_energy(const struct run *run, const struct system *system, const double *state);
+/* A part of a step, from the balance to (t, y). */
+void balance_extend(const struct run *run, struct balance *balance, double t, const double *y);
+
 #endif
