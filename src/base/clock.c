@@ -17,3 +17,8 @@ int64_t clock_ns(void)
                   &now); /* cannot fail: the clock exists and the address is good */
     return (int64_t)now.tv_sec * 1000000000 + now.tv_nsec;
 }
+
+double clock_seconds(int64_t begin)
+{
+    return (double)(clock_ns() - begin) * 1e-9;
+}

@@ -306,7 +306,7 @@ bool run_advance(struct run *run, const struct run_target *target, int64_t budge
         more = stop == STOP_NONE && budget_ns > 0 && now - begin >= budget_ns;
     }
     run->cost = p->step.cost;
-    run->seconds += (double)(clock_ns() - begin) * 1e-9;
+    run->seconds += clock_seconds(begin);
     run->stop = stop;
     trace_present(run->trace, run->steps, run->t, run->y);
     return more;

@@ -31,7 +31,7 @@ bool progress_due(double fraction, bool *over)
 
 void progress_text(const struct run *run, double fraction, struct buffer *text)
 {
-    const double spent = (double)(clock_ns() - progress.begun) * 1e-9;
+    const double spent = clock_seconds(progress.begun);
     if (run) {
         buffer_format(text, "%s: t = %.6g s, %lld steps", run->method->row.name, run->t,
                       (long long)run->steps);

@@ -154,7 +154,7 @@ HANDLER(selftest)
     }
     text_table_put(&table, &text);
     buffer_format(&text, "%d methods: %d passed, %d failed; %.1f s\n", finished,
-                  finished - failures, failures, (double)(clock_ns() - begin) * 1e-9);
+                  finished - failures, failures, clock_seconds(begin));
     for (size_t i = 0; i < SELFTEST_CHECKS; i++)
         buffer_format(&text, "%s: %s\n", catalog_row(&selftest_catalog, i)->name,
                       catalog_row(&selftest_catalog, i)->brief);

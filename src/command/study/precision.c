@@ -180,7 +180,7 @@ HANDLER(precision)
     ok = study_precision(&request, &precision, error);
     if (precision.curves > 0) {
         reply_study(session, given, &precision, &absentees.text,
-                    (double)(clock_ns() - begin) * 1e-9, reply);
+                    clock_seconds(begin), reply);
         reply_precision(session, &precision, given->arena, reply);
         keep_precision(session, &precision);
     }

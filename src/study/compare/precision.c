@@ -10,9 +10,6 @@
 #define SECONDS_STIFF 20.0 /* and on stiff scenes, where one solve can take half a second */
 #define SWEEP_SHARE 0.45   /* of them for the errors, the rest for the times */
 #define SECONDS_QUICK 0.4  /* for the times alone, with `timing quick` */
-#define LONG 0.02          /* [s] a solve; no second one is made for its time then */
-#define PART 30000         /* steps that are timed of a longer solve of fixed steps */
-#define PART_OFF 0.15
 #define LOG2_FIRST 0 /* the coarsest step is duration/2^this */
 #define LOG2_LAST 27
 #define TOL_FIRST 1e-2
@@ -48,22 +45,6 @@ struct sweeping {
     int stale, failures;
 };
 
-static double seconds_since(int64_t begin)
-{
-    return (double)(clock_ns() - begin) * 1e-9;
-}
-
-static struct run_settings settings_of(const struct precision *precision,
-                                       const struct precision_point *point)
-{
-    return (struct run_settings){.dt = point->dt,
-                                 .tol = point->tol,
-                                 .drag = precision->curve[point->curve].by.drag,
-                                 .kernel =
-                                     KERNEL_SPECIALISED, /* methods are compared, not matrices */
-                                 .compensated = precision->compensated};
-}
-
 /* NULL: no memory */
 static struct precision_point *add_point(struct sweeping *sweep)
 {
@@ -86,11 +67,6 @@ static double local_order(const struct precision_point *coarse, const struct pre
     const double order = log(coarse->errors.max / fine->errors.max) / log(ratio);
     return precision_meaningful(coarse) && precision_meaningful(fine) && isfinite(order) ? order
                                                                                          : NAN;
-}
-
-static double work_of(const struct cost *cost, int64_t steps)
-{
-    return (double)(cost->evals + cost->jacobians + cost->solves + steps);
 }
 
 static int hardest_interval(const struct precision *precision)
@@ -120,7 +96,7 @@ static bool lost_in_probe(const struct sweeping *sweep, struct precision_point *
     const struct reference *reference = &precision->reference;
     const double interval = precision->duration / (STUDY_TIMES - 1);
     const double *from = reference->y + sweep->hardest * reference->n;
-    const struct run_settings settings = settings_of(precision, point);
+    const struct run_settings settings = precision_settings(precision, point);
     struct system system = precision->system;
     struct solver solver;
     if (point->tol > 0 || point->dt > interval / 4)
@@ -149,7 +125,7 @@ static enum stop solve(const struct sweeping *sweep, struct solver *solver, bool
         solver->max = (int64_t)COST_TRIAL;
         const enum stop stop = solver_run(solver, sweep->grid, cancel);
         const double part = (solver->step.t - solver->system->t0) / solver->span;
-        if (stop != STOP_FULL || work_of(&solver->step.cost, solver->steps) > part * COST_MAX)
+        if (stop != STOP_FULL || solve_work(&solver->step.cost, solver->steps) > part * COST_MAX)
             return stop;
         solver_start(solver);
     }
@@ -163,7 +139,7 @@ static bool measure(struct sweeping *sweep, struct precision_point *point, bool 
 {
     const struct precision *precision = sweep->precision;
     const struct precision_curve *curve = sweep->curve;
-    const struct run_settings settings = settings_of(precision, point);
+    const struct run_settings settings = precision_settings(precision, point);
     struct error ignored;
     struct solver solver;
     point->path = study_path(&precision->system, curve->by.method, &settings);
@@ -203,9 +179,9 @@ static bool finished(struct sweeping *sweep, const struct precision_point *point
     const double error = point->errors.max, accuracy = sweep->precision->reference.accuracy;
     const double each = curve->adaptive ? pow(10, 1.0 / curve->by.method->order) : 2;
     const double next =
-        each * work_of(&point->cost, point->steps) * (point->probed ? STUDY_TIMES - 1 : 1);
+        each * solve_work(&point->cost, point->steps) * (point->probed ? STUDY_TIMES - 1 : 1);
     if (!precision_meaningful(point)) {
-        curve->cut = seconds_since(sweep->begin) > 2 * fraction;
+        curve->cut = clock_seconds(sweep->begin) > 2 * fraction;
         sweep->failures++;
         return curve->cut || next > COST_MAX ||
                (sweep->best < SETTLED && sweep->failures == FAILURES) || point->stop == STOP_FULL;
@@ -220,7 +196,7 @@ static bool finished(struct sweeping *sweep, const struct precision_point *point
         return true;
     if (next > (sweep->meaningful >= ENOUGH ? COST_USUAL : COST_MAX))
         return true;
-    curve->cut = seconds_since(sweep->begin) > fraction;
+    curve->cut = clock_seconds(sweep->begin) > fraction;
     return curve->cut;
 }
 
@@ -286,124 +262,6 @@ static bool sweep_curve(struct sweeping *sweep, double fraction, struct error *e
     return true;
 }
 
-static double time_recording(const struct precision_request *request,
-                             const struct precision *precision, const struct precision_point *point)
-{
-    struct run_settings settings = settings_of(precision, point);
-    double shortest = NAN;
-    settings.unbalanced = true; /* recording alone is timed */
-    if (point->tol > 0)         /* a run wants a first guess */
-        settings.dt = precision->duration / (STUDY_TIMES - 1);
-    for (int i = 0; i < 3 && !(shortest > 0.1); i++) {
-        struct error ignored;
-        struct run *run = run_create(request->scene, precision->curve[point->curve].by.method,
-                                     &settings, precision->duration, &ignored);
-        if (!run)
-            return NAN;
-        const struct run_target target = {.t = run->system.t0 + precision->duration, .steps = -1};
-        const int64_t begin = clock_ns();
-        while (run_advance(run, &target, 0, request->cancel)) {
-        }
-        if (run->stop == STOP_END)
-            shortest = fmin(shortest, seconds_since(begin));
-        run_destroy(run);
-    }
-    return shortest;
-}
-
-/* One that takes long was timed well enough when its error was measured. */
-static bool taken_as_timed(struct precision_point *point)
-{
-    if (point->seconds < LONG || (point->tol == 0 && point->steps > PART))
-        return false;
-    point->time = (struct timing_result){point->seconds, point->seconds, 0, 1, true};
-    return true;
-}
-
-/* Of fixed steps PART are timed: what one costs does not depend on how many there are. */
-static void shorten(const struct precision *precision, struct solver *solver, const int *index,
-                    int count)
-{
-    for (int i = 0; i < count; i++)
-        if (solver[i].tol == 0 && precision->point[index[i]].steps > PART)
-            solver[i].part = PART;
-}
-
-static void multiply(struct timing_result *time, double factor)
-{
-    time->minimum *= factor;
-    time->median *= factor;
-}
-
-/*
- * Times of parts become those of whole solves, in proportion to what was evaluated. The first of
- * each curve is timed whole, too: where that differs by more than PART_OFF, the steps do not all
- * cost the same, and what it says holds.
- */
-static void scale_up(struct precision *precision, struct solver *solver, const int *index,
-                     int count, const struct cancel *cancel)
-{
-    double factor = 1;
-    int curve = -1;
-    for (int i = 0; i < count; i++) {
-        struct precision_point *point = &precision->point[index[i]];
-        const struct solver *s = &solver[i];
-        if (s->part == 0 || isnan(point->time.minimum))
-            continue;
-        point->timed_steps = s->steps;
-        multiply(&point->time,
-                 work_of(&point->cost, point->steps) / work_of(&s->step.cost, s->steps));
-        if (point->curve != curve) {
-            struct timing_result whole;
-            solver[i].part = 0;
-            time_solvers(&solver[i], &whole, 1, TIMING_QUICK, LONG, cancel);
-            curve = point->curve;
-            factor = whole.minimum / point->time.minimum;
-            factor = factor > 1 + PART_OFF || factor < 1 - PART_OFF ? factor : 1;
-        }
-        multiply(&point->time, factor);
-    }
-}
-
-static bool time_points(const struct precision_request *request, struct precision *precision,
-                        double seconds, struct error *error)
-{
-    const size_t capacity = (size_t)precision->points + 1;
-    struct solver *solver = calloc(capacity, sizeof *solver);
-    struct timing_result *result = calloc(capacity, sizeof *result);
-    int *index = calloc(capacity, sizeof *index), count = 0;
-    bool ok = solver && result && index;
-    for (int i = 0; ok && i < precision->points; i++) {
-        const struct precision_point *point = &precision->point[i];
-        const struct run_settings settings = settings_of(precision, point);
-        if (!precision_meaningful(point))
-            continue;
-        if (request->timing == TIMING_QUICK && taken_as_timed(&precision->point[i]))
-            continue;
-        ok = solver_init(&solver[count], &precision->system,
-                         precision->curve[point->curve].by.method, &settings, precision->duration);
-        index[count++] = i;
-    }
-    if (ok) {
-        if (request->timing == TIMING_QUICK)
-            shorten(precision, solver, index, count);
-        time_solvers(solver, result, count, request->timing, seconds, request->cancel);
-        for (int i = 0; i < count; i++)
-            precision->point[index[i]].time = result[i];
-        if (request->timing == TIMING_QUICK)
-            scale_up(precision, solver, index, count, request->cancel);
-        for (int i = 0; i < count && request->recording && !cancelled(request->cancel); i++)
-            precision->point[index[i]].recording =
-                time_recording(request, precision, &precision->point[index[i]]);
-    }
-    for (int i = 0; i < count; i++)
-        solver_free(&solver[i]);
-    free(solver);
-    free(result);
-    free(index);
-    return ok || error_memory(error);
-}
-
 static bool prepare(const struct precision_request *request, struct precision *precision,
                     struct error *error)
 {
@@ -447,7 +305,7 @@ static bool sweep_once(struct sweeping *sweep, int64_t begin, double seconds, st
         sweep->witnesses.one[c].by = NULL;
     sweep->hardest = hardest_interval(precision);
     for (int c = 0; c < choices && ok; c++) {
-        const double left = SWEEP_SHARE * seconds - seconds_since(begin);
+        const double left = SWEEP_SHARE * seconds - clock_seconds(begin);
         sweep->curve = &precision->curve[c];
         sweep->curve->first = precision->points;
         sweep->curve->count = 0;
@@ -505,10 +363,10 @@ bool study_precision(const struct precision_request *request, struct precision *
                          "stopped: %d of %d methods finished, nothing timed", precision->curves,
                          request->choices);
     if (ok && request->timing != TIMING_OFF)
-        ok = time_points(request, precision,
+        ok = precision_time(request, precision,
                          request->timing == TIMING_QUICK && !(request->seconds > 0)
                              ? SECONDS_QUICK
-                             : fmax(seconds - seconds_since(begin), 0.1 * seconds),
+                             : fmax(seconds - clock_seconds(begin), 0.1 * seconds),
                          error);
     return ok &&
            (!cancelled(request->cancel) ||

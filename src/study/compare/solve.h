@@ -33,6 +33,11 @@ void solver_free(struct solver *solver);
 /* To the state at t0, nothing counted. */
 void solver_start(struct solver *solver);
 int64_t solver_cost(const struct solver *solver);
+/* What took so many steps, as time goes. */
+static inline double solve_work(const struct cost *cost, int64_t steps)
+{
+    return (double)(cost->evals + cost->jacobians + cost->solves + steps);
+}
 /*
  * From y to the end of the span. STOP_END, or why not: STOP_FULL is `max` used up. grid
  * [STUDY_TIMES * n], or NULL: the states on the common grid, NAN where the steps do not come by.
@@ -59,6 +64,12 @@ void grid_errors(const struct system *system, const struct reference *reference,
 void time_solvers(struct solver *solver, struct timing_result *result, int count,
                   enum timing timing, double seconds, const struct cancel *cancel);
 
+/* How a point is solved. */
+struct run_settings precision_settings(const struct precision *precision,
+                                       const struct precision_point *point);
+/* Times of all points that mean something, in about so many seconds. */
+bool precision_time(const struct precision_request *request, struct precision *precision,
+                    double seconds, struct error *error);
 /* Slope, its R^2 and which points took part, of a finished curve. */
 void precision_fit(struct precision *precision, int curve);
 

@@ -60,7 +60,7 @@ static double time_batch(struct solver *s, int64_t batch, const struct cancel *c
         /* Too small to change the number, but the processor must wait for it. */
         first = s->system->start[0] + 1e-300 * s->y[0];
     }
-    return (double)(clock_ns() - begin) * 1e-9;
+    return clock_seconds(begin);
 }
 
 static int quota(const struct protocol *protocol, double each, double seconds)

@@ -419,7 +419,7 @@ bool study_stress(const struct stress_scene *scene, const struct method *const *
             struct stress_row row = {.index = c, .method = methods[m]};
             const int64_t start = clock_ns();
             ok = run_case(&bench, m, &row);
-            row.seconds = (double)(clock_ns() - start) * 1e-9;
+            row.seconds = clock_seconds(start);
             if (!ok || cancelled(cancel))
                 break;
             stress->count_of[row.verdict]++;
@@ -428,7 +428,7 @@ bool study_stress(const struct stress_scene *scene, const struct method *const *
         bench_free(&bench);
     }
     free(limit);
-    stress->seconds = (double)(clock_ns() - begin) * 1e-9;
+    stress->seconds = clock_seconds(begin);
     if (!ok)
         return error_memory(error);
     return !cancelled(cancel) ||

@@ -310,7 +310,7 @@ bool study_sweep(const struct sweep_request *request, struct sweep *sweep, struc
     job.lines = request->axes > 1 ? request->axis[1 - job.along].count : 1;
     job.blocks = (request->axis[job.along].count + LANES - 1) / LANES;
     const bool ok = run_workers(&job, error);
-    sweep->seconds = (double)(clock_ns() - begin) * 1e-9;
+    sweep->seconds = clock_seconds(begin);
     if (!ok)
         return false;
     if (sweep->finished < sweep->count)
