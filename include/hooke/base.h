@@ -440,6 +440,6 @@ extern const struct catalog limit_catalog;
 /* Wall clock that only goes forward [ns]. */
 int64_t clock_ns(void);
 double clock_seconds(int64_t begin); /* [s] since then [ns] */
-int64_t clock_cpu_ns(void); /* that this thread has used */
+int64_t clock_cpu_ns(void);          /* that this thread has used */
 
 #endif

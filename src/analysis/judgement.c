@@ -167,14 +167,6 @@ static bool is_determined(struct problem *p, const double *x, int j, double devi
 
 /* ---- judge ---- */
 
-static bool on_bound(const struct problem *p, int j, double x, double inward[1])
-{
-    double near = 1e-7 * p->unit[j];
-    bool low = p->low && x - p->low[j] <= near, high = p->high && p->high[j] - x <= near;
-    *inward = low ? 1 : -1;
-    return low || high;
-}
-
 bool judge(struct problem *p, const double *x, bool probe, struct curve_fit *fit)
 {
     struct linear l = {.count = 0};

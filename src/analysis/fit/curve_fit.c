@@ -20,39 +20,6 @@ enum { ITERATIONS = 500, ROBUST_ROUNDS = 40, SOFT_ROUNDS = 5, MANY = 20000 };
     1e-14 /* of the step that is polished no further, relative to value or uncertainty */
 #define LENGTH_COSTLY 1e-10
 
-/* ---- bounds: x = low + (high - low)(1 + sin u)/2, or low - 1 + sqrt(u^2 + 1) in units of the
- * start ---- */
-
-double inside(const struct problem *p, int j, double u, double *slope)
-{
-    double low = p->low ? p->low[j] : -INFINITY, high = p->high ? p->high[j] : INFINITY,
-           unit = p->unit[j];
-    *slope = 1;
-    if (isfinite(low) && isfinite(high)) {
-        *slope = 0.5 * (high - low) * cos(u);
-        return low + 0.5 * (high - low) * (1 + sin(u));
-    }
-    if (!isfinite(low) && !isfinite(high))
-        return u;
-    double root = sqrt(1 + u * u),
-           beyond = unit * u * u / (root + 1); /* root - 1 without cancellation */
-    *slope = isfinite(low) ? unit * u / root : -unit * u / root;
-    return isfinite(low) ? low + beyond : high - beyond;
-}
-
-/* The other way; a start on or beyond a bound is moved a little inside, where there is a slope. */
-static double outside(const struct problem *p, int j, double x)
-{
-    double low = p->low ? p->low[j] : -INFINITY, high = p->high ? p->high[j] : INFINITY,
-           unit = p->unit[j];
-    if (isfinite(low) && isfinite(high))
-        return asin(fmin(fmax(2 * (x - low) / (high - low) - 1, -0.999), 0.999));
-    if (!isfinite(low) && !isfinite(high))
-        return x;
-    double beyond = fmax(isfinite(low) ? x - low : high - x, 1e-6 * unit) / unit + 1;
-    return sqrt((beyond - 1) * (beyond + 1));
-}
-
 /* ---- the residuals as GSL wants them ---- */
 
 static int residuals(const gsl_vector *u, void *context, gsl_vector *f)

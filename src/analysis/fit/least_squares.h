@@ -24,8 +24,14 @@ struct problem {
     const struct cancel *cancel;
 };
 
+/* ---- bound.c ---- */
+
 /* The parameter for the unbounded variable u, and its slope. */
 double inside(const struct problem *p, int j, double u, double *slope);
+/* The other way; a start on or beyond a bound is moved a little inside, where there is a slope. */
+double outside(const struct problem *p, int j, double x);
+/* Does it lie on a bound? inward: which way leads from there, 1 or -1. */
+bool on_bound(const struct problem *p, int j, double x, double *inward);
 
 /* ---- judgement.c: what an answer is worth ---- */
 

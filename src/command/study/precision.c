@@ -179,8 +179,7 @@ HANDLER(precision)
     reply_shorter(session, reply);
     ok = study_precision(&request, &precision, error);
     if (precision.curves > 0) {
-        reply_study(session, given, &precision, &absentees.text,
-                    clock_seconds(begin), reply);
+        reply_study(session, given, &precision, &absentees.text, clock_seconds(begin), reply);
         reply_precision(session, &precision, given->arena, reply);
         keep_precision(session, &precision);
     }

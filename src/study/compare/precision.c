@@ -10,7 +10,7 @@
 #define SECONDS_STIFF 20.0 /* and on stiff scenes, where one solve can take half a second */
 #define SWEEP_SHARE 0.45   /* of them for the errors, the rest for the times */
 #define SECONDS_QUICK 0.4  /* for the times alone, with `timing quick` */
-#define LOG2_FIRST 0 /* the coarsest step is duration/2^this */
+#define LOG2_FIRST 0       /* the coarsest step is duration/2^this */
 #define LOG2_LAST 27
 #define TOL_FIRST 1e-2
 #define TOL_LAST 1e-14
@@ -364,10 +364,10 @@ bool study_precision(const struct precision_request *request, struct precision *
                          request->choices);
     if (ok && request->timing != TIMING_OFF)
         ok = precision_time(request, precision,
-                         request->timing == TIMING_QUICK && !(request->seconds > 0)
-                             ? SECONDS_QUICK
-                             : fmax(seconds - clock_seconds(begin), 0.1 * seconds),
-                         error);
+                            request->timing == TIMING_QUICK && !(request->seconds > 0)
+                                ? SECONDS_QUICK
+                                : fmax(seconds - clock_seconds(begin), 0.1 * seconds),
+                            error);
     return ok &&
            (!cancelled(request->cancel) ||
             error_set(error, ERROR_CANCELLED, "stopped: all errors are measured, not all times"));

@@ -99,7 +99,7 @@ static void scale_up(struct precision *precision, struct solver *solver, const i
 }
 
 bool precision_time(const struct precision_request *request, struct precision *precision,
-                        double seconds, struct error *error)
+                    double seconds, struct error *error)
 {
     const size_t capacity = (size_t)precision->points + 1;
     struct solver *solver = calloc(capacity, sizeof *solver);

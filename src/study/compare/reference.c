@@ -3,13 +3,10 @@
  * The solution that errors are measured against: the closed form, or two integrations by methods of
  * different kinds that agree. What they agree to is all that can be claimed.
  */
-#include "study/compare/solve.h"
+#include "study/compare/reference.h"
 
 #include <stdlib.h>
 #include <string.h>
-
-/* Methods of one kind err alike: agreement counts between kinds only. */
-enum kind { KIND_EXPLICIT, KIND_SPLITTING, KIND_IMPLICIT, KIND_ROSENBROCK, KIND_COUNT };
 
 /*
  * In the order tried, looked up by name: a method that is not there or does not apply is passed
@@ -18,7 +15,7 @@ enum kind { KIND_EXPLICIT, KIND_SPLITTING, KIND_IMPLICIT, KIND_ROSENBROCK, KIND_
  */
 static const struct candidate {
     const char *name;
-    enum kind kind;
+    enum solver_kind kind;
     double tol;
 } candidates[] = {
     {"dop853", KIND_EXPLICIT, 1e-14},        {"odex", KIND_EXPLICIT, 1e-14},
@@ -39,38 +36,11 @@ static const struct candidate {
 #define COST_ALL 80e6 /* of all of them, over n: some seconds */
 #define TRIES 3
 #define TRIES_BURST 8
-#define SAME 1e-9 /* by which solutions may part that step otherwise */
 #define SHRINKS 1e4
 #define PARTS 4 /* of all but the first: no step is longer than a thousandth of the span, */
 #define PARTS_IN_TIME 32 /* where the law changes with time than an 8000th: there may be pulses */
 
-#define BURSTS 4096
-#define PARTS_OF_BURST 16 /* bounds are wider than the truth */
-#define NODES 66          /* states between which an interval of the grid is looked at */
-#define ROUNDS 12         /* times an interval is solved again with what was found in it */
-
-struct search {
-    const struct system *system;
-    struct reference *reference;
-    const struct cancel *cancel;
-    double *grid;                        /* [KIND_COUNT] solutions, and one to work with */
-    const struct method *by[KIND_COUNT]; /* NULL: none of this kind yet */
-    size_t size;                         /* [double] of one solution */
-    bool failed;                         /* no memory */
-    int64_t left;                        /* of COST_ALL */
-    bool stiff; /* an explicit method became too dear: the others will, too */
-    int parts;  /* adaptive steps end at so many parts of each grid interval, */
-    struct burst
-        *burst; /* [BURSTS] and at so many parts of each of these, in the order of the way */
-    int bursts;
-    bool looked; /* for them */
-    struct node {
-        double t, y[LIMIT_VARIABLES];
-    } * node; /* [NODES] where bursts begin and end in an interval, and its ends */
-    int nodes;
-};
-
-static double *solution(const struct search *search, enum kind kind)
+static double *solution(const struct reference_search *search, enum solver_kind kind)
 {
     return search->grid + (size_t)kind * search->size;
 }
@@ -87,7 +57,8 @@ static void set_amplitudes(struct reference *reference, const struct system *sys
     }
 }
 
-static double largest_distance(const struct search *search, const double *a, const double *b)
+static double largest_distance(const struct reference_search *search, const double *a,
+                               const double *b)
 {
     const int n = search->system->n;
     double max = 0;
@@ -99,208 +70,15 @@ static double largest_distance(const struct search *search, const double *a, con
     return max;
 }
 
-/* Where the next adaptive step ends at the latest, on the way from t to `to`; shift: of the clock;
- * *at: the burst that is ahead. */
-static double next_stop(const struct search *search, int *at, double t, double to, double shift)
-{
-    const double way = to > t ? 1 : -1;
-    while (*at < search->bursts && way * (search->burst[*at].to - shift - t) <= 0)
-        ++*at;
-    if (*at == search->bursts)
-        return to;
-    const struct burst *burst = &search->burst[*at];
-    for (int k = 0; k <= PARTS_OF_BURST; k++) {
-        const double stop = burst->from + (burst->to - burst->from) * k / PARTS_OF_BURST - shift;
-        if (way * (stop - t) > 0 && way * (to - stop) > 0)
-            return stop;
-    }
-    return to;
-}
-
-static void add_node(struct search *search, double t, const double *y)
-{
-    if (search->nodes == NODES - 1) /* the last one is that of the end */
-        return;
-    search->node[search->nodes].t = t;
-    memcpy(search->node[search->nodes++].y, y, (size_t)search->system->n * sizeof *y);
-}
-
-/* An interval of the grid, and its clock. */
-struct interval_of_grid {
-    double from, to, shift;
-};
-
-static enum stop cross_fixed(const struct search *search, struct solver *s,
-                             const struct interval_of_grid *interval, int64_t steps)
-{
-    for (int64_t i = 0; i < steps; i++) {
-        const double h = (interval->to - interval->from) / (double)steps;
-        s->step.t = interval->from + h * (double)i;
-        s->step.h = h;
-        const enum step_status status = method_turning_step(s->method, &s->step);
-        if (status != STEP_OK)
-            return solver_stop(status);
-        if (solver_cost(s) > s->max)
-            return STOP_FULL;
-        if ((i & 63) == 63 && cancelled(search->cancel))
-            return STOP_CANCELLED;
-    }
-    return STOP_END;
-}
-
-/* No step across the ends of `parts` equal parts of it, nor across a burst. */
-static enum stop cross_adaptive(struct search *search, struct solver *s,
-                                struct controller *controller,
-                                const struct interval_of_grid *interval)
-{
-    const int parts = search->parts;
-    const double from = interval->from, to = interval->to;
-    int part = 1, at = 0;
-    search->nodes = 0;
-    add_node(search, from + interval->shift, s->y);
-    for (int64_t i = 0; s->step.t != to; i++) {
-        const double next = part < parts ? from + (to - from) * part / parts : to;
-        const double stop = next_stop(search, &at, s->step.t, next, interval->shift);
-        const enum step_status status = method_adapt(s->method, &s->step, controller, stop);
-        part += s->step.t == next;
-        if (status != STEP_OK)
-            return solver_stop(status);
-        if (s->step.t == stop && stop != next)
-            add_node(search, stop + interval->shift, s->y);
-        if (solver_cost(s) > s->max)
-            return STOP_FULL;
-        if ((i & 63) == 63 && cancelled(search->cancel))
-            return STOP_CANCELLED;
-    }
-    search->node[search->nodes].t = to + interval->shift;
-    memcpy(search->node[search->nodes++].y, s->y, (size_t)search->system->n * sizeof *s->y);
-    return STOP_END;
-}
-
-static int by_time(const void *a, const void *b)
-{
-    const double x = ((const struct burst *)a)->from, y = ((const struct burst *)b)->from;
-    return (x > y) - (x < y);
-}
-
-static int by_time_back(const void *a, const void *b)
-{
-    return by_time(b, a);
-}
-
-/* Bursts of the interval that was just crossed, from those before it on; false: none that are new.
- */
-static bool look_for_bursts(struct search *search, int before)
-{
-    const bool forward = search->reference->span > 0;
-    const int count = search->bursts;
-    for (int i = 0; i + 1 < search->nodes; i++) {
-        const struct node *node = &search->node[i];
-        const double t[2] = {node[0].t, node[1].t};
-        if (t[0] != t[1])
-            search->bursts = before + system_bursts(search->system, t, node[0].y, node[1].y, false,
-                                                    search->burst + before, search->bursts - before,
-                                                    BURSTS - before);
-    }
-    qsort(search->burst + before, (size_t)(search->bursts - before), sizeof *search->burst,
-          forward ? by_time : by_time_back);
-    return search->bursts > count || search->bursts > before;
-}
-
-static double moved_by(const struct system *system, const double *a, const double *b)
-{
-    double max = 0;
-    for (int i = 0; i < system->n; i++)
-        max = fmax(max, fabs(a[i] - b[i]) / fmax(system->scale[i], fmax(fabs(a[i]), fabs(b[i]))));
-    return max;
-}
-
-/*
- * The interval again, with steps that end at what was found along the way through it, until that
- * changes nothing: what happens there may lead elsewhere. Where the first round changes nothing it
- * had been seen, and is forgotten.
- */
-static enum stop cross_bursts(struct search *search, struct solver *s,
-                              struct controller *controller,
-                              const struct interval_of_grid *interval)
-{
-    const size_t size = (size_t)search->system->n * sizeof(double);
-    const struct controller at_first = *controller;
-    const int before = search->bursts;
-    double y[LIMIT_VARIABLES], low[LIMIT_VARIABLES], last[LIMIT_VARIABLES];
-    memcpy(y, s->y, size);
-    memcpy(low, s->low, size);
-    enum stop stop = cross_adaptive(search, s, controller, interval);
-    for (int round = 0; round < ROUNDS && stop == STOP_END && look_for_bursts(search, before);
-         round++) {
-        memcpy(last, s->y, size);
-        memcpy(s->y, y, size);
-        memcpy(s->low, low, size);
-        *controller = at_first;
-        s->step.t = interval->from;
-        s->step.warm = s->step.again = false;
-        stop = cross_adaptive(search, s, controller, interval);
-        if (stop != STOP_END || moved_by(search->system, s->y, last) >= SAME)
-            continue;
-        search->bursts = round == 0 ? before : search->bursts;
-        break;
-    }
-    return stop;
-}
-
-/*
- * Every grid time is hit. Where the laws do not depend on time the clock starts anew at each of
- * them, so that rounding of the time does not add up. steps: in an interval, 0: adaptive.
- */
-static enum stop walk_grid(struct search *search, struct solver *s, int64_t steps, double *grid)
-{
-    const int n = s->system->n;
-    const bool anew = s->system->autonomous, looking = steps == 0 && !search->looked;
-    struct controller controller = {.tol = s->tol};
-    solver_start(s);
-    s->step.y = s->y;
-    s->step.low = s->low;
-    search->bursts = looking ? 0 : search->bursts;
-    memcpy(grid, s->y, (size_t)n * sizeof *grid);
-    for (int k = 1; k < STUDY_TIMES; k++) {
-        const double begin = s->system->t0 + s->span * (k - 1) / (STUDY_TIMES - 1);
-        const double end = s->system->t0 + s->span * k / (STUDY_TIMES - 1);
-        const struct interval_of_grid interval = {
-            anew ? 0 : begin, anew ? s->span / (STUDY_TIMES - 1) : end, anew ? begin : 0};
-        s->step.t = interval.from;
-        s->step.warm = s->step.again = false;
-        const enum stop stop = steps > 0 ? cross_fixed(search, s, &interval, steps)
-                               : looking ? cross_bursts(search, s, &controller, &interval)
-                                         : cross_adaptive(search, s, &controller, &interval);
-        if (stop != STOP_END)
-            return stop;
-        if (cancelled(search->cancel))
-            return STOP_CANCELLED;
-        memcpy(grid + k * n, s->y, (size_t)n * sizeof *grid);
-    }
-    search->looked |= looking;
-    return STOP_END;
-}
-
-/* Within what is left of the cost of all of them. */
-static enum stop walk(struct search *search, struct solver *s, int64_t steps, double *grid)
-{
-    const int64_t max = s->max;
-    s->max = search->left < max ? search->left : max;
-    const enum stop stop = walk_grid(search, s, steps, grid);
-    search->left -= solver_cost(s);
-    s->max = max;
-    return stop;
-}
-
 /* Inside of a burst that is short the clock has few digits left: what is found there is as good as
  * it can be. */
-static bool solve_adaptive(struct search *search, struct solver *s, bool explicit, double *grid)
+static bool solve_adaptive(struct reference_search *search, struct solver *s, bool explicit,
+                           double *grid)
 {
     const int64_t max = s->max;
     for (int try = 0; try < (search->bursts > 0 ? TRIES_BURST : TRIES); try++, s->tol *= 10) {
         s->max = search->bursts > 0 ? max / TRIES_BURST : max;
-        const enum stop stop = walk(search, s, 0, grid);
+        const enum stop stop = reference_walk(search, s, 0, grid);
         const bool bursts = search->bursts > 0;
         search->stiff |= stop == STOP_FULL && explicit && !bursts;
         if (stop == STOP_END || stop == STOP_CANCELLED || (stop == STOP_FULL && !bursts))
@@ -311,12 +89,12 @@ static bool solve_adaptive(struct search *search, struct solver *s, bool explici
 
 /* Halves the step until the result stands still, moves more than before (rounding), or becomes too
  * dear. */
-static bool solve_fixed(struct search *search, struct solver *s, double *grid)
+static bool solve_fixed(struct reference_search *search, struct solver *s, double *grid)
 {
     double *finer = solution(search, KIND_COUNT), moved = HUGE_VAL;
     bool have = false;
     for (int64_t steps = search->parts; steps <= 1 << 20; steps *= 2) {
-        if (walk(search, s, steps, finer) != STOP_END) {
+        if (reference_walk(search, s, steps, finer) != STOP_END) {
             if (have || solver_cost(s) > s->max || cancelled(search->cancel))
                 break;
             continue;
@@ -334,7 +112,7 @@ static bool solve_fixed(struct search *search, struct solver *s, double *grid)
     return have && moved < MEANING;
 }
 
-static bool try_candidate(struct search *search, const struct candidate *candidate)
+static bool try_candidate(struct reference_search *search, const struct candidate *candidate)
 {
     const struct method *method = (const struct method *)(const void *)catalog_find(
         &method_catalog, text_of(candidate->name));
@@ -362,7 +140,7 @@ static bool try_candidate(struct search *search, const struct candidate *candida
  * Where two of them part for the first time. Rounding that grows takes its time from one power of
  * ten to the next; what is a jump has another reason.
  */
-static void set_meaning(const struct search *search, const double *a, const double *b)
+static void set_meaning(const struct reference_search *search, const double *a, const double *b)
 {
     struct reference *reference = search->reference;
     const int n = search->system->n;
@@ -381,11 +159,11 @@ static void set_meaning(const struct search *search, const double *a, const doub
 }
 
 /* The new solution against those there are: the best agreement so far stays. */
-static void confront(struct search *search, enum kind kind)
+static void confront(struct reference_search *search, enum solver_kind kind)
 {
     struct reference *reference = search->reference;
     const double *grid = solution(search, kind);
-    for (enum kind other = 0; other < KIND_COUNT; other++) {
+    for (enum solver_kind other = 0; other < KIND_COUNT; other++) {
         if (other == kind || !search->by[other])
             continue;
         const double *with = solution(search, other);
@@ -432,7 +210,7 @@ static bool shrinks_fast(const struct system *system, double span)
 
 /* All but the first take steps of a bounded size: a pulse that long ones step over does not escape
  * both. */
-static void search_kinds(struct search *search, bool explicit_ones, bool others)
+static void search_kinds(struct reference_search *search, bool explicit_ones, bool others)
 {
     struct reference *reference = search->reference;
     for (size_t i = 0; i < COUNT_OF(candidates) && !cancelled(search->cancel) && !search->failed;
@@ -478,7 +256,7 @@ bool study_reference_again(const struct system *system, double span, double step
     struct system smooth =
         *system; /* the reference keeps its order, whatever is compared with it */
     system_turn_at_kinks(&smooth);
-    struct search search = {
+    struct reference_search search = {
         .system = &smooth, .reference = reference, .cancel = cancel, .size = size};
     search.parts = (int)fmax(min, 1);
     search.left = (int64_t)(COST_ALL / system->n);
