@@ -21,6 +21,11 @@ static void say_help(const struct session *session, int count, struct buffer *li
     (void)session;
     (void)count;
     int from = rl_point, to = rl_point;
+    /* Behind a word and blanks it is about that word. */
+    while (from > 0 && (from == rl_end || rl_line_buffer[from] == ' ') &&
+           rl_line_buffer[from - 1] == ' ') {
+        to = --from;
+    }
     while (from > 0 && !strchr(" \t=;,", rl_line_buffer[from - 1])) {
         from--;
     }

@@ -157,7 +157,7 @@ static bool reading_times(struct measuring *m, double **at, int *count)
 static bool measure_amplitude(struct measuring *m)
 {
     const enum quantity unit = m->subject.series.quantity;
-    double *at;
+    double *at = NULL;
     int count;
     if (!reading_times(m, &at, &count))
         return false;

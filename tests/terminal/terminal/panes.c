@@ -248,6 +248,9 @@ static void test_keys(void **state)
     type(&p, "\033OP"); /* F1 */
     expect(&p, "see also: list compare");
     type(&p, CLEAN);
+    type(&p, "compare  \033OP"); /* behind blanks, of the word before them */
+    expect(&p, "usage: compare");
+    type(&p, CLEAN);
     enter(&p, "speed max");
     type(&p, "\033[15~"); /* F5 */
     expect(&p, "t=10.00 s");
