@@ -14,32 +14,27 @@ enum argument_form {
     FORM_OPTION, /* --NAME [item] */
 };
 
+/* TYPE_VALUE, TYPE_CHOICE, ...: the rows of src/language/types.def. */
 enum argument_type {
-    TYPE_NONE,      /* nothing follows the name */
-    TYPE_VALUE,     /* a number with a unit of `quantity`, an expression */
-    TYPE_INTEGER,   /* a whole number */
-    TYPE_RANGE,     /* [value]:[value] */
-    TYPE_CONDITION, /* y < 1 cm */
-    TYPE_EXPR,      /* an expression of any quantity, or a string */
-    TYPE_CHOICE,    /* a row of `choices` */
-    TYPE_SCENE,  /* a struct preset: a built-in scene, or one of the user's own; or `new`, then row
-                    is NULL */
-    TYPE_COLUMN, /* a row of `choices`, if there are any (then index is its place); a state variable
-                    or an observable */
-    TYPE_UNIT,   /* the name of a unit */
-    TYPE_RUN,    /* number or name of a run; -1 for `all` where ARG_ALL allows it */
-    TYPE_RECORDING, /* name of a recording */
-    TYPE_NAME,      /* something that can be set or shown */
-    TYPE_PARAM,     /* a name, completed as a parameter of the scene; index: its place there, -1 */
-    TYPE_START,   /* after FORM_KEY: stands for any key that no other argument has; text: that name,
-                     value */
-    TYPE_MODEL,   /* a row of `choices`, or a formula in t: a string, or as it stands (then row is
-                     NULL) */
-    TYPE_TEXT,    /* a word or a string */
-    TYPE_EVENT,   /* the name of an event, also of one that is watched for no more */
-    TYPE_FILE,    /* the same, completed as a file name */
-    TYPE_REST,    /* all that is left of the statement, as it is */
-    TYPE_FORMULA, /* the same: an expression in the names of the scene, and what belongs to it */
+#define ARGUMENT_TYPE(name, ...) TYPE_##name,
+#include "language/types.def"
+};
+
+enum type_flag {
+    TYPE_IS_NUMBER = 1,        /* nothing may be glued to it */
+    TYPE_GOES_ON = 2,          /* an expression, which goes on over blanks */
+    TYPE_HAS_QUANTITY = 4,     /* that of the argument */
+    TYPE_SHOWS_CHOICES = 8,    /* in the line of usage, where they are few */
+    TYPE_SHOWS_BOTH = 16,      /* and what else it may be */
+    TYPE_ABBREVIATED = 32,     /* at the prompt: files get its whole name */
+    TYPE_IS_LIST = 64,         /* several go on after a word without it */
+    TYPE_BEFORE_WORDS = 128,   /* its rows come before words of the same name */
+    TYPE_MAY_BE_SKIPPED = 256, /* a word that is none goes to the next place */
+    TYPE_BEFORE_EQUALS = 512,  /* a = after it belongs to what follows */
+    TYPE_IS_ANY_KEY = 1024,
+    TYPE_IS_FILE = 2048,
+    TYPE_TAKES_REST = 4096,
+    TYPE_IS_FORMULA = 8192,
 };
 
 enum argument_flag {
@@ -63,6 +58,25 @@ struct argument {
 };
 
 #define ARGUMENTS_MAX 16
+
+struct parser;
+struct item;
+struct completion;
+
+struct argument_type_row {
+    const char *name, *shown; /* in the line of usage */
+    bool (*read)(struct parser *parser, const struct argument *argument, const char *stops,
+                 struct item *item, struct error *error);
+    void (*complete)(struct completion *c, const struct argument *argument, struct text before);
+    unsigned flags;
+};
+
+const struct argument_type_row *argument_type(const struct argument *argument);
+
+static inline bool type_is(const struct argument *argument, unsigned flags)
+{
+    return (argument_type(argument)->flags & flags) != 0;
+}
 
 /* ---- commands ---- */
 
@@ -198,9 +212,6 @@ bool parse_integer(struct parser *parser, const char *what, bool negative, struc
 bool refuse_rest(const struct parser *parser, const struct item *number, struct error *error);
 /* Both sides of a comparison must be of one quantity, where that is known. */
 bool check_condition(struct parser *parser, struct text condition, struct error *error);
-/* One item of this argument, which may end at one of `stops` (items.c). */
-bool read_item(struct parser *parser, const struct argument *argument, const char *stops,
-               struct item *item, struct error *error);
 /* Reads all arguments of a command. */
 bool parse_arguments(struct parser *parser, const struct command *command,
                      struct arguments *arguments, struct error *error);

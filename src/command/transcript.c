@@ -9,7 +9,7 @@ static bool writes_file(const struct arguments *arguments)
     const struct command *command = arguments->command;
     bool file = false, force = false;
     for (int i = 0; i < command->arguments; i++) {
-        file |= command->argument[i].type == TYPE_FILE && has(arguments, i);
+        file |= type_is(&command->argument[i], TYPE_IS_FILE) && has(arguments, i);
         force |= command->argument[i].form == FORM_OPTION &&
                  strcmp(command->argument[i].name, "force") == 0;
     }
@@ -23,7 +23,7 @@ static bool is_inside(struct text part, struct text whole)
 
 static bool is_choice(const struct argument *argument)
 {
-    return argument->type == TYPE_CHOICE || argument->type == TYPE_SCENE;
+    return type_is(argument, TYPE_ABBREVIATED);
 }
 
 /* The choice that begins first at `from` or after it; NULL: none. */

@@ -79,7 +79,7 @@ static bool read_into(struct progress *progress, int index, const char *start, s
             return false;
         }
         struct item *item = next_item(parser, given, error);
-        if (!item || !read_item(parser, argument, many ? "," : "", item, error))
+        if (!item || !argument_type(argument)->read(parser, argument, many ? "," : "", item, error))
             return false;
         given->count++;
         more = many && parser->rest.len > 0 && parser->rest.at[0] == ',';
@@ -87,10 +87,7 @@ static bool read_into(struct progress *progress, int index, const char *start, s
             parser->rest = (struct text){parser->rest.at + 1, parser->rest.len - 1};
     }
     given->where = (struct text){start, (size_t)(parser->rest.at - start)};
-    const bool number = argument->type == TYPE_VALUE || argument->type == TYPE_RANGE ||
-                        argument->type == TYPE_EXPR || argument->type == TYPE_INTEGER ||
-                        argument->type == TYPE_CONDITION;
-    progress->number = number ? &given->item[given->count - 1] : NULL;
+    progress->number = type_is(argument, TYPE_IS_NUMBER) ? &given->item[given->count - 1] : NULL;
     progress->open = many && argument->form == FORM_WORD ? index : -1;
     return true;
 }
@@ -107,7 +104,7 @@ static int find_argument(const struct command *command, enum argument_form form,
 static int find_start(const struct command *command)
 {
     for (int i = 0; i < command->arguments; i++)
-        if (command->argument[i].type == TYPE_START)
+        if (type_is(&command->argument[i], TYPE_IS_ANY_KEY))
             return i;
     return -1;
 }
@@ -156,7 +153,7 @@ static int next_place(const struct progress *progress, struct text word)
         ((word.at[0] >= '0' && word.at[0] <= '9') ||
          session_find_run(progress->parser->session, word) >= 0))
         return progress->open;
-    if (progress->open >= 0 && command->argument[progress->open].type == TYPE_CHOICE)
+    if (progress->open >= 0 && type_is(&command->argument[progress->open], TYPE_IS_LIST))
         return progress->open;
     int last = -1;
     for (int i = 0; i < command->arguments; i++) {
@@ -165,7 +162,7 @@ static int next_place(const struct progress *progress, struct text word)
             continue;
         last = i;
         /* What is no recording goes to the next place, if there is one and none came before it. */
-        if (command->argument[i].type != TYPE_RECORDING || has(progress->arguments, i) ||
+        if (!type_is(&command->argument[i], TYPE_MAY_BE_SKIPPED) || has(progress->arguments, i) ||
             session_find_recording(progress->parser->session, word) >= 0)
             return i;
     }
@@ -174,7 +171,7 @@ static int next_place(const struct progress *progress, struct text word)
 
 static bool takes_rest(const struct argument *argument)
 {
-    return argument->type == TYPE_REST || argument->type == TYPE_FORMULA;
+    return type_is(argument, TYPE_TAKES_REST);
 }
 
 static bool read_next(struct progress *progress, struct error *error)
@@ -200,13 +197,13 @@ static bool read_next(struct progress *progress, struct error *error)
             used = 0; /* the name is part of it */
         /* `let NAME = value`: the = belongs to what follows. */
         if (index < 0 && next_place(progress, name) >= 0 &&
-            progress->command->argument[next_place(progress, name)].type == TYPE_NAME) {
+            type_is(&progress->command->argument[next_place(progress, name)], TYPE_BEFORE_EQUALS)) {
             index = next_place(progress, name);
             used = 0;
         }
         if (index < 0)
             return unknown_argument(progress->command, FORM_KEY, name, error);
-    } else if (index >= 0 && progress->command->argument[index].type == TYPE_CHOICE &&
+    } else if (index >= 0 && type_is(&progress->command->argument[index], TYPE_BEFORE_WORDS) &&
                !has(progress->arguments, index) &&
                catalog_find(progress->command->argument[index].choices, name)) {
         used = 0; /* `measure energy`: what the place wants comes before a word of the same name, as

@@ -7,22 +7,16 @@
 /* What stands for an item in usage: "V", "FILE", the choices themselves where they are few. */
 static void put_item(const struct argument *argument, struct buffer *out)
 {
-    static const char *const shown[] = {
-        [TYPE_VALUE] = "V",        [TYPE_INTEGER] = "N",      [TYPE_RANGE] = "FROM:TO",
-        [TYPE_CONDITION] = "COND", [TYPE_EXPR] = "EXPR",      [TYPE_UNIT] = "UNIT",
-        [TYPE_RUN] = "N",          [TYPE_RECORDING] = "NAME", [TYPE_NAME] = "NAME",
-        [TYPE_SCENE] = "NAME",     [TYPE_TEXT] = "TEXT",      [TYPE_FILE] = "FILE",
-        [TYPE_REST] = "TEXT",      [TYPE_FORMULA] = "EXPR",   [TYPE_COLUMN] = "COLUMN",
-        [TYPE_PARAM] = "NAME",     [TYPE_EVENT] = "EVENT",    [TYPE_START] = "START"};
-    const bool model = argument->type == TYPE_MODEL;
-    if (model || (argument->type == TYPE_CHOICE && argument->choices->count <= USAGE_CHOICES)) {
+    const struct argument_type_row *type = argument_type(argument);
+    if ((type->flags & TYPE_SHOWS_CHOICES) && argument->choices->count <= USAGE_CHOICES) {
         for (size_t i = 0; i < argument->choices->count; i++)
             buffer_format(out, "%s%s", i ? "|" : "", catalog_row(argument->choices, i)->name);
-        buffer_put(out, model ? TEXT("|EXPR") : TEXT(""));
+        if (type->flags & TYPE_SHOWS_BOTH)
+            buffer_format(out, "|%s", type->shown);
     } else if (argument->form == FORM_PLACE) {
         buffer_put(out, text_of(argument->name));
     } else {
-        buffer_put(out, text_of(argument->type == TYPE_CHOICE ? "NAME" : shown[argument->type]));
+        buffer_put(out, text_of(type->shown));
     }
     if (argument->flags & ARG_MANY)
         buffer_put(out, argument->form == FORM_KEY ? TEXT(",..") : TEXT(".."));

@@ -86,7 +86,7 @@ asked() { # patch: is what it promises there, and was it not before?
     done <"$here/$patch.patch"
 }
 
-kinds='runge-kutta splitting algorithm command format force preset observable fit plot stress unit function column'
+kinds='runge-kutta splitting algorithm command argument-type format force preset observable fit plot stress unit function column'
 copy_tree
 for patch in $kinds; do
     [ -f "$here/$patch.patch" ] || { ok "there is a patch for $patch" 1; continue; }

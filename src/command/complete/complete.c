@@ -39,8 +39,7 @@ static const struct argument *find_by_form(const struct command *command, enum a
 static bool takes_values(const struct command *command)
 {
     for (int i = 0; i < command->arguments; i++)
-        if (command->argument[i].type >= TYPE_VALUE && command->argument[i].type <= TYPE_EXPR &&
-            command->argument[i].type != TYPE_INTEGER)
+        if (type_is(&command->argument[i], TYPE_GOES_ON))
             return true;
     return false;
 }
@@ -70,7 +69,7 @@ void complete_next(struct completion *c, const struct command *command, struct t
             index = argument;
         if (argument->form == FORM_WORD && argument->name[0] != '>' && !argument->lead)
             complete_offer(c, argument->name, "");
-        else if (argument->form == FORM_KEY && argument->type != TYPE_START)
+        else if (argument->form == FORM_KEY && !type_is(argument, TYPE_IS_ANY_KEY))
             complete_affixed(c, "", argument->name, "=", "");
         else if (argument->form == FORM_OPTION)
             complete_affixed(c, "--", argument->name, "", "");
@@ -81,8 +80,9 @@ void complete_next(struct completion *c, const struct command *command, struct t
     if (index)
         complete_item(c, index, before);
     else if (ends_in_digit(before) && command->arguments > 0 && takes_values(command))
-        complete_units(c, command->argument[0].type == TYPE_VALUE ? command->argument[0].quantity
-                                                                  : QUANTITY_OTHER);
+        complete_units(c, type_is(&command->argument[0], TYPE_HAS_QUANTITY)
+                              ? command->argument[0].quantity
+                              : QUANTITY_OTHER);
 }
 
 static bool goes_on(const struct command *command, struct text before)
@@ -120,7 +120,7 @@ static void complete_arguments(struct completion *c, const struct command *comma
     if (equals > 0 && ends_in_digit(before)) {
         const struct argument *key =
             find_by_form(command, FORM_KEY, last_word((struct text){before.at, equals - 1}));
-        if (key && key->type == TYPE_VALUE) {
+        if (key && type_is(key, TYPE_HAS_QUANTITY)) {
             complete_units(c, key->quantity);
             return;
         }
@@ -161,7 +161,7 @@ static const struct command *formula_command(struct text statement, struct text 
     if (name.len > 0 && rest->len > 0 && rest->at[0] == '\'')
         return command_with(COMMAND_EQUATES);
     const bool formula = command && command->arguments > 0 &&
-                         command->argument[command->arguments - 1].type == TYPE_FORMULA;
+                         type_is(&command->argument[command->arguments - 1], TYPE_IS_FORMULA);
     return formula && rest->len > 0 && strchr(" \t", rest->at[0]) ? command : NULL;
 }
 

@@ -5,69 +5,6 @@
 
 #include <string.h>
 
-/* ---- expressions ---- */
-
-static char last_of(struct text text)
-{
-    const struct text t = text_trim(text);
-    return t.len > 0 ? t.at[t.len - 1] : 0;
-}
-
-bool value_is_open(struct text value)
-{
-    const char last = last_of(value);
-    int depth = 0;
-    for (size_t i = 0; i < value.len; i++)
-        depth += (value.at[i] == '(') - (value.at[i] == ')');
-    return depth > 0 || (last && strchr("+-*/^", last));
-}
-
-static bool is_operator(char c)
-{
-    return strchr("+-*/^()<>,", c);
-}
-
-static void count_offer(void *context, const char *candidate, const char *brief)
-{
-    int *count = context;
-    (void)candidate;
-    (void)brief;
-    ++*count;
-}
-
-/* Where the operand begins that is being typed. A hyphen may belong to a name: phase-error. */
-static size_t operand(const struct completion *c, void (*names)(struct completion *c))
-{
-    const struct text word = c->word;
-    size_t from = word.len;
-    while (from > 0 && !is_operator(word.at[from - 1]))
-        from--;
-    if (from < 2 || word.at[from - 1] != '-' || is_operator(word.at[from - 2]))
-        return from;
-    size_t first = from - 1;
-    int count = 0;
-    while (first > 0 && !is_operator(word.at[first - 1]))
-        first--;
-    struct completion whole = {
-        c->session, {word.at + first, word.len - first}, count_offer, &count, false};
-    names(&whole);
-    return count > 0 ? first : from;
-}
-
-void complete_value(struct completion *c, struct text value, enum quantity quantity,
-                    void (*names)(struct completion *c))
-{
-    if (text_starts(c->word, TEXT("--"))) /* an option */
-        return;
-    const size_t from = operand(c, names);
-    const char last = last_of(value);
-    c->word = (struct text){c->word.at + from, c->word.len - from};
-    if (from > 0 || !last || strchr("<>=:,", last) || value_is_open(value))
-        names(c);
-    else if (last >= '0' && last <= '9')
-        complete_units(c, quantity);
-}
-
 /* ---- lines of a scene ---- */
 
 /* The names of the scene are there whatever runs have been made. */
@@ -114,13 +51,6 @@ static bool behind_equals(struct text text, struct text *value)
     return equals;
 }
 
-void complete_events(struct completion *c)
-{
-    const struct events *events = c->session->setup.events;
-    for (int i = 0; events && i < events->count; i++)
-        complete_offer(c, events->line[i].name, events->line[i].when);
-}
-
 /* NAME when EXPR [rising|falling|touching] do stop|record|COMMANDS */
 static void complete_event(struct completion *c, struct text rest)
 {
@@ -158,7 +88,7 @@ static void complete_event(struct completion *c, struct text rest)
     }
     if (!turned)
         complete_value(c, value, QUANTITY_OTHER, offer_names);
-    if (last.len == 0 || value_is_open(value) || strchr("<>", last_of(value)))
+    if (last.len == 0 || value_is_open(value) || strchr("<>", last_letter(value)))
         return;
     if (!turned) {
         complete_offer(c, "rising", "from below");

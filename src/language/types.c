@@ -1,8 +1,19 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Reads one item of an argument, as its type says. */
-#include <hooke/language.h>
+/* The types of arguments: how each is read and completed. */
+#include <hooke/language/complete.h>
 
+#include <stdio.h>
 #include <string.h>
+
+/* Not each needs all that it is given. */
+#define NEEDLESS __attribute__((__unused__))
+#define READ_ITEM(name)                                                                            \
+    static bool name(NEEDLESS struct parser *parser, NEEDLESS const struct argument *argument,     \
+                     NEEDLESS const char *stops, NEEDLESS struct item *item,                       \
+                     NEEDLESS struct error *error)
+#define COMPLETE_ITEM(name)                                                                        \
+    static void name(NEEDLESS struct completion *c, NEEDLESS const struct argument *argument,      \
+                     NEEDLESS struct text before)
 
 const struct row *choose(const struct session *session, const struct catalog *catalog,
                          struct text name)
@@ -15,7 +26,7 @@ static bool in_range(const struct parser *parser, const struct argument *argumen
                      const struct item *item, struct error *error)
 {
     const struct text rest = parser->rest;
-    if ((argument->flags & ARG_NEGATIVE) || argument->type != TYPE_VALUE || item->value.value > 0)
+    if ((argument->flags & ARG_NEGATIVE) || item->value.value > 0)
         return true;
     error_at(error, item->text, "%s must be more than 0, got '%.*s'", argument->name,
              (int)item->text.len, item->text.at);
@@ -43,14 +54,12 @@ static bool choose_row(struct parser *parser, const struct argument *argument, s
     return false;
 }
 
-static bool read_choice(struct parser *parser, const struct argument *argument, const char *stops,
-                        struct item *item, struct error *error)
+READ_ITEM(read_choice)
 {
     return parse_word(parser, stops, item, error) && choose_row(parser, argument, item, error);
 }
 
-static bool read_scene(struct parser *parser, const char *stops, struct item *item,
-                       struct error *error)
+READ_ITEM(read_scene)
 {
     const struct setup *setup = &parser->session->setup;
     if (!parse_word(parser, stops, item, error))
@@ -71,8 +80,7 @@ static bool read_scene(struct parser *parser, const char *stops, struct item *it
                : error_hint(error, "'list scenes' lists them; scene new begins one of your own");
 }
 
-static bool read_run(struct parser *parser, const struct argument *argument, struct item *item,
-                     struct error *error)
+READ_ITEM(read_run)
 {
     if (!parse_word(parser, ",", item, error))
         return false;
@@ -90,7 +98,7 @@ static bool read_run(struct parser *parser, const struct argument *argument, str
     return error_hint(error, "'runs' lists them");
 }
 
-static bool read_recording(struct parser *parser, struct item *item, struct error *error)
+READ_ITEM(read_recording)
 {
     const struct session *session = parser->session;
     if (!parse_word(parser, ",", item, error))
@@ -134,8 +142,7 @@ static bool is_of_table(struct text rest)
     return false;
 }
 
-static bool read_column(struct parser *parser, const struct argument *argument, struct item *item,
-                        struct error *error)
+READ_ITEM(read_column)
 {
     if (!parse_word(parser, ",", item, error))
         return false;
@@ -159,7 +166,7 @@ static bool read_column(struct parser *parser, const struct argument *argument, 
     return catalog_unknown(&observable_catalog, item->text, error);
 }
 
-static bool read_condition(struct parser *parser, struct item *item, struct error *error)
+READ_ITEM(read_condition)
 {
     struct condition *condition = arena_alloc(parser->arena, sizeof *condition);
     if (!condition)
@@ -178,7 +185,7 @@ static bool read_condition(struct parser *parser, struct item *item, struct erro
 }
 
 /* NAME=value */
-static bool read_start(struct parser *parser, struct item *item, struct error *error)
+READ_ITEM(read_start)
 {
     char what[LIMIT_NAME + 1];
     const struct text name = peek_name(parser->rest);
@@ -197,8 +204,7 @@ static bool read_start(struct parser *parser, struct item *item, struct error *e
     return true;
 }
 
-static bool read_model(struct parser *parser, const struct argument *argument, const char *stops,
-                       struct item *item, struct error *error)
+READ_ITEM(read_model)
 {
     struct formula formula;
     struct error why = {0};
@@ -219,77 +225,188 @@ static bool read_model(struct parser *parser, const struct argument *argument, c
     return true;
 }
 
-bool read_item(struct parser *parser, const struct argument *argument, const char *stops,
-               struct item *item, struct error *error)
+READ_ITEM(read_none)
 {
-    const char *name = argument->name;
-    const bool negative = (argument->flags & ARG_NEGATIVE) != 0;
-    switch (argument->type) {
-    case TYPE_NONE:
-        return true;
-    case TYPE_VALUE:
-        return parse_value(parser, name, argument->quantity, item, error) &&
-               in_range(parser, argument, item, error);
-    case TYPE_INTEGER:
-        return parse_integer(parser, name, negative, item, error);
-    case TYPE_RANGE:
-        return parse_range(parser, name, argument->quantity, item, error);
-    case TYPE_CONDITION:
-        return read_condition(parser, item, error);
-    case TYPE_EXPR:
-        return strchr("'\"", parser->rest.at[0])
-                   ? parse_word(parser, stops, item, error)
-                   : parse_value(parser, "the expression", QUANTITY_OTHER, item, error);
-    case TYPE_CHOICE:
-        return read_choice(parser, argument, stops, item, error);
-    case TYPE_SCENE:
-        return read_scene(parser, stops, item, error);
-    case TYPE_COLUMN:
-        return read_column(parser, argument, item, error);
-    case TYPE_RUN:
-        return read_run(parser, argument, item, error);
-    case TYPE_RECORDING:
-        return read_recording(parser, item, error);
-    case TYPE_UNIT:
-        if (!parse_word(parser, stops, item, error))
-            return false;
-        return !unit_spelled(item->text, parser->arena, &item->unit) ? error_memory(error)
-               : item->unit                                          ? true
-                            : catalog_unknown(&unit_catalog, item->text, error);
-    case TYPE_NAME:
-        item->text = peek_name(parser->rest);
-        if (item->text.len == 0) {
-            const struct text word = peek_word(parser->rest, "");
-            error_at(error, word, "'%.*s' is not a name", (int)(word.len < 64 ? word.len : 64),
-                     word.at);
-            return error_hint(error,
-                              "a name begins with a letter, a to z; digits and _ may follow");
-        }
-        parser->rest =
-            (struct text){parser->rest.at + item->text.len, parser->rest.len - item->text.len};
-        return true;
-    case TYPE_PARAM:
-        item->text = peek_name(parser->rest);
-        if (item->text.len == 0)
-            return error_at(error, peek_word(parser->rest, ""), "%s needs the names of parameters",
-                            argument->name);
-        item->index = scene_param_at(&parser->session->setup.scene, item->text);
-        parser->rest =
-            (struct text){parser->rest.at + item->text.len, parser->rest.len - item->text.len};
-        return true;
-    case TYPE_START:
-        return read_start(parser, item, error);
-    case TYPE_MODEL:
-        return read_model(parser, argument, stops, item, error);
-    case TYPE_TEXT:
-    case TYPE_EVENT:
-    case TYPE_FILE:
-        return parse_word(parser, stops, item, error);
-    case TYPE_REST:
-    case TYPE_FORMULA:
-        item->text = parser->rest;
-        parser->rest = (struct text){parser->rest.at + parser->rest.len, 0};
-        return true;
+    return true;
+}
+
+READ_ITEM(read_value)
+{
+    return parse_value(parser, argument->name, argument->quantity, item, error) &&
+           in_range(parser, argument, item, error);
+}
+
+READ_ITEM(read_integer)
+{
+    return parse_integer(parser, argument->name, (argument->flags & ARG_NEGATIVE) != 0, item,
+                         error);
+}
+
+READ_ITEM(read_range)
+{
+    return parse_range(parser, argument->name, argument->quantity, item, error);
+}
+
+READ_ITEM(read_expr)
+{
+    return strchr("'\"", parser->rest.at[0])
+               ? parse_word(parser, stops, item, error)
+               : parse_value(parser, "the expression", QUANTITY_OTHER, item, error);
+}
+
+READ_ITEM(read_unit)
+{
+    if (!parse_word(parser, stops, item, error))
+        return false;
+    return !unit_spelled(item->text, parser->arena, &item->unit) ? error_memory(error)
+           : item->unit                                          ? true
+                        : catalog_unknown(&unit_catalog, item->text, error);
+}
+
+static void take(struct parser *parser, size_t used)
+{
+    parser->rest = (struct text){parser->rest.at + used, parser->rest.len - used};
+}
+
+READ_ITEM(read_name)
+{
+    item->text = peek_name(parser->rest);
+    if (item->text.len == 0) {
+        const struct text word = peek_word(parser->rest, "");
+        error_at(error, word, "'%.*s' is not a name", (int)(word.len < 64 ? word.len : 64),
+                 word.at);
+        return error_hint(error, "a name begins with a letter, a to z; digits and _ may follow");
     }
-    return false;
+    take(parser, item->text.len);
+    return true;
+}
+
+READ_ITEM(read_param)
+{
+    item->text = peek_name(parser->rest);
+    if (item->text.len == 0)
+        return error_at(error, peek_word(parser->rest, ""), "%s needs the names of parameters",
+                        argument->name);
+    item->index = scene_param_at(&parser->session->setup.scene, item->text);
+    take(parser, item->text.len);
+    return true;
+}
+
+READ_ITEM(read_text)
+{
+    return parse_word(parser, stops, item, error);
+}
+
+READ_ITEM(read_rest)
+{
+    item->text = parser->rest;
+    take(parser, parser->rest.len);
+    return true;
+}
+
+/* ---- completion ---- */
+
+COMPLETE_ITEM(complete_expression)
+{
+    complete_value(c, TEXT(""), QUANTITY_OTHER, complete_operands);
+}
+
+/* A number is followed by its unit. */
+COMPLETE_ITEM(complete_quantity)
+{
+    if (ends_in_digit(before))
+        complete_units(c,
+                       type_is(argument, TYPE_HAS_QUANTITY) ? argument->quantity : QUANTITY_OTHER);
+    else
+        complete_expression(c, argument, before);
+}
+
+COMPLETE_ITEM(complete_choice)
+{
+    complete_catalog(c, argument->choices);
+}
+
+COMPLETE_ITEM(complete_scene)
+{
+    for (int i = 0; i < c->session->setup.owns; i++)
+        complete_offer(c, c->session->setup.own[i]->row.name, "of your own");
+    complete_catalog(c, &preset_catalog);
+    complete_offer(c, "new", "an empty scene, for equations of your own");
+}
+
+COMPLETE_ITEM(complete_column)
+{
+    if (argument->choices)
+        complete_catalog(c, argument->choices);
+    complete_columns(c, argument->choices);
+}
+
+COMPLETE_ITEM(complete_unit)
+{
+    complete_units(c, argument->quantity == QUANTITY_NUMBER ? QUANTITY_OTHER : argument->quantity);
+}
+
+COMPLETE_ITEM(complete_run)
+{
+    for (int i = 0; i < c->session->runs; i++) {
+        const struct run *run = c->session->run[i]->run;
+        char number[16];
+        snprintf(number, sizeof number, "%d", run->number);
+        complete_offer(c, number, run->method->row.name);
+        if (run->name[0])
+            complete_offer(c, run->name, run->method->row.name);
+    }
+    if ((argument->flags & ARG_ALL) && c->session->runs > 0)
+        complete_offer(c, "all", "every run");
+}
+
+COMPLETE_ITEM(complete_recording)
+{
+    for (int i = 0; i < c->session->recordings; i++)
+        complete_offer(c, c->session->recording[i]->recording->name, "recording");
+}
+
+COMPLETE_ITEM(complete_name)
+{
+    if (argument->choices)
+        complete_catalog(c, argument->choices);
+    complete_settable(c);
+}
+
+COMPLETE_ITEM(complete_param)
+{
+    complete_catalog(c, scene_params(&c->session->setup.scene));
+}
+
+COMPLETE_ITEM(complete_event_name)
+{
+    complete_events(c);
+}
+
+COMPLETE_ITEM(complete_file)
+{
+    c->wants_file = true;
+}
+
+/* ---- the table ---- */
+
+#define TYPE_BODIES
+#include "language/types.def"
+#undef TYPE_BODIES
+
+static const struct argument_type_row rows[] = {
+#define ARGUMENT_TYPE(name, shown, read, complete, flags) {#name, shown, read, complete, flags},
+#include "language/types.def"
+};
+
+const struct argument_type_row *argument_type(const struct argument *argument)
+{
+    return &rows[argument->type];
+}
+
+void complete_item(struct completion *c, const struct argument *argument, struct text before)
+{
+    const struct argument_type_row *type = argument_type(argument);
+    if (type->complete)
+        type->complete(c, argument, before);
 }

@@ -1,0 +1,43 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Completion: what there is of each kind. */
+#ifndef HOOKE_LANGUAGE_COMPLETE_H
+#define HOOKE_LANGUAGE_COMPLETE_H
+
+#include <hooke/language.h>
+#include <hooke/session/events.h>
+
+struct completion {
+    struct session *session;
+    struct text word; /* what stands before the cursor of the word */
+    void (*offer)(void *context, const char *candidate, const char *brief);
+    void *context;
+    bool wants_file;
+};
+
+void complete_offer(struct completion *c, const char *candidate, const char *brief);
+void complete_affixed(struct completion *c, const char *before, const char *name, const char *after,
+                      const char *brief);
+void complete_catalog(struct completion *c, const struct catalog *catalog);
+void complete_units(struct completion *c, enum quantity quantity); /* QUANTITY_OTHER: all */
+void complete_settable(struct completion *c);
+void complete_names(struct completion *c);    /* with a value in expressions */
+void complete_operands(struct completion *c); /* these and functions */
+/* State variables and observables of the current run, or of the one that the scene would give; not
+ * what stands in `besides`, too (NULL: nothing). */
+void complete_columns(struct completion *c, const struct catalog *besides);
+void complete_events(struct completion *c); /* what is watched for */
+/* One item of this type; before: what stands to the left of the word. */
+void complete_item(struct completion *c, const struct argument *argument, struct text before);
+
+char last_letter(struct text text); /* without blanks; 0: there is none */
+bool ends_in_digit(struct text before);
+/* The value that stands before the word ends in an operator, or inside of parentheses. */
+bool value_is_open(struct text value);
+/*
+ * Inside of an expression of which `value` stands before the word: `names` where an operand can
+ * stand, units of the quantity after a number, nothing after another operand. The word becomes its
+ * part behind the last operator.
+ */
+void complete_value(struct completion *c, struct text value, enum quantity quantity,
+                    void (*names)(struct completion *c));
+#endif

@@ -1,0 +1,53 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Completion: names that commands of their own take. */
+#include "command/complete/complete.h"
+#include "command/session/topics.h"
+
+void complete_atol(struct completion *c, bool named)
+{
+    const struct model *model = c->session->setup.scene.model;
+    for (int i = 0; i < model->n && !named; i++)
+        complete_offer(c, model->variable[i].name, "variable of the scene");
+    complete_offer(c, "off", named ? "as large as tol says" : "all of them as large as tol says");
+}
+
+void complete_set(struct completion *c, struct text name, struct text before)
+{
+    const struct scene *scene = &c->session->setup.scene;
+    const struct row *row;
+    enum quantity quantity = QUANTITY_OTHER;
+    if ((row = catalog_find(scene_params(scene), name)))
+        quantity = ((const struct param_row *)(const void *)row)->quantity;
+    else if ((row = catalog_find(scene_derived(scene), name)))
+        quantity = ((const struct derived_row *)(const void *)row)->quantity;
+    else if ((row = catalog_find(&setting_catalog, name))) {
+        const struct setting *setting = (const struct setting *)(const void *)row;
+        if (setting->choices) {
+            complete_catalog(c, setting->choices);
+            return;
+        }
+        quantity = setting->quantity;
+    }
+    struct text value = {name.at + name.len, (size_t)(before.at + before.len - name.at) - name.len};
+    text_skip_blanks(&value);
+    if (value.len > 0 && value.at[0] == '=')
+        value = (struct text){value.at + 1, value.len - 1};
+    complete_value(c, value, quantity, complete_operands);
+}
+
+void complete_topics(struct completion *c)
+{
+    static const struct catalog *const topics[] = {
+        &command_catalog, &setting_catalog, &method_catalog, &observable_catalog,
+        &preset_catalog,  &unit_catalog,    &guide_catalog};
+    for (size_t i = 0; i < COUNT_OF(topics); i++)
+        complete_catalog(c, topics[i]);
+    for (const struct model *const *model = scene_models; *model; model++) {
+        const struct catalog *const own[] = {(*model)->params, (*model)->derived};
+        for (size_t i = 0; i < COUNT_OF(own); i++)
+            for (size_t j = 0; j < own[i]->count; j++)
+                if (model_with(text_of(catalog_row(own[i], j)->name)) ==
+                    *model) /* each name once */
+                    complete_offer(c, catalog_row(own[i], j)->name, catalog_row(own[i], j)->brief);
+    }
+}

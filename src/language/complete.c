@@ -1,0 +1,160 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Completion: what there is of each kind. */
+#include <hooke/language/complete.h>
+
+#include <stdio.h>
+#include <string.h>
+
+void complete_offer(struct completion *c, const char *candidate, const char *brief)
+{
+    if (text_starts(text_of(candidate), c->word))
+        c->offer(c->context, candidate, brief);
+}
+
+static void offer_name(void *context, const char *name, const char *brief)
+{
+    complete_offer(context, name, brief);
+}
+
+void complete_catalog(struct completion *c, const struct catalog *catalog)
+{
+    for (size_t i = 0; i < catalog->count; i++)
+        complete_offer(c, catalog_row(catalog, i)->name, catalog_row(catalog, i)->brief);
+}
+
+void complete_affixed(struct completion *c, const char *before, const char *name, const char *after,
+                      const char *brief)
+{
+    char z[LIMIT_NAME + 8];
+    snprintf(z, sizeof z, "%s%s%s", before, name, after);
+    complete_offer(c, z, brief);
+}
+
+void complete_units(struct completion *c, enum quantity quantity)
+{
+    for (size_t i = 0; i < unit_catalog.count; i++) {
+        const struct unit *unit = (const struct unit *)(const void *)catalog_row(&unit_catalog, i);
+        if (quantity == QUANTITY_OTHER || unit->quantity == quantity)
+            complete_offer(c, unit->row.name, unit->row.brief);
+    }
+}
+
+void complete_settable(struct completion *c)
+{
+    const struct catalog *derivable = scene_derived(&c->session->setup.scene);
+    complete_catalog(c, scene_params(&c->session->setup.scene));
+    for (size_t i = 0; i < derivable->count; i++) {
+        const struct derived_row *derived =
+            (const struct derived_row *)(const void *)catalog_row(derivable, i);
+        if (derived->inverse)
+            complete_offer(c, derived->row.name, derived->row.brief);
+    }
+    complete_catalog(c, &setting_catalog);
+    for (int i = 0; i < c->session->setup.lets; i++)
+        complete_offer(c, c->session->setup.let[i].name, "variable");
+}
+
+void complete_names(struct completion *c)
+{
+    names_each(c->session, offer_name, c);
+}
+
+void complete_operands(struct completion *c)
+{
+    complete_names(c);
+    complete_catalog(c, &function_catalog);
+}
+
+bool ends_in_digit(struct text before)
+{
+    const struct text t = text_trim(before);
+    return t.len > 0 && t.at[t.len - 1] >= '0' && t.at[t.len - 1] <= '9';
+}
+
+void complete_columns(struct completion *c, const struct catalog *besides)
+{
+    const struct run *run = session_run(c->session);
+    const struct model *moving = run ? run->system.model : c->session->setup.scene.model;
+    for (int i = 0; i < moving->n; i++)
+        if (!catalog_find(&observable_catalog, text_of(moving->variable[i].name)))
+            complete_offer(c, moving->variable[i].name,
+                           quantity_name(moving->variable[i].quantity));
+    for (int i = 0; i < model_observed(moving); i++)
+        complete_offer(c, model_observed_variable(moving, i).name, "observed");
+    for (size_t i = 0; i < observable_catalog.count; i++) {
+        const struct row *row = catalog_row(&observable_catalog, i);
+        if (model_offers(moving, (const struct observable *)(const void *)row) &&
+            !(besides && catalog_find(besides, text_of(row->name))))
+            complete_offer(c, row->name, row->brief);
+    }
+}
+
+void complete_events(struct completion *c)
+{
+    const struct events *events = c->session->setup.events;
+    for (int i = 0; events && i < events->count; i++)
+        complete_offer(c, events->line[i].name, events->line[i].when);
+}
+
+/* ---- expressions ---- */
+
+char last_letter(struct text text)
+{
+    const struct text t = text_trim(text);
+    return t.len > 0 ? t.at[t.len - 1] : 0;
+}
+
+bool value_is_open(struct text value)
+{
+    const char last = last_letter(value);
+    int depth = 0;
+    for (size_t i = 0; i < value.len; i++)
+        depth += (value.at[i] == '(') - (value.at[i] == ')');
+    return depth > 0 || (last && strchr("+-*/^", last));
+}
+
+static bool is_operator(char c)
+{
+    return strchr("+-*/^()<>,", c);
+}
+
+static void count_offer(void *context, const char *candidate, const char *brief)
+{
+    int *count = context;
+    (void)candidate;
+    (void)brief;
+    ++*count;
+}
+
+/* Where the operand begins that is being typed. A hyphen may belong to a name: phase-error. */
+static size_t operand(const struct completion *c, void (*names)(struct completion *c))
+{
+    const struct text word = c->word;
+    size_t from = word.len;
+    while (from > 0 && !is_operator(word.at[from - 1]))
+        from--;
+    if (from < 2 || word.at[from - 1] != '-' || is_operator(word.at[from - 2]))
+        return from;
+    size_t first = from - 1;
+    int count = 0;
+    while (first > 0 && !is_operator(word.at[first - 1]))
+        first--;
+    struct completion whole = {
+        c->session, {word.at + first, word.len - first}, count_offer, &count, false};
+    names(&whole);
+    return count > 0 ? first : from;
+}
+
+void complete_value(struct completion *c, struct text value, enum quantity quantity,
+                    void (*names)(struct completion *c))
+{
+    if (text_starts(c->word, TEXT("--"))) /* an option */
+        return;
+    const size_t from = operand(c, names);
+    const char last = last_letter(value);
+    c->word = (struct text){c->word.at + from, c->word.len - from};
+    if (from > 0 || !last || strchr("<>=:,", last) || value_is_open(value))
+        names(c);
+    else if (last >= '0' && last <= '9')
+        complete_units(c, quantity);
+}
