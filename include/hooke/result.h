@@ -49,6 +49,10 @@ bool table_write(const struct table *table, enum table_format format, const char
                  struct write_policy policy, struct error *error);
 bool table_send(const struct table *table, enum table_format format, struct writer *writer,
                 struct error *error); /* to a file that is open, which is closed in every case */
+/* Whether it begins as a table in CSV, TSV or JSON that has keys. */
+bool table_recognise(struct text text);
+/* Reads such a text back: the same doubles and texts. ERROR_IO: it is damaged. */
+bool table_parse(struct text text, struct arena *arena, struct table *table, struct error *error);
 void buffer_json_text(struct buffer *out, struct text text); /* quoted and escaped, valid UTF-8 */
 void buffer_json_real(struct buffer *out, double value);     /* null where not finite */
 
@@ -224,6 +228,8 @@ void cell_quantity(struct text_table *table, double value, enum quantity quantit
 void cell_error(struct text_table *table, double value); /* 1.3e-05 */
 void cell_count(struct text_table *table, int64_t value);
 void cell_seconds(struct text_table *table, double seconds); /* with us below a millisecond */
+/* The heading, NAME [UNIT], and the first rows of the first columns of a table. */
+void table_cells(const struct table *from, size_t rows, struct text_table *table);
 void text_table_put(const struct text_table *table, struct buffer *out);
 
 /* ---- columns: what a result consists of, described once beside its struct ----

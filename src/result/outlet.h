@@ -17,6 +17,8 @@ void outlet_pass(struct outlet *sink, size_t max);
 /* Markdown, HTML, LaTeX (table_markup.c). */
 void table_put_markup(const struct table *table, enum table_format format, struct outlet *sink);
 
+/* What a spreadsheet would run, also behind the ' that keeps it from that. */
+bool cell_is_formula(struct text cell);
 /* What could be markup as text; of a document, too. */
 void buffer_html(struct buffer *out, struct text text);
 #endif

@@ -33,12 +33,22 @@ void outlet_pass(struct outlet *sink, size_t max)
 
 /* ---- CSV, TSV ---- */
 
-/* Quoted where it holds a separator, a quote or a line end; what a spreadsheet would run as a
- * formula gets a ' in front. */
+bool cell_is_formula(struct text cell)
+{
+    size_t at = 0;
+    while (at < cell.len && cell.at[at] == '\'')
+        at++;
+    return at < cell.len && memchr("=+-@\t\r", cell.at[at], 6);
+}
+
+/* Quoted where it holds a separator, a quote or a line end, or could be taken for a number; what a
+ * spreadsheet would run as a formula gets a ' in front. */
 static void put_cell(struct buffer *out, struct text cell, char separator)
 {
-    const bool formula = cell.len > 0 && memchr("=+-@\t\r", cell.at[0], 6);
-    bool quoted = formula;
+    const bool formula = cell_is_formula(cell);
+    double number;
+    bool quoted = formula || text_is(cell, "inf") || real_parse(cell, &number) != REAL_MALFORMED;
+    quoted &= cell.len > 0;
     for (size_t i = 0; i < cell.len && !quoted; i++)
         quoted = cell.at[i] == separator || strchr("\"\r\n", cell.at[i]);
     if (!quoted) {

@@ -65,6 +65,28 @@ void cell_seconds(struct text_table *table, double seconds)
     cell_take(table, &text);
 }
 
+void table_cells(const struct table *from, size_t rows, struct text_table *table)
+{
+    for (int c = 0; c < table->columns; c++) {
+        const struct table_column *column = &from->column[c];
+        struct buffer heading = {0};
+        safe_text(&heading, text_of(column->name), false);
+        if (column->unit[0])
+            buffer_format(&heading, " [%s]", column->unit);
+        cell_take(table, &heading);
+    }
+    for (size_t i = 0; i < rows && i < from->rows; i++)
+        for (int c = 0; c < table->columns; c++) {
+            const struct table_column *column = &from->column[c];
+            struct buffer cell = {0};
+            if (!column->value)
+                safe_text(&cell, text_of(column->text[i]), false);
+            else if (!isnan(column->value[i]))
+                buffer_short(&cell, column->value[i], 6);
+            cell_take(table, &cell);
+        }
+}
+
 void text_table_put(const struct text_table *table, struct buffer *out)
 {
     int width[TABLE_COLUMNS_MAX] = {0};

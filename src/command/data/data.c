@@ -151,6 +151,99 @@ static void reply_preview(const struct recording *recording, struct arena *arena
     reply_line(reply, "nothing was loaded: the same line without --preview does it");
 }
 
+/* ---- tables ---- */
+
+#define SHOWN_ROWS 10 /* of a table that was read */
+#define SHOWN_COLUMNS 8
+
+static bool any_option(const struct arguments *given)
+{
+    for (int i = 0; i < given->command->arguments; i++)
+        if (given->given[i].count > 0 && given->command->argument[i].form != FORM_PLACE)
+            return true;
+    return false;
+}
+
+/* No more than the beginning of what is no table. */
+static bool look_for_table(void *context, struct text content, size_t from, uintmax_t size,
+                           struct error *error)
+{
+    (void)size;
+    bool *is_table = context;
+    if (from == 0)
+        *is_table = table_recognise(content);
+    return *is_table || error_set(error, ERROR_IO, "no table");
+}
+
+static bool has_times(const struct table *table)
+{
+    for (int c = 0; c < table->columns && c < 2; c++)
+        if (table->column[c].value && text_is(text_of(table->column[c].name), "t"))
+            return true;
+    return false;
+}
+
+/* What stands in a file that export has written, unless it is a recording: its times come first.
+ * *found: it was such a table. */
+static bool read_table(const char *path, struct arena *arena, struct table *table, bool *found,
+                       struct error *error)
+{
+    struct buffer text = {0};
+    struct error ignored;
+    struct read_watch watch = {.context = found, .look = look_for_table};
+    *found = false;
+    bool ok = true;
+    if (file_read_watched(path, LIMIT_FILE, &watch, &text, &ignored))
+        ok = table_parse(buffer_text(&text), arena, table, error);
+    else
+        *found = false;
+    buffer_free(&text);
+    *found = *found && (!ok || !has_times(table));
+    return ok;
+}
+
+static void reply_loaded(const struct table *table, struct text file, struct arena *arena,
+                         struct reply *reply)
+{
+    struct buffer shown = {0}, text = {0};
+    struct text_table cells = {.arena = arena, .columns = table->columns, .gap = 2, .indent = 2};
+    cells.columns = cells.columns > SHOWN_COLUMNS ? SHOWN_COLUMNS : cells.columns;
+    safe_text(&shown, file, false);
+    reply_line(reply, "%s: a table of %zu row%s; 'plot COLUMN against COLUMN of loaded'",
+               buffer_view(&shown), table->rows, table->rows == 1 ? "" : "s");
+    table_cells(table, SHOWN_ROWS, &cells);
+    text_table_put(&cells, &text);
+    reply_text(reply, buffer_text(&text));
+    reply_begin(reply, "table");
+    reply_string(reply, "file", buffer_view(&shown));
+    reply_int(reply, "rows", (int64_t)table->rows);
+    reply_array(reply, "columns");
+    for (int c = 0; c < table->columns; c++) {
+        reply_object(reply, NULL);
+        reply_string(reply, "name", table->column[c].name);
+        reply_string(reply, "unit", table->column[c].unit);
+        reply_close(reply);
+    }
+    reply_end(reply);
+    buffer_free(&shown);
+    buffer_free(&text);
+}
+
+/* *found: the file was a table and no recording. */
+static bool load_table(const char *path, const struct arguments *given, bool *found,
+                       struct reply *reply, struct error *error)
+{
+    struct arena arena = {0};
+    struct table table;
+    const bool ok = read_table(path, &arena, &table, found, error);
+    if (ok && *found && reply->store) {
+        table_store_put(reply->store, "loaded", &arena, &table);
+        reply_loaded(&table, argument_given(given, "FILE")->item->text, given->arena, reply);
+    }
+    arena_reset(&arena);
+    return ok;
+}
+
 HANDLER(load)
 {
     const struct given_argument *file = argument_given(given, "FILE");
@@ -170,6 +263,14 @@ HANDLER(load)
                         "a name is a letter, then letters, digits, _ and -, at most %d of them",
                         LIMIT_NAME);
     char *path = script_path(given->where, file->item->text, given->arena);
+    bool found = false;
+    if (path && !any_option(given)) {
+        const bool ok = load_table(path, given, &found, reply, error);
+        if (!ok)
+            error->where = file->item->text;
+        if (!ok || found)
+            return ok;
+    }
     struct recording *recording = path ? recording_load(path, &options, error) : NULL;
     if (!recording) {
         if (!path)
@@ -339,25 +440,29 @@ HANDLER(data)
 }
 #endif
 
-COMMAND(load, .row = {"load", "", "read a recording from a file", "", NULL}, .group = "DATA",
-        .text = "Finds the table, its separator, decimal mark, columns and units by itself and "
-                "says what it found; "
-                "every finding can be\n"
-                "overruled. A file without times needs rate=. A recording of the same name is "
-                "replaced. Of several "
-                "tables in a file or archive\n"
-                "run= takes one. --preview shows the first rows as they were understood and loads "
-                "nothing. In a command "
-                "file, what is not\nfound is looked for beside that file.",
-        .examples = "load disk.txt --preview\nload disk.txt y=2 unit=cm as=disk",
-        .see = "data fit measure plot", .flags = COMMAND_CHANGES,
-        ARGUMENTS(PLACE("FILE", TYPE_FILE, .flags = ARG_REQUIRED), KEY("t", TYPE_TEXT),
-                  KEY("y", TYPE_TEXT), KEY("run", TYPE_TEXT), KEY("unit", TYPE_UNIT),
-                  KEY("tunit", TYPE_UNIT, .quantity = QUANTITY_TIME),
-                  KEY("rate", TYPE_VALUE, .quantity = QUANTITY_FREQUENCY),
-                  KEY("decimal", TYPE_CHOICE, .choices = &decimal_catalog),
-                  KEY("sep", TYPE_CHOICE, .choices = &separator_catalog), KEY("as", TYPE_TEXT),
-                  OPTION("preview", TYPE_NONE)))
+COMMAND(
+    load, .row = {"load", "", "read a recording from a file", "", NULL}, .group = "DATA",
+    .text =
+        "Finds the table, its separator, decimal mark, columns and units by itself and "
+        "says what it found; "
+        "every finding can be\n"
+        "overruled. A file without times needs rate=. A recording of the same name is "
+        "replaced. Of several "
+        "tables in a file or archive\n"
+        "run= takes one. A table that export or STATEMENT > FILE wrote as .csv, .tsv or .json is "
+        "read back: as a recording where its times come first, else as the result "
+        "'loaded'. --preview shows the first rows as they were understood and loads "
+        "nothing. In a command "
+        "file, what is not\nfound is looked for beside that file.",
+    .examples = "load disk.txt --preview\nload disk.txt y=2 unit=cm as=disk",
+    .see = "data fit measure plot", .flags = COMMAND_CHANGES,
+    ARGUMENTS(PLACE("FILE", TYPE_FILE, .flags = ARG_REQUIRED), KEY("t", TYPE_TEXT),
+              KEY("y", TYPE_TEXT), KEY("run", TYPE_TEXT), KEY("unit", TYPE_UNIT),
+              KEY("tunit", TYPE_UNIT, .quantity = QUANTITY_TIME),
+              KEY("rate", TYPE_VALUE, .quantity = QUANTITY_FREQUENCY),
+              KEY("decimal", TYPE_CHOICE, .choices = &decimal_catalog),
+              KEY("sep", TYPE_CHOICE, .choices = &separator_catalog), KEY("as", TYPE_TEXT),
+              OPTION("preview", TYPE_NONE)))
 
 COMMAND(data,
         .row = {"data", "", "list recordings, choose one, clean it, choose the part in use", "",

@@ -219,6 +219,23 @@ static bool from_zip(struct text bytes, const char *shown, struct contents *cont
     return done;
 }
 
+/* A table as export writes it, as text. */
+static bool from_json(struct text bytes, struct contents *contents, struct error *error)
+{
+    struct arena arena = {0};
+    struct table table;
+    struct buffer text = {0};
+    bool done = table_parse(bytes, &arena, &table, error);
+    if (done) {
+        table_format(&table, TABLE_CSV, &text);
+        contents->container = "json";
+        done = add_text(contents, TEXT(""), &text, error);
+    }
+    arena_reset(&arena);
+    buffer_free(&text);
+    return done;
+}
+
 /* ---- what is what ---- */
 
 static bool unpack(const char *path, struct intake *intake, struct buffer *bytes,
@@ -267,6 +284,8 @@ static bool unpack(const char *path, struct intake *intake, struct buffer *bytes
         return workbook_old_sheets(path, intake->shown, contents, error);
     case PACKING_XML:
         return xml_tables(text, intake->shown, contents, error);
+    case PACKING_JSON:
+        return from_json(text, contents, error);
     case PACKING_UTF16:
     case PACKING_NONE:
         break;

@@ -9,6 +9,7 @@
 #define HOOKE_DATA_CONTAINER_CONTAINER_H
 
 #include <hooke/data.h>
+#include <hooke/result.h>
 
 #define PARTS_MAX 256
 #define PACKED_MAX (64u << 20)     /* bytes of an archive, a workbook, an XML document */
@@ -17,7 +18,15 @@
 #define EXPANSION_FREE (16u << 20) /* … beyond so many bytes, which are always allowed */
 
 /* intake.c: what a file is, told from its first bytes. */
-enum packing { PACKING_NONE, PACKING_UTF16, PACKING_GZIP, PACKING_ZIP, PACKING_XLS, PACKING_XML };
+enum packing {
+    PACKING_NONE,
+    PACKING_UTF16,
+    PACKING_GZIP,
+    PACKING_ZIP,
+    PACKING_XLS,
+    PACKING_XML,
+    PACKING_JSON
+};
 
 enum packing packing_of(struct text bytes);
 

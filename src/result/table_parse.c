@@ -1,0 +1,343 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Reads back what table.c writes as CSV, TSV and JSON: the same doubles, the same texts. */
+#include "result/outlet.h"
+
+#include <math.h>
+#include <string.h>
+
+#define FIRST_KEY "# hooke = "
+#define FIRST_JSON "{\"keys\":{"
+
+bool table_recognise(struct text text)
+{
+    return text_starts(text, TEXT(FIRST_KEY)) || text_starts(text, TEXT(FIRST_JSON));
+}
+
+struct reading {
+    struct arena *arena;
+    struct text rest;
+    struct error *error;
+};
+
+static bool damaged(struct reading *r, const char *what)
+{
+    return error_set(r->error, ERROR_IO, "this is no table as export writes it: %s", what);
+}
+
+/* More room at every power of two, from `least` on; NULL: no memory. */
+static void *grown(struct arena *arena, void *array, size_t count, size_t size, size_t least)
+{
+    if (count > 0 && (count < least || (count & (count - 1))))
+        return array;
+    void *more = arena_array(arena, count ? 2 * count : least, size);
+    if (more && count > 0)
+        memcpy(more, array, count * size);
+    return more;
+}
+
+static const char *copy(struct reading *r, const struct buffer *text)
+{
+    const char *made = text->failed ? NULL : arena_text(r->arena, buffer_text(text));
+    if (!made)
+        error_memory(r->error);
+    return made;
+}
+
+static bool is_number(enum real_status status)
+{
+    return status == REAL_OK || status == REAL_UNDERFLOW;
+}
+
+/* ---- CSV, TSV ---- */
+
+struct cell {
+    const char *text;
+    bool quoted;
+};
+
+/* Up to the separator or the end of the line, which *last says. */
+static bool read_cell(struct reading *r, char separator, struct cell *cell, bool *last)
+{
+    struct buffer text = {0};
+    struct text rest = r->rest;
+    cell->quoted = rest.len > 0 && rest.at[0] == '"';
+    size_t i = cell->quoted;
+    for (; i < rest.len; i++) {
+        if (cell->quoted && rest.at[i] == '"') {
+            if (i + 1 >= rest.len || rest.at[i + 1] != '"')
+                break;
+            i++;
+        } else if (!cell->quoted && (rest.at[i] == separator || rest.at[i] == '\n')) {
+            break;
+        }
+        buffer_char(&text, rest.at[i]);
+    }
+    i += cell->quoted;
+    const bool ends = i >= rest.len || rest.at[i] == '\n';
+    const bool ok = i <= rest.len && (ends || rest.at[i] == separator);
+    const size_t used = i < rest.len ? i + 1 : rest.len;
+    r->rest = (struct text){rest.at + used, rest.len - used};
+    *last = ends;
+    const char *own = ok ? copy(r, &text) : NULL;
+    /* What a spreadsheet would run had a ' put before it. */
+    cell->text =
+        own && cell->quoted && cell_is_formula(text_of(own)) && own[0] == '\'' ? own + 1 : own;
+    buffer_free(&text);
+    return ok ? cell->text != NULL : damaged(r, "a quote is not closed");
+}
+
+static bool read_keys(struct reading *r, struct table *table)
+{
+    struct table_key *key = NULL;
+    struct text line;
+    while (text_starts(r->rest, TEXT("# ")) && text_split(&r->rest, '\n', &line)) {
+        const char *sign = NULL;
+        for (size_t i = 2; i + 3 <= line.len && !sign; i++)
+            sign = memcmp(line.at + i, " = ", 3) == 0 ? line.at + i : NULL;
+        key = grown(r->arena, key, (size_t)table->keys, sizeof *key, 16);
+        if (!sign || !key)
+            return key ? damaged(r, "a # line without ' = '") : error_memory(r->error);
+        const size_t name = (size_t)(sign - line.at);
+        key[table->keys] =
+            (struct table_key){arena_text(r->arena, (struct text){line.at + 2, name - 2}),
+                               arena_text(r->arena, (struct text){sign + 3, line.len - name - 3})};
+        if (!key[table->keys].key || !key[table->keys].value)
+            return error_memory(r->error);
+        table->keys++;
+    }
+    table->key = key;
+    return true;
+}
+
+/* "dt [s]" */
+static bool name_column(struct reading *r, const char *heading, struct table_column *column)
+{
+    const struct text all = text_of(heading);
+    const char *open = NULL;
+    for (const char *at = heading; (at = strstr(at, " [")); at++)
+        open = at;
+    const bool has_unit = open && all.len > 0 && heading[all.len - 1] == ']';
+    const size_t name = has_unit ? (size_t)(open - heading) : all.len;
+    *column = (struct table_column){
+        .name = arena_text(r->arena, (struct text){heading, name}),
+        .unit = has_unit ? arena_text(r->arena, (struct text){open + 2, all.len - name - 3}) : ""};
+    return (column->name && column->unit) || error_memory(r->error);
+}
+
+/* Numbers where every cell is one or empty, and none was quoted. */
+static bool fill_column(struct reading *r, const struct cell *cell, int columns, size_t rows,
+                        struct table_column *column)
+{
+    double *value = arena_array(r->arena, rows + 1, sizeof *value);
+    const char **text = arena_array(r->arena, rows + 1, sizeof *text);
+    bool numbers = true;
+    if (!value || !text)
+        return error_memory(r->error);
+    for (size_t i = 0; i < rows; i++) {
+        const struct cell *one = &cell[i * (size_t)columns];
+        const struct text as = text_of(one->text);
+        text[i] = one->text;
+        value[i] = NAN;
+        if (text_is(as, "inf") || text_is(as, "-inf"))
+            value[i] = as.at[0] == '-' ? -HUGE_VAL : HUGE_VAL;
+        else if (as.len > 0)
+            numbers &= is_number(real_parse(as, &value[i]));
+        numbers &= !one->quoted;
+    }
+    *(numbers ? (const void **)&column->value : (const void **)&column->text) =
+        numbers ? (const void *)value : (const void *)text;
+    return true;
+}
+
+static bool read_separated(struct reading *r, struct table *table)
+{
+    struct table_column *column = NULL;
+    struct cell *cell = NULL, one;
+    size_t cells = 0;
+    if (!read_keys(r, table))
+        return false;
+    const char *line = memchr(r->rest.at, '\n', r->rest.len);
+    const char separator =
+        line && memchr(r->rest.at, '\t', (size_t)(line - r->rest.at)) ? '\t' : ',';
+    for (bool last = false; !last; table->columns++) {
+        column = grown(r->arena, column, (size_t)table->columns, sizeof *column, 16);
+        if (!column)
+            return error_memory(r->error);
+        if (!read_cell(r, separator, &one, &last) ||
+            !name_column(r, one.text, &column[table->columns]))
+            return false;
+    }
+    while (r->rest.len > 0) {
+        bool last = false;
+        for (int c = 0; c < table->columns; c++) {
+            if (last)
+                return damaged(r, "rows differ in length");
+            cell = grown(r->arena, cell, cells, sizeof *cell, 64);
+            if (!cell)
+                return error_memory(r->error);
+            if (!read_cell(r, separator, &cell[cells++], &last))
+                return false;
+        }
+        if (!last)
+            return damaged(r, "rows differ in length");
+        table->rows++;
+    }
+    for (int c = 0; c < table->columns; c++)
+        if (!fill_column(r, cell + c, table->columns, table->rows, &column[c]))
+            return false;
+    table->column = column;
+    return true;
+}
+
+/* ---- JSON, of the one form that is written ---- */
+
+static bool take(struct reading *r, const char *what)
+{
+    text_skip_blanks(&r->rest);
+    while (r->rest.len > 0 && r->rest.at[0] == '\n')
+        r->rest = (struct text){r->rest.at + 1, r->rest.len - 1};
+    const struct text wanted = text_of(what);
+    if (!text_starts(r->rest, wanted))
+        return false;
+    r->rest = (struct text){r->rest.at + wanted.len, r->rest.len - wanted.len};
+    return true;
+}
+
+static bool read_code(struct reading *r, uint32_t *code)
+{
+    *code = 0;
+    for (int i = 0; i < 4; i++) {
+        const char *digits = "0123456789abcdef";
+        const char *at = r->rest.len > 0 && r->rest.at[0] ? strchr(digits, r->rest.at[0]) : NULL;
+        if (!at)
+            return false;
+        *code = *code * 16 + (uint32_t)(at - digits);
+        r->rest = (struct text){r->rest.at + 1, r->rest.len - 1};
+    }
+    return true;
+}
+
+/* Behind the backslash. */
+static bool read_escape(struct reading *r, struct buffer *out)
+{
+    static const char letters[] = "\"\\bfnrt/", meant[] = "\"\\\b\f\n\r\t/";
+    const char letter = r->rest.len > 0 ? r->rest.at[0] : 0;
+    const char *known = letter ? strchr(letters, letter) : NULL;
+    uint32_t code, low;
+    r->rest = (struct text){r->rest.at + 1, r->rest.len - (r->rest.len > 0)};
+    if (known) {
+        buffer_char(out, meant[known - letters]);
+        return true;
+    }
+    if (letter != 'u' || !read_code(r, &code))
+        return false;
+    if (code >= 0xD800 && code < 0xDC00) {
+        if (!take(r, "\\u") || !read_code(r, &low))
+            return false;
+        code = 0x10000 + ((code - 0xD800) << 10) + (low - 0xDC00);
+    }
+    buffer_codepoint(out, code);
+    return true;
+}
+
+static const char *read_string(struct reading *r)
+{
+    struct buffer text = {0};
+    bool ok = take(r, "\"");
+    while (ok && r->rest.len > 0 && r->rest.at[0] != '"') {
+        const char c = r->rest.at[0];
+        r->rest = (struct text){r->rest.at + 1, r->rest.len - 1};
+        if (c == '\\')
+            ok = read_escape(r, &text);
+        else
+            buffer_char(&text, c);
+    }
+    ok = ok && take(r, "\"");
+    const char *made = ok ? copy(r, &text) : NULL;
+    if (!ok)
+        damaged(r, "a text is not closed");
+    buffer_free(&text);
+    return made;
+}
+
+static bool read_json_keys(struct reading *r, struct table *table)
+{
+    struct table_key *key = NULL;
+    for (bool more = !take(r, "}"); more; more = take(r, ",")) {
+        key = grown(r->arena, key, (size_t)table->keys, sizeof *key, 16);
+        if (!key)
+            return error_memory(r->error);
+        key[table->keys].key = read_string(r);
+        if (!key[table->keys].key || !take(r, ":") || !(key[table->keys].value = read_string(r)))
+            return damaged(r, "a key without its text");
+        table->keys++;
+    }
+    table->key = key;
+    return table->keys == 0 || take(r, "}") || damaged(r, "the keys do not end");
+}
+
+static bool read_values(struct reading *r, struct table_column *column, size_t *rows)
+{
+    double *value = NULL;
+    const char **text = NULL;
+    *rows = 0;
+    for (bool more = !take(r, "]"), any = more; any && more; more = take(r, ",")) {
+        take(r, "");
+        size_t used = 0;
+        if (r->rest.len > 0 && r->rest.at[0] == '"') {
+            text = grown(r->arena, text, *rows, sizeof *text, 16);
+            if (!text || value)
+                return text ? damaged(r, "numbers among texts") : error_memory(r->error);
+            if (!(text[*rows] = read_string(r)))
+                return false;
+        } else {
+            value = grown(r->arena, value, *rows, sizeof *value, 16);
+            if (!value || text)
+                return value ? damaged(r, "texts among numbers") : error_memory(r->error);
+            value[*rows] = NAN;
+            if (!take(r, "null") && !is_number(real_scan(r->rest, '.', &value[*rows], &used)))
+                return damaged(r, "a value is no number");
+            r->rest = (struct text){r->rest.at + used, r->rest.len - used};
+        }
+        ++*rows;
+    }
+    if (*rows == 0)
+        value = arena_array(r->arena, 1, sizeof *value);
+    column->value = value;
+    column->text = text;
+    return *rows == 0 || take(r, "]") || damaged(r, "values do not end");
+}
+
+static bool read_json(struct reading *r, struct table *table)
+{
+    struct table_column *column = NULL;
+    take(r, FIRST_JSON);
+    if (!read_json_keys(r, table) || !take(r, ",\"columns\":["))
+        return damaged(r, "no columns follow the keys");
+    do {
+        size_t rows;
+        column = grown(r->arena, column, (size_t)table->columns, sizeof *column, 16);
+        if (!column)
+            return error_memory(r->error);
+        struct table_column *one = &column[table->columns++];
+        *one = (struct table_column){.name = NULL};
+        if (!take(r, "{\"name\":") || !(one->name = read_string(r)) || !take(r, ",\"unit\":") ||
+            !(one->unit = read_string(r)) || !take(r, ",\"values\":["))
+            return damaged(r, "a column without name, unit or values");
+        if (!read_values(r, one, &rows) || !take(r, "}"))
+            return damaged(r, "a column does not end");
+        if (table->columns > 1 && rows != table->rows)
+            return damaged(r, "columns differ in length");
+        table->rows = rows;
+    } while (take(r, ","));
+    table->column = column;
+    return take(r, "]}") || take(r, "]") || damaged(r, "the columns do not end");
+}
+
+bool table_parse(struct text text, struct arena *arena, struct table *table, struct error *error)
+{
+    struct reading reading = {arena, text, error};
+    *table = (struct table){0};
+    return text_starts(text, TEXT(FIRST_JSON)) ? read_json(&reading, table)
+                                               : read_separated(&reading, table);
+}
