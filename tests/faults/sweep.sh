@@ -7,9 +7,9 @@ n=0 bad=0
 ok() { n=$((n + 1)); if [ "$2" -eq 0 ]; then echo "ok $n - $1"; else bad=1; echo "not ok $n - $1"; fi; }
 folder=$(mktemp -d) || exit 2
 trap 'rm -rf "$folder"' EXIT
-shards=5
-[ -n "${LONG:-}" ] && shards=23
-scene='scene driven; method rk4; duration = 20 s'
+shards=3 seconds=5
+[ -n "${LONG:-}" ] && shards=23 seconds=20
+scene="scene driven; method rk4; duration = $seconds s"
 sweep='sweep omega=5:12:0.05 gamma=0.1:2:0.05 measure=amplitude,period,y'
 
 for format in csv json; do
@@ -39,7 +39,7 @@ ok "every point is there" $?
 ok "one thread: the same bytes" $?
 
 # Ctrl-C: what is finished is kept, and said.
-timeout -s INT 3 "$hooke" --norc -c "$scene; dt = 0.1 ms; sweep k=1:20:0.00001 measure=y --force" >"$folder/out" 2>"$folder/err"
+timeout -s INT 1 "$hooke" --norc -c "$scene; dt = 0.1 ms; sweep k=1:20:0.00001 measure=y --force" >"$folder/out" 2>"$folder/err"
 [ $? -ne 0 ] && grep -q 'of 1900001 points finished' "$folder/err" && grep -q 'missing' "$folder/out"
 ok "interrupted: the finished points are kept" $?
 echo "1..$n"

@@ -31,8 +31,20 @@ leaves "a mistake" 1 memcheck "$hooke" -c "run; set gama 1"
 leaves "an unknown option" 2 memcheck "$hooke" --nonsense
 leaves "a diverged run" 3 memcheck "$hooke" -c "method verlet dt=0.5; run 2000 s"
 leaves "no such file" 4 memcheck "$hooke" -c "load no-such-file.txt"
-leaves "a full device" 4 bash -c "valgrind -q --leak-check=full --errors-for-leak-kinds=definite --error-exitcode=99 --log-file='$folder/log' '$hooke' -c 'run; print y' >/dev/full"
-leaves "terminated during a run" 143 timeout --preserve-status -s TERM 3 valgrind -q --leak-check=full --errors-for-leak-kinds=definite --error-exitcode=99 \
-    --log-file="$folder/log" "$hooke" -c 'method verlet; run 20000000 s --force'
+full_device() { memcheck "$hooke" -c 'run; print y' >/dev/full; }
+leaves "a full device" 4 full_device
+# From the message on, which is not kept back, it computes.
+terminated() {
+    memcheck "$hooke" -k -c 'set gama 1' -c 'method verlet; run 20000000 s --force' 2>"$folder/said" &
+    local program=$!
+    for ((i = 0; i < 600; i++)); do
+        grep -q gama "$folder/said" && break
+        sleep 0.05
+    done
+    sleep 0.1
+    kill -TERM $program
+    wait $program
+}
+leaves "terminated during a run" 143 terminated
 echo "1..$n"
 exit "$bad"

@@ -14,6 +14,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
+#include "long_form.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
@@ -73,8 +74,7 @@ int main(void)
     enum { ROOM = 1 << 16 };
     static uint8_t original[ROOM / 2];
     static uint8_t data[ROOM];
-    const char *longer = getenv("LONG");
-    long rounds = longer && *longer ? 200000 : MUTATIONS;
+    long rounds = is_long() ? 200000 : MUTATIONS;
     uint64_t state = 20261121;
     int replayed = 0;
     for (int i = 0; i < files; i++) {

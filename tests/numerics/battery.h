@@ -6,17 +6,12 @@
 #ifndef HOOKE_TESTS_NUMERICS_BATTERY_H
 #define HOOKE_TESTS_NUMERICS_BATTERY_H
 
+#include "long_form.h"
 #include "unit/run/fixture.h"
 #include "unit/scene/typing.h"
 
 #include <float.h>
 #include <stdlib.h>
-
-static inline bool is_long(void)
-{
-    const char *set = getenv("LONG");
-    return set && *set;
-}
 
 /* A scene of lines "var x = 1;x'' = -x". */
 static inline struct scene typed_scene(struct typed_models *models, const char *lines)

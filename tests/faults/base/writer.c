@@ -11,6 +11,7 @@
 
 #include <cmocka.h>
 
+#include "long_form.h"
 #include "faults/failing_calls.h"
 #include "hooke/base.h"
 
@@ -30,12 +31,6 @@
  */
 
 #define SIZE 150000
-
-static bool is_long(void)
-{
-    const char *z = getenv("LONG");
-    return z && *z;
-}
 
 static int enter_folder(void **state)
 {

@@ -7,6 +7,7 @@
 #include <stdint.h>
 #include <cmocka.h>
 
+#include "long_form.h"
 #include "faults/failing_malloc.h"
 #include "unit/command/testing.h"
 
@@ -113,8 +114,7 @@ static void every_allocation_may_fail(void **state)
     bench_close(&b);
     assert_int_equal(usual, 4); /* the mistakes */
     assert_true(calls > 500);
-    const char *all = getenv("LONG");
-    const long step = all && *all ? 1 : calls / 60;
+    const long step = is_long() ? 1 : calls / 24;
     long noticed = 0;
     for (int for_ever = 0; for_ever < 2; for_ever++)
         for (long at = for_ever; at < calls; at += step) {

@@ -14,6 +14,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "long_form.h"
 #include "terminal/folder.h"
 
 #define AT_MOST 12.0 /* times as many instructions for ten times the work */
@@ -237,7 +238,6 @@ int main(int argc, char **argv)
     if (argc > 2 && strcmp(argv[1], "--play") == 0)
         return play_all(argv + 2, argc - 2);
     const char *config = getenv("CONFIG");
-    const char *longer = getenv("LONG");
     if ((config && strcmp(config, "asan") == 0) ||
         system("command -v valgrind >/dev/null") != 0) { /* a test may */
         puts("ok 1 - growth of instructions # SKIP no valgrind, or a build with sanitizers\n1..1");
@@ -249,7 +249,7 @@ int main(int argc, char **argv)
         return 2;
     static char name[3 * COUNT_OF(rows)][64];
     char *path[3 * COUNT_OF(rows)];
-    const int factor = longer && *longer ? 10 : 1;
+    const int factor = is_long() ? 10 : 1;
     int count = 0;
     for (size_t r = 0; r < COUNT_OF(rows); r++)
         for (int part = 0; wanted(&rows[r], argc, argv) && part < 3; part++, count++) {

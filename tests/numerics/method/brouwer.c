@@ -11,6 +11,7 @@
 #include <stdint.h>
 #include <cmocka.h>
 
+#include "long_form.h"
 #include "method/step/step.h"
 #include "numerics/method/testing.h"
 
@@ -19,12 +20,6 @@ typedef long double real;
 static const double H = 0.01;
 
 enum { CONDITIONS = 32, POINTS = 14, FIRST = 1000 };
-
-static bool long_form(void)
-{
-    const char *set = getenv("LONG");
-    return set && *set;
-}
 
 /* qq q^2 + qv q v + vv v^2, which the step's matrix leaves as it is. */
 struct form {
@@ -110,16 +105,16 @@ static void test_random_walk(void **state)
 {
     (void)state;
     const struct method *verlet = method_named("verlet");
-    int conditions = long_form() ? CONDITIONS : 8, points = long_form() ? POINTS : 9;
+    int conditions = is_long() ? CONDITIONS : 8, points = is_long() ? POINTS : 9;
     double plain[POINTS], compensated[POINTS];
     drift(verlet, false, conditions, points, plain);
     drift(verlet, true, conditions, points, compensated);
     double slope = slope_of(compensated, points);
     print_message("drift %.2g plain, %.2g compensated; slopes %.3f, %.3f\n", plain[points - 1],
                   compensated[points - 1], slope_of(plain, points), slope);
-    assert_below("compensated", compensated[points - 1], 1.5e-15 * (long_form() ? 2 : 1));
+    assert_below("compensated", compensated[points - 1], 1.5e-15 * (is_long() ? 2 : 1));
     assert_above("plain", plain[points - 1], 50 * compensated[points - 1]);
-    assert_near("slope", slope, 0.5, long_form() ? 0.15 : 0.3);
+    assert_near("slope", slope, 0.5, is_long() ? 0.15 : 0.3);
 }
 
 /* A step that fails leaves the low parts too; a low part that is there counts. */

@@ -11,6 +11,7 @@
 #include <stdint.h>
 #include <cmocka.h>
 
+#include "long_form.h"
 #include "numerics/method/testing.h"
 
 static struct system unit_spring(void)
@@ -23,12 +24,6 @@ static struct system nonlinear_for(const struct method *method)
 {
     struct system system = duffing(0.5);
     return applies(method, &system, DRAG_DEFAULT) ? system : unit_spring();
-}
-
-static bool long_form(void)
-{
-    const char *set = getenv("LONG");
-    return set && *set;
 }
 
 static bool has(const struct method *method, enum method_flag flag)
@@ -59,7 +54,7 @@ static double coarse_return_error(const struct method *method, const struct syst
 static void test_reversal(void **state)
 {
     (void)state;
-    const long n = long_form() ? 100000 : 10000;
+    const long n = is_long() ? 100000 : 10000;
     for (size_t m = 0; m < method_catalog.count; m++) {
         const struct method *method = method_at(m);
         struct system linear = unit_spring(), nonlinear = nonlinear_for(method);
@@ -311,7 +306,7 @@ static void test_energy_stays_bounded(void **state)
 {
     (void)state;
     static struct walk walk;
-    const long n = long_form() ? 1000000 : 30000;
+    const long n = is_long() ? 1000000 : 30000;
     for (size_t m = 0; m < method_catalog.count; m++) {
         const struct method *method = method_at(m);
         struct system system = duffing(0.5);

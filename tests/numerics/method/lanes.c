@@ -8,6 +8,7 @@
 #include <cmocka.h>
 
 #include <hooke/method.h>
+#include "long_form.h"
 #include <string.h>
 
 #define STEPS 150
@@ -102,12 +103,13 @@ static void test_lanes_give_the_same_bits(void **state)
     for (unsigned which = 0; which < 32; which++)
         for (size_t m = 0; m < method_catalog.count; m++)
             for (enum drag drag = DRAG_DEFAULT; drag < DRAG_COUNT; drag++)
-                for (int alike = 0; alike < (which & 8 ? 2 : 1); alike++)
+                for (int alike = 0;
+                     alike < (which & 8 ? 2 : 1) && (is_long() || (which + m) % 3 == 0); alike++)
                     compared += compare(
                         lanes, (const struct method *)(const void *)catalog_row(&method_catalog, m),
                         which, drag, alike);
     print_message("# %d combinations of method, drag and forces\n", compared);
-    assert_true(compared > 150);
+    assert_true(compared > (is_long() ? 150 : 100));
     lanes_destroy(lanes);
 }
 

@@ -7,6 +7,7 @@
 #include <stdint.h>
 #include <cmocka.h>
 
+#include "long_form.h"
 #include "unit/scene/typing.h"
 #include <hooke/method.h>
 
@@ -197,7 +198,7 @@ static bool compare(struct lanes *lanes, const struct typed_case *one, const str
         if (piece % 2 == 0)
             lanes_row(lanes, &rows[done + piece - 1][0][0]);
     }
-    for (int lane = 0; lane < LANES; lane += 1 + (lane > 4 && !getenv("LONG")) * 6)
+    for (int lane = 0; lane < LANES; lane += 1 + (lane > 4 && !is_long()) * 6)
         compare_lane(one, lanes, method, drag, lane);
     return true;
 }

@@ -3,6 +3,7 @@
  * Exact solutions against the reference table (60-digit closed forms), against an integration by
  * Taylor series in long double that knows nothing of roots, and against what any flow must satisfy.
  */
+#include "long_form.h"
 #include "unit/scene/testing.h"
 
 #include <float.h>
@@ -100,7 +101,7 @@ static void test_every_regime(void **state)
 {
     (void)state;
     uint64_t seed = 1;
-    const int rounds = getenv("LONG") && *getenv("LONG") ? 20000 : 1000;
+    const int rounds = is_long() ? 20000 : 1000;
     for (int i = 0; i < rounds; i++) {
         double omega0 = pow(10, random_between(&seed, -2, 1));
         struct oscillator o = {.stiffness = omega0 * omega0};

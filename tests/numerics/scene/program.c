@@ -74,7 +74,7 @@ static void test_random_expressions(void **state)
     static struct forest f;
     f.seed = 2026;
     enum { POINTS = 5 };
-    const int rounds = is_long() ? 1000000 : 20000;
+    const int rounds = is_long() ? 1000000 : 5000;
     int finite = 0;
     for (int round = 0; round < rounds; round++) {
         struct buffer text = {0};

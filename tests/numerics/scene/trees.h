@@ -3,16 +3,12 @@
 #ifndef SCENE_TREES_H
 #define SCENE_TREES_H
 
+#include "long_form.h"
 #include "unit/scene/testing.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-static inline bool is_long(void)
-{
-    return getenv("LONG") && *getenv("LONG");
-}
 
 /* ---- names: a b c … ---- */
 

@@ -6,6 +6,7 @@
 #include <stdint.h>
 #include <cmocka.h>
 
+#include "long_form.h"
 #include "terminal/terminal.h"
 #include "terminal/person.h"
 
@@ -52,7 +53,7 @@ static void test_bytes_per_frame(void **state)
     const int first = p.screen.questions;
     const size_t bytes = p.raw.len;
     const int64_t begun = clock_ns();
-    const int frames = getenv("LONG") && *getenv("LONG") ? 200 : 60;
+    const int frames = is_long() ? 200 : 60;
     while (p.screen.questions < first + frames) {
         assert_true(pump(&p, 2000));
     }

@@ -6,6 +6,7 @@
 #include <stdint.h>
 #include <cmocka.h>
 
+#include "long_form.h"
 #include "terminal/terminal.h"
 #include "terminal/person.h"
 
@@ -157,8 +158,7 @@ static void test_interrupts_are_prompt(void **state)
     (void)state;
     enum { QUICK = 100, MOST = 1000 };
     double after[MOST];
-    const char *longer = getenv("LONG");
-    const int times = longer && *longer ? MOST : QUICK;
+    const int times = is_long() ? MOST : QUICK;
     struct person p;
     start_panes(&p, (struct start){0});
     enter(&p, "method verlet; run 10000 s");

@@ -13,6 +13,7 @@
 
 #include <cmocka.h>
 
+#include "long_form.h"
 #include "unit/analysis/testing.h"
 
 #define PI 3.14159265358979323846
@@ -174,12 +175,6 @@ static const struct disturbance rows[] = {
     {"beats", BEATS, white, true},
     {"Coulomb friction", COULOMB, white, false}};
 
-static bool is_long(void)
-{
-    const char *given = getenv("LONG");
-    return given && *given;
-}
-
 /* What one recording gave: the difference from the truth in standard deviations, NAN where nothing
  * is to be judged. */
 enum outcome { JUDGED, WARNED, REFUSED };
@@ -275,7 +270,7 @@ static struct verdict fitted_gamma(const struct series *series, const struct rec
 static bool cover_or_warn(struct verdict (*measure)(const struct series *series,
                                                     const struct recorded *r))
 {
-    const int runs = is_long() ? 120 : 16;
+    const int runs = is_long() ? 120 : 8;
     bool all_well = true;
     random_state = 71;
     for (size_t k = 0; k < COUNT_OF(rows); k++) {

@@ -12,12 +12,12 @@
 
 #include <cmocka.h>
 
+#include "long_form.h"
 #include "unit/detect_recordings.h"
 
 static int runs(void)
 {
-    const char *given = getenv("LONG");
-    return given && *given ? 60 : 10;
+    return is_long() ? 60 : 5;
 }
 
 static void what_does_not_oscillate_is_refused(void **state)

@@ -10,6 +10,7 @@
 
 #include <cmocka.h>
 
+#include "long_form.h"
 #include "unit/analysis/testing.h"
 
 #include <string.h>
@@ -54,12 +55,6 @@ static struct synthetic drag_make(const struct laws *l, double amplitude, double
     }
     s.series = (struct series){.t = s.t, .y = s.y, .n = n, .quantity = QUANTITY_LENGTH};
     return s;
-}
-
-static bool is_long(void)
-{
-    const char *value = getenv("LONG");
-    return value && *value;
 }
 
 static const struct drag_candidate *candidate(const struct fit *fit, enum drag_law law)

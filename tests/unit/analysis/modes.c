@@ -13,6 +13,7 @@
 
 #include <cmocka.h>
 
+#include "long_form.h"
 #include "unit/analysis/testing.h"
 
 #define PI 3.14159265358979323846
@@ -114,20 +115,14 @@ static const struct {
     double min, max; /* apart */
     void (*disturb)(struct beat *b);
     int runs; /* of the quick form */
-} rows[] = {{"white, 1.5 to 2 line widths apart", 1.5, 2, white, 60},
-            {"white, 2 to 12", 2, 12, white, 60},
-            {"white, 0.5 to 1.4: too near", 0.5, 1.4, white, 20},
-            {"AR(1), 1.6 to 8", 1.6, 8, autoregressive, 30},
-            {"random walk, 1.6 to 8", 1.6, 8, walking, 30},
-            {"gap, 1.6 to 8", 1.6, 8, gaps, 20},
-            {"missed echoes, 1.6 to 8", 1.6, 8, echoes, 20},
-            {"steps of 5 %, 1.6 to 8", 1.6, 8, stepped, 20}};
-
-static bool is_long(void)
-{
-    const char *given = getenv("LONG");
-    return given && *given;
-}
+} rows[] = {{"white, 1.5 to 2 line widths apart", 1.5, 2, white, 20},
+            {"white, 2 to 12", 2, 12, white, 20},
+            {"white, 0.5 to 1.4: too near", 0.5, 1.4, white, 10},
+            {"AR(1), 1.6 to 8", 1.6, 8, autoregressive, 12},
+            {"random walk, 1.6 to 8", 1.6, 8, walking, 12},
+            {"gap, 1.6 to 8", 1.6, 8, gaps, 10},
+            {"missed echoes, 1.6 to 8", 1.6, 8, echoes, 10},
+            {"steps of 5 %, 1.6 to 8", 1.6, 8, stepped, 10}};
 
 static bool says(const struct modes_fit *fit, const char *word)
 {
@@ -229,15 +224,15 @@ static void one_frequency_is_not_two(void **state)
 {
     (void)state;
     random_state = 5;
-    assert_int_equal(found_two(0, 0.05, is_long() ? 200 : 20), 0);
-    assert_int_equal(found_two(0.2, 0.05, 20), 20);
+    assert_int_equal(found_two(0, 0.05, is_long() ? 200 : 6), 0);
+    assert_int_equal(found_two(0.2, 0.05, 6), 6);
 }
 
 static void noise_has_no_frequency(void **state)
 {
     (void)state;
     random_state = 6;
-    for (int run = 0; run < (is_long() ? 200 : 20); run++) {
+    for (int run = 0; run < (is_long() ? 200 : 6); run++) {
         struct beat b = beat_make(3);
         double at = 0;
         for (size_t i = 0; i < b.n; i++)
@@ -310,7 +305,7 @@ static bool fit_says(const struct beat *b, const char *word)
 static void beats_are_called_two_frequencies(void **state)
 {
     (void)state;
-    const int runs = is_long() ? 200 : 40;
+    const int runs = is_long() ? 200 : 20;
     int said = 0, sways = 0;
     random_state = 9;
     for (int run = 0; run < runs; run++) {
@@ -329,7 +324,7 @@ static void beats_are_called_two_frequencies(void **state)
 static void a_sway_is_not_called_two_frequencies(void **state)
 {
     (void)state;
-    const int runs = is_long() ? 200 : 40;
+    const int runs = is_long() ? 200 : 20;
     int said = 0;
     random_state = 10;
     for (int run = 0; run < runs; run++) {

@@ -8,18 +8,13 @@
 
 #include <cmocka.h>
 
+#include "long_form.h"
 #include "hooke/base.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-static bool is_long(void)
-{
-    const char *z = getenv("LONG");
-    return z && *z;
-}
 
 static uint64_t next_random(uint64_t *state) /* splitmix64, Steele, Lea, Flood 2014 */
 {
@@ -109,7 +104,7 @@ static void every_bit_pattern_survives(void **state)
 {
     (void)state;
     uint64_t seed = 1;
-    const long count = is_long() ? 10000000 : 300000;
+    const long count = is_long() ? 10000000 : 100000;
     for (long i = 0; i < count; i++) {
         double value = of_bits(next_random(&seed));
         if (isfinite(value))
@@ -121,7 +116,7 @@ static void every_laboratory_number_survives(void **state)
 {
     (void)state;
     uint64_t seed = 2;
-    const long count = is_long() ? 10000000 : 300000;
+    const long count = is_long() ? 10000000 : 100000;
     for (long i = 0; i < count; i++) {
         uint64_t bits = next_random(&seed);
         /* exponents from 2^-40 to 2^58, so that all 17-digit cases of the exact path and both its
@@ -212,7 +207,7 @@ static void reading_rounds_correctly(void **state)
 {
     (void)state;
     uint64_t seed = 3;
-    const long count = is_long() ? 10000000 : 300000;
+    const long count = is_long() ? 10000000 : 100000;
     for (long i = 0; i < count; i++) {
         char z[64];
         uint64_t r = next_random(&seed), digits = next_random(&seed) >> (r & 63);
@@ -230,7 +225,7 @@ static void ties_go_to_even(void **state)
     (void)state;
 #if __LDBL_MANT_DIG__ >= 64
     uint64_t seed = 4;
-    for (long i = 0; i < 50000; i++) {
+    for (long i = 0; i < (is_long() ? 50000 : 10000); i++) {
         char z[1400];
         uint64_t m = (next_random(&seed) >> 11 | (uint64_t)1 << 52) * 2 + 1;
         int e = (int)(next_random(&seed) % (i % 2 ? 120 : 1900)) - (i % 2 ? 120 : 1000);

@@ -10,6 +10,7 @@
 
 #include <cmocka.h>
 
+#include "long_form.h"
 #include "unit/command/testing.h"
 
 #include <hooke/study.h>
@@ -239,10 +240,10 @@ static void add_deviations(struct bench *bench, const struct equation *truth, do
 static void check_scatter(const char *scene, const char *fit, double gamma, double b, double f,
                           double noise)
 {
-    enum { RECORDINGS = 40 };
+    const uint64_t recordings = is_long() ? 40 : 16;
     const struct equation truth = motion_of(gamma, b, f);
     double square = 0, inside = 0, count = 0;
-    for (uint64_t seed = 0; seed < RECORDINGS; seed++) {
+    for (uint64_t seed = 0; seed < recordings; seed++) {
         struct bench bench;
         bench_open(&bench, false);
         record("again.csv", gamma, b, f, noise, 100 + seed);

@@ -8,6 +8,7 @@
 
 #include <cmocka.h>
 
+#include "long_form.h"
 #include "unit/command/testing.h"
 #include "unit/detect_recordings.h"
 
@@ -40,19 +41,13 @@ static void reason_of(struct bench *bench, const char *command, char reason[160]
              at ? at + sizeof words - 1 : "");
 }
 
-static bool in_long_form(void)
-{
-    const char *given = getenv("LONG");
-    return given && *given;
-}
-
 /* All commands agree, in the short form the first with one of the others; true: it oscillates. */
 static bool judged_alike(struct bench *bench, const struct kind *kind, size_t turn, int run)
 {
     char first[160], other[160];
     reason_of(bench, asked[0], first);
     for (int i = 1; i < ASKED; i++) {
-        if (!in_long_form() && i != 1 + (int)(turn % (ASKED - 1)))
+        if (!is_long() && i != 1 + (int)(turn % (ASKED - 1)))
             continue;
         reason_of(bench, asked[i], other);
         if (strcmp(first, other) != 0)
@@ -64,7 +59,7 @@ static bool judged_alike(struct bench *bench, const struct kind *kind, size_t tu
 
 static void count_of(const struct kind *kind, size_t kinds, int *oscillate, int *all)
 {
-    const int runs = in_long_form() ? (int)(40 / kinds) : 1;
+    const int runs = is_long() ? (int)(40 / kinds) : 1;
     struct bench bench;
     bench_open(&bench, false);
     random_state = 71;

@@ -8,6 +8,7 @@
 
 #include <cmocka.h>
 
+#include "long_form.h"
 #include "unit/command/testing.h"
 #include "unit/analysis/testing.h"
 
@@ -133,7 +134,6 @@ static double number(const char *json, const char *key)
 static void nothing_that_discards_a_fifth_converges(void **state)
 {
     (void)state;
-    const char *given = getenv("LONG");
     int answers = 0, refused = 0, bad = 0;
     for (size_t k = 0; k < COUNT_OF(shapes); k++) {
         struct bench bench;
@@ -143,7 +143,7 @@ static void nothing_that_discards_a_fifth_converges(void **state)
                 "scene spring; m = 200 g; k = 9.7 N/m; y0 = 4 cm; load rec.csv; set format json");
         for (size_t i = 0; i < COUNT_OF(fits); i++) {
             const bool always = k == 0 && i > 0 && i < 4; /* sine, drag and law reject the most */
-            if (!always && (i + k) % 8 != 0 && !(given && *given))
+            if (!always && (i + k) % 8 != 0 && !is_long())
                 continue;
             const bool done = type(&bench, fits[i]);
             const char *out = said(&bench.out);

@@ -15,6 +15,7 @@
 
 #include <cmocka.h>
 
+#include "long_form.h"
 #include "unit/axes_testing.h"
 #include "unit/command/testing.h"
 #include "plot/figure/drawing.h"
@@ -541,8 +542,7 @@ static void every_sample_is_where_the_axes_put_it(void **state)
     (void)state;
     if (!learn_alphabet(&alphabet))
         skip(); /* built, or running, without cairo */
-    const char *more = getenv("LONG");
-    const unsigned sessions = more && *more ? 200 : 40;
+    const unsigned sessions = is_long() ? 200 : 16;
     int drawn[KINDS] = {0}, read[KINDS] = {0};
     for (unsigned seed = 1; seed <= sessions; seed++) {
         struct dice dice = {seed};

@@ -11,6 +11,7 @@
 
 #include <cmocka.h>
 
+#include "long_form.h"
 #include "unit/command/testing.h"
 #include "unit/analysis/testing.h"
 
@@ -113,16 +114,10 @@ static const char *const commands[] = {
     "measure repeat rec windows=2",
 };
 
-static bool in_long_form(void)
-{
-    const char *given = getenv("LONG");
-    return given && *given;
-}
-
 /* Of the same length in both forms. */
 static void write_recording(const struct shape *shape)
 {
-    const int samples = in_long_form() ? SAMPLES : SAMPLES_SHORT;
+    const int samples = is_long() ? SAMPLES : SAMPLES_SHORT;
     FILE *file = fopen("rec.csv", "w");
     assert_non_null(file);
     random_state = 17;
@@ -173,7 +168,7 @@ static void every_command_announces_the_same_window(void **state)
                      wanted[0], wanted[1], shapes[k].from, shapes[k].to);
         for (size_t i = 0; i < COUNT_OF(commands); i++) {
             /* Each with one of them; laws, which take a second, are judged as drag is. */
-            if ((i % 12 != k % 12 || strcmp(commands[i], "fit law") == 0) && !in_long_form())
+            if ((i % 12 != k % 12 || strcmp(commands[i], "fit law") == 0) && !is_long())
                 continue;
             const bool done = type(&bench, commands[i]);
             const bool knows_rest = strstr(commands[i], "drag") || strstr(commands[i], "law");

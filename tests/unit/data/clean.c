@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What cleaning finds in recordings whose faults are known, and that it finds nothing where nothing
  * is wrong. */
+#include "long_form.h"
 #include "unit/data/fixture.h"
 #include "unit/random_testing.h"
 
@@ -66,7 +67,7 @@ static void nothing_is_found_where_nothing_is_wrong(void **state)
                         gammas[] = {0, 0.03, 0.3};
     static const double seconds[] = {4, 10, 60};
     static struct made m;
-    const bool full = getenv("LONG") && *getenv("LONG");
+    const bool full = is_long();
     int tried = 0;
     for (int repeat = 0; repeat < (full ? 20 : 1); repeat++)
         for (size_t i = 0;

@@ -3,6 +3,7 @@
  * Containers that are cut anywhere, grow without bound, nest, or declare what no instrument
  * declares: each is refused for the true reason, and costs little memory.
  */
+#include "long_form.h"
 #include "unit/data/archives.h"
 
 #include <sys/resource.h>
@@ -47,8 +48,7 @@ static void put_long_sheet(struct buffer *out)
  * all. */
 static void cut_everywhere(const struct buffer *whole)
 {
-    const char *given = getenv("LONG");
-    const size_t step = given && *given ? 10 : 160;
+    const size_t step = is_long() ? 10 : 160;
     struct error error;
     assert_false(whole->failed);
     for (size_t len = 1, more = 1; more > 0; len += more) {

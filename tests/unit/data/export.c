@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Tables out: what is written, that it reads back bit for bit, and that text cannot become anything
  * else. */
+#include "long_form.h"
 #include "unit/data/fixture.h"
 
 #include <hooke/result.h>
@@ -94,7 +95,7 @@ static bool same_bits(double a, double b)
 static void exported_tables_read_back(void **state)
 {
     (void)state;
-    const size_t rows = getenv("LONG") && *getenv("LONG") ? 5000000 : 100000;
+    const size_t rows = is_long() ? 5000000 : 100000;
     double *t = calloc(rows, sizeof *t), *y = calloc(rows, sizeof *y), *z = calloc(rows, sizeof *z);
     assert_true(t && y && z);
     uint64_t seed = 20180920;

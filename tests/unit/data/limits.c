@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Sizes that are unreasonable, and bytes that are nonsense: an answer, in time, and no crash. */
+#include "long_form.h"
 #include "unit/data/fixture.h"
 #include "unit/cpu_time.h"
 
@@ -168,7 +169,7 @@ static void random_bytes_are_answered(void **state)
     static const char letters[] = "0123456789.,;-+eE \t\t\n\n\r\"#()[]/_tynaifmsc\xB2\xC3\x1B";
     static const char *const options[] = {
         "", "rate=100", "sep=, decimal=.", "decimal=,", "t=1 y=2", "unit=mm tunit=ms", "y=x"};
-    const int rounds = getenv("LONG") && *getenv("LONG") ? 1000000 : 10000 / SLOWER;
+    const int rounds = is_long() ? 1000000 : 3000 / SLOWER;
     uint32_t seed = 20180920;
     int loaded = 0;
     for (int round = 0; round < rounds; round++) {

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Rows: the fast way gives the bits of the slow one, and a table beyond the memory that is kept is
  * refused. */
+#include "long_form.h"
 #include "unit/data/fixture.h"
 
 static uint64_t next(uint64_t *state) /* xorshift64*, Vigna 2016 */
@@ -113,9 +114,8 @@ static void memory_has_a_limit(void **state)
 {
     (void)state;
     const size_t max = ((size_t)1 << 30) / 28;
-    const char *wanted = getenv("LONG");
     struct error error;
-    if (!wanted || !*wanted) {
+    if (!is_long()) {
         print_message("takes 1 GiB: only in make check-all (LONG)\n");
         skip();
     }

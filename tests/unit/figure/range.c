@@ -11,6 +11,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include "long_form.h"
 
 #define PI 3.14159265358979323846
 #define MANY 1000000
@@ -189,7 +190,7 @@ static void check_labels(const struct figure *figure, int width, int height)
 
 static void test_labels_never_collide(void **state)
 {
-    int rounds = getenv("LONG") && *getenv("LONG") ? 100000 : 3000;
+    int rounds = is_long() ? 100000 : 1000;
     (void)state;
     for (int i = 0; i < rounds; i++) {
         double size = pow(10, 200 * uniform() - 100), x[4], y[4];

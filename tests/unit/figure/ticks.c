@@ -7,6 +7,7 @@
 
 #include <cmocka.h>
 
+#include "long_form.h"
 #include "figure/internal.h"
 
 #include <locale.h>
@@ -86,7 +87,7 @@ static void check_range(double from, double to, int want, int max)
 
 static void test_random_ranges(void **state)
 {
-    int rounds = getenv("LONG") && *getenv("LONG") ? 1000000 : 20000;
+    int rounds = is_long() ? 1000000 : 20000;
     (void)state;
     for (int i = 0; i < rounds; i++) {
         double size = pow(10, 590 * uniform() - 290), from = size * (2 * uniform() - 1);

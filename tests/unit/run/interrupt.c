@@ -7,6 +7,7 @@
 #include <stdint.h>
 #include <cmocka.h>
 
+#include "long_form.h"
 #include "unit/cpu_time.h"
 
 #include <signal.h>
@@ -59,8 +60,7 @@ static int by_time(const void *a, const void *b)
 static void test_random_interrupts(void **state)
 {
     (void)state;
-    const char *longer = getenv("LONG");
-    const int wanted = longer && *longer ? 1000 : 200;
+    const int wanted = is_long() ? 1000 : 200;
     static const char *const methods[] = {"verlet", "rk4", "backward-euler"};
     static int64_t latency[1000];
     int interrupts = 0;

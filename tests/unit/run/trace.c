@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The trace: recording rules, decimation against brute force, memory. */
+#include "long_form.h"
 #include "run/private.h"
 #include "unit/run/fixture.h"
 
@@ -95,14 +96,13 @@ static void test_spike_survives(void **state)
 static void test_memory_is_bounded(void **state)
 {
     (void)state;
-    const char *lengthy = getenv("LONG");
     struct scene scene = spring();
     struct run *run =
         start(&scene, "symplectic-euler", (struct run_settings){.dt = 1e-3}, HUGE_VAL);
     go_steps(run, 2 * LIMIT_SAMPLES);
     size_t bytes = trace_bytes(run->trace);
     assert_true(bytes < 64000000);
-    go_steps(run, lengthy && *lengthy ? 1000000000 : 4 * LIMIT_SAMPLES);
+    go_steps(run, is_long() ? 1000000000 : 4 * LIMIT_SAMPLES);
     assert_int_equal(trace_bytes(run->trace), bytes);
     assert_true(trace_count(run->trace) <= LIMIT_SAMPLES + 1);
     assert_int_equal(trace_step(run->trace, trace_count(run->trace) - 1), run->steps);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Expressions: values against C's own arithmetic, where they stop, what is said about mistakes,
  * hostile input. */
+#include "long_form.h"
 #include "unit/scene/names.h"
 #include "unit/cpu_time.h"
 
@@ -314,7 +315,7 @@ static void test_random_expressions(void **state)
 {
     (void)state;
     uint64_t seed = 6;
-    int finite = 0, rounds = getenv("LONG") && *getenv("LONG") ? 200000 : 5000;
+    int finite = 0, rounds = is_long() ? 200000 : 5000;
     for (int i = 0; i < rounds; i++) {
         struct buffer source = {0};
         size_t used = 0;

@@ -11,20 +11,15 @@
 
 #include <cmocka.h>
 
+#include "long_form.h"
 #include "unit/study/fit_testing.h"
 
 #define SIGMA 3e-4 /* [m] of the noise */
 #define MOST 8     /* parameters that are looked at */
 
-static bool in_long_form(void)
-{
-    const char *given = getenv("LONG");
-    return given && *given;
-}
-
 static int repetitions(void)
 {
-    return in_long_form() ? 1000 : 16;
+    return is_long() ? 1000 : 16;
 }
 
 /* The same motion, recorded again and again: root mean square of (value - truth)/stated, of each
@@ -74,7 +69,7 @@ static void uncertainties_are_the_scatter(void **state)
          SETTINGS({"m", 0.2}, {"k", 15}, {"y0", 0.08}, {"friction", 0.03}), 14}, /* sticks */
     };
     const double max = fmax(0.1, 3 / sqrt(2.0 * repetitions()));
-    for (size_t i = in_long_form() ? 0 : 1; i < COUNT_OF(cases);
+    for (size_t i = is_long() ? 0 : 1; i < COUNT_OF(cases);
          i++) { /* the first is part of the second */
         const struct scene truth = scene_with(cases[i].preset, cases[i].settings);
         double ratio[MOST];

@@ -7,6 +7,7 @@
 
 #include <cmocka.h>
 
+#include "long_form.h"
 #include "unit/study/fit_testing.h"
 
 struct case_of {
@@ -86,8 +87,7 @@ static void known_truths_are_found(void **state)
 static void intervals_cover_the_truth(void **state)
 {
     (void)state;
-    const bool is_long = getenv("LONG") && *getenv("LONG");
-    const int trials = is_long ? 200 : 20;
+    const int trials = is_long() ? 200 : 10;
     const char *const names[] = {"k", "gamma", "C", "y0", "v0"};
     int inside = 0, asked = 0;
     random_state = 99;
@@ -317,7 +317,7 @@ static void stiff_scenes_are_fitted(void **state)
     forget(&r);
     /* Noise of a stiff curve's derivatives moves steps by 1e-8 of an uncertainty: these are small.
      */
-    for (int k = 0; k < (getenv("LONG") ? 200 : 20); k++) {
+    for (int k = 0; k < (is_long() ? 200 : 8); k++) {
         r = record(&stiff, 0, 50, 10, k % 2 ? 1e-5 : 1e-7, 0);
         f = fit_to(&start, &r.series, "k y0", false);
         assert_converged(&f);

@@ -14,6 +14,7 @@
 
 #include <hooke/study.h>
 
+#include "long_form.h"
 #include "unit/scene/typing.h"
 
 static void bind(const char *preset, const char *param, double value, struct system *system)
@@ -119,7 +120,7 @@ static void test_narrow_pulses(void **state)
     for (size_t i = 0; i < COUNT_OF(pulses); i++)
         for (size_t k = 0; k < 3; k++) {
             const double width = pow(10, -3 - 2 * (double)k);
-            if (!getenv("LONG") && k != (i + 2) % 3)
+            if (!is_long() && k != (i + 2) % 3)
                 continue;
             struct scene scene;
             struct system system;
@@ -182,7 +183,7 @@ static void test_pulses_on_the_way(void **state)
         {{"var x = 0", "x' = exp(-((mod(t, 0.1) - 0.0512)/1e-6)^2)/1e-6/sqrt(pi)"}, 100, 1e-8},
     };
     for (size_t i = 0; i < COUNT_OF(cases); i++) {
-        if (!getenv("LONG") && i != 2) /* about a second each */
+        if (!is_long() && i != 2) /* about a second each */
             continue;
         struct scene scene;
         struct system system;
@@ -214,7 +215,7 @@ static void test_too_much_to_do(void **state)
     struct error error = {0};
     struct typed_models *models = typed_create(&error);
     const char *lines[] = {"var x = 0", "x' = sin(1e4*t) + 1e6*exp(-((t - 5.123)/1e-6)^2)", NULL};
-    if (!getenv("LONG")) /* some seconds */
+    if (!is_long()) /* some seconds */
         skip();
     scene_init(&scene, NULL);
     assert_true(type_scene(models, &scene, lines));

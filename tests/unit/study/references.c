@@ -13,6 +13,7 @@
 
 #include <hooke/study.h>
 
+#include "long_form.h"
 #include "unit/scene/typing.h"
 
 /* Whether it was kept; what is there equals what is computed anew. */
@@ -53,7 +54,8 @@ static void test_every_parameter(void **state)
         scene_of(presets[i], &scene);
         assert_false(kept(&references, &scene, 1));
         assert_true(kept(&references, &scene, 1));
-        for (size_t p = 0; p < scene.model->params->count; p++) {
+        for (size_t p = is_long() ? 0 : i % 3; p < scene.model->params->count;
+             p += is_long() ? 1 : 3) {
             struct scene other = scene;
             struct system system;
             const double value = scene.value[p];

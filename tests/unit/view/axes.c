@@ -7,6 +7,7 @@
  * screen itself, as a person reads it: the numbers beside the ticks, interpolated in between, say
  * which cells may have ink and which must.
  */
+#include "long_form.h"
 #include "view/internal.h"
 #include "unit/axes_testing.h"
 #include "unit/view/testing.h"
@@ -315,8 +316,7 @@ static int check_screen(const struct trial *s, const struct panes *p, int placed
 static void every_sample_is_where_the_axes_put_it(void **state)
 {
     (void)state;
-    const char *more = getenv("LONG");
-    const unsigned sessions = more && *more ? 400 : 40;
+    const unsigned sessions = is_long() ? 400 : 16;
     int figures = 0, read = 0;
     for (unsigned seed = 1; seed <= sessions; seed++) {
         struct trial s;
