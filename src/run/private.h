@@ -107,6 +107,24 @@ struct trace {
     int64_t now_step;
 };
 
+/* The numbers of a recorded row: the state, its time where it is timed. */
+static inline double *trace_row(const struct trace *trace, size_t i)
+{
+    return trace->chunk[i >> CHUNK_SHIFT] + (i & (CHUNK_ROWS - 1)) * trace->width;
+}
+
+/* Whether rows carry their steps. */
+static inline bool trace_indexed(const struct trace *trace)
+{
+    return trace->bucket > 1 || trace->interval > 0;
+}
+
+static inline int64_t trace_row_step(const struct trace *trace, size_t i)
+{
+    return trace_indexed(trace) ? trace->index[i >> CHUNK_SHIFT][i & (CHUNK_ROWS - 1)]
+                                : (int64_t)i * trace->every;
+}
+
 /* Another row, which the rule has asked for; false: full or no memory. */
 bool trace_append(struct trace *trace, int64_t step, double t, const double *y);
 struct trace *trace_create(int n, bool timed, struct recording_rule rule,

@@ -12,23 +12,6 @@ size_t trace_row_bytes(int n, bool timed, bool indexed)
     return ((size_t)n + timed + indexed) * sizeof(double);
 }
 
-static double *row_at(const struct trace *trace, size_t i)
-{
-    return trace->chunk[i >> CHUNK_SHIFT] + (i & (CHUNK_ROWS - 1)) * trace->width;
-}
-
-/* Whether rows carry their steps. */
-static bool indexed(const struct trace *trace)
-{
-    return trace->bucket > 1 || trace->interval > 0;
-}
-
-static int64_t row_step(const struct trace *trace, size_t i)
-{
-    return indexed(trace) ? trace->index[i >> CHUNK_SHIFT][i & (CHUNK_ROWS - 1)]
-                          : (int64_t)i * trace->every;
-}
-
 struct trace *trace_create(int n, bool timed, struct recording_rule rule, size_t memory)
 {
     struct trace *trace = calloc(1, sizeof *trace);
@@ -178,15 +161,15 @@ static bool make_room(struct trace *trace)
     size_t needed = (trace->count >> CHUNK_SHIFT) + 1;
     return (needed <= trace->chunks || grow(trace)) &&
            (!trace_marked(trace) || needed <= trace->marks || grow_marks(trace)) &&
-           (!indexed(trace) || needed <= trace->indices || grow_index(trace));
+           (!trace_indexed(trace) || needed <= trace->indices || grow_index(trace));
 }
 
 static void write_row(struct trace *trace, size_t i, int64_t step, double t, const double *y,
                       const struct tally *mark)
 {
-    double *row = row_at(trace, i);
+    double *row = trace_row(trace, i);
     copy_state(row, y, trace->n);
-    if (indexed(trace))
+    if (trace_indexed(trace))
         trace->index[i >> CHUNK_SHIFT][i & (CHUNK_ROWS - 1)] = step;
     if (trace->timed)
         row[trace->n] = t;
@@ -221,10 +204,10 @@ static bool keep(struct trace *trace, int64_t step, double t, const double *y,
         return true;
     }
     size_t *extreme, *other = &trace->low;
-    if (y[0] < row_at(trace, trace->low)[0]) {
+    if (y[0] < trace_row(trace, trace->low)[0]) {
         extreme = &trace->low;
         other = &trace->high;
-    } else if (y[0] > row_at(trace, trace->high)[0]) {
+    } else if (y[0] > trace_row(trace, trace->high)[0]) {
         extreme = &trace->high;
     } else {
         return true;
@@ -234,9 +217,9 @@ static bool keep(struct trace *trace, int64_t step, double t, const double *y,
             return false;
     } else { /* its row goes; at most the other extreme stands after it */
         if (*other > *extreme) {
-            const double *row = row_at(trace, *other);
+            const double *row = trace_row(trace, *other);
             const struct tally mark_of_other = trace_mark(trace, *other);
-            write_row(trace, *extreme, row_step(trace, *other), row[trace->width - 1], row,
+            write_row(trace, *extreme, trace_row_step(trace, *other), row[trace->width - 1], row,
                       &mark_of_other);
             *other = *extreme;
         }
@@ -251,11 +234,11 @@ static bool keep(struct trace *trace, int64_t step, double t, const double *y,
 static int stay(const struct trace *trace, size_t first, size_t count, int64_t bucket, size_t *end,
                 size_t *row)
 {
-    const int64_t next = (row_step(trace, first) | (bucket - 1)) + 1;
+    const int64_t next = (trace_row_step(trace, first) | (bucket - 1)) + 1;
     size_t low = first, high = first, i = first + 1;
-    double min = row_at(trace, first)[0], max = min;
-    for (; i < count && row_step(trace, i) < next; i++) {
-        const double y = row_at(trace, i)[0];
+    double min = trace_row(trace, first)[0], max = min;
+    for (; i < count && trace_row_step(trace, i) < next; i++) {
+        const double y = trace_row(trace, i)[0];
         if (y < min) {
             min = y;
             low = i;
@@ -280,13 +263,13 @@ static void find_tail(struct trace *trace, int64_t begin)
 {
     trace->tail_end = begin + trace->bucket;
     trace->tail = trace->count - 1;
-    while (trace->tail > 0 && row_step(trace, trace->tail - 1) >= begin)
+    while (trace->tail > 0 && trace_row_step(trace, trace->tail - 1) >= begin)
         trace->tail--;
     trace->low = trace->high = trace->tail;
     for (size_t k = trace->tail + 1; k < trace->count; k++) {
-        if (row_at(trace, k)[0] < row_at(trace, trace->low)[0])
+        if (trace_row(trace, k)[0] < trace_row(trace, trace->low)[0])
             trace->low = k;
-        if (row_at(trace, k)[0] > row_at(trace, trace->high)[0])
+        if (trace_row(trace, k)[0] > trace_row(trace, trace->high)[0])
             trace->high = k;
     }
 }
@@ -320,14 +303,15 @@ bool trace_thin(struct trace *trace)
 void trace_thinned(struct trace *trace)
 {
     for (size_t i = 0; i < trace->count; i++)
-        copy_state(row_at(trace, i), row_at(trace, (size_t)row_step(trace, i)), (int)trace->width);
-    find_tail(trace, row_step(trace, trace->count - 1) & ~(trace->bucket - 1));
+        copy_state(trace_row(trace, i), trace_row(trace, (size_t)trace_row_step(trace, i)),
+                   (int)trace->width);
+    find_tail(trace, trace_row_step(trace, trace->count - 1) & ~(trace->bucket - 1));
 }
 
 static void move_row(struct trace *trace, size_t to, size_t from)
 {
-    copy_state(row_at(trace, to), row_at(trace, from), (int)trace->width);
-    trace->index[to >> CHUNK_SHIFT][to & (CHUNK_ROWS - 1)] = row_step(trace, from);
+    copy_state(trace_row(trace, to), trace_row(trace, from), (int)trace->width);
+    trace->index[to >> CHUNK_SHIFT][to & (CHUNK_ROWS - 1)] = trace_row_step(trace, from);
     if (trace_marked(trace))
         memcpy(mark_at(trace, to), mark_at(trace, from), trace->mark_width * sizeof(double));
 }
@@ -352,7 +336,7 @@ static bool coarsen(struct trace *trace)
                 move_row(trace, trace->count++, row[k]);
         }
     } while (trace->count > trace->cap / 2);
-    find_tail(trace, row_step(trace, trace->count - 1) & ~(trace->bucket - 1));
+    find_tail(trace, trace_row_step(trace, trace->count - 1) & ~(trace->bucket - 1));
     return true;
 }
 
@@ -449,7 +433,7 @@ double *trace_open(struct trace *trace, size_t *rows)
     size_t in_chunk = CHUNK_ROWS - (trace->count & (CHUNK_ROWS - 1)),
            to_cap = trace->cap - trace->count;
     *rows = in_chunk < to_cap ? in_chunk : to_cap;
-    return row_at(trace, trace->count);
+    return trace_row(trace, trace->count);
 }
 
 void trace_close(struct trace *trace, size_t rows)
@@ -458,49 +442,12 @@ void trace_close(struct trace *trace, size_t rows)
     trace->next = (int64_t)trace->count;
 }
 
-size_t trace_row_from(const struct trace *trace, int64_t step)
-{
-    size_t low = 0, high = trace->count;
-    if (high > 0 && row_step(trace, high - 1) < step)
-        return high;
-    while (low < high) {
-        const size_t middle = low + (high - low) / 2;
-        if (row_step(trace, middle) < step)
-            low = middle + 1;
-        else
-            high = middle;
-    }
-    return low;
-}
-
-size_t trace_row_at(const struct trace *trace, double t)
-{
-    const size_t n = trace_count(trace);
-    const double way = n > 0 && trace_time(trace, n - 1) < trace_time(trace, 0) ? -1 : 1;
-    size_t low = 0, high = n;
-    while (low < high) {
-        const size_t middle = low + (high - low) / 2;
-        if (way * trace_time(trace, middle) < way * t)
-            low = middle + 1;
-        else
-            high = middle;
-    }
-    return low;
-}
-
-const double *trace_rows(const struct trace *trace, size_t i, size_t end, size_t *count)
-{
-    const size_t in_chunk = CHUNK_ROWS - (i & (CHUNK_ROWS - 1));
-    *count = end - i < in_chunk ? end - i : in_chunk;
-    return row_at(trace, i);
-}
-
 void trace_truncate(struct trace *trace, size_t i)
 {
     if (i < trace->count) {
         trace->now_t = trace_time(trace, i);
-        trace->now_step = row_step(trace, i);
-        memcpy(trace->now, row_at(trace, i), (size_t)trace->n * sizeof(double));
+        trace->now_step = trace_row_step(trace, i);
+        memcpy(trace->now, trace_row(trace, i), (size_t)trace->n * sizeof(double));
         trace->count = i + 1;
         trace->next = (int64_t)trace->count * trace->every;
     }
@@ -510,61 +457,4 @@ void trace_truncate(struct trace *trace, size_t i)
         trace->grids--;
     if (trace->bucket > 1)
         find_tail(trace, trace->now_step & ~(trace->bucket - 1));
-}
-
-/* ---- reading ---- */
-
-void trace_present(struct trace *trace, int64_t step, double t, const double *y)
-{
-    trace->now_step = step;
-    trace->now_t = t;
-    memcpy(trace->now, y, (size_t)trace->n * sizeof *y);
-}
-
-size_t trace_count(const struct trace *trace)
-{
-    const size_t last = trace->count - 1;
-    const bool present = row_step(trace, last) == trace->now_step &&
-                         (trace->interval == 0 || even_present(trace, trace_time(trace, last)));
-    return trace->count + !present;
-}
-
-int64_t trace_step(const struct trace *trace, size_t i)
-{
-    return i < trace->count ? row_step(trace, i) : trace->now_step;
-}
-
-double trace_time(const struct trace *trace, size_t i)
-{
-    int64_t step = trace_step(trace, i);
-    if (trace->interval > 0 ? i >= trace->count : step == trace->now_step)
-        return trace->now_t; /* at the end of a span this is the time asked for, to the last bit */
-    if (trace->timed)
-        return row_at(trace, i)[trace->width - 1];
-    return grid_time(trace_grid_of(trace, step), step);
-}
-
-const double *trace_state(const struct trace *trace, size_t i)
-{
-    return i < trace->count ? row_at(trace, i) : trace->now;
-}
-
-const double *trace_state_after(const struct trace *trace, int64_t step)
-{
-    const bool recorded =
-        !indexed(trace) && step % trace->every == 0 && step / trace->every < (int64_t)trace->count;
-    return recorded ? row_at(trace, (size_t)(step / trace->every)) : NULL;
-}
-
-bool trace_decimated(const struct trace *trace)
-{
-    return trace->bucket > 1;
-}
-
-size_t trace_bytes(const struct trace *trace)
-{
-    return sizeof *trace + trace->capacity * sizeof *trace->chunk +
-           trace->grid_room * sizeof *trace->grid + trace->pool.bytes + trace->mark_pool.bytes +
-           (trace->mark ? trace->capacity * sizeof *trace->mark : 0) +
-           (trace->index ? trace->capacity * sizeof *trace->index : 0);
 }

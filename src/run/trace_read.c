@@ -1,0 +1,95 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Reading the trace: rows by number, step and time, the last one being the present state. */
+#include "run/private.h"
+
+void trace_present(struct trace *trace, int64_t step, double t, const double *y)
+{
+    trace->now_step = step;
+    trace->now_t = t;
+    memcpy(trace->now, y, (size_t)trace->n * sizeof *y);
+}
+
+size_t trace_count(const struct trace *trace)
+{
+    const size_t last = trace->count - 1;
+    const bool present = trace_row_step(trace, last) == trace->now_step &&
+                         (trace->interval == 0 || even_present(trace, trace_time(trace, last)));
+    return trace->count + !present;
+}
+
+int64_t trace_step(const struct trace *trace, size_t i)
+{
+    return i < trace->count ? trace_row_step(trace, i) : trace->now_step;
+}
+
+double trace_time(const struct trace *trace, size_t i)
+{
+    int64_t step = trace_step(trace, i);
+    if (trace->interval > 0 ? i >= trace->count : step == trace->now_step)
+        return trace->now_t; /* at the end of a span this is the time asked for, to the last bit */
+    if (trace->timed)
+        return trace_row(trace, i)[trace->width - 1];
+    return grid_time(trace_grid_of(trace, step), step);
+}
+
+const double *trace_state(const struct trace *trace, size_t i)
+{
+    return i < trace->count ? trace_row(trace, i) : trace->now;
+}
+
+const double *trace_state_after(const struct trace *trace, int64_t step)
+{
+    const bool recorded = !trace_indexed(trace) && step % trace->every == 0 &&
+                          step / trace->every < (int64_t)trace->count;
+    return recorded ? trace_row(trace, (size_t)(step / trace->every)) : NULL;
+}
+
+bool trace_decimated(const struct trace *trace)
+{
+    return trace->bucket > 1;
+}
+
+size_t trace_bytes(const struct trace *trace)
+{
+    return sizeof *trace + trace->capacity * sizeof *trace->chunk +
+           trace->grid_room * sizeof *trace->grid + trace->pool.bytes + trace->mark_pool.bytes +
+           (trace->mark ? trace->capacity * sizeof *trace->mark : 0) +
+           (trace->index ? trace->capacity * sizeof *trace->index : 0);
+}
+
+size_t trace_row_from(const struct trace *trace, int64_t step)
+{
+    size_t low = 0, high = trace->count;
+    if (high > 0 && trace_row_step(trace, high - 1) < step)
+        return high;
+    while (low < high) {
+        const size_t middle = low + (high - low) / 2;
+        if (trace_row_step(trace, middle) < step)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low;
+}
+
+size_t trace_row_at(const struct trace *trace, double t)
+{
+    const size_t n = trace_count(trace);
+    const double way = n > 0 && trace_time(trace, n - 1) < trace_time(trace, 0) ? -1 : 1;
+    size_t low = 0, high = n;
+    while (low < high) {
+        const size_t middle = low + (high - low) / 2;
+        if (way * trace_time(trace, middle) < way * t)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low;
+}
+
+const double *trace_rows(const struct trace *trace, size_t i, size_t end, size_t *count)
+{
+    const size_t in_chunk = CHUNK_ROWS - (i & (CHUNK_ROWS - 1));
+    *count = end - i < in_chunk ? end - i : in_chunk;
+    return trace_row(trace, i);
+}
