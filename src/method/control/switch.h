@@ -11,6 +11,8 @@
  */
 bool switch_begin(struct step *step, struct switches_state *state, double by,
                   struct sliding *sliding, struct system *frozen);
+/* The state is put on the switches along which it slides. */
+void switch_go_back(struct step *step, const struct system *frozen);
 
 /*
  * After a step of the frozen system from `before` at t: one across the end of a branch is taken

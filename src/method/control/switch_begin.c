@@ -1,0 +1,252 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* On which branches of its switches a step begins: where they lead, along which of them the motion
+ * slides. */
+#include "method/control/switch.h"
+
+#include <float.h>
+
+#define AT 1e-4      /* of the probe: a guard so near to 0 is at its switch */
+#define AT_ONCE 1e-9 /* of the probe: as near as another one is that the motion meets at once */
+#define NEARBY 1e-6  /* of the sizes of variables: arguments are differentiated over no less */
+#define WIDER 10     /* times as long for second derivatives, */
+#define STILL 1e-5   /* of what these change then: a rate that changes less is 0 */
+#define ULPS 1e5     /* of t: at least */
+#define SLACK 1e-9   /* of a share: what its differences leave */
+
+/* y after h by the midpoint rule; f: the derivative there. */
+static void look_from(const struct step *step, const struct system *frozen, const double *f,
+                      double h, double *guard)
+{
+    double middle[LIMIT_VARIABLES], y[LIMIT_VARIABLES];
+    for (int i = 0; i < frozen->n; i++)
+        middle[i] = step->y[i] + h / 2 * f[i];
+    system_derivative(frozen, step->t + h / 2, middle, y);
+    for (int i = 0; i < frozen->n; i++)
+        y[i] = step->y[i] + h * y[i];
+    system_guards(frozen, step->t + h, y, guard);
+}
+
+/* [s] in which the motion goes a millionth of the sizes of variables; 0: it does not move. */
+static double moment(const struct step *step, int n, const double *f)
+{
+    const double rate = sqrt(scaled_square(n, step_scale(step), f, step->y, step->y) / n);
+    return rate > 0 ? NEARBY / rate : 0;
+}
+
+/*
+ * The guards of frozen branches, now and a moment later: by Euler, or where their rates are 0
+ * (`still`) by their second derivatives.
+ */
+static void look_ahead(struct step *step, const struct system *frozen, double by, double *now,
+                       double *soon, bool *still)
+{
+    const int n = frozen->n;
+    double f[LIMIT_VARIABLES], y[LIMIT_VARIABLES], before[LIMIT_SWITCHES], after[LIMIT_SWITCHES];
+    system_guards(frozen, step->t, step->y, now);
+    system_derivative(frozen, step->t, step->y, f);
+    for (int i = 0; i < n; i++)
+        y[i] = step->y[i] + by * f[i];
+    system_guards(frozen, step->t + by, y, soon);
+    step->cost.evals++;
+    for (int i = 0; i < frozen->switches; i++)
+        still[i] = false;
+    if (frozen->sliding)
+        return;
+    const double min = ULPS * DBL_EPSILON * fabs(step->t), far = WIDER * moment(step, n, f);
+    look_from(step, frozen, f, -copysign(fmax(far, min), by), before);
+    look_from(step, frozen, f, copysign(fmax(far, min), by), after);
+    step->cost.evals += 2;
+    for (int i = 0; i < frozen->switches; i++) {
+        const double second = (after[i] - now[i]) - (now[i] - before[i]);
+        still[i] = fabs(after[i] - before[i]) <= STILL * fabs(second);
+        if (still[i])
+            soon[i] = now[i] + second / 2;
+    }
+}
+
+/* Frozen on its branches, or sliding along switches. */
+static bool freeze(const struct step *step, const struct switches_state *state,
+                   struct sliding *sliding, struct system *frozen)
+{
+    for (int i = 0; i < step->system->switches; i++)
+        if (state->along[i])
+            return system_slide(step->system, state->branch, state->along, state->by, sliding,
+                                frozen);
+    system_freeze(step->system, state->branch, frozen);
+    return true;
+}
+
+static void slide(struct step *step, struct switches_state *state, const struct system *frozen,
+                  int i)
+{
+    double f[LIMIT_VARIABLES];
+    system_derivative(frozen->sliding ? &frozen->sliding->side[0] : frozen, step->t, step->y, f);
+    step->cost.evals++;
+    state->branch[i] = system_lower_branch(frozen, i, step->t, step->y);
+    state->along[i] = true;
+    state->by = fmax(state->by, moment(step, frozen->n, f));
+    if (state->slides++ == 0) {
+        state->slid = step->t;
+        state->first = i;
+    }
+}
+
+/* As slide(); false: it is on its way across, as one in time alone always is. */
+static bool slide_along(struct step *step, struct switches_state *state,
+                        const struct system *frozen, int i)
+{
+    const struct switches_state was = *state;
+    struct sliding sliding;
+    struct system between;
+    slide(step, state, frozen, i);
+    const bool passes = freeze(step, state, &sliding, &between) &&
+                        sliding_passes(&sliding, i, step->t, step->y, state->by);
+    if (passes)
+        *state = was;
+    return !passes;
+}
+
+/* A guard at 0 that falls: at the end of the step before, or at rest, or by chance. */
+static bool falls(double now, double soon, bool ends)
+{
+    return soon < 0 && fabs(now) <= (ends ? AT : AT_ONCE) * fabs(soon - now);
+}
+
+/* One along which it does not slide: one side pushes harder than the other draws back; -1: none. */
+static int not_held(const struct switches_state *state, const double *guard, int count)
+{
+    for (int i = 0; i < count; i++)
+        if (state->along[i] && !(guard[i] >= -SLACK))
+            return i;
+    return -1;
+}
+
+/* It is no slide then, but goes to that side. False: it has slid before. */
+static bool let_go(const struct step *step, struct switches_state *state,
+                   const struct system *sliding, int i)
+{
+    const double branch = system_next_branch(sliding, i, step->t, step->y);
+    if (state->slid_along[i] || state->slides == 0 || isnan(branch))
+        return false;
+    state->branch[i] = branch;
+    state->along[i] = false;
+    state->slides--;
+    return true;
+}
+
+/*
+ * Branches that do not hold at the start of a step, because their guards are at 0 there and fall,
+ * are changed for the next ones, then for sliding between. False: none of them holds.
+ */
+static bool settle(struct step *step, struct switches_state *state, double by,
+                   struct sliding *sliding, struct system *frozen)
+{
+    const int count = step->system->switches;
+    bool passes[LIMIT_SWITCHES] = {false}, still[LIMIT_SWITCHES];
+    int changed[LIMIT_SWITCHES] = {0};
+    for (int i = 0; i < count; i++)
+        changed[i] = state->fresh == i;
+    state->by = fabs(by);
+    for (int round = 0; round <= 4 * count; round++) {
+        double now[LIMIT_SWITCHES], soon[LIMIT_SWITCHES];
+        if (!freeze(step, state, sliding, frozen))
+            return false;
+        look_ahead(step, frozen, by, now, soon, still);
+        int wrong = 0;
+        while (wrong < count &&
+               (passes[wrong] || wrong == state->released ||
+                !falls(now[wrong], soon[wrong], wrong == state->fresh || still[wrong])))
+            wrong++;
+        if (wrong == count) {
+            const int pushed = not_held(state, now, count);
+            if (pushed < 0)
+                return true;
+            if (!let_go(step, state, frozen, pushed) || ++changed[pushed] > 3)
+                return false;
+            continue;
+        }
+        if (++changed[wrong] > 3)
+            return false;
+        if (changed[wrong] > 1 && !state->along[wrong]) {
+            passes[wrong] = !slide_along(step, state, frozen, wrong);
+            continue;
+        }
+        double y[LIMIT_VARIABLES], f[LIMIT_VARIABLES];
+        system_derivative(frozen, step->t, step->y, f);
+        for (int i = 0; i < frozen->n; i++)
+            y[i] = step->y[i] + by * f[i];
+        state->branch[wrong] = system_next_branch(frozen, wrong, step->t + by, y);
+        state->along[wrong] = false;
+    }
+    return false;
+}
+
+/* All that has changed of late, at once. */
+static void pile_up(struct step *step, struct switches_state *state, double by)
+{
+    const struct switches_state was = *state;
+    struct system frozen, between;
+    struct sliding sliding;
+    system_freeze(step->system, state->branch, &frozen);
+    state->by = fabs(by);
+    for (int i = 0; i < frozen.switches; i++)
+        if (state->recent[i] && !state->along[i])
+            slide(step, state, &frozen, i);
+    if (system_slide(step->system, state->branch, state->along, state->by, &sliding, &between)) {
+        double guard[LIMIT_SWITCHES];
+        system_guards(&between, step->t, step->y, guard);
+        for (int i = 0; i < frozen.switches; i++)
+            if (state->along[i] && !was.along[i] &&
+                (guard[i] < 0 || sliding_passes(&sliding, i, step->t, step->y, was.block))) {
+                state->along[i] = false;
+                state->branch[i] = was.branch[i];
+            }
+    }
+    state->piles++;
+    state->piled = state->begins = false;
+    state->shorter = 0;
+}
+
+static void forget(struct switches_state *state, double t)
+{
+    const struct switches_state was = *state;
+    *state = (struct switches_state){.known = true,
+                                     .fresh = -1,
+                                     .released = -1,
+                                     .t = t,
+                                     .since = t,
+                                     .begins = true,
+                                     .slides = was.slides,
+                                     .piles = was.piles,
+                                     .across = was.across,
+                                     .slid = was.slid,
+                                     .first = was.first};
+}
+
+void switch_go_back(struct step *step, const struct system *frozen)
+{
+    if (frozen->sliding && sliding_return(frozen->sliding, step->t, step->y))
+        step->warm = false;
+}
+
+bool switch_begin(struct step *step, struct switches_state *state, double by,
+                  struct sliding *sliding, struct system *frozen)
+{
+    bool fine = true;
+    if (!state->known || state->t != step->t) {
+        forget(state, step->t);
+        system_branches(step->system, step->t, step->y, state->branch);
+        step->warm = false;
+    }
+    if (state->piled)
+        pile_up(step, state, by);
+    else if (state->begins)
+        fine = settle(step, state, by, sliding, frozen);
+    if (!fine || !freeze(step, state, sliding, frozen)) {
+        state->known = false;
+        state->slid = state->across++ == 0 && state->slides == 0 ? step->t : state->slid;
+        return false;
+    }
+    switch_go_back(step, frozen);
+    return true;
+}
