@@ -406,6 +406,9 @@ double run_observable(const struct run *run, const struct observable *observable
  */
 bool run_scope(const struct run *run, struct expr_scope *scope);
 int run_scope_slots(const struct run *run);
+/* The largest speed of the first coordinate in recorded states from .. to [s], of a scene of second
+ * order. */
+double run_speed_max(const struct run *run, double from, double to);
 
 /*
  * Energy ledger: largest |E - E0 - W|/E0 after any step, recorded or not, W = work of drag and

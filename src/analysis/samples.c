@@ -85,6 +85,21 @@ double samples_noise(const struct samples *samples, double *scratch)
     return count ? MAD_TO_SIGMA * quantile(scratch, count, 0.5) / sqrt(924.0) : NAN;
 }
 
+struct measured series_mean(const struct series *s)
+{
+    double area = 0, square = 0;
+    for (size_t i = 1; i < s->n; i++) {
+        const double dt = s->t[i] - s->t[i - 1];
+        area += 0.5 * dt * (s->y[i] + s->y[i - 1]);
+    }
+    const double span = s->t[s->n - 1] - s->t[0], mean = area / span;
+    for (size_t i = 1; i < s->n; i++) {
+        const double a = s->y[i] - mean, b = s->y[i - 1] - mean;
+        square += 0.5 * (s->t[i] - s->t[i - 1]) * (a * a + b * b);
+    }
+    return (struct measured){mean, sqrt(square / span)};
+}
+
 double series_noise(const struct series *series, struct arena *arena)
 {
     struct samples samples;

@@ -440,3 +440,12 @@ int run_scope_slots(const struct run *run)
 {
     return run->system.n + model_observed(run->system.model) + (int)COUNT_OF(observables);
 }
+
+double run_speed_max(const struct run *run, double from, double to)
+{
+    double max = 0;
+    for (size_t i = 0; i < trace_count(run->trace); i++)
+        if (trace_time(run->trace, i) >= from && trace_time(run->trace, i) <= to)
+            max = fmax(max, fabs(trace_state(run->trace, i)[run->system.n / 2]));
+    return max;
+}

@@ -105,6 +105,9 @@ struct energy_noise {
         spread; /* [J^1/2] a sample of E scatters by spread sqrt(E) about that: 2 sigma sqrt(k) */
 };
 
+/* Mean and spread over time (trapezoids), so that uneven samples count by how long they stand. */
+struct measured series_mean(const struct series *series);
+
 /* Standard deviation of the noise of a smooth motion, from sixth differences; NAN: too few samples,
  * or no memory. */
 double series_noise(const struct series *series, struct arena *arena);

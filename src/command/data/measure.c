@@ -42,11 +42,6 @@ static void tell_inputs(struct measuring *m, const struct inputs *inputs, struct
     inputs_keep(inputs, &latest(m)->exact);
 }
 
-static void put(struct buffer *text, const char *name, struct measured value, enum quantity unit)
-{
-    put_measured(text, name, value, unit);
-}
-
 /* "   theory 1.9390 s (-0.09 %)" */
 static void put_theory(struct buffer *text, double value, double theory, enum quantity unit)
 {
@@ -124,9 +119,9 @@ static bool measure_frequency(struct measuring *m)
     if (!keep(m, m->quantity, f, QUANTITY_FREQUENCY, p.periods))
         return false;
     struct buffer text = {0};
-    put(&text, "f", f, QUANTITY_FREQUENCY);
-    put(&text, "   omega", (struct measured){2 * PI * f.value, 2 * PI * f.uncertainty},
-        QUANTITY_ANGULAR_FREQUENCY);
+    put_measured(&text, "f", f, QUANTITY_FREQUENCY);
+    put_measured(&text, "   omega", (struct measured){2 * PI * f.value, 2 * PI * f.uncertainty},
+                 QUANTITY_ANGULAR_FREQUENCY);
     buffer_format(&text, " (%g periods)", p.periods);
     if (!m->subject.energy && !m->subject.column)
         put_theory(&text, f.value, 1 / theory_period(m), QUANTITY_FREQUENCY);
@@ -173,7 +168,7 @@ static bool measure_amplitude(struct measuring *m)
             return false;
         }
         latest(m)->at = readings[i].t;
-        put(&text, i ? "\nA" : "A", readings[i].amplitude, unit);
+        put_measured(&text, i ? "\nA" : "A", readings[i].amplitude, unit);
         buffer_format(&text, " at t = %.6g s", readings[i].t);
         begin(m, readings[i].amplitude, unit, NAN);
         reply_real(m->reply, "t", readings[i].t);
@@ -200,7 +195,7 @@ static bool measure_decay(struct measuring *m)
     session_set_result(m->session, "measured_tau", d.tau, QUANTITY_TIME);
     session_set_result(m->session, "measured_Q", d.quality, QUANTITY_NUMBER);
     struct buffer text = {0};
-    put(&text, "gamma", d.gamma, QUANTITY_RATE);
+    put_measured(&text, "gamma", d.gamma, QUANTITY_RATE);
     buffer_format(&text, " (%s; %d readings)",
                   m->subject.energy ? "energy falls as exp(-gamma t)"
                                     : "amplitude falls as exp(-gamma t/2)",
@@ -209,10 +204,11 @@ static bool measure_decay(struct measuring *m)
     const double gamma = scene ? param_value(scene, "gamma") : 0;
     if (gamma != 0) /* nothing is said where it is NAN */
         put_theory(&text, d.gamma.value, gamma, QUANTITY_RATE);
-    put(&text, "\n1/e time of the amplitude tau", d.tau, QUANTITY_TIME);
-    put(&text, "   decrement", d.decrement, QUANTITY_NUMBER);
-    put(&text, "   Q", d.quality, QUANTITY_NUMBER);
-    put(&text, m->subject.energy ? "   E at the start" : "   A at the start", d.initial, unit);
+    put_measured(&text, "\n1/e time of the amplitude tau", d.tau, QUANTITY_TIME);
+    put_measured(&text, "   decrement", d.decrement, QUANTITY_NUMBER);
+    put_measured(&text, "   Q", d.quality, QUANTITY_NUMBER);
+    put_measured(&text, m->subject.energy ? "   E at the start" : "   A at the start", d.initial,
+                 unit);
     if (isfinite(d.halves[0]) && isfinite(d.halves[1])) {
         buffer_put(&text, TEXT("\nhalves: gamma = "));
         buffer_quantity(&text, d.halves[0], QUANTITY_RATE, 3);
@@ -239,37 +235,21 @@ static bool measure_decay(struct measuring *m)
     reply_end(m->reply);
     for (int i = 0; i < d.readings; i++) {
         buffer_format(&text, "\n  t = %.6g s   ", d.reading[i].t);
-        put(&text, m->subject.energy ? "E" : "A", d.reading[i].amplitude, unit);
+        put_measured(&text, m->subject.energy ? "E" : "A", d.reading[i].amplitude, unit);
     }
     return say(m, &text);
-}
-
-/* Mean over time (trapezoids), so that uneven samples count by how long they stand. */
-static struct measured mean_over_time(const struct series *s)
-{
-    double area = 0, square = 0;
-    for (size_t i = 1; i < s->n; i++) {
-        const double dt = s->t[i] - s->t[i - 1];
-        area += 0.5 * dt * (s->y[i] + s->y[i - 1]);
-    }
-    const double span = s->t[s->n - 1] - s->t[0], mean = area / span;
-    for (size_t i = 1; i < s->n; i++) {
-        const double a = s->y[i] - mean, b = s->y[i - 1] - mean;
-        square += 0.5 * (s->t[i] - s->t[i - 1]) * (a * a + b * b);
-    }
-    return (struct measured){mean, sqrt(square / span)};
 }
 
 static bool measure_energy(struct measuring *m)
 {
     const struct series *s = &m->subject.series;
-    const struct measured mean = mean_over_time(s);
+    const struct measured mean = series_mean(s);
     if (!keep(m, m->quantity, mean, s->quantity, NAN))
         return false;
     const double first = s->y[0], last = s->y[s->n - 1];
     struct buffer text = {0};
     const bool kinetic = m->subject.run && !m->subject.run->system.energy;
-    put(&text, kinetic ? "Ekin" : "E", mean, s->quantity);
+    put_measured(&text, kinetic ? "Ekin" : "E", mean, s->quantity);
     buffer_format(&text, " (mean and spread over %.6g..%.6g s)   from ", s->t[0], s->t[s->n - 1]);
     buffer_measured(&text, (struct measured){first, 0}, s->quantity, 6);
     buffer_put(&text, TEXT(" to "));
@@ -333,11 +313,7 @@ static bool largest_speed(struct measuring *m, struct measured *speed)
     }
     if (m->subject.run) {
         const struct run *run = m->subject.run;
-        *speed = (struct measured){0, 0};
-        for (size_t i = 0; i < trace_count(run->trace); i++)
-            if (trace_time(run->trace, i) >= s->t[0] && trace_time(run->trace, i) <= s->t[s->n - 1])
-                speed->value =
-                    fmax(speed->value, fabs(trace_state(run->trace, i)[run->system.n / 2]));
+        *speed = (struct measured){run_speed_max(run, s->t[0], s->t[s->n - 1]), 0};
         return run->system.order == 2 ||
                error_set(m->error, ERROR_COMMAND, "%s has no velocity", m->subject.name);
     }
@@ -370,7 +346,7 @@ static bool measure_reynolds(struct measuring *m)
     if (!keep(m, m->quantity, re, QUANTITY_NUMBER, NAN))
         return false;
     struct buffer text = {0};
-    put(&text, "Re", re, QUANTITY_NUMBER);
+    put_measured(&text, "Re", re, QUANTITY_NUMBER);
     buffer_format(&text, " (%s) at the largest speed ", reynolds_regime(re.value));
     buffer_measured(&text, speed, QUANTITY_VELOCITY, 4);
     buffer_put(&text, TEXT("; rho, length and eta are those of the scene"));
@@ -398,11 +374,10 @@ static bool measure_k(struct measuring *m)
                  u = own ? recording->mass.uncertainty : scene->uncertainty[index];
     if (!series_period(&m->subject.series, m->given->arena, &p, m->error))
         return false;
-    const double omega = 2 * PI / p.period.value;
-    const double gamma = series_decay(&m->subject.series, m->given->arena, NULL, 0, &d, &ignored)
-                             ? d.gamma.value
-                             : 0;
-    struct measured k = {.value = mass * (omega * omega + gamma * gamma / 4)};
+    const bool decays = series_decay(&m->subject.series, m->given->arena, NULL, 0, &d, &ignored);
+    const struct fit motion = {.omega = {2 * PI / p.period.value, 0},
+                               .gamma = {decays ? d.gamma.value : 0, 0}};
+    struct measured k = fit_stiffness(&motion, (struct measured){mass, 0});
     struct inputs inputs = {.exacts = 0};
     inputs_use(&inputs, "m", (struct measured){mass, u});
     k.uncertainty = k.value * 2 * p.period.uncertainty / p.period.value;
@@ -410,9 +385,9 @@ static bool measure_k(struct measuring *m)
     if (!keep(m, m->quantity, k, QUANTITY_STIFFNESS, p.periods))
         return false;
     struct buffer text = {0};
-    put(&text, "k", k, QUANTITY_STIFFNESS);
-    put(&text, " (m", (struct measured){mass, u}, QUANTITY_MASS);
-    put(&text, ", T", p.period, QUANTITY_TIME);
+    put_measured(&text, "k", k, QUANTITY_STIFFNESS);
+    put_measured(&text, " (m", (struct measured){mass, u}, QUANTITY_MASS);
+    put_measured(&text, ", T", p.period, QUANTITY_TIME);
     buffer_char(&text, ')');
     if (m->subject.run)
         put_theory(&text, k.value, param_value(scene, "k"), QUANTITY_STIFFNESS);
