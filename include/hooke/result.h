@@ -244,8 +244,9 @@ enum column_kind {
     COLUMN_INT,   /* int */
     COLUMN_COUNT, /* int64_t */
     COLUMN_BOOL,
-    COLUMN_NAME,  /* const char *; NULL: there is none */
-    COLUMN_CHARS, /* an array of char, ended by 0; empty: there is none */
+    COLUMN_NAME,     /* const char *; NULL: there is none */
+    COLUMN_MEASURED, /* struct measured of `quantity`; value NAN: there is none. Only in records */
+    COLUMN_CHARS,    /* an array of char, ended by 0; empty: there is none */
 };
 
 enum column_flag {

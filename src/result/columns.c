@@ -49,6 +49,15 @@ static enum quantity quantity_in(const struct result_column *column, const void 
 
 /* ---- records ---- */
 
+static void put_measured(struct reply *reply, const struct result_column *column, const void *row)
+{
+    const struct measured *value = member(column, row);
+    if (isfinite(value->value))
+        reply_measured(reply, column->name, *value, quantity_in(column, row));
+    else
+        reply_null(reply, column->name);
+}
+
 void reply_columns(struct reply *reply, const struct result_columns *columns, const void *row)
 {
     for (const struct result_column *c = columns->column; c < columns->column + columns->count;
@@ -69,6 +78,9 @@ void reply_columns(struct reply *reply, const struct result_columns *columns, co
             break;
         case COLUMN_BOOL:
             reply_bool(reply, c->name, bool_of(c, row));
+            break;
+        case COLUMN_MEASURED:
+            put_measured(reply, c, row);
             break;
         case COLUMN_NAME:
         case COLUMN_CHARS:
@@ -129,7 +141,7 @@ bool columns_table(const struct result_columns *columns, const void *rows, size_
     int used = 0;
     for (int i = 0; out && i < columns->count; i++) {
         const struct result_column *column = &columns->column[i];
-        if (column->flags & COLUMN_NO_FILE || column->record)
+        if (column->flags & COLUMN_NO_FILE || column->record || column->kind == COLUMN_MEASURED)
             continue;
         if (!fill_values(columns, column, rows, count, arena, &out[used++]))
             return false;
@@ -152,6 +164,7 @@ static bool has_value(const struct result_column *column, const void *row)
         return count_of(column, row) != 0;
     case COLUMN_BOOL:
         return bool_of(column, row);
+    case COLUMN_MEASURED:
     case COLUMN_NAME:
     case COLUMN_CHARS:
         break;

@@ -104,7 +104,7 @@ static void cell_rate(struct text_table *table, struct measured value, const cha
 
 /* Of a position in metres b is in 1/m and f in m/s^2; of angles and plain numbers without the
  * metre. */
-static const char *rate_unit(const struct fit_summary *told, int k)
+const char *fit_rate_unit(const struct fit_summary *told, int k)
 {
     const enum quantity quantity = told->subject->series.quantity;
     const bool metres = quantity == QUANTITY_LENGTH || quantity == QUANTITY_VELOCITY ||
@@ -150,7 +150,7 @@ static void put_laws(const struct fit_summary *told, struct arena *arena, struct
         struct buffer bic = {0};
         cell_text(&table, drag_law_name(c->law));
         for (int k = 0; k < DRAG_RATES; k++)
-            cell_rate(&table, c->rate[k], rate_unit(told, k), told->subject->recording);
+            cell_rate(&table, c->rate[k], fit_rate_unit(told, k), told->subject->recording);
         buffer_format(&bic, isfinite(c->bic) ? "%.1f" : "-", c->bic);
         cell_take(&table, &bic);
         cell_text(&table, !c->converged                       ? "did not converge"
@@ -245,7 +245,7 @@ static void put_parameters(const struct fit_summary *told, struct arena *arena, 
         text->len--;
 }
 
-static bool strong(const struct curve_fit *curve, int i, int j)
+bool fit_correlated(const struct curve_fit *curve, int i, int j)
 {
     return curve->determined[i] && curve->determined[j] && fabs(curve->correlation[i][j]) > STRONG;
 }
@@ -263,7 +263,7 @@ static void put_curve(const struct fit_summary *told, struct arena *arena, struc
     const char *before = "\n  correlated: ";
     for (int i = 0; i < curve->parameters; i++)
         for (int j = 0; j < i; j++)
-            if (strong(curve, i, j)) {
+            if (fit_correlated(curve, i, j)) {
                 buffer_format(text, "%s%s and %s %.3f", before, told->name[j], told->name[i],
                               curve->correlation[i][j]);
                 before = ", ";
@@ -271,159 +271,6 @@ static void put_curve(const struct fit_summary *told, struct arena *arena, struc
     if (told->fixed)
         buffer_format(text, "\n  held: %s", told->fixed);
     inputs_put(&told->inputs, text);
-}
-
-/* ---- the record ---- */
-
-static struct measured parameter(const struct fit_summary *told, const char *name)
-{
-    for (int j = 0; told->curve && j < told->curve->parameters; j++)
-        if (told->quantity[j] != QUANTITY_OTHER && strcmp(told->name[j], name) == 0)
-            return told->curve->value[j];
-    return (struct measured){NAN, NAN};
-}
-
-static void reply_known(struct reply *reply, const char *key, struct measured value,
-                        enum quantity quantity)
-{
-    if (isfinite(value.value))
-        reply_measured(reply, key, value, quantity);
-    else
-        reply_null(reply, key);
-}
-
-static void reply_parameters(const struct fit_summary *told, struct reply *reply)
-{
-    const struct curve_fit *curve = told->curve;
-    reply_array(reply, "parameters");
-    for (int j = 0; curve && j < curve->parameters; j++) {
-        reply_object(reply, NULL);
-        reply_string(reply, "name", told->name[j]);
-        reply_real(reply, "value", curve->value[j].value);
-        reply_real(reply, "uncertainty", curve->value[j].uncertainty);
-        reply_string(reply, "unit",
-                     told->quantity[j] == QUANTITY_OTHER ? NULL : quantity_unit(told->quantity[j]));
-        reply_real(reply, "low", curve->determined[j] ? curve->interval[j][0] : NAN);
-        reply_real(reply, "high", curve->determined[j] ? curve->interval[j][1] : NAN);
-        reply_close(reply);
-    }
-    reply_close(reply);
-    reply_array(reply, "correlated");
-    for (int i = 0; curve && i < curve->parameters; i++)
-        for (int j = 0; j < i; j++)
-            if (strong(curve, i, j)) {
-                reply_object(reply, NULL);
-                reply_string(reply, "a", told->name[j]);
-                reply_string(reply, "b", told->name[i]);
-                reply_real(reply, "r", curve->correlation[i][j]);
-                reply_close(reply);
-            }
-    reply_close(reply);
-}
-
-static void reply_rates(const struct fit_summary *told, const struct drag_candidate *c,
-                        struct reply *reply)
-{
-    for (int k = 0; k < DRAG_RATES; k++)
-        if (c->law >> k & 1)
-            reply_in_unit(reply, drag_rates[k].name, c->rate[k], rate_unit(told, k));
-}
-
-static void reply_laws(const struct fit_summary *told, struct reply *reply)
-{
-    const struct drag_fit *drag = told->motion ? &told->motion->drag : NULL;
-    reply_array(reply, "laws");
-    for (int i = 0; drag && i < drag->candidates; i++) {
-        const struct drag_candidate *c = &drag->candidate[i];
-        reply_object(reply, NULL);
-        reply_string(reply, "name", drag_law_name(c->law));
-        reply_bool(reply, "converged", c->converged);
-        reply_real(reply, "bic", c->bic);
-        reply_object(reply, "parameters");
-        reply_rates(told, c, reply);
-        reply_close(reply);
-        reply_real(reply, "rms", c->rms);
-        reply_close(reply);
-    }
-    reply_close(reply);
-    const bool compared = drag && drag->candidates > 0;
-    reply_array(reply, "remaining");
-    for (int i = 0; compared && i < drag->candidates; i++)
-        if (drag->remaining >> i & 1)
-            reply_string(reply, NULL, drag_law_name(drag->candidate[i].law));
-    reply_close(reply);
-    const bool known =
-        compared && (drag->forces == 0 || drag->forces_remaining == 1u << drag->force);
-    reply_string(reply, "restoring", known ? restoring_name(drag->force) : NULL);
-    if (compared && drag->force == RESTORING_CUBIC)
-        reply_measured(reply, "beta", drag->cubic, QUANTITY_OTHER);
-    else
-        reply_null(reply, "beta");
-    reply_real(reply, "delta", compared ? drag->delta : NAN);
-    reply_real(reply, "p_value", compared ? drag->p_value : NAN);
-}
-
-static void reply_record(const struct fit_summary *told, struct reply *reply)
-{
-    static const struct measured none = {NAN, NAN};
-    const struct fit unknown = {.model = told->model,
-                                .period = none,
-                                .omega = none,
-                                .amplitude = none,
-                                .phase = none,
-                                .gamma = parameter(told, "gamma"),
-                                .offset = parameter(told, "offset"),
-                                .halves = {none, none}};
-    const struct fit *fit = told->motion ? told->motion : &unknown;
-    const struct series *series = &told->subject->series;
-    reply_begin(reply, "fit");
-    reply_string(reply, "model", told->model);
-    reply_string(reply, "of", told->subject->name);
-    reply_known(reply, "period", fit->period, QUANTITY_TIME);
-    reply_known(reply, "omega", fit->omega, QUANTITY_ANGULAR_FREQUENCY);
-    reply_known(reply, "gamma", fit->gamma, QUANTITY_RATE);
-    reply_known(reply, "amplitude", fit->amplitude, series->quantity);
-    reply_known(reply, "phase", fit->phase, QUANTITY_ANGLE);
-    reply_known(reply, "offset", fit->offset, series->quantity);
-    reply_known(reply, "k",
-                told->curve   ? parameter(told, "k")
-                : told->modes ? none
-                              : told->k,
-                QUANTITY_STIFFNESS);
-    reply_real(reply, "rms", told->motion ? fit->rms : told->curve->sigma);
-    reply_int(reply, "used", (int64_t)(told->motion ? fit->used : told->curve->used));
-    reply_int(reply, "rejected", (int64_t)(told->motion ? fit->rejected : told->curve->rejected));
-    reply_array(reply, "window");
-    reply_real(reply, NULL, series->t[0]);
-    reply_real(reply, NULL, series->t[series->n - 1]);
-    reply_close(reply);
-    reply_object(reply, "halves");
-    reply_array(reply, "gamma");
-    reply_real(reply, NULL, fit->halves[0].value);
-    reply_real(reply, NULL, fit->halves[1].value);
-    reply_close(reply);
-    reply_close(reply);
-    const bool decided = told->motion && fit->preferred < LAW_UNDECIDED;
-    reply_string(reply, "preferred", decided ? drag_law_name(fit->preferred) : NULL);
-    if (told->motion && fit->drag.candidates > 0) {
-        reply_object(reply, "parameters");
-        reply_rates(told, &fit->drag.candidate[fit->drag.best - 1], reply);
-        reply_close(reply);
-        reply_array(reply, "correlated");
-        reply_close(reply);
-    } else {
-        reply_parameters(told, reply);
-    }
-    reply_laws(told, reply);
-    if (told->modes)
-        reply_modes(told, reply);
-    reply_bool(reply, "converged", told->motion ? fit->converged : told->curve->converged);
-    inputs_reply(&told->inputs, reply);
-    reply_array(reply, "warnings");
-    for (int i = 0; i < told->warnings; i++)
-        reply_string(reply, NULL, told->warning[i]);
-    reply_close(reply);
-    reply_end(reply);
 }
 
 void reply_fit(const struct fit_summary *told, struct arena *arena, struct reply *reply)
@@ -436,7 +283,7 @@ void reply_fit(const struct fit_summary *told, struct arena *arena, struct reply
         (told->motion ? put_motion : put_curve)(told, arena, &text);
     reply_text(reply, buffer_text(&text));
     buffer_free(&text);
-    reply_record(told, reply);
+    reply_fit_record(told, reply);
     for (int i = 0; i < told->warnings; i++)
         reply_warning(reply, "%s", told->warning[i]);
 }

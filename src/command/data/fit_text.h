@@ -37,6 +37,12 @@ void fit_tell_residuals(struct fit_summary *told);
 /* Lines, record and warnings. */
 void reply_fit(const struct fit_summary *told, struct arena *arena, struct reply *reply);
 
+/* Unit of the k-th rate of a law of drag, which follows from that of what was fitted. */
+const char *fit_rate_unit(const struct fit_summary *told, int k);
+/* Two parameters of which one follows nearly from the other. */
+bool fit_correlated(const struct curve_fit *curve, int i, int j);
+void reply_fit_record(const struct fit_summary *told, struct reply *reply); /* fitted.c */
+
 /* ---- fit_modes.c ---- */
 
 void put_modes(const struct fit_summary *told, struct buffer *text);

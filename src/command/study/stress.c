@@ -159,19 +159,41 @@ static void put_stress(const struct session *session, const struct stress *stres
     buffer_format(out, "%d methods, %d cases, %.1f s\n", methods, finished, stress->seconds);
 }
 
-static void reply_row(const struct stress *stress, const struct stress_row *row,
-                      struct reply *reply)
+struct stress_record {
+    const struct stress *stress;
+    struct stress_row row;
+};
+
+static const char *scene_of(const void *row)
 {
-    reply_begin(reply, "stress");
-    reply_string(reply, "scene", stress->cases[row->index].name);
-    reply_string(reply, "method", row->method->row.name);
-    reply_string(reply, "verdict", catalog_row(&stress_verdict_catalog, row->verdict)->name);
-    reply_real(reply, "error", row->error);
-    reply_int(reply, "steps", row->steps);
-    reply_real(reply, "time", row->seconds);
-    reply_string(reply, "reason", row->reason[0] ? row->reason : NULL);
-    reply_end(reply);
+    const struct stress_record *record = row;
+    return record->stress->cases[record->row.index].name;
 }
+
+static const char *method_of(const void *row)
+{
+    return ((const struct stress_record *)row)->row.method->row.name;
+}
+
+static const char *verdict_of(const void *row)
+{
+    return catalog_row(&stress_verdict_catalog, ((const struct stress_record *)row)->row.verdict)
+        ->name;
+}
+
+#define AT(member) .at = offsetof(struct stress_record, row.member)
+
+static const struct result_column of_stress[] = {
+    {.name = "scene", .kind = COLUMN_NAME, .text = scene_of},
+    {.name = "method", .kind = COLUMN_NAME, .text = method_of},
+    {.name = "verdict", .kind = COLUMN_NAME, .text = verdict_of},
+    {.name = "error", AT(error)},
+    {.name = "steps", .kind = COLUMN_COUNT, AT(steps)},
+    {.name = "time", AT(seconds), .quantity = QUANTITY_TIME},
+    {.name = "reason", .kind = COLUMN_CHARS, AT(reason)},
+};
+
+static const struct result_columns stress_columns = RESULT_COLUMNS(of_stress, struct stress_record);
 
 /* Initial values, and what else acts, of the present scene. */
 static bool this_scene(const struct session *session, struct arena *arena, struct stress_scene *of,
@@ -223,8 +245,10 @@ HANDLER(stress)
         put_stress(session, &stress, method, methods, &text);
     reply_text(reply, buffer_text(&text));
     buffer_free(&text);
-    for (int i = 0; i < stress.rows && true; i++)
-        reply_row(&stress, &stress.row[i], reply);
+    for (int i = 0; i < stress.rows; i++) {
+        const struct stress_record record = {&stress, stress.row[i]};
+        reply_records(reply, "stress", &stress_columns, &record, 1);
+    }
     stress_free(&stress);
     return ok;
 }

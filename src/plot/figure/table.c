@@ -15,17 +15,16 @@
 static const struct table_column *find_column(const struct drawing *d, struct text name)
 {
     const struct table *table = d->request->table;
+    for (int c = 0; c < table->columns; c++)
+        if (table->column[c].value && text_is(name, table->column[c].name))
+            return &table->column[c];
     struct suggestion near = {.wanted = name};
     struct buffer names = {0};
-    for (int c = 0; c < table->columns; c++) {
-        const struct table_column *column = &table->column[c];
-        if (column->value && text_is(name, column->name))
-            return column;
-        if (!column->value)
-            continue;
-        suggestion_offer(&near, column->name);
-        buffer_format(&names, "%s%s", names.len ? ", " : "", column->name);
-    }
+    for (int c = 0; c < table->columns; c++)
+        if (table->column[c].value) {
+            suggestion_offer(&near, table->column[c].name);
+            buffer_format(&names, "%s%s", names.len ? ", " : "", table->column[c].name);
+        }
     error_at(d->error, name, "the table has no column of numbers '%.*s'",
              (int)(name.len < 64 ? name.len : 64), name.at);
     suggestion_hint(&near, d->error);

@@ -27,6 +27,8 @@ static const char *const lines[] = {
     "checkpoint a; k = 20; restore a",
     "export x.csv --force; export y.tsv run all y,exact every=100ms --force; export t.json table "
     "--force",
+    "compare euler verlet > r.csv --force; load r.csv; plot error against dt of loaded",
+    "export r.json table of run --force; load r.json; export x.html table of loaded --force",
     "load x.csv as=x; data list; data window 0.5:2.5; data zero 1 mm",
     "fit to x; adopt; run 3 s",
     "measure period; measure decay; measure amplitude windows=3; measure energy; measure k; "
