@@ -90,6 +90,7 @@ struct load_options {
 struct table_text; /* the file's text and lines, private */
 struct format {
     struct row row;
+    bool any;                                    /* takes what no other does */
     int (*probe)(const struct table_text *text); /* 0: not mine … 100: certain */
     bool (*read)(const struct table_text *text, const struct load_options *options,
                  struct recording *recording, struct error *error);

@@ -138,8 +138,7 @@ bool table_begins(struct text content, const char *shown, const struct load_opti
     bool found = table_head(&text, &scratch) || error_memory(error);
     if (found && !table_find(&text, 0, options, &text.layout, error)) {
         const struct format *sure = probe(&text);
-        found = strcmp(sure->row.name, "table") != 0 &&
-                sure->probe(&text) > 0; /* it finds its table by itself */
+        found = !sure->any && sure->probe(&text) > 0; /* it finds its table by itself */
     }
     arena_reset(&scratch);
     return found;

@@ -27,7 +27,7 @@ command -v patch >/dev/null || skip "patch is not installed"
 folder=$(mktemp -d) || exit 2
 trap 'rm -rf "$folder"' EXIT
 mkdir "$folder/bin" "$folder/work"
-printf '#!/bin/sh\nexec %s "$@" -O0 -U_FORTIFY_SOURCE\n' "${CC:-gcc}" >"$folder/bin/cc"
+printf '#!/bin/sh\nexec %s "$@" -O0 -g0 -U_FORTIFY_SOURCE\n' "${CC:-gcc}" >"$folder/bin/cc"
 chmod +x "$folder/bin/cc"
 
 # The sources, and the objects as they are, with their times: only what a row touches is built again.
@@ -86,7 +86,7 @@ asked() { # patch: is what it promises there, and was it not before?
     done <"$here/$patch.patch"
 }
 
-kinds='runge-kutta splitting algorithm command argument-type format force preset observable fit plot stress unit function column'
+kinds='runge-kutta splitting algorithm command argument-type format force preset observable fit plot setting stress unit function column'
 copy_tree
 for patch in $kinds; do
     [ -f "$here/$patch.patch" ] || { ok "there is a patch for $patch" 1; continue; }

@@ -27,21 +27,11 @@ enum band { BAND_OFF, BAND_ON };
 enum opinion_choice { OPINIONS_AUTO, OPINIONS_FULL, OPINIONS_WARN, OPINIONS_OFF };
 
 struct settings {
-    double dt;       /* [s] */
-    double tol;      /* 0: off */
-    double duration; /* [s] */
-    struct recording_rule record;
-    int width, height; /* [cell] of plots, 0: the front end's */
-    int digits;        /* significant, in text */
-    int charset, color, format, timing,
-        phase_axes; /* the enums above, enum output_format, enum timing */
-    int sync, view;
-    int kernel, sums, turning; /* enum kernel, enum sums, enum turning */
-    int band;                  /* BAND_ON: panes show that of an adopted fit */
-    int opinion;               /* enum opinion_choice */
+#define SETTING(type, field, ...) type field;
+#define SETTING_PAIR(type, field, second, ...) type field, second;
+#include "session/settings.def"
     bool dt_given, tol_given,
         duration_given; /* by the user: else tol and duration are those of the scene */
-    double fps;         /* frames a second of the live view */
 };
 
 /* What methods make of it: `set` says so. */

@@ -210,7 +210,7 @@ static bool this_scene(const struct session *session, struct arena *arena, struc
         return false;
     for (int i = 0; i < (int)params; i++) {
         const bool begins = param_is_start(scene, i);
-        start[i] = begins && strcmp(param_at(scene, i)->row.name, "t0") != 0;
+        start[i] = begins && i != scene_param(scene, "t0");
         matter[i] = !begins && param_matters(scene, i);
     }
     *of = (struct stress_scene){scene, session->setup.settings.duration, start, matter};

@@ -166,7 +166,7 @@ bool run_never_changed(const struct run *run)
 static bool follows_from_row(const struct run *run, const struct observable *observable)
 {
     for (int i = 0; i < run->system.n; i++)
-        if (strcmp(system_variable(&run->system, i).name, observable->row.name) == 0)
+        if (observable_named(system_variable(&run->system, i).name) == observable)
             return true;
     return observable->needs == 0 ||
            (trace_count(run->trace) > ROWS_ALL &&

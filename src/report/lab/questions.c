@@ -124,7 +124,8 @@ void put_questions(struct report *report, enum section section, const struct run
         const struct question *q = &questions[i];
         bool offered = q->section == section && (!q->needs || find_value(report, q->needs));
         if (offered && q->method)
-            offered = first && strcmp(first->method->row.name, q->method) == 0;
+            offered =
+                first && catalog_find(&method_catalog, text_of(q->method)) == &first->method->row;
         if (!offered)
             continue;
         document_open(&report->document, BLOCK_TOGETHER);

@@ -24,7 +24,7 @@ static const struct run *run_at(const struct report *report, int index)
 
 static bool is_method(const struct run *run, const char *name)
 {
-    return strcmp(run->method->row.name, name) == 0;
+    return catalog_find(&method_catalog, text_of(name)) == &run->method->row;
 }
 
 /* ---- sorting ---- */
