@@ -126,7 +126,8 @@ static void test_peak_of_a_long_run(void **state)
     go_steps(run, 5 * LIMIT_SAMPLES);
     assert_true(peak - before < 64000000);
     size_t used = live - before;
-    assert_true(trace_bytes(run->trace) <= used && used < trace_bytes(run->trace) + 100000);
+    /* beside the rows: the run, its method's memory and its one epoch with its plan */
+    assert_true(trace_bytes(run->trace) <= used && used < trace_bytes(run->trace) + 110000);
     run_destroy(run);
     assert_int_equal(live, before);
 }
