@@ -24,8 +24,9 @@ probe = $(shell echo 'int main(void){return 0;}' | $(CC) -Werror $(1) -x c -o /d
 
 # The same of a linker's flag, which the C library has to understand as well.
 comma := ,
-probe_run = $(shell mkdir -p build && echo 'int f(void); int (*p)(void) = f; int f(void) {return p != f;} int main(void) {return p();}' | \
-  $(CC) -fPIE -pie -Wl,--fatal-warnings $(1) -x c -o build/probe - >/dev/null 2>&1 && build/probe && echo '$(1)'; rm -f build/probe)
+probe_run = $(shell at=$$(mktemp) && \
+  echo 'int f(void); int (*p)(void) = f; int f(void) {return p != f;} int main(void) {return p();}' | \
+  $(CC) -fPIE -pie -Wl,--fatal-warnings $(1) -x c -o $$at - >/dev/null 2>&1 && $$at && echo '$(1)'; rm -f $$at)
 
 WARNINGS := -Wall -Wextra -Wpedantic -Wformat=2 -Wconversion -Wsign-conversion -Wshadow -Wvla -Wnull-dereference \
   -Wimplicit-fallthrough -Wdouble-promotion -Wundef -Wcast-qual -Wstrict-prototypes -Wmissing-prototypes -Wwrite-strings \
@@ -153,7 +154,7 @@ FAST_KERNELS := $(filter $(addprefix %/,lane_steps.o lane_terms.o kernel.o contr
 ifneq ($(filter -O2,$(OPT_$(CONFIG))),)
 # Without the passes that take longest to compile.
 O_ONCE          := -Os $(call probe,-fno-expensive-optimizations -fno-gcse -fno-tree-pre -fno-tree-vrp \
-  -fno-schedule-insns2 -fno-tree-dominator-opts -fno-code-hoisting)
+  -fno-schedule-insns2 -fno-code-hoisting)
 O_LOOPS         := -O3
 O_WORK_TERMS    := -ftree-vectorize $(call probe,-fvect-cost-model=dynamic) $(call probe,--param=vect-epilogues-nomask=0)
 O_FORMULA_LANES := -O3

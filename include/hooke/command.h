@@ -9,7 +9,7 @@
 #ifndef HOOKE_COMMAND_H
 #define HOOKE_COMMAND_H
 
-#include <hooke/report.h>
+#include <hooke/language.h>
 
 /* ---- executing ---- */
 

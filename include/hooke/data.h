@@ -5,7 +5,7 @@
 #ifndef HOOKE_DATA_H
 #define HOOKE_DATA_H
 
-#include <hooke/run.h>
+#include <hooke/base.h>
 
 /* ---- series: what analysis works on, whether measured or simulated ---- */
 

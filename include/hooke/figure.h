@@ -9,7 +9,7 @@
 #ifndef HOOKE_FIGURE_H
 #define HOOKE_FIGURE_H
 
-#include <hooke/analysis.h>
+#include <hooke/base.h>
 
 /* ---- canvas: a rectangle of character cells ---- */
 

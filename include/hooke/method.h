@@ -8,7 +8,7 @@
 #ifndef HOOKE_METHOD_H
 #define HOOKE_METHOD_H
 
-#include <hooke/scene.h>
+#include <hooke/scene/model.h>
 
 struct method;
 struct step;

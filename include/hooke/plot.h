@@ -5,7 +5,7 @@
 #ifndef HOOKE_PLOT_H
 #define HOOKE_PLOT_H
 
-#include <hooke/language.h>
+#include <hooke/session.h>
 
 /* ---- figures of the session ---- */
 

@@ -3,6 +3,7 @@
 #ifndef HOOKE_REPORT_H
 #define HOOKE_REPORT_H
 
+#include <hooke/language.h>
 #include <hooke/plot.h>
 
 /* ---- tables made from a session; all memory from the arena ---- */

@@ -6,6 +6,9 @@
 #ifndef HOOKE_SESSION_H
 #define HOOKE_SESSION_H
 
+#include <hooke/analysis/fit.h>
+#include <hooke/study/compare.h>
+#include <hooke/study/fit.h>
 #include <hooke/session/screen.h>
 #include <hooke/session/settings.h>
 

@@ -2,6 +2,8 @@
 /* All commands in one table: the rows at the bottom of every cmd_*.c. */
 #define COMMAND_ROWS
 #define COMMAND(id, ...) bool command_##id(HANDLER_PARAMETERS);
+#include <hooke/plot.h>
+#include <hooke/report.h>
 #include "command/internal.h"
 
 #include "command/commands.def"

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Lines to statements, statements to handlers: atomic, undoable, recorded. */
 #define _GNU_SOURCE /* memmem */
+#include <hooke/scene/formula.h>
+#include <hooke/report.h>
 #include "command/finding.h"
 #include "command/internal.h"
 #include "command/redirect.h"

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+#include <hooke/report.h>
 #include "command/redirect.h"
 
 #include <string.h>

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Completion: what there is of each kind. */
 #include <hooke/language/complete.h>
+#include <hooke/scene/typed.h>
 
 #include <stdio.h>
 #include <string.h>

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The types of arguments: how each is read and completed. */
 #include <hooke/language/complete.h>
+#include <hooke/scene/formula.h>
 
 #include <stdio.h>
 #include <string.h>

@@ -2,6 +2,7 @@
 /* Values with units and uncertainties, ranges, whole numbers, and what is said when they are
  * malformed. */
 #include <hooke/language.h>
+#include <hooke/scene/formula.h>
 
 #include <math.h>
 #include <string.h>

@@ -4,6 +4,7 @@
 #include "plot/figure/curves.h"
 
 #include <hooke/plot.h>
+#include <hooke/session/subject.h>
 
 #include <math.h>
 

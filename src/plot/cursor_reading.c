@@ -2,6 +2,7 @@
 /* What the two cursors say. */
 #include <hooke/base/numeric.h>
 #include <hooke/plot.h>
+#include <hooke/session/subject.h>
 
 #include <math.h>
 #include <stdio.h>

@@ -3,6 +3,7 @@
 #include "plot/figure/drawing.h"
 
 #include <hooke/plot.h>
+#include <hooke/session/subject.h>
 
 #include <math.h>
 #include <stdlib.h>

@@ -2,6 +2,7 @@
 /* What events have noticed, for people, programs and files. */
 #include <hooke/report.h>
 #include <hooke/session/events.h>
+#include <hooke/scene/typed.h>
 
 static const char *event_name(const struct run_slot *slot, size_t i)
 {

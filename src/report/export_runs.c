@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Columns of runs. */
 #include <hooke/report.h>
+#include <hooke/scene/typed.h>
 
 #include <math.h>
 

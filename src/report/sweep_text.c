@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include <hooke/report.h>
+#include <hooke/study/sweep.h>
 
 #include <math.h>
 #include <string.h>

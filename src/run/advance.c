@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The loop: steps, conditions, stop reasons, slices. */
+#include <hooke/scene/formula.h>
 #include "run/private.h"
 
 #include <float.h>

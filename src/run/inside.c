@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* States inside of the step just taken. */
+#include <hooke/scene/typed.h>
 #include "run/private.h"
 
 struct inside inside_of(struct run *run, bool cold, double t, double h)

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Observables: functions of a row of a run. A new one is a row of the table. */
+#include <hooke/scene/typed.h>
 #include "run/private.h"
 
 #include <float.h>

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include <hooke/session/subject.h>
+#include <hooke/scene/typed.h>
 
 #include <stdio.h>
 #include <string.h>

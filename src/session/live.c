@@ -2,6 +2,7 @@
 /* Runs while a person watches: pace, pauses, parameters that change on the way. */
 #include <hooke/session/log.h>
 #include <hooke/session/subject.h>
+#include <hooke/scene/typed.h>
 
 #include <math.h>
 #include <string.h>

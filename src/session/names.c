@@ -6,6 +6,7 @@
  */
 #include <hooke/session/log.h>
 #include <hooke/session/subject.h>
+#include <hooke/scene/typed.h>
 
 #include <math.h>
 #include <string.h>

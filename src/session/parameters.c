@@ -2,6 +2,7 @@
 /* What a scene has: parameters, derived quantities and variables by name. Which there are depends
  * on its model. */
 #include <hooke/session/subject.h>
+#include <hooke/scene/typed.h>
 
 #include <string.h>
 

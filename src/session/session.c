@@ -4,6 +4,7 @@
 #include <hooke/session/events.h>
 #include <hooke/session/log.h>
 #include <hooke/session/subject.h>
+#include <hooke/scene/typed.h>
 
 #include <math.h>
 #include <stdio.h>

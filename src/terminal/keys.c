@@ -2,6 +2,7 @@
 /* Keys: a row each, and each a command line. Readline's keymaps find them, so that the inputrc can
  * bind them otherwise.
  */
+#include <hooke/plot.h>
 #include "terminal/panes.h"
 
 #include <stdio.h>

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The two cursors: lines on the time plots, and the table of what they measure in place of the log.
  */
+#include <hooke/plot.h>
 #include "view/internal.h"
 
 #include <stdio.h>

@@ -4,6 +4,7 @@
 #define HOOKE_VIEW_INTERNAL_H
 
 #include <hooke/view.h>
+#include <hooke/plot.h>
 
 /* One screen being drawn. */
 struct screen {

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Names in a legend: where the frame has no room for all of them the runs go by their numbers, as
  * in the list of runs, so that no mark stays unexplained. */
+#include <hooke/plot.h>
 #include "view/internal.h"
 
 #include <stdio.h>

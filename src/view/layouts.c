@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Layouts: how the height is divided, and which panes stand where. A layout is a row of the table.
  */
+#include <hooke/plot.h>
 #include "view/internal.h"
 
 #define PLOT_ROWS                                                                                  \

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Panes: the plots on the screen. Each is a figure of the session with axes that stay where they
  * are while a curve grows. */
+#include <hooke/plot.h>
 #include "view/internal.h"
 
 #include <stdio.h>

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Ranges of panes: axes that stay where they are while a curve grows, and the one time axis of a
  * screen. */
+#include <hooke/plot.h>
 #include "view/internal.h"
 
 #define TOUCH 0.01 /* of a range: so much more does not widen it */

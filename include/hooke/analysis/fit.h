@@ -5,6 +5,8 @@
 
 #include <hooke/analysis/period.h>
 
+struct expr_scope;
+
 /* ---- least squares for any curve ----
  *
  * y = f(parameters, t) with exact derivatives: Levenberg-Marquardt (GSL; More's scaling, QR), with

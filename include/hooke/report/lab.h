@@ -8,6 +8,7 @@
 #define HOOKE_REPORT_LAB_H
 
 #include <hooke/report.h>
+#include <hooke/plot.h>
 
 /* A number of the session with where it comes from. */
 struct report_value {

@@ -3,7 +3,7 @@
 #ifndef HOOKE_SCENE_MODEL_H
 #define HOOKE_SCENE_MODEL_H
 
-#include <hooke/scene/formula.h>
+#include <hooke/base.h>
 
 /* ---- parameters ----
  *
@@ -11,6 +11,9 @@
  * parameter is known by its row; its place in the table indexes scene.value.
  */
 
+/* Of typed equations (scene/typed.h); and with that of dry friction. */
+#define LIMIT_TYPED_SWITCHES 12
+#define LIMIT_SWITCHES (LIMIT_TYPED_SWITCHES + 1)
 #define PARAM_MAX 192 /* of a typed scene: an initial value for each variable, t0 and its own */
 
 struct param_row {

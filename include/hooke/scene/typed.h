@@ -3,6 +3,7 @@
 #ifndef HOOKE_SCENE_TYPED_H
 #define HOOKE_SCENE_TYPED_H
 
+#include <hooke/scene/formula.h>
 #include <hooke/scene/model.h>
 
 /* ---- typed scenes ----
@@ -115,10 +116,8 @@ const struct program *term_program(const struct bound_term *term, int *values);
  * Switches of typed equations: where abs(), sign(), if(), <, min(), max(), step(), floor(), mod()
  * go from one branch to another; and of dry friction, where the velocity is 0. A frozen system
  * stays on its branches and is smooth; its guards are above 0 as long as they are the right ones.
- * branch, guard: [system->switches].
+ * branch, guard: [system->switches <= LIMIT_SWITCHES].
  */
-#define LIMIT_TYPED_SWITCHES 12
-#define LIMIT_SWITCHES (LIMIT_TYPED_SWITCHES + 1)
 void system_branches(const struct system *system, double t, const double *y, double *branch);
 void system_freeze(const struct system *system, const double *branch, struct system *frozen);
 void system_guards(const struct system *frozen, double t, const double *y, double *guard);

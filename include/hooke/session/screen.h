@@ -3,8 +3,7 @@
 #ifndef HOOKE_SESSION_SCREEN_H
 #define HOOKE_SESSION_SCREEN_H
 
-#include <hooke/result.h>
-#include <hooke/study.h>
+#include <hooke/analysis/period.h>
 
 struct session;
 

@@ -3,8 +3,8 @@
 #ifndef HOOKE_SESSION_SETTINGS_H
 #define HOOKE_SESSION_SETTINGS_H
 
-#include <hooke/result.h>
-#include <hooke/study.h>
+#include <hooke/run.h>
+#include <hooke/figure.h>
 
 /* ---- settings ---- */
 

@@ -3,8 +3,9 @@
 #ifndef HOOKE_STUDY_COMPARE_H
 #define HOOKE_STUDY_COMPARE_H
 
-#include <hooke/figure.h>
 #include <hooke/result.h>
+#include <hooke/figure.h>
+#include <hooke/run.h>
 
 /* ---- timing: how long a solve takes, nothing recorded ----
  *

@@ -3,7 +3,8 @@
 #ifndef HOOKE_STUDY_FIT_H
 #define HOOKE_STUDY_FIT_H
 
-#include <hooke/study/stability.h>
+#include <hooke/analysis/fit.h>
+#include <hooke/run.h>
 
 /* ---- fit a scene: its equation of motion to a recording ----
  *

@@ -3,7 +3,8 @@
 #ifndef HOOKE_STUDY_SWEEP_H
 #define HOOKE_STUDY_SWEEP_H
 
-#include <hooke/study/fit.h>
+#include <hooke/figure.h>
+#include <hooke/run.h>
 
 /* ---- sweep: one or two quantities varied, a trajectory each ----
  *

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Formulas in t as curves: which names are parameters, and their values and derivatives. */
+#include <hooke/scene/formula.h>
 #include "analysis/fit/formula.h"
 
 #include <stdio.h>

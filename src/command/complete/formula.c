@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Completion inside of expressions, and of the lines that define scenes and events. */
+#include <hooke/scene/typed.h>
 #include "command/complete/complete.h"
 #include "command/internal.h"
 

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Completion of a sweep: NAME=FROM:TO with the unit behind a number, and what is measured. */
+#include <hooke/study/sweep.h>
 #include "command/complete/complete.h"
 #include "command/internal.h"
 

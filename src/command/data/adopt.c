@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* adopt: all that the last fit found becomes the scene, and is proved by a run over the recording.
  */
+#include <hooke/plot.h>
 #include "command/data/fit_text.h"
 #include "command/internal.h"
 

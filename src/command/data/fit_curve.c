@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* fit scene, fit EXPR: what was asked for, and what stays in the session. */
+#include <hooke/scene/formula.h>
 #include "command/data/fit_text.h"
 #include "command/internal.h"
 

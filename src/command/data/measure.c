@@ -6,6 +6,7 @@
 #include "command/data/measuring.h"
 
 #include <hooke/base/numeric.h>
+#include <hooke/plot.h>
 
 #include <math.h>
 #include <stdio.h>

@@ -3,6 +3,7 @@
 #ifndef HOOKE_COMMAND_DATA_MEASURING_H
 #define HOOKE_COMMAND_DATA_MEASURING_H
 
+#include <hooke/plot.h>
 #include "command/internal.h"
 
 struct measuring {

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* plot */
 #ifndef COMMAND_ROWS
+#include <hooke/report.h>
+#include <hooke/plot.h>
 #include "command/internal.h"
 #include "command/data/measuring.h"
 

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* layout, focus, range, zoom, pan, window, trail, screenshot */
 #ifndef COMMAND_ROWS
+#include <hooke/plot.h>
 #include "command/internal.h"
 
 #include <math.h>

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What events do where a run has stopped because of them, and how it passes them. */
+#include <hooke/scene/formula.h>
 #include "command/run/event_pass.h"
 
 #include <math.h>

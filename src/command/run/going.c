@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A run on its way: until it is where it should be, is paused, or would take too long. */
+#include <hooke/report.h>
+#include <hooke/scene/formula.h>
 #include "command/run/going.h"
 #include "command/run/event_pass.h"
 

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What is said about a run: how it went, and what is wrong with its step. */
+#include <hooke/report.h>
+#include <hooke/scene/typed.h>
 #include "command/internal.h"
 
 #include <float.h>

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* var, param, equation, force, potential, observe: scenes that a user types */
 #ifndef COMMAND_ROWS
+#include <hooke/scene/typed.h>
 #include "command/internal.h"
 
 #include <stdio.h>

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* event */
 #ifndef COMMAND_ROWS
+#include <hooke/scene/formula.h>
 #include "command/internal.h"
 #include "command/run/event_pass.h"
 

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* scene, set, unset, let, show, plan */
 #ifndef COMMAND_ROWS
+#include <hooke/plot.h>
+#include <hooke/scene/typed.h>
 #include "command/internal.h"
 
 #include <math.h>

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* show */
 #ifndef COMMAND_ROWS
+#include <hooke/scene/typed.h>
 #include "command/internal.h"
 
 #include <math.h>

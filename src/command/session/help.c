@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* help, apropos */
 #ifndef COMMAND_ROWS
+#include <hooke/report.h>
+#include <hooke/scene/typed.h>
+#include <hooke/study/sweep.h>
 #include "command/internal.h"
 #include "command/finding.h"
 #include "command/session/topics.h"

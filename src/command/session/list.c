@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* list */
 #ifndef COMMAND_ROWS
+#include <hooke/report.h>
+#include <hooke/scene/typed.h>
 #include "command/internal.h"
 #include "command/session/list_methods.h"
 

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* order, selftest */
 #ifndef COMMAND_ROWS
+#include <hooke/report.h>
 #include "command/internal.h"
 
 #include <math.h>

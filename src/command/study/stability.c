@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* stability */
 #ifndef COMMAND_ROWS
+#include <hooke/report.h>
+#include <hooke/study/stability.h>
 #include "command/internal.h"
 
 #include <math.h>

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* stress */
 #ifndef COMMAND_ROWS
+#include <hooke/study/stability.h>
 #include "command/internal.h"
 
 #include <math.h>

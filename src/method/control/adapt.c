@@ -7,6 +7,7 @@
 #pragma GCC optimize(                                                                              \
     "no-tree-vectorize") /* a pair that was stored one by one cannot be loaded at once */
 #endif
+#include <hooke/scene/typed.h>
 #include "method/control/adapt_body.h"
 #include "method/control/switch.h"
 

@@ -6,6 +6,7 @@
  * slides along it (typed_slide.c) until one of them turns away; where switches follow each other in
  * ever shorter times they pile up, and it goes on along all of them.
  */
+#include <hooke/scene/typed.h>
 #include "method/control/switch.h"
 
 #include <float.h>

@@ -4,6 +4,7 @@
  * under dry friction, sticks and breaks away, each on frozen branches as adaptive steps are
  * (switch.c).
  */
+#include <hooke/scene/typed.h>
 #include "method/control/switch.h"
 
 #define PIECES 64 /* of a step at most */

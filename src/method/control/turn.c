@@ -3,6 +3,7 @@
  * Turning points: a force like |v| v is only C^1 at v = 0, and a step across loses its order. It is
  * taken again, up to the turning point only, which is found by steps of the method.
  */
+#include <hooke/scene/typed.h>
 #include "method/control/switch.h"
 
 /* Shares of a step: a kink so close to its end is as good as there, because it acts as the square.

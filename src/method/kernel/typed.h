@@ -7,6 +7,7 @@
 #ifndef HOOKE_METHOD_KERNEL_TYPED_H
 #define HOOKE_METHOD_KERNEL_TYPED_H
 
+#include <hooke/scene/formula.h>
 #include "method/control/march_body.h"
 
 enum { FRAME = 512 };

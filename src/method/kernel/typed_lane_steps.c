@@ -12,6 +12,7 @@
 #include "method/kernel/typed_lanes.h"
 
 #include <hooke/base/numeric.h>
+#include <hooke/scene/formula.h>
 
 _Static_assert(LANES == PROGRAM_LANES, "they are the same lanes");
 

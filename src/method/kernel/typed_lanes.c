@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Typed scenes in lanes: what they need to be stepped, which systems they take, their room. */
+#include <hooke/scene/typed.h>
 #include "method/kernel/typed_lanes.h"
 
 #include <stdlib.h>

@@ -3,6 +3,7 @@
 #include "method/rows/rows.h"
 
 #include <hooke/base/numeric.h>
+#include <hooke/scene/typed.h>
 
 #include <assert.h>
 

@@ -4,6 +4,8 @@
 
 #include <hooke/plot.h>
 #include <hooke/session/events.h>
+#include <hooke/scene/typed.h>
+#include <hooke/session/subject.h>
 
 #include <string.h>
 

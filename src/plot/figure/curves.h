@@ -5,6 +5,7 @@
 #define HOOKE_PLOT_FIGURE_CURVES_H
 
 #include <hooke/plot.h>
+#include <hooke/session/subject.h>
 
 /* The rows of a run from time to time: all of them; or for a screen, which is drawn often, those
  * that look the same on so many columns. */

@@ -6,6 +6,7 @@
 #include "plot/figure/curves.h"
 
 #include <hooke/plot.h>
+#include <hooke/session/subject.h>
 
 #define PERIOD_COLUMNS_ASCII 8 /* least columns a period that can still be followed */
 #define PERIOD_COLUMNS_DOTS 5

@@ -4,6 +4,7 @@
 
 #include <hooke/base/numeric.h>
 #include <hooke/plot.h>
+#include <hooke/session/subject.h>
 
 #include <math.h>
 

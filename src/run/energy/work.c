@@ -15,6 +15,7 @@
  * Here it goes step by step through the system's functions; work_terms.c does the commonest scenes
  * by blocks of steps.
  */
+#include <hooke/scene/typed.h>
 #include "run/energy/work.h"
 
 #include <math.h>

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Events: sign changes of an expression, located on the dense output of the step in which they
  * happen. */
+#include <hooke/scene/formula.h>
 #include "run/event/watch.h"
 
 #include <float.h>

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The step just taken as a polynomial, and bounds of it. */
+#include <hooke/scene/typed.h>
 #include "run/event/watch.h"
 
 #include <float.h>

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Events from text. */
+#include <hooke/scene/formula.h>
 #include "run/private.h"
 
 static size_t blanks(struct text text, size_t at)

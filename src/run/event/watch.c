@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Formulas of events, compiled for a run: values at a state, and bounds inside of the step just
  * taken. */
+#include <hooke/scene/formula.h>
 #include "run/event/watch.h"
 
 #include <float.h>

@@ -2,6 +2,7 @@
 #include <hooke/session/events.h>
 #include <hooke/session/log.h>
 #include <hooke/session/subject.h>
+#include <hooke/scene/formula.h>
 
 #include <math.h>
 #include <stdlib.h>

@@ -8,6 +8,7 @@
  * 1988; Leine & Nijmeijer 2004, Dynamics and Bifurcations of Non-Smooth Mechanical Systems, ch. 7).
  * Where the body sticks a_after is 0.
  */
+#include <hooke/scene/typed.h>
 #include "study/fit/curve.h"
 
 #include <math.h>

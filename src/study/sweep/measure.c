@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What a sweep can vary and what it can measure. */
+#include <hooke/scene/typed.h>
 #include "study/sweep/sweep.h"
 
 #include <stdio.h>

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The points of a sweep, each as a run of its own; those that go in lanes (sweep_lanes.c) get the
  * same bits. */
+#include <hooke/scene/typed.h>
 #include "study/sweep/sweep.h"
 
 #include <stdio.h>

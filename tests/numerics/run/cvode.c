@@ -4,6 +4,8 @@
 #include "unit/run/fixture.h"
 
 #include <hooke/method.h>
+#include <hooke/run.h>
+#include <hooke/scene/formula.h>
 
 static const char *const names[] = {"cvode-adams", "cvode-bdf"};
 

@@ -3,6 +3,8 @@
  * Turning points with quadratic drag, q'' = -q - 0.1 |q'| q': the force is only C^1 there. Steps
  * that end at them keep the order of the method; across them it is lost.
  */
+#include <hooke/run.h>
+#include <hooke/scene/formula.h>
 #include "numerics/references.h"
 
 #include <float.h>

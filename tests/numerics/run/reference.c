@@ -4,6 +4,8 @@
  * give when they are run: each problem as a scene, by methods of at least two families, at every
  * time of the table.
  */
+#include <hooke/run.h>
+#include <hooke/scene/formula.h>
 #include "numerics/references.h"
 
 /*

@@ -9,6 +9,7 @@
 
 #include <cmocka.h>
 
+#include <hooke/scene/formula.h>
 #include "analysis/fit/formula.h"
 #include "unit/analysis/testing.h"
 

@@ -14,6 +14,7 @@
 #include "unit/command/testing.h"
 
 #include <hooke/study.h>
+#include <hooke/plot.h>
 
 #define DT 0.02 /* [s] of the recordings and the runs */
 

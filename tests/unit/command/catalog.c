@@ -6,6 +6,7 @@
 #include <stdint.h>
 #include <cmocka.h>
 
+#include <hooke/scene/formula.h>
 #include "unit/command/testing.h"
 
 static const struct command *command_number(size_t i)

@@ -6,6 +6,7 @@
 #include <stdint.h>
 #include <cmocka.h>
 
+#include <hooke/plot.h>
 #include "unit/command/testing.h"
 
 #define PI 3.14159265358979323846

@@ -8,6 +8,8 @@
 
 #include <cmocka.h>
 
+#include <hooke/language.h>
+#include <hooke/plot.h>
 #include "unit/command/testing.h"
 
 #define EDGE 0.0111 /* [axis lengths] that a curve may stick out without a word */

@@ -6,6 +6,8 @@
 #include <stdint.h>
 #include <cmocka.h>
 
+#include <hooke/language.h>
+#include <hooke/plot.h>
 #include "unit/command/testing.h"
 
 static const struct preset *preset_at(size_t i)

@@ -10,6 +10,9 @@
 #include "unit/command/testing.h"
 
 #include <hooke/plot.h>
+#include <hooke/report.h>
+#include <hooke/scene/formula.h>
+#include <hooke/study/sweep.h>
 
 static const struct catalog *const catalogs[] = {
     &command_catalog, &setting_catalog,  &method_catalog,        &observable_catalog,

@@ -11,6 +11,8 @@
 #include "unit/random_testing.h"
 
 #include <hooke/session/events.h>
+#include <hooke/language.h>
+#include <hooke/plot.h>
 
 enum { LINES = 40 }; /* of a session, of at most 4 statements */
 

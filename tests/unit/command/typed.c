@@ -7,6 +7,7 @@
 #include <stdint.h>
 #include <cmocka.h>
 
+#include <hooke/plot.h>
 #include "unit/command/testing.h"
 #include "unit/cpu_time.h"
 

@@ -6,6 +6,7 @@
 #include <stdint.h>
 #include <cmocka.h>
 
+#include <hooke/plot.h>
 #include "unit/command/testing.h"
 
 static void log_is_a_ring(void **state)

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Advancing: splits, slices, going back, partial steps, conditions, stop reasons. */
+#include <hooke/scene/formula.h>
 #include "unit/run/fixture.h"
 
 static struct scene lively(void)

@@ -3,6 +3,7 @@
 #include "unit/run/fixture.h"
 
 #include <hooke/method.h>
+#include <hooke/scene/typed.h>
 
 /*
  * Free swings with friction f = F/m from rest at A > 0: half a period is pi/omega, each takes 2

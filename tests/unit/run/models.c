@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Runs of scenes that are not a mass on a line: several coordinates, first order, angles, no units.
  */
+#include <hooke/run.h>
+#include <hooke/scene/formula.h>
 #include "unit/run/fixture.h"
 
 #include <stdlib.h>

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Observables against formulas written out by hand, and names in expressions. */
+#include <hooke/run.h>
+#include <hooke/scene/formula.h>
 #include "unit/run/fixture.h"
 
 #include <stdlib.h>

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Panes: which part of the time, how little a live frame changes, cursors and marks, the figures
  * behind them. */
+#include <hooke/plot.h>
 #include "unit/view/testing.h"
 
 #include <unistd.h>

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The screen: sizes, layouts, what gives way, what the lines say. */
 #include "long_form.h"
+#include <hooke/language.h>
+#include <hooke/plot.h>
 #include "unit/view/testing.h"
 
 static void every_size_can_be_drawn(void **state)
