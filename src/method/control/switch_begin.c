@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* On which branches of its switches a step begins: where they lead, along which of them the motion
  * slides. */
+#include <hooke/scene/typed.h>
 #include "method/control/switch.h"
 
 #include <float.h>
