@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Forces that were typed, as programs, in RK4 against the same loop with the force written in C. */
+#include <hooke/scene/formula.h>
+
 #include "bench/bench.h"
 
 #include <stdlib.h>
