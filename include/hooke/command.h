@@ -30,7 +30,7 @@ struct script {
     struct buffer pending;
     struct source_piece piece[64]; /* of the joined line; more count as the last */
     int pieces;
-    int commands; /* session->commands at the start */
+    int commands; /* session->history.done at the start */
     bool ok, stopped;
 };
 

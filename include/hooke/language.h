@@ -85,7 +85,7 @@ enum command_flag {
     COMMAND_UNRECORDED = 2, /* not written by `record` */
     COMMAND_ANYTIME = 4,    /* also while a run goes on: it does not disturb it */
     COMMAND_NESTS =
-        8, /* executes other statements, which stand in the transcript of the session themselves */
+        8, /* executes other statements, which stand in the log of the session themselves */
     COMMAND_IN_EVENTS = 16, /* also what an event executes, although it changes the session */
     COMMAND_STARTS = 32,    /* starts a run, into which its conditions look */
     COMMAND_ASSIGNS = 64,   /* NAME = VALUE is short for it */

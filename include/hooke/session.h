@@ -117,8 +117,39 @@ struct live {
     int mark_count;
     bool pausing;  /* asked to pause at the next look */
     bool changing; /* private: the present command changes the current run */
-    struct buffer record,
-        typed; /* private: what `record` writes instead of the present statement, and after it */
+};
+
+/* ---- the log of what was typed (history.c) ---- */
+
+enum entry_flag {
+    ENTRY_LINE = 1,        /* a line as it came; its statements follow */
+    ENTRY_SOURCED = 2,     /* of a file that a statement reads */
+    ENTRY_WITHIN = 4,      /* while the run of the statement before went on */
+    ENTRY_DONE = 8,        /* it succeeded */
+    ENTRY_CHANGED = 16,    /* it changed the session, also if it failed */
+    ENTRY_HAPPENED = 32,   /* its text in full is what happened: a run that was paused */
+    ENTRY_UNRECORDED = 64, /* what it did leaves no trace */
+    ENTRY_NESTS = 128,     /* what it read stands after it */
+    ENTRY_WRITES = 256,    /* all it did was to write a file */
+    ENTRY_LOST = 512,      /* there was no memory for what happened */
+};
+
+struct entry {
+    size_t text, len;      /* as it came, in history.text */
+    size_t full, full_len; /* as a file has to say it; full_len 0: the same */
+    size_t output;         /* bytes at the end of that which send its result to a file */
+    unsigned flags;
+};
+
+/* Every line and statement of the session, in the order in which they began; none is changed after
+ * its end. */
+struct history {
+    struct buffer text;
+    struct entry *entry;
+    size_t count, capacity;
+    int lines;              /* that were not sourced */
+    int done;               /* statements that succeeded */
+    struct buffer happened; /* private: what the statement in hand really did, as commands */
 };
 
 struct snapshot; /* private: undo, redo, checkpoints */
@@ -219,17 +250,14 @@ struct session {
 
     struct references references; /* of the scenes that were studied last */
 
-    struct snapshot *undo[LIMIT_UNDO], *redo[LIMIT_UNDO];
+    struct snapshot *state[LIMIT_UNDO]; /* the first `undos` go back, the others forward again */
     int undos, redos;
     struct snapshot *checkpoint[LIMIT_CHECKPOINTS];
     int checkpoints;
 
-    char **history; /* lines executed, oldest first */
-    int histories;
-    struct buffer transcript; /* statements that lead here, as a script (private: transcript.h) */
-    bool transcript_fails;    /* one of them ends in an error, as it did: a run that diverged */
-    bool confirmed;           /* the present statement was asked about, and allowed */
-    char *record_path;        /* file that executed lines are appended to, NULL: none */
+    struct history history;
+    bool confirmed;    /* the present statement was asked about, and allowed */
+    char *record_path; /* file that executed lines are appended to, NULL: none */
     int record_fd;
     bool keep_going;  /* option -k */
     bool verbose;     /* option -v: lines of scripts are shown before they are executed */
@@ -237,7 +265,6 @@ struct session {
     bool quit;        /* the user asked to leave */
     int status;       /* exit status so far */
     uint64_t changes; /* counts changes: autosave compares it */
-    int commands;     /* statements executed */
     bool typed;       /* the statement being executed was typed by a person */
     int nesting;      /* command_exec inside command_exec */
     bool halted;      /* a run was paused: what stands after it on the line and in the file is not
@@ -333,7 +360,8 @@ void snapshot_free(struct snapshot *snapshot);
 void run_unmark(struct run_slot *slot); /* forget how undo entries last saw it */
 /* Whether going back to it would change anything. */
 bool undo_matters(const struct session *session, const struct snapshot *before);
-void undo_push(struct session *session, struct snapshot *before);
+/* The state before that statement of the history. */
+void undo_push(struct session *session, struct snapshot *before, size_t statement);
 void undo_clear(struct session *session);
 
 /* ---- live runs ---- */

@@ -7,7 +7,7 @@
 #include "command/internal.h"
 #include "command/redirect.h"
 #include "command/run/event_pass.h"
-#include "command/transcript.h"
+#include "command/in_full.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -68,50 +68,31 @@ static bool find_command(struct session *session, struct parser *parser,
     return *command || unknown_command(session, word, error);
 }
 
-/* What `undo` calls it: the statement as it was typed, as much of it as fits. */
-static void label_of(struct text statement, char label[LIMIT_NAME + 1])
-{
-    struct buffer text = {0};
-    safe_text(&text, text_trim(statement), false);
-    size_t len = text.len <= LIMIT_NAME ? text.len : LIMIT_NAME - 3;
-    while (len < text.len && len > 0 && ((unsigned char)text.data[len] & 0xc0) == 0x80)
-        len--;
-    snprintf(label, LIMIT_NAME + 1, "%.*s%s", (int)len, text.data ? text.data : "",
-             len < text.len ? "..." : "");
-    buffer_free(&text);
-}
-
 /* Runs the handler between a snapshot and what follows from success. */
-static bool run_handler(struct session *session, const struct arguments *arguments,
-                        struct text statement, struct reply *reply, struct error *error)
+static bool run_handler(struct session *session, const struct arguments *arguments, size_t entry,
+                        struct reply *reply, struct error *error)
 {
     const struct command *command = arguments->command;
     struct snapshot *before = NULL;
     session->setup.scene.across = session->setup.settings.turning == TURNING_OFF;
     /* What changes while a run goes on, or by its events, is undone with the run. */
     if ((command->flags & COMMAND_CHANGES) && session->live.state != LIVE_RUNNING &&
-        !session->reacting) {
-        char label[LIMIT_NAME + 1];
-        label_of(statement, label);
-        before = snapshot_take(session, label);
-        if (!before)
-            return error_memory(error);
-    }
+        !session->reacting && !(before = snapshot_take(session, "")))
+        return error_memory(error);
     const uint64_t changes = session->changes;
     const bool ok = command->handler(session, arguments, reply, error);
     session_store_band(session);
     /* A run that diverged is an error, and a change all the same. */
     if (before && session->changes != changes && undo_matters(session, before))
-        undo_push(session, before);
+        undo_push(session, before, entry);
     else
         snapshot_free(before);
     return ok;
 }
 
 /* What it finds is kept, and goes to the file where there is one. */
-static bool run_collected(struct session *session, const struct arguments *arguments,
-                          struct text statement, struct redirect *redirect, struct reply *reply,
-                          struct error *error)
+static bool run_collected(struct session *session, const struct arguments *arguments, size_t entry,
+                          struct redirect *redirect, struct reply *reply, struct error *error)
 {
     struct table_store said = {0}, *outer = reply->store;
     const bool muted = reply->muted, redirected = redirect->file.len > 0;
@@ -119,7 +100,7 @@ static bool run_collected(struct session *session, const struct arguments *argum
         return false;
     reply->store = &said;
     reply->muted |= redirected;
-    bool ok = run_handler(session, arguments, statement, reply, error);
+    bool ok = run_handler(session, arguments, entry, reply, error);
     reply->store = outer;
     reply->muted = muted;
     const struct row *of = session_keep_results(session, &said, arguments->command->row.name);
@@ -133,38 +114,31 @@ static bool run_collected(struct session *session, const struct arguments *argum
     return redirect_finish(session, redirect, of, reply, error);
 }
 
-static struct text without_newline(const struct buffer *lines)
+/* What the log keeps of a statement that is over; what was typed while a run went on is recorded
+ * with the run, or the file that it is in. */
+static bool log_statement(struct session *session, const struct arguments *arguments, size_t entry,
+                          struct text typed, size_t output, unsigned flags, struct error *error)
 {
-    return (struct text){lines->data, lines->len - 1};
+    struct buffer full = {0};
+    statement_in_full(session, arguments, typed, &full);
+    flags |= (arguments->command->flags & COMMAND_UNRECORDED ? ENTRY_UNRECORDED : 0) |
+             (arguments->command->flags & COMMAND_NESTS ? ENTRY_NESTS : 0) |
+             (writes_file(arguments) ? ENTRY_WRITES : 0) | (full.failed ? ENTRY_LOST : 0);
+    history_end(session, entry, buffer_text(&full), output, flags);
+    buffer_free(&full);
+    return (session->history.entry[entry].flags & (ENTRY_WITHIN | ENTRY_SOURCED)) ||
+           record_append(session, entry, error);
 }
 
-/*
- * `record` has to be in an order that can be read again: a run that was paused or
- * changed on the way is written as what really happened, and what was typed while it went on stands
- * after it.
- */
-static bool record_statement(struct session *session, struct text statement, bool nested,
-                             struct error *error)
+static bool refuse_in_saved(struct error *error)
 {
-    struct buffer *later = &session->live.typed, *instead = &session->live.record;
-    bool ok = true;
-    if (session->record_fd >= 0 && nested) {
-        buffer_put(later, statement);
-        buffer_char(later, '\n');
-    } else if (session->record_fd >= 0) {
-        ok = history_record(session, instead->len ? without_newline(instead) : statement, error) &&
-             (later->len == 0 || history_record(session, without_newline(later), error));
-    }
-    if (!nested) {
-        buffer_free(instead);
-        buffer_free(later);
-    }
-    return ok;
+    return error_set(error, ERROR_COMMAND, "this command does not belong into a saved session");
 }
 
-static bool exec_statement(struct session *session, struct text statement,
-                           const struct source *where, struct reply *reply, struct arena *arena,
-                           struct error *error)
+/* log_line: of the line that it is in. */
+static bool exec_statement(struct session *session, struct text line, size_t log_line,
+                           struct text statement, const struct source *where, struct reply *reply,
+                           struct arena *arena, struct error *error)
 {
     if (cancelled(session->front.cancel))
         return error_set(error, ERROR_CANCELLED, "interrupted");
@@ -189,7 +163,7 @@ static bool exec_statement(struct session *session, struct text statement,
     if (session->reacting && !event_executes(arguments->command))
         return refuse_in_event(arguments->command, arguments->word, error);
     if (session->restoring && !(arguments->command->flags & (COMMAND_CHANGES | COMMAND_RESTORES)))
-        return error_set(error, ERROR_COMMAND, "this command does not belong into a saved session");
+        return refuse_in_saved(error);
     /* Only a condition looks into a run that is about to start. */
     names.expects_run = (arguments->command->flags & COMMAND_STARTS) != 0;
     reply_command_begin(reply, (enum output_format)session->setup.settings.format);
@@ -201,25 +175,28 @@ static bool exec_statement(struct session *session, struct text statement,
         redirect_explain(arguments->command, typed, error);
         return false;
     }
-    const size_t told = session->transcript.len;
+    if (session->restoring && redirect.file.len > 0)
+        return refuse_in_saved(error);
     const uint64_t changes = session->changes;
-    session->confirmed = false;
-    const bool ok = run_collected(session, arguments, statement, &redirect, reply, error);
-    if ((ok || session->changes != changes) && !session->reacting)
-        transcript_add(session, arguments, statement, running != NULL, ok, told);
-    reply_command_end(reply, arguments->command->row.name);
-    if (!ok && !running) {
-        buffer_free(&session->live.record);
-        buffer_free(&session->live.typed);
-    }
-    if (!ok)
+    struct error lost = {0};
+    size_t entry = 0;
+    /* What events execute is part of the statement that ran into them. */
+    if (!session->reacting && !history_begin(session, log_line, line, typed, &entry, error))
         return false;
-    session->commands += !session->reacting;
-    const bool told_by_source = session->reacting || (where && where->parent);
-    if (told_by_source && !running)
-        buffer_free(&session->live.record);
-    if (!(arguments->command->flags & COMMAND_UNRECORDED) && !told_by_source &&
-        !record_statement(session, typed, running != NULL, error))
+    session->confirmed = false;
+    const bool ok = run_collected(session, arguments, entry, &redirect, reply, error);
+    const unsigned flags = (ok ? ENTRY_DONE : 0) |
+                           (session->changes != changes ? ENTRY_CHANGED : 0) |
+                           (running ? ENTRY_WITHIN : 0);
+    const bool recorded =
+        session->reacting ||
+        log_statement(session, arguments, entry, typed, typed.len - statement.len, flags, &lost);
+    reply_command_end(reply, arguments->command->row.name);
+    if (!recorded && !ok)
+        reply_warning(reply, "%s", lost.text);
+    else if (!recorded)
+        *error = lost;
+    if (!ok || !recorded)
         return false;
     if (reply->failed) {
         error_set(error, ERROR_IO,
@@ -254,16 +231,19 @@ static bool exec_line(struct session *session, struct text line, const struct so
     struct error error = {0};
     struct text rest = line, statement;
     bool ok = true;
+    size_t entry = 0;
     if (line.len > LIMIT_LINE)
         ok = error_set(&error, ERROR_COMMAND, "a line of more than %u bytes", LIMIT_LINE);
     else if (memchr(line.at, 0, line.len))
         ok = error_at(&error, (struct text){memchr(line.at, 0, line.len), 1},
                       "a NUL byte in a command");
+    else if (!session->reacting)
+        ok = history_line(session, line, where && where->parent, &entry, &error);
     while (ok && rest.len > 0 && !session->quit && !session->halted) {
         struct arena arena = {0};
         ok = next_statement(&rest, &statement, &error) &&
              (statement.len == 0 ||
-              exec_statement(session, statement, where, reply, &arena, &error));
+              exec_statement(session, line, entry, statement, where, reply, &arena, &error));
         /* An error without a code was reported where it happened: in a sourced file. */
         if (!ok && error.code != ERROR_NONE) {
             reply->format = (enum output_format)session->setup.settings.format;
@@ -301,8 +281,6 @@ bool command_exec(struct session *session, struct text line, const struct source
     session->typed = session->front.interactive && !(where && where->name);
     if (session->nesting++ == 0)
         session->halted = false;
-    if (!session->reacting && !(where && where->parent))
-        history_add(session, line);
     const bool ok = exec_line(session, line, where, inside ? &own : reply);
     reply->failed |= own.failed;
     reply_free(&own);

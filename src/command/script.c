@@ -11,7 +11,7 @@ void script_begin(struct script *script, struct session *session, const char *na
                   const struct source *parent)
 {
     *script = (struct script){
-        .where = {.name = name, .parent = parent}, .commands = session->commands, .ok = true};
+        .where = {.name = name, .parent = parent}, .commands = session->history.done, .ok = true};
 }
 
 static void execute(struct script *script, struct session *session, struct text line,
@@ -92,7 +92,7 @@ bool script_end(struct script *script, struct session *session, struct reply *re
         struct buffer kept = {0}, name = {0};
         put_runs_kept(session, &kept);
         safe_text(&name, text_of(name_given), false);
-        const int done = session->commands - script->commands;
+        const int done = session->history.done - script->commands;
         reply_note(reply, "%s: stopped at line %d (%d command%s run%s)", buffer_view(&name),
                    script->where.line, done, done == 1 ? "" : "s", buffer_view(&kept));
         buffer_free(&kept);

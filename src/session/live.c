@@ -194,7 +194,7 @@ bool live_bind(struct session *session, int param, double *from, struct error *e
     const enum live_state state = live->state;
     if (state != LIVE_RUNNING && !live->changing && !session->reacting)
         journal_write(session, slot, journal_count(slot->last) - 1, run->steps, 0, false,
-                      &session->live.record); /* in a file `set` alone would not do it */
+                      &session->history.happened); /* in a file `set` alone would not do it */
     live_refresh(session);
     session->live.state = state;
     *from = run->t;

@@ -10,7 +10,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 struct session *session_create(const struct front *front)
 {
@@ -46,26 +45,18 @@ void session_destroy(struct session *session)
         session_drop_run(session, session->runs - 1);
     while (session->recordings > 0)
         session_drop_recording(session, session->recordings - 1);
-    for (int i = 0; i < session->histories; i++)
-        free(session->history[i]);
-    free(session->history);
+    history_free(session);
     free(session->measurement);
     free(session->stored_fit);
     free(session->fit_curve[0]);
     free(session->fit_curve[1]);
     session_drop_band(session);
-    buffer_free(&session->transcript);
     if (session->precision)
         precision_free(session->precision);
     free(session->precision);
     table_store_free(&session->found);
     references_free(&session->references);
     log_clear(&session->log);
-    buffer_free(&session->live.record);
-    buffer_free(&session->live.typed);
-    free(session->record_path);
-    if (session->record_fd >= 0)
-        close(session->record_fd);
     typed_destroy(session->models);
     events_destroy(session->events);
     free(session);

@@ -289,15 +289,22 @@ void settings_of_scene(struct settings *settings, const struct preset *preset)
     }
 }
 
+const struct row *setting_choice(const struct setting *setting, const struct settings *settings)
+{
+    int index;
+    if (!setting->choices || setting->parse)
+        return NULL;
+    memcpy(&index, (const char *)settings + setting->offset, sizeof index);
+    return catalog_row(setting->choices, (size_t)index);
+}
+
 static void put_setting(const struct setting *setting, const struct settings *settings, bool exact,
                         struct buffer *text)
 {
     if (setting->show) {
         setting->show(settings, text);
     } else if (setting->choices) {
-        int index;
-        memcpy(&index, (const char *)settings + setting->offset, sizeof index);
-        buffer_put(text, text_of(catalog_row(setting->choices, (size_t)index)->name));
+        buffer_put(text, text_of(setting_choice(setting, settings)->name));
     } else {
         double value;
         memcpy(&value, (const char *)settings + setting->offset, sizeof value);

@@ -99,15 +99,40 @@ void journal_put_change(const struct run *run, const struct request *request, st
 bool journal_write(const struct session *session, const struct run_slot *slot, int first,
                    int64_t since, int number, bool by_events, struct buffer *text);
 
-/* ---- executed lines, and the file that `record` appends to (history.c) ---- */
+/* ---- lines and statements, and the file that `record` appends to (history.c) ---- */
 
-#define HISTORY_MAX 5000
+/* A line was read, sourced: by a statement that reads a file. *index: of its entry. False: no
+ * memory, and nothing of it may be executed. */
+bool history_line(struct session *session, struct text line, bool sourced, size_t *index,
+                  struct error *error);
+/* A statement of that line begins, which is `within` in memory: all that is executed until its end
+ * stands after it. */
+bool history_begin(struct session *session, size_t line, struct text within, struct text statement,
+                   size_t *index, struct error *error);
+/* It is over. full: as a file has to say it, whose last `output` bytes are where its result went.
+ * What session->history.happened has takes its place. flags: those that are added. */
+void history_end(struct session *session, size_t index, struct text full, size_t output,
+                 unsigned flags);
+void history_free(struct session *session);
+struct text history_text(const struct session *session, const struct entry *entry);
 
-void history_add(struct session *session, struct text line);
-/* Appends the statement to the file of `record`, if there is one; a failure ends the recording. */
-bool history_record(struct session *session, struct text statement, struct error *error);
-bool history_open(struct session *session, const char *path, struct error *error);
-void history_close(struct session *session);
+enum history_reading {
+    HISTORY_RECORD, /* what succeeded, as it came */
+    HISTORY_SCRIPT, /* what led here, without other files: what these held; nothing is written */
+};
+
+/* Appends those from `first` on that are read so, a line each. */
+void history_put(const struct session *session, size_t first, enum history_reading reading,
+                 struct buffer *text);
+/* One of the script's statements ends in an error, as it did. */
+bool history_fails(const struct session *session);
+/* What `undo` calls a statement: as it was typed, as much of it as fits. */
+void history_label(const struct session *session, size_t index, char label[LIMIT_NAME + 1]);
+bool record_open(struct session *session, const char *path, struct error *error);
+void record_close(struct session *session);
+/* Appends the statements from `first` on to the file of `record`, if there is one; a failure ends
+ * the recording. */
+bool record_append(struct session *session, size_t first, struct error *error);
 
 /* ---- moving between snapshots: undo, redo, checkpoint, restore (undo.c) ---- */
 

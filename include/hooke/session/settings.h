@@ -62,6 +62,8 @@ extern const struct catalog
 
 /* ---- values of settings ---- */
 
+/* That which was chosen; NULL: it is no choice alone. */
+const struct row *setting_choice(const struct setting *setting, const struct settings *settings);
 void setting_show(const struct setting *setting, const struct settings *settings,
                   struct buffer *text);
 /* As a command that reads back exactly. */

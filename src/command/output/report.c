@@ -3,6 +3,7 @@
 #ifndef COMMAND_ROWS
 #include "command/internal.h"
 #include <hooke/report/lab.h>
+#include <hooke/session/log.h>
 
 #include <stdio.h>
 #include <string.h>
@@ -12,12 +13,11 @@ static void put_script(const struct session *session, struct buffer *out)
     buffer_put(out, TEXT("# The session of this report, by hooke " HOOKE_VERSION
                          ". Run where the names of its "
                          "recordings hold,\n# it gives the same numbers again:\n"));
-    buffer_format(out, "#   hooke %s-f session.hk -c 'report NEW'\n",
-                  session->transcript_fails ? "--keep-going " : "");
-    buffer_put(out, session->transcript_fails
-                        ? TEXT("# One of its commands ends in an error, as it did.\n")
-                        : TEXT(""));
-    buffer_put(out, buffer_text(&session->transcript));
+    const bool fails = history_fails(session);
+    buffer_format(out, "#   hooke %s-f session.hk -c 'report NEW'\n", fails ? "--keep-going " : "");
+    buffer_put(out,
+               fails ? TEXT("# One of its commands ends in an error, as it did.\n") : TEXT(""));
+    history_put(session, 0, HISTORY_SCRIPT, out);
 }
 
 static void put_end(struct report *report, const struct buffer *script)
@@ -68,7 +68,6 @@ bool report_write(struct report *report, struct error *error)
     struct document *document = &report->document;
     struct buffer script = {0};
     put_script(report->session, &script);
-    script.failed |= report->session->transcript.failed;
     document_begin(document, report->session->recordings ||
                                      report->session->setup.scene.model == &oscillator_model
                                  ? "Numerical integration of a spring and mass"

@@ -160,7 +160,7 @@ static void travel(struct session *session, struct run *run, struct advance *adv
         front->progress(front->context, run, 2);
 }
 
-/* What `record`, and the transcript of the session, have to say where the statement alone does not
+/* What the log of the session has to say where the statement alone does not
  * tell what happened. What events did it does again. */
 static void tell(struct session *session, const struct advance *advance)
 {
@@ -168,7 +168,7 @@ static void tell(struct session *session, const struct advance *advance)
     const bool whole = advance->requests == 1 && advance->steps == 0;
     if (paused || journal_changed(advance->slot, advance->requests))
         journal_write(session, advance->slot, whole ? 0 : advance->requests,
-                      whole ? -1 : advance->steps, 0, false, &session->live.record);
+                      whole ? -1 : advance->steps, 0, false, &session->history.happened);
 }
 
 static void reply_event(const struct run_slot *slot, const struct event_line *stopped,

@@ -333,8 +333,11 @@ HANDLER(set)
     } else if ((row = catalog_find(&setting_catalog, name))) {
         const struct setting *setting = (const struct setting *)(const void *)row;
         struct settings changed = session->setup.settings;
+        struct item *value = argument_given(given, "VALUE")->item;
+        value->text = text_trim(parser.rest);
         ok = setting_read(setting, &parser, &changed, error);
         if (ok) {
+            value->row = setting_choice(setting, &changed); /* which may be abbreviated */
             session->setup.settings = changed;
             setting_give(setting, true, &session->setup.settings);
             reply_setting(session, setting, reply);

@@ -2,6 +2,7 @@
 /* source, record, history, timing, clear, quit */
 #ifndef COMMAND_ROWS
 #include "command/internal.h"
+#include <hooke/session/log.h>
 
 #include <string.h>
 
@@ -25,10 +26,10 @@ HANDLER(record)
         if (session->record_fd < 0)
             return error_set(error, ERROR_COMMAND, "nothing is being recorded");
         reply_line(reply, "commands are no longer recorded in %s", session->record_path);
-        history_close(session);
+        record_close(session);
         return true;
     }
-    if (!history_open(session, path, error)) {
+    if (!record_open(session, path, error)) {
         error->where = name;
         return false;
     }
@@ -39,10 +40,9 @@ HANDLER(record)
     return true;
 }
 
-static bool contains(const char *line, struct text wanted)
+static bool contains(struct text rest, struct text wanted)
 {
-    for (struct text rest = text_of(line); rest.len >= wanted.len;
-         rest = (struct text){rest.at + 1, rest.len - 1}) {
+    for (; rest.len >= wanted.len; rest = (struct text){rest.at + 1, rest.len - 1}) {
         if (text_starts(rest, wanted))
             return true;
         if (rest.len == 0)
@@ -61,15 +61,22 @@ HANDLER(history)
         error_at(error, word, "history takes a number of lines, or /TEXT");
         return error_hint(error, "for example history 20, or history /run");
     }
-    const int from = !search && max < session->histories ? session->histories - (int)max : 0;
-    for (int i = from; i < session->histories; i++) {
-        if (search && !contains(session->history[i], (struct text){word.at + 1, word.len - 1}))
+    const struct history *log = &session->history;
+    int number = 0;
+    for (size_t i = 0; i < log->count; i++) {
+        const struct text line = text_trim(history_text(session, &log->entry[i]));
+        if (!(log->entry[i].flags & ENTRY_LINE) || log->entry[i].flags & ENTRY_SOURCED ||
+            line.len == 0)
             continue;
-        struct buffer line = {0};
-        buffer_format(&line, "%5d  ", i + 1);
-        safe_text(&line, text_of(session->history[i]), false);
-        reply_text(reply, buffer_text(&line));
-        buffer_free(&line);
+        number++;
+        if (search ? !contains(line, (struct text){word.at + 1, word.len - 1})
+                   : number <= log->lines - max)
+            continue;
+        struct buffer text = {0};
+        buffer_format(&text, "%5d  ", number);
+        safe_text(&text, line, false);
+        reply_text(reply, buffer_text(&text));
+        buffer_free(&text);
     }
     return true;
 }

@@ -1,39 +1,174 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The log of the session: lines and statements as they came, what they did; `history`, the file of
+ * `record`, labels of undo and the script of the report are read from it. */
 #include <hooke/session/log.h>
 #include <hooke/session/subject.h>
 
 #include <errno.h>
 #include <fcntl.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
-void history_add(struct session *session, struct text line)
+/* ---- writing ---- */
+
+/* Doubles, so that an entry costs the same however many there are. NULL: no memory. */
+static struct entry *new_entry(struct history *log)
 {
-    line = text_trim(line);
-    if (line.len == 0)
-        return;
-    /* The list only helps people: without memory the line is just not listed. */
-    if (session->histories == HISTORY_MAX) {
-        free(session->history[0]);
-        memmove(session->history, session->history + 1,
-                (HISTORY_MAX - 1) * sizeof *session->history);
-        session->histories--;
-    } else if ((session->histories & (session->histories - 1)) ==
-               0) { /* full at every power of two */
-        const size_t capacity = session->histories ? 2 * (size_t)session->histories : 1;
-        char **larger = realloc(session->history, capacity * sizeof *larger);
+    if (log->count == log->capacity) {
+        const size_t capacity = log->capacity ? 2 * log->capacity : 64;
+        struct entry *larger = realloc(log->entry, capacity * sizeof *larger);
         if (!larger)
-            return;
-        session->history = larger;
+            return NULL;
+        log->entry = larger;
+        log->capacity = capacity;
     }
-    char *copy = strndup(line.at, line.len);
-    if (copy)
-        session->history[session->histories++] = copy;
+    log->entry[log->count] = (struct entry){.flags = 0};
+    return &log->entry[log->count++];
 }
 
-bool history_open(struct session *session, const char *path, struct error *error)
+static bool put_text(struct history *log, struct text text, size_t *at)
+{
+    *at = log->text.len;
+    buffer_put(&log->text, text);
+    const bool ok = !log->text.failed;
+    log->text.failed = false; /* what is there stays readable */
+    return ok;
+}
+
+bool history_line(struct session *session, struct text line, bool sourced, size_t *index,
+                  struct error *error)
+{
+    struct history *log = &session->history;
+    *index = log->count;
+    struct entry *entry = new_entry(log);
+    if (!entry)
+        return error_memory(error);
+    if (!put_text(log, line, &entry->text)) {
+        log->count--;
+        return error_memory(error);
+    }
+    entry->len = line.len;
+    entry->flags = ENTRY_LINE | (sourced ? ENTRY_SOURCED : 0);
+    log->lines += !sourced && text_trim(line).len > 0;
+    return true;
+}
+
+bool history_begin(struct session *session, size_t line, struct text within, struct text statement,
+                   size_t *index, struct error *error)
+{
+    struct history *log = &session->history;
+    *index = log->count;
+    struct entry *entry = new_entry(log);
+    if (!entry)
+        return error_memory(error);
+    entry->text = log->entry[line].text + (size_t)(statement.at - within.at);
+    entry->len = statement.len;
+    entry->flags = log->entry[line].flags & ENTRY_SOURCED;
+    return true;
+}
+
+void history_end(struct session *session, size_t index, struct text full, size_t output,
+                 unsigned flags)
+{
+    struct history *log = &session->history;
+    struct entry *entry = &log->entry[index];
+    const bool within = (flags & ENTRY_WITHIN) != 0;
+    entry->flags |= flags;
+    entry->output = output;
+    if (!within && log->happened.len > 0) {
+        full = (struct text){log->happened.data, log->happened.len - 1};
+        entry->flags |= ENTRY_HAPPENED;
+        entry->output = 0;
+    }
+    if (!text_equal(full, history_text(session, entry))) {
+        entry->full_len = full.len;
+        if (!put_text(log, full, &entry->full))
+            entry->flags |= ENTRY_LOST;
+    }
+    log->done += (flags & ENTRY_DONE) != 0;
+    if (!within) {
+        entry->flags |= log->happened.failed ? ENTRY_LOST : 0;
+        buffer_free(&log->happened);
+    }
+}
+
+void history_free(struct session *session)
+{
+    struct history *log = &session->history;
+    record_close(session);
+    buffer_free(&log->text);
+    buffer_free(&log->happened);
+    free(log->entry);
+}
+
+/* ---- reading ---- */
+
+struct text history_text(const struct session *session, const struct entry *entry)
+{
+    return (struct text){session->history.text.data + entry->text, entry->len};
+}
+
+static struct text full_text(const struct session *session, const struct entry *entry)
+{
+    return entry->full_len
+               ? (struct text){session->history.text.data + entry->full, entry->full_len}
+               : history_text(session, entry);
+}
+
+static bool is_read(const struct entry *entry, enum history_reading reading)
+{
+    if (entry->flags & (ENTRY_LINE | ENTRY_UNRECORDED))
+        return false;
+    if (reading == HISTORY_RECORD)
+        return !(entry->flags & ENTRY_SOURCED) && (entry->flags & (ENTRY_DONE | ENTRY_HAPPENED));
+    return !(entry->flags & (ENTRY_NESTS | ENTRY_WRITES)) &&
+           (entry->flags & (ENTRY_DONE | ENTRY_CHANGED));
+}
+
+void history_put(const struct session *session, size_t first, enum history_reading reading,
+                 struct buffer *text)
+{
+    for (size_t i = first; i < session->history.count; i++) {
+        const struct entry *entry = &session->history.entry[i];
+        if (!is_read(entry, reading))
+            continue;
+        struct text full = full_text(session, entry);
+        if (reading == HISTORY_SCRIPT)
+            full.len -= entry->output;
+        buffer_put(text, text_trim(full));
+        buffer_char(text, '\n');
+        text->failed |= (entry->flags & ENTRY_LOST) != 0;
+    }
+}
+
+bool history_fails(const struct session *session)
+{
+    for (size_t i = 0; i < session->history.count; i++) {
+        const struct entry *entry = &session->history.entry[i];
+        if (is_read(entry, HISTORY_SCRIPT) && !(entry->flags & (ENTRY_DONE | ENTRY_HAPPENED)))
+            return true;
+    }
+    return false;
+}
+
+void history_label(const struct session *session, size_t index, char label[LIMIT_NAME + 1])
+{
+    struct buffer text = {0};
+    safe_text(&text, text_trim(history_text(session, &session->history.entry[index])), false);
+    size_t len = text.len <= LIMIT_NAME ? text.len : LIMIT_NAME - 3;
+    while (len < text.len && len > 0 && ((unsigned char)text.data[len] & 0xc0) == 0x80)
+        len--;
+    snprintf(label, LIMIT_NAME + 1, "%.*s%s", (int)len, text.data ? text.data : "",
+             len < text.len ? "..." : "");
+    buffer_free(&text);
+}
+
+/* ---- the file of `record` ---- */
+
+bool record_open(struct session *session, const char *path, struct error *error)
 {
     /* The writer knows which targets are allowed: no link, no device, nothing outside with --safe.
      */
@@ -51,13 +186,13 @@ bool history_open(struct session *session, const char *path, struct error *error
         free(copy);
         return error_set(error, ERROR_IO, "cannot append to %s", path);
     }
-    history_close(session);
+    record_close(session);
     session->record_fd = fd;
     session->record_path = copy;
     return true;
 }
 
-void history_close(struct session *session)
+void record_close(struct session *session)
 {
     if (session->record_fd >= 0)
         close(session->record_fd);
@@ -66,7 +201,7 @@ void history_close(struct session *session)
     session->record_path = NULL;
 }
 
-/* All of it or an error; a line is written by one call so that two sessions do not mix theirs. */
+/* All of it or an error; written by one call so that two sessions do not mix their lines. */
 static bool append(int fd, struct text text)
 {
     while (text.len > 0) {
@@ -80,20 +215,20 @@ static bool append(int fd, struct text text)
     return true;
 }
 
-bool history_record(struct session *session, struct text statement, struct error *error)
+bool record_append(struct session *session, size_t first, struct error *error)
 {
     if (session->record_fd < 0)
         return true;
-    struct buffer line = {0};
-    buffer_put(&line, statement);
-    buffer_char(&line, '\n');
-    const bool ok = !line.failed && append(session->record_fd, buffer_text(&line)) &&
-                    fsync(session->record_fd) == 0;
-    buffer_free(&line);
+    struct buffer text = {0};
+    history_put(session, first, HISTORY_RECORD, &text);
+    const bool ok =
+        !text.failed && (text.len == 0 || (append(session->record_fd, buffer_text(&text)) &&
+                                           fsync(session->record_fd) == 0));
+    buffer_free(&text);
     if (!ok) {
         error_set(error, ERROR_IO, "cannot append to %s: the recording of commands ends here",
                   session->record_path);
-        history_close(session);
+        record_close(session);
     }
     return ok;
 }

@@ -43,7 +43,8 @@ struct recording_mark {
 };
 
 struct snapshot {
-    char label[LIMIT_NAME + 1]; /* of a checkpoint; for undo: the command */
+    char label[LIMIT_NAME + 1]; /* of a checkpoint */
+    size_t statement;           /* of the history: what is undone */
     struct shared_setup *setup;
     int current_run, current_recording, next_run;
     bool data_is_latest;
@@ -114,7 +115,7 @@ static void release_setup(struct shared_setup *setup)
 static struct shared_setup *share_setup(const struct session *session)
 {
     struct shared_setup *setup =
-        session->undos > 0 ? session->undo[session->undos - 1]->setup : NULL;
+        session->undos > 0 ? session->state[session->undos - 1]->setup : NULL;
     if (setup && memcmp(&setup->setup, &session->setup, sizeof setup->setup) == 0) {
         setup->references++;
         return setup;
@@ -267,54 +268,50 @@ static void go_to(struct session *session, const struct snapshot *snapshot)
     session_changed(session);
 }
 
-static void push(struct snapshot **stack, int *count, struct snapshot *snapshot)
+static void clear(struct session *session, int from, int count)
 {
-    if (*count == LIMIT_UNDO) {
-        snapshot_free(stack[0]);
-        memmove(stack, stack + 1, (LIMIT_UNDO - 1) * sizeof(stack[0]));
-        --*count;
+    for (int i = 0; i < count; i++)
+        snapshot_free(session->state[from + i]);
+}
+
+void undo_push(struct session *session, struct snapshot *before, size_t statement)
+{
+    clear(session, session->undos, session->redos);
+    if (session->undos == LIMIT_UNDO) {
+        clear(session, 0, 1);
+        session->undos--;
+        memmove(session->state, session->state + 1, (LIMIT_UNDO - 1) * sizeof(session->state[0]));
     }
-    stack[(*count)++] = snapshot;
-}
-
-static void clear(struct snapshot **stack, int *count)
-{
-    while (*count > 0)
-        snapshot_free(stack[--*count]);
-}
-
-void undo_push(struct session *session, struct snapshot *before)
-{
-    push(session->undo, &session->undos, before);
-    clear(session->redo, &session->redos);
+    before->statement = statement;
+    session->state[session->undos++] = before;
+    session->redos = 0;
 }
 
 void undo_clear(struct session *session)
 {
-    clear(session->undo, &session->undos);
-    clear(session->redo, &session->redos);
+    clear(session, 0, session->undos + session->redos);
+    session->undos = session->redos = 0;
 }
 
 bool undo_move(struct session *session, bool back, char label[LIMIT_NAME + 1], struct error *error)
 {
-    struct snapshot **from = back ? session->undo : session->redo,
-                    **to = back ? session->redo : session->undo;
-    int *count = back ? &session->undos : &session->redos,
-        *other = back ? &session->redos : &session->undos;
-    if (*count == 0) {
+    if ((back ? session->undos : session->redos) == 0) {
         error_set(error, ERROR_COMMAND, "nothing to %s", back ? "undo" : "redo");
         return error_hint(
             error, "settings that only show are not undone: 'unset NAME' gives one its default");
     }
-    struct snapshot *target = from[*count - 1];
-    struct snapshot *now = snapshot_take(session, target->label);
+    /* The present state takes the place of that one. */
+    struct snapshot **at = &session->state[session->undos - back], *target = *at;
+    struct snapshot *now = snapshot_take(session, "");
     if (!now)
         return error_memory(error);
-    memcpy(label, target->label, sizeof target->label);
-    --*count;
+    history_label(session, target->statement, label);
+    now->statement = target->statement;
+    *at = now;
+    session->undos += back ? -1 : 1;
+    session->redos += back ? 1 : -1;
     go_to(session, target);
     snapshot_free(target);
-    push(to, other, now);
     return true;
 }
 

@@ -13,6 +13,7 @@
 #include <hooke/session/events.h>
 #include <hooke/language.h>
 #include <hooke/plot.h>
+#include <hooke/session/log.h>
 
 enum { LINES = 40 }; /* of a session, of at most 4 statements */
 
@@ -478,12 +479,77 @@ static void undo_and_redo_go_through_the_same_states(void **state)
     buffer_free(&typed);
 }
 
+static void interrupt_it(void *context, const struct run *run, double fraction)
+{
+    (void)run;
+    if (fraction <= 1) /* 2: it is over */
+        atomic_store(&((struct cancel *)context)->requested, 1);
+}
+
+/* What a person abbreviates stands in the file as it was understood; a run that ended in an error
+ * is not in it, and such sessions are left out here. */
+static void what_was_recorded_does_it_again(void **state)
+{
+    (void)state;
+    const unsigned parts = PART_SETUP | PART_RECORDINGS | PART_RUNS | PART_VIEW | PART_STOPS;
+    struct buffer typed = {0}, wanted = {0}, got = {0};
+    for (int i = 0; i < sessions(); i++) {
+        struct bench b, again;
+        remove("kept.hk");
+        bench_open(&b, true);
+        type_ok(&b, "record kept.hk");
+        type_ok(&b, "meth verlet; set kernel gen");
+        play(&b, 3000 + (uint64_t)i, &typed);
+        type_ok(&b, "record off");
+        bench_open(&again, false);
+        if (!history_fails(b.session) && !type(&again, "source kept.hk")) {
+            fprintf(stderr, "%s\n", said(&typed));
+            fail_msg("kept.hk: %s", said(&again.err));
+        }
+        describe(b.session, parts, &wanted);
+        describe(again.session, parts, &got);
+        if (!history_fails(b.session))
+            assert_same(&wanted, &got, "recorded", &typed);
+        bench_close(&again);
+        bench_close(&b);
+    }
+    buffer_free(&typed);
+    buffer_free(&wanted);
+    buffer_free(&got);
+}
+
+/* An interrupted run is an error that leaves a run: the file has it as far as it went, so that what
+ * goes on with it does so. */
+static void an_interrupted_run_is_recorded(void **state)
+{
+    (void)state;
+    struct cancel cancel = {0};
+    struct bench b, again;
+    remove("kept.hk");
+    bench_open(&b, false);
+    b.session->front.cancel = &cancel;
+    b.session->front.context = &cancel;
+    b.session->front.progress = interrupt_it;
+    type_ok(&b, "record kept.hk");
+    assert_false(type(&b, "dt = 1e-6; run 1000 s --force"));
+    atomic_store(&cancel.requested, 0);
+    type_ok(&b, "step 3");
+    type_ok(&b, "record off");
+    bench_open(&again, false);
+    type_ok(&again, "source kept.hk");
+    assert_int_equal(again.session->run[0]->run->steps, b.session->run[0]->run->steps);
+    bench_close(&again);
+    bench_close(&b);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(what_is_saved_comes_back),
         cmocka_unit_test(a_resumed_session_is_the_same),
         cmocka_unit_test(undo_and_redo_go_through_the_same_states),
+        cmocka_unit_test(what_was_recorded_does_it_again),
+        cmocka_unit_test(an_interrupted_run_is_recorded),
     };
     return cmocka_run_group_tests(tests, enter_folder, leave_folder);
 }

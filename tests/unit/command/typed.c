@@ -9,6 +9,8 @@
 
 #include <hooke/plot.h>
 #include "unit/command/testing.h"
+
+#include <hooke/session/log.h>
 #include "unit/cpu_time.h"
 
 static const char *const systems[] = {
@@ -419,7 +421,10 @@ static void recorded_sessions_are_the_same(void **state)
     type_ok(&other, "source kept.hk");
     assert_int_equal(other.session->runs, 1);
     assert_same_state(b.session, other.session, "recorded");
-    write_file("story.hk", b.session->transcript.data, b.session->transcript.len);
+    struct buffer script = {0};
+    history_put(b.session, 0, HISTORY_SCRIPT, &script);
+    write_file("story.hk", script.data, script.len);
+    buffer_free(&script);
     bench_close(&other);
     bench_open(&other, false);
     type_ok(&other, "source story.hk");

@@ -1,0 +1,14 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* A statement as a file has to say it. */
+#ifndef HOOKE_COMMAND_IN_FULL_H
+#define HOOKE_COMMAND_IN_FULL_H
+
+#include "command/internal.h"
+
+/* All it does is to write a file that it may replace. */
+bool writes_file(const struct arguments *arguments);
+/* Without abbreviations, with the consent that was asked for. */
+void statement_in_full(const struct session *session, const struct arguments *arguments,
+                       struct text statement, struct buffer *out);
+
+#endif
