@@ -174,8 +174,7 @@ static struct named_value slot_value(const struct names *names, int slot)
         break;
     }
     case NAME_SETTING: {
-        const struct setting *setting =
-            (const struct setting *)(const void *)catalog_row(&setting_catalog, index);
+        const struct setting *setting = setting_at(index);
         value.value = setting_number(&setup->settings, setting);
         value.quantity = setting->quantity;
         break;

@@ -239,13 +239,23 @@ static const struct setting settings_rows[] = {
 };
 const struct catalog setting_catalog = CATALOG("setting", settings_rows);
 
+bool setting_same(const struct setting *setting, const struct settings *a, const struct settings *b)
+{
+    return memcmp((const char *)a + setting->offset, (const char *)b + setting->offset,
+                  setting->bytes) == 0;
+}
+
+void setting_copy(const struct setting *setting, const struct settings *from, struct settings *to)
+{
+    memcpy((char *)to + setting->offset, (const char *)from + setting->offset, setting->bytes);
+}
+
 void settings_display(struct settings *settings, const struct settings *from)
 {
     for (size_t i = 0; i < setting_catalog.count; i++) {
         const struct setting *setting = &settings_rows[i];
         if (setting->display)
-            memcpy((char *)settings + setting->offset, (const char *)from + setting->offset,
-                   setting->bytes);
+            setting_copy(setting, from, settings);
     }
 }
 

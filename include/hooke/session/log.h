@@ -134,6 +134,16 @@ void record_close(struct session *session);
  * the recording. */
 bool record_append(struct session *session, size_t first, struct error *error);
 
+/* ---- what a user changes of a recording (save.c): undo brings it back ---- */
+
+#define RECORDING_FIELDS 5
+struct recording_field {
+    size_t offset, bytes; /* in struct recording */
+    /* Its command, where there is something to say; NULL: it needs the other recordings. */
+    void (*save)(const struct recording *recording, struct buffer *text);
+};
+extern const struct recording_field recording_fields[RECORDING_FIELDS];
+
 /* ---- moving between snapshots: undo, redo, checkpoint, restore (undo.c) ---- */
 
 /* One step back (or forward again). label: the command that was undone. */

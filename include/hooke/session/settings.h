@@ -46,6 +46,7 @@ struct setting {
         const struct preset *preset); /* its value where he has not; NULL: a new session's */
     bool plots; /* `show plot` shows it although it belongs to the experiment */
     enum setting_use use;
+    bool of_run;  /* a run keeps its own */
     bool display; /* how results look, not part of the experiment: neither saved nor undone */
     const struct catalog *choices; /* the field is an int at the choice's place; NULL: a double */
     double min, max; /* of a number: allowed are least < x <= most; most 0: not a number */
@@ -55,6 +56,15 @@ struct setting {
 };
 
 extern const struct catalog setting_catalog;
+
+static inline const struct setting *setting_at(size_t i)
+{
+    return (const struct setting *)(const void *)catalog_row(&setting_catalog, i);
+}
+
+bool setting_same(const struct setting *setting, const struct settings *a,
+                  const struct settings *b);
+void setting_copy(const struct setting *setting, const struct settings *from, struct settings *to);
 extern const struct catalog
     format_choice_catalog; /* struct row at the enum's place: text, csv, json */
 

@@ -382,17 +382,9 @@ HANDLER(unset)
         const struct setting *setting = (const struct setting *)(const void *)row;
         struct settings defaults;
         session_default_settings(&defaults);
-        buffer_format(&text, "set %s ", row->name);
-        setting_exact(setting, &defaults, &text);
-        struct text value = {text.data + strlen(row->name) + 5, text.len - strlen(row->name) - 5};
-        struct parser parser = {session, given->scope, given->arena, value};
-        if (text.failed || !setting_read(setting, &parser, &session->setup.settings, error)) {
-            buffer_free(&text);
-            return error_memory(error);
-        }
+        setting_copy(setting, &defaults, &session->setup.settings);
         setting_give(setting, false, &session->setup.settings);
         settings_of_scene(&session->setup.settings, session->setup.scene.preset);
-        buffer_clear(&text);
         buffer_format(&text, "%s = ", row->name);
         setting_show(setting, &session->setup.settings, &text);
     } else if (catalog_find(&unset_catalog, name)) {

@@ -74,8 +74,7 @@ static void show_catalog_values(const struct session *session, const struct cata
 static void show_settings(const struct session *session, bool display_only, struct reply *reply)
 {
     for (size_t i = 0; i < setting_catalog.count; i++) {
-        const struct setting *setting =
-            (const struct setting *)(const void *)catalog_row(&setting_catalog, i);
+        const struct setting *setting = setting_at(i);
         if (!display_only || setting->display || setting->plots)
             show_setting(session, setting, reply);
     }

@@ -52,25 +52,26 @@ static void save_method(const struct setup *setup, bool always, struct buffer *t
         buffer_put(text, TEXT("unset dt\n"));
 }
 
+static void save_setting(const struct setting *setting, const struct settings *settings,
+                         struct buffer *text)
+{
+    buffer_format(text, "set %s ", setting->row.name);
+    setting_exact(setting, settings, text);
+    buffer_char(text, '\n');
+}
+
 static void save_settings(const struct settings *settings, bool always, struct buffer *text)
 {
     struct settings defaults;
     session_default_settings(&defaults);
     for (size_t i = 0; i < setting_catalog.count; i++) {
-        const struct setting *setting =
-            (const struct setting *)(const void *)catalog_row(&setting_catalog, i);
-        struct buffer now = {0}, before = {0};
-        setting_exact(setting, settings, &now);
-        setting_exact(setting, &defaults, &before);
+        const struct setting *setting = setting_at(i);
         const bool given = setting_is_given(setting, settings);
         if (!given && always)
             buffer_format(text, "unset %s\n", setting->row.name);
         else if (!setting->display && given &&
-                 (always || setting->given || !text_equal(buffer_text(&now), buffer_text(&before))))
-            buffer_format(text, "set %s %s\n", setting->row.name, buffer_view(&now));
-        text->failed |= now.failed || before.failed;
-        buffer_free(&now);
-        buffer_free(&before);
+                 (always || setting->given || !setting_same(setting, settings, &defaults)))
+            save_setting(setting, settings, text);
     }
 }
 
@@ -84,6 +85,49 @@ static void save_let(const struct setup *setup, struct buffer *text)
     }
 }
 
+/* ---- recordings ---- */
+
+static void save_cleaned(const struct recording *recording, struct buffer *text)
+{
+    buffer_put(text, recording->cleaned ? TEXT("data clean apply\n") : TEXT(""));
+}
+
+static void save_window(const struct recording *recording, struct buffer *text)
+{
+    if (!recording->cleaned && recording->window[0] == recording->t[0] &&
+        recording->window[1] == recording->t[recording->rows - 1])
+        return;
+    buffer_put(text, TEXT("data window "));
+    buffer_real(text, recording->window[0]);
+    buffer_char(text, ':');
+    buffer_real(text, recording->window[1]);
+    buffer_char(text, '\n');
+}
+
+static void save_zero(const struct recording *recording, struct buffer *text)
+{
+    if (recording->zero == 0)
+        return;
+    buffer_put(text, TEXT("data zero "));
+    buffer_real(text, recording->zero);
+    buffer_char(text, '\n');
+}
+
+static void save_mass(const struct recording *recording, struct buffer *text)
+{
+    if (!(recording->mass.value > 0))
+        return;
+    buffer_put(text, TEXT("data mass "));
+    buffer_exact(text, recording->mass, QUANTITY_MASS);
+    buffer_char(text, '\n');
+}
+
+#define FIELD(name) offsetof(struct recording, name), sizeof((struct recording *)0)->name
+const struct recording_field recording_fields[RECORDING_FIELDS] = {
+    {FIELD(cleaned), save_cleaned}, {FIELD(window), save_window}, {FIELD(zero), save_zero},
+    {FIELD(mass), save_mass},       {FIELD(velocity), NULL},
+};
+
 static void save_recording(const struct recording_slot *slot, bool absolute, struct buffer *text)
 {
     const struct recording *recording = slot->recording;
@@ -93,26 +137,9 @@ static void save_recording(const struct recording_slot *slot, bool absolute, str
     free(path);
     buffer_put(text, text_of(slot->options));
     buffer_char(text, '\n');
-    if (recording->cleaned)
-        buffer_put(text, TEXT("data clean apply\n"));
-    if (recording->cleaned || recording->window[0] != recording->t[0] ||
-        recording->window[1] != recording->t[recording->rows - 1]) {
-        buffer_put(text, TEXT("data window "));
-        buffer_real(text, recording->window[0]);
-        buffer_char(text, ':');
-        buffer_real(text, recording->window[1]);
-        buffer_char(text, '\n');
-    }
-    if (recording->zero != 0) {
-        buffer_put(text, TEXT("data zero "));
-        buffer_real(text, recording->zero);
-        buffer_char(text, '\n');
-    }
-    if (recording->mass.value > 0) {
-        buffer_put(text, TEXT("data mass "));
-        buffer_exact(text, recording->mass, QUANTITY_MASS);
-        buffer_char(text, '\n');
-    }
+    for (int i = 0; i < RECORDING_FIELDS; i++)
+        if (recording_fields[i].save)
+            recording_fields[i].save(recording, text);
 }
 
 /* How the screen looks, where it differs from a new session. Cursors are not kept: they belong to
@@ -220,13 +247,10 @@ static bool save_run(const struct session *session, const struct run_slot *slot,
     settings.kernel = (int)run->settings.kernel;
     settings.sums = run->settings.compensated ? SUMS_COMPENSATED : SUMS_PLAIN;
     settings.turning = run->scene.across ? TURNING_OFF : TURNING_ON;
-    static const char *const kept[] = {"record", "kernel", "sums", "turning"};
-    for (size_t i = 0; i < COUNT_OF(kept); i++) {
-        const struct row *row = catalog_find(&setting_catalog, text_of(kept[i]));
-        buffer_format(text, "\nset %s ", kept[i]);
-        setting_exact((const struct setting *)(const void *)row, &settings, text);
-    }
     buffer_char(text, '\n');
+    for (size_t i = 0; i < setting_catalog.count; i++)
+        if (setting_at(i)->of_run)
+            save_setting(setting_at(i), &settings, text);
     const char *why = NULL;
     if (run->seconds >= SECONDS_MAX)
         why = "it took too long to compute";

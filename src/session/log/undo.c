@@ -36,10 +36,7 @@ struct shared_setup {
 
 struct recording_mark {
     struct recording_slot *slot;
-    double window[2], zero;
-    struct measured mass;
-    char velocity[LIMIT_NAME + 1];
-    bool cleaned;
+    struct recording then; /* of it only recording_fields */
 };
 
 struct snapshot {
@@ -127,6 +124,13 @@ static struct shared_setup *share_setup(const struct session *session)
     return setup;
 }
 
+static void copy_fields(const struct recording *from, struct recording *to)
+{
+    for (int i = 0; i < RECORDING_FIELDS; i++)
+        memcpy((char *)to + recording_fields[i].offset,
+               (const char *)from + recording_fields[i].offset, recording_fields[i].bytes);
+}
+
 struct snapshot *snapshot_take(const struct session *session, const char *label)
 {
     struct snapshot *snapshot = calloc(1, sizeof *snapshot);
@@ -153,14 +157,9 @@ struct snapshot *snapshot_take(const struct session *session, const char *label)
         snapshot->run[snapshot->runs++] = (struct marked_run){session->run[i], mark};
     }
     for (int i = 0; i < session->recordings; i++) {
-        const struct recording *recording = session->recording[i]->recording;
         struct recording_mark *mark = &snapshot->recording[snapshot->recordings++];
-        *mark = (struct recording_mark){.slot = session->recording[i],
-                                        .window = {recording->window[0], recording->window[1]},
-                                        .zero = recording->zero,
-                                        .mass = recording->mass,
-                                        .cleaned = recording->cleaned};
-        memcpy(mark->velocity, recording->velocity, sizeof mark->velocity);
+        mark->slot = session->recording[i];
+        copy_fields(mark->slot->recording, &mark->then);
         session->recording[i]->references++;
     }
     return snapshot;
@@ -200,11 +199,12 @@ static void return_run(struct session *session, struct run_slot *slot, const str
 
 static bool same_recording(const struct recording_slot *slot, const struct recording_mark *mark)
 {
-    const struct recording *now = slot->recording;
-    return slot == mark->slot && memcmp(now->window, mark->window, sizeof mark->window) == 0 &&
-           now->zero == mark->zero && now->cleaned == mark->cleaned &&
-           now->mass.value == mark->mass.value && now->mass.uncertainty == mark->mass.uncertainty &&
-           strcmp(now->velocity, mark->velocity) == 0;
+    bool same = slot == mark->slot;
+    for (int i = 0; i < RECORDING_FIELDS; i++)
+        same &= memcmp((const char *)slot->recording + recording_fields[i].offset,
+                       (const char *)&mark->then + recording_fields[i].offset,
+                       recording_fields[i].bytes) == 0;
+    return same;
 }
 
 bool undo_matters(const struct session *session, const struct snapshot *before)
@@ -246,12 +246,7 @@ static void go_to(struct session *session, const struct snapshot *snapshot)
     for (int i = 0; i < snapshot->recordings; i++) {
         const struct recording_mark *mark = &snapshot->recording[i];
         session->recording[i] = mark->slot;
-        struct recording *recording = mark->slot->recording;
-        memcpy(recording->window, mark->window, sizeof mark->window);
-        memcpy(recording->velocity, mark->velocity, sizeof mark->velocity);
-        recording->zero = mark->zero;
-        recording->mass = mark->mass;
-        recording->cleaned = mark->cleaned;
+        copy_fields(&mark->then, mark->slot->recording);
     }
     session->runs = snapshot->runs;
     session->recordings = snapshot->recordings;

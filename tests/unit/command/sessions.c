@@ -52,8 +52,7 @@ static void put_scene(const struct scene *scene, struct buffer *text)
 static void put_settings(const struct settings *settings, bool display, struct buffer *text)
 {
     for (size_t i = 0; i < setting_catalog.count; i++) {
-        const struct setting *setting =
-            (const struct setting *)(const void *)catalog_row(&setting_catalog, i);
+        const struct setting *setting = setting_at(i);
         if (setting->display != display)
             continue;
         buffer_format(text, "%s%s", setting->row.name,

@@ -331,8 +331,7 @@ static void undo_of_every_setting_does_what_it_says(void **state)
 {
     (void)state;
     for (size_t i = 0; i < setting_catalog.count; i++) {
-        const struct setting *setting =
-            (const struct setting *)(const void *)catalog_row(&setting_catalog, i);
+        const struct setting *setting = setting_at(i);
         const bool is_format =
             setting->choices == &format_choice_catalog; /* it is set back to read the answers */
         struct bench b;
