@@ -334,6 +334,10 @@ static void play(struct bench *b, uint64_t seed, struct buffer *typed)
 {
     random_state = seed;
     buffer_clear(typed);
+    if (dice(2)) {
+        type_ok(b, "load swing.txt as=one; load speed.txt as=two");
+        buffer_put(typed, TEXT("load swing.txt as=one; load speed.txt as=two\n"));
+    }
     for (int i = 0; i < LINES; i++)
         play_statement(b, typed);
 }

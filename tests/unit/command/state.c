@@ -65,6 +65,26 @@ static void undo_and_redo_keep_bits(void **state)
     }
 }
 
+/* What a change made of the plan goes with it: kernels round differently, and there is an exact
+ * solution again. */
+static void an_undone_change_leaves_no_trace(void **state)
+{
+    (void)state;
+    struct bench b;
+    bench_open(&b, false);
+    type_ok(&b, "run 0.275 s");
+    type_ok(&b, "continue 0.119 s");
+    const struct end end = end_of(&b);
+    type_ok(&b, "change mu 0.2");
+    assert_false(session_run(b.session)->plan.exact_known);
+    type_ok(&b, "undo");
+    assert_true(session_run(b.session)->plan.exact_known);
+    type_ok(&b, "undo");
+    type_ok(&b, "redo");
+    assert_same_end(end_of(&b), end);
+    bench_close(&b);
+}
+
 /* Also from the middle of the way, where the way is a grid of steps. */
 static void undo_of_back_and_reset_keeps_bits(void **state)
 {
@@ -380,6 +400,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(undo_and_redo_keep_bits),
+        cmocka_unit_test(an_undone_change_leaves_no_trace),
         cmocka_unit_test(undo_of_back_and_reset_keeps_bits),
         cmocka_unit_test(a_split_run_equals_a_long_one),
         cmocka_unit_test(save_recreates_the_setup_exactly),
