@@ -26,7 +26,6 @@ enum type_flag {
     TYPE_HAS_QUANTITY = 4,     /* that of the argument */
     TYPE_SHOWS_CHOICES = 8,    /* in the line of usage, where they are few */
     TYPE_SHOWS_BOTH = 16,      /* and what else it may be */
-    TYPE_ABBREVIATED = 32,     /* at the prompt: files get its whole name */
     TYPE_IS_LIST = 64,         /* several go on after a word without it */
     TYPE_BEFORE_WORDS = 128,   /* its rows come before words of the same name */
     TYPE_MAY_BE_SKIPPED = 256, /* a word that is none goes to the next place */
