@@ -230,7 +230,7 @@ static void test_bad_files(void **state)
         {"m = 0.3 kg\nexport stolen.csv every=3\n", "does not belong"},
         {"m = 0.3 kg; export stolen.csv\n", "does not belong"},
         {"let x = 3; source other.hk\n", "does not belong"},
-        {"x' = v; quit\n", "does not belong"},
+        {"var x = 1; x' = 1; quit\n", "does not belong"},
         {"compare euler verlet > stolen.csv\n", "does not belong"},
         {"m = 0.3 kg\nset gama 3\n", "gama"},
         {"m = \033[2J\n", "nothing was restored"},
