@@ -10,7 +10,7 @@
 #include <unistd.h>
 
 #define CORPUS "fuzz_command"
-#define MUTATIONS 40
+#define MUTATIONS 20
 #include "terminal/folder.h"
 #include "fuzz/replay.h"
 

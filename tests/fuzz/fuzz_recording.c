@@ -8,7 +8,7 @@
 #include <unistd.h>
 
 #define CORPUS "fuzz_recording"
-#define MUTATIONS 40
+#define MUTATIONS 20
 #include "fuzz/replay.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);

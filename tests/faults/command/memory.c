@@ -116,7 +116,7 @@ static void every_allocation_may_fail(void **state)
     bench_close(&b);
     assert_int_equal(usual, 4); /* the mistakes */
     assert_true(calls > 500);
-    const long step = is_long() ? 1 : calls / 16;
+    const long step = is_long() ? 1 : calls / 10;
     long noticed = 0;
     for (int for_ever = 0; for_ever < 2; for_ever++)
         for (long at = for_ever; at < calls; at += step) {
