@@ -11,7 +11,8 @@ fi
 folder=$(mktemp -d) || exit 2
 trap 'rm -rf "$folder"' EXIT
 n=0 bad=0
-memcheck() { valgrind -q --leak-check=full --errors-for-leak-kinds=definite --error-exitcode=99 --log-file="$folder/log" "$@"; }
+checked=(valgrind -q --leak-check=full --errors-for-leak-kinds=definite --error-exitcode=99 --log-file="$folder/log")
+memcheck() { "${checked[@]}" "$@"; }
 leaves() { # name wanted-status command...
     local name=$1 wanted=$2 got
     shift 2
@@ -33,9 +34,9 @@ leaves "a diverged run" 3 memcheck "$hooke" -c "method verlet dt=0.5; run 2000 s
 leaves "no such file" 4 memcheck "$hooke" -c "load no-such-file.txt"
 full_device() { memcheck "$hooke" -c 'run; print y' >/dev/full; }
 leaves "a full device" 4 full_device
-# From the message on, which is not kept back, it computes.
+# The signal has to reach the program itself, not a shell around it. From the message on, which is not kept back, it computes.
 terminated() {
-    memcheck "$hooke" -k -c 'set gama 1' -c 'method verlet; run 20000000 s --force' 2>"$folder/said" &
+    "${checked[@]}" "$hooke" -k -c 'set gama 1' -c 'method verlet; run 20000000 s --force' 2>"$folder/said" &
     local program=$!
     for ((i = 0; i < 600; i++)); do
         grep -q gama "$folder/said" && break
