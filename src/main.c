@@ -82,7 +82,7 @@ static void save_without_memory(void)
 }
 
 /* The prompts, one after the other, as long as `plain` and `panes` ask for it. */
-static void talk(struct program *program, enum front_kind kind)
+static void talk(struct front_program *program, enum front_kind kind)
 {
     struct autosave autosave;
     autosave_begin(&autosave, program->session);
@@ -110,10 +110,10 @@ static void print_log(const struct session *session, struct streams *streams)
 }
 
 static bool begin_session(struct session **session, const struct options *options,
-                          struct buffer *told)
+                          struct buffer *messages)
 {
     struct error error = {0};
-    if (options->resume && !autosave_resume(session, options->resume_name, told, &error)) {
+    if (options->resume && !autosave_resume(session, options->resume_name, messages, &error)) {
         fprintf(stderr, "hooke: error: %s%s%s; nothing was restored\n", error.text,
                 *error.hint ? "; " : "", error.hint);
         return false;
@@ -144,14 +144,14 @@ static int run(const struct options *options)
     reply.quiet = options->quiet;
 
     int status = ERROR_USAGE;
-    struct buffer told = {0};
-    if (begin_session(&session, options, &told)) {
+    struct buffer messages = {0};
+    if (begin_session(&session, options, &messages)) {
         streams.log = &session->log;
         if (kind == FRONT_IS_PANES) {
             reply.sink = panes_sink(session); /* what is said from now on stands in the log */
         }
-        if (told.len > 0) {
-            reply_note(&reply, "%s", told.data);
+        if (messages.len > 0) {
+            reply_note(&reply, "%s", messages.data);
         }
         if (!options->norc && (kind != FRONT_END || options->rc)) {
             rc_run(session, &reply);
@@ -163,14 +163,14 @@ static int run(const struct options *options)
             session->status; /* what is typed at the prompt afterwards has been answered there */
         if (kind != FRONT_END && !session->quit && !signals_ending()) {
             talk(
-                &(struct program){
+                &(struct front_program){
                     .session = session, .options = options, .streams = &streams, .reply = &reply},
                 kind);
         } else if (kind == FRONT_IS_PANES) {
             print_log(session, &streams); /* a file left before the panes came */
         }
     }
-    buffer_free(&told);
+    buffer_free(&messages);
     bool written = streams_flush(&streams);
     if (!written) {
         fprintf(stderr, "hooke: error: cannot write standard output: %s\n",

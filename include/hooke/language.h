@@ -125,7 +125,7 @@ struct command {
     int arguments;
     unsigned flags;
     enum completes completes;
-    bool (*handler)(struct session *session, const struct arguments *given, struct reply *reply,
+    bool (*handler)(struct session *session, const struct arguments *value, struct reply *reply,
                     struct error *error);
 };
 
@@ -157,7 +157,7 @@ struct item {
     const struct expr *expr;
 };
 
-struct given_argument {
+struct argument_value {
     int count; /* 0: not given */
     struct item *item;
     struct text where; /* all of it, in the line */
@@ -166,7 +166,7 @@ struct given_argument {
 struct arguments {
     const struct command *command;
     struct text word;                           /* the command as typed; empty: an assignment */
-    struct given_argument given[ARGUMENTS_MAX]; /* at the place of their struct argument */
+    struct argument_value value[ARGUMENTS_MAX]; /* at the place of their struct argument */
     const struct expr_scope *scope;             /* of conditions and expressions */
     struct arena *arena;                        /* lives as long as the command */
     const struct source *where;
@@ -174,15 +174,15 @@ struct arguments {
 
 static inline bool has(const struct arguments *arguments, int index)
 {
-    return arguments->given[index].count > 0;
+    return arguments->value[index].count > 0;
 }
 
 /* What was given for the argument of this name, which the command has. */
-const struct given_argument *argument_given(const struct arguments *arguments, const char *name);
+const struct argument_value *argument_value(const struct arguments *arguments, const char *name);
 
-static inline bool is_given(const struct arguments *arguments, const char *name)
+static inline bool has_argument(const struct arguments *arguments, const char *name)
 {
-    return argument_given(arguments, name)->count > 0;
+    return argument_value(arguments, name)->count > 0;
 }
 
 /* ---- parsing ---- */
@@ -225,12 +225,12 @@ bool setting_read(const struct setting *setting, struct parser *parser, struct s
 /* ---- the series that arguments name ---- */
 
 /* The series of another column of the subject's run, in the same window. */
-bool subject_column(struct subject *subject, const struct given_argument *column,
-                    const struct given_argument *window, struct arena *arena, struct error *error);
+bool subject_column(struct subject *subject, const struct argument_value *column,
+                    const struct argument_value *window, struct arena *arena, struct error *error);
 /* The run or recording that was given, else the latest; window: of TYPE_RANGE. At least `min`
  * samples. */
-bool subject_open(struct session *session, const struct given_argument *run,
-                  const struct given_argument *data, const struct given_argument *window,
+bool subject_open(struct session *session, const struct argument_value *run,
+                  const struct argument_value *data, const struct argument_value *window,
                   bool energy, size_t min, struct arena *arena, struct subject *subject,
                   struct error *error);
 

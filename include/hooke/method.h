@@ -71,7 +71,7 @@ struct step {
     double *low; /* [n] optional: what rounding took from y so far (compensated sums, Kahan 1965);
                     NULL: plain sums */
     bool warm;
-    void *library;         /* of a yardstick: what method_begin() made */
+    void *library;         /* of an external solver: what method_begin() made */
     step_function *kernel; /* the method's step made for this system, by method_step_kernel(); NULL:
                               the general one */
     controlled_function
@@ -170,7 +170,7 @@ bool method_fits(const struct method *method, const struct system *system, enum 
 size_t method_work_size(const struct method *method, int n);
 /*
  * Whoever owns the work memory calls these, too, with the system known to the step. Our own methods
- * need nothing more; a yardstick's library allocates here, for this system's n, and may again in
+ * need nothing more; an external library allocates here, for this system's n, and may again in
  * its first step. False: no memory.
  */
 bool method_begin(const struct method *method, struct step *step);

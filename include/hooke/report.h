@@ -16,17 +16,17 @@ struct export
 
 /* runs: none means the current one; column: none means t, y, v, energy; every: a count of rows, or
  * a time. */
-bool export_runs(const struct session *session, const struct given_argument *runs,
-                 const struct given_argument *column, const struct given_argument *every,
+bool export_runs(const struct session *session, const struct argument_value *runs,
+                 const struct argument_value *column, const struct argument_value *every,
                  struct export *export, struct error *error);
 /* Adds NAME_low and NAME_high to the table of one run: the band of the adopted fit about each
  * variable of the state in it. where: the option as typed. */
-bool export_band(const struct session *session, const struct given_argument *runs,
+bool export_band(const struct session *session, const struct argument_value *runs,
                  struct text where, struct export *export, struct error *error);
 bool export_recording(const struct session *session, struct export *export, struct error *error);
 /* column: t, y, v, energy; none means t and y. */
-bool export_recorded(const struct session *session, const struct given_argument *column,
-                     const struct given_argument *every, struct export *export,
+bool export_recorded(const struct session *session, const struct argument_value *column,
+                     const struct argument_value *every, struct export *export,
                      struct error *error);
 /* Fills the keys of the table: what made this run. */
 bool export_run_keys(const struct session *session, int index, struct export *export,
@@ -74,7 +74,7 @@ struct thinning {
     int64_t next;
 };
 
-bool thinning_begin(struct thinning *thinning, const struct given_argument *every,
+bool thinning_begin(struct thinning *thinning, const struct argument_value *every,
                     struct error *error);
 /* Row i, `elapsed` after the first; to be asked of one after another. */
 bool thinning_keeps(struct thinning *thinning, size_t i, double elapsed);

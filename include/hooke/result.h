@@ -62,13 +62,13 @@ void buffer_json_real(struct buffer *out, double value);     /* null where not f
  * objects and arrays are called by their path, "halves.gamma.1"; of an object in an array its name
  * stands for the number, where "name" is its first field. */
 
-struct growth; /* private: columns that grow */
+struct column_growth; /* private: columns that grow */
 
 struct stored_table {
     const char *kind; /* "compare"; lives as long as the arena, or longer */
     struct arena arena;
     struct table table;
-    struct growth *growth; /* NULL: the table is whole, records add nothing */
+    struct column_growth *growth; /* NULL: the table is whole, records add nothing */
 };
 
 struct table_store {

@@ -219,8 +219,8 @@ struct session {
     struct run_slot *run[LIMIT_RUNS];
     int runs, current_run; /* index, -1: none */
     int next_run;          /* number of the next run */
-    bool told_method;      /* that nobody has chosen one */
-    bool told_assumed;     /* which duration and tolerance this scene gets */
+    bool said_method;      /* that nobody has chosen one */
+    bool said_assumed;     /* which duration and tolerance this scene gets */
     struct recording_slot *recording[LIMIT_RECORDINGS];
     int recordings, current_recording; /* index, -1: none */
     bool data_is_latest; /* the recording is more recent than the run: measure acts on it */
@@ -344,8 +344,8 @@ struct write_policy session_policy(const struct session *session, bool force);
 void session_unset_method(struct setup *setup);
 void session_default_settings(struct settings *settings);
 /* Whether the user has set it; what he has not may follow the scene: settings_of_scene(). */
-bool setting_is_given(const struct setting *setting, const struct settings *settings);
-void setting_give(const struct setting *setting, bool given, struct settings *settings);
+bool setting_is_chosen(const struct setting *setting, const struct settings *settings);
+void setting_choose(const struct setting *setting, bool chosen, struct settings *settings);
 /* What a tolerance below 10 eps is really taken as; nothing for others. */
 void put_tol_floor(struct buffer *text, double tol);
 /* Duration and tolerance of the scene, unless they were set. */

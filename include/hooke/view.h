@@ -31,7 +31,7 @@ bool screen_draw(const struct session *session, const struct prompt_line *prompt
 /* The size of the log pane at this screen size [rows]: how far one page scrolls. */
 int screen_log_rows(const struct session *session, int width, int height);
 /* [rows] the log can be scrolled up there: its oldest line is then at the top. */
-int screen_log_most(const struct session *session, int width, int height);
+int screen_log_max(const struct session *session, int width, int height);
 /* Time [s] one column of the focused time plot is wide: how far a cursor key moves. 0: no such
  * plot. */
 double screen_column_time(const struct session *session, int width, int height);

@@ -112,7 +112,7 @@ double autocorrelation_factor(double rho);
 
 /* ---- motion.c: what every analysis of an oscillation starts from ---- */
 
-struct segment {
+struct swing_segment {
     size_t from, to; /* samples [from, to) */
     double a, b,
         c; /* local harmonic fit, see struct harmonic; its origin is the middle of the segment */
@@ -128,7 +128,7 @@ struct motion {
     struct harmonic harmonic; /* damped sine, robust */
     double *residual;         /* [n] of it */
     double *scratch;          /* [n] */
-    struct segment *segment;  /* [segments] two periods each, one after the other */
+    struct swing_segment *segment;  /* [segments] two periods each, one after the other */
     size_t segments;
     double quantum; /* step to which values are rounded (noise of quantum/sqrt(12)), 0: none */
     double autocorrelation;

@@ -12,7 +12,7 @@
 #define PATIENCE_NS 200000000 /* [ns] that a named pipe waits for a writer … */
 #define PATIENCE_LOOKS 20     /* … in so many looks */
 
-struct reading {
+struct file_reading {
     const char *path;
     size_t limit, before; /* before: bytes of content that are not the file's */
     uintmax_t size;       /* stated; 0: none */
@@ -77,7 +77,7 @@ static bool too_long(const char *path, size_t limit, struct error *error)
 
 /* Of a file that states its size no more than that: somebody may be writing it faster than it is
  * read. */
-static bool read_pieces(int fd, const struct reading *r, struct buffer *content,
+static bool read_pieces(int fd, const struct file_reading *r, struct buffer *content,
                         struct error *error)
 {
     char piece[PIECE];
@@ -106,7 +106,7 @@ static bool read_all(const char *path, size_t limit, struct read_watch *watch,
 {
     char name[SAFE_NAME_SIZE];
     struct stat st, after;
-    struct reading r = {path, limit, content->len, 0, watch};
+    struct file_reading r = {path, limit, content->len, 0, watch};
     if (!open_file(path, fd, &st, content, error))
         return false;
     r.size = S_ISREG(st.st_mode) ? (uintmax_t)st.st_size : 0;

@@ -26,9 +26,9 @@ static const struct item *next_choice(const struct arguments *arguments, struct 
 {
     const struct item *next = NULL;
     for (int i = 0; i < arguments->command->arguments; i++) {
-        const struct given_argument *given = &arguments->given[i];
-        for (int k = 0; k < given->count; k++) {
-            const struct item *item = &given->item[k];
+        const struct argument_value *args = &arguments->value[i];
+        for (int k = 0; k < args->count; k++) {
+            const struct item *item = &args->item[k];
             if (item->row && is_inside(item->text, statement) && item->text.at >= from &&
                 (!next || item->text.at < next->text.at))
                 next = item;

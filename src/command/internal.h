@@ -15,7 +15,7 @@
  */
 
 #define HANDLER_PARAMETERS                                                                         \
-    struct session *session, const struct arguments *given, struct reply *reply, struct error *error
+    struct session *session, const struct arguments *args, struct reply *reply, struct error *error
 #define HANDLER(name)                                                                              \
     bool command_##name(HANDLER_PARAMETERS);                                                       \
     bool command_##name(HANDLER_PARAMETERS)
@@ -48,7 +48,7 @@
 #endif
 
 /* The argument VALUE of a statement NAME = VALUE, to be read with read_value() (cmd_scene.c). */
-struct parser value_parser(struct session *session, const struct arguments *given);
+struct parser value_parser(struct session *session, const struct arguments *args);
 bool read_value(struct parser *parser, const char *what, enum quantity quantity, struct item *item,
                 struct error *error);
 

@@ -70,7 +70,7 @@ bool script_feed(struct script *script, struct session *session, struct text lin
     return !script->stopped && !session->quit;
 }
 
-static void put_runs_kept(const struct session *session, struct buffer *text)
+static void put_runs_left(const struct session *session, struct buffer *text)
 {
     if (session->runs == 1)
         buffer_format(text, ", run %d kept", session->run[0]->run->number);
@@ -86,16 +86,16 @@ bool script_end(struct script *script, struct session *session, struct reply *re
     buffer_free(&script->pending);
     const struct source *parent = script->where.parent;
     const bool outermost = !parent || !parent->name;
-    const char *const name_given = script->where.name; /* NULL: one line, typed */
-    const bool one_line = !name_given || (script->where.line <= 1 && strcmp(name_given, "-c") == 0);
+    const char *const name_of_argument = script->where.name; /* NULL: one line, typed */
+    const bool one_line = !name_of_argument || (script->where.line <= 1 && strcmp(name_of_argument, "-c") == 0);
     if (script->stopped && outermost && !one_line && reply->format != FORMAT_JSON) {
-        struct buffer kept = {0}, name = {0};
-        put_runs_kept(session, &kept);
-        safe_text(&name, text_of(name_given), false);
+        struct buffer saved = {0}, name = {0};
+        put_runs_left(session, &saved);
+        safe_text(&name, text_of(name_of_argument), false);
         const int done = session->history.done - script->commands;
         reply_note(reply, "%s: stopped at line %d (%d command%s run%s)", buffer_view(&name),
-                   script->where.line, done, done == 1 ? "" : "s", buffer_view(&kept));
-        buffer_free(&kept);
+                   script->where.line, done, done == 1 ? "" : "s", buffer_view(&saved));
+        buffer_free(&saved);
         buffer_free(&name);
     }
     return script->ok;

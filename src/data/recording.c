@@ -144,7 +144,7 @@ bool table_begins(struct text content, const char *shown, const struct load_opti
     return found;
 }
 
-static bool part_has_table(const struct part *part, const char *shown,
+static bool part_has_table(const struct container_part *part, const char *shown,
                            const struct load_options *options, struct error *error)
 {
     return refuse_binary(buffer_text(&part->text), shown, error) &&

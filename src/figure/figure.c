@@ -20,7 +20,7 @@ static const struct strokes *strokes_of(enum charset charset)
     return charset == CHARSET_ASCII ? &plain : &box;
 }
 
-struct sheet {
+struct text_sheet {
     const struct figure *figure;
     const struct figure_layout *layout;
     const struct strokes *strokes;
@@ -52,7 +52,7 @@ static enum style style_of(int i)
     return (enum style)(STYLE_CURVE_1 + i % 4);
 }
 
-static void draw_frame(const struct sheet *sheet)
+static void draw_frame(const struct text_sheet *sheet)
 {
     const struct strokes *s = sheet->strokes;
     int right = sheet->x + sheet->width - 1, bottom = sheet->y + sheet->height - 1;
@@ -73,7 +73,7 @@ static void draw_frame(const struct sheet *sheet)
 
 /* " text " on the frame, from column x to at most `end`; returns the column after it. Nothing if
  * there is no room for a letter. */
-static int frame_text(const struct sheet *sheet, int x, int end, int y, struct text text,
+static int frame_text(const struct text_sheet *sheet, int x, int end, int y, struct text text,
                       enum style style)
 {
     if (!text.len || end - x < 3)
@@ -145,7 +145,7 @@ static int legend_width(const struct figure *figure)
 
 /* "-- verlet  # euler  o data" and the caption, at the right end of the upper frame: as many as fit
  * right of column `from`. */
-static void draw_legend(const struct sheet *sheet, int from)
+static void draw_legend(const struct text_sheet *sheet, int from)
 {
     const struct figure *figure = sheet->figure;
     int right = sheet->x + sheet->width - 2, available = right - from - 3, used = 0, shown = 0;
@@ -190,7 +190,7 @@ static void draw_legend(const struct sheet *sheet, int from)
     canvas_text(sheet->canvas, x, y, caption, STYLE_PLAIN);
 }
 
-static void draw_titles(const struct sheet *sheet)
+static void draw_titles(const struct text_sheet *sheet)
 {
     const struct figure *figure = sheet->figure;
     int left = sheet->x + 2, right = sheet->x + sheet->width - 2,
@@ -223,7 +223,7 @@ static void draw_titles(const struct sheet *sheet)
     buffer_free(&note);
 }
 
-static void draw_x_axis(const struct sheet *sheet)
+static void draw_x_axis(const struct text_sheet *sheet)
 {
     const struct figure_layout *layout = sheet->layout;
     int x = sheet->x + layout->left, y = sheet->y + layout->top + layout->rows;
@@ -241,7 +241,7 @@ static void draw_x_axis(const struct sheet *sheet)
     }
 }
 
-static void draw_y_axis(const struct sheet *sheet)
+static void draw_y_axis(const struct text_sheet *sheet)
 {
     const struct figure_layout *layout = sheet->layout;
     int x = sheet->x + layout->left - 1, y = sheet->y + layout->top, column, row;
@@ -270,7 +270,7 @@ static bool alone_in_panel(const struct figure *figure, int curve)
     return true;
 }
 
-static void draw_curves(const struct sheet *sheet)
+static void draw_curves(const struct text_sheet *sheet)
 {
     const struct figure *figure = sheet->figure;
     const struct figure_layout *layout = sheet->layout;
@@ -320,7 +320,7 @@ static void draw_panel(const struct figure_panel *panel, struct canvas *canvas, 
                        enum charset charset)
 {
     struct figure_layout layout;
-    struct sheet sheet = {&panel->figure, &layout,      strokes_of(charset), canvas,
+    struct text_sheet sheet = {&panel->figure, &layout,      strokes_of(charset), canvas,
                           x + panel->x,   y + panel->y, panel->width,        panel->height};
 
     for (int row = 0; row < panel->height; row++)

@@ -91,11 +91,11 @@ int x_tick_column(const struct figure *figure, const struct figure_layout *layou
 int x_label_start(const struct figure_layout *layout, int column, int len);
 
 /* Dots of one cell: what a character set can resolve. */
-struct grid {
+struct dot_grid {
     int across, down;
 };
 
-struct grid charset_grid(enum charset charset);
+struct dot_grid charset_grid(enum charset charset);
 
 /* Draws curves into the plot of a canvas. */
 struct raster {

@@ -25,7 +25,7 @@ bool figure_cell(const struct figure_layout *layout, double x, double y, int *co
 {
     double across = scale_fraction(&layout->x, x), up = scale_fraction(&layout->y, y);
     double edge = 1e-9; /* of rounding */
-    struct grid grid = charset_grid(layout->charset);
+    struct dot_grid grid = charset_grid(layout->charset);
 
     if (!(across >= -edge && across <= 1 + edge && up >= -edge && up <= 1 + edge))
         return false;
@@ -124,7 +124,7 @@ static void fit_ticks(const struct figure *figure, struct figure_layout *layout,
 /* The same length for a unit on both axes: the shorter range is extended about its middle. */
 static void equalise(const struct figure *figure, struct figure_layout *layout)
 {
-    struct grid grid = charset_grid(layout->charset);
+    struct dot_grid grid = charset_grid(layout->charset);
     double aspect = figure->aspect > 0 ? figure->aspect : 2;
     double width = fmax(layout->columns - 1.0 / grid.across, 0.5);
     double height = aspect * fmax(layout->rows - 1.0 / grid.down, 0.5);
@@ -147,14 +147,14 @@ void layout_scales(const struct figure *figure, struct figure_layout *layout, st
                    struct extent y)
 {
     int x_want = 2 + (layout->columns + 4) / 12, y_want = 2 + (layout->rows + 1) / 4;
-    int x_most = larger(layout->columns / 4, 1), y_most = larger((layout->rows + 1) / 2, 3);
+    int x_max = larger(layout->columns / 4, 1), y_max = larger((layout->rows + 1) / 2, 3);
 
-    layout->x = axis_scale(figure, false, x, x_want, x_most);
-    layout->y = axis_scale(figure, true, y, y_want, y_most);
+    layout->x = axis_scale(figure, false, x, x_want, x_max);
+    layout->y = axis_scale(figure, true, y, y_want, y_max);
     if (figure->equal && !layout->x.log && !layout->y.log)
         equalise(figure, layout);
-    fit_ticks(figure, layout, true, y_want, y_most);
-    fit_ticks(figure, layout, false, x_want, x_most);
+    fit_ticks(figure, layout, true, y_want, y_max);
+    fit_ticks(figure, layout, false, x_want, x_max);
 }
 
 void figure_layout(const struct figure *figure, int width, int height, enum charset charset,

@@ -129,7 +129,7 @@ static double draw_heading(struct page *page, double limit, bool draw)
 
 /* ---- axes ---- */
 
-static double tick_place(const struct page *page, bool vertical, double shown)
+static double tick_position(const struct page *page, bool vertical, double shown)
 {
     const struct axis *axis = vertical ? &page->figure->y : &page->figure->x;
     double fraction =
@@ -146,7 +146,7 @@ static void draw_ticks(struct page *page, bool vertical, bool grid)
     char text[TICK_TEXT_SIZE];
 
     for (int i = 0; i < ticks->count; i++) {
-        double value = tick_value(ticks, i, decades), at = tick_place(page, vertical, value);
+        double value = tick_value(ticks, i, decades), at = tick_position(page, vertical, value);
         if (grid && vertical) {
             draw_straight(page, page->left, at, page->right, at);
         } else if (grid) {
@@ -168,7 +168,7 @@ static void draw_ticks(struct page *page, bool vertical, bool grid)
     /* Between single decades: 2, 3 … 9. */
     for (int i = -1; !grid && decades && ticks->step == 1 && i < ticks->count; i++) {
         for (int digit = 2; digit < 10; digit++) {
-            double at = tick_place(page, vertical, digit * tick_value(ticks, i, true));
+            double at = tick_position(page, vertical, digit * tick_value(ticks, i, true));
             if (vertical && at >= page->top && at <= page->bottom)
                 draw_straight(page, page->left - TICK / 2, at, page->left, at);
             else if (!vertical && at >= page->left && at <= page->right)
@@ -212,7 +212,7 @@ static void lay_out(struct page *page)
 {
     struct figure figure = *page->figure;
     struct extent x = axis_extent(&figure, false), y = axis_extent(&figure, true);
-    struct grid grid = charset_grid(CHARSET_BRAILLE);
+    struct dot_grid grid = charset_grid(CHARSET_BRAILLE);
     double gutter = page->gutter;
 
     page->layout = (struct figure_layout){
@@ -237,7 +237,7 @@ static void lay_out(struct page *page)
 
 /* ---- panels ---- */
 
-struct sheet {
+struct picture_sheet {
     const struct figure *figure; /* all of it: title, legend, caption */
     struct figure part[PANELS_MAX];
     int parts;
@@ -245,7 +245,7 @@ struct sheet {
 };
 
 /* Divides the page from top to bottom. */
-static void place_panels(struct sheet *sheet, double top, double bottom)
+static void place_panels(struct picture_sheet *sheet, double top, double bottom)
 {
     struct page *page = sheet->page;
     double left = EDGE, right = page->width - 2 * EDGE, width = right - left, height = bottom - top;
@@ -284,7 +284,7 @@ static void place_panels(struct sheet *sheet, double top, double bottom)
 }
 
 /* What the panels have to say, in one line. */
-static void put_notes(const struct sheet *sheet, struct buffer *out)
+static void put_notes(const struct picture_sheet *sheet, struct buffer *out)
 {
     struct buffer note = {0};
     int available = (int)(sheet->page->width / CELL_WIDTH);
@@ -307,8 +307,8 @@ static void draw_panel(struct page *page)
     draw_ticks(page, true, true);
     if (figure->zero_line && zero > 0 && zero < 1) {
         set_ink(page, gray, 0.8);
-        draw_straight(page, page->left, tick_place(page, true, 0), page->right,
-                      tick_place(page, true, 0));
+        draw_straight(page, page->left, tick_position(page, true, 0), page->right,
+                      tick_position(page, true, 0));
     }
 
     page_curves(page);
@@ -329,7 +329,7 @@ static void draw_panel(struct page *page)
     draw_axis_titles(page);
 }
 
-static bool draw_sheet(struct sheet *sheet, struct arena *arena)
+static bool draw_sheet(struct picture_sheet *sheet, struct arena *arena)
 {
     struct page *page = sheet->page;
     struct page heading = *page; /* title and legend are those of all panels */
@@ -404,9 +404,9 @@ static void forget_count(struct buffer *out, size_t from)
     out->len -= digits;
 }
 
-static double page_length(double asked, double usual)
+static double page_length(double wanted, double usual)
 {
-    return !(asked > 0) ? usual : fmin(fmax(asked, LEAST), MOST);
+    return !(wanted > 0) ? usual : fmin(fmax(wanted, LEAST), MOST);
 }
 
 bool picture_with(const struct cairo_api *api, const struct figure *figure, enum picture kind,
@@ -415,7 +415,7 @@ bool picture_with(const struct cairo_api *api, const struct figure *figure, enum
     struct page page = {.api = api,
                         .width = page_length(width, PICTURE_WIDTH),
                         .height = page_length(height, PICTURE_HEIGHT)};
-    struct sheet sheet = {.figure = figure};
+    struct picture_sheet sheet = {.figure = figure};
     struct arena arena = {0};
     const size_t before = out->len;
     cairo_surface_t *surface = make_surface(api, kind, page.width, page.height, out);

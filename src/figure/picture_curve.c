@@ -215,7 +215,7 @@ double page_band_sample(struct page *page, int index, double x, double y, bool d
 
 /* ---- points ---- */
 
-static bool point_place(const struct page *page, const struct curve *curve, size_t i, double *x,
+static bool point_position(const struct page *page, const struct curve *curve, size_t i, double *x,
                         double *y)
 {
     *x = page_x(page, curve->x[i]);
@@ -231,7 +231,7 @@ static bool is_dense(const struct page *page, const struct curve *curve)
     size_t inside = 0;
     double x, y;
     for (size_t i = 0; i < curve->n && inside <= SPARSE; i++)
-        inside += point_place(page, curve, i, &x, &y);
+        inside += point_position(page, curve, i, &x, &y);
     return inside > SPARSE;
 }
 
@@ -252,7 +252,7 @@ static long add_points(struct page *page, int index, bool dense, double square)
     api->new_path(page->cairo);
     page_ink_clear(page, 1);
     for (size_t i = 0; i < curve->n; i++) {
-        if (!point_place(page, curve, i, &x, &y))
+        if (!point_position(page, curve, i, &x, &y))
             continue;
         double column = page->left + floor((x - page->left) / square) * square,
                row = page->top + floor((y - page->top) / square) * square;

@@ -27,7 +27,7 @@ static bool fixed_range(const struct axis *axis)
            axis->to / size - axis->from / size > 1e-13 && (!axis->log || axis->from > 0);
 }
 
-static double least_of(const struct axis *axis)
+static double min_of(const struct axis *axis)
 {
     return axis->log ? fmax(axis->min, DBL_TRUE_MIN) : -DBL_MAX;
 }
@@ -40,7 +40,7 @@ static void extend(struct extent *extent, const struct figure *figure, const str
                       *other = vertical ? &figure->x : &figure->y;
     const double *value = vertical ? curve->y : curve->x, *across = vertical ? curve->x : curve->y;
     bool window = vertical && fixed_range(other);
-    double min = least_of(axis), from = window ? other->from : least_of(other),
+    double min = min_of(axis), from = window ? other->from : min_of(other),
            to = window ? other->to : DBL_MAX;
 
     for (size_t i = 0; i < curve->n; i++) {
@@ -63,7 +63,7 @@ static bool is_beside(const struct figure *figure, const struct curve *curve, bo
 
 static size_t count_hidden(const struct figure *figure, bool vertical)
 {
-    const double min = least_of(vertical ? &figure->y : &figure->x);
+    const double min = min_of(vertical ? &figure->y : &figure->x);
     size_t hidden = 0;
     for (int c = 0; c < figure->curves; c++) {
         const struct curve *curve = &figure->curve[c];
@@ -110,9 +110,9 @@ static struct scale linear_scale(const struct figure *figure, bool vertical, str
     }
     struct ticks ticks = ticks_search(low / factor, high / factor, want, max, true);
     if (!figure->equal && ticks.count > 1) {
-        double most_air = 0.35 * (high - low), last = tick_value(&ticks, ticks.count - 1, false);
-        low = fmax(fmin(low, ticks.first * factor), low - most_air);
-        high = fmin(fmax(high, last * factor), high + most_air);
+        double max_air = 0.35 * (high - low), last = tick_value(&ticks, ticks.count - 1, false);
+        low = fmax(fmin(low, ticks.first * factor), low - max_air);
+        high = fmin(fmax(high, last * factor), high + max_air);
     }
     return scale_of(low, high, false);
 }

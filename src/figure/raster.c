@@ -11,9 +11,9 @@
 
 #include <string.h>
 
-struct grid charset_grid(enum charset charset)
+struct dot_grid charset_grid(enum charset charset)
 {
-    static const struct grid grids[] = {
+    static const struct dot_grid grids[] = {
         [CHARSET_ASCII] = {1, 4}, [CHARSET_BLOCK] = {2, 2}, [CHARSET_BRAILLE] = {2, 4}};
     return grids[charset];
 }
@@ -36,7 +36,7 @@ static uint32_t raster_get(const struct raster *raster, int column, int row)
 }
 
 /* Adds a dot to what this curve already has in the cell. */
-static void put_dot(const struct raster *raster, struct grid grid, int column, int row)
+static void put_dot(const struct raster *raster, struct dot_grid grid, int column, int row)
 {
     static const uint32_t bit[4][2] = {
         {0x01, 0x08}, {0x02, 0x10}, {0x04, 0x20}, {0x40, 0x80}}; /* ISO 11548-1, Unicode U+2800 */
@@ -63,7 +63,7 @@ static void put_dot(const struct raster *raster, struct grid grid, int column, i
  * right, 0 neither. */
 static void put_span(const struct raster *raster, int column, int low, int high, int slope)
 {
-    struct grid grid = charset_grid(raster->layout->charset);
+    struct dot_grid grid = charset_grid(raster->layout->charset);
     int last = raster->layout->rows * grid.down - 1, span = high - low + 1;
     int from = low < 0 ? 0 : low, to = high > last ? last : high;
 
@@ -158,7 +158,7 @@ static void pen_to(struct pen *pen, double x, double y)
 void raster_line(const struct raster *raster, const struct curve *curve)
 {
     const struct figure_layout *layout = raster->layout;
-    struct grid grid = charset_grid(layout->charset);
+    struct dot_grid grid = charset_grid(layout->charset);
     double across = layout->columns * grid.across - 1, down = layout->rows * grid.down - 1;
     struct pen pen = {.raster = raster, .columns = layout->columns * grid.across, .heading = 1};
 

@@ -6,42 +6,42 @@
 #include <assert.h>
 #include <string.h>
 
-const struct given_argument *argument_given(const struct arguments *arguments, const char *name)
+const struct argument_value *argument_value(const struct arguments *arguments, const char *name)
 {
     const struct command *command = arguments->command;
     int index = 0;
     while (index < command->arguments && strcmp(command->argument[index].name, name) != 0)
         index++;
     assert(index < command->arguments);
-    return &arguments->given[index];
+    return &arguments->value[index];
 }
 
 /* Room for one more item; they live in the arena of the statement. */
-static struct item *next_item(struct parser *parser, struct given_argument *given,
+static struct item *next_item(struct parser *parser, struct argument_value *value,
                               struct error *error)
 {
-    if (given->count >= LIMIT_TOKENS) {
+    if (value->count >= LIMIT_TOKENS) {
         error_set(error, ERROR_COMMAND, "more than %d words in a statement", LIMIT_TOKENS);
         return NULL;
     }
-    if ((given->count & (given->count - 1)) == 0) { /* full at every power of two */
+    if ((value->count & (value->count - 1)) == 0) { /* full at every power of two */
         struct item *larger =
-            arena_array(parser->arena, given->count ? 2 * (size_t)given->count : 1, sizeof *larger);
+            arena_array(parser->arena, value->count ? 2 * (size_t)value->count : 1, sizeof *larger);
         if (!larger) {
             error_memory(error);
             return NULL;
         }
-        if (given->count)
-            memcpy(larger, given->item, (size_t)given->count * sizeof *larger);
-        given->item = larger;
+        if (value->count)
+            memcpy(larger, value->item, (size_t)value->count * sizeof *larger);
+        value->item = larger;
     }
-    struct item *item = &given->item[given->count];
+    struct item *item = &value->item[value->count];
     *item = (struct item){.quantity = QUANTITY_OTHER, .index = -1};
     return item;
 }
 
 /* Where one argument's items go, and what is still expected. */
-struct progress {
+struct argument_progress {
     struct parser *parser;
     const struct command *command;
     struct arguments *arguments;
@@ -49,12 +49,12 @@ struct progress {
     const struct item *number; /* that was read last, NULL: something else */
 };
 
-static bool read_into(struct progress *progress, int index, const char *start, struct error *error)
+static bool read_into(struct argument_progress *progress, int index, const char *start, struct error *error)
 {
     struct parser *parser = progress->parser;
     const struct argument *argument = &progress->command->argument[index];
-    struct given_argument *given = &progress->arguments->given[index];
-    for (int i = 0; given->count == 0 && argument->group && i < progress->command->arguments; i++)
+    struct argument_value *value = &progress->arguments->value[index];
+    for (int i = 0; value->count == 0 && argument->group && i < progress->command->arguments; i++)
         if (i != index && progress->command->argument[i].group == argument->group &&
             has(progress->arguments, i)) {
             error_at(error,
@@ -78,16 +78,16 @@ static bool read_into(struct progress *progress, int index, const char *start, s
             buffer_free(&usage);
             return false;
         }
-        struct item *item = next_item(parser, given, error);
+        struct item *item = next_item(parser, value, error);
         if (!item || !argument_type(argument)->read(parser, argument, many ? "," : "", item, error))
             return false;
-        given->count++;
+        value->count++;
         more = many && parser->rest.len > 0 && parser->rest.at[0] == ',';
         if (more)
             parser->rest = (struct text){parser->rest.at + 1, parser->rest.len - 1};
     }
-    given->where = (struct text){start, (size_t)(parser->rest.at - start)};
-    progress->number = type_is(argument, TYPE_IS_NUMBER) ? &given->item[given->count - 1] : NULL;
+    value->where = (struct text){start, (size_t)(parser->rest.at - start)};
+    progress->number = type_is(argument, TYPE_IS_NUMBER) ? &value->item[value->count - 1] : NULL;
     progress->open = many && argument->form == FORM_WORD ? index : -1;
     return true;
 }
@@ -146,7 +146,7 @@ static size_t key_length(struct text text, struct text name)
 }
 
 /* The place where an item without introduction goes, -1: none. */
-static int next_place(const struct progress *progress, struct text word)
+static int next_index(const struct argument_progress *progress, struct text word)
 {
     const struct command *command = progress->command;
     if (progress->open >= 0 && command->argument[progress->open].type == TYPE_RUN && word.len > 0 &&
@@ -174,14 +174,14 @@ static bool takes_rest(const struct argument *argument)
     return type_is(argument, TYPE_TAKES_REST);
 }
 
-static bool read_next(struct progress *progress, struct error *error)
+static bool read_next(struct argument_progress *progress, struct error *error)
 {
     struct parser *parser = progress->parser;
     struct text *rest = &parser->rest;
     const char *start = rest->at;
     const struct text name = rest->at[0] == '>' ? (struct text){rest->at, 1} : peek_name(*rest);
     size_t used = 0;
-    int index = next_place(progress, (struct text){rest->at, 0});
+    int index = next_index(progress, (struct text){rest->at, 0});
     if (index >= 0 && takes_rest(&progress->command->argument[index]))
         return read_into(progress, index, start, error);
     if (text_starts(*rest, TEXT("--")) && rest->len > 2 && is_name_start(rest->at[2])) {
@@ -196,9 +196,9 @@ static bool read_next(struct progress *progress, struct error *error)
         if (index < 0 && (index = find_start(progress->command)) >= 0)
             used = 0; /* the name is part of it */
         /* `let NAME = value`: the = belongs to what follows. */
-        if (index < 0 && next_place(progress, name) >= 0 &&
-            type_is(&progress->command->argument[next_place(progress, name)], TYPE_BEFORE_EQUALS)) {
-            index = next_place(progress, name);
+        if (index < 0 && next_index(progress, name) >= 0 &&
+            type_is(&progress->command->argument[next_index(progress, name)], TYPE_BEFORE_EQUALS)) {
+            index = next_index(progress, name);
             used = 0;
         }
         if (index < 0)
@@ -215,7 +215,7 @@ static bool read_next(struct progress *progress, struct error *error)
         *rest = (struct text){rest->at + name.len, rest->len - name.len};
         return true;
     } else {
-        index = next_place(progress, peek_word(*rest, ","));
+        index = next_index(progress, peek_word(*rest, ","));
         used = 0;
         if (index < 0)
             return refuse_rest(parser, progress->number, error);
@@ -230,7 +230,7 @@ static bool read_next(struct progress *progress, struct error *error)
 bool parse_arguments(struct parser *parser, const struct command *command,
                      struct arguments *arguments, struct error *error)
 {
-    struct progress progress = {parser, command, arguments, -1, NULL};
+    struct argument_progress progress = {parser, command, arguments, -1, NULL};
     for (;;) {
         struct text before = parser->rest;
         text_skip_blanks(&parser->rest);

@@ -75,7 +75,7 @@ static bool data_energy(const struct session *session, struct arena *arena, stru
     return motion_series(&motion, true, -HUGE_VAL, HUGE_VAL, arena, &subject->series, error);
 }
 
-static struct series in_window(struct series series, const struct given_argument *window)
+static struct series in_window(struct series series, const struct argument_value *window)
 {
     const double *range = window && window->count ? window->item->range : NULL;
     return !range ? series
@@ -83,7 +83,7 @@ static struct series in_window(struct series series, const struct given_argument
                                   isnan(range[1]) ? HUGE_VAL : range[1]);
 }
 
-static bool open_run(struct run *run, const struct given_argument *window, bool energy, size_t min,
+static bool open_run(struct run *run, const struct argument_value *window, bool energy, size_t min,
                      struct arena *arena, struct subject *subject, struct error *error)
 {
     subject->run = run;
@@ -101,7 +101,7 @@ static bool open_run(struct run *run, const struct given_argument *window, bool 
 }
 
 static bool open_recording(const struct session *session, struct recording *recording,
-                           const struct given_argument *window, bool energy, size_t min,
+                           const struct argument_value *window, bool energy, size_t min,
                            struct arena *arena, struct subject *subject, struct error *error)
 {
     subject->recording = recording;
@@ -122,8 +122,8 @@ static bool open_recording(const struct session *session, struct recording *reco
     return ok && (!energy || data_energy(session, arena, subject, error));
 }
 
-bool subject_column(struct subject *subject, const struct given_argument *column,
-                    const struct given_argument *window, struct arena *arena, struct error *error)
+bool subject_column(struct subject *subject, const struct argument_value *column,
+                    const struct argument_value *window, struct arena *arena, struct error *error)
 {
     const struct text name = column->item->text;
     const struct run *run = subject->run;
@@ -155,8 +155,8 @@ bool subject_column(struct subject *subject, const struct given_argument *column
     return true;
 }
 
-bool subject_open(struct session *session, const struct given_argument *run,
-                  const struct given_argument *data, const struct given_argument *window,
+bool subject_open(struct session *session, const struct argument_value *run,
+                  const struct argument_value *data, const struct argument_value *window,
                   bool energy, size_t min, struct arena *arena, struct subject *subject,
                   struct error *error)
 {

@@ -40,7 +40,7 @@ struct text before_option(struct text text)
 }
 
 /* expr [UNIT] */
-struct part {
+struct number_part {
     double number;
     const struct unit *unit;
     const struct expr *expr;
@@ -70,7 +70,7 @@ static double take_last_digits(struct text typed, struct text *rest)
     return digits / unit;
 }
 
-static bool parse_part(struct parser *parser, struct part *part, struct error *error)
+static bool parse_part(struct parser *parser, struct number_part *part, struct error *error)
 {
     size_t used;
     text_skip_blanks(&parser->rest);
@@ -110,7 +110,7 @@ static bool wrong_quantity(const char *what, enum quantity wanted, const struct 
 }
 
 /* A bare number is in the SI unit; `fallback` is the unit of the other side of +-. */
-static bool to_si(const struct part *part, const struct unit *fallback, const char *what,
+static bool to_si(const struct number_part *part, const struct unit *fallback, const char *what,
                   enum quantity wanted, struct text typed, double *si, struct error *error)
 {
     const struct unit *unit = part->unit ? part->unit : fallback;
@@ -136,7 +136,7 @@ bool parse_value(struct parser *parser, const char *what, enum quantity wanted, 
 {
     text_skip_blanks(&parser->rest);
     const char *start = parser->rest.at;
-    struct part number, spread = {0};
+    struct number_part number, spread = {0};
     if (parser->rest.len == 0) {
         error_at(error, parser->rest, "%s needs a value", what);
         return false;
@@ -304,7 +304,7 @@ bool refuse_rest(const struct parser *parser, const struct item *number, struct 
 static enum quantity side_quantity(struct parser *parser, struct text side)
 {
     struct parser part = {parser->session, parser->scope, parser->arena, side};
-    struct part value;
+    struct number_part value;
     struct error ignored;
     text_skip_blanks(&side);
     if (!parse_part(&part, &value, &ignored))

@@ -34,18 +34,18 @@ static size_t spanned(const struct run *run, const struct series *data)
 
 /* Sums over the samples that a run spans: of x, what the run does there, and of y, what was
  * recorded. */
-struct moments {
+struct overlap_sums {
     double n, x, y, xx, xy, yy; /* the last three about the means */
     double apart;               /* of (x - y)^2 */
 };
 
 /* Means and squares in one pass (Welford 1962). */
 static void sum_up(const struct run *run, const struct series *data, int derivative,
-                   struct moments *s)
+                   struct overlap_sums *s)
 {
     double span[2];
     run_span(run, span);
-    *s = (struct moments){.n = 0};
+    *s = (struct overlap_sums){.n = 0};
     for (size_t i = 0; i < data->n; i++) {
         if (!(data->t[i] >= span[0] && data->t[i] <= span[1]))
             continue;
@@ -109,7 +109,7 @@ static bool can_compare(const struct run *run, const struct recording *recording
 
 /* y = a + b x by least squares, the noise being in what was recorded; turned round, as the run is
  * what is drawn. */
-static void fit_scale(const struct moments *s, struct data_distance *d)
+static void fit_scale(const struct overlap_sums *s, struct data_distance *d)
 {
     const double slope = s->xy / s->xx, left = s->yy - slope * s->xy;
     const bool follows = s->xy * s->xy > FOLLOWS * s->xx * s->yy;
@@ -138,7 +138,7 @@ struct data_distance run_data_distance(const struct run *run, struct recording *
         if (recording_series(recording, &arena, 2, &all, &ignored) &&
             recording_series(&clean, &arena, 2, &good, &ignored)) {
             const size_t used = spanned(run, &good);
-            struct moments moments;
+            struct overlap_sums moments;
             sum_up(run, &good, result.derivative, &moments);
             result.bad = used >= 2 ? spanned(run, &all) - used : 0;
             if (used >= 2 && quantity_is_scaled(own) &&

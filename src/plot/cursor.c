@@ -200,7 +200,7 @@ static bool peak_between(const struct ground *g, double from, double to, struct 
 
 /* Calls for each place of this kind in order until it says stop. Samples are no places: there are
  * too many. */
-static void each_place(const struct ground *g, enum snap snap,
+static void each_position(const struct ground *g, enum snap snap,
                        bool (*visit)(void *context, const struct snap_point *point), void *context)
 {
     struct snap_point point;
@@ -216,7 +216,7 @@ static void each_place(const struct ground *g, enum snap snap,
     }
 }
 
-struct search {
+struct snap_search {
     double t;
     struct snap_point best;
     bool found, forward;
@@ -225,7 +225,7 @@ struct search {
 
 static bool keep_nearest(void *context, const struct snap_point *point)
 {
-    struct search *search = context;
+    struct snap_search *search = context;
     if (!search->found || fabs(point->t - search->t) < fabs(search->best.t - search->t))
         search->best = *point;
     search->found = true;
@@ -265,9 +265,9 @@ void cursor_put(struct cursors *cursors, const struct ground *g, int which, doub
 {
     const struct series *s = &g->series;
     t = fmin(fmax(t, s->t[0]), s->t[s->n - 1]);
-    struct search search = {.t = t};
+    struct snap_search search = {.t = t};
     if (cursors->snap == SNAP_CROSSING || cursors->snap == SNAP_PEAK)
-        each_place(g, cursors->snap, keep_nearest, &search);
+        each_position(g, cursors->snap, keep_nearest, &search);
     const struct snap_point point = search.found && fabs(search.best.t - t) <= reach ? search.best
                                     : cursors->snap == SNAP_SAMPLE ? nearest_sample(g, t)
                                                                    : no_snap(g, t);
@@ -278,7 +278,7 @@ void cursor_put(struct cursors *cursors, const struct ground *g, int which, doub
 
 static bool keep_next(void *context, const struct snap_point *point)
 {
-    struct search *search = context;
+    struct snap_search *search = context;
     const bool beyond = search->forward ? point->t > search->t : point->t < search->t;
     if (beyond)
         search->best = *point;
@@ -290,8 +290,8 @@ bool cursor_jump(struct cursors *cursors, const struct ground *g, bool forward, 
 {
     const double t = cursors->at[cursors->active].t, near = 1e-6 * ground_spacing(g);
     const bool peak = cursors->snap == SNAP_PEAK;
-    struct search search = {.t = t + (forward ? near : -near), .forward = forward};
-    each_place(g, peak ? SNAP_PEAK : SNAP_CROSSING, keep_next, &search);
+    struct snap_search search = {.t = t + (forward ? near : -near), .forward = forward};
+    each_position(g, peak ? SNAP_PEAK : SNAP_CROSSING, keep_next, &search);
     if (!search.found)
         return error_set(error, ERROR_COMMAND, "there is no %s %s t = %.6g s in %s",
                          peak ? "peak" : "up-crossing", forward ? "after" : "before", t, g->name);
@@ -301,7 +301,7 @@ bool cursor_jump(struct cursors *cursors, const struct ground *g, bool forward, 
 
 static bool keep_number(void *context, const struct snap_point *point)
 {
-    struct search *search = context;
+    struct snap_search *search = context;
     search->best = *point;
     search->found = point->crossing == search->number;
     return !search->found;
@@ -311,8 +311,8 @@ bool cursor_span(struct cursors *cursors, const struct ground *g, double n, stru
 {
     const struct series *s = &g->series;
     if (cursors->at[0].crossing > 0) {
-        struct search search = {.number = cursors->at[0].crossing + (int)fmin(n, 1e9)};
-        each_place(g, SNAP_CROSSING, keep_number, &search);
+        struct snap_search search = {.number = cursors->at[0].crossing + (int)fmin(n, 1e9)};
+        each_position(g, SNAP_CROSSING, keep_number, &search);
         if (!search.found)
             return error_set(error, ERROR_COMMAND,
                              "%s has up-crossings up to #%d: from #%d that is %d period%s", g->name,

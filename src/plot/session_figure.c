@@ -205,8 +205,8 @@ static double size_of(const struct drawing *d, bool x)
 static const char *make_note(const struct drawing *d)
 {
     const struct figure_request *request = d->request;
-    const bool asked = !isnan(request->window[0]) || !isnan(request->window[1]),
-               part = !asked && d->shown < d->total * (1 - 1e-9);
+    const bool wanted = !isnan(request->window[0]) || !isnan(request->window[1]),
+               part = !wanted && d->shown < d->total * (1 - 1e-9);
     struct buffer text = {0};
     if (plot_is_plane(request->kind) && part)
         buffer_format(&text, "last %.4g T", drawing_trail(d));

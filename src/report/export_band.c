@@ -6,7 +6,7 @@
 #include <string.h>
 
 /* The run of the table; NULL: there are several. */
-static const struct run *only_run(const struct session *session, const struct given_argument *runs)
+static const struct run *only_run(const struct session *session, const struct argument_value *runs)
 {
     if (runs->count == 0)
         return session_run(session);
@@ -28,7 +28,7 @@ static struct table_column side_of(const struct table_column *column, const char
         .name = arena_text(arena, text_of(name)), .unit = column->unit, .value = value};
 }
 
-bool export_band(const struct session *session, const struct given_argument *runs,
+bool export_band(const struct session *session, const struct argument_value *runs,
                  struct text where, struct export *export, struct error *error)
 {
     const struct run *run = only_run(session, runs);

@@ -7,7 +7,7 @@
 enum recorded { RECORDED_T, RECORDED_Y, RECORDED_V, RECORDED_ENERGY, RECORDED_COUNT };
 
 /* t first, then what was asked for, or y, each once. */
-static bool list_recorded(const struct given_argument *column, bool wanted[RECORDED_COUNT],
+static bool list_recorded(const struct argument_value *column, bool wanted[RECORDED_COUNT],
                           struct error *error)
 {
     static const char *const names[RECORDED_COUNT] = {"t", "y", "v", "energy"};
@@ -60,8 +60,8 @@ static const double *take_rows(const double *value, const size_t *row, size_t ro
     return taken;
 }
 
-bool export_recorded(const struct session *session, const struct given_argument *column,
-                     const struct given_argument *every, struct export *export, struct error *error)
+bool export_recorded(const struct session *session, const struct argument_value *column,
+                     const struct argument_value *every, struct export *export, struct error *error)
 {
     struct recording *recording = session_recording(session);
     bool wanted[RECORDED_COUNT] = {false};
@@ -125,6 +125,6 @@ bool export_recorded(const struct session *session, const struct given_argument 
 
 bool export_recording(const struct session *session, struct export *export, struct error *error)
 {
-    const struct given_argument none = {.count = 0};
+    const struct argument_value none = {.count = 0};
     return export_recorded(session, &none, &none, export, error);
 }

@@ -5,7 +5,7 @@
 
 #include <math.h>
 
-bool thinning_begin(struct thinning *thinning, const struct given_argument *every,
+bool thinning_begin(struct thinning *thinning, const struct argument_value *every,
                     struct error *error)
 {
     *thinning = (struct thinning){.step = 1};
@@ -45,7 +45,7 @@ static size_t select_rows(const struct run *run, struct thinning thinning, bool 
     return count;
 }
 
-static int list_runs(const struct session *session, const struct given_argument *runs, int *index)
+static int list_runs(const struct session *session, const struct argument_value *runs, int *index)
 {
     int count = 0;
     for (int r = 0; r < session->runs; r++) {
@@ -67,7 +67,7 @@ static void add_column(struct chosen_column one, struct chosen_column *list, int
 }
 
 /* t first, then what was asked for, or the state, the energy and what is observed, each once. */
-static bool list_columns(const struct system *system, const struct given_argument *column,
+static bool list_columns(const struct system *system, const struct argument_value *column,
                          struct chosen_column *list, int *count, struct error *error)
 {
     const struct model *model = system->model;
@@ -106,8 +106,8 @@ static bool same_model(const struct session *session, const int *index, int coun
     return true;
 }
 
-bool export_runs(const struct session *session, const struct given_argument *runs,
-                 const struct given_argument *column, const struct given_argument *every,
+bool export_runs(const struct session *session, const struct argument_value *runs,
+                 const struct argument_value *column, const struct argument_value *every,
                  struct export *export, struct error *error)
 {
     struct arena *arena = export->arena;

@@ -12,7 +12,7 @@ static double value_at(const struct sweep *sweep, int64_t i, int measure)
     return sweep->value[i * sweep->measures + measure];
 }
 
-static double place_at(const struct sweep *sweep, int axis, int64_t i)
+static double position_at(const struct sweep *sweep, int axis, int64_t i)
 {
     return sweep_axis_value(&sweep->axis[axis], (int)sweep_number(sweep, axis, i));
 }
@@ -63,7 +63,7 @@ static bool fill_column(const struct swept *swept, int index, struct arena *aren
     const int measure = index - sweep->axes;
     double *value = arena_array(arena, (size_t)sweep->count + 1, sizeof *value);
     for (int64_t i = 0; value && i < sweep->count; i++)
-        value[i] = measure < 0 ? place_at(sweep, index, i) : value_at(sweep, i, measure);
+        value[i] = measure < 0 ? position_at(sweep, index, i) : value_at(sweep, i, measure);
     column->value = value;
     column->name =
         measure < 0 ? sweep->axis[index].name : sweep_measure_name(&swept->measure[measure]);
@@ -142,7 +142,7 @@ static void put_curve(const struct session *session, const struct swept *swept, 
     if (n < 3 || !x || !y)
         return;
     for (size_t i = 0; i < n; i++) {
-        x[i] = place_at(sweep, 0, (int64_t)i);
+        x[i] = position_at(sweep, 0, (int64_t)i);
         y[i] = value_at(sweep, (int64_t)i, measure);
     }
     const enum quantity across = sweep->axis[0].quantity, up = quantity_of(swept, measure);
@@ -272,7 +272,7 @@ bool sweep_table(const struct swept *swept, struct arena *arena, struct table *t
             return false;
         for (size_t i = 0; i < n; i++)
             value[i] = c == 0        ? (double)(sweep->first + (int64_t)i)
-                       : measure < 0 ? place_at(sweep, axis, (int64_t)i)
+                       : measure < 0 ? position_at(sweep, axis, (int64_t)i)
                                      : value_at(sweep, (int64_t)i, measure);
         out[c] = (struct table_column){.name = "point", .unit = "", .value = value};
         if (c > 0 && measure < 0) {

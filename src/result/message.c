@@ -144,7 +144,7 @@ static void put_text(struct buffer *out, const struct error *error, const struct
 }
 
 /* The line of the file that the error is in: its number, what stands there, the column. */
-static size_t place_of(const struct error *error, const struct source **where, struct source *own,
+static size_t index_of(const struct error *error, const struct source **where, struct source *own,
                        struct text *line)
 {
     size_t column = column_of(*line, error->where);
@@ -167,7 +167,7 @@ void reply_error(struct reply *reply, const struct error *error, const struct so
 {
     struct buffer out = {0};
     struct source own;
-    const size_t column = place_of(error, &where, &own, &line);
+    const size_t column = index_of(error, &where, &own, &line);
     if (reply->format == FORMAT_JSON)
         put_json(&out, error, where, column);
     else

@@ -13,13 +13,13 @@ bool table_recognise(struct text text)
     return text_starts(text, TEXT(FIRST_KEY)) || text_starts(text, TEXT(FIRST_JSON));
 }
 
-struct reading {
+struct table_reading {
     struct arena *arena;
     struct text rest;
     struct error *error;
 };
 
-static bool damaged(struct reading *r, const char *what)
+static bool damaged(struct table_reading *r, const char *what)
 {
     return error_set(r->error, ERROR_IO, "this is no table as export writes it: %s", what);
 }
@@ -35,7 +35,7 @@ static void *grown(struct arena *arena, void *array, size_t count, size_t size, 
     return more;
 }
 
-static const char *copy(struct reading *r, const struct buffer *text)
+static const char *copy(struct table_reading *r, const struct buffer *text)
 {
     const char *made = text->failed ? NULL : arena_text(r->arena, buffer_text(text));
     if (!made)
@@ -50,13 +50,13 @@ static bool is_number(enum real_status status)
 
 /* ---- CSV, TSV ---- */
 
-struct cell {
+struct parsed_cell {
     const char *text;
     bool quoted;
 };
 
 /* Up to the separator or the end of the line, which *last says. */
-static bool read_cell(struct reading *r, char separator, struct cell *cell, bool *last)
+static bool read_cell(struct table_reading *r, char separator, struct parsed_cell *cell, bool *last)
 {
     struct buffer text = {0};
     struct text rest = r->rest;
@@ -86,7 +86,7 @@ static bool read_cell(struct reading *r, char separator, struct cell *cell, bool
     return ok ? cell->text != NULL : damaged(r, "a quote is not closed");
 }
 
-static bool read_keys(struct reading *r, struct table *table)
+static bool read_keys(struct table_reading *r, struct table *table)
 {
     struct table_key *key = NULL;
     struct text line;
@@ -110,7 +110,7 @@ static bool read_keys(struct reading *r, struct table *table)
 }
 
 /* "dt [s]" */
-static bool name_column(struct reading *r, const char *heading, struct table_column *column)
+static bool name_column(struct table_reading *r, const char *heading, struct table_column *column)
 {
     const struct text all = text_of(heading);
     const char *open = NULL;
@@ -125,7 +125,7 @@ static bool name_column(struct reading *r, const char *heading, struct table_col
 }
 
 /* Numbers where every cell is one or empty, and none was quoted. */
-static bool fill_column(struct reading *r, const struct cell *cell, int columns, size_t rows,
+static bool fill_column(struct table_reading *r, const struct parsed_cell *cell, int columns, size_t rows,
                         struct table_column *column)
 {
     double *value = arena_array(r->arena, rows + 1, sizeof *value);
@@ -134,7 +134,7 @@ static bool fill_column(struct reading *r, const struct cell *cell, int columns,
     if (!value || !text)
         return error_memory(r->error);
     for (size_t i = 0; i < rows; i++) {
-        const struct cell *one = &cell[i * (size_t)columns];
+        const struct parsed_cell *one = &cell[i * (size_t)columns];
         const struct text as = text_of(one->text);
         text[i] = one->text;
         value[i] = NAN;
@@ -149,10 +149,10 @@ static bool fill_column(struct reading *r, const struct cell *cell, int columns,
     return true;
 }
 
-static bool read_separated(struct reading *r, struct table *table)
+static bool read_separated(struct table_reading *r, struct table *table)
 {
     struct table_column *column = NULL;
-    struct cell *cell = NULL, one;
+    struct parsed_cell *cell = NULL, one;
     size_t cells = 0;
     if (!read_keys(r, table))
         return false;
@@ -191,7 +191,7 @@ static bool read_separated(struct reading *r, struct table *table)
 
 /* ---- JSON, of the one form that is written ---- */
 
-static bool take(struct reading *r, const char *what)
+static bool take(struct table_reading *r, const char *what)
 {
     text_skip_blanks(&r->rest);
     while (r->rest.len > 0 && r->rest.at[0] == '\n')
@@ -203,7 +203,7 @@ static bool take(struct reading *r, const char *what)
     return true;
 }
 
-static bool read_code(struct reading *r, uint32_t *code)
+static bool read_code(struct table_reading *r, uint32_t *code)
 {
     *code = 0;
     for (int i = 0; i < 4; i++) {
@@ -218,7 +218,7 @@ static bool read_code(struct reading *r, uint32_t *code)
 }
 
 /* Behind the backslash. */
-static bool read_escape(struct reading *r, struct buffer *out)
+static bool read_escape(struct table_reading *r, struct buffer *out)
 {
     static const char letters[] = "\"\\bfnrt/", meant[] = "\"\\\b\f\n\r\t/";
     const char letter = r->rest.len > 0 ? r->rest.at[0] : 0;
@@ -240,7 +240,7 @@ static bool read_escape(struct reading *r, struct buffer *out)
     return true;
 }
 
-static const char *read_string(struct reading *r)
+static const char *read_string(struct table_reading *r)
 {
     struct buffer text = {0};
     bool ok = take(r, "\"");
@@ -260,7 +260,7 @@ static const char *read_string(struct reading *r)
     return made;
 }
 
-static bool read_json_keys(struct reading *r, struct table *table)
+static bool read_json_keys(struct table_reading *r, struct table *table)
 {
     struct table_key *key = NULL;
     for (bool more = !take(r, "}"); more; more = take(r, ",")) {
@@ -276,7 +276,7 @@ static bool read_json_keys(struct reading *r, struct table *table)
     return table->keys == 0 || take(r, "}") || damaged(r, "the keys do not end");
 }
 
-static bool read_values(struct reading *r, struct table_column *column, size_t *rows)
+static bool read_values(struct table_reading *r, struct table_column *column, size_t *rows)
 {
     double *value = NULL;
     const char **text = NULL;
@@ -308,7 +308,7 @@ static bool read_values(struct reading *r, struct table_column *column, size_t *
     return *rows == 0 || take(r, "]") || damaged(r, "values do not end");
 }
 
-static bool read_json(struct reading *r, struct table *table)
+static bool read_json(struct table_reading *r, struct table *table)
 {
     struct table_column *column = NULL;
     take(r, FIRST_JSON);
@@ -336,7 +336,7 @@ static bool read_json(struct reading *r, struct table *table)
 
 bool table_parse(struct text text, struct arena *arena, struct table *table, struct error *error)
 {
-    struct reading reading = {arena, text, error};
+    struct table_reading reading = {arena, text, error};
     *table = (struct table){0};
     return text_starts(text, TEXT(FIRST_JSON)) ? read_json(&reading, table)
                                                : read_separated(&reading, table);

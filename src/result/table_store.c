@@ -13,7 +13,7 @@ struct cells {
     const char **text;
 };
 
-struct growth {
+struct column_growth {
     struct cells *cells;
     int columns, column_capacity, next; /* next: the column that most likely comes next */
     size_t rows, capacity;
@@ -81,10 +81,10 @@ void store_row_begin(struct table_store *store, const char *kind)
 {
     struct stored_table *stored = table_store_find(store, text_of(kind));
     struct arena arena = {0};
-    struct growth *growth = stored ? NULL : arena_alloc(&arena, sizeof *growth);
+    struct column_growth *growth = stored ? NULL : arena_alloc(&arena, sizeof *growth);
     const char *name = growth ? arena_text(&arena, text_of(kind)) : NULL;
     if (name && table_store_put(store, name, &arena, &(struct table){0})) {
-        *growth = (struct growth){0};
+        *growth = (struct column_growth){0};
         stored = table_store_find(store, text_of(kind));
         stored->growth = growth;
     }
@@ -94,7 +94,7 @@ void store_row_begin(struct table_store *store, const char *kind)
         store->row->growth->next = 0;
 }
 
-static bool grow_rows(struct arena *arena, struct growth *stored)
+static bool grow_rows(struct arena *arena, struct column_growth *stored)
 {
     const size_t capacity = stored->capacity ? 2 * stored->capacity : 4;
     for (int c = 0; c < stored->columns; c++) {
@@ -116,7 +116,7 @@ static bool grow_rows(struct arena *arena, struct growth *stored)
     return true;
 }
 
-static struct cells *column_of(struct arena *arena, struct growth *growth, const char *name,
+static struct cells *column_of(struct arena *arena, struct column_growth *growth, const char *name,
                                const char *unit)
 {
     for (int i = 0; i < growth->columns; i++) {
@@ -147,7 +147,7 @@ static struct cells *column_of(struct arena *arena, struct growth *growth, const
 /* The cell's column, with room for the present row; NULL: nothing is collected, or no memory. */
 static struct cells *cell_of(struct table_store *store, const char *name, const char *unit)
 {
-    struct growth *growth = store->row ? store->row->growth : NULL;
+    struct column_growth *growth = store->row ? store->row->growth : NULL;
     struct arena *arena = store->row ? &store->row->arena : NULL;
     if (!growth || growth->failed)
         return NULL;
@@ -169,7 +169,7 @@ void store_cell_real(struct table_store *store, const char *name, const char *un
     if (!cells)
         return;
     struct arena *arena = &store->row->arena;
-    struct growth *growth = store->row->growth;
+    struct column_growth *growth = store->row->growth;
     if (cells->text) { /* among words */
         char z[REAL_TEXT_SIZE];
         const char *copy = arena_text(arena, (struct text){z, real_format(value, z)});
@@ -194,7 +194,7 @@ void store_cell_text(struct table_store *store, const char *name, const char *te
     if (!cells || cells->value)
         return;
     struct arena *arena = &store->row->arena;
-    struct growth *growth = store->row->growth;
+    struct column_growth *growth = store->row->growth;
     if (!cells->text) {
         cells->text = arena_array(arena, growth->capacity, sizeof *cells->text);
         for (size_t i = 0; cells->text && i < growth->capacity; i++)
@@ -218,7 +218,7 @@ void store_row_end(struct table_store *store)
 
 static bool finish(struct stored_table *stored)
 {
-    const struct growth *growth = stored->growth;
+    const struct column_growth *growth = stored->growth;
     if (!growth)
         return true;
     struct table_column *column =

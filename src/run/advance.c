@@ -43,7 +43,7 @@ static enum stop segment_begin(struct run *run, const struct run_target *target,
         run->controller.h = copysign(run->controller.h, h);
     } else {
         if (trace_grid(run->trace)->h != h) {
-            trace_regrid(run->trace, (struct grid){.first = run->steps, .origin = run->t, .h = h});
+            trace_regrid(run->trace, (struct time_grid){.first = run->steps, .origin = run->t, .h = h});
             p->step.warm = false;
         }
         segment->grid = *trace_grid(run->trace);
@@ -90,7 +90,7 @@ static enum step_status step_cold(struct run *run, double t, double h)
 }
 
 /* Steps of the method from where one began, over less. */
-struct part {
+struct partial_step {
     struct run *run;
     const struct segment *segment;
     double t;
@@ -99,7 +99,7 @@ struct part {
 
 static double condition_after(void *context, double h)
 {
-    struct part *part = context;
+    struct partial_step *part = context;
     struct run *run = part->run;
     restore(run);
     part->failed = part->failed || (h != 0 && step_cold(run, part->t, h) != STEP_OK);
@@ -115,7 +115,7 @@ static double condition_after(void *context, double h)
  * A stretch about `at` of the step over h at whose ends the condition is false, then true; *low =
  * *high: there is none.
  */
-static void enclose(struct part *part, double at, double h, double *low, double *f_low,
+static void enclose(struct partial_step *part, double at, double h, double *low, double *f_low,
                     double *high, double *f_high)
 {
     const struct condition *condition = part->segment->target->condition;
@@ -143,7 +143,7 @@ static bool locate(struct run *run, const struct segment *segment, double t, dou
 {
     const size_t size = (size_t)run->system.n * sizeof *run->y;
     const double end = run->t, ulp = DBL_EPSILON * fmax(fabs(t), fabs(end));
-    struct part part = {run, segment, t, false};
+    struct partial_step part = {run, segment, t, false};
     double found[LIMIT_VARIABLES], low, high, f_low, f_high, at = theta * h;
     memcpy(found, run->y, size);
     enclose(&part, at, h, &low, &f_low, &high, &f_high);
@@ -275,7 +275,7 @@ static enum stop advance_step(struct run *run, struct segment *segment)
     }
     if (off_grid && !run->plan.adaptive) {
         trace_regrid(run->trace,
-                     (struct grid){.first = run->steps, .origin = run->t, .h = segment->grid.h});
+                     (struct time_grid){.first = run->steps, .origin = run->t, .h = segment->grid.h});
         p->step.warm = false;
     }
     ledger_take(run, run->y, 1);

@@ -31,7 +31,7 @@ void trace_aim(struct trace *trace, double t, double h)
 
 bool trace_in_step(struct trace *trace)
 {
-    const struct grid *grid = trace_grid(trace);
+    const struct time_grid *grid = trace_grid(trace);
     const double every = nearbyint(trace->interval / fabs(grid->h)), due = due_time(trace),
                  steps = nearbyint((due - grid->origin) / grid->h);
     if (!(every >= 1 && every < LIMIT_STEPS && steps < LIMIT_STEPS) ||

@@ -6,17 +6,17 @@
 #include <math.h>
 #include <stdlib.h>
 
-double grid_time(const struct grid *grid, int64_t step)
+double grid_time(const struct time_grid *grid, int64_t step)
 {
     return grid->origin + (double)(step - grid->first) * grid->h;
 }
 
-const struct grid *trace_grid(const struct trace *trace)
+const struct time_grid *trace_grid(const struct trace *trace)
 {
     return &trace->grid[trace->grids - 1];
 }
 
-const struct grid *trace_grid_of(const struct trace *trace, int64_t step)
+const struct time_grid *trace_grid_of(const struct trace *trace, int64_t step)
 {
     size_t low = 0, high = trace->grids;
     while (high - low > 1) {
@@ -31,18 +31,18 @@ const struct grid *trace_grid_of(const struct trace *trace, int64_t step)
 
 bool trace_reserve_grids(struct trace *trace, size_t more)
 {
-    if (trace->grids + more <= trace->grid_room)
+    if (trace->grids + more <= trace->grid_capacity)
         return true;
-    size_t capacity = 2 * trace->grid_room + more;
-    struct grid *grid = realloc(trace->grid, capacity * sizeof *grid);
+    size_t capacity = 2 * trace->grid_capacity + more;
+    struct time_grid *grid = realloc(trace->grid, capacity * sizeof *grid);
     if (!grid)
         return false;
     trace->grid = grid;
-    trace->grid_room = capacity;
+    trace->grid_capacity = capacity;
     return true;
 }
 
-void trace_regrid(struct trace *trace, struct grid grid)
+void trace_regrid(struct trace *trace, struct time_grid grid)
 {
     if (trace->grids > 0 && trace_grid(trace)->first == grid.first)
         trace->grids--;

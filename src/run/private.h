@@ -21,13 +21,13 @@ static inline void copy_state(double *to, const double *from, int n)
 
 /* ---- the grid of times: t = origin + (step - first) h, never accumulated ---- */
 
-struct grid {
+struct time_grid {
     int64_t first; /* step index at the origin */
     double origin; /* [s] */
     double h;      /* [s] signed */
 };
 
-double grid_time(const struct grid *grid, int64_t step); /* [s] */
+double grid_time(const struct time_grid *grid, int64_t step); /* [s] */
 
 /* From one time to another in steps of dt. */
 struct stretch {
@@ -42,15 +42,15 @@ struct stretch stretch_measure(double from, double to, double dt); /* to may be 
 /* ---- the energy balance after a state ---- */
 
 /* A sum that does not lose small addends (Neumaier 1974). */
-struct sum {
+struct compensated_sum {
     double high, low;
 };
 
 /* In units of factor^2 J (see run_private). */
-struct tally {
+struct energy_tally {
     double max;   /* largest |E - E0 - work| after a step so far */
     double scale; /* largest |E|, or |E0| where that is not 0 */
-    struct sum work,
+    struct compensated_sum work,
         drag; /* since the start: drag, drive, jumps and changes of parameters; drag alone */
 };
 
@@ -99,8 +99,8 @@ struct trace {
     double due;              /* the k of the next one */
     int ahead;               /* 1: times increase, -1 */
 
-    struct grid *grid;
-    size_t grids, grid_room;
+    struct time_grid *grid;
+    size_t grids, grid_capacity;
 
     double now[LIMIT_VARIABLES];
     double now_t;
@@ -141,7 +141,7 @@ const double *trace_state_after(const struct trace *trace, int64_t step);
 /* Where the next rows go when every step is kept: room for *rows of them, one after the other.
  * NULL: not so. */
 double *trace_open(struct trace *trace, size_t *rows);
-const struct grid *trace_grid_of(const struct trace *trace,
+const struct time_grid *trace_grid_of(const struct trace *trace,
                                  int64_t step);     /* that gives this step its time */
 void trace_close(struct trace *trace, size_t rows); /* so many were written there */
 void trace_present(struct trace *trace, int64_t step, double t, const double *y);
@@ -149,15 +149,15 @@ void trace_present(struct trace *trace, int64_t step, double t, const double *y)
 void trace_truncate(struct trace *trace, size_t i);
 bool trace_reserve_grids(struct trace *trace,
                          size_t more); /* room for so many regrids; false: no memory */
-void trace_regrid(struct trace *trace, struct grid grid); /* from here on a new grid */
-const struct grid *trace_grid(const struct trace *trace); /* the present one */
+void trace_regrid(struct trace *trace, struct time_grid grid); /* from here on a new grid */
+const struct time_grid *trace_grid(const struct trace *trace); /* the present one */
 size_t trace_row_bytes(int n, bool timed, bool indexed);
 /* Marks: the balance at each recorded row, its work only where there is any. False: no memory. */
 bool trace_mark_rows(struct trace *trace,
                      bool work); /* from now on, those that are there are not known or have 0 */
 bool trace_marked(const struct trace *trace);
-struct tally trace_mark(const struct trace *trace, size_t i); /* scale < 0: not yet known */
-void trace_set_mark(struct trace *trace, size_t i, const struct tally *tally);
+struct energy_tally trace_mark(const struct trace *trace, size_t i); /* scale < 0: not yet known */
+void trace_set_mark(struct trace *trace, size_t i, const struct energy_tally *tally);
 size_t trace_row_from(const struct trace *trace,
                       int64_t step); /* the first recorded row of this step or a later one */
 /* Recorded row i of those before `end`, and how many follow it in memory, each trace->width on. */
@@ -191,7 +191,7 @@ struct balance {
     double t;                  /* [s] of the grid where steps are fixed */
     double y[LIMIT_VARIABLES]; /* [n] the state there */
     double initial;            /* energy at the start, in units of factor^2 J */
-    struct tally tally;
+    struct energy_tally tally;
 };
 
 /* ---- work.c: work between states one step apart ---- */
@@ -249,7 +249,7 @@ struct run_private {
     double *low_before;  /* [n] and what rounding had taken from it; used where step.low is there */
     double *bound;       /* [n] magnitudes that count as diverged */
     struct epoch *epoch; /* at least one */
-    size_t epochs, epoch_room;
+    size_t epochs, epoch_capacity;
     int64_t batch; /* steps between looks at the clock */
     int64_t look;  /* run_creeps() has nothing to do before this step */
     size_t looked,
@@ -264,16 +264,16 @@ struct run_private {
     double factor;   /* power of two on states before their energies are compared */
     struct balance
         balance; /* up to the last step where rows have marks, else as far as somebody asked */
-    struct tally
+    struct energy_tally
         *saved; /* [saves] at each CHUNK_ROWS steps up to there, where rows have no marks */
-    size_t saves, save_room;
+    size_t saves, save_capacity;
     struct turns turns;
     struct event_records event_records;
     struct second *second;                      /* opinion.c; NULL: nobody asked */
-    struct watch *watch;                        /* watch.h; NULL: there are no events */
+    struct event_watch *watch;                        /* watch.h; NULL: there are no events */
     struct event_doubt doubt[LIMIT_EVENTS + 1]; /* the last is that of the condition */
     struct kick *kick;
-    size_t kicks, kick_room;
+    size_t kicks, kick_capacity;
 };
 
 /* The state is no longer what the compensated sums know about. */
@@ -286,7 +286,7 @@ static inline void forget_rounding(struct run_private *p, int n)
 /* Where one call of run_advance goes. */
 struct segment {
     const struct run_target *target;
-    struct grid grid;
+    struct time_grid grid;
     int64_t last;  /* fixed step: index where the whole steps end */
     double rest;   /* [s] partial step after it, 0: none */
     bool exact;    /* the whole steps end at the target */

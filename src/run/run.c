@@ -60,13 +60,13 @@ static double energy_factor(const struct system *system)
 static bool push_epoch(struct run *run, const struct system *system, const double *start)
 {
     struct run_private *p = run->private_state;
-    if (p->epochs == p->epoch_room) {
-        size_t capacity = p->epoch_room ? p->epoch_room * 2 : 1;
+    if (p->epochs == p->epoch_capacity) {
+        size_t capacity = p->epoch_capacity ? p->epoch_capacity * 2 : 1;
         struct epoch *more = realloc(p->epoch, capacity * sizeof *more);
         if (!more)
             return false;
         p->epoch = more;
-        p->epoch_room = capacity;
+        p->epoch_capacity = capacity;
     }
     struct epoch *epoch = &p->epoch[p->epochs++];
     *epoch = (struct epoch){.first = run->steps,
@@ -169,7 +169,7 @@ struct run *run_create(const struct scene *scene, const struct method *method,
         return NULL;
     }
     double h = span < 0 ? -settings->dt : settings->dt;
-    trace_regrid(run->trace, (struct grid){.first = 0, .origin = run->t, .h = h});
+    trace_regrid(run->trace, (struct time_grid){.first = 0, .origin = run->t, .h = h});
     trace_present(run->trace, 0, run->t, run->y);
     run->controller = (struct controller){.tol = settings->tol, .h = h};
     set_bounds(run);
@@ -254,7 +254,7 @@ bool run_back(struct run *run, int64_t rows)
         /* Such rows say nothing about steps, and one of them may be where no step of the grid ends.
          */
         if (!run->plan.adaptive && !even_present(trace, grid_time(trace_grid(trace), run->steps)))
-            trace_regrid(trace, (struct grid){run->steps, run->t, trace_grid(trace)->h});
+            trace_regrid(trace, (struct time_grid){run->steps, run->t, trace_grid(trace)->h});
         event_records_truncate(run, h);
         h = copysign(run->settings.dt, h);
     }
@@ -340,14 +340,14 @@ void run_unbind(struct run *run)
 
 static bool reserve_kick(struct run_private *p)
 {
-    if (p->kicks < p->kick_room)
+    if (p->kicks < p->kick_capacity)
         return true;
-    const size_t capacity = p->kick_room ? 2 * p->kick_room : 16;
+    const size_t capacity = p->kick_capacity ? 2 * p->kick_capacity : 16;
     struct kick *kick = realloc(p->kick, capacity * sizeof *kick);
     if (!kick)
         return false;
     p->kick = kick;
-    p->kick_room = capacity;
+    p->kick_capacity = capacity;
     return true;
 }
 
@@ -373,7 +373,7 @@ bool run_kick(struct run *run, int i, double value, struct error *error)
     }
     run->steps++;
     if (!run->plan.adaptive)
-        trace_regrid(run->trace, (struct grid){run->steps, run->t, trace_grid(run->trace)->h});
+        trace_regrid(run->trace, (struct time_grid){run->steps, run->t, trace_grid(run->trace)->h});
     trace_present(run->trace, run->steps, run->t, run->y);
     p->kick[p->kicks++] = (struct kick){
         run->steps, run->t, system->order == 2 ? system_energy(system, run->y) - before : 0};

@@ -84,14 +84,14 @@ static bool approach_end(const struct system *system, double *t, const double *y
     return !moves;
 }
 
-struct line {
+struct line_sums {
     double n, x, y, xx, xy, yy; /* sums */
 };
 
 /* log |y'| over log (at - t), where that is from low to high [s] */
-static struct line line_over(const struct approach *approach, double at, double low, double high)
+static struct line_sums line_over(const struct approach *approach, double at, double low, double high)
 {
-    struct line sum = {0};
+    struct line_sums sum = {0};
     for (int64_t i = 0; i < approach->count && i < LAST; i++) {
         const double before = fabs(at - approach->t[i]), x = log(before),
                      y = log(approach->speed[i]);
@@ -123,7 +123,7 @@ static double power_of(const struct approach *approach, double start, double at)
         if (before <= low * pow(10, 2 * DECADES)) /* farther away other things matter */
             high = fmax(high, before);
     }
-    const struct line sum = line_over(approach, at, low, high);
+    const struct line_sums sum = line_over(approach, at, low, high);
     const double xx = sum.xx - sum.x * sum.x / sum.n, xy = sum.xy - sum.x * sum.y / sum.n,
                  yy = sum.yy - sum.y * sum.y / sum.n;
     const bool is_power = sum.n >= POINTS && low <= NEAR * fabs(at - start) &&

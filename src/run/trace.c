@@ -64,7 +64,7 @@ static bool grow_index(struct trace *trace)
 
 #define MARK_EXTREMES 2
 #define MARK_WORK 6
-_Static_assert(sizeof(struct tally) == MARK_WORK * sizeof(double),
+_Static_assert(sizeof(struct energy_tally) == MARK_WORK * sizeof(double),
                "a mark is the beginning of a tally");
 
 bool trace_marked(const struct trace *trace)
@@ -77,9 +77,9 @@ static double *mark_at(const struct trace *trace, size_t i)
     return trace->mark[i >> CHUNK_SHIFT] + (i & (CHUNK_ROWS - 1)) * trace->mark_width;
 }
 
-struct tally trace_mark(const struct trace *trace, size_t i)
+struct energy_tally trace_mark(const struct trace *trace, size_t i)
 {
-    struct tally tally = {0};
+    struct energy_tally tally = {0};
     if (trace->mark_width == MARK_WORK)
         memcpy(&tally, mark_at(trace, i), MARK_WORK * sizeof(double));
     else if (trace_marked(trace))
@@ -87,7 +87,7 @@ struct tally trace_mark(const struct trace *trace, size_t i)
     return tally;
 }
 
-void trace_set_mark(struct trace *trace, size_t i, const struct tally *tally)
+void trace_set_mark(struct trace *trace, size_t i, const struct energy_tally *tally)
 {
     if (trace->mark_width == MARK_WORK)
         memcpy(mark_at(trace, i), tally, MARK_WORK * sizeof(double));
@@ -108,7 +108,7 @@ static bool grow_marks(struct trace *trace)
     return true;
 }
 
-static const struct tally unknown = {.scale = -1};
+static const struct energy_tally unknown = {.scale = -1};
 
 static void free_marks(struct trace *trace)
 {
@@ -130,7 +130,7 @@ bool trace_mark_rows(struct trace *trace, bool work)
         return false;
     }
     for (size_t i = 0; i < trace->count; i++) {
-        const struct tally mark = trace_marked(trace) ? trace_mark(trace, i) : unknown;
+        const struct energy_tally mark = trace_marked(trace) ? trace_mark(trace, i) : unknown;
         trace_set_mark(&made, i, &mark);
     }
     free_marks(trace);
@@ -156,7 +156,7 @@ static bool grow(struct trace *trace)
 }
 
 /* Room for one more row. */
-static bool make_room(struct trace *trace)
+static bool reserve_row(struct trace *trace)
 {
     size_t needed = (trace->count >> CHUNK_SHIFT) + 1;
     return (needed <= trace->chunks || grow(trace)) &&
@@ -165,7 +165,7 @@ static bool make_room(struct trace *trace)
 }
 
 static void write_row(struct trace *trace, size_t i, int64_t step, double t, const double *y,
-                      const struct tally *mark)
+                      const struct energy_tally *mark)
 {
     double *row = trace_row(trace, i);
     copy_state(row, y, trace->n);
@@ -178,9 +178,9 @@ static void write_row(struct trace *trace, size_t i, int64_t step, double t, con
 }
 
 static bool append(struct trace *trace, int64_t step, double t, const double *y,
-                   const struct tally *mark)
+                   const struct energy_tally *mark)
 {
-    if (!make_room(trace))
+    if (!reserve_row(trace))
         return false;
     write_row(trace, trace->count++, step, t, y, mark);
     return true;
@@ -194,7 +194,7 @@ static bool append(struct trace *trace, int64_t step, double t, const double *y,
  */
 
 static bool keep(struct trace *trace, int64_t step, double t, const double *y,
-                 const struct tally *mark)
+                 const struct energy_tally *mark)
 {
     if (step >= trace->tail_end) {
         if (!append(trace, step, t, y, mark))
@@ -218,7 +218,7 @@ static bool keep(struct trace *trace, int64_t step, double t, const double *y,
     } else { /* its row goes; at most the other extreme stands after it */
         if (*other > *extreme) {
             const double *row = trace_row(trace, *other);
-            const struct tally mark_of_other = trace_mark(trace, *other);
+            const struct energy_tally mark_of_other = trace_mark(trace, *other);
             write_row(trace, *extreme, trace_row_step(trace, *other), row[trace->width - 1], row,
                       &mark_of_other);
             *other = *extreme;
@@ -428,7 +428,7 @@ int64_t trace_record_many(struct trace *trace, int64_t step, const double *row, 
 double *trace_open(struct trace *trace, size_t *rows)
 {
     if (trace->bucket > 1 || trace->every > 1 || trace->timed || trace_marked(trace) ||
-        trace->count >= trace->cap || !make_room(trace))
+        trace->count >= trace->cap || !reserve_row(trace))
         return NULL;
     size_t in_chunk = CHUNK_ROWS - (trace->count & (CHUNK_ROWS - 1)),
            to_cap = trace->cap - trace->count;

@@ -52,7 +52,7 @@ bool trace_decimated(const struct trace *trace)
 size_t trace_bytes(const struct trace *trace)
 {
     return sizeof *trace + trace->capacity * sizeof *trace->chunk +
-           trace->grid_room * sizeof *trace->grid + trace->pool.bytes + trace->mark_pool.bytes +
+           trace->grid_capacity * sizeof *trace->grid + trace->pool.bytes + trace->mark_pool.bytes +
            (trace->mark ? trace->capacity * sizeof *trace->mark : 0) +
            (trace->index ? trace->capacity * sizeof *trace->index : 0);
 }

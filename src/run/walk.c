@@ -65,7 +65,7 @@ void walk_begin(struct walk *walk, const struct run *run, unsigned needs)
     }
 }
 
-static double total(struct sum sum)
+static double total(struct compensated_sum sum)
 {
     return sum.high + sum.low;
 }
@@ -94,7 +94,7 @@ static void work_at(struct walk *walk, size_t i, double *work, double *drag)
     *work = *drag = 0;
     if (i == 0 || !run->plan.ledger)
         return;
-    struct tally tally;
+    struct energy_tally tally;
     if (!ledger_known(run)) {
         *work = *drag = NAN;
         return;

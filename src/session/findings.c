@@ -192,7 +192,7 @@ static const struct finding_row *row_of(size_t kind)
 }
 
 /* "4.38, 11.2, 30.04 … s" */
-static void cell_places(struct text_table *table, const struct finding *finding)
+static void cell_positions(struct text_table *table, const struct finding *finding)
 {
     struct buffer text = {0};
     for (int i = 0; i < FINDING_STRETCHES && isfinite(finding->first[i]); i++) {
@@ -244,7 +244,7 @@ static size_t put_table(const struct recording *recording, struct arena *arena, 
             cell_text(&table, "");
         put_size(&size, recording, k);
         cell_take(&table, &size);
-        cell_places(&table, finding);
+        cell_positions(&table, finding);
         cell_text(&table, row_of(k)->done);
     }
     if (kinds > 0)

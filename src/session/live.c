@@ -14,7 +14,7 @@
     0.2 /* [s] of wall time by which a run may trail the clock before it stops catching up */
 
 /* What the clock asks for: at `clock` the run was at t, and goes on at `speed`. */
-struct pace {
+struct clock_pace {
     int64_t clock; /* [ns] */
     double t;      /* [s] */
     double speed;  /* simulated seconds a second, HUGE_VAL: as fast as possible */
@@ -22,7 +22,7 @@ struct pace {
 };
 
 /* [s] of simulated time by which the clock is ahead of the run. */
-static double behind(const struct pace *pace, const struct run *run, int64_t now)
+static double behind(const struct clock_pace *pace, const struct run *run, int64_t now)
 {
     return isinf(pace->speed) ? HUGE_VAL
                               : (double)(now - pace->clock) * 1e-9 * pace->speed -
@@ -35,7 +35,7 @@ static double next_step(const struct run *run, const struct run_target *target)
     return run->plan.adaptive ? 0 : fmin(run->settings.dt, fabs(target->t - run->t));
 }
 
-static int64_t steps_due(const struct pace *pace, const struct run *run,
+static int64_t steps_due(const struct clock_pace *pace, const struct run *run,
                          const struct run_target *target, int64_t now)
 {
     const double ahead = behind(pace, run, now), h = next_step(run, target);
@@ -48,7 +48,7 @@ static int64_t steps_due(const struct pace *pace, const struct run *run,
 }
 
 /* As many steps as are due, for at most a slice. True while there is more to do. */
-static bool advance_slice(const struct pace *pace, struct run *run, const struct run_target *target,
+static bool advance_slice(const struct clock_pace *pace, struct run *run, const struct run_target *target,
                           int64_t last, const struct cancel *cancel)
 {
     const int64_t begin = clock_ns();
@@ -67,7 +67,7 @@ static bool advance_slice(const struct pace *pace, struct run *run, const struct
 }
 
 /* When the next step is due; not so soon that the processor would only look at the clock. */
-static int64_t next_look(const struct pace *pace, const struct run *run,
+static int64_t next_look(const struct clock_pace *pace, const struct run *run,
                          const struct run_target *target, int64_t now)
 {
     const double ahead = behind(pace, run, now), h = next_step(run, target);
@@ -93,9 +93,9 @@ void live_advance(struct session *session, struct run *run, const struct run_tar
     const int64_t first = run->steps,
                   last = target->steps < 0 ? INT64_MAX : run->steps + target->steps;
     const double from = run->t;
-    struct pace pace = {clock_ns(), run->t, clocked ? live->speed : HUGE_VAL,
+    struct clock_pace pace = {clock_ns(), run->t, clocked ? live->speed : HUGE_VAL,
                         target->t < run->t ? -1 : 1};
-    struct pace window = pace;
+    struct clock_pace window = pace;
     live->state = LIVE_RUNNING;
     live->pausing = false;
     live->fraction = 0;
@@ -106,7 +106,7 @@ void live_advance(struct session *session, struct run *run, const struct run_tar
         if (now - window.clock >= WINDOW_NS) {
             live->achieved =
                 window.direction * (run->t - window.t) / ((double)(now - window.clock) * 1e-9);
-            window = (struct pace){now, run->t, 0, window.direction};
+            window = (struct clock_pace){now, run->t, 0, window.direction};
         }
         if (!front->slice(front->context, session, next_look(&pace, run, target, now)) ||
             live->pausing || session->quit) {
@@ -117,7 +117,7 @@ void live_advance(struct session *session, struct run *run, const struct run_tar
         const double speed = clocked ? live->speed : HUGE_VAL;
         if (speed != pace.speed ||
             (isfinite(speed) && behind(&pace, run, now) > next_step(run, target) + LAG * speed))
-            pace = (struct pace){now, run->t, speed, pace.direction};
+            pace = (struct clock_pace){now, run->t, speed, pace.direction};
     }
     live->pausing = false;
     live_refresh(session);

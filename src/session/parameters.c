@@ -58,7 +58,7 @@ bool param_matters(const struct scene *scene, int index)
 {
     const struct param_row *row = param_at(scene, index);
     const struct text name = text_of(row->row.name);
-    const bool set = scene->given[index] || scene->value[index] != row->initial;
+    const bool set = scene->chosen[index] || scene->value[index] != row->initial;
     if (is_oscillator(scene))
         return text_is(name, "m") || text_is(name, "k") || (set && scene->value[index] != 0);
     return scene->value[index] != 0 && !text_is(name, "t0") &&

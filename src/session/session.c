@@ -223,21 +223,21 @@ void session_set_result(struct session *session, const char *name, struct measur
 
 void session_store_fit(struct session *session, const struct stored_fit *fit)
 {
-    struct stored_fit *kept = NULL;
+    struct stored_fit *stored = NULL;
     for (int i = 0; i < session->stored_fits; i++)
         if (strcmp(session->stored_fit[i].of, fit->of) == 0 &&
             strcmp(session->stored_fit[i].fit.model, fit->fit.model) == 0 &&
             memcmp(session->stored_fit[i].fit.window, fit->fit.window, sizeof fit->fit.window) == 0)
-            kept = &session->stored_fit[i];
-    if (!kept) {
+            stored = &session->stored_fit[i];
+    if (!stored) {
         struct stored_fit *larger = realloc(
             session->stored_fit, ((size_t)session->stored_fits + 1) * sizeof *session->stored_fit);
         if (!larger)
             return;
         session->stored_fit = larger;
-        kept = &larger[session->stored_fits++];
+        stored = &larger[session->stored_fits++];
     }
-    *kept = *fit;
+    *stored = *fit;
 }
 
 /* ---- what follows from the settings and the front end ---- */
@@ -251,7 +251,7 @@ double session_first_step(const struct session *session)
 {
     const struct settings *settings = &session->setup.settings;
     const double first = session->setup.scene.preset->first;
-    return settings->dt_given || !(first > 0) ? settings->dt : first;
+    return settings->dt_chosen || !(first > 0) ? settings->dt : first;
 }
 
 struct run_settings session_run_settings(const struct session *session)

@@ -270,29 +270,29 @@ void session_default_settings(struct settings *settings)
                                   .fps = 10};
 }
 
-static bool *given_flag(const struct setting *setting, struct settings *settings)
+static bool *chosen_flag(const struct setting *setting, struct settings *settings)
 {
-    return setting->given ? (bool *)(void *)((char *)settings + setting->given) : NULL;
+    return setting->chosen ? (bool *)(void *)((char *)settings + setting->chosen) : NULL;
 }
 
-bool setting_is_given(const struct setting *setting, const struct settings *settings)
+bool setting_is_chosen(const struct setting *setting, const struct settings *settings)
 {
-    return !setting->given ||
-           *(const bool *)(const void *)((const char *)settings + setting->given);
+    return !setting->chosen ||
+           *(const bool *)(const void *)((const char *)settings + setting->chosen);
 }
 
-void setting_give(const struct setting *setting, bool given, struct settings *settings)
+void setting_choose(const struct setting *setting, bool chosen, struct settings *settings)
 {
-    bool *flag = given_flag(setting, settings);
+    bool *flag = chosen_flag(setting, settings);
     if (flag)
-        *flag = given;
+        *flag = chosen;
 }
 
 void settings_of_scene(struct settings *settings, const struct preset *preset)
 {
     for (size_t i = 0; i < setting_catalog.count; i++) {
         const struct setting *setting = &settings_rows[i];
-        if (!setting->natural || setting_is_given(setting, settings))
+        if (!setting->natural || setting_is_chosen(setting, settings))
             continue;
         const double value = setting->natural(preset);
         memcpy((char *)settings + setting->offset, &value, sizeof value);

@@ -11,7 +11,7 @@ const struct scene *subject_scene(const struct session *session, const struct ru
     const struct scene *scene = &session->setup.scene;
     if (run)
         return &run->scene;
-    return is_oscillator(scene) && (param_given(scene, "k") || param_given(scene, "m")) ? scene
+    return is_oscillator(scene) && (param_chosen(scene, "k") || param_chosen(scene, "m")) ? scene
                                                                                         : NULL;
 }
 
@@ -42,7 +42,7 @@ double scene_period_at(const struct scene *scene, double amplitude)
     return derived_value(&turned, "period");
 }
 
-bool session_keep_measurement(struct session *session, const char *name, const char *of,
+bool session_add_measurement(struct session *session, const char *name, const char *of,
                               struct measured value, enum quantity unit, double periods,
                               struct error *error)
 {

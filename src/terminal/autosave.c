@@ -23,19 +23,19 @@
 /* ---- the files there are
  * ---------------------------------------------------------------------------------- */
 
-struct saved {
+struct autosaved {
     char name[64];
     time_t time;
     bool living; /* its process is still there */
 };
 
 struct saved_list {
-    struct saved *item; /* the newest first */
+    struct autosaved *item; /* the newest first */
     int count;
 };
 
 /* session-20261121-114700-1234.hk */
-static bool read_name(const char *name, struct saved *saved)
+static bool read_name(const char *name, struct autosaved *saved)
 {
     long pid;
     int used = 0;
@@ -51,7 +51,7 @@ static bool read_name(const char *name, struct saved *saved)
 
 static int by_time(const void *a, const void *b)
 {
-    const struct saved *x = a, *y = b;
+    const struct autosaved *x = a, *y = b;
     return x->time != y->time ? (x->time < y->time ? 1 : -1) : strcmp(y->name, x->name);
 }
 
@@ -70,7 +70,7 @@ static struct saved_list list_saved(const char *folder, bool sweep)
     struct saved_list list = {0};
     DIR *directory = opendir(folder);
     for (struct dirent *entry; directory && (entry = readdir(directory));) {
-        struct saved saved;
+        struct autosaved saved;
         struct stat status;
         if (fstatat(dirfd(directory), entry->d_name, &status, AT_SYMLINK_NOFOLLOW) != 0 ||
             !S_ISREG(status.st_mode)) {
@@ -79,7 +79,7 @@ static struct saved_list list_saved(const char *folder, bool sweep)
         if (sweep && is_stale_temporary(entry->d_name, &status)) {
             unlinkat(dirfd(directory), entry->d_name, 0);
         }
-        struct saved *more = read_name(entry->d_name, &saved)
+        struct autosaved *more = read_name(entry->d_name, &saved)
                                  ? realloc(list.item, (size_t)(list.count + 1) * sizeof *more)
                                  : NULL;
         if (more) {
@@ -269,7 +269,7 @@ static char *choose_saved(const char *folder, const char *name, struct error *er
     return path.data;
 }
 
-bool autosave_resume(struct session **session, const char *name, struct buffer *told,
+bool autosave_resume(struct session **session, const char *name, struct buffer *messages,
                      struct error *error)
 {
     char *folder = state_path("", false);
@@ -292,7 +292,7 @@ bool autosave_resume(struct session **session, const char *name, struct buffer *
         restored->restoring = false;
     }
     if (ok) {
-        buffer_format(told, "%s restored: %d run%s, %d recording%s", shown, restored->runs,
+        buffer_format(messages, "%s restored: %d run%s, %d recording%s", shown, restored->runs,
                       restored->runs == 1 ? "" : "s", restored->recordings,
                       restored->recordings == 1 ? "" : "s");
         session_destroy(*session);

@@ -75,8 +75,8 @@ static void on_line(char *typed)
                text_starts(text_of(typed), TEXT(READING_FIND))) {
         panes_enqueue(panes, text_of(typed), LINE_SILENT);
     } else if (text_trim(text_of(typed)).len > 0) {
-        if (!history_append(typed, &error) && !panes->history_told) {
-            panes->history_told = true;
+        if (!history_append(typed, &error) && !panes->history_warned) {
+            panes->history_warned = true;
             panes_warn(panes, &error);
         }
         panes_enqueue(panes, text_of(typed), LINE_TYPED);

@@ -40,14 +40,14 @@ static int open_locked(const char *path)
 
 /* The last HISTORY_LINES of the file go into a new one that takes its place; called under the lock.
  */
-static void cut_back(const char *path, const char *kept, size_t len)
+static void cut_back(const char *path, const char *saved, size_t len)
 {
     struct buffer temporary = {0};
     buffer_format(&temporary, "%s.%ld", path, (long)getpid());
     int fd =
         temporary.failed ? -1 : open(temporary.data, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
     if (fd >= 0) {
-        bool whole = write(fd, kept, len) == (ssize_t)len && fsync(fd) == 0;
+        bool whole = write(fd, saved, len) == (ssize_t)len && fsync(fd) == 0;
         whole = close(fd) == 0 && whole;
         if (!whole || rename(temporary.data, path) != 0) {
             unlink(temporary.data);
@@ -98,20 +98,20 @@ bool history_append(const char *line, struct error *error)
     add_history(line);
     char *path = state_path("history", true);
     int fd = path ? open_locked(path) : -1;
-    bool kept = fd >= 0;
+    bool saved = fd >= 0;
     if (fd >= 0) {
         struct buffer text = {0};
         buffer_put(&text, text_of(line));
         buffer_char(&text, '\n');
-        kept = !text.failed && write(fd, text.data, text.len) ==
+        saved = !text.failed && write(fd, text.data, text.len) ==
                                    (ssize_t)text.len; /* one write: whole lines only */
-        kept = close(fd) == 0 && kept;
+        saved = close(fd) == 0 && saved;
         buffer_free(&text);
     }
-    if (!kept) {
+    if (!saved) {
         error_set(error, ERROR_IO, "the history cannot be kept%s%s: %s", path ? " in " : "",
                   path ? path : "", path ? strerror(errno) : "HOME is not set");
     }
     free(path);
-    return kept;
+    return saved;
 }

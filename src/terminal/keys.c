@@ -91,7 +91,7 @@ static void page(const struct session *session, int pages, struct buffer *line)
     const int width = session->front.width, height = session->front.height,
               scroll = session->view.scroll;
     const int rows = screen_log_rows(session, width, height),
-              max = screen_log_most(session, width, height);
+              max = screen_log_max(session, width, height);
     const int from = scroll < max ? scroll : max, to = from + pages * (rows > 1 ? rows - 1 : 1);
     buffer_format(line, "scroll %d", (to < max ? to : max) - scroll);
 }

@@ -24,8 +24,8 @@ static bool is_asking(const struct pacing *pacing, const struct session *session
 
 int64_t pacing_due(const struct pacing *pacing, const struct session *session)
 {
-    const bool waits = pacing->asked != 0 && is_asking(pacing, session);
-    const int64_t patience = pacing->asked + PATIENCE_NS;
+    const bool waits = pacing->requested != 0 && is_asking(pacing, session);
+    const int64_t patience = pacing->requested + PATIENCE_NS;
     return waits && patience > pacing->next ? patience : pacing->next;
 }
 
@@ -36,22 +36,22 @@ void pacing_drawn(struct pacing *pacing, const struct session *session, int64_t 
     const bool blind = settings->sync == SYNC_AUTO && pacing->missing >= MISSING_MAX;
     const double frames = blind && settings->fps > BLIND_FRAMES ? BLIND_FRAMES : settings->fps;
     pacing->next = shown == SHOWN_PART ? now : now + (int64_t)(1e9 / frames);
-    if (pacing->asked != 0) {
+    if (pacing->requested != 0) {
         pacing->missing++;
     }
-    pacing->asked = 0;
+    pacing->requested = 0;
     int ignored;
     if (shown != SHOWN_NOTHING && is_asking(pacing, session) &&
         write_all(STDOUT_FILENO, TEXT(QUESTION), &ignored)) {
-        pacing->asked = now;
+        pacing->requested = now;
     }
 }
 
 void pacing_replied(struct pacing *pacing, int64_t now)
 {
-    if (pacing->asked != 0) {
-        pacing->delay = now - pacing->asked;
+    if (pacing->requested != 0) {
+        pacing->delay = now - pacing->requested;
     }
-    pacing->asked = 0;
+    pacing->requested = 0;
     pacing->missing = 0; /* also when it comes late: the terminal does answer */
 }

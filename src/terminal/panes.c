@@ -185,7 +185,7 @@ static void await_answer(struct panes *panes)
 {
     const int64_t until = clock_ns() + FAREWELL_NS;
     struct pollfd ready = {.fd = STDIN_FILENO, .events = POLLIN};
-    while (panes->pacing.asked != 0 && !panes->input.closed) {
+    while (panes->pacing.requested != 0 && !panes->input.closed) {
         if (input_strip_reply(&panes->input)) {
             pacing_replied(&panes->pacing, clock_ns());
             continue;
@@ -196,7 +196,7 @@ static void await_answer(struct panes *panes)
         }
         input_read(&panes->input, (ready.revents & GONE) != 0);
     }
-    panes->pacing.asked = 0;
+    panes->pacing.requested = 0;
 }
 
 static void suspend(struct panes *panes)
@@ -231,7 +231,7 @@ static void heed_signals(struct panes *panes, bool forget)
             input_clear(&panes->input);
         }
         /* The system itself has thrown away what was under way, in both directions. */
-        panes->pacing.asked = 0;
+        panes->pacing.requested = 0;
         panes_repaint(panes);
         if (!panes->running && !panes->question) {
             edit_clear(panes);
@@ -285,7 +285,7 @@ void panes_wait(struct panes *panes, int64_t until)
  * its own. */
 static void execute_line(struct panes *panes)
 {
-    struct program *program = panes->program;
+    struct front_program *program = panes->program;
     struct session *session = program->session;
     struct buffer line = panes->line;
     panes->line = (struct buffer){0};
@@ -383,7 +383,7 @@ static void hand_over(struct panes *panes)
     }
 }
 
-void panes_run(struct program *program)
+void panes_run(struct front_program *program)
 {
     struct session *session = program->session;
     struct panes panes = {

@@ -50,7 +50,7 @@ enum shown { SHOWN_NOTHING, SHOWN_PART, SHOWN_ALL };
 
 struct pacing {
     int64_t next;  /* [clock_ns] earliest time of the next animated frame */
-    int64_t asked; /* [clock_ns] 0: no question is open */
+    int64_t requested; /* [clock_ns] 0: no question is open */
     int64_t delay; /* [ns] between the last question and its answer */
     int missing;   /* questions without an answer, in a row */
 };
@@ -74,7 +74,7 @@ void pacing_replied(struct pacing *pacing, int64_t now);
 /* ---- the terminal under ncurses (screen.c)
  * ---------------------------------------------------------------- */
 
-struct screen {
+struct terminal_screen {
     void *handle; /* SCREEN of ncurses, NULL: not shown */
     bool color_wanted;
     bool color_begun;
@@ -88,22 +88,22 @@ struct screen {
 
 /* A string that terminfo knows under this name, also an extended one; "" if there is none. */
 const char *screen_capability(const char *name);
-bool screen_begin(struct screen *screen);
-void screen_end(struct screen *screen);
+bool screen_begin(struct terminal_screen *screen);
+void screen_end(struct terminal_screen *screen);
 /* Gives the terminal back for a while, and takes it again. */
-void screen_leave(struct screen *screen);
-void screen_return(struct screen *screen);
-void screen_color(struct screen *screen, bool wanted);
+void screen_leave(struct terminal_screen *screen);
+void screen_return(struct terminal_screen *screen);
+void screen_color(struct terminal_screen *screen, bool wanted);
 /* Takes the terminal back from somebody who had it while the program was stopped. */
-void screen_retake(struct screen *screen);
+void screen_retake(struct terminal_screen *screen);
 /* The next screen_show sends everything. */
-void screen_repaint(struct screen *screen);
+void screen_repaint(struct terminal_screen *screen);
 /* Reads the size from the terminal and adapts to it. */
-void screen_resize(struct screen *screen);
+void screen_resize(struct terminal_screen *screen);
 /* Sends what differs from `shown`, from row `from` on, at most about so many bytes: the rest comes
  * with the next call.
  */
-enum shown screen_show(struct screen *screen, int from, int bytes, int cursor_x, int cursor_y);
+enum shown screen_show(struct terminal_screen *screen, int from, int bytes, int cursor_x, int cursor_y);
 
 /* ---- the front end
  * ---------------------------------------------------------------------------------------- */
@@ -115,11 +115,11 @@ enum line_from {
 };
 
 struct panes {
-    struct program *program;
+    struct front_program *program;
     struct input input;
     int next_byte; /* taken from the input for readline, -1: none */
     struct pacing pacing;
-    struct screen screen;
+    struct terminal_screen screen;
     bool color;         /* the terminal shows colours, and NO_COLOR is not set */
     struct buffer line; /* a complete line that waits to be executed */
     enum line_from line_from;
@@ -130,7 +130,7 @@ struct panes {
     bool screen_stale;    /* more than that has */
     bool interrupted;     /* Ctrl-C while a run goes on */
     bool running;         /* inside front.slice: a run goes on */
-    bool history_told;    /* that it cannot be kept: said once */
+    bool history_warned;    /* that it cannot be kept: said once */
     const char *question; /* asked at the prompt, NULL: none */
 };
 

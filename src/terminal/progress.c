@@ -4,7 +4,7 @@
 
 #include <stdio.h>
 
-static struct progress {
+static struct progress_line {
     int64_t begun, shown; /* [ns] */
     bool visible;
 } progress;
@@ -16,7 +16,7 @@ bool progress_due(double fraction, bool *over)
     const int64_t now = clock_ns();
     *over = fraction > 1 && progress.visible;
     if (fraction > 1) {
-        progress = (struct progress){0};
+        progress = (struct progress_line){0};
         return false;
     }
     if (progress.begun == 0) {

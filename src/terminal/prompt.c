@@ -14,7 +14,7 @@
 /* ---- signals while editing
  * -------------------------------------------------------------------------------- */
 
-static struct program *at_prompt; /* readline asks without a context */
+static struct front_program *at_prompt; /* readline asks without a context */
 
 static void save_when_due(void)
 {
@@ -90,7 +90,7 @@ static void clear_screen(void *context)
 
 static bool change(void *context, enum front_change change, struct error *error)
 {
-    struct program *program = context;
+    struct front_program *program = context;
     if (change == FRONT_PLAIN) {
         return error_set(error, ERROR_COMMAND, "this is the plain prompt already");
     }
@@ -125,7 +125,7 @@ static void set_alarm(struct autosave *autosave)
     alarm(due == INT64_MAX ? 0 : due <= now ? 1 : (unsigned)((due - now) / 1000000000) + 1);
 }
 
-static char *read_line(struct program *program)
+static char *read_line(struct front_program *program)
 {
     set_alarm(program->autosave);
     signals_watch(1u << HAPPENED_SUSPEND | 1u << HAPPENED_ALARM);
@@ -137,15 +137,15 @@ static char *read_line(struct program *program)
     return typed;
 }
 
-static void execute(struct program *program, const char *typed)
+static void execute(struct front_program *program, const char *typed)
 {
     struct error error;
-    static bool told;
+    static bool warned;
     if (text_trim(text_of(typed)).len == 0) {
         return;
     }
-    if (!history_append(typed, &error) && !told) {
-        told = true;
+    if (!history_append(typed, &error) && !warned) {
+        warned = true;
         reply_warning(program->reply, "%s", error.text);
     }
     typed_run(program->session, text_of(typed), program->reply);
@@ -153,7 +153,7 @@ static void execute(struct program *program, const char *typed)
     save_when_due();
 }
 
-static void set_front(struct program *program)
+static void set_front(struct front_program *program)
 {
     struct front *front = &program->session->front;
     front->interactive = true;
@@ -165,7 +165,7 @@ static void set_front(struct program *program)
     front->context = program;
 }
 
-void prompt_run(struct program *program)
+void prompt_run(struct front_program *program)
 {
     struct session *session = program->session;
     const struct front before = session->front;

@@ -75,7 +75,7 @@ static void set_modes(void)
     def_prog_mode();
 }
 
-static void set_size(struct screen *screen)
+static void set_size(struct terminal_screen *screen)
 {
     struct winsize size;
     if (ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 && size.ws_row > 0) {
@@ -127,7 +127,7 @@ bool panes_possible(struct error *error)
     return true;
 }
 
-bool screen_begin(struct screen *screen)
+bool screen_begin(struct terminal_screen *screen)
 {
     crash_modes();
     screen->handle = newterm(NULL, stdout, stdin);
@@ -141,7 +141,7 @@ bool screen_begin(struct screen *screen)
     return true;
 }
 
-void screen_end(struct screen *screen)
+void screen_end(struct terminal_screen *screen)
 {
     send(screen_capability("BD"));
     endwin();
@@ -152,14 +152,14 @@ void screen_end(struct screen *screen)
     screen->handle = NULL;
 }
 
-void screen_leave(struct screen *screen)
+void screen_leave(struct terminal_screen *screen)
 {
     (void)screen;
     send(screen_capability("BD"));
     endwin();
 }
 
-void screen_return(struct screen *screen)
+void screen_return(struct terminal_screen *screen)
 {
     crash_modes(); /* the shell may have changed them meanwhile */
     def_shell_mode();
@@ -169,7 +169,7 @@ void screen_return(struct screen *screen)
     send(screen_capability("BE"));
 }
 
-void screen_retake(struct screen *screen)
+void screen_retake(struct terminal_screen *screen)
 {
     reset_prog_mode();
     send(screen_capability("smcup"));
@@ -177,13 +177,13 @@ void screen_retake(struct screen *screen)
     screen_resize(screen);
 }
 
-void screen_repaint(struct screen *screen)
+void screen_repaint(struct terminal_screen *screen)
 {
     clearok(stdscr, TRUE);
     screen->stale = true;
 }
 
-void screen_resize(struct screen *screen)
+void screen_resize(struct terminal_screen *screen)
 {
     set_size(screen);
     clearok(stdscr, TRUE);
@@ -195,7 +195,7 @@ void screen_resize(struct screen *screen)
 
 /* The terminal's own palette, the same as that of printed figures; backgrounds are never painted.
  */
-static const struct look {
+static const struct style_attributes {
     attr_t attributes;
     short color; /* -1: none */
 } looks[] = {
@@ -210,7 +210,7 @@ static const struct look {
 };
 
 /* Only when colour is wanted for the first time: ncurses sends colour sequences from then on. */
-static bool begin_colors(struct screen *screen)
+static bool begin_colors(struct terminal_screen *screen)
 {
     if (!screen->color_begun && has_colors() && start_color() == OK && use_default_colors() == OK) {
         for (size_t i = 0; i < COUNT_OF(looks); i++) {
@@ -223,14 +223,14 @@ static bool begin_colors(struct screen *screen)
     return screen->color_begun;
 }
 
-void screen_color(struct screen *screen, bool wanted)
+void screen_color(struct terminal_screen *screen, bool wanted)
 {
     screen->stale |= wanted != screen->color_wanted;
     screen->color_wanted = wanted;
 }
 
 /* What the C library and we count differently would shift the rest of the row. */
-static wchar_t shown_as(const struct screen *screen, uint32_t codepoint)
+static wchar_t shown_as(const struct terminal_screen *screen, uint32_t codepoint)
 {
     const wchar_t c = (wchar_t)codepoint;
     if (codepoint < ' ' || codepoint == 127) {
@@ -239,7 +239,7 @@ static wchar_t shown_as(const struct screen *screen, uint32_t codepoint)
     return codepoint < 128 || (screen->utf8 && wcwidth(c) == codepoint_width(codepoint)) ? c : L'?';
 }
 
-static void put_row(struct screen *screen, int y)
+static void put_row(struct terminal_screen *screen, int y)
 {
     const struct cell *row = screen->canvas.cell + (size_t)y * (size_t)screen->width;
     const bool color = screen->color_wanted && begin_colors(screen);
@@ -250,7 +250,7 @@ static void put_row(struct screen *screen, int y)
             continue;
         }
         const wchar_t wide[2] = {shown_as(screen, row[x].codepoint), L'\0'};
-        const struct look *look = &looks[row[x].codepoint == ' ' ? STYLE_PLAIN : row[x].style];
+        const struct style_attributes *look = &looks[row[x].codepoint == ' ' ? STYLE_PLAIN : row[x].style];
         setcchar(&line[n++], wide, look->attributes,
                  color && look->color >= 0 ? (short)(look - looks) : 0, NULL);
         if (wide[0] == L'?' && x + 1 < screen->width && row[x + 1].codepoint == 0) {
@@ -277,7 +277,7 @@ static int row_cost(const struct cell *a, const struct cell *b, int n)
     return cost > 0 ? cost + MOVE_COST : 0;
 }
 
-enum shown screen_show(struct screen *screen, int from, int bytes, int cursor_x, int cursor_y)
+enum shown screen_show(struct terminal_screen *screen, int from, int bytes, int cursor_x, int cursor_y)
 {
     if (!screen->canvas.cell || !screen->shown.cell) {
         set_size(screen); /* there was no memory for it */

@@ -103,7 +103,7 @@ enum front_kind { FRONT_END, FRONT_IS_PLAIN, FRONT_IS_PANES };
 struct autosave;
 
 /* What all front ends of one program share. */
-struct program {
+struct front_program {
     struct session *session;
     const struct options *options;
     struct streams *streams;
@@ -120,8 +120,8 @@ void batch_run(struct session *session, const struct options *options, bool inpu
                struct reply *reply, struct streams *streams);
 /* Both return when the person leaves, the program is to end, or program->next says who takes over.
  */
-void prompt_run(struct program *program);
-void panes_run(struct program *program);
+void prompt_run(struct front_program *program);
+void panes_run(struct front_program *program);
 /* Can panes be shown here? If not, why. */
 bool panes_possible(struct error *error);
 /* What is said before the panes are there, and in them. */
@@ -192,7 +192,7 @@ int64_t autosave_due(struct autosave *autosave);
 bool autosave_write(struct autosave *autosave, struct error *error);
 /* Replaces the session by a saved one; unchanged unless all of it could be restored. name NULL: the
  * newest. told: what was done. */
-bool autosave_resume(struct session **session, const char *name, struct buffer *told,
+bool autosave_resume(struct session **session, const char *name, struct buffer *messages,
                      struct error *error);
 
 #endif

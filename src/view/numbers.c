@@ -99,7 +99,7 @@ void numbers_draw(const struct screen *screen, struct text hint, int y)
     int x = put_numbers(screen, LEAD, y);
     if (screen->session->view.scroll > 0) {
         char text[48];
-        const int max = screen_log_most(screen->session, width, screen->canvas->height);
+        const int max = screen_log_max(screen->session, width, screen->canvas->height);
         snprintf(text, sizeof text, "PgDn: %d newer lines",
                  smaller(screen->session->view.scroll, max));
         put_field(screen, x, y, text_of(text), 0, STYLE_BOLD);

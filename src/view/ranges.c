@@ -22,11 +22,11 @@ bool view_has_time_range(const struct view *view)
     return is_range(view->x) && plot_is_timed(view_focus(view));
 }
 
-struct extent {
+struct value_span {
     double low, high; /* low > high: nothing */
 };
 
-static void extend(struct extent *extent, double value)
+static void extend(struct value_span *extent, double value)
 {
     if (isfinite(value)) {
         extent->low = fmin(extent->low, value);
@@ -35,9 +35,9 @@ static void extend(struct extent *extent, double value)
 }
 
 /* Of the curves of a panel. */
-static struct extent extent_of(const struct figure *figure, int panel, bool vertical)
+static struct value_span extent_of(const struct figure *figure, int panel, bool vertical)
 {
-    struct extent extent = {HUGE_VAL, -HUGE_VAL};
+    struct value_span extent = {HUGE_VAL, -HUGE_VAL};
     for (int c = 0; c < figure->curves; c++) {
         const struct curve *curve = &figure->curve[c];
         for (size_t i = 0; i < curve->n && curve->panel == panel; i++)
@@ -53,7 +53,7 @@ static struct extent extent_of(const struct figure *figure, int panel, bool vert
  * zero an oscillation gets as much room below as above. What varies by rounding only is left as it
  * is.
  */
-static void settle(struct axis *axis, struct extent extent, int rows)
+static void settle(struct axis *axis, struct value_span extent, int rows)
 {
     if (extent.low < 0 && extent.high > 0 &&
         fmin(-extent.low, extent.high) > 0.5 * fmax(-extent.low, extent.high)) {
@@ -88,7 +88,7 @@ void ranges_reach_label(struct axis *axis, int columns)
 /* While a run goes on the range holds the amplitude the scene is expected to have, from the first
  * frame on. */
 static void extend_expected(const struct session *session, const struct figure *figure,
-                            enum plot_kind pane, bool vertical, struct extent *extent)
+                            enum plot_kind pane, bool vertical, struct value_span *extent)
 {
     const struct run *run = session_run(session);
     const struct plot_row *row = plot_row(pane);
@@ -111,7 +111,7 @@ static void extend_expected(const struct session *session, const struct figure *
 }
 
 /* To whole decades. */
-static void settle_decades(struct axis *axis, struct extent extent)
+static void settle_decades(struct axis *axis, struct value_span extent)
 {
     const double factor = axis->factor > 0 ? axis->factor : 1;
     const double low = log10(fmax(extent.low, axis->min) / factor),
@@ -129,7 +129,7 @@ static void settle_panel(const struct screen *screen, const struct placed_pane *
 {
     const struct session *session = screen->session;
     const bool first = figure->curves == 0 || figure->curve[0].panel == panel;
-    struct extent extent = extent_of(figure, panel, true), across = extent_of(figure, panel, false);
+    struct value_span extent = extent_of(figure, panel, true), across = extent_of(figure, panel, false);
     if (y->log) {
         settle_decades(y, extent);
         return;

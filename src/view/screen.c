@@ -57,7 +57,7 @@ int screen_log_rows(const struct session *session, int width, int height)
     return screen_division(session, height).log;
 }
 
-int screen_log_most(const struct session *session, int width, int height)
+int screen_log_max(const struct session *session, int width, int height)
 {
     int rows = 0;
     for (int i = 0; i < session->log.count; i++)

@@ -6,12 +6,12 @@
 #include <string.h>
 
 /* What each form contains, from the longest to the shortest. */
-struct form {
+struct line_form {
     bool scene, start, parameters, method, step, steps, state;
     bool blanks; /* between numbers and units, bars between the parts */
 };
 
-static const struct form forms[] = {
+static const struct line_form forms[] = {
     {true, true, true, true, true, true, true, true},
     {true, false, true, true, true, true, true, true},
     {true, false, true, true, true, false, true, true},
@@ -74,7 +74,7 @@ static int time_decimals(double dt)
     return decimals;
 }
 
-static void put_progress(struct buffer *out, const struct session *session, const struct form *form)
+static void put_progress(struct buffer *out, const struct session *session, const struct line_form *form)
 {
     const struct live *live = &session->live;
     const struct run *run = session_run(session);
@@ -109,7 +109,7 @@ struct solving {
     struct run_settings settings;
 };
 
-static void put_step(struct buffer *out, const struct solving *by, const struct form *form)
+static void put_step(struct buffer *out, const struct solving *by, const struct line_form *form)
 {
     const bool adaptive = by->settings.tol > 0;
     buffer_put(out, adaptive ? TEXT(" tol=") : TEXT(" dt="));
@@ -120,7 +120,7 @@ static void put_step(struct buffer *out, const struct solving *by, const struct 
 }
 
 /* What the curve was computed with, and what the next run will be, where that is something else. */
-static void put_method(struct buffer *out, const struct session *session, const struct form *form)
+static void put_method(struct buffer *out, const struct session *session, const struct line_form *form)
 {
     const struct run *run = session_run(session);
     const struct solving next = {session->setup.method, session_run_settings(session)};
@@ -137,7 +137,7 @@ static void put_method(struct buffer *out, const struct session *session, const 
         put_step(out, &next, form);
 }
 
-static void put_form(struct buffer *out, const struct session *session, const struct form *form,
+static void put_form(struct buffer *out, const struct session *session, const struct line_form *form,
                      int parameters)
 {
     const struct setup *setup = &session->setup;

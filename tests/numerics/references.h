@@ -131,7 +131,7 @@ static inline struct table_row *read_table(size_t *count)
 }
 
 /* Which variable a component is. */
-static inline int place_of(const struct table_row *row)
+static inline int index_of(const struct table_row *row)
 {
     const char *name = row->component;
     if (name[0] == 'y' && name[1])
@@ -170,7 +170,7 @@ static inline double worst_of(struct table_row *table, size_t rows, const char *
         if (run->stop != STOP_END)
             fail_msg("%s by %s: %s at t = %g", problem, by->method, stop_name(run->stop), run->t);
         for (size_t i = 0; i < rows; i++) {
-            const int k = place_of(&table[i]);
+            const int k = index_of(&table[i]);
             if (!is_of(&table[i], problem, parameters) || table[i].t != t)
                 continue;
             assert_true(k < run->system.n);
@@ -209,7 +209,7 @@ static inline double error_over_tol(const struct table_row *table, size_t rows, 
             break;
         }
         for (size_t i = 0; i < rows; i++) {
-            const int k = place_of(&table[i]);
+            const int k = index_of(&table[i]);
             if (!is_of(&table[i], problem, parameters) || table[i].t != t)
                 continue;
             const double size = fmax(run->controller.scale[k], fabs(table[i].value));

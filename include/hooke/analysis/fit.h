@@ -103,7 +103,7 @@ struct formula {
     int parameters;
     const char *name[CURVE_PARAMETERS]; /* in the order in which they first appear */
     bool linear[CURVE_PARAMETERS];      /* the formula is linear in these together */
-    bool given[CURVE_PARAMETERS];       /* a start was given */
+    bool started[CURVE_PARAMETERS];       /* a start was given */
     double start[CURVE_PARAMETERS];
     const struct formula_column *column; /* variables; t is always one */
     int columns;

@@ -197,7 +197,7 @@ struct leading {
     double first, second;
 };
 typedef struct leading program_function(const struct program *program, double x0, double x1,
-                                        double x2, const double *state, const double *given,
+                                        double x2, const double *state, const double *steady,
                                         double *output, double *frame);
 program_function *program_code(const struct program *program);
 

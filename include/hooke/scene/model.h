@@ -21,7 +21,7 @@ struct param_row {
     enum quantity quantity;
     double initial;      /* default, SI */
     double min;          /* smallest value allowed, -HUGE_VAL: any */
-    bool least_excluded; /* value > least */
+    bool min_excluded; /* value > least */
 };
 
 extern const struct catalog
@@ -36,7 +36,7 @@ struct scene {
     const struct preset *preset;
     double value[PARAM_MAX];       /* SI */
     double uncertainty[PARAM_MAX]; /* one standard uncertainty, 0: exact */
-    bool given[PARAM_MAX];         /* set by the user since the preset */
+    bool chosen[PARAM_MAX];         /* set by the user since the preset */
     bool across; /* methods step across kinks at turning points, as they are printed */
     double atol[LIMIT_VARIABLES]; /* [n] errors of adaptive methods that do not matter, SI; 0: not
                                      given */
@@ -80,7 +80,7 @@ int scene_param_at(const struct scene *scene, struct text name);
 const struct param_row *param_at(const struct scene *scene, int index);
 double param_value(const struct scene *scene,
                    const char *name); /* NAN: the scene has no such parameter */
-bool param_given(const struct scene *scene, const char *name);
+bool param_chosen(const struct scene *scene, const char *name);
 bool is_oscillator(const struct scene *scene); /* also with forces that were typed */
 bool is_pendulum(const struct scene *scene);   /* on a rigid rod */
 

@@ -57,7 +57,7 @@ struct request {
 bool journal_add(struct run_slot *slot, struct request request, struct text condition,
                  struct error *error);
 void journal_drop(struct run_slot *slot); /* the last one */
-struct request *journal_share(
+struct request *journal_fraction(
     struct request *last); /* another owner of the list that ends there; NULL: an empty one */
 void journal_release(struct request *last);
 int journal_count(const struct request *last);

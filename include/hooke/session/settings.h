@@ -30,8 +30,8 @@ struct settings {
 #define SETTING(type, field, ...) type field;
 #define SETTING_PAIR(type, field, second, ...) type field, second;
 #include "session/settings.def"
-    bool dt_given, tol_given,
-        duration_given; /* by the user: else tol and duration are those of the scene */
+    bool dt_chosen, tol_chosen,
+        duration_chosen; /* by the user: else tol and duration are those of the scene */
 };
 
 /* What methods make of it: `set` says so. */
@@ -41,7 +41,7 @@ struct setting {
     struct row row;
     enum quantity quantity;
     size_t offset, bytes; /* of the field in struct settings */
-    size_t given;         /* 0, or the offset of the bool that says the user has set it */
+    size_t chosen;         /* 0, or the offset of the bool that says the user has set it */
     double (*natural)(
         const struct preset *preset); /* its value where he has not; NULL: a new session's */
     bool plots; /* `show plot` shows it although it belongs to the experiment */

@@ -33,7 +33,7 @@ double scene_period_at(const struct scene *scene, double amplitude);
 double derived_value(const struct scene *scene,
                      const char *name); /* NAN: no scene, or not defined */
 /* Keeps it as a row of `list measurements` and as the result measured_NAME. */
-bool session_keep_measurement(struct session *session, const char *name, const char *of,
+bool session_add_measurement(struct session *session, const char *name, const char *of,
                               struct measured value, enum quantity unit, double periods,
                               struct error *error);
 /* The first variable, or energy, of a run over time; oldest first also where it went backwards. */

@@ -76,7 +76,7 @@ struct reference {
     const struct method *against[2]; /* their runs agree with each other and not with it: not
                                         resolved; NULL: nobody */
     double apart;                    /* by so much, in amplitudes */
-    bool kept;                       /* by an earlier study of the same scene */
+    bool stored;                       /* by an earlier study of the same scene */
 };
 
 /* Bounded in cost (about 4e7 evaluations a solution at most) and cancellable. False: cancelled, or
@@ -105,7 +105,7 @@ struct references {
         struct reference reference;
         struct error why; /* there is none: y NULL */
         uint64_t used;    /* when, counted in uses; 0: nothing is kept here */
-    } kept[REFERENCES];
+    } stored[REFERENCES];
     uint64_t uses;
 };
 
@@ -227,7 +227,7 @@ struct precision_row {
     struct precision_point point;
     struct precision_curve curve;
     double accuracy; /* of the reference */
-    bool kept;       /* the reference, by an earlier study */
+    bool stored;       /* the reference, by an earlier study */
     bool resolved;   /* it is not contradicted by the finest runs of two methods */
     const struct precision *precision;
 };
@@ -433,7 +433,7 @@ extern const struct catalog selftest_catalog;
 struct selftest_row {
     const struct method *method;
     struct {
-        bool asked, passed;
+        bool applies, passed;
         double value,
             wanted; /* order; area factor - 1; distance from the start; growth around the limit */
     } check[SELFTEST_CHECKS];

@@ -7,7 +7,7 @@
 #include <string.h>
 
 /* Slots: the columns (t last), then the parameters, then the known names. */
-struct names {
+struct formula_names {
     struct formula *formula;
     const struct expr_scope *known;
     struct arena *arena;
@@ -23,7 +23,7 @@ enum {
 };
 
 struct scope_context {
-    struct names *names;
+    struct formula_names *names;
 };
 
 static int find_parameter(const struct formula *f, struct text name)
@@ -34,7 +34,7 @@ static int find_parameter(const struct formula *f, struct text name)
     return -1;
 }
 
-static bool find_constant(struct names *n, struct text name, int *slot)
+static bool find_constant(struct formula_names *n, struct text name, int *slot)
 {
     int known;
     if (!n->known || !n->known->find(n->known->context, name, &known) ||
@@ -48,7 +48,7 @@ static bool find_constant(struct names *n, struct text name, int *slot)
 /* Names with a hyphen are only what is known so: b1-b2 is a difference. */
 static bool find(const void *context, struct text name, int *slot)
 {
-    struct names *n = ((const struct scope_context *)context)->names;
+    struct formula_names *n = ((const struct scope_context *)context)->names;
     struct formula *f = n->formula;
     *slot = f->columns;
     if (text_is(name, "t"))
@@ -100,7 +100,7 @@ bool formula_compile(struct text text, const struct expr_scope *known,
     formula->constant = arena_array(arena, CONSTANTS_MAX, sizeof(double));
     if (!formula->constant)
         return error_memory(error);
-    struct names names = {
+    struct formula_names names = {
         .formula = formula, .known = known, .arena = arena, .constant = formula->constant};
     struct scope_context context = {&names};
     struct expr_scope scope = {
@@ -140,7 +140,7 @@ bool formula_start(struct formula *f, struct text name, double start, struct err
     int j = require_parameter(f, name, error);
     if (j >= 0) {
         f->start[j] = start;
-        f->given[j] = true;
+        f->started[j] = true;
     }
     return j >= 0;
 }

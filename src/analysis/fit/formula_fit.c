@@ -11,7 +11,7 @@
 
 enum { THIN = 400, TRIALS = 3000, REFINED = 12, SCALES_MAX = 40 };
 
-struct search {
+struct formula_search {
     struct formula formula; /* with its columns thinned like the series */
     struct series thin;
     struct fit_curve curve;
@@ -22,17 +22,17 @@ struct search {
     uint64_t state;
 };
 
-struct trial {
+struct formula_trial {
     double x[CURVE_PARAMETERS], rss;
 };
 
-static double uniform(struct search *s)
+static double uniform(struct formula_search *s)
 {
     return random_fraction(&s->state);
 }
 
 /* Every so many samples one, at an uneven place, so that no frequency hides between them. */
-static bool thin_out(struct search *s, const struct series *series, struct arena *arena)
+static bool thin_out(struct formula_search *s, const struct series *series, struct arena *arena)
 {
     size_t n = series->n < THIN ? series->n : THIN, columns = (size_t)s->formula.columns;
     double *t = arena_array(arena, n, sizeof *t), *y = arena_array(arena, n, sizeof *y);
@@ -58,7 +58,7 @@ static bool thin_out(struct search *s, const struct series *series, struct arena
 }
 
 /* Sizes that parameters of curves through these samples tend to have. */
-static void find_scales(struct search *s, const struct series *series, struct arena *arena)
+static void find_scales(struct formula_search *s, const struct series *series, struct arena *arena)
 {
     double low = HUGE_VAL, high = -HUGE_VAL, first = HUGE_VAL, last = -HUGE_VAL;
     for (size_t i = 0; i < series->n; i++) {
@@ -96,7 +96,7 @@ static void find_scales(struct search *s, const struct series *series, struct ar
 }
 
 /* A value to try: a scale of the series or any size, of either sign. */
-static double pick(struct search *s)
+static double pick(struct formula_search *s)
 {
     const double size =
         uniform(s) < 0.6 ? s->scale[(size_t)(uniform(s) * s->scales)] : pow(10, 8 * uniform(s) - 5);
@@ -104,28 +104,28 @@ static double pick(struct search *s)
 }
 
 /* The best trials, the best first. Returns how many there are. */
-static int try_scales(struct search *s, const struct cancel *cancel, const double *given,
-                      struct trial *best)
+static int try_scales(struct formula_search *s, const struct cancel *cancel, const double *started,
+                      struct formula_trial *best)
 {
-    int kept = 0, trials = s->unknowns > 0 ? TRIALS : 1;
+    int candidates = 0, trials = s->unknowns > 0 ? TRIALS : 1;
     for (int k = 0; k < trials && !cancelled(cancel); k++) {
-        struct trial trial;
-        memcpy(trial.x, given, sizeof trial.x);
+        struct formula_trial trial;
+        memcpy(trial.x, started, sizeof trial.x);
         for (int i = 0; i < s->unknowns; i++)
             trial.x[s->unknown[i]] = pick(s);
         if (!project(&s->projection, trial.x, NULL, NULL, &trial.rss))
             continue;
-        int at = kept;
+        int at = candidates;
         while (at > 0 && best[at - 1].rss > trial.rss)
             at--;
         bool twin = at > 0 && best[at - 1].rss >= trial.rss * (1 - 1e-9);
         if (at == REFINED || twin)
             continue;
-        kept = kept < REFINED ? kept + 1 : kept;
-        memmove(best + at + 1, best + at, (size_t)(kept - at - 1) * sizeof *best);
+        candidates = candidates < REFINED ? candidates + 1 : candidates;
+        memmove(best + at + 1, best + at, (size_t)(candidates - at - 1) * sizeof *best);
         best[at] = trial;
     }
-    return kept;
+    return candidates;
 }
 
 /* A converged answer before one that is not, then the smaller sum of squares. */
@@ -201,16 +201,16 @@ static bool fit_ready(const struct formula *formula, const struct series *series
 {
     static const struct curve_options none;
     struct curve_options o = options ? *options : none;
-    struct search s = {.formula = *formula, .state = 20180920};
+    struct formula_search s = {.formula = *formula, .state = 20180920};
     struct refining r = {formula, series, &o, arena, fit, 0, false, error};
-    struct trial best[REFINED + 1];
+    struct formula_trial best[REFINED + 1];
     double answer[CURVE_PARAMETERS];
     bool all = true;
     o.bootstrap = 0;
     gsl_set_error_handler_off(); /* GSL's default ends the program; statuses are checked here */
     for (int j = 0; j < formula->parameters; j++) {
-        all = all && formula->given[j];
-        if (!formula->linear[j] && !formula->given[j])
+        all = all && formula->started[j];
+        if (!formula->linear[j] && !formula->started[j])
             s.unknown[s.unknowns++] = j;
     }
     /* The start that was asked for comes first: the minimum it leads to is what was asked for. */
@@ -220,8 +220,8 @@ static bool fit_ready(const struct formula *formula, const struct series *series
         if (!thin_out(&s, series, arena))
             return error_memory(error);
         find_scales(&s, series, arena);
-        int kept = try_scales(&s, o.cancel, formula->start, best);
-        for (int k = 0; k < kept; k++)
+        int candidates = try_scales(&s, o.cancel, formula->start, best);
+        for (int k = 0; k < candidates; k++)
             if (!refine_projected(&r, best[k].x) || !refine(&r, best[k].x))
                 return false;
     }

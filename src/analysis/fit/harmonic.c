@@ -30,7 +30,7 @@ union block {
 
 /* exp((-gamma/2 + i omega) k dt): a chunk starts from an exact phase, so no error accumulates along
  * the series. */
-struct turn {
+struct phase_table {
     double re[CHUNK], im[CHUNK];
 };
 
@@ -49,7 +49,7 @@ static double dot(const union block *x, const union block *y)
     return total[0] + total[1];
 }
 
-static void turn_init(struct turn *turn, const struct harmonic *h, double dt)
+static void turn_init(struct phase_table *turn, const struct harmonic *h, double dt)
 {
     double e = exp(-0.5 * h->gamma * dt), re = e * cos(h->omega * dt), im = e * sin(h->omega * dt);
     turn->re[0] = 1;
@@ -63,7 +63,7 @@ static void turn_init(struct turn *turn, const struct harmonic *h, double dt)
 /* u + i v = exp((-gamma/2 + i omega) s) and s for the samples from `at` on; `count` of them exist.
  */
 static void fill_basis(const struct samples *x, size_t at, int count, const struct harmonic *h,
-                       const struct turn *turn, union block *u, union block *v, union block *s)
+                       const struct phase_table *turn, union block *u, union block *v, union block *s)
 {
     if (x->uniform) {
         double start = x->t0 + (double)at * x->dt - h->origin, e = exp(-0.5 * h->gamma * start);
@@ -90,7 +90,7 @@ static size_t products(const struct samples *x, int unknowns, const struct harmo
                        double gram[COLUMNS][COLUMNS], double *residual)
 {
     union block column[COLUMNS], s, mask;
-    struct turn turn;
+    struct phase_table turn;
     union block *u = &column[LINEAR_A], *v = &column[LINEAR_B], *r = &column[unknowns];
     size_t used = 0;
     if (x->uniform) {

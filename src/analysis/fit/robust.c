@@ -55,7 +55,7 @@ static bool is_censored(const struct motion *m, size_t i, double sigma)
 
 /* Local harmonic fit of a segment: what is slow (sway, another law of drag, drift) is in its a, b,
  * c and rejects nothing. */
-static void fit_segment(struct motion *m, struct segment *s)
+static void fit_segment(struct motion *m, struct swing_segment *s)
 {
     struct samples part = samples_part(&m->samples, s->from, s->to);
     struct harmonic h = {
@@ -94,7 +94,7 @@ static size_t update_mask(struct motion *m, double typical, double noise)
     find_ceiling(m, -1, band);
     m->rejected = m->clipped = 0;
     for (size_t k = 0; k < m->segments; k++) {
-        struct segment *s = &m->segment[k];
+        struct swing_segment *s = &m->segment[k];
         double duration = m->samples.t[s->to - 1] - m->samples.t[s->from];
         double fall = exp(-0.5 * m->harmonic.gamma * duration / (double)(s->to - s->from));
         double local = s->scale * exp(0.25 * m->harmonic.gamma * duration);

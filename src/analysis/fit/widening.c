@@ -13,11 +13,11 @@ enum { PERIODS = 2, WINDOWS_MIN = 8 };
 
 /* One of the two directions: the residuals' part along it, window by window, scaled to the variance
  * of one sample. */
-struct direction {
+struct window_sums {
     double square, product, norm, before;
 };
 
-static void add_window(struct direction *d, double sum, double norm)
+static void add_window(struct window_sums *d, double sum, double norm)
 {
     double z = sum / sqrt(norm);
     d->square += norm * z * z;
@@ -28,7 +28,7 @@ static void add_window(struct direction *d, double sum, double norm)
 
 /* The windows' variance against that of the samples, and their correlation, where they are more
  * than chance. */
-static double factor_of(const struct direction *d, double windows, double variance, int fitted)
+static double factor_of(const struct window_sums *d, double windows, double variance, int fitted)
 {
     double ratio = d->square / d->norm / variance * windows / fmax(windows - fitted, 1);
     double rho = d->square > 0 ? d->product / d->square : 0;
@@ -39,7 +39,7 @@ static double factor_of(const struct direction *d, double windows, double varian
 struct widening residual_widening(const struct samples *x, const double *residual,
                                   const struct oscillation *o, int fitted)
 {
-    struct direction in_phase = {0}, across = {0};
+    struct window_sums in_phase = {0}, across = {0};
     double lag = autocorrelation_factor(residual_autocorrelation(x, residual)), square = 0,
            used = 0, windows = 0;
     double period = TWO_PI / o->omega, end = x->n > 0 ? x->t[0] + PERIODS * period : 0;

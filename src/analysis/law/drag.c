@@ -22,7 +22,7 @@ enum { ROUNDS = 4 };
 #define WANDERS                                                                                    \
     2.0 /* variance that a baseline of its own takes in each block, over that of the residuals */
 
-int drag_places(enum drag_law law, enum restoring_force force, int index[LAW_PARAMETERS])
+int drag_indices(enum drag_law law, enum restoring_force force, int index[LAW_PARAMETERS])
 {
     int count = FIRST_RATE;
     index[START] = EQUATION_START;
@@ -40,7 +40,7 @@ int drag_places(enum drag_law law, enum restoring_force force, int index[LAW_PAR
 
 /* The law alone from the rates of the envelope; a sum from the best of what it contains, its
  * further term at 0. */
-static void begin_law(struct fitting *f, int i)
+static void begin_law(struct drag_fitting *f, int i)
 {
     const enum drag_law law = (enum drag_law)(i + 1);
     struct law_fit *fit = &f->fit[i];
@@ -51,13 +51,13 @@ static void begin_law(struct fitting *f, int i)
             part = j;
     *fit = (struct law_fit){.motion = part >= 0 ? f->fit[part].motion : f->start,
                             .omega = f->start.value[EQUATION_OMEGA]};
-    fit->parameters = drag_places(law, f->start.force, fit->index);
+    fit->parameters = drag_indices(law, f->start.force, fit->index);
     for (int k = 0; k < DRAG_RATES && part < 0; k++)
         fit->motion.value[EQUATION_RATE + k] = law >> k & 1 ? f->rate[k] : 0;
 }
 
 /* A few sizes of a single rate: the best is where it begins. */
-static void scan(const struct fitting *f, struct law_fit *fit)
+static void scan(const struct drag_fitting *f, struct law_fit *fit)
 {
     static const double sizes[] = {0.4, 0.7, 1, 1.5, 2.5};
     double *rate = &fit->motion.value[fit->index[FIRST_RATE]], guess = *rate, best = guess,
@@ -73,7 +73,7 @@ static void scan(const struct fitting *f, struct law_fit *fit)
     *rate = best;
 }
 
-static void fit_law(struct fitting *f, int i, bool again, double trust)
+static void fit_law(struct drag_fitting *f, int i, bool again, double trust)
 {
     struct law_fit *fit = &f->fit[i];
     const bool begins = !again || !fit->converged;
@@ -87,14 +87,14 @@ static void fit_law(struct fitting *f, int i, bool again, double trust)
     law_descend(&f->samples, trust, f->rounding, fit);
 }
 
-static void fit_laws(struct fitting *f, bool again, double trust)
+static void fit_laws(struct drag_fitting *f, bool again, double trust)
 {
     for (int i = 0; i < DRAG_LAWS && !cancelled(f->samples.cancel); i++)
         fit_law(f, i, again, trust);
 }
 
 /* The law that comes nearest to the samples, -1: none converged. */
-static int nearest(const struct fitting *f)
+static int nearest(const struct drag_fitting *f)
 {
     int best = -1;
     for (int i = 0; i < DRAG_LAWS; i++)
@@ -105,7 +105,7 @@ static int nearest(const struct fitting *f)
 
 /* ---- which samples, which baseline ---- */
 
-static void one_block(struct fitting *f, int terms)
+static void one_block(struct drag_fitting *f, int terms)
 {
     struct baseline *baseline = &f->samples.baseline;
     *baseline = (struct baseline){.blocks = 1, .edge = f->edge, .terms = terms};
@@ -114,7 +114,7 @@ static void one_block(struct fitting *f, int terms)
 }
 
 /* A parabola in every three periods. */
-static struct baseline many_blocks(const struct fitting *f, size_t *edge)
+static struct baseline many_blocks(const struct drag_fitting *f, size_t *edge)
 {
     const struct samples *x = &f->motion->samples;
     const double span = x->t[x->n - 1] - x->t[0], omega = f->start.value[EQUATION_OMEGA];
@@ -132,7 +132,7 @@ static struct baseline many_blocks(const struct fitting *f, size_t *edge)
 }
 
 /* Whether the residuals of the nearest law ask for a baseline of their own in every block. */
-static bool wanders(struct fitting *f, int at, size_t *edge)
+static bool wanders(struct drag_fitting *f, int at, size_t *edge)
 {
     struct law_samples local = f->samples;
     local.baseline = many_blocks(f, edge);
@@ -148,13 +148,13 @@ static bool wanders(struct fitting *f, int at, size_t *edge)
 
 /* Samples far off the nearest law do not take part; residual of all of them. Returns how many
  * changed sides. */
-static size_t judge_samples(struct fitting *f, const double *residual)
+static size_t judge_samples(struct drag_fitting *f, const double *residual)
 {
     struct motion *m = f->motion;
     const struct samples *x = &m->samples;
     size_t changed = 0, off = 0;
     for (size_t k = 0; k < m->segments; k++) {
-        struct segment *s = &m->segment[k];
+        struct swing_segment *s = &m->segment[k];
         for (size_t i = s->from; i < s->to; i++)
             m->scratch[i - s->from] = fabs(residual[i]);
         s->scale = MAD_TO_SIGMA * quantile(m->scratch, s->to - s->from, 0.5);
@@ -184,7 +184,7 @@ static size_t judge_samples(struct fitting *f, const double *residual)
  * rest at the end has an answer in every tooth. So what moves comes first, and finds the right one.
  * False: it does not come to rest.
  */
-static bool fit_motion_first(struct fitting *f)
+static bool fit_motion_first(struct drag_fitting *f)
 {
     const struct samples *x = &f->motion->samples;
     const size_t rest = samples_quiet(x, TWO_PI / f->start.value[EQUATION_OMEGA]);
@@ -197,7 +197,7 @@ static bool fit_motion_first(struct fitting *f)
 }
 
 /* The samples of the fits and the fits themselves, until both agree. False: no law converged. */
-static bool settle(struct fitting *f, size_t *edge)
+static bool settle(struct drag_fitting *f, size_t *edge)
 {
     struct motion *m = f->motion;
     bool local = false, changes = fit_motion_first(f);
@@ -224,7 +224,7 @@ static bool settle(struct fitting *f, size_t *edge)
 /* ---- the whole ---- */
 
 /* Where the search begins: the damped sine at t0, as a position. */
-static void begin(const struct motion *m, struct fitting *f)
+static void begin(const struct motion *m, struct drag_fitting *f)
 {
     const struct harmonic *h = &m->harmonic;
     const double back = f->t0 - h->origin, e = exp(-0.5 * h->gamma * back);
@@ -242,7 +242,7 @@ static void begin(const struct motion *m, struct fitting *f)
 }
 
 /* A' = -(gamma/2) A - (4 b omega/(3 pi)) A^2 - 2 f/(pi omega): Nayfeh & Mook 1979, 3.3 */
-static void guess_rates(const struct envelope_rates rates[3], double span, struct fitting *f)
+static void guess_rates(const struct envelope_rates rates[3], double span, struct drag_fitting *f)
 {
     const double *value = f->start.value, omega = value[EQUATION_OMEGA];
     const double a = hypot(value[EQUATION_START], value[EQUATION_SPEED] / omega);
@@ -256,10 +256,10 @@ static void guess_rates(const struct envelope_rates rates[3], double span, struc
 }
 
 static bool prepare(struct motion *m, enum quantity quantity, struct arena *arena,
-                    struct fitting *f)
+                    struct drag_fitting *f)
 {
     const size_t n = m->samples.n;
-    *f = (struct fitting){.motion = m, .t0 = m->samples.t0};
+    *f = (struct drag_fitting){.motion = m, .t0 = m->samples.t0};
     f->start.t0 = f->t0;
     f->start.order = quantity_order(quantity) > 0 ? quantity_order(quantity) : 0;
     f->use = arena_alloc(arena, n);
@@ -277,7 +277,7 @@ static bool prepare(struct motion *m, enum quantity quantity, struct arena *aren
 }
 
 /* Which force pulls back: the laws of damping are then those under it. */
-static bool choose_force(struct fitting *f, enum quantity quantity, struct drag_fit *drag)
+static bool choose_force(struct drag_fitting *f, enum quantity quantity, struct drag_fit *drag)
 {
     const bool angle = quantity == QUANTITY_ANGLE || quantity == QUANTITY_ANGULAR_FREQUENCY ||
                        quantity == QUANTITY_ANGULAR_ACCELERATION || quantity == QUANTITY_OTHER;
@@ -299,7 +299,7 @@ bool drag_laws(struct motion *m, enum quantity quantity, bool forces,
                const struct envelope_rates rates[3], struct arena *arena, struct fit *out,
                struct error *error)
 {
-    struct fitting f;
+    struct drag_fitting f;
     size_t *edge = arena_array(arena, m->samples.n / BASELINE_MIN + 2, sizeof *edge);
     if (!edge || !prepare(m, quantity, arena, &f))
         return error_memory(error);

@@ -19,7 +19,7 @@ enum { START, SPEED, OMEGA, FIRST_RATE, DRAG_WINDOWS_MIN = 8 };
 #define DRAG_WIDENED                                                                               \
     1.05 /* of a variance: slow changes count, so windows are what is independent */
 
-struct fitting {
+struct drag_fitting {
     struct motion *motion;
     struct law_samples samples;
     unsigned char *use; /* [n] */
@@ -41,16 +41,16 @@ struct drag_factors {
 };
 
 /* Places of the fit's parameters among the equation's; their number. */
-int drag_places(enum drag_law law, enum restoring_force force, int index[LAW_PARAMETERS]);
+int drag_indices(enum drag_law law, enum restoring_force force, int index[LAW_PARAMETERS]);
 
 /* ---- drag_report.c ---- */
 
-bool drag_factors(const struct fitting *f, const struct law_fit *fit, struct drag_factors *out);
-void drag_losses(const struct fitting *f, const struct law_fit *fit, double loss[DRAG_RATES]);
+bool drag_factors(const struct drag_fitting *f, const struct law_fit *fit, struct drag_factors *out);
+void drag_losses(const struct drag_fitting *f, const struct law_fit *fit, double loss[DRAG_RATES]);
 void drag_describe(const struct law_fit *fit, int i, double deviation, struct drag_candidate *out);
-bool drag_report_offset(struct fitting *f, const struct law_fit *fit,
+bool drag_report_offset(struct drag_fitting *f, const struct law_fit *fit,
                         const struct drag_factors *factors, struct arena *arena, struct fit *out);
-void drag_report(const struct fitting *f, int i, const struct drag_factors *factors,
+void drag_report(const struct drag_fitting *f, int i, const struct drag_factors *factors,
                  struct fit *out);
 
 /* ---- restoring.c ---- */
@@ -60,6 +60,6 @@ void drag_report(const struct fitting *f, int i, const struct drag_factors *fact
  * BIC and F-test: fills drag->restoring, force, forces_remaining, and best. angle: it may be a
  * pendulum. False: no number.
  */
-bool restoring_choose(struct fitting *f, bool angle, struct drag_fit *drag, struct law_fit *best);
+bool restoring_choose(struct drag_fitting *f, bool angle, struct drag_fit *drag, struct law_fit *best);
 
 #endif

@@ -44,7 +44,7 @@ static double factor_of(const struct windows *w, double lag)
  * motion and with its velocity, window by window of two periods, against their own size, with its
  * correlation from window to window.
  */
-bool drag_factors(const struct fitting *f, const struct law_fit *fit, struct drag_factors *out)
+bool drag_factors(const struct drag_fitting *f, const struct law_fit *fit, struct drag_factors *out)
 {
     const struct samples *x = &f->motion->samples;
     const double *residual = f->motion->residual;
@@ -96,7 +96,7 @@ bool drag_factors(const struct fitting *f, const struct law_fit *fit, struct dra
 }
 
 /* Energy per mass that a rate of 1 takes along the motion: the sums of v^2, |v|^3 and |v|. */
-void drag_losses(const struct fitting *f, const struct law_fit *fit, double loss[DRAG_RATES])
+void drag_losses(const struct drag_fitting *f, const struct law_fit *fit, double loss[DRAG_RATES])
 {
     enum { POINTS = 4096 };
     const struct samples *x = &f->motion->samples;
@@ -134,7 +134,7 @@ void drag_describe(const struct law_fit *fit, int i, double deviation, struct dr
 }
 
 /* The offset at t0 and its slope, from the baseline. */
-bool drag_report_offset(struct fitting *f, const struct law_fit *fit,
+bool drag_report_offset(struct drag_fitting *f, const struct law_fit *fit,
                         const struct drag_factors *factors, struct arena *arena, struct fit *out)
 {
     const struct samples *x = &f->motion->samples;
@@ -171,7 +171,7 @@ static void cover(const struct law_fit *fit, const double *deviation, struct fit
 }
 
 /* The values of a fit that has one law, with the names of the damped sine. */
-void drag_report(const struct fitting *f, int i, const struct drag_factors *factors,
+void drag_report(const struct drag_fitting *f, int i, const struct drag_factors *factors,
                  struct fit *out)
 {
     const struct law_fit *fit = &f->fit[i];

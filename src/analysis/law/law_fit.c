@@ -22,7 +22,7 @@ struct normal {
 
 /* Sums over the samples of a block: of the basis 1, s, s^2 (s in -1 .. 1) and of it with the
  * columns. */
-struct block {
+struct gram_block {
     double middle, half; /* [s] */
     double gram[BASELINE_TERMS][BASELINE_TERMS];
     double cross[BASELINE_TERMS][COLUMNS];
@@ -56,11 +56,11 @@ static bool damped_step(int n, const struct normal *normal, double lambda, const
 
 /* ---- one pass ---- */
 
-static struct block block_of(const struct law_samples *x, size_t k)
+static struct gram_block block_of(const struct law_samples *x, size_t k)
 {
     const double *t = x->samples->t;
     const double from = t[x->baseline.edge[k]], to = t[x->baseline.edge[k + 1] - 1];
-    return (struct block){.middle = 0.5 * (from + to), .half = fmax(0.5 * (to - from), 1e-300)};
+    return (struct gram_block){.middle = 0.5 * (from + to), .half = fmax(0.5 * (to - from), 1e-300)};
 }
 
 static double time_of(const struct samples *x, size_t i)
@@ -69,7 +69,7 @@ static double time_of(const struct samples *x, size_t i)
 }
 
 /* The basis at a time. */
-static void basis(const struct block *block, int terms, double t, double out[BASELINE_TERMS])
+static void basis(const struct gram_block *block, int terms, double t, double out[BASELINE_TERMS])
 {
     const double s = (t - block->middle) / block->half;
     out[0] = 1;
@@ -79,7 +79,7 @@ static void basis(const struct block *block, int terms, double t, double out[BAS
 
 /* A row of columns into the sums. */
 static void add_row(int count, int terms, const double *column, const double *base,
-                    struct block *block, struct normal *normal)
+                    struct gram_block *block, struct normal *normal)
 {
     for (int j = 0; j < count; j++)
         for (int k = 0; k <= j; k++)
@@ -93,7 +93,7 @@ static void add_row(int count, int terms, const double *column, const double *ba
 }
 
 /* As many terms of the baseline as the block's samples hold; their number. */
-static int factor_block(const struct block *block, int terms, double *l)
+static int factor_block(const struct gram_block *block, int terms, double *l)
 {
     while (terms > 0 && !cholesky(terms, BASELINE_TERMS, &block->gram[0][0], 1e-14, l))
         terms--;
@@ -101,7 +101,7 @@ static int factor_block(const struct block *block, int terms, double *l)
 }
 
 /* Less what the block's baseline explains of every column. */
-static void project(int count, int terms, const struct block *block, struct normal *normal)
+static void project(int count, int terms, const struct gram_block *block, struct normal *normal)
 {
     double l[BASELINE_TERMS * BASELINE_TERMS], part[COLUMNS][BASELINE_TERMS];
     terms = factor_block(block, terms, l);
@@ -148,7 +148,7 @@ static double pass(const struct law_samples *x, struct law_fit *fit, struct norm
         return NAN;
     size_t at = 0;
     for (size_t k = 0; k < x->baseline.blocks && !cancelled(x->cancel); k++) {
-        struct block block = block_of(x, k);
+        struct gram_block block = block_of(x, k);
         while (at < x->baseline.edge[k + 1]) {
             const int count = gather(x, &at, x->baseline.edge[k + 1], t, y);
             if (!equation_values(&walk, t, (size_t)count, value, normal ? derivative : NULL))
@@ -266,7 +266,7 @@ bool law_residuals(const struct law_samples *x, const struct law_fit *fit, doubl
         return false;
     for (size_t k = 0; k < x->baseline.blocks; k++) {
         const size_t from = x->baseline.edge[k], to = x->baseline.edge[k + 1];
-        struct block block = block_of(x, k);
+        struct gram_block block = block_of(x, k);
         struct normal unused = {{{0}}};
         for (size_t at = from; at < to; at += CHUNK) {
             const size_t count = to - at < CHUNK ? to - at : CHUNK;

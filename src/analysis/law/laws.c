@@ -82,7 +82,7 @@ static double chance(const struct law_evidence *e, int small, int large)
  * coefficient is negative at its end; else the edge is a law with fewer terms, which is judged
  * itself.
  */
-static double share_beyond(const struct law_evidence *e, const struct drag_candidate *c,
+static double fraction_beyond(const struct law_evidence *e, const struct drag_candidate *c,
                            enum drag_law part, bool *there)
 {
     const struct law_fit *fit = &e->fit[c->law - 1];
@@ -160,7 +160,7 @@ static bool remains(const struct law_evidence *e, const struct drag_fit *drag, i
     if (!contains(c->law, law))
         return physical(c) && !refuted(e, drag, i);
     bool there = false;
-    const double fraction = share_beyond(e, c, law, &there);
+    const double fraction = fraction_beyond(e, c, law, &there);
     return (physical(c) && chance(e, simple, i) < HIDDEN) ||
            ((there || beside_others) && fraction > SHARE_MAX * (terms(c->law) - terms(law)));
 }
@@ -208,7 +208,7 @@ static void say_undecided(const struct law_evidence *e, int simple, const struct
             continue;
         buffer_format(text, " or %s", drag_law_name(c->law));
         if (contains(c->law, law))
-            fraction = fmax(fraction, share_beyond(e, c, law, NULL));
+            fraction = fmax(fraction, fraction_beyond(e, c, law, NULL));
         else if (rival < 0 || c->bic < drag->candidate[rival].bic)
             rival = i;
     }
@@ -235,7 +235,7 @@ static void say_claimed(const struct law_evidence *e, int best, const struct dra
     for (int i = 0; i < DRAG_LAWS; i++)
         if (terms(law_at(i)) == terms(c->law) + 1 && contains(law_at(i), c->law) &&
             drag->candidate[i].converged)
-            fraction = fmax(fraction, share_beyond(e, &drag->candidate[i], c->law, NULL));
+            fraction = fmax(fraction, fraction_beyond(e, &drag->candidate[i], c->law, NULL));
     if (part >= 0)
         buffer_format(text,
                       "%s: its last term lowers BIC by %.3g against %s (%g needed), F-test p = "

@@ -25,13 +25,13 @@ const char *restoring_name(enum restoring_force force)
 }
 
 /* The first samples of the whole, with a line for a baseline. */
-struct part {
+struct first_samples {
     struct samples samples;
     struct law_samples law;
     size_t edge[2];
 };
 
-static void take(const struct law_samples *whole, size_t to, struct part *part)
+static void take(const struct law_samples *whole, size_t to, struct first_samples *part)
 {
     part->samples = samples_part(whole->samples, 0, to);
     part->law = *whole;
@@ -45,7 +45,7 @@ static void take(const struct law_samples *whole, size_t to, struct part *part)
 static void begin(const struct law_samples *x, const struct equation *start, struct law_fit *fit)
 {
     *fit = (struct law_fit){.motion = *start, .omega = start->value[EQUATION_OMEGA]};
-    fit->parameters = drag_places(LAW_LINEAR, RESTORING_LINEAR, fit->index);
+    fit->parameters = drag_indices(LAW_LINEAR, RESTORING_LINEAR, fit->index);
     const double t0 = x->samples->t[0];
     struct harmonic h = {.omega = fit->omega};
     h.origin = 0.5 * (t0 + x->samples->t[x->samples->n - 1]);
@@ -73,14 +73,14 @@ static bool grow(const struct law_samples *x, size_t from, const struct law_fit 
     const size_t n = x->samples->n;
     *fit = *first;
     fit->motion.force = force;
-    fit->parameters = drag_places(LAW_LINEAR | LAW_QUADRATIC, force, fit->index);
+    fit->parameters = drag_indices(LAW_LINEAR | LAW_QUADRATIC, force, fit->index);
     if (force == RESTORING_SINE) { /* T = T0 (1 + A^2/16): Nayfeh & Mook 1979, 2.1 */
         const double a = hypot(fit->motion.value[EQUATION_START],
                                fit->motion.value[EQUATION_SPEED] / fit->omega);
         fit->motion.value[EQUATION_OMEGA] *= 1 + fmin(a * a, 4) / 16;
     }
     for (size_t to = from;; to = next_length(to, n)) {
-        struct part part;
+        struct first_samples part;
         take(x, to, &part);
         fit->omega = fit->motion.value[EQUATION_OMEGA];
         const struct law_fit before = *fit;
@@ -102,19 +102,19 @@ static bool follow(const struct law_samples *x, const struct law_fit *other,
     fit->motion.force = force;
     fit->motion.value[EQUATION_CUBIC] = 0;
     fit->omega = fit->motion.value[EQUATION_OMEGA];
-    fit->parameters = drag_places(LAW_LINEAR | LAW_QUADRATIC, force, fit->index);
+    fit->parameters = drag_indices(LAW_LINEAR | LAW_QUADRATIC, force, fit->index);
     return law_descend(x, FINALLY, rounding, fit);
 }
 
 /* ---- the choice, by the rule of the laws of damping ---- */
 
 /* Fits of each force, and what a BIC between them is worth. */
-struct forces {
+struct force_fits {
     struct law_fit fit[RESTORING_FORCES];
     double variance, freedom;
 };
 
-static double chance(const struct forces *all, int small)
+static double chance(const struct force_fits *all, int small)
 {
     const double gain =
         fmax(all->fit[small].rss - all->fit[RESTORING_CUBIC].rss, 0) / all->variance;
@@ -124,7 +124,7 @@ static double chance(const struct forces *all, int small)
 /* The Duffing spring contains the spring, and near enough the pendulum: only a force that it does
  * not contain refutes.
  */
-static bool refuted(const struct forces *all, const struct drag_fit *drag, int i)
+static bool refuted(const struct force_fits *all, const struct drag_fit *drag, int i)
 {
     const struct restoring_candidate *c = drag->restoring;
     if (!c[i].converged)
@@ -138,7 +138,7 @@ static bool refuted(const struct forces *all, const struct drag_fit *drag, int i
 
 /* Whether beta y^3 may be there beside the simplest force: shown weakly, or a share of a spring's
  * force that counts. */
-static bool cubic_remains(const struct forces *all, const struct drag_fit *drag, int simple)
+static bool cubic_remains(const struct force_fits *all, const struct drag_fit *drag, int simple)
 {
     const struct law_fit *fit = &all->fit[RESTORING_CUBIC];
     if (!drag->restoring[RESTORING_CUBIC].converged || simple == RESTORING_CUBIC)
@@ -153,14 +153,14 @@ static bool cubic_remains(const struct forces *all, const struct drag_fit *drag,
 }
 
 /* Whether the search, though it did not end, came nowhere near what another force leaves. */
-static bool far_off(const struct forces *all, int i, int other)
+static bool far_off(const struct force_fits *all, int i, int other)
 {
     return all->fit[i].rss - all->fit[other].rss > FAR * all->variance;
 }
 
 /* Of what nothing refutes the spring first, then the pendulum: each has a parameter less than
  * Duffing's. */
-static int simplest(const struct forces *all, const struct drag_fit *drag)
+static int simplest(const struct force_fits *all, const struct drag_fit *drag)
 {
     static const int order[] = {RESTORING_LINEAR, RESTORING_SINE, RESTORING_CUBIC};
     for (size_t i = 0; i < COUNT_OF(order); i++)
@@ -171,7 +171,7 @@ static int simplest(const struct forces *all, const struct drag_fit *drag)
 
 /* BIC of each with the slow changes of the phase in what the nearest of them leaves; false: no
  * memory, or no number. */
-static bool weigh(struct fitting *f, struct forces *all, struct drag_fit *drag)
+static bool weigh(struct drag_fitting *f, struct force_fits *all, struct drag_fit *drag)
 {
     int widest = -1;
     struct drag_factors factors;
@@ -195,15 +195,15 @@ static bool weigh(struct fitting *f, struct forces *all, struct drag_fit *drag)
     return true;
 }
 
-bool restoring_choose(struct fitting *f, bool angle, struct drag_fit *drag, struct law_fit *best)
+bool restoring_choose(struct drag_fitting *f, bool angle, struct drag_fit *drag, struct law_fit *best)
 {
     const struct law_samples *x = &f->samples;
     const double first_span = FIRST_PERIODS * TWO_PI / f->start.value[EQUATION_OMEGA];
     const size_t n = x->samples->n, to = samples_index(x->samples, x->samples->t[0] + first_span);
     const size_t from = to < LEAST ? (n < LEAST ? n : LEAST) : to < n ? to : n;
     struct law_fit first;
-    struct forces all = {.variance = 1, .freedom = 1};
-    struct part part;
+    struct force_fits all = {.variance = 1, .freedom = 1};
+    struct first_samples part;
     unsigned every = 0;
     take(x, from, &part);
     begin(&part.law, &f->start, &first);

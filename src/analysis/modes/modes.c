@@ -22,7 +22,7 @@
 #define OVERTONE 0.1   /* line widths from a multiple of a slower frequency */
 #define TWO_RATHER 0.3 /* of the sum of squares is left by a second line: a sway leaves more */
 
-struct fitting {
+struct modes_fitting {
     const struct series *series;
     struct samples samples;
     struct mode_curve curve;
@@ -34,7 +34,7 @@ struct fitting {
 };
 
 /* The samples in use, as a series of their own. */
-static bool used_series(struct fitting *f, struct series *used)
+static bool used_series(struct modes_fitting *f, struct series *used)
 {
     double *t = arena_array(f->arena, f->series->n, sizeof *t),
            *y = arena_array(f->arena, f->series->n, sizeof *y);
@@ -49,7 +49,7 @@ static bool used_series(struct fitting *f, struct series *used)
     return true;
 }
 
-static bool fit_from(struct fitting *f, double *x, struct error *error)
+static bool fit_from(struct modes_fitting *f, double *x, struct error *error)
 {
     const struct curve_options options = {.cancel = f->cancel};
     const struct fit_curve *curve = &f->curve.curve;
@@ -67,7 +67,7 @@ static bool fit_from(struct fitting *f, double *x, struct error *error)
 }
 
 /* Clears `use` of samples far off; false: there are none. */
-static bool reject(struct fitting *f, size_t *rejected)
+static bool reject(struct modes_fitting *f, size_t *rejected)
 {
     size_t count = 0, n = f->series->n, far = 0;
     for (size_t i = 0; i < n; i++)
@@ -110,14 +110,14 @@ static void ascending(const double *x, int modes, int *order)
 }
 
 /* Covariance of two parameters, each widened by its own factor. */
-static double covariance(const struct fitting *f, const double *widen, int i, int j)
+static double covariance(const struct modes_fitting *f, const double *widen, int i, int j)
 {
     const struct curve_fit *fit = &f->fit;
     return fit->correlation[i][j] * fit->formal[i] * fit->formal[j] * sqrt(widen[i] * widen[j]);
 }
 
 /* Of the linear combination by[] of the parameters from `first` on. */
-static double deviation(const struct fitting *f, const double *widen, int first,
+static double deviation(const struct modes_fitting *f, const double *widen, int first,
                         const double by[MODE_PARAMETERS])
 {
     double sum = 0;
@@ -127,7 +127,7 @@ static double deviation(const struct fitting *f, const double *widen, int first,
     return sqrt(fmax(sum, 0));
 }
 
-static void widen_all(const struct fitting *f, double widen[CURVE_PARAMETERS])
+static void widen_all(const struct modes_fitting *f, double widen[CURVE_PARAMETERS])
 {
     widen[MODES_OFFSET] = widen[MODES_SLOPE] =
         autocorrelation_factor(residual_autocorrelation(&f->samples, f->residual));
@@ -143,7 +143,7 @@ static void widen_all(const struct fitting *f, double widen[CURVE_PARAMETERS])
     }
 }
 
-static struct normal_mode mode_of(const struct fitting *f, const double *widen, int k)
+static struct normal_mode mode_of(const struct modes_fitting *f, const double *widen, int k)
 {
     const int first = MODES_FIRST + k * MODE_PARAMETERS;
     const struct measured *x = f->fit.value + first;
@@ -162,7 +162,7 @@ static struct normal_mode mode_of(const struct fitting *f, const double *widen, 
 }
 
 /* Of what depends on the frequency and the damping of two modes, by its slopes. */
-static double of_both(const struct fitting *f, const double *widen, const int mode[2],
+static double of_both(const struct modes_fitting *f, const double *widen, const int mode[2],
                       double by[2][2])
 {
     double sum = 0;
@@ -179,7 +179,7 @@ static double of_both(const struct fitting *f, const double *widen, const int mo
  * 2 kc)/m against each other (French, Vibrations and Waves (1971), chapter 5). omega0^2 = omega^2 +
  * gamma^2/4.
  */
-static void couple(const struct fitting *f, const double *widen, const int order[2],
+static void couple(const struct modes_fitting *f, const double *widen, const int order[2],
                    struct modes_fit *modes)
 {
     const struct measured *x[2];
@@ -250,7 +250,7 @@ static void warn_lines(const struct modes_fit *modes, double span, struct fit *f
                      modes->mode[k].frequency.value);
 }
 
-static void warn_rest(const struct fitting *f, const struct modes_fit *modes, struct fit *fit)
+static void warn_rest(const struct modes_fitting *f, const struct modes_fit *modes, struct fit *fit)
 {
     const struct series left = {.t = f->series->t, .y = f->residual, .n = f->series->n};
     struct spectrum_peak line;
@@ -276,7 +276,7 @@ static void warn_rest(const struct fitting *f, const struct modes_fit *modes, st
                  fit->rejected, f->series->n);
 }
 
-static void report(struct fitting *f, size_t rejected, struct modes_fit *modes)
+static void report(struct modes_fitting *f, size_t rejected, struct modes_fit *modes)
 {
     static const struct measured none = {NAN, NAN};
     struct fit *fit = &modes->fit;
@@ -332,7 +332,7 @@ static bool too_many(int wanted, int found, struct error *error)
 
 /* Standard deviation of an amplitude at its rms over the window, in noise as strong as that beside
  * its line. */
-static double noise_beside(const struct fitting *f, const struct normal_mode *mode)
+static double noise_beside(const struct modes_fitting *f, const struct normal_mode *mode)
 {
     const double variance =
         variance_beside(&f->samples, f->residual, TWO_PI * mode->frequency.value);
@@ -341,7 +341,7 @@ static double noise_beside(const struct fitting *f, const struct normal_mode *mo
     return sqrt(2 * variance / (double)f->fit.used) / rms;
 }
 
-static bool certain(const struct fitting *f, const struct modes_fit *modes, struct error *error)
+static bool certain(const struct modes_fitting *f, const struct modes_fit *modes, struct error *error)
 {
     const double span = f->series->t[f->series->n - 1] - f->series->t[0];
     const double sure = modes->mode[0].frequency.value * span < PERIODS ? SURE_SLOW : SURE;
@@ -386,7 +386,7 @@ static int count_modes(const struct samples *x, int count, const struct cancel *
 bool series_modes(const struct series *series, int count, struct arena *arena,
                   const struct cancel *cancel, struct modes_fit *modes, struct error *error)
 {
-    struct fitting f = {.series = series, .arena = arena, .cancel = cancel};
+    struct modes_fitting f = {.series = series, .arena = arena, .cancel = cancel};
     struct mode_start start[MODES_MAX + 2];
     size_t rejected = 0;
     gsl_set_error_handler_off(); /* GSL's default ends the program; statuses are checked here */

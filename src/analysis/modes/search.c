@@ -124,12 +124,12 @@ struct rates {
     double omega, gamma; /* [rad/s] [1/s] */
 };
 
-struct trial {
+struct modes_trial {
     struct rates rates[MODES_MAX];
     double rss;
 };
 
-struct search {
+struct modes_search {
     struct series series;
     double span;
     struct arena *arena;
@@ -138,11 +138,11 @@ struct search {
     int modes; /* of a trial */
     struct mode_curve curve;
     struct projection projection;
-    struct trial best[TRIED];
+    struct modes_trial best[TRIED];
     int count;
 };
 
-static void put_rates(const struct search *s, const struct rates *rates, double *x)
+static void put_rates(const struct modes_search *s, const struct rates *rates, double *x)
 {
     for (int k = 0; k < s->modes; k++) {
         x[MODES_FIRST + k * MODE_PARAMETERS + MODE_OMEGA] = rates[k].omega;
@@ -151,11 +151,11 @@ static void put_rates(const struct search *s, const struct rates *rates, double 
 }
 
 /* Keeps it among the best, with each of a few damping rates for those from `fresh` on. */
-static void try_rates(struct search *s, const struct rates *rates, int fresh)
+static void try_rates(struct modes_search *s, const struct rates *rates, int fresh)
 {
     const double damping[] = {0, 4, 16};
     for (size_t i = 0; i < COUNT_OF(damping); i++) {
-        struct trial trial;
+        struct modes_trial trial;
         double x[CURVE_PARAMETERS];
         memcpy(trial.rates, rates, sizeof trial.rates);
         for (int k = fresh; k < s->modes; k++)
@@ -172,7 +172,7 @@ static void try_rates(struct search *s, const struct rates *rates, int fresh)
     }
 }
 
-static void try_lines(struct search *s, const struct rates *known, const double *residual)
+static void try_lines(struct modes_search *s, const struct rates *known, const double *residual)
 {
     const struct series left = {.t = s->series.t, .y = residual, .n = s->series.n};
     struct samples x;
@@ -190,7 +190,7 @@ static void try_lines(struct search *s, const struct rates *known, const double 
 }
 
 /* Each that is known as two, so many line widths 1/span apart. */
-static void try_splits(struct search *s, const struct rates *known)
+static void try_splits(struct modes_search *s, const struct rates *known)
 {
     static const double apart[] = {0.8, 1.6};
     for (int k = 0; k + 1 < s->modes; k++) {
@@ -208,7 +208,7 @@ static void try_splits(struct search *s, const struct rates *known)
 
 /* The best of the trials, each followed to its minimum. False: none has one, or it was cancelled.
  */
-static bool refine(struct search *s, struct mode_start *start, double *residual)
+static bool refine(struct modes_search *s, struct mode_start *start, double *residual)
 {
     const struct curve_options options = {
         .rough = true, .iterations = s->quick ? ITERATIONS_QUICK : ITERATIONS, .cancel = s->cancel};
@@ -242,7 +242,7 @@ static bool refine(struct search *s, struct mode_start *start, double *residual)
 }
 
 /* One mode more than in `start`, whose residuals are replaced. */
-static bool add_mode(struct search *s, const struct mode_start *start, struct mode_start *next,
+static bool add_mode(struct modes_search *s, const struct mode_start *start, struct mode_start *next,
                      double *residual)
 {
     struct rates known[MODES_MAX] = {{0, 0}};
@@ -260,7 +260,7 @@ static bool add_mode(struct search *s, const struct mode_start *start, struct mo
     return refine(s, next, residual);
 }
 
-static bool straight_line(struct search *s, struct mode_start *start, double *residual)
+static bool straight_line(struct modes_search *s, struct mode_start *start, double *residual)
 {
     struct curve_fit fit;
     struct error ignored = {0};
@@ -281,7 +281,7 @@ int modes_search(const struct samples *x, int modes, bool quick, const struct ca
                  struct mode_start *start, double *samples)
 {
     struct arena arena = {0};
-    struct search s = {
+    struct modes_search s = {
         .arena = &arena, .quick = quick, .cancel = cancel, .span = x->t[x->n - 1] - x->t[0]};
     int found = -1;
     double *residual = NULL;

@@ -9,7 +9,7 @@ enum { READINGS_DEFAULT = 6, READINGS_MIN = 3 };
 #define FLOOR_WRONG 0.15 /* part of it, of recordings that are rounded */
 #define SHARED 3.0       /* scatter of the noise's own energy, in units of it */
 
-struct line {
+struct decay_line {
     double slope, intercept; /* ln(reading) = intercept + slope (t - t0) */
     double slope_sigma, intercept_sigma;
 };
@@ -19,7 +19,7 @@ struct line {
  * where that is larger (an amplitude modulated by sideways sway). Readings that are not positive
  * have no logarithm and are left out.
  */
-static bool fit_line(const struct reading *reading, int count, double t0, struct line *line)
+static bool fit_line(const struct reading *reading, int count, double t0, struct decay_line *line)
 {
     double weight[64], w = 0, wt = 0, wl = 0, largest = 0;
     int used = 0;
@@ -108,7 +108,7 @@ static int read_energy(const struct samples *x, int count, const struct energy_n
 
 /* By which part a floor that is wrong by FLOOR_WRONG changes the slope of ln(E - floor): its share
  * of the energy. */
-static double floor_share(const struct decay *decay, const struct energy_noise *noise)
+static double floor_fraction(const struct decay *decay, const struct energy_noise *noise)
 {
     double sum = 0;
     for (int k = 0; k < decay->readings; k++)
@@ -168,7 +168,7 @@ bool series_decay(const struct series *series, struct arena *arena,
         omega = m.harmonic.omega;
         decay->readings = read_amplitudes(&m, count, decay->reading);
     }
-    struct line line, half;
+    struct decay_line line, half;
     double t0 = series->t[0];
     if (!fit_line(decay->reading, decay->readings, t0, &line)) {
         return error_set(error, ERROR_COMMAND,
@@ -177,7 +177,7 @@ bool series_decay(const struct series *series, struct arena *arena,
     decay->gamma = (struct measured){rate * line.slope, fabs(rate) * line.slope_sigma};
     if (energy)
         decay->gamma.uncertainty =
-            hypot(decay->gamma.uncertainty, floor_share(decay, energy) * decay->gamma.value);
+            hypot(decay->gamma.uncertainty, floor_fraction(decay, energy) * decay->gamma.value);
     const double span = series->t[series->n - 1] - t0;
     const double initial =
         exp(line.intercept) / (energy ? mean_gain(0.5 * decay->gamma.value * span / count) : 1);

@@ -83,13 +83,13 @@ static int law_jacobian(const gsl_vector *x, void *context, gsl_matrix *jacobian
     return GSL_SUCCESS;
 }
 
-struct law_fit {
+struct envelope_fit {
     double mean_square, gamma, q;
     bool found;
 };
 
 static bool fit_law(struct envelope *e, bool gamma, bool quadratic, double start,
-                    struct law_fit *result)
+                    struct envelope_fit *result)
 {
     size_t p = 1 + (size_t)gamma + (size_t)quadratic;
     double x0[3] = {log(e->a[0]), gamma ? (quadratic ? 0.5 : 1) * start : start / 2, start / 4};
@@ -103,7 +103,7 @@ static bool fit_law(struct envelope *e, bool gamma, bool quadratic, double start
         gsl_multifit_nlinear_alloc(gsl_multifit_nlinear_trust, &parameters, e->count, p);
     gsl_vector_view x = gsl_vector_view_array(x0, p);
     int info = 0;
-    *result = (struct law_fit){0};
+    *result = (struct envelope_fit){0};
     if (!work) {
         return false;
     }
@@ -161,7 +161,7 @@ bool envelope_laws(const struct motion *m, double *sway, struct envelope_rates r
     static const struct {
         bool gamma, quadratic;
     } laws[] = {{true, false}, {false, true}, {true, true}};
-    struct law_fit law[COUNT_OF(laws)];
+    struct envelope_fit law[COUNT_OF(laws)];
     struct envelope readings = {0}, *e = &readings;
     *sway = NAN;
     read_envelope(m, e);

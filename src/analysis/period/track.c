@@ -22,7 +22,7 @@ enum {
 #define STRAY 0.35     /* relative: so far the frequency may be from where it started */
 
 /* Of the columns 1, s, s^2, cos, sin and y. */
-struct moments {
+struct track_gram {
     double gram[COLUMNS + 1][COLUMNS + 1]; /* lower triangle; the last row belongs to y */
     size_t used;
 };
@@ -40,9 +40,9 @@ static inline void add_sample(double gram[COLUMNS + 1][COLUMNS + 1], double x, d
     }
 }
 
-static struct moments collect(const struct samples *x, const struct track_window *w, double half)
+static struct track_gram collect(const struct samples *x, const struct track_window *w, double half)
 {
-    struct moments m = {.used = 0};
+    struct track_gram m = {.used = 0};
     double gram[COLUMNS + 1][COLUMNS + 1] = {
         {0}}; /* on its own, so that it can stay in registers */
     const double scale = 1 / half;
@@ -67,7 +67,7 @@ static struct moments collect(const struct samples *x, const struct track_window
 }
 
 /* In place: the Cholesky factor; false where a column is hardly independent of those before it. */
-static bool factorise(struct moments *m)
+static bool factorise(struct track_gram *m)
 {
     double *r = m->gram[COLUMNS], square = r[COLUMNS];
     if (!cholesky(COLUMNS, COLUMNS + 1, &m->gram[0][0], PIVOT_MIN, &m->gram[0][0]))
@@ -86,7 +86,7 @@ static void fit_window(const struct samples *x, struct track_window *w)
         return;
     }
     const double half = 0.5 * (x->t[w->to - 1] - x->t[w->from]);
-    struct moments m = {.used = 0};
+    struct track_gram m = {.used = 0};
     w->clear = false;
     w->amplitude = w->explained = w->rss = 0;
     w->sigma = w->off = NAN;

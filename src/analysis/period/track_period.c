@@ -28,7 +28,7 @@ struct phases {
     double middle, half; /* [s] */
 };
 
-struct polynomial {
+struct phase_polynomial {
     double coefficient[POWERS], sigma[POWERS]; /* phase = c0 + c1 t + c2 t^2 */
     double variance;                           /* of the residuals over the phases' own, widened */
     size_t used;
@@ -85,7 +85,7 @@ static double scatter(const struct phases *p, const unsigned char *use, int term
 /* Least squares through the phases in use; scratch [n]: the size of the residuals in their standard
  * deviations. */
 static bool weigh_polynomial(const struct phases *p, int terms, double *scratch,
-                             const unsigned char *use, struct polynomial *out)
+                             const unsigned char *use, struct phase_polynomial *out)
 {
     double a[POWERS][POWERS + 1] = {{0}}, inverse[POWERS];
     out->used = 0;
@@ -119,7 +119,7 @@ static bool weigh_polynomial(const struct phases *p, int terms, double *scratch,
 
 /* The same without those that are far off. */
 static bool fit_polynomial(const struct phases *p, int terms, double *scratch, unsigned char *use,
-                           struct polynomial *out)
+                           struct phase_polynomial *out)
 {
     for (int pass = 0; pass < 3; pass++) {
         if (!weigh_polynomial(p, terms, scratch, use, out)) {
@@ -171,7 +171,7 @@ static bool gather(const struct track *track, struct arena *arena, struct phases
 static double variance_with(const struct phases *p, size_t at, int turns, double *scratch,
                             unsigned char *use)
 {
-    struct polynomial line;
+    struct phase_polynomial line;
     memset(use, 1, p->n);
     for (size_t i = at; i < p->n; i++) {
         p->phase[i] += turns * TWO_PI;
@@ -221,7 +221,7 @@ static double crossing_near(const struct track_window *w)
  * than they should; so close as chance does not bring them they lie where the windows' residuals
  * repeat (harmonics), and are believed.
  */
-static double slope_sigma(const struct polynomial *line)
+static double slope_sigma(const struct phase_polynomial *line)
 {
     const double freedom = (double)line->used - 2;
     const double widen = gsl_cdf_tdist_Pinv(0.975, freedom) / NORMAL;
@@ -237,7 +237,7 @@ static double slope_sigma(const struct polynomial *line)
 static double delay_of_friction(const struct track *track, struct phases *p, double omega,
                                 double *scratch, unsigned char *use)
 {
-    struct polynomial decay;
+    struct phase_polynomial decay;
     size_t n = 0;
     for (size_t k = 0; k < track->windows && n < p->n; k++) {
         const struct track_window *w = &track->window[k];
@@ -257,7 +257,7 @@ static double delay_of_friction(const struct track *track, struct phases *p, dou
 bool track_period(const struct track *track, struct arena *arena, struct period *out)
 {
     struct phases p;
-    struct polynomial line, bent;
+    struct phase_polynomial line, bent;
     double weight = 0, level = 0;
     if (!gather(track, arena, &p)) {
         return false;

@@ -175,7 +175,7 @@ static int fitted_recording(const struct session *session)
 }
 
 /* Of a fit of the scene: what was free, as it was fitted. */
-static bool adopt_curve(struct session *session, const struct arguments *given, struct reply *reply,
+static bool adopt_curve(struct session *session, const struct arguments *args, struct reply *reply,
                         struct error *error)
 {
     struct scene scene = session->setup.scene;
@@ -192,7 +192,7 @@ static bool adopt_curve(struct session *session, const struct arguments *given, 
     if (fitted->model != scene.model)
         return error_set(error, ERROR_COMMAND, "the fit was one of %s, the scene is %s",
                          fitted->preset->row.name, scene.preset->row.name);
-    if (is_given(given, "amplitude"))
+    if (has_argument(args, "amplitude"))
         return error_set(error, ERROR_COMMAND,
                          "'adopt amplitude' belongs to the fit of a damped oscillation");
     struct buffer text = {0};
@@ -306,14 +306,14 @@ static bool can_have_spring(const struct scene *scene, const struct fit *fit, st
 /* Of a voltage or a force: what one unit of it is of the scene's position. Unless told, its motion
  * is as wide as that of the scene; 0: which stands still. */
 static bool find_scale(const struct adoption *a, const struct fit *fit,
-                       const struct given_argument *given, double *scale, struct error *error)
+                       const struct argument_value *args, double *scale, struct error *error)
 {
     const enum quantity needs = a->pendulum ? QUANTITY_ANGLE : QUANTITY_LENGTH;
-    if (given->count > 0) {
-        *scale = given->item->value.value;
-        if (given->item->quantity == needs && *scale != 0)
+    if (args->count > 0) {
+        *scale = args->item->value.value;
+        if (args->item->quantity == needs && *scale != 0)
             return true;
-        return error_at(error, given->item->text, "scale needs %s %s other than 0",
+        return error_at(error, args->item->text, "scale needs %s %s other than 0",
                         quantity_article(needs), quantity_name(needs));
     }
     *scale = adopted_scale_of(&a->scene, fit);
@@ -321,13 +321,13 @@ static bool find_scale(const struct adoption *a, const struct fit *fit,
 }
 
 static void put_scaled(const struct adoption *a, const struct fit *fit, double scale,
-                       enum quantity quantity, bool told, struct buffer *text)
+                       enum quantity quantity, bool option, struct buffer *text)
 {
     const enum quantity position = a->pendulum ? QUANTITY_ANGLE : QUANTITY_LENGTH;
     const char *unit = quantity_unit(quantity);
     buffer_format(text, "\nwith 1 %s = ", unit);
     buffer_quantity(text, scale, position, 4);
-    if (told)
+    if (option)
         return;
     buffer_format(text, ": the amplitude of the fit is %s %s, no %s; that of the scene, ",
                   quantity_article(quantity), quantity_name(quantity), quantity_name(position));
@@ -354,7 +354,7 @@ static void warn_left(const struct adoption *a, const struct fit *fit, bool star
     if (a->pendulum && fit->drag.force != RESTORING_SINE && fit->amplitude.value > SMALL_SWING)
         reply_warning(reply, "the fit knows nothing of the slower wide swings of a pendulum: fit "
                              "law, then adopt again");
-    if (!a->pendulum && !param_given(&a->scene, "m"))
+    if (!a->pendulum && !param_chosen(&a->scene, "m"))
         reply_warning(reply, "k was computed with the mass of the scene, which nobody has set: m = "
                              "200 g, then adopt again");
     if ((fit->drag.candidates == 0 && param_value(&a->scene, "C") > 0) ||
@@ -364,7 +364,7 @@ static void warn_left(const struct adoption *a, const struct fit *fit, bool star
             "the scene also has quadratic drag or a driving force, which the fit knows nothing of");
 }
 
-bool adopt_fit(struct session *session, const struct arguments *given, struct reply *reply,
+bool adopt_fit(struct session *session, const struct arguments *args, struct reply *reply,
                struct error *error)
 {
     const struct fit *fit = &session->fit;
@@ -373,9 +373,9 @@ bool adopt_fit(struct session *session, const struct arguments *given, struct re
         return error_hint(error, "type: fit");
     }
     if (session->fit_samples > 0)
-        return adopt_curve(session, given, reply, error);
-    const bool at_rest = is_given(given, "amplitude");
-    const struct given_argument *told = argument_given(given, "scale");
+        return adopt_curve(session, args, reply, error);
+    const bool at_rest = has_argument(args, "amplitude");
+    const struct argument_value *option = argument_value(args, "scale");
     double scale = 0;
     struct fit in_positions;
     struct adoption a = {
@@ -386,10 +386,10 @@ bool adopt_fit(struct session *session, const struct arguments *given, struct re
     a.pendulum = is_pendulum(&a.scene) && (scaled || is_turning(fitted.quantity));
     if (!a.pendulum && !can_have_spring(&a.scene, fit, error))
         return false;
-    if (told->count > 0 && !scaled)
-        return error_at(error, told->where, "scale is for voltages and forces; %s %s was fitted",
+    if (option->count > 0 && !scaled)
+        return error_at(error, option->where, "scale is for voltages and forces; %s %s was fitted",
                         quantity_article(fitted.quantity), quantity_name(fitted.quantity));
-    if (scaled && !find_scale(&a, fit, told, &scale, error))
+    if (scaled && !find_scale(&a, fit, option, &scale, error))
         return false;
     a.unscaled = scaled && scale == 0;
     if (scale != 0) {
@@ -425,7 +425,7 @@ bool adopt_fit(struct session *session, const struct arguments *given, struct re
         buffer_put(&text, TEXT(" (the offset of the fit)"));
     }
     if (scale != 0)
-        put_scaled(&a, &session->fit, scale, fitted.quantity, told->count > 0, &text);
+        put_scaled(&a, &session->fit, scale, fitted.quantity, option->count > 0, &text);
     if (fit->drag.candidates > 0 && fit->preferred == LAW_UNDECIDED)
         buffer_format(&text, "\nthe data do not distinguish the laws: the best one, %s, is taken",
                       drag_law_name(fit->drag.best));

@@ -86,12 +86,12 @@ static void reply_recording(const struct recording *recording, struct reply *rep
 }
 
 /* The options as they have to stand to load the file again in the same way. */
-static void put_options(const struct arguments *given, struct buffer *out)
+static void put_options(const struct arguments *args, struct buffer *out)
 {
     static const char *const keys[] = {"t",    "y",       "run", "unit", "tunit",
                                        "rate", "decimal", "sep", "as"};
     for (size_t i = 0; i < COUNT_OF(keys); i++) {
-        const struct given_argument *key = argument_given(given, keys[i]);
+        const struct argument_value *key = argument_value(args, keys[i]);
         if (key->count == 0)
             continue;
         buffer_format(out, " %s=", keys[i]);
@@ -102,20 +102,20 @@ static void put_options(const struct arguments *given, struct buffer *out)
     }
 }
 
-static struct text text_given(const struct arguments *given, const char *name)
+static struct text text_of_argument(const struct arguments *args, const char *name)
 {
-    const struct given_argument *one = argument_given(given, name);
+    const struct argument_value *one = argument_value(args, name);
     return one->count ? one->item->text : (struct text){NULL, 0};
 }
 
-static const struct unit *unit_given(const struct arguments *given, const char *name)
+static const struct unit *unit_of_argument(const struct arguments *args, const char *name)
 {
-    return is_given(given, name) ? argument_given(given, name)->item->unit : NULL;
+    return has_argument(args, name) ? argument_value(args, name)->item->unit : NULL;
 }
 
-static char letter_given(const struct arguments *given, const char *name, const char *letters)
+static char letter_of_argument(const struct arguments *args, const char *name, const char *letters)
 {
-    return is_given(given, name) ? letters[argument_given(given, name)->item->index] : 0;
+    return has_argument(args, name) ? letters[argument_value(args, name)->item->index] : 0;
 }
 
 #define PREVIEW_ROWS 5
@@ -156,10 +156,10 @@ static void reply_preview(const struct recording *recording, struct arena *arena
 #define SHOWN_ROWS 10 /* of a table that was read */
 #define SHOWN_COLUMNS 8
 
-static bool any_option(const struct arguments *given)
+static bool any_option(const struct arguments *args)
 {
-    for (int i = 0; i < given->command->arguments; i++)
-        if (given->given[i].count > 0 && given->command->argument[i].form != FORM_PLACE)
+    for (int i = 0; i < args->command->arguments; i++)
+        if (args->value[i].count > 0 && args->command->argument[i].form != FORM_PLACE)
             return true;
     return false;
 }
@@ -230,7 +230,7 @@ static void reply_loaded(const struct table *table, struct text file, struct are
 }
 
 /* *found: the file was a table and no recording. */
-static bool load_table(const char *path, const struct arguments *given, bool *found,
+static bool load_table(const char *path, const struct arguments *args, bool *found,
                        struct reply *reply, struct error *error)
 {
     struct arena arena = {0};
@@ -238,7 +238,7 @@ static bool load_table(const char *path, const struct arguments *given, bool *fo
     const bool ok = read_table(path, &arena, &table, found, error);
     if (ok && *found && reply->store) {
         table_store_put(reply->store, "loaded", &arena, &table);
-        reply_loaded(&table, argument_given(given, "FILE")->item->text, given->arena, reply);
+        reply_loaded(&table, argument_value(args, "FILE")->item->text, args->arena, reply);
     }
     arena_reset(&arena);
     return ok;
@@ -246,26 +246,26 @@ static bool load_table(const char *path, const struct arguments *given, bool *fo
 
 HANDLER(load)
 {
-    const struct given_argument *file = argument_given(given, "FILE");
+    const struct argument_value *file = argument_value(args, "FILE");
     const struct load_options options = {
-        .time = text_given(given, "t"),
-        .value = text_given(given, "y"),
-        .run = text_given(given, "run"),
-        .unit = unit_given(given, "unit"),
-        .time_unit = unit_given(given, "tunit"),
-        .rate = is_given(given, "rate") ? argument_given(given, "rate")->item->value.value : 0,
-        .decimal = letter_given(given, "decimal", decimal_letters),
-        .separator = letter_given(given, "sep", separator_letters),
-        .name = text_given(given, "as")};
+        .time = text_of_argument(args, "t"),
+        .value = text_of_argument(args, "y"),
+        .run = text_of_argument(args, "run"),
+        .unit = unit_of_argument(args, "unit"),
+        .time_unit = unit_of_argument(args, "tunit"),
+        .rate = has_argument(args, "rate") ? argument_value(args, "rate")->item->value.value : 0,
+        .decimal = letter_of_argument(args, "decimal", decimal_letters),
+        .separator = letter_of_argument(args, "sep", separator_letters),
+        .name = text_of_argument(args, "as")};
     if (options.name.len > 0 &&
         (options.name.len > LIMIT_NAME || peek_name(options.name).len != options.name.len))
         return error_at(error, options.name,
                         "a name is a letter, then letters, digits, _ and -, at most %d of them",
                         LIMIT_NAME);
-    char *path = script_path(given->where, file->item->text, given->arena);
+    char *path = script_path(args->where, file->item->text, args->arena);
     bool found = false;
-    if (path && !any_option(given)) {
-        const bool ok = load_table(path, given, &found, reply, error);
+    if (path && !any_option(args)) {
+        const bool ok = load_table(path, args, &found, reply, error);
         if (!ok)
             error->where = file->item->text;
         if (!ok || found)
@@ -279,20 +279,20 @@ HANDLER(load)
             error->where = file->item->text;
         return false;
     }
-    if (is_given(given, "preview")) {
+    if (has_argument(args, "preview")) {
         reply_description(recording, reply);
-        reply_preview(recording, given->arena, reply);
+        reply_preview(recording, args->arena, reply);
         reply_recording(recording, reply);
         recording_destroy(recording);
         return true;
     }
-    struct buffer kept = {0};
-    put_options(given, &kept);
+    struct buffer saved = {0};
+    put_options(args, &saved);
     const int same = session_find_recording(session, text_of(recording->name));
     if (same >= 0)
         session_drop_recording(session, same);
-    const bool ok = session_add_recording(session, recording, buffer_view(&kept), error);
-    buffer_free(&kept);
+    const bool ok = session_add_recording(session, recording, buffer_view(&saved), error);
+    buffer_free(&saved);
     if (!ok)
         return false;
     reply_description(recording, reply);
@@ -316,9 +316,9 @@ static void list_recordings(const struct session *session, struct reply *reply)
 }
 
 static bool set_zero(struct session *session, struct recording *recording,
-                     const struct arguments *given, struct error *error)
+                     const struct arguments *args, struct error *error)
 {
-    const struct item *item = argument_given(given, "zero")->item;
+    const struct item *item = argument_value(args, "zero")->item;
     const enum quantity quantity = recording->column[recording->value].quantity;
     if (item->unit && quantity != QUANTITY_OTHER && item->quantity != quantity)
         return error_at(error, item->text,
@@ -330,7 +330,7 @@ static bool set_zero(struct session *session, struct recording *recording,
     return true;
 }
 
-static bool set_window(struct recording *recording, const struct given_argument *window,
+static bool set_window(struct recording *recording, const struct argument_value *window,
                        struct error *error)
 {
     const double *range = window->item->range;
@@ -343,13 +343,13 @@ static bool set_window(struct recording *recording, const struct given_argument 
 
 /* The sensor's own velocities instead of differences of the positions. */
 static bool join(const struct session *session, struct recording *recording,
-                 const struct given_argument *given, struct error *error)
+                 const struct argument_value *args, struct error *error)
 {
-    const struct recording *velocity = session->recording[given->item->index]->recording;
+    const struct recording *velocity = session->recording[args->item->index]->recording;
     const enum quantity own = recording->column[recording->value].quantity,
                         its = velocity->column[velocity->value].quantity;
     if (velocity == recording || its != QUANTITY_VELOCITY || own != QUANTITY_LENGTH) {
-        error_at(error, given->item->text,
+        error_at(error, args->item->text,
                  "join takes a recording of velocities to the current one of positions");
         return error_hint(
             error, "load position.txt as=y; load velocity.txt as=v; data use y; data join v");
@@ -371,26 +371,26 @@ static void reply_joined(const struct recording *recording, struct reply *reply)
 }
 
 static bool change(struct session *session, struct recording *recording,
-                   const struct arguments *given, struct error *error)
+                   const struct arguments *args, struct error *error)
 {
-    if (is_given(given, "window") && !set_window(recording, argument_given(given, "window"), error))
+    if (has_argument(args, "window") && !set_window(recording, argument_value(args, "window"), error))
         return false;
-    if (is_given(given, "zero") && !set_zero(session, recording, given, error))
+    if (has_argument(args, "zero") && !set_zero(session, recording, args, error))
         return false;
-    if (is_given(given, "join") && !join(session, recording, argument_given(given, "join"), error))
+    if (has_argument(args, "join") && !join(session, recording, argument_value(args, "join"), error))
         return false;
-    if (is_given(given, "mass"))
-        recording->mass = argument_given(given, "mass")->item->value;
-    if (is_given(given, "restore"))
+    if (has_argument(args, "mass"))
+        recording->mass = argument_value(args, "mass")->item->value;
+    if (has_argument(args, "restore"))
         recording_restore(recording);
     session_changed(session);
     return true;
 }
 
-static bool nothing_given(const struct arguments *given)
+static bool no_argument(const struct arguments *args)
 {
-    for (int i = 0; i < given->command->arguments; i++)
-        if (given->given[i].count)
+    for (int i = 0; i < args->command->arguments; i++)
+        if (args->value[i].count)
             return false;
     return true;
 }
@@ -398,17 +398,17 @@ static bool nothing_given(const struct arguments *given)
 HANDLER(data)
 {
     struct recording *recording = session_recording(session);
-    const struct given_argument *use = argument_given(given, "use"),
-                                *drop = argument_given(given, "drop");
-    if (is_given(given, "apply") && !is_given(given, "clean"))
-        return error_at(error, argument_given(given, "apply")->where,
+    const struct argument_value *use = argument_value(args, "use"),
+                                *drop = argument_value(args, "drop");
+    if (has_argument(args, "apply") && !has_argument(args, "clean"))
+        return error_at(error, argument_value(args, "apply")->where,
                         "'apply' stands after 'clean': data clean apply");
     if (drop->count) {
         session_drop_recording(session, drop->item->index);
         list_recordings(session, reply);
         return true;
     }
-    if (is_given(given, "list") || nothing_given(given)) {
+    if (has_argument(args, "list") || no_argument(args)) {
         list_recordings(session, reply);
         return true;
     }
@@ -421,17 +421,17 @@ HANDLER(data)
         error_set(error, ERROR_COMMAND, "there is no recording yet");
         return error_hint(error, "type: load FILE");
     }
-    if (is_given(given, "clean")) {
-        if (!find_faults(recording, given->arena, error))
+    if (has_argument(args, "clean")) {
+        if (!find_faults(recording, args->arena, error))
             return false;
-        if (is_given(given, "apply")) {
+        if (has_argument(args, "apply")) {
             recording_clean(recording);
             session_changed(session);
         }
-        reply_findings(recording, given->arena, reply);
+        reply_findings(recording, args->arena, reply);
         return true;
     }
-    if (!change(session, recording, given, error))
+    if (!change(session, recording, args, error))
         return false;
     reply_part(recording, reply);
     reply_joined(recording, reply);

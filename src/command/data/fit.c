@@ -12,7 +12,7 @@
 static bool known_mass(const struct scene *scene, struct measured *mass)
 {
     const int m = scene_param(scene, "m");
-    if (m < 0 || !scene->given[m])
+    if (m < 0 || !scene->chosen[m])
         return false;
     *mass = (struct measured){scene->value[m], scene->uncertainty[m]};
     return true;
@@ -41,10 +41,10 @@ static void keep_fit(struct session *session, const struct subject *subject, con
     session->fit = *fit;
     session->has_fit = true;
     session->fit_zero = subject->recording ? subject->recording->zero : 0;
-    struct stored_fit kept = {.fit = *fit, .quantity = quantity, .k = k ? *k : unknown};
-    inputs_keep(inputs, &kept.exact);
-    memcpy(kept.of, subject->name, sizeof kept.of);
-    session_store_fit(session, &kept);
+    struct stored_fit stored = {.fit = *fit, .quantity = quantity, .k = k ? *k : unknown};
+    inputs_keep(inputs, &stored.exact);
+    memcpy(stored.of, subject->name, sizeof stored.of);
+    session_store_fit(session, &stored);
     memcpy(session->fit_of, subject->name, sizeof session->fit_of);
     for (size_t i = 0; i < COUNT_OF(results); i++)
         if (isfinite(results[i].value.value))
@@ -58,32 +58,32 @@ static bool not_converged(const char *why, struct error *error)
 }
 
 /* Arguments that belong to other kinds of fit. */
-static bool refuse_others(const struct fit_request *asked, const struct fit_model *model,
+static bool refuse_others(const struct fit_request *call, const struct fit_model *model,
                           struct error *error)
 {
     static const char *const others[] = {"free", "NAME", "bootstrap", "robust"};
     const char *name = model->row.name;
     for (size_t i = 0; i < COUNT_OF(others) && model->by != FIT_SCENE; i++)
-        if (is_given(asked->given, others[i])) {
-            error->where = argument_given(asked->given, others[i])->where;
+        if (has_argument(call->args, others[i])) {
+            error->where = argument_value(call->args, others[i])->where;
             error_set(error, ERROR_COMMAND, "'fit %s' needs no starts and frees what it needs",
                       name);
             return error_hint(error, "that belongs to 'fit scene' and 'fit EXPR'");
         }
-    if (model->by != FIT_MODES && is_given(asked->given, "COUNT")) {
-        error_at(error, argument_given(asked->given, "COUNT")->where, "'fit %s' takes no number",
+    if (model->by != FIT_MODES && has_argument(call->args, "COUNT")) {
+        error_at(error, argument_value(call->args, "COUNT")->where, "'fit %s' takes no number",
                  name);
         return error_hint(error, "for several frequencies: fit modes 2");
     }
     return true;
 }
 
-static bool fit_motion(const struct fit_request *asked, const struct fit_model *model,
+static bool fit_motion(const struct fit_request *call, const struct fit_model *model,
                        struct error *error)
 {
-    struct session *session = asked->session;
-    const struct subject *subject = asked->subject;
-    struct arena *arena = asked->given->arena;
+    struct session *session = call->session;
+    const struct subject *subject = call->subject;
+    struct arena *arena = call->args->arena;
     struct fit fit = {0};
     if (!model->fit(&subject->series, arena, session->front.cancel, &fit, error))
         return false;
@@ -95,16 +95,16 @@ static bool fit_motion(const struct fit_request *asked, const struct fit_model *
     const bool with_k = spring && known_mass(scene, &mass);
     if (with_k)
         stiffness = fit_stiffness(&fit, mass);
-    struct fit_summary told = {
+    struct fit_summary summary = {
         .subject = subject, .model = fit.model, .motion = &fit, .k = stiffness, .spring = spring};
     if (with_k)
-        inputs_use(&told.inputs, "m", mass);
+        inputs_use(&summary.inputs, "m", mass);
     if (fit.converged)
-        keep_fit(session, subject, &fit, with_k ? &stiffness : NULL, &told.inputs);
+        keep_fit(session, subject, &fit, with_k ? &stiffness : NULL, &summary.inputs);
     for (int i = 0; i < fit.warnings; i++)
-        fit_tell_warning(&told, "%s", fit.warning[i]);
-    fit_tell_window(&told, fit.drag.candidates > 0 ? WINDOW_LAW_STICKS : WINDOW_LAW_SINE, arena);
-    reply_fit(&told, arena, asked->reply);
+        fit_add_warning(&summary, "%s", fit.warning[i]);
+    fit_add_window(&summary, fit.drag.candidates > 0 ? WINDOW_LAW_STICKS : WINDOW_LAW_SINE, arena);
+    reply_fit(&summary, arena, call->reply);
     char why[64];
     snprintf(why, sizeof why, "did not converge in %d iterations", fit.iterations);
     return fit.converged || not_converged(why, error);
@@ -112,37 +112,37 @@ static bool fit_motion(const struct fit_request *asked, const struct fit_model *
 
 HANDLER(fit)
 {
-    const struct given_argument *model = argument_given(given, "MODEL"),
-                                *run = argument_given(given, "run"),
-                                *to = argument_given(given, "to");
+    const struct argument_value *model = argument_value(args, "MODEL"),
+                                *run = argument_value(args, "run"),
+                                *to = argument_value(args, "to");
     struct subject subject;
     /* Recordings are what is fitted, unless there is none or a run is named. */
     struct item current = {.index = session->current_recording};
-    const struct given_argument data = to->count || current.index < 0
+    const struct argument_value data = to->count || current.index < 0
                                            ? *to
-                                           : (struct given_argument){.count = 1, .item = &current};
+                                           : (struct argument_value){.count = 1, .item = &current};
     const bool formula = model->count && !model->item->row;
-    if (!subject_open(session, run, &data, argument_given(given, "window"), false, formula ? 2 : 8,
-                      given->arena, &subject, error))
+    if (!subject_open(session, run, &data, argument_value(args, "window"), false, formula ? 2 : 8,
+                      args->arena, &subject, error))
         return false;
-    const struct fit_request asked = {session, given, &subject, reply};
+    const struct fit_request call = {session, args, &subject, reply};
     if (formula)
-        return fit_a_formula(&asked, model->item->text, error);
+        return fit_a_formula(&call, model->item->text, error);
     const struct row *row = model->count ? model->item->row : catalog_row(&fit_catalog, 0);
     const struct fit_model *chosen = (const struct fit_model *)(const void *)row;
-    if (!refuse_others(&asked, chosen, error))
+    if (!refuse_others(&call, chosen, error))
         return false;
     struct measured mass;
     if (chosen->by == FIT_MODES)
-        return fit_the_modes(&asked, known_mass(&session->setup.scene, &mass) ? &mass : NULL,
+        return fit_the_modes(&call, known_mass(&session->setup.scene, &mass) ? &mass : NULL,
                              error);
-    return chosen->by == FIT_SCENE ? fit_the_scene(&asked, error)
-                                   : fit_motion(&asked, chosen, error);
+    return chosen->by == FIT_SCENE ? fit_the_scene(&call, error)
+                                   : fit_motion(&call, chosen, error);
 }
 
 HANDLER(adopt)
 {
-    return adopt_fit(session, given, reply, error);
+    return adopt_fit(session, args, reply, error);
 }
 #endif
 

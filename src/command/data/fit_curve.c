@@ -21,11 +21,11 @@ void session_drop_curve(struct session *session)
     session->fit_modes = 0;
 }
 
-bool session_keep_curve(const struct fit_request *asked, const double *residual,
+bool session_add_curve(const struct fit_request *call, const double *residual,
                         const struct fit *fit, struct error *error)
 {
-    struct session *session = asked->session;
-    const struct subject *subject = asked->subject;
+    struct session *session = call->session;
+    const struct subject *subject = call->subject;
     const struct series *series = &subject->series;
     double *t = calloc(series->n, sizeof *t), *y = calloc(series->n, sizeof *y);
     if (!t || !y) {
@@ -63,12 +63,12 @@ static double plain_rms(const struct curve_fit *fit, size_t n)
 }
 
 /* The curve at the samples, and fit_NAME. */
-static bool keep_curve(const struct fit_request *asked, const struct fit_summary *told,
+static bool keep_curve(const struct fit_request *call, const struct fit_summary *summary,
                        const char *model, struct measured offset, struct error *error)
 {
     static const struct measured none = {NAN, NAN};
-    struct session *session = asked->session;
-    const struct series *series = &asked->subject->series;
+    struct session *session = call->session;
+    const struct series *series = &call->subject->series;
     const struct fit fit = {.model = model,
                             .period = none,
                             .omega = none,
@@ -76,40 +76,40 @@ static bool keep_curve(const struct fit_request *asked, const struct fit_summary
                             .amplitude = none,
                             .phase = none,
                             .offset = offset,
-                            .rms = plain_rms(told->curve, series->n),
-                            .used = told->curve->used,
+                            .rms = plain_rms(summary->curve, series->n),
+                            .used = summary->curve->used,
                             .converged = true,
                             .window = {series->t[0], series->t[series->n - 1]}};
-    if (!session_keep_curve(asked, told->curve->residual, &fit, error))
+    if (!session_add_curve(call, summary->curve->residual, &fit, error))
         return false;
-    for (int j = 0; j < told->curve->parameters; j++) {
+    for (int j = 0; j < summary->curve->parameters; j++) {
         char name[LIMIT_NAME + 1];
-        snprintf(name, sizeof name, "fit_%.*s", LIMIT_NAME - 4, told->name[j]);
-        session_set_result(session, name, told->curve->value[j], told->quantity[j]);
+        snprintf(name, sizeof name, "fit_%.*s", LIMIT_NAME - 4, summary->name[j]);
+        session_set_result(session, name, summary->curve->value[j], summary->quantity[j]);
     }
-    session_set_result(session, "fit_rms", (struct measured){told->curve->sigma, 0},
+    session_set_result(session, "fit_rms", (struct measured){summary->curve->sigma, 0},
                        series->quantity);
     return true;
 }
 
 /* Says it, keeps it, or says why not. */
-static bool conclude(const struct fit_request *asked, struct fit_summary *told, const char *model,
+static bool conclude(const struct fit_request *call, struct fit_summary *summary, const char *model,
                      struct measured offset, struct error *error)
 {
-    fit_tell_residuals(told);
-    if (told->curve->converged && !keep_curve(asked, told, model, offset, error))
+    fit_add_residuals(summary);
+    if (summary->curve->converged && !keep_curve(call, summary, model, offset, error))
         return false;
-    reply_fit(told, asked->given->arena, asked->reply);
-    if (told->curve->converged)
+    reply_fit(summary, call->args->arena, call->reply);
+    if (summary->curve->converged)
         return true;
-    error_set(error, ERROR_NUMERICAL, "the fit %s", told->curve->said);
+    error_set(error, ERROR_NUMERICAL, "the fit %s", summary->curve->said);
     return error_hint(error, "give other starts, free fewer parameters, or choose a window");
 }
 
-static int bootstrap_of(const struct arguments *given)
+static int bootstrap_of(const struct arguments *args)
 {
-    return is_given(given, "bootstrap")
-               ? (int)fmin(argument_given(given, "bootstrap")->item->value.value, 1e6)
+    return has_argument(args, "bootstrap")
+               ? (int)fmin(argument_value(args, "bootstrap")->item->value.value, 1e6)
                : 0;
 }
 
@@ -121,10 +121,10 @@ static bool is_offset(struct text name)
 }
 
 /* NAME=VALUE into the scene of this fit; *offset NAN: it is fitted. */
-static bool take_values(const struct fit_request *asked, struct scene *scene, double *offset,
+static bool take_values(const struct fit_request *call, struct scene *scene, double *offset,
                         struct error *error)
 {
-    const struct given_argument *starts = argument_given(asked->given, "NAME");
+    const struct argument_value *starts = argument_value(call->args, "NAME");
     for (int i = 0; i < starts->count; i++) {
         const struct item *item = &starts->item[i];
         const int index = scene_param_at(scene, item->text);
@@ -133,7 +133,7 @@ static bool take_values(const struct fit_request *asked, struct scene *scene, do
             continue;
         }
         if (index < 0)
-            return unknown_parameter(asked->session, item->text, error);
+            return unknown_parameter(call->session, item->text, error);
         if (!scene_set(scene, index, item->value, error)) {
             error->where = item->text;
             return false;
@@ -142,16 +142,16 @@ static bool take_values(const struct fit_request *asked, struct scene *scene, do
     return true;
 }
 
-static bool take_free(const struct fit_request *asked, int *index, int *count, struct error *error)
+static bool take_free(const struct fit_request *call, int *index, int *count, struct error *error)
 {
-    const struct given_argument *names = argument_given(asked->given, "free");
+    const struct argument_value *names = argument_value(call->args, "free");
     for (int i = 0; i < names->count; i++) {
         const struct item *item = &names->item[i];
         bool twice = false;
         if (is_offset(item->text))
             continue; /* it always is, unless offset=VALUE holds it */
         if (item->index < 0)
-            return unknown_parameter(asked->session, item->text, error);
+            return unknown_parameter(call->session, item->text, error);
         for (int j = 0; j < *count; j++)
             twice = twice || index[j] == item->index;
         if (twice)
@@ -221,16 +221,16 @@ static void cover(const struct scene_fit *fit, int frees, struct fit_covariance 
         }
 }
 
-bool fit_the_scene(const struct fit_request *asked, struct error *error)
+bool fit_the_scene(const struct fit_request *call, struct error *error)
 {
-    struct session *session = asked->session;
-    struct arena *arena = asked->given->arena;
+    struct session *session = call->session;
+    struct arena *arena = call->args->arena;
     struct scene scene = session->setup.scene;
-    struct series series = asked->subject->series;
+    struct series series = call->subject->series;
     struct scene_fit fit;
     int index[PARAM_MAX], fixed[PARAM_MAX], count = 0, fixed_count = 0;
     double offset = NAN;
-    if (!take_values(asked, &scene, &offset, error) || !take_free(asked, index, &count, error))
+    if (!take_values(call, &scene, &offset, error) || !take_free(call, index, &count, error))
         return false;
     if (count == 0)
         count = scene_fit_usual(&session->setup.scene, index, fixed, &fixed_count);
@@ -242,7 +242,7 @@ bool fit_the_scene(const struct fit_request *asked, struct error *error)
                                               .frees = count,
                                               .offset = isnan(offset),
                                               .robust = true,
-                                              .bootstrap = bootstrap_of(asked->given),
+                                              .bootstrap = bootstrap_of(call->args),
                                               .seed = 1,
                                               .cancel = session->front.cancel};
     if (!study_fit_scene(&request, arena, &fit, error))
@@ -251,7 +251,7 @@ bool fit_the_scene(const struct fit_request *asked, struct error *error)
     for (int j = 0; j < fit.curve.parameters; j++)
         quantity[j] =
             fit.index[j] >= 0 ? param_at(&scene, fit.index[j])->quantity : series.quantity;
-    struct fit_summary told = {.subject = asked->subject,
+    struct fit_summary summary = {.subject = call->subject,
                                .model = "scene",
                                .curve = &fit.curve,
                                .name = fit.name,
@@ -261,8 +261,8 @@ bool fit_the_scene(const struct fit_request *asked, struct error *error)
                                .k = {NAN, NAN}};
     const int last = fit.curve.parameters - 1, friction = scene_param(&fit.scene, "friction");
     const bool sticks = friction >= 0 && fit.scene.value[friction] > 0;
-    fit_tell_window(&told, sticks ? WINDOW_LAW_STICKS : WINDOW_LAW_SINE, arena);
-    if (!conclude(asked, &told, "scene",
+    fit_add_window(&summary, sticks ? WINDOW_LAW_STICKS : WINDOW_LAW_SINE, arena);
+    if (!conclude(call, &summary, "scene",
                   request.offset ? fit.curve.value[last] : (struct measured){offset, 0}, error))
         return false;
     session->fit_scene = fit.scene;
@@ -279,16 +279,16 @@ bool fit_the_scene(const struct fit_request *asked, struct error *error)
  * no constant. */
 struct known_names {
     const struct expr_scope *all;
-    const struct arguments *given;
+    const struct arguments *args;
     struct buffer *fixed; /* which of them were used */
 };
 
-static bool was_named(const struct arguments *given, struct text name)
+static bool was_named(const struct arguments *args, struct text name)
 {
     static const char *const lists[] = {"free", "NAME"};
     for (size_t l = 0; l < COUNT_OF(lists); l++)
-        for (int i = 0; i < argument_given(given, lists[l])->count; i++)
-            if (text_equal(argument_given(given, lists[l])->item[i].text, name))
+        for (int i = 0; i < argument_value(args, lists[l])->count; i++)
+            if (text_equal(argument_value(args, lists[l])->item[i].text, name))
                 return true;
     return false;
 }
@@ -296,7 +296,7 @@ static bool was_named(const struct arguments *given, struct text name)
 static bool find_known(const void *context, struct text name, int *slot)
 {
     const struct known_names *known = context;
-    if (was_named(known->given, name) || catalog_find(&observable_catalog, name) ||
+    if (was_named(known->args, name) || catalog_find(&observable_catalog, name) ||
         text_is(name, "v"))
         return false;
     for (const struct model *const *model = scene_models; *model; model++)
@@ -325,15 +325,15 @@ static bool has_parameter(const struct formula *formula, struct text name)
     return false;
 }
 
-static bool read_formula(const struct fit_request *asked, struct text text, struct buffer *fixed,
+static bool read_formula(const struct fit_request *call, struct text text, struct buffer *fixed,
                          struct formula *formula, struct error *error)
 {
-    const struct known_names known = {asked->given->scope, asked->given, fixed};
+    const struct known_names known = {call->args->scope, call->args, fixed};
     const struct expr_scope scope = {.context = &known, .find = find_known, .load = load_known};
-    const struct given_argument *starts = argument_given(asked->given, "NAME"),
-                                *names = argument_given(asked->given, "free");
+    const struct argument_value *starts = argument_value(call->args, "NAME"),
+                                *names = argument_value(call->args, "free");
     size_t used = 0;
-    if (!formula_compile(text, &scope, NULL, 0, asked->given->arena, formula, &used, error))
+    if (!formula_compile(text, &scope, NULL, 0, call->args->arena, formula, &used, error))
         return false;
     const struct text rest = text_trim((struct text){text.at + used, text.len - used});
     if (rest.len > 0)
@@ -349,32 +349,32 @@ static bool read_formula(const struct fit_request *asked, struct text text, stru
     return true;
 }
 
-bool fit_a_formula(const struct fit_request *asked, struct text text, struct error *error)
+bool fit_a_formula(const struct fit_request *call, struct text text, struct error *error)
 {
-    struct arena *arena = asked->given->arena;
+    struct arena *arena = call->args->arena;
     struct formula formula;
     struct curve_fit fit;
     struct buffer fixed = {0};
-    bool ok = read_formula(asked, text, &fixed, &formula, error);
+    bool ok = read_formula(call, text, &fixed, &formula, error);
     const char *fixed_text = fixed.len ? arena_text(arena, buffer_text(&fixed)) : NULL;
     buffer_free(&fixed);
-    const struct curve_options options = {.robust = is_given(asked->given, "robust"),
-                                          .bootstrap = bootstrap_of(asked->given),
+    const struct curve_options options = {.robust = has_argument(call->args, "robust"),
+                                          .bootstrap = bootstrap_of(call->args),
                                           .seed = 1,
-                                          .cancel = asked->session->front.cancel};
-    ok = ok && formula_fit(&formula, &asked->subject->series, &options, arena, &fit, error);
+                                          .cancel = call->session->front.cancel};
+    ok = ok && formula_fit(&formula, &call->subject->series, &options, arena, &fit, error);
     if (!ok)
         return false;
     enum quantity quantity[CURVE_PARAMETERS];
     for (int j = 0; j < formula.parameters; j++)
         quantity[j] = QUANTITY_OTHER;
     const char *model = arena_text(arena, text);
-    struct fit_summary told = {.subject = asked->subject,
+    struct fit_summary summary = {.subject = call->subject,
                                .model = model ? model : "formula",
                                .curve = &fit,
                                .name = formula.name,
                                .quantity = quantity,
                                .fixed = fixed_text,
                                .k = {NAN, NAN}};
-    return conclude(asked, &told, "formula", (struct measured){0, 0}, error);
+    return conclude(call, &summary, "formula", (struct measured){0, 0}, error);
 }

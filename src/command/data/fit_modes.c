@@ -20,23 +20,23 @@ static struct measured inverse(struct measured f)
     return (struct measured){1 / f.value, f.uncertainty / (f.value * f.value)};
 }
 
-static void put_coupling(const struct fit_summary *told, struct buffer *text)
+static void put_coupling(const struct fit_summary *summary, struct buffer *text)
 {
-    const struct modes_fit *modes = told->modes;
+    const struct modes_fit *modes = summary->modes;
     put(text, "\n  splitting ", modes->splitting, QUANTITY_FREQUENCY);
     put(text, "   beats every ", inverse(modes->splitting), QUANTITY_TIME);
     put(text, "\n  as two equal oscillators: coupling kc/k = ", modes->coupling, QUANTITY_NUMBER);
-    if (isfinite(told->k.value))
-        put(text, "   kc = ", told->k, QUANTITY_STIFFNESS);
+    if (isfinite(summary->k.value))
+        put(text, "   kc = ", summary->k, QUANTITY_STIFFNESS);
     buffer_put(
         text,
         TEXT("\n  (k/m is the square of the slower omega0, (k + 2 kc)/m that of the faster)"));
 }
 
-void put_modes(const struct fit_summary *told, struct buffer *text)
+void put_modes(const struct fit_summary *summary, struct buffer *text)
 {
-    const struct modes_fit *modes = told->modes;
-    const enum quantity quantity = told->subject->series.quantity;
+    const struct modes_fit *modes = summary->modes;
+    const enum quantity quantity = summary->subject->series.quantity;
     for (int k = 0; k < modes->modes; k++) {
         const struct normal_mode *mode = &modes->mode[k];
         buffer_format(text, "\n  mode %d: f = ", k + 1);
@@ -47,17 +47,17 @@ void put_modes(const struct fit_summary *told, struct buffer *text)
         put(text, "   phase = ", mode->phase, QUANTITY_ANGLE);
     }
     if (modes->modes == 2)
-        put_coupling(told, text);
+        put_coupling(summary, text);
     buffer_put(text, TEXT("\n  rms "));
     buffer_quantity(text, modes->fit.rms, quantity, 3);
     put(text, "   offset ", modes->fit.offset, quantity);
     buffer_format(text, "   (phases and offset at t = %.6g s)", modes->fit.t0);
 }
 
-void reply_modes(const struct fit_summary *told, struct reply *reply)
+void reply_modes(const struct fit_summary *summary, struct reply *reply)
 {
-    const struct modes_fit *modes = told->modes;
-    const enum quantity quantity = told->subject->series.quantity;
+    const struct modes_fit *modes = summary->modes;
+    const enum quantity quantity = summary->subject->series.quantity;
     reply_array(reply, "modes");
     for (int k = 0; k < modes->modes; k++) {
         const struct normal_mode *mode = &modes->mode[k];
@@ -76,8 +76,8 @@ void reply_modes(const struct fit_summary *told, struct reply *reply)
         reply_null(reply, "splitting");
         reply_null(reply, "coupling");
     }
-    if (isfinite(told->k.value))
-        reply_measured(reply, "kc", told->k, QUANTITY_STIFFNESS);
+    if (isfinite(summary->k.value))
+        reply_measured(reply, "kc", summary->k, QUANTITY_STIFFNESS);
     else
         reply_null(reply, "kc");
 }
@@ -110,9 +110,9 @@ static void keep_results(struct session *session, const struct modes_fit *modes,
     session_set_result(session, "fit_rms", (struct measured){modes->fit.rms, 0}, quantity);
 }
 
-static int modes_of(const struct arguments *given, struct error *error)
+static int modes_of(const struct arguments *args, struct error *error)
 {
-    const struct given_argument *count = argument_given(given, "COUNT");
+    const struct argument_value *count = argument_value(args, "COUNT");
     const double modes = count->count ? count->item->value.value : MODES_USUAL;
     if (modes >= 1 && modes <= MODES_MAX)
         return (int)modes;
@@ -130,31 +130,31 @@ static struct measured coupling_spring(const struct modes_fit *modes, const stru
                                        mass->uncertainty * modes->stiffness.value)};
 }
 
-bool fit_the_modes(const struct fit_request *asked, const struct measured *mass,
+bool fit_the_modes(const struct fit_request *call, const struct measured *mass,
                    struct error *error)
 {
     struct modes_fit modes;
-    struct session *session = asked->session;
-    struct arena *arena = asked->given->arena;
-    const struct series *series = &asked->subject->series;
-    const int count = modes_of(asked->given, error);
+    struct session *session = call->session;
+    struct arena *arena = call->args->arena;
+    const struct series *series = &call->subject->series;
+    const int count = modes_of(call->args, error);
     if (count == 0 || !series_modes(series, count, arena, session->front.cancel, &modes, error))
         return false;
-    struct fit_summary told = {.subject = asked->subject,
+    struct fit_summary summary = {.subject = call->subject,
                                .model = "modes",
                                .motion = &modes.fit,
                                .modes = &modes,
                                .k = coupling_spring(&modes, mass)};
     if (modes.fit.converged) {
-        if (!session_keep_curve(asked, modes.residual, &modes.fit, error))
+        if (!session_add_curve(call, modes.residual, &modes.fit, error))
             return false;
         session->fit_modes = modes.modes;
         keep_results(session, &modes, series->quantity);
     }
     for (int i = 0; i < modes.fit.warnings; i++)
-        fit_tell_warning(&told, "%s", modes.fit.warning[i]);
-    fit_tell_window(&told, WINDOW_LAW_SINE, arena);
-    reply_fit(&told, arena, asked->reply);
+        fit_add_warning(&summary, "%s", modes.fit.warning[i]);
+    fit_add_window(&summary, WINDOW_LAW_SINE, arena);
+    reply_fit(&summary, arena, call->reply);
     if (modes.fit.converged)
         return true;
     error_set(error, ERROR_NUMERICAL, "the fit did not converge in %d iterations",

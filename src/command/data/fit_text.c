@@ -14,29 +14,29 @@
 #define EXACT_DIGITS                                                                               \
     12 /* what a measurement is uncertain by is shown down to here; a simulation's is rounding */
 
-void fit_tell_warning(struct fit_summary *told, const char *format, ...)
+void fit_add_warning(struct fit_summary *summary, const char *format, ...)
 {
-    if (told->warnings == FIT_WARNINGS)
+    if (summary->warnings == FIT_WARNINGS)
         return;
     va_list arguments;
     va_start(arguments, format);
-    vsnprintf(told->warning[told->warnings++], sizeof told->warning[0], format, arguments);
+    vsnprintf(summary->warning[summary->warnings++], sizeof summary->warning[0], format, arguments);
     va_end(arguments);
 }
 
-void fit_tell_window(struct fit_summary *told, enum window_law law, struct arena *arena)
+void fit_add_window(struct fit_summary *summary, enum window_law law, struct arena *arena)
 {
     struct window_advice advice;
-    advise_window(told->subject, law, arena, &advice);
+    advise_window(summary->subject, law, arena, &advice);
     if (advice.text[0])
-        fit_tell_warning(told, "%s", advice.text);
+        fit_add_warning(summary, "%s", advice.text);
 }
 
-void fit_tell_residuals(struct fit_summary *told)
+void fit_add_residuals(struct fit_summary *summary)
 {
-    const struct curve_fit *curve = told->curve;
+    const struct curve_fit *curve = summary->curve;
     if (curve->autocorrelation > CORRELATED)
-        fit_tell_warning(told,
+        fit_add_warning(summary,
                          "neighbouring residuals are alike (correlation %.2f): the curve leaves "
                          "something out, or the "
                          "recording sways; the uncertainties are widened for it",
@@ -44,14 +44,14 @@ void fit_tell_residuals(struct fit_summary *told)
     for (int i = 0; i < curve->parameters; i++)
         for (int j = 0; j < i; j++)
             if (fabs(curve->correlation[i][j]) > SAME)
-                fit_tell_warning(
-                    told,
+                fit_add_warning(
+                    summary,
                     "%s and %s change the curve alike: the data cannot tell them apart, hold one",
-                    told->name[j], told->name[i]);
+                    summary->name[j], summary->name[i]);
     for (int j = 0; j < curve->parameters; j++)
         if (curve->bound[j])
-            fit_tell_warning(told, "%s lies on the edge of what is allowed: it has no uncertainty",
-                             told->name[j]);
+            fit_add_warning(summary, "%s lies on the edge of what is allowed: it has no uncertainty",
+                             summary->name[j]);
 }
 
 void put_value(struct buffer *text, const char *name, struct measured value, enum quantity quantity,
@@ -77,13 +77,13 @@ static struct measured quality(const struct fit *fit)
     return (struct measured){q, q * fabs(fit->gamma.uncertainty / fit->gamma.value)};
 }
 
-static void put_head(const struct fit_summary *told, struct buffer *text)
+static void put_head(const struct fit_summary *summary, struct buffer *text)
 {
-    const struct series *series = &told->subject->series;
-    const size_t used = told->motion ? told->motion->used : told->curve->used;
-    const size_t rejected = told->motion ? told->motion->rejected : told->curve->rejected;
-    buffer_format(text, "fit %s to %s, %.6g..%.6g s: %zu samples used, %zu rejected", told->model,
-                  told->subject->name, series->t[0], series->t[series->n - 1], used, rejected);
+    const struct series *series = &summary->subject->series;
+    const size_t used = summary->motion ? summary->motion->used : summary->curve->used;
+    const size_t rejected = summary->motion ? summary->motion->rejected : summary->curve->rejected;
+    buffer_format(text, "fit %s to %s, %.6g..%.6g s: %zu samples used, %zu rejected", summary->model,
+                  summary->subject->name, series->t[0], series->t[series->n - 1], used, rejected);
 }
 
 /* ---- an oscillation ---- */
@@ -104,18 +104,18 @@ static void cell_rate(struct text_table *table, struct measured value, const cha
 
 /* Of a position in metres b is in 1/m and f in m/s^2; of angles and plain numbers without the
  * metre. */
-const char *fit_rate_unit(const struct fit_summary *told, int k)
+const char *fit_rate_unit(const struct fit_summary *summary, int k)
 {
-    const enum quantity quantity = told->subject->series.quantity;
+    const enum quantity quantity = summary->subject->series.quantity;
     const bool metres = quantity == QUANTITY_LENGTH || quantity == QUANTITY_VELOCITY ||
                         quantity == QUANTITY_ACCELERATION;
     return metres ? drag_rates[k].unit : drag_rates[k].bare;
 }
 
 /* Which force pulls back, where that was asked. */
-static void put_forces(const struct fit_summary *told, struct buffer *text)
+static void put_forces(const struct fit_summary *summary, struct buffer *text)
 {
-    const struct drag_fit *drag = &told->motion->drag;
+    const struct drag_fit *drag = &summary->motion->drag;
     if (drag->forces == 0)
         return;
     const bool decided = drag->forces_remaining == 1u << drag->force;
@@ -131,17 +131,17 @@ static void put_forces(const struct fit_summary *told, struct buffer *text)
                           drag->restoring[i].bic);
     buffer_put(text, TEXT(")"));
     if (drag->force == RESTORING_CUBIC) {
-        put_value(text, ", beta", drag->cubic, QUANTITY_OTHER, told->subject->recording);
+        put_value(text, ", beta", drag->cubic, QUANTITY_OTHER, summary->subject->recording);
         buffer_put(text, TEXT(" (SI)"));
     }
     if (drag->force != RESTORING_LINEAR)
         buffer_put(text, TEXT("\n  T and omega are those of small amplitudes"));
 }
 
-static void put_laws(const struct fit_summary *told, struct arena *arena, struct buffer *text)
+static void put_laws(const struct fit_summary *summary, struct arena *arena, struct buffer *text)
 {
     static const char *const heads[] = {"law", "gamma", "b of b|v|v", "friction f", "BIC", ""};
-    const struct drag_fit *drag = &told->motion->drag;
+    const struct drag_fit *drag = &summary->motion->drag;
     struct text_table table = {.arena = arena, .columns = COUNT_OF(heads), .gap = 2, .indent = 2};
     for (size_t i = 0; i < COUNT_OF(heads); i++)
         cell_text(&table, heads[i]);
@@ -150,12 +150,12 @@ static void put_laws(const struct fit_summary *told, struct arena *arena, struct
         struct buffer bic = {0};
         cell_text(&table, drag_law_name(c->law));
         for (int k = 0; k < DRAG_RATES; k++)
-            cell_rate(&table, c->rate[k], fit_rate_unit(told, k), told->subject->recording);
+            cell_rate(&table, c->rate[k], fit_rate_unit(summary, k), summary->subject->recording);
         buffer_format(&bic, isfinite(c->bic) ? "%.1f" : "-", c->bic);
         cell_take(&table, &bic);
         cell_text(&table, !c->converged                       ? "did not converge"
-                          : c->law == told->motion->preferred ? "preferred"
-                          : c->law == told->motion->drag.best ? "best"
+                          : c->law == summary->motion->preferred ? "preferred"
+                          : c->law == summary->motion->drag.best ? "best"
                                                               : "");
     }
     buffer_char(text, '\n');
@@ -163,55 +163,55 @@ static void put_laws(const struct fit_summary *told, struct arena *arena, struct
     while (text->len && text->data[text->len - 1] == '\n')
         text->len--;
     buffer_format(text, "\n  %s", drag->said);
-    put_forces(told, text);
+    put_forces(summary, text);
 }
 
-static void put_motion(const struct fit_summary *told, struct arena *arena, struct buffer *text)
+static void put_motion(const struct fit_summary *summary, struct arena *arena, struct buffer *text)
 {
-    const struct fit *fit = told->motion;
-    const enum quantity quantity = told->subject->series.quantity;
-    put_value(text, "\n  T", fit->period, QUANTITY_TIME, told->subject->recording);
-    put_value(text, "   omega", fit->omega, QUANTITY_ANGULAR_FREQUENCY, told->subject->recording);
+    const struct fit *fit = summary->motion;
+    const enum quantity quantity = summary->subject->series.quantity;
+    put_value(text, "\n  T", fit->period, QUANTITY_TIME, summary->subject->recording);
+    put_value(text, "   omega", fit->omega, QUANTITY_ANGULAR_FREQUENCY, summary->subject->recording);
     if (isfinite(fit->gamma.value)) {
-        put_value(text, "\n  gamma", fit->gamma, QUANTITY_RATE, told->subject->recording);
+        put_value(text, "\n  gamma", fit->gamma, QUANTITY_RATE, summary->subject->recording);
         buffer_put(text,
                    TEXT("   (amplitude falls as exp(-gamma t/2), energy as exp(-gamma t))\n  "));
         if (fit->gamma.value > 0) {
             put_value(text, "tau", quotient(2, fit->gamma), QUANTITY_TIME,
-                      told->subject->recording);
-            put_value(text, "   Q", quality(fit), QUANTITY_NUMBER, told->subject->recording);
+                      summary->subject->recording);
+            put_value(text, "   Q", quality(fit), QUANTITY_NUMBER, summary->subject->recording);
         } else {
             const bool decays = fit->drag.best & (LAW_QUADRATIC | LAW_DRY);
             buffer_put(text, decays ? TEXT("no linear damping: the law below has another term")
                                     : TEXT("no decay"));
         }
     }
-    put_value(text, "\n  A", fit->amplitude, quantity, told->subject->recording);
-    put_value(text, "   phase", fit->phase, QUANTITY_ANGLE, told->subject->recording);
+    put_value(text, "\n  A", fit->amplitude, quantity, summary->subject->recording);
+    put_value(text, "   phase", fit->phase, QUANTITY_ANGLE, summary->subject->recording);
     buffer_format(text, " at t = %.6g s", fit->t0);
-    put_value(text, "   offset", fit->offset, quantity, told->subject->recording);
-    if (isfinite(told->k.value))
-        put_value(text, "\n  k", told->k, QUANTITY_STIFFNESS, told->subject->recording);
-    buffer_put(text, isfinite(told->k.value) ? TEXT("   rms ") : TEXT("\n  rms "));
+    put_value(text, "   offset", fit->offset, quantity, summary->subject->recording);
+    if (isfinite(summary->k.value))
+        put_value(text, "\n  k", summary->k, QUANTITY_STIFFNESS, summary->subject->recording);
+    buffer_put(text, isfinite(summary->k.value) ? TEXT("   rms ") : TEXT("\n  rms "));
     buffer_quantity(text, fit->rms, quantity, 3);
     if (isfinite(fit->halves[0].value) && isfinite(fit->halves[1].value)) {
         put_value(text, "\n  halves: gamma", fit->halves[0], QUANTITY_RATE,
-                  told->subject->recording);
+                  summary->subject->recording);
         buffer_put(text, TEXT(" and "));
         buffer_measured(text, fit->halves[1], QUANTITY_RATE, 4);
     }
     if (fit->drag.candidates > 0)
-        put_laws(told, arena, text);
-    inputs_put(&told->inputs, text);
-    if (!isfinite(told->k.value) && told->spring)
+        put_laws(summary, arena, text);
+    inputs_put(&summary->inputs, text);
+    if (!isfinite(summary->k.value) && summary->spring)
         buffer_put(text, TEXT("\n  (set the mass, for example m = 200 g, to get k)"));
 }
 
 /* ---- a curve ---- */
 
-static void put_parameters(const struct fit_summary *told, struct arena *arena, struct buffer *text)
+static void put_parameters(const struct fit_summary *summary, struct arena *arena, struct buffer *text)
 {
-    const struct curve_fit *curve = told->curve;
+    const struct curve_fit *curve = summary->curve;
     struct text_table table = {.arena = arena, .columns = 3, .gap = 3, .indent = 2};
     static const char *const heads[] = {"parameter", "value", "95 % interval"};
     for (size_t i = 0; i < COUNT_OF(heads); i++)
@@ -220,22 +220,22 @@ static void put_parameters(const struct fit_summary *told, struct arena *arena, 
         const double *range = curve->interval[j], half = 0.5 * (range[1] - range[0]);
         /* Two digits of the half width, as of the uncertainty; that of a run is rounding. */
         const double size = fmax(fabs(range[0]), fabs(range[1]));
-        const int digits = told->subject->recording && half > 0 && size > half
+        const int digits = summary->subject->recording && half > 0 && size > half
                                ? (int)fmin(fmax(3 + floor(log10(size / half)), 6), 15)
                                : 6;
         struct buffer value = {0}, interval = {0};
-        buffer_measured(&value, curve->value[j], told->quantity[j],
-                        told->subject->recording ? EXACT_DIGITS : 8);
+        buffer_measured(&value, curve->value[j], summary->quantity[j],
+                        summary->subject->recording ? EXACT_DIGITS : 8);
         if (curve->bound[j]) {
             buffer_put(&interval, TEXT("on its bound"));
         } else if (!curve->determined[j]) {
             buffer_put(&interval, TEXT("not determined"));
         } else {
-            buffer_quantity(&interval, range[0], told->quantity[j], digits);
+            buffer_quantity(&interval, range[0], summary->quantity[j], digits);
             buffer_put(&interval, TEXT(" .. "));
-            buffer_quantity(&interval, range[1], told->quantity[j], digits);
+            buffer_quantity(&interval, range[1], summary->quantity[j], digits);
         }
-        cell_text(&table, told->name[j]);
+        cell_text(&table, summary->name[j]);
         cell_take(&table, &value);
         cell_take(&table, &interval);
     }
@@ -250,12 +250,12 @@ bool fit_correlated(const struct curve_fit *curve, int i, int j)
     return curve->determined[i] && curve->determined[j] && fabs(curve->correlation[i][j]) > STRONG;
 }
 
-static void put_curve(const struct fit_summary *told, struct arena *arena, struct buffer *text)
+static void put_curve(const struct fit_summary *summary, struct arena *arena, struct buffer *text)
 {
-    const struct curve_fit *curve = told->curve;
-    put_parameters(told, arena, text);
+    const struct curve_fit *curve = summary->curve;
+    put_parameters(summary, arena, text);
     buffer_put(text, TEXT("\n  residuals: standard deviation "));
-    buffer_quantity(text, curve->sigma, told->subject->series.quantity, 3);
+    buffer_quantity(text, curve->sigma, summary->subject->series.quantity, 3);
     buffer_format(text, ", correlation of neighbours %.2f; %s", curve->autocorrelation,
                   curve->said);
     if (curve->bootstrapped > 0)
@@ -264,26 +264,26 @@ static void put_curve(const struct fit_summary *told, struct arena *arena, struc
     for (int i = 0; i < curve->parameters; i++)
         for (int j = 0; j < i; j++)
             if (fit_correlated(curve, i, j)) {
-                buffer_format(text, "%s%s and %s %.3f", before, told->name[j], told->name[i],
+                buffer_format(text, "%s%s and %s %.3f", before, summary->name[j], summary->name[i],
                               curve->correlation[i][j]);
                 before = ", ";
             }
-    if (told->fixed)
-        buffer_format(text, "\n  held: %s", told->fixed);
-    inputs_put(&told->inputs, text);
+    if (summary->fixed)
+        buffer_format(text, "\n  held: %s", summary->fixed);
+    inputs_put(&summary->inputs, text);
 }
 
-void reply_fit(const struct fit_summary *told, struct arena *arena, struct reply *reply)
+void reply_fit(const struct fit_summary *summary, struct arena *arena, struct reply *reply)
 {
     struct buffer text = {0};
-    put_head(told, &text);
-    if (told->modes)
-        put_modes(told, &text);
+    put_head(summary, &text);
+    if (summary->modes)
+        put_modes(summary, &text);
     else
-        (told->motion ? put_motion : put_curve)(told, arena, &text);
+        (summary->motion ? put_motion : put_curve)(summary, arena, &text);
     reply_text(reply, buffer_text(&text));
     buffer_free(&text);
-    reply_fit_record(told, reply);
-    for (int i = 0; i < told->warnings; i++)
-        reply_warning(reply, "%s", told->warning[i]);
+    reply_fit_record(summary, reply);
+    for (int i = 0; i < summary->warnings; i++)
+        reply_warning(reply, "%s", summary->warning[i]);
 }

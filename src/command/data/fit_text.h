@@ -30,50 +30,50 @@ struct fit_summary {
 /* "name = value"; measured: an uncertainty is shown however small it is. */
 void put_value(struct buffer *text, const char *name, struct measured value, enum quantity quantity,
                bool measured);
-void fit_tell_warning(struct fit_summary *told, const char *format, ...) PRINTF_LIKE(2, 3);
-void fit_tell_window(struct fit_summary *told, enum window_law law, struct arena *arena);
+void fit_add_warning(struct fit_summary *summary, const char *format, ...) PRINTF_LIKE(2, 3);
+void fit_add_window(struct fit_summary *summary, enum window_law law, struct arena *arena);
 /* What the residuals of a curve say against it. */
-void fit_tell_residuals(struct fit_summary *told);
+void fit_add_residuals(struct fit_summary *summary);
 /* Lines, record and warnings. */
-void reply_fit(const struct fit_summary *told, struct arena *arena, struct reply *reply);
+void reply_fit(const struct fit_summary *summary, struct arena *arena, struct reply *reply);
 
 /* Unit of the k-th rate of a law of drag, which follows from that of what was fitted. */
-const char *fit_rate_unit(const struct fit_summary *told, int k);
+const char *fit_rate_unit(const struct fit_summary *summary, int k);
 /* Two parameters of which one follows nearly from the other. */
 bool fit_correlated(const struct curve_fit *curve, int i, int j);
-void reply_fit_record(const struct fit_summary *told, struct reply *reply); /* fitted.c */
+void reply_fit_record(const struct fit_summary *summary, struct reply *reply); /* fitted.c */
 
 /* ---- fit_modes.c ---- */
 
-void put_modes(const struct fit_summary *told, struct buffer *text);
-void reply_modes(const struct fit_summary *told, struct reply *reply); /* into the open record */
+void put_modes(const struct fit_summary *summary, struct buffer *text);
+void reply_modes(const struct fit_summary *summary, struct reply *reply); /* into the open record */
 
 /* ---- fit_curve.c: fits of the scene and of formulas ----
  *
- * What was asked for comes in `asked`; they tell, keep the result in the session where they
+ * What was asked for comes in `call`; they tell, keep the result in the session where they
  * converged, and set the error where not.
  */
 struct fit_request {
     struct session *session;
-    const struct arguments *given;
+    const struct arguments *args;
     const struct subject *subject;
     struct reply *reply;
 };
 
-bool fit_the_scene(const struct fit_request *asked, struct error *error);
-bool fit_a_formula(const struct fit_request *asked, struct text formula, struct error *error);
+bool fit_the_scene(const struct fit_request *call, struct error *error);
+bool fit_a_formula(const struct fit_request *call, struct text formula, struct error *error);
 /* mass: of one oscillator, NULL: not known. */
-bool fit_the_modes(const struct fit_request *asked, const struct measured *mass,
+bool fit_the_modes(const struct fit_request *call, const struct measured *mass,
                    struct error *error);
 /* Keeps y - residual at the samples as the curve of the last fit, with what `fit` says of it. */
-bool session_keep_curve(const struct fit_request *asked, const double *residual,
+bool session_add_curve(const struct fit_request *call, const double *residual,
                         const struct fit *fit, struct error *error);
 /* A fit of something else replaces its curve. */
 void session_drop_curve(struct session *session);
 
 /* ---- adopt.c ---- */
 
-bool adopt_fit(struct session *session, const struct arguments *given, struct reply *reply,
+bool adopt_fit(struct session *session, const struct arguments *args, struct reply *reply,
                struct error *error);
 
 #endif

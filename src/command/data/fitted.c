@@ -6,25 +6,25 @@
 #include <math.h>
 #include <string.h>
 
-static struct measured parameter(const struct fit_summary *told, const char *name)
+static struct measured parameter(const struct fit_summary *summary, const char *name)
 {
-    for (int j = 0; told->curve && j < told->curve->parameters; j++)
-        if (told->quantity[j] != QUANTITY_OTHER && strcmp(told->name[j], name) == 0)
-            return told->curve->value[j];
+    for (int j = 0; summary->curve && j < summary->curve->parameters; j++)
+        if (summary->quantity[j] != QUANTITY_OTHER && strcmp(summary->name[j], name) == 0)
+            return summary->curve->value[j];
     return (struct measured){NAN, NAN};
 }
 
-static void reply_parameters(const struct fit_summary *told, struct reply *reply)
+static void reply_parameters(const struct fit_summary *summary, struct reply *reply)
 {
-    const struct curve_fit *curve = told->curve;
+    const struct curve_fit *curve = summary->curve;
     reply_array(reply, "parameters");
     for (int j = 0; curve && j < curve->parameters; j++) {
         reply_object(reply, NULL);
-        reply_string(reply, "name", told->name[j]);
+        reply_string(reply, "name", summary->name[j]);
         reply_real(reply, "value", curve->value[j].value);
         reply_real(reply, "uncertainty", curve->value[j].uncertainty);
         reply_string(reply, "unit",
-                     told->quantity[j] == QUANTITY_OTHER ? NULL : quantity_unit(told->quantity[j]));
+                     summary->quantity[j] == QUANTITY_OTHER ? NULL : quantity_unit(summary->quantity[j]));
         reply_real(reply, "low", curve->determined[j] ? curve->interval[j][0] : NAN);
         reply_real(reply, "high", curve->determined[j] ? curve->interval[j][1] : NAN);
         reply_close(reply);
@@ -35,25 +35,25 @@ static void reply_parameters(const struct fit_summary *told, struct reply *reply
         for (int j = 0; j < i; j++)
             if (fit_correlated(curve, i, j)) {
                 reply_object(reply, NULL);
-                reply_string(reply, "a", told->name[j]);
-                reply_string(reply, "b", told->name[i]);
+                reply_string(reply, "a", summary->name[j]);
+                reply_string(reply, "b", summary->name[i]);
                 reply_real(reply, "r", curve->correlation[i][j]);
                 reply_close(reply);
             }
     reply_close(reply);
 }
 
-static void reply_rates(const struct fit_summary *told, const struct drag_candidate *c,
+static void reply_rates(const struct fit_summary *summary, const struct drag_candidate *c,
                         struct reply *reply)
 {
     for (int k = 0; k < DRAG_RATES; k++)
         if (c->law >> k & 1)
-            reply_in_unit(reply, drag_rates[k].name, c->rate[k], fit_rate_unit(told, k));
+            reply_in_unit(reply, drag_rates[k].name, c->rate[k], fit_rate_unit(summary, k));
 }
 
-static void reply_laws(const struct fit_summary *told, struct reply *reply)
+static void reply_laws(const struct fit_summary *summary, struct reply *reply)
 {
-    const struct drag_fit *drag = told->motion ? &told->motion->drag : NULL;
+    const struct drag_fit *drag = summary->motion ? &summary->motion->drag : NULL;
     reply_array(reply, "laws");
     for (int i = 0; drag && i < drag->candidates; i++) {
         const struct drag_candidate *c = &drag->candidate[i];
@@ -62,7 +62,7 @@ static void reply_laws(const struct fit_summary *told, struct reply *reply)
         reply_bool(reply, "converged", c->converged);
         reply_real(reply, "bic", c->bic);
         reply_object(reply, "parameters");
-        reply_rates(told, c, reply);
+        reply_rates(summary, c, reply);
         reply_close(reply);
         reply_real(reply, "rms", c->rms);
         reply_close(reply);
@@ -87,7 +87,7 @@ static void reply_laws(const struct fit_summary *told, struct reply *reply)
 
 /* What a record says of any fit. */
 struct fit_record {
-    const struct fit_summary *told;
+    const struct fit_summary *summary;
     struct fit fit; /* of a curve what it knows */
     struct measured k;
     const char *preferred;
@@ -96,35 +96,35 @@ struct fit_record {
     bool converged;
 };
 
-static void fit_record_init(struct fit_record *record, const struct fit_summary *told)
+static void fit_record_init(struct fit_record *record, const struct fit_summary *summary)
 {
     static const struct measured none = {NAN, NAN};
-    const struct curve_fit *curve = told->curve;
-    *record = (struct fit_record){.told = told,
+    const struct curve_fit *curve = summary->curve;
+    *record = (struct fit_record){.summary = summary,
                                   .fit = {.period = none,
                                           .omega = none,
                                           .amplitude = none,
                                           .phase = none,
-                                          .gamma = parameter(told, "gamma"),
-                                          .offset = parameter(told, "offset"),
+                                          .gamma = parameter(summary, "gamma"),
+                                          .offset = parameter(summary, "offset"),
                                           .halves = {none, none}},
-                                  .k = curve         ? parameter(told, "k")
-                                       : told->modes ? none
-                                                     : told->k};
-    if (told->motion)
-        record->fit = *told->motion;
+                                  .k = curve         ? parameter(summary, "k")
+                                       : summary->modes ? none
+                                                     : summary->k};
+    if (summary->motion)
+        record->fit = *summary->motion;
     const struct fit *fit = &record->fit;
-    if (told->motion && fit->preferred < LAW_UNDECIDED)
+    if (summary->motion && fit->preferred < LAW_UNDECIDED)
         record->preferred = drag_law_name(fit->preferred);
-    record->rms = told->motion ? fit->rms : curve->sigma;
-    record->used = (int64_t)(told->motion ? fit->used : curve->used);
-    record->rejected = (int64_t)(told->motion ? fit->rejected : curve->rejected);
-    record->converged = told->motion ? fit->converged : curve->converged;
+    record->rms = summary->motion ? fit->rms : curve->sigma;
+    record->used = (int64_t)(summary->motion ? fit->used : curve->used);
+    record->rejected = (int64_t)(summary->motion ? fit->rejected : curve->rejected);
+    record->converged = summary->motion ? fit->converged : curve->converged;
 }
 
 static const struct fit_summary *told_by(const void *row)
 {
-    return ((const struct fit_record *)row)->told;
+    return ((const struct fit_record *)row)->summary;
 }
 
 static const char *model_of(const void *row)
@@ -164,13 +164,13 @@ static void put_halves(struct reply *reply, const char *key, const void *row)
 /* Of a law its rates; of a curve its parameters. */
 static void put_law_or_parameters(struct reply *reply, const char *key, const void *row)
 {
-    const struct fit_summary *told = told_by(row);
-    if (!told->motion || told->motion->drag.candidates == 0) {
-        reply_parameters(told, reply);
+    const struct fit_summary *summary = told_by(row);
+    if (!summary->motion || summary->motion->drag.candidates == 0) {
+        reply_parameters(summary, reply);
         return;
     }
     reply_object(reply, key);
-    reply_rates(told, &told->motion->drag.candidate[told->motion->drag.best - 1], reply);
+    reply_rates(summary, &summary->motion->drag.candidate[summary->motion->drag.best - 1], reply);
     reply_close(reply);
     reply_array(reply, "correlated");
     reply_close(reply);
@@ -229,9 +229,9 @@ static const struct result_column of_fit[] = {
 
 static const struct result_columns fit_columns = RESULT_COLUMNS(of_fit, struct fit_record);
 
-void reply_fit_record(const struct fit_summary *told, struct reply *reply)
+void reply_fit_record(const struct fit_summary *summary, struct reply *reply)
 {
     struct fit_record record;
-    fit_record_init(&record, told);
+    fit_record_init(&record, summary);
     reply_records(reply, "fit", &fit_columns, &record, 1);
 }

@@ -23,7 +23,7 @@ static struct measurement *latest(const struct measuring *m)
 static bool keep(struct measuring *m, const char *name, struct measured value, enum quantity unit,
                  double periods)
 {
-    if (!session_keep_measurement(m->session, name, m->subject.name, value, unit, periods,
+    if (!session_add_measurement(m->session, name, m->subject.name, value, unit, periods,
                                   m->error))
         return false;
     latest(m)->energy = m->subject.energy;
@@ -36,7 +36,7 @@ static void begin(struct measuring *m, struct measured value, enum quantity unit
 }
 
 /* What else entered the latest measurement: for the text, the open record, the report. */
-static void tell_inputs(struct measuring *m, const struct inputs *inputs, struct buffer *text)
+static void put_inputs(struct measuring *m, const struct inputs *inputs, struct buffer *text)
 {
     inputs_put(inputs, text);
     inputs_reply(inputs, m->reply);
@@ -58,7 +58,7 @@ static void put_theory(struct buffer *text, double value, double theory, enum qu
 static double theory_period(const struct measuring *m)
 {
     const struct scene *scene = subject_scene(m->session, m->subject.run);
-    const bool known = scene && (m->subject.run || param_given(scene, "k"));
+    const bool known = scene && (m->subject.run || param_chosen(scene, "k"));
     const bool driven = scene && fabs(param_value(scene, "F0")) > 0; /* then it follows the drive */
     const bool narrows =
         scene && scene->model != &oscillator_model && fabs(param_value(scene, "gamma")) > 0;
@@ -81,7 +81,7 @@ static struct measured inverse(struct measured x)
 
 static bool measure_period(struct measuring *m)
 {
-    const struct given_argument *windows = argument_given(m->given, "windows");
+    const struct argument_value *windows = argument_value(m->args, "windows");
     struct period p;
     struct measured alike = {NAN, NAN};
     struct buffer text = {0};
@@ -91,7 +91,7 @@ static bool measure_period(struct measuring *m)
         buffer_free(&text);
         return false;
     }
-    if (!series_period(&m->subject.series, m->given->arena, &p, m->error) ||
+    if (!series_period(&m->subject.series, m->args->arena, &p, m->error) ||
         !keep(m, m->quantity, p.period, QUANTITY_TIME, p.periods))
         return false;
     put_value(&text, "T", p.period, QUANTITY_TIME, m->subject.recording);
@@ -99,7 +99,7 @@ static bool measure_period(struct measuring *m)
     if (!m->subject.energy && !m->subject.column)
         put_theory(&text, p.period.value, theory_period(m), QUANTITY_TIME);
     if (m->subject.recording &&
-        series_correlation_period(&m->subject.series, &p, m->given->arena, &alike))
+        series_correlation_period(&m->subject.series, &p, m->args->arena, &alike))
         put_value(&text, "\nautocorrelation: T", alike, QUANTITY_TIME, true);
     begin(m, p.period, QUANTITY_TIME, p.periods);
     reply_string(m->reply, "how", p.how);
@@ -114,7 +114,7 @@ static bool measure_period(struct measuring *m)
 static bool measure_frequency(struct measuring *m)
 {
     struct period p;
-    if (!series_period(&m->subject.series, m->given->arena, &p, m->error))
+    if (!series_period(&m->subject.series, m->args->arena, &p, m->error))
         return false;
     const struct measured f = inverse(p.period);
     if (!keep(m, m->quantity, f, QUANTITY_FREQUENCY, p.periods))
@@ -134,13 +134,13 @@ static bool measure_frequency(struct measuring *m)
 /* Times to read at: those given, or the middles of so many equal parts, or the start. */
 static bool reading_times(struct measuring *m, double **at, int *count)
 {
-    const struct given_argument *times = argument_given(m->given, "at"),
-                                *windows = argument_given(m->given, "windows");
+    const struct argument_value *times = argument_value(m->args, "at"),
+                                *windows = argument_value(m->args, "windows");
     const struct series *s = &m->subject.series;
     *count = times->count ? times->count : windows->count ? (int)windows->item->value.value : 1;
     if (*count > LIMIT_TOKENS)
         return error_at(m->error, windows->where, "at most %d readings", LIMIT_TOKENS);
-    *at = arena_array(m->given->arena, (size_t)*count, sizeof **at);
+    *at = arena_array(m->args->arena, (size_t)*count, sizeof **at);
     if (!*at)
         return error_memory(m->error);
     const double from = s->t[0], width = s->t[s->n - 1] - from;
@@ -157,10 +157,10 @@ static bool measure_amplitude(struct measuring *m)
     int count;
     if (!reading_times(m, &at, &count))
         return false;
-    struct reading *readings = arena_array(m->given->arena, (size_t)count, sizeof *readings);
+    struct reading *readings = arena_array(m->args->arena, (size_t)count, sizeof *readings);
     if (!readings)
         return error_memory(m->error);
-    if (!series_amplitudes(&m->subject.series, m->given->arena, at, count, 0, readings, m->error))
+    if (!series_amplitudes(&m->subject.series, m->args->arena, at, count, 0, readings, m->error))
         return false;
     struct buffer text = {0};
     for (int i = 0; i < count; i++) {
@@ -181,14 +181,14 @@ static bool measure_amplitude(struct measuring *m)
 
 static bool measure_decay(struct measuring *m)
 {
-    const struct given_argument *windows = argument_given(m->given, "windows");
+    const struct argument_value *windows = argument_value(m->args, "windows");
     const int readings = windows->count ? (int)windows->item->value.value : 0;
     const enum quantity unit = m->subject.series.quantity;
     struct decay d;
     if (readings > (int)COUNT_OF(d.reading) || (windows->count && readings < 3))
         return error_at(m->error, windows->where, "the decay needs 3 to %zu readings",
                         COUNT_OF(d.reading));
-    if (!series_decay(&m->subject.series, m->given->arena,
+    if (!series_decay(&m->subject.series, m->args->arena,
                       m->subject.energy ? &m->subject.noise : NULL, readings, &d, m->error) ||
         !keep(m, "decay", d.gamma, QUANTITY_RATE, NAN))
         return false;
@@ -268,7 +268,7 @@ static bool measure_energy(struct measuring *m)
         inputs_use(&inputs, "m", m->subject.mass);
         inputs_use(&inputs, "k", m->subject.k);
     }
-    tell_inputs(m, &inputs, &text);
+    put_inputs(m, &inputs, &text);
     reply_end(m->reply);
     return say(m, &text);
 }
@@ -324,8 +324,8 @@ static bool largest_speed(struct measuring *m, struct measured *speed)
         return error_set(m->error, ERROR_COMMAND,
                          "the Reynolds number needs positions, %s holds another quantity",
                          m->subject.name);
-    if (!series_period(s, m->given->arena, &p, m->error) ||
-        !series_amplitudes(s, m->given->arena, &s->t[0], 1, 0, &a, m->error))
+    if (!series_period(s, m->args->arena, &p, m->error) ||
+        !series_amplitudes(s, m->args->arena, &s->t[0], 1, 0, &a, m->error))
         return false;
     speed->value = a.amplitude.value * 2 * PI / p.period.value;
     speed->uncertainty = speed->value * hypot(a.amplitude.uncertainty / a.amplitude.value,
@@ -354,7 +354,7 @@ static bool measure_reynolds(struct measuring *m)
     begin(m, re, QUANTITY_NUMBER, NAN);
     reply_string(m->reply, "regime", reynolds_regime(re.value));
     reply_measured(m->reply, "speed", speed, QUANTITY_VELOCITY);
-    tell_inputs(m, &inputs, &text);
+    put_inputs(m, &inputs, &text);
     reply_end(m->reply);
     return say(m, &text);
 }
@@ -373,9 +373,9 @@ static bool measure_k(struct measuring *m)
     const bool own = recording && recording->mass.value > 0;
     const double mass = own ? recording->mass.value : scene->value[index],
                  u = own ? recording->mass.uncertainty : scene->uncertainty[index];
-    if (!series_period(&m->subject.series, m->given->arena, &p, m->error))
+    if (!series_period(&m->subject.series, m->args->arena, &p, m->error))
         return false;
-    const bool decays = series_decay(&m->subject.series, m->given->arena, NULL, 0, &d, &ignored);
+    const bool decays = series_decay(&m->subject.series, m->args->arena, NULL, 0, &d, &ignored);
     const struct fit motion = {.omega = {2 * PI / p.period.value, 0},
                                .gamma = {decays ? d.gamma.value : 0, 0}};
     struct measured k = fit_stiffness(&motion, (struct measured){mass, 0});
@@ -392,11 +392,11 @@ static bool measure_k(struct measuring *m)
     buffer_char(&text, ')');
     if (m->subject.run)
         put_theory(&text, k.value, param_value(scene, "k"), QUANTITY_STIFFNESS);
-    else if (!own && !scene->given[index])
+    else if (!own && !scene->chosen[index])
         reply_warning(m->reply,
                       "the mass is the default of the scene: set it, for example m = 200 g");
     begin(m, k, QUANTITY_STIFFNESS, p.periods);
-    tell_inputs(m, &inputs, &text);
+    put_inputs(m, &inputs, &text);
     reply_end(m->reply);
     return say(m, &text);
 }
@@ -405,7 +405,7 @@ static bool measure_spectrum(struct measuring *m)
 {
     struct spectrum_peak found[PEAKS_EACH];
     struct figure_peaks peaks = {0};
-    const int count = series_peaks(&m->subject.series, m->given->arena, found, PEAKS_EACH);
+    const int count = series_peaks(&m->subject.series, m->args->arena, found, PEAKS_EACH);
     if (count == 0)
         return error_set(m->error, ERROR_COMMAND, "no line stands out in the spectrum of %s",
                          m->subject.name);
@@ -427,15 +427,15 @@ HANDLER(measure)
         [MEASURE_REYNOLDS] = measure_reynolds,   [MEASURE_K] = measure_k,
         [MEASURE_SPRING] = measure_spring,       [MEASURE_SPECTRUM] = measure_spectrum,
         [MEASURE_REPEAT] = measure_repeat};
-    const struct item *quantity = argument_given(given, "QUANTITY")->item;
+    const struct item *quantity = argument_value(args, "QUANTITY")->item;
     const enum measurable which = (enum measurable)quantity->index;
-    const bool energy = is_given(given, "energy") || which == MEASURE_ENERGY;
-    const struct given_argument *column = argument_given(given, "COLUMN");
+    const bool energy = has_argument(args, "energy") || which == MEASURE_ENERGY;
+    const struct argument_value *column = argument_value(args, "COLUMN");
     if (column->count && (energy || which > MEASURE_DECAY) && which != MEASURE_SPECTRUM)
         return error_at(
             error, column->where,
             "period, frequency, amplitude, decay and spectrum are measured of a column");
-    struct measuring m = {session, given, reply, {.run = NULL}, quantity->row->name, error};
+    struct measuring m = {session, args, reply, {.run = NULL}, quantity->row->name, error};
     /* The Reynolds number can be asked for before anything has moved. */
     if (which == MEASURE_REYNOLDS && session->runs == 0 && session->recordings == 0) {
         snprintf(m.subject.name, sizeof m.subject.name, "the scene");
@@ -443,22 +443,22 @@ HANDLER(measure)
     }
     if (which == MEASURE_SPRING || which == MEASURE_REPEAT)
         return measures[which](&m);
-    const struct given_argument *named = argument_given(given, "RECORDING");
+    const struct argument_value *named = argument_value(args, "RECORDING");
     if (named->count > 1)
         return error_at(error, named->where, "only 'measure repeat' takes several recordings");
-    if (is_given(given, "what"))
-        return error_at(error, argument_given(given, "what")->where,
+    if (has_argument(args, "what"))
+        return error_at(error, argument_value(args, "what")->where,
                         "what= belongs to 'measure repeat'");
-    if (!subject_open(session, argument_given(given, "run"),
-                      named->count ? named : argument_given(given, "data"),
-                      argument_given(given, "window"), energy, 2, given->arena, &m.subject,
+    if (!subject_open(session, argument_value(args, "run"),
+                      named->count ? named : argument_value(args, "data"),
+                      argument_value(args, "window"), energy, 2, args->arena, &m.subject,
                       error) ||
-        (column->count && !subject_column(&m.subject, column, argument_given(given, "window"),
-                                          given->arena, error)) ||
+        (column->count && !subject_column(&m.subject, column, argument_value(args, "window"),
+                                          args->arena, error)) ||
         !measures[which](&m))
         return false;
     if (m.subject.recording && which != MEASURE_SPECTRUM)
-        reply_advice(&m.subject, given->arena, reply);
+        reply_advice(&m.subject, args->arena, reply);
     return true;
 }
 #endif

@@ -54,8 +54,8 @@ static struct measured fall_to_e(const double *t, const struct measured *log_a, 
 void measure_fall(struct measuring *m, const struct reading *reading, int count,
                   struct buffer *text)
 {
-    double *t = arena_array(m->given->arena, (size_t)count, sizeof *t);
-    struct measured *log_a = arena_array(m->given->arena, (size_t)count, sizeof *log_a);
+    double *t = arena_array(m->args->arena, (size_t)count, sizeof *t);
+    struct measured *log_a = arena_array(m->args->arena, (size_t)count, sizeof *log_a);
     struct line_fit line;
     if (!t || !log_a || count < READINGS_MIN)
         return;
@@ -143,7 +143,7 @@ static void say_reading(struct measuring *m, const struct period_reading *r, boo
 
 bool measure_periods(struct measuring *m, int windows, struct buffer *text)
 {
-    struct arena *arena = m->given->arena;
+    struct arena *arena = m->args->arena;
     double *a = arena_array(arena, (size_t)windows, sizeof *a);
     struct measured *period = arena_array(arena, (size_t)windows, sizeof *period);
     struct period_reading *reading = arena_array(arena, (size_t)windows, sizeof *reading);
@@ -152,7 +152,7 @@ bool measure_periods(struct measuring *m, int windows, struct buffer *text)
     if (!series_period_readings(&m->subject.series, windows, arena, reading, m->error))
         return false;
     for (int i = 0; i < windows; i++) {
-        if (!session_keep_measurement(m->session, m->quantity, m->subject.name, reading[i].period,
+        if (!session_add_measurement(m->session, m->quantity, m->subject.name, reading[i].period,
                                       QUANTITY_TIME, reading[i].periods, m->error))
             return false;
         a[i] = reading[i].amplitude.value;

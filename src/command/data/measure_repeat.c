@@ -24,7 +24,7 @@ struct repeated {
 static bool value_of(struct measuring *m, const struct recording *recording, enum measurable what,
                      const struct series *series, struct measured *value)
 {
-    struct arena *arena = m->given->arena;
+    struct arena *arena = m->args->arena;
     struct period p;
     struct decay d;
     struct reading a;
@@ -83,7 +83,7 @@ static bool add_recording(struct measuring *m, struct repeated *r, struct record
                           int windows)
 {
     struct series series;
-    if (!recording_series(recording, m->given->arena, MIN_SAMPLES, &series, m->error))
+    if (!recording_series(recording, m->args->arena, MIN_SAMPLES, &series, m->error))
         return false;
     const enum quantity unit = unit_of(r->what, series.quantity);
     if (r->count > 0 && unit != r->unit)
@@ -92,7 +92,7 @@ static bool add_recording(struct measuring *m, struct repeated *r, struct record
     r->unit = unit;
     struct subject subject = {.series = series, .recording = recording};
     struct window_advice advice;
-    advise_window(&subject, WINDOW_LAW_SINE, m->given->arena, &advice);
+    advise_window(&subject, WINDOW_LAW_SINE, m->args->arena, &advice);
     if (advice.text[0])
         reply_warning(m->reply, "%s: %s", recording->name, advice.text);
     if (windows == 1)
@@ -116,9 +116,9 @@ static bool add_recording(struct measuring *m, struct repeated *r, struct record
 static int chosen(const struct measuring *m, bool windows, int *index)
 {
     const struct session *session = m->session;
-    const struct given_argument *named = argument_given(m->given, "RECORDING"),
-                                *data = argument_given(m->given, "data");
-    const struct given_argument *from = named->count ? named : data;
+    const struct argument_value *named = argument_value(m->args, "RECORDING"),
+                                *data = argument_value(m->args, "data");
+    const struct argument_value *from = named->count ? named : data;
     int count = 0;
     for (int i = 0; i < from->count; i++)
         index[count++] = from->item[i].index;
@@ -135,10 +135,10 @@ static int chosen(const struct measuring *m, bool windows, int *index)
 
 static bool collect(struct measuring *m, struct repeated *r)
 {
-    const struct given_argument *windows = argument_given(m->given, "windows"),
-                                *what = argument_given(m->given, "what");
+    const struct argument_value *windows = argument_value(m->args, "windows"),
+                                *what = argument_value(m->args, "what");
     const int parts = windows->count ? (int)windows->item->value.value : 1;
-    int *index = arena_array(m->given->arena, LIMIT_TOKENS + LIMIT_RECORDINGS, sizeof *index);
+    int *index = arena_array(m->args->arena, LIMIT_TOKENS + LIMIT_RECORDINGS, sizeof *index);
     r->what = what->count ? (enum measurable)what->item->index : MEASURE_PERIOD;
     if (r->what > MEASURE_DECAY && r->what != MEASURE_K)
         return error_at(m->error, what->where, "what= is period, frequency, amplitude, decay or k");
@@ -150,8 +150,8 @@ static bool collect(struct measuring *m, struct repeated *r)
         return error_hint(m->error,
                           "type: measure repeat NAME NAME .., or: measure repeat NAME windows=5");
     }
-    r->value = arena_array(m->given->arena, (size_t)r->capacity + 1, sizeof *r->value);
-    r->name = arena_array(m->given->arena, (size_t)r->capacity + 1, sizeof *r->name);
+    r->value = arena_array(m->args->arena, (size_t)r->capacity + 1, sizeof *r->value);
+    r->name = arena_array(m->args->arena, (size_t)r->capacity + 1, sizeof *r->name);
     if (!index || !r->value || !r->name)
         return error_memory(m->error);
     for (int i = 0; i < recordings; i++)
@@ -226,7 +226,7 @@ bool measure_repeat(struct measuring *m)
     repeat_values(r.value, r.count, &repeat);
     const char *what = catalog_row(&quantity_catalog, (size_t)r.what)->name;
     snprintf(m->subject.name, sizeof m->subject.name, "%d values", r.count);
-    if (!session_keep_measurement(m->session, what, m->subject.name, repeat.quote, r.unit, NAN,
+    if (!session_add_measurement(m->session, what, m->subject.name, repeat.quote, r.unit, NAN,
                                   m->error))
         return false;
     for (int i = 0; i < r.count; i++) {

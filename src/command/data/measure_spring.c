@@ -24,8 +24,8 @@ static bool fit_one(struct measuring *m, struct hung *hung)
     const struct recording *recording = hung->recording;
     struct series series;
     struct fit fit = {0};
-    if (!recording_series(recording, m->given->arena, 8, &series, m->error) ||
-        !damped->fit(&series, m->given->arena, m->session->front.cancel, &fit, m->error))
+    if (!recording_series(recording, m->args->arena, 8, &series, m->error) ||
+        !damped->fit(&series, m->args->arena, m->session->front.cancel, &fit, m->error))
         return false;
     if (!fit.converged)
         return error_set(m->error, ERROR_NUMERICAL, "the fit to %s did not converge",
@@ -125,7 +125,7 @@ bool measure_spring(struct measuring *m)
                                FOUR_PI_SQUARED * line.slope.uncertainty /
                                    (line.slope.value * line.slope.value)};
     const struct measured spring = ratio(&line);
-    if (!session_keep_measurement(m->session, m->quantity, m->subject.name, k, QUANTITY_STIFFNESS,
+    if (!session_add_measurement(m->session, m->quantity, m->subject.name, k, QUANTITY_STIFFNESS,
                                   NAN, m->error)) {
         buffer_free(&text);
         return false;

@@ -8,7 +8,7 @@
 
 struct measuring {
     struct session *session;
-    const struct arguments *given;
+    const struct arguments *args;
     struct reply *reply;
     struct subject subject;
     const char *quantity; /* "period" */

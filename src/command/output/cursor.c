@@ -69,24 +69,24 @@ static bool keep(struct session *session, struct reply *reply, struct error *err
             c->of);
         return error_hint(error, "for example cursor periods 4");
     }
-    if (!session_keep_measurement(session, "period", c->of, r.period, QUANTITY_TIME, r.periods,
+    if (!session_add_measurement(session, "period", c->of, r.period, QUANTITY_TIME, r.periods,
                                   error))
         return false;
     reply_line(reply, "kept ('list measurements')");
     return true;
 }
 
-static bool act(struct session *session, const struct arguments *given, struct ground *ground,
+static bool act(struct session *session, const struct arguments *args, struct ground *ground,
                 struct reply *reply, struct error *error)
 {
     struct cursors *c = &session->view.cursors;
-    const struct given_argument *by = argument_given(given, "TIME");
+    const struct argument_value *by = argument_value(args, "TIME");
     const double time = by->count ? by->item->value.value : ground_spacing(ground);
     const double n = isfinite(c->periods) ? c->periods : 0;
-    switch ((enum cursor_action)argument_given(given, "WHAT")->item->index) {
+    switch ((enum cursor_action)argument_value(args, "WHAT")->item->index) {
     case GO_LEFT:
     case GO_RIGHT:
-        move_by(c, ground, argument_given(given, "WHAT")->item->index == GO_LEFT ? -time : time);
+        move_by(c, ground, argument_value(args, "WHAT")->item->index == GO_LEFT ? -time : time);
         return true;
     case GO_NEXT:
         return jump(c, ground, true, error);
@@ -108,7 +108,7 @@ static bool act(struct session *session, const struct arguments *given, struct g
         if (!session_run(session) || !session_recording(session))
             return error_set(error, ERROR_COMMAND, "there is only one series: %s", ground->name);
         c->on_data = !c->on_data;
-        if (!ground_open(session, given->arena, ground, error))
+        if (!ground_open(session, args->arena, ground, error))
             return false;
         for (int i = 0; i < 2; i++)
             cursor_put(c, ground, i, c->at[i].t, c->at[i].crossing > 0 ? HUGE_VAL : 0);
@@ -122,8 +122,8 @@ static bool act(struct session *session, const struct arguments *given, struct g
     return false;
 }
 
-static bool put_given(struct cursors *c, const struct ground *ground, int which,
-                      const struct given_argument *at, struct error *error)
+static bool put_arguments(struct cursors *c, const struct ground *ground, int which,
+                      const struct argument_value *at, struct error *error)
 {
     const struct series *s = &ground->series;
     const double t = at->item->value.value;
@@ -135,28 +135,28 @@ static bool put_given(struct cursors *c, const struct ground *ground, int which,
 }
 
 /* One change of the cursors; what fails leaves them as they were. */
-static bool apply(struct session *session, const struct arguments *given, struct ground *ground,
+static bool apply(struct session *session, const struct arguments *args, struct ground *ground,
                   struct reply *reply, struct error *error)
 {
     struct cursors *c = &session->view.cursors;
-    const struct given_argument *a = argument_given(given, "A"), *b = argument_given(given, "B"),
-                                *go = argument_given(given, "go"),
-                                *snap = argument_given(given, "snap"),
-                                *periods = argument_given(given, "periods");
+    const struct argument_value *a = argument_value(args, "A"), *b = argument_value(args, "B"),
+                                *go = argument_value(args, "go"),
+                                *snap = argument_value(args, "snap"),
+                                *periods = argument_value(args, "periods");
     if (snap->count) {
         c->snap = (enum snap)snap->item->index;
         for (int i = 0; i < 2; i++)
             cursor_put(c, ground, i, c->at[i].t, HUGE_VAL);
     }
-    if ((a->count && !put_given(c, ground, 0, a, error)) ||
-        (b->count && !put_given(c, ground, 1, b, error)) ||
-        (go->count && !put_given(c, ground, c->active, go, error)))
+    if ((a->count && !put_arguments(c, ground, 0, a, error)) ||
+        (b->count && !put_arguments(c, ground, 1, b, error)) ||
+        (go->count && !put_arguments(c, ground, c->active, go, error)))
         return false;
     if (periods->count && !cursor_span(c, ground, periods->item->value.value, error)) {
         error->where = periods->item->text;
         return false;
     }
-    return !is_given(given, "WHAT") || act(session, given, ground, reply, error);
+    return !has_argument(args, "WHAT") || act(session, args, ground, reply, error);
 }
 
 static void reply_cursor(struct reply *reply, const char *key, const struct cursors *c, int which)
@@ -200,11 +200,11 @@ HANDLER(cursor)
     struct cursors *c = &session->view.cursors;
     struct ground ground;
     bool any = false;
-    for (int i = 0; i < given->command->arguments; i++)
-        any |= has(given, i);
+    for (int i = 0; i < args->command->arguments; i++)
+        any |= has(args, i);
     session->live.pausing = session->live.state == LIVE_RUNNING;
     const bool hide =
-        any ? is_given(given, "WHAT") && argument_given(given, "WHAT")->item->index == GO_OFF
+        any ? has_argument(args, "WHAT") && argument_value(args, "WHAT")->item->index == GO_OFF
             : c->shown;
     if (hide || (!any && c->shown)) {
         c->shown = false;
@@ -212,14 +212,14 @@ HANDLER(cursor)
         return true;
     }
     const struct cursors before = *c;
-    if (!ground_open(session, given->arena, &ground, error)) {
+    if (!ground_open(session, args->arena, &ground, error)) {
         *c = before;
         return false;
     }
     c->shown = true;
     if (!c->at[0].set || !c->at[1].set)
         cursor_spread(c, &ground);
-    if (!apply(session, given, &ground, reply, error)) {
+    if (!apply(session, args, &ground, reply, error)) {
         *c = before;
         return false;
     }

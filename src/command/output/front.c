@@ -14,21 +14,21 @@ static bool change_front(const struct session *session, enum front_change change
 
 HANDLER(panes)
 {
-    UNUSED(given);
+    UNUSED(args);
     UNUSED(reply);
     return change_front(session, FRONT_PANES, error);
 }
 
 HANDLER(plain)
 {
-    UNUSED(given);
+    UNUSED(args);
     UNUSED(reply);
     return change_front(session, FRONT_PLAIN, error);
 }
 
 HANDLER(redraw)
 {
-    UNUSED(given);
+    UNUSED(args);
     UNUSED(reply);
     return change_front(session, FRONT_REDRAW, error);
 }

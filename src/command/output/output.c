@@ -7,9 +7,9 @@
 #include <math.h>
 #include <string.h>
 
-static enum table_format choose_format(const struct arguments *given, struct text path)
+static enum table_format choose_format(const struct arguments *args, struct text path)
 {
-    const struct given_argument *format = argument_given(given, "format");
+    const struct argument_value *format = argument_value(args, "format");
     if (format->count)
         return (enum table_format)format->item->index;
     size_t dot = path.len;
@@ -20,33 +20,33 @@ static enum table_format choose_format(const struct arguments *given, struct tex
     return row ? (enum table_format)catalog_index(&table_format_catalog, row) : TABLE_CSV;
 }
 
-static bool fill_table(struct session *session, const struct arguments *given,
+static bool fill_table(struct session *session, const struct arguments *args,
                        struct export *export, struct error *error)
 {
-    const struct given_argument *runs = argument_given(given, "run"),
-                                *band = argument_given(given, "band"),
-                                *of = argument_given(given, "of");
+    const struct argument_value *runs = argument_value(args, "run"),
+                                *band = argument_value(args, "band"),
+                                *of = argument_value(args, "of");
     static const char *const others[] = {"measurements", "events", "table", "data"};
-    for (size_t i = 0; i < COUNT_OF(others) && is_given(given, "band"); i++)
-        if (is_given(given, others[i]))
+    for (size_t i = 0; i < COUNT_OF(others) && has_argument(args, "band"); i++)
+        if (has_argument(args, others[i]))
             return error_at(error, band->where, "--band is for the columns of a run");
-    if (of->count && !is_given(given, "table"))
+    if (of->count && !has_argument(args, "table"))
         return error_at(error, of->where, "'of' stands after 'table': export FILE table of %s",
                         of->item->row->name);
-    if (is_given(given, "measurements"))
+    if (has_argument(args, "measurements"))
         return export_result(session, catalog_find(&result_catalog, TEXT("measurements")), export,
                              error);
-    if (is_given(given, "events"))
+    if (has_argument(args, "events"))
         return export_event_records(session, export, error);
-    if (is_given(given, "table"))
+    if (has_argument(args, "table"))
         return of->count ? export_result(session, of->item->row, export, error)
                          : export_latest(session, export, error);
-    if (is_given(given, "data"))
-        return export_recorded(session, argument_given(given, "COLUMN"),
-                               argument_given(given, "every"), export, error);
-    return export_runs(session, runs, argument_given(given, "COLUMN"),
-                       argument_given(given, "every"), export, error) &&
-           (!is_given(given, "band") || export_band(session, runs, band->where, export, error));
+    if (has_argument(args, "data"))
+        return export_recorded(session, argument_value(args, "COLUMN"),
+                               argument_value(args, "every"), export, error);
+    return export_runs(session, runs, argument_value(args, "COLUMN"),
+                       argument_value(args, "every"), export, error) &&
+           (!has_argument(args, "band") || export_band(session, runs, band->where, export, error));
 }
 
 void reply_exported(struct reply *reply, struct text file, const struct table *table)
@@ -72,16 +72,16 @@ void reply_exported(struct reply *reply, struct text file, const struct table *t
 
 HANDLER(export)
 {
-    const struct item *file = argument_given(given, "FILE")->item;
-    char *path = arena_text(given->arena, file->text);
-    struct export export = {.arena = given->arena};
+    const struct item *file = argument_value(args, "FILE")->item;
+    char *path = arena_text(args->arena, file->text);
+    struct export export = {.arena = args->arena};
     if (!path)
         return error_memory(error);
-    if (!fill_table(session, given, &export, error))
+    if (!fill_table(session, args, &export, error))
         return false;
     if (text_is(file->text, "-")) {
         struct buffer text = {0};
-        table_format(&export.table, choose_format(given, file->text), &text);
+        table_format(&export.table, choose_format(args, file->text), &text);
         const bool ok = !text.failed || error_memory(error);
         if (text.len > 0 && text.data[text.len - 1] != '\n')
             buffer_char(&text, '\n');
@@ -90,8 +90,8 @@ HANDLER(export)
         buffer_free(&text);
         return ok;
     }
-    const struct write_policy policy = session_policy(session, is_given(given, "force"));
-    if (!table_write(&export.table, choose_format(given, file->text), path, policy, error)) {
+    const struct write_policy policy = session_policy(session, has_argument(args, "force"));
+    if (!table_write(&export.table, choose_format(args, file->text), path, policy, error)) {
         if (!error->where.at)
             error->where = file->text;
         return false;
@@ -103,7 +103,7 @@ HANDLER(export)
 HANDLER(print)
 {
     UNUSED(error);
-    struct item *item = argument_given(given, "EXPR")->item;
+    struct item *item = argument_value(args, "EXPR")->item;
     struct named_value named = {.below = 0};
     struct buffer text = {0};
     /* Of a single name the uncertainty is known, too. */
@@ -133,8 +133,8 @@ HANDLER(print)
 
 HANDLER(echo)
 {
-    const struct given_argument *rest = argument_given(given, "TEXT");
-    struct parser parser = {session, given->scope, given->arena,
+    const struct argument_value *rest = argument_value(args, "TEXT");
+    struct parser parser = {session, args->scope, args->arena,
                             rest->count ? rest->item->text : TEXT("")};
     struct item whole = {0};
     /* A text that is one string is shown without its quotes. */

@@ -21,12 +21,12 @@ static bool ends_with(struct text text, const char *end)
 }
 
 /* Which runs: those named, every one, or the current one unless only a recording was named. */
-static bool choose_runs(struct session *session, const struct arguments *given,
+static bool choose_runs(struct session *session, const struct arguments *args,
                         struct figure_request *request, struct error *error)
 {
-    const struct given_argument *runs = argument_given(given, "run"),
-                                *data = argument_given(given, "data");
-    int *index = arena_array(given->arena, LIMIT_RUNS + (size_t)runs->count + 1, sizeof *index);
+    const struct argument_value *runs = argument_value(args, "run"),
+                                *data = argument_value(args, "data");
+    int *index = arena_array(args->arena, LIMIT_RUNS + (size_t)runs->count + 1, sizeof *index);
     if (!index)
         return error_memory(error);
     request->run = index;
@@ -52,7 +52,7 @@ static bool choose_runs(struct session *session, const struct arguments *given,
     if (request->runs > 0 || request->recording >= 0)
         return true;
     if (session_recording(session)) {
-        error_at(error, argument_given(given, "WHAT")->where,
+        error_at(error, argument_value(args, "WHAT")->where,
                  "this needs a run, or a recording of positions");
         return error_hint(error, "type: run");
     }
@@ -61,15 +61,15 @@ static bool choose_runs(struct session *session, const struct arguments *given,
 }
 
 /* A kind of plot, or columns of runs: over time, or against another. */
-static bool choose_kind(const struct arguments *given, struct figure_request *request,
+static bool choose_kind(const struct arguments *args, struct figure_request *request,
                         struct error *error)
 {
-    const struct given_argument *what = argument_given(given, "WHAT"),
-                                *against = argument_given(given, "against"),
-                                *at = argument_given(given, "at"),
-                                *of = argument_given(given, "of"),
-                                *data = argument_given(given, "data");
-    if (of->count && (!against->count || at->count || data->count || is_given(given, "run"))) {
+    const struct argument_value *what = argument_value(args, "WHAT"),
+                                *against = argument_value(args, "against"),
+                                *at = argument_value(args, "at"),
+                                *of = argument_value(args, "of"),
+                                *data = argument_value(args, "data");
+    if (of->count && (!against->count || at->count || data->count || has_argument(args, "run"))) {
         error_at(error, of->where, "of a table one column is drawn against another");
         return error_hint(error, "plot COLUMN against COLUMN of %s", of->item->row->name);
     }
@@ -77,7 +77,7 @@ static bool choose_kind(const struct arguments *given, struct figure_request *re
         request->kind = (enum plot_kind)what->item->index;
         return true;
     }
-    struct text *name = arena_array(given->arena, (size_t)what->count, sizeof *name);
+    struct text *name = arena_array(args->arena, (size_t)what->count, sizeof *name);
     if (!name)
         return error_memory(error);
     for (int i = 0; i < what->count; i++)
@@ -87,9 +87,9 @@ static bool choose_kind(const struct arguments *given, struct figure_request *re
     request->columns = what->count;
     if (at->count)
         request->at = at->item->text;
-    request->next = is_given(given, "next");
+    request->next = has_argument(args, "next");
     if (request->next && !(against->count && at->count)) {
-        error_at(error, argument_given(given, "next")->where,
+        error_at(error, argument_value(args, "next")->where,
                  "--next is for a column against another at an event");
         return error_hint(error, "for example: plot y against y at top --next");
     }
@@ -102,11 +102,11 @@ static bool choose_kind(const struct arguments *given, struct figure_request *re
 }
 
 /* Of a plot against time the range of x is a window, too. */
-static bool choose_ranges(const struct arguments *given, struct figure_request *request,
+static bool choose_ranges(const struct arguments *args, struct figure_request *request,
                           struct error *error)
 {
-    const struct given_argument *axis[2] = {argument_given(given, "x"), argument_given(given, "y")};
-    struct figure_range *range = arena_array(given->arena, 2, sizeof *range);
+    const struct argument_value *axis[2] = {argument_value(args, "x"), argument_value(args, "y")};
+    struct figure_range *range = arena_array(args->arena, 2, sizeof *range);
     if (!range)
         return error_memory(error);
     for (int i = 0; i < 2; i++) {
@@ -121,7 +121,7 @@ static bool choose_ranges(const struct arguments *given, struct figure_request *
                                          axis[i]->where};
         *(i ? &request->y : &request->x) = &range[i];
     }
-    if (request->x && plot_is_timed(request->kind) && !is_given(given, "window"))
+    if (request->x && plot_is_timed(request->kind) && !has_argument(args, "window"))
         memcpy(request->window, request->x->end, sizeof request->window);
     return true;
 }
@@ -172,15 +172,15 @@ static bool label_methods(const struct precision *precision, struct arena *arena
     return true;
 }
 
-static bool write_file(const struct session *session, const struct arguments *given,
+static bool write_file(const struct session *session, const struct arguments *args,
                        const struct buffer *content, struct reply *reply, struct error *error)
 {
-    const struct item *file = argument_given(given, ">")->item;
-    const char *path = arena_text(given->arena, file->text);
+    const struct item *file = argument_value(args, ">")->item;
+    const char *path = arena_text(args->arena, file->text);
     struct buffer shown = {0};
     struct writer writer;
     bool ok =
-        path ? writer_open(&writer, path, session_policy(session, is_given(given, "force")), error)
+        path ? writer_open(&writer, path, session_policy(session, has_argument(args, "force")), error)
              : error_memory(error);
     if (ok) {
         writer_put(&writer, buffer_text(content));
@@ -253,19 +253,19 @@ void spectrum_report(const struct figure_peaks *peaks, int curves, struct reply 
 
 HANDLER(plot)
 {
-    const struct given_argument *window = argument_given(given, "window"),
-                                *file = argument_given(given, ">");
+    const struct argument_value *window = argument_value(args, "window"),
+                                *file = argument_value(args, ">");
     struct figure_request request = {.window = {NAN, NAN},
                                      .charset = session_charset(session),
                                      .trail = session->view.trail,
-                                     .log = is_given(given, "log"),
-                                     .full = is_given(given, "full")};
+                                     .log = has_argument(args, "log"),
+                                     .full = has_argument(args, "full")};
     struct figure_peaks peaks = {0};
     struct figure figure;
     int width, height;
     bool as_text = true;
     enum picture picture = PICTURE_SVG;
-    if (!choose_kind(given, &request, error))
+    if (!choose_kind(args, &request, error))
         return false;
     if (file->count && !choose_picture(file->item->text, request.kind, &as_text, &picture, error))
         return false;
@@ -276,21 +276,21 @@ HANDLER(plot)
     request.width = as_text ? width : PICTURE_COLUMNS;
     request.charset = as_text ? request.charset : CHARSET_BRAILLE;
     request.peaks = &peaks;
-    if (is_given(given, "band"))
-        request.band = argument_given(given, "band")->where;
+    if (has_argument(args, "band"))
+        request.band = argument_value(args, "band")->where;
     if (window->count)
         memcpy(request.window, window->item->range, sizeof request.window);
-    if (!choose_ranges(given, &request, error))
+    if (!choose_ranges(args, &request, error))
         return false;
-    const struct given_argument *of = argument_given(given, "of");
-    struct export export = {.arena = given->arena};
+    const struct argument_value *of = argument_value(args, "of");
+    struct export export = {.arena = args->arena};
     if (of->count                       ? !export_result(session, of->item->row, &export, error)
         : plot_row(request.kind)->study ? !has_study(session, error)
-                                        : !choose_runs(session, given, &request, error))
+                                        : !choose_runs(session, args, &request, error))
         return false;
     request.table = of->count ? &export.table : NULL;
     request.title = of->count ? of->item->row->name : NULL;
-    if (!session_figure(session, &request, given->arena, &figure, error)) {
+    if (!session_figure(session, &request, args->arena, &figure, error)) {
         if (!error->where.at)
             error->where = window->where; /* nothing there, unless it is memory */
         return false;
@@ -298,13 +298,13 @@ HANDLER(plot)
     if (file->count) {
         struct buffer content = {0};
         bool ok = as_text || !plot_row(request.kind)->study ||
-                  label_methods(session->precision, given->arena, &figure, error);
+                  label_methods(session->precision, args->arena, &figure, error);
         if (ok && as_text)
             ok = figure_print(&figure, width, height, request.charset, false, &content) ||
                  error_memory(error);
         else if (ok)
             ok = figure_picture(&figure, picture, 0, 0, &content, error);
-        ok = ok && write_file(session, given, &content, reply, error);
+        ok = ok && write_file(session, args, &content, reply, error);
         if (ok)
             spectrum_report(&peaks, request.runs + (request.recording >= 0), reply);
         if (ok)

@@ -126,10 +126,10 @@ static void tell(const struct report *report, const struct item *folder, const c
 
 HANDLER(report)
 {
-    const struct item *item = argument_given(given, "DIR")->item;
-    const char *path = arena_text(given->arena, item->text);
-    struct report *report = arena_alloc(given->arena, sizeof *report);
-    struct session *view = arena_alloc(given->arena, sizeof *view);
+    const struct item *item = argument_value(args, "DIR")->item;
+    const char *path = arena_text(args->arena, item->text);
+    struct report *report = arena_alloc(args->arena, sizeof *report);
+    struct session *view = arena_alloc(args->arena, sizeof *view);
     struct folder folder;
     if (!path || !report || !view)
         return error_memory(error);
@@ -139,8 +139,8 @@ HANDLER(report)
     }
     *view = *session;
     *report =
-        (struct report){.session = session, .view = view, .arena = given->arena, .folder = &folder};
-    bool ok = folder_open(&folder, path, session_policy(session, is_given(given, "force")),
+        (struct report){.session = session, .view = view, .arena = args->arena, .folder = &folder};
+    bool ok = folder_open(&folder, path, session_policy(session, has_argument(args, "force")),
                           report_owns, error);
     if (ok && !report_write(report, error)) {
         folder_abandon(&folder);

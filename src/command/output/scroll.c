@@ -52,18 +52,18 @@ HANDLER(scroll)
 {
     UNUSED(reply);
     struct view *view = &session->view;
-    const struct given_argument *rows = argument_given(given, "ROWS"),
-                                *read = argument_given(given, "read"),
-                                *word = argument_given(given, "find");
+    const struct argument_value *rows = argument_value(args, "ROWS"),
+                                *read = argument_value(args, "read"),
+                                *word = argument_value(args, "find");
     if (word->count) {
         const size_t len = word->item->text.len < LIMIT_NAME ? word->item->text.len : LIMIT_NAME;
         memcpy(view->wanted, word->item->text.at, len);
         view->wanted[len] = '\0';
     }
-    if (word->count || is_given(given, "next"))
+    if (word->count || has_argument(args, "next"))
         return *view->wanted ? find_line(session, text_of(view->wanted), error)
                              : error_set(error, ERROR_COMMAND, "nothing was looked for yet");
-    if (is_given(given, "close")) {
+    if (has_argument(args, "close")) {
         view->reading = false;
         view->scroll = 0;
         return true;
@@ -77,7 +77,7 @@ HANDLER(scroll)
     }
     int max = rows_of(session, session->log.count);
     max -= max > 0;
-    double scroll = is_given(given, "home") ? max : is_given(given, "end") ? 0 : view->scroll;
+    double scroll = has_argument(args, "home") ? max : has_argument(args, "end") ? 0 : view->scroll;
     if (rows->count)
         scroll += rows->item->value.value;
     view->scroll = scroll < 0 ? 0 : scroll > max ? max : (int)scroll;

@@ -47,13 +47,13 @@ static void describe_layout(const struct session *session, struct buffer *text)
 HANDLER(layout)
 {
     UNUSED(error);
-    const struct given_argument *name = argument_given(given, "NAME");
+    const struct argument_value *name = argument_value(args, "NAME");
     struct view *view = &session->view;
     if (name->count)
         view->layout = (enum layout)name->item->index;
-    else if (is_given(given, "next"))
+    else if (has_argument(args, "next"))
         view->layout = (enum layout)(((size_t)view->layout + 1) % layout_catalog.count);
-    if (name->count || is_given(given, "next"))
+    if (name->count || has_argument(args, "next"))
         view->full = false;
     struct buffer text = {0};
     describe_layout(session, &text);
@@ -64,7 +64,7 @@ HANDLER(layout)
 
 HANDLER(focus)
 {
-    const struct given_argument *pane = argument_given(given, "PANE");
+    const struct argument_value *pane = argument_value(args, "PANE");
     struct view *view = &session->view;
     const enum plot_kind wanted =
         pane->count ? (enum plot_kind)pane->item->index : view_focus(view);
@@ -86,8 +86,8 @@ HANDLER(focus)
     if (wanted != view_focus(view))
         free_ranges(view); /* they were those of the other pane */
     view_focus_on(view, wanted);
-    if (is_given(given, "full") || is_given(given, "shared"))
-        view->full = is_given(given, "full");
+    if (has_argument(args, "full") || has_argument(args, "shared"))
+        view->full = has_argument(args, "full");
     reply_line(reply, "focus %s%s: %s", row->name, view->full ? " full" : "", row->brief);
     return changed(session);
 }
@@ -119,13 +119,13 @@ static void reply_range(const struct session *session, bool x, struct reply *rep
 
 HANDLER(range)
 {
-    const bool x = argument_given(given, "AXIS")->item->index == 0;
-    const struct given_argument *value = argument_given(given, "FROM:TO");
+    const bool x = argument_value(args, "AXIS")->item->index == 0;
+    const struct argument_value *value = argument_value(args, "FROM:TO");
     double *range = x ? session->view.x : session->view.y;
     if (value->count && text_is(text_trim(value->item->text), "auto")) {
         range[0] = range[1] = NAN;
     } else if (value->count) {
-        struct parser parser = {session, given->scope, given->arena, value->item->text};
+        struct parser parser = {session, args->scope, args->arena, value->item->text};
         struct item item = {0};
         if (!parse_range(&parser, "range", plot_quantity(session, view_focus(&session->view), x),
                          &item, error) ||
@@ -213,7 +213,7 @@ static void set_span(struct session *session, double from, double width, const d
 
 HANDLER(zoom)
 {
-    const double factor = argument_given(given, "FACTOR")->item->value.value;
+    const double factor = argument_value(args, "FACTOR")->item->value.value;
     struct view *view = &session->view;
     double shown[2], whole[2];
     if (!shown_span(session, shown, whole, error))
@@ -230,7 +230,7 @@ HANDLER(zoom)
 
 HANDLER(pan)
 {
-    const double by = argument_given(given, "TIME")->item->value.value;
+    const double by = argument_value(args, "TIME")->item->value.value;
     double shown[2], whole[2];
     if (!shown_span(session, shown, whole, error))
         return false;
@@ -242,8 +242,8 @@ HANDLER(pan)
 HANDLER(window)
 {
     UNUSED(error);
-    const struct given_argument *value = argument_given(given, "TIME");
-    if (value->count || is_given(given, "auto"))
+    const struct argument_value *value = argument_value(args, "TIME");
+    if (value->count || has_argument(args, "auto"))
         session->view.window = value->count ? value->item->value.value : 0;
     struct buffer text = {0};
     buffer_put(&text, TEXT("window "));
@@ -258,7 +258,7 @@ HANDLER(window)
 
 HANDLER(overlay)
 {
-    const struct given_argument *runs = argument_given(given, "run");
+    const struct argument_value *runs = argument_value(args, "run");
     struct view *view = &session->view;
     int number[LIMIT_OVERLAY] = {0}, count = 0;
     for (int r = 0; r < session->runs; r++) {
@@ -272,7 +272,7 @@ HANDLER(overlay)
                             LIMIT_OVERLAY);
         number[count++] = session->run[r]->run->number;
     }
-    if (runs->count || is_given(given, "off")) {
+    if (runs->count || has_argument(args, "off")) {
         memcpy(view->overlay, number, sizeof number);
         view->overlays = count;
     }
@@ -290,8 +290,8 @@ HANDLER(overlay)
 HANDLER(trail)
 {
     UNUSED(error);
-    const struct given_argument *value = argument_given(given, "PERIODS");
-    if (value->count || is_given(given, "all"))
+    const struct argument_value *value = argument_value(args, "PERIODS");
+    if (value->count || has_argument(args, "all"))
         session->view.trail = value->count ? value->item->value.value : HUGE_VAL;
     struct buffer text = {0};
     buffer_put(&text, TEXT("trail "));
@@ -310,7 +310,7 @@ HANDLER(trail)
 
 HANDLER(screenshot)
 {
-    const struct given_argument *file = argument_given(given, "FILE");
+    const struct argument_value *file = argument_value(args, "FILE");
     const struct front *front = &session->front;
     const bool possible = file->count ? front->screenshot != NULL : front->screen != NULL;
     if (!possible) {
@@ -320,11 +320,11 @@ HANDLER(screenshot)
     }
     if (file->count) {
         const struct text name = file->item->text;
-        const char *path = arena_text(given->arena, name);
+        const char *path = arena_text(args->arena, name);
         if (!path)
             return error_memory(error);
         if (!front->screenshot(front->context, session, path,
-                               session_policy(session, is_given(given, "force")), error)) {
+                               session_policy(session, has_argument(args, "force")), error)) {
             error->where = error->where.at ? error->where : name;
             return false;
         }

@@ -14,9 +14,9 @@
  * sets are the run's alone. The run's statement stands for it in what is recorded and saved.
  */
 bool event_react(struct session *session, const struct event_line *event,
-                 const struct arguments *given, struct reply *reply, struct error *error)
+                 const struct arguments *args, struct reply *reply, struct error *error)
 {
-    const struct source where = {.name = event->name, .line = 1, .parent = given->where};
+    const struct source where = {.name = event->name, .line = 1, .parent = args->where};
     const struct scene scene = session->setup.scene;
     if (event->action != EVENT_COMMANDS)
         return true;
@@ -73,7 +73,7 @@ static bool is_met(const struct run_target *target)
 }
 
 bool events_pass(struct session *session, const struct run_target *target, struct event_pass *pass,
-                 const struct arguments *given, struct reply *reply, bool *ok, struct error *error)
+                 const struct arguments *args, struct reply *reply, bool *ok, struct error *error)
 {
     struct run_slot *slot = session->run[session->current_run];
     bool passes = true;
@@ -86,7 +86,7 @@ bool events_pass(struct session *session, const struct run_target *target, struc
     *ok = !piles_up(slot, pass, error);
     const bool met = is_met(target);
     for (int i = 0; i < pass->count && *ok; i++)
-        *ok = event_react(session, pass->stopped[i], given, reply, error);
+        *ok = event_react(session, pass->stopped[i], args, reply, error);
     if (*ok && !met && is_met(target)) { /* by what they changed */
         pass->count = 0;
         return false;

@@ -27,10 +27,10 @@ struct event_pass {
 
 /* The commands of an event, without `continue`. */
 bool event_react(struct session *session, const struct event_line *event,
-                 const struct arguments *given, struct reply *reply, struct error *error);
+                 const struct arguments *args, struct reply *reply, struct error *error);
 /* The commands of events that pass, where the current run is at some. False: it is where it stops,
  * *ok unless because of an error. */
 bool events_pass(struct session *session, const struct run_target *target, struct event_pass *pass,
-                 const struct arguments *given, struct reply *reply, bool *ok, struct error *error);
+                 const struct arguments *args, struct reply *reply, bool *ok, struct error *error);
 
 #endif

@@ -26,7 +26,7 @@ bool allow_long(struct session *session, double seconds, double steps, bool forc
         return session->confirmed || error_set(error, ERROR_CANCELLED, "not run");
     }
     error_set(error, ERROR_COMMAND, "%s", question);
-    return session->setup.settings.duration_given || session->setup.scene.preset->duration == 0
+    return session->setup.settings.duration_chosen || session->setup.scene.preset->duration == 0
                ? error_hint(error, "--force runs it all the same")
                : error_hint(error,
                             "%.4g s is the scene's own duration: give a shorter one ('duration = "
@@ -49,18 +49,18 @@ struct advance {
 };
 
 /* Where an adaptive run was last looked at, on its way. */
-struct pace {
+struct step_pace {
     int64_t steps;
     double t, seconds;
 };
 
 /* The run's own events, in the names of its own scene. */
-static bool watch(struct session *session, const struct arguments *given, struct advance *advance,
+static bool watch(struct session *session, const struct arguments *args, struct advance *advance,
                   struct error *error)
 {
-    struct in_force *force = arena_alloc(given->arena, sizeof *force);
-    struct names *names = arena_alloc(given->arena, sizeof *names);
-    struct expr_scope *scope = arena_alloc(given->arena, sizeof *scope);
+    struct in_force *force = arena_alloc(args->arena, sizeof *force);
+    struct names *names = arena_alloc(args->arena, sizeof *names);
+    struct expr_scope *scope = arena_alloc(args->arena, sizeof *scope);
     const struct run_slot *slot = advance->slot;
     if (!force || !names || !scope)
         return error_memory(error);
@@ -68,11 +68,11 @@ static bool watch(struct session *session, const struct arguments *given, struct
     *names =
         (struct names){.session = session, .in_force = force, .saved_only = true, .run = slot->run};
     *scope = names_scope(names);
-    return events_compile(slot->events, scope, given->arena, &advance->target.event,
+    return events_compile(slot->events, scope, args->arena, &advance->target.event,
                           &advance->target.events, error);
 }
 
-static bool set_out(struct session *session, const struct arguments *given, int64_t steps,
+static bool set_out(struct session *session, const struct arguments *args, int64_t steps,
                     struct advance *advance, struct error *error)
 {
     struct run_slot *slot = session->run[session->current_run];
@@ -87,20 +87,20 @@ static bool set_out(struct session *session, const struct arguments *given, int6
     advance->target =
         (struct run_target){.t = request->t,
                             .steps = steps >= 0 && (left < 0 || steps < left) ? steps : left,
-                            .scope = given->scope};
+                            .scope = args->scope};
     if (request->condition) {
-        struct condition *condition = arena_alloc(given->arena, sizeof *condition);
+        struct condition *condition = arena_alloc(args->arena, sizeof *condition);
         size_t used;
         if (!condition)
             return error_memory(error);
-        if (!condition_compile(text_of(request->condition), given->scope, given->arena, condition,
+        if (!condition_compile(text_of(request->condition), args->scope, args->arena, condition,
                                &used, error)) {
             error->where = (struct text){NULL, 0};
             return false;
         }
         advance->target.condition = condition;
     }
-    return !slot->events || watch(session, given, advance, error);
+    return !slot->events || watch(session, args, advance, error);
 }
 
 /*
@@ -108,7 +108,7 @@ static bool set_out(struct session *session, const struct arguments *given, int6
  * the last half says how long the rest takes [s]; 0: not yet known.
  */
 static double time_left(const struct run *run, const struct run_target *target, int64_t first,
-                        struct pace *pace)
+                        struct step_pace *pace)
 {
     const double rest = target->t - run->t;
     if (!run->plan.adaptive || target->condition || target->steps >= 0 || !(fabs(rest) < FAR) ||
@@ -116,13 +116,13 @@ static double time_left(const struct run *run, const struct run_target *target, 
         return 0;
     const double way = run->t - pace->t,
                  left = pace->steps ? (run->seconds - pace->seconds) * (rest / way) : 0;
-    *pace = (struct pace){run->steps, run->t, run->seconds};
+    *pace = (struct step_pace){run->steps, run->t, run->seconds};
     return left;
 }
 
 /* False: it would take too long, and nobody wants that. */
 static bool goes_on(struct session *session, const struct run *run, struct advance *advance,
-                    int64_t first, struct pace *pace)
+                    int64_t first, struct step_pace *pace)
 {
     struct error ignored = {0};
     const double steps = (double)pace->steps, t = pace->t;
@@ -139,7 +139,7 @@ static void travel(struct session *session, struct run *run, struct advance *adv
     const struct front *front = &session->front;
     const struct run_target *target = &advance->target;
     const double from = run->t;
-    struct pace pace = {.steps = 0};
+    struct step_pace pace = {.steps = 0};
     if (front->watched && front->slice) {
         live_advance(session, run, target, clocked && session->typed);
         return;
@@ -258,16 +258,16 @@ static void reply_running(const struct session *session, struct reply *reply)
         reply_line(reply, "it follows the clock; 'speed max': as fast as possible");
 }
 
-bool run_go_on(struct session *session, const struct arguments *given, int64_t steps, bool clocked,
+bool run_go_on(struct session *session, const struct arguments *args, int64_t steps, bool clocked,
                struct reply *reply, struct error *error)
 {
     struct advance advance;
     struct event_pass pass = {.count = 0};
     struct error why = {0};
     bool ok = true;
-    if (!set_out(session, given, steps, &advance, error))
+    if (!set_out(session, args, steps, &advance, error))
         return false;
-    advance.force = advance.target.steps >= 0 || is_given(given, "force");
+    advance.force = advance.target.steps >= 0 || has_argument(args, "force");
     struct run *run = advance.slot->run;
     const int64_t last = advance.target.steps < 0 ? -1 : run->steps + advance.target.steps;
     if (clocked && session->typed && session->front.watched && session->front.slice)
@@ -275,7 +275,7 @@ bool run_go_on(struct session *session, const struct arguments *given, int64_t s
     do {
         advance.target.steps = last < 0 ? -1 : last - run->steps;
         travel(session, run, &advance, clocked);
-    } while (events_pass(session, &advance.target, &pass, given, reply, &ok, &why));
+    } while (events_pass(session, &advance.target, &pass, args, reply, &ok, &why));
     const bool early = run->stop == STOP_END && run->t != advance.request.t && steps >= 0 &&
                        run->steps < advance.request.end;
     if (early)
@@ -284,7 +284,7 @@ bool run_go_on(struct session *session, const struct arguments *given, int64_t s
     if (early && !stop_is_failure(run->stop))
         run->stop = STOP_CANCELLED;
     for (int i = 0; i < pass.count && arrived && ok; i++)
-        ok = event_react(session, pass.stopped[i], given, reply, &why);
+        ok = event_react(session, pass.stopped[i], args, reply, &why);
     if (arrived && !ok)
         *error = why;
     return arrived && ok;

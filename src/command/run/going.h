@@ -9,7 +9,7 @@
  * On along the last request. `steps` ends it early on purpose: the run is then as good as paused,
  * what is left of the request can be done by `continue`.
  */
-bool run_go_on(struct session *session, const struct arguments *given, int64_t steps, bool clocked,
+bool run_go_on(struct session *session, const struct arguments *args, int64_t steps, bool clocked,
                struct reply *reply, struct error *error);
 
 #endif

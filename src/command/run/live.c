@@ -7,7 +7,7 @@
 
 HANDLER(pause)
 {
-    UNUSED(given);
+    UNUSED(args);
     UNUSED(error);
     if (session->live.state == LIVE_RUNNING)
         session->live.pausing = true;
@@ -19,9 +19,9 @@ HANDLER(pause)
 HANDLER(speed)
 {
     UNUSED(error);
-    const struct given_argument *factor = argument_given(given, "FACTOR");
+    const struct argument_value *factor = argument_value(args, "FACTOR");
     struct live *live = &session->live;
-    if (factor->count || is_given(given, "max"))
+    if (factor->count || has_argument(args, "max"))
         live->speed = factor->count ? factor->item->value.value : HUGE_VAL;
     struct buffer text = {0};
     if (isinf(live->speed))
@@ -38,14 +38,14 @@ HANDLER(speed)
 
 HANDLER(change)
 {
-    const struct text name = argument_given(given, "NAME")->item->text;
+    const struct text name = argument_value(args, "NAME")->item->text;
     const struct scene *scene = &session->setup.scene;
     const struct run *run = session_run(session);
     if (!catalog_find(scene_params(scene), name) && !catalog_find(scene_derived(scene), name) &&
         (!run || model_state(run->system.model, name) < 0))
         return unknown_parameter(session, name, error);
     session->live.changing = true;
-    const bool ok = command_set(session, given, reply, error);
+    const bool ok = command_set(session, args, reply, error);
     session->live.changing = false;
     return ok;
 }

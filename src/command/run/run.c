@@ -36,7 +36,7 @@ static struct run *new_run(struct session *session, double span, int64_t steps, 
 
 /* A request from where the current run is. */
 static bool new_request(struct session *session, double t, int64_t end,
-                        const struct given_argument *until, struct error *error)
+                        const struct argument_value *until, struct error *error)
 {
     struct run_slot *slot = session->run[session->current_run];
     const struct request request = {
@@ -53,18 +53,18 @@ static bool new_request(struct session *session, double t, int64_t end,
     return journal_add(slot, request, until->count ? until->item->text : TEXT(""), error);
 }
 
-static int64_t steps_given(const struct arguments *given)
+static int64_t steps_of(const struct arguments *args)
 {
-    const struct given_argument *steps = argument_given(given, "steps");
+    const struct argument_value *steps = argument_value(args, "steps");
     return steps->count ? (int64_t)steps->item->value.value : -1;
 }
 
 HANDLER(run)
 {
-    const struct given_argument *duration = argument_given(given, "DURATION"),
-                                *to = argument_given(given, "to"),
-                                *until = argument_given(given, "until"),
-                                *number = argument_given(given, "number");
+    const struct argument_value *duration = argument_value(args, "DURATION"),
+                                *to = argument_value(args, "to"),
+                                *until = argument_value(args, "until"),
+                                *number = argument_value(args, "number");
     const double t0 = param_value(&session->setup.scene, "t0");
     double span = session->setup.settings.duration;
     if (duration->count)
@@ -83,7 +83,7 @@ HANDLER(run)
         (number->item->value.value < session->next_run || number->item->value.value > 1e9))
         return error_at(error, number->item->text, "the next run has the number %d or a larger one",
                         session->next_run);
-    struct run *run = new_run(session, span, steps_given(given), is_given(given, "force"), error);
+    struct run *run = new_run(session, span, steps_of(args), has_argument(args, "force"), error);
     if (!run)
         return false;
     if (number->count) {
@@ -95,7 +95,7 @@ HANDLER(run)
     reply_coarse(session, run, reply);
     reply_tiny(run, reply);
     return new_request(session, t, INT64_MAX, until, error) &&
-           run_go_on(session, given, steps_given(given), true, reply, error);
+           run_go_on(session, args, steps_of(args), true, reply, error);
 }
 
 /* ---- the current run ---- */
@@ -163,10 +163,10 @@ static bool resume(struct session *session, const struct run *run, struct error 
 
 HANDLER(continue)
 {
-    const struct given_argument *duration = argument_given(given, "DURATION"),
-                                *to = argument_given(given, "to"),
-                                *until = argument_given(given, "until");
-    const bool told = duration->count || to->count || until->count;
+    const struct argument_value *duration = argument_value(args, "DURATION"),
+                                *to = argument_value(args, "to"),
+                                *until = argument_value(args, "until");
+    const bool limited = duration->count || to->count || until->count;
     struct run *run = current(session, error);
     struct plan plan;
     if (!run || !can_go_on(run, error))
@@ -177,32 +177,32 @@ HANDLER(continue)
         span = to->item->value.value - run->t;
     else if (until->count)
         span *= UNTIL_DURATIONS;
-    else if (!told && is_paused(session, run))
+    else if (!limited && is_paused(session, run))
         span = journal_pending(session->run[session->current_run])->t - run->t;
-    const bool open = until->count || fabs(span) >= FAR || (!told && is_paused(session, run));
+    const bool open = until->count || fabs(span) >= FAR || (!limited && is_paused(session, run));
     if (to->count && (span == 0 || (run->steps > 0 && span * direction(run) < 0)))
         return error_at(error, to->where, "run %d has been there: it is at t = %.6g s", run->number,
                         run->t);
     if (!plan_make(&run->system, run->method, &run->settings,
                    open ? copysign(HUGE_VAL, span) : span, &plan, error))
         return false;
-    if (steps_given(given) >= 0 && plan.steps > (double)steps_given(given))
-        plan.seconds *= (double)steps_given(given) / plan.steps;
-    if (!allow_long(session, plan.seconds, plan.steps, is_given(given, "force"), error))
+    if (steps_of(args) >= 0 && plan.steps > (double)steps_of(args))
+        plan.seconds *= (double)steps_of(args) / plan.steps;
+    if (!allow_long(session, plan.seconds, plan.steps, has_argument(args, "force"), error))
         return false;
     warn_other_scene(session, run, reply);
-    const bool paused = !told && is_paused(session, run);
+    const bool paused = !limited && is_paused(session, run);
     if (!paused && !new_request(session, to->count ? to->item->value.value : run->t + span,
                                 INT64_MAX, until, error))
         return false;
     if (paused && !resume(session, run, error))
         return false;
-    return run_go_on(session, given, steps_given(given), true, reply, error);
+    return run_go_on(session, args, steps_of(args), true, reply, error);
 }
 
 HANDLER(step)
 {
-    const struct given_argument *count = argument_given(given, "N"), none = {.count = 0};
+    const struct argument_value *count = argument_value(args, "N"), none = {.count = 0};
     const int64_t steps = count->count ? (int64_t)count->item->value.value : 1;
     struct run *run = session_run(session);
     if (steps > STEPS_MOST)
@@ -214,9 +214,9 @@ HANDLER(step)
                     new_run(session, (double)steps * session->setup.settings.dt, -1, true, error)))
         return false;
     if (is_paused(session, run))
-        return resume(session, run, error) && run_go_on(session, given, steps, false, reply, error);
+        return resume(session, run, error) && run_go_on(session, args, steps, false, reply, error);
     return new_request(session, direction(run) * FAR, run->steps + steps, &none, error) &&
-           run_go_on(session, given, -1, false, reply, error);
+           run_go_on(session, args, -1, false, reply, error);
 }
 
 /* Back by so many recorded states; what is left of a paused request is still to be done. */
@@ -240,7 +240,7 @@ static bool go_back(struct session *session, struct run *run, int64_t rows, stru
 
 HANDLER(back)
 {
-    const struct given_argument *count = argument_given(given, "N");
+    const struct argument_value *count = argument_value(args, "N");
     struct run *run = current(session, error);
     if (!run)
         return false;
@@ -252,7 +252,7 @@ HANDLER(back)
 
 HANDLER(reset)
 {
-    UNUSED(given);
+    UNUSED(args);
     struct run *run = current(session, error);
     if (!run)
         return false;

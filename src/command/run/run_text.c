@@ -290,9 +290,9 @@ void reply_sliding(struct run *run, struct reply *reply)
 void reply_unchosen(struct session *session, struct reply *reply)
 {
     const struct setup *setup = &session->setup;
-    if (session->told_method || setup->method_chosen || !typed_preset(setup->scene.model))
+    if (session->said_method || setup->method_chosen || !typed_preset(setup->scene.model))
         return;
-    session->told_method = true;
+    session->said_method = true;
     struct buffer text = {0};
     buffer_format(&text, "no method was chosen: %s, dt = ", setup->method->row.name);
     buffer_measured(&text, (struct measured){setup->settings.dt, 0}, QUANTITY_TIME, 4);
@@ -305,12 +305,12 @@ void reply_unchosen(struct session *session, struct reply *reply)
 void reply_assumed(struct session *session, bool adapts, bool by_setting, struct reply *reply)
 {
     const struct settings *settings = &session->setup.settings;
-    const bool duration = by_setting && !settings->duration_given,
-               tol = adapts && !settings->tol_given, first = adapts && !settings->dt_given;
-    if (session->told_assumed || !typed_preset(session->setup.scene.model) ||
+    const bool duration = by_setting && !settings->duration_chosen,
+               tol = adapts && !settings->tol_chosen, first = adapts && !settings->dt_chosen;
+    if (session->said_assumed || !typed_preset(session->setup.scene.model) ||
         !(duration || tol || first))
         return;
-    session->told_assumed = true;
+    session->said_assumed = true;
     struct buffer text = {0};
     const char *and = "";
     if (duration) {

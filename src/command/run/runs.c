@@ -38,7 +38,7 @@ static void reply_row(const struct session *session, int index, struct reply *re
 
 HANDLER(runs)
 {
-    UNUSED(given);
+    UNUSED(args);
     UNUSED(error);
     if (session->runs == 0)
         reply_line(reply, "no runs");
@@ -50,7 +50,7 @@ HANDLER(runs)
 HANDLER(use)
 {
     UNUSED(error);
-    session->current_run = argument_given(given, "N")->item->index;
+    session->current_run = argument_value(args, "N")->item->index;
     session->data_is_latest = false;
     session_changed(session);
     reply_row(session, session->current_run, reply);
@@ -59,8 +59,8 @@ HANDLER(use)
 
 HANDLER(rename)
 {
-    const struct text name = argument_given(given, "NAME")->item->text;
-    struct run *run = session->run[argument_given(given, "N")->item->index]->run;
+    const struct text name = argument_value(args, "NAME")->item->text;
+    struct run *run = session->run[argument_value(args, "N")->item->index]->run;
     if (name.len == 0 || name.len > LIMIT_NAME || peek_name(name).len != name.len)
         return error_at(error, name,
                         "a name is a letter, then letters, digits, _ and -, at most %d of them",
@@ -79,7 +79,7 @@ HANDLER(rename)
 
 HANDLER(drop)
 {
-    const struct given_argument *which = argument_given(given, "N");
+    const struct argument_value *which = argument_value(args, "N");
     bool gone[LIMIT_RUNS] = {false};
     int count = 0;
     for (int i = 0; i < which->count; i++)
@@ -101,7 +101,7 @@ HANDLER(drop)
 
 HANDLER(note)
 {
-    const struct text text = argument_given(given, "TEXT")->item->text;
+    const struct text text = argument_value(args, "TEXT")->item->text;
     if (session->current_run < 0) {
         error_set(error, ERROR_COMMAND, "there is no run to write a note for");
         return error_hint(error, "type: run");

@@ -99,7 +99,7 @@ static bool events_know(struct session *session, struct arena *arena, struct err
 }
 
 /* what: how it is called where it has no name. */
-static bool remove_line(struct session *session, const struct arguments *given,
+static bool remove_line(struct session *session, const struct arguments *args,
                         enum typed_kind kind, struct text name, const char *what,
                         struct reply *reply, struct error *error)
 {
@@ -107,7 +107,7 @@ static bool remove_line(struct session *session, const struct arguments *given,
     const struct model *model = typed_remove(session->models, before.model, kind, name, error);
     if (!model || !use_model(session, model, false, reply, error))
         return false;
-    if (name.len > 0 && kind != TYPED_FORCE && !events_know(session, given->arena, error)) {
+    if (name.len > 0 && kind != TYPED_FORCE && !events_know(session, args->arena, error)) {
         const struct error why = *error;
         struct error ignored;
         use_model(session, before.model, false, reply, &ignored);
@@ -134,21 +134,21 @@ static int param_of(const struct scene *scene, const struct typed_line *line)
 }
 
 /* NAME = VALUE; of a variable also NAME' = VALUE. */
-static bool add_value(struct session *session, const struct arguments *given, enum typed_kind kind,
+static bool add_value(struct session *session, const struct arguments *args, enum typed_kind kind,
                       const char *usage, struct reply *reply, struct error *error)
 {
-    struct typed_line line = {.kind = kind, .name = argument_given(given, "NAME")->item->text};
-    struct text rest = argument_given(given, "= VALUE")->item->text;
+    struct typed_line line = {.kind = kind, .name = argument_value(args, "NAME")->item->text};
+    struct text rest = argument_value(args, "= VALUE")->item->text;
     struct item item = {.quantity = QUANTITY_OTHER};
     if (kind == TYPED_VAR && rest.at[0] == '\'') {
         line.name.len++;
         rest = after(rest, 1);
     }
     if (text_is(rest, "off"))
-        return remove_line(session, given, kind, line.name, NULL, reply, error);
+        return remove_line(session, args, kind, line.name, NULL, reply, error);
     if (!free_name(line.name, error) || !skip_equals(&rest, usage, error))
         return false;
-    struct parser parser = {session, given->scope, given->arena, rest};
+    struct parser parser = {session, args->scope, args->arena, rest};
     if (!parse_value(&parser, kind == TYPED_PARAM ? "the parameter" : "the initial value",
                      QUANTITY_OTHER, &item, error) ||
         !refuse_rest(&parser, &item, error))
@@ -167,17 +167,17 @@ static bool add_value(struct session *session, const struct arguments *given, en
 
 HANDLER(var)
 {
-    return add_value(session, given, TYPED_VAR, "var NAME = VALUE or var NAME off", reply, error);
+    return add_value(session, args, TYPED_VAR, "var NAME = VALUE or var NAME off", reply, error);
 }
 
 HANDLER(param)
 {
-    return add_value(session, given, TYPED_PARAM, "param NAME = VALUE or param NAME off", reply,
+    return add_value(session, args, TYPED_PARAM, "param NAME = VALUE or param NAME off", reply,
                      error);
 }
 
 /* y' = EXPR in an event: the velocity jumps. */
-static bool set_velocity(struct session *session, const struct arguments *given,
+static bool set_velocity(struct session *session, const struct arguments *args,
                          const struct typed_line *line, struct reply *reply, struct error *error)
 {
     const struct command *change = command_with(COMMAND_JUMPS);
@@ -188,16 +188,16 @@ static bool set_velocity(struct session *session, const struct arguments *given,
     if (line->order != 1)
         return error_at(error, line->name, "an event cannot change the law of %.*s",
                         (int)line->name.len, line->name.at);
-    struct arguments with = *given;
+    struct arguments with = *args;
     with.command = change;
-    with.given[0] = (struct given_argument){1, &name, name.text};
-    with.given[1] = (struct given_argument){1, &rest, rest.text};
+    with.value[0] = (struct argument_value){1, &name, name.text};
+    with.value[1] = (struct argument_value){1, &rest, rest.text};
     return change->handler(session, &with, reply, error);
 }
 
 HANDLER(equation)
 {
-    struct text rest = argument_given(given, "NAME' = EXPR")->item->text;
+    struct text rest = argument_value(args, "NAME' = EXPR")->item->text;
     struct typed_line line = {.kind = TYPED_EQUATION, .name = peek_name(rest)};
     rest = (struct text){rest.at + line.name.len, rest.len - line.name.len};
     while (rest.len > 0 && rest.at[0] == '\'') {
@@ -205,7 +205,7 @@ HANDLER(equation)
         rest = (struct text){rest.at + 1, rest.len - 1};
     }
     if (line.name.len == 0 || line.order < 1 || line.order > 2) {
-        error_at(error, peek_word(argument_given(given, "NAME' = EXPR")->item->text, "="),
+        error_at(error, peek_word(argument_value(args, "NAME' = EXPR")->item->text, "="),
                  "an equation begins with NAME' or NAME''");
         return error_hint(error, "x' = y is of first order, y'' = -k*y of second");
     }
@@ -213,7 +213,7 @@ HANDLER(equation)
         return false;
     line.expr = rest;
     if (session->reacting)
-        return set_velocity(session, given, &line, reply, error);
+        return set_velocity(session, args, &line, reply, error);
     return add_line(session, &line, reply, error);
 }
 
@@ -229,7 +229,7 @@ static struct text read_left(struct text *rest)
 
 HANDLER(force)
 {
-    struct text rest = argument_given(given, "EXPR|off")->item->text;
+    struct text rest = argument_value(args, "EXPR|off")->item->text;
     struct text behind = after(rest, peek_name(rest).len);
     size_t primes = 0;
     while (primes < behind.len && behind.at[primes] == '\'')
@@ -244,17 +244,17 @@ HANDLER(force)
     const struct typed_line line = {.kind = TYPED_FORCE, .name = name, .expr = rest};
     if (peek_name(rest).len > 0 &&
         text_is(after(rest, peek_name(rest).len), "off")) /* force x off */
-        return remove_line(session, given, TYPED_FORCE, peek_name(rest), "the force", reply, error);
+        return remove_line(session, args, TYPED_FORCE, peek_name(rest), "the force", reply, error);
     return text_is(rest, "off")
-               ? remove_line(session, given, TYPED_FORCE, line.name, "the force", reply, error)
+               ? remove_line(session, args, TYPED_FORCE, line.name, "the force", reply, error)
                : add_line(session, &line, reply, error);
 }
 
 HANDLER(potential)
 {
-    const struct text rest = argument_given(given, "EXPR|off")->item->text;
+    const struct text rest = argument_value(args, "EXPR|off")->item->text;
     const struct typed_line line = {.kind = TYPED_POTENTIAL, .expr = rest};
-    return text_is(rest, "off") ? remove_line(session, given, TYPED_POTENTIAL, TEXT(""),
+    return text_is(rest, "off") ? remove_line(session, args, TYPED_POTENTIAL, TEXT(""),
                                               "the potential", reply, error)
                                 : add_line(session, &line, reply, error);
 }
@@ -262,10 +262,10 @@ HANDLER(potential)
 HANDLER(observe)
 {
     struct typed_line line = {.kind = TYPED_OBSERVE,
-                              .name = argument_given(given, "NAME")->item->text};
-    struct text rest = argument_given(given, "= EXPR")->item->text;
+                              .name = argument_value(args, "NAME")->item->text};
+    struct text rest = argument_value(args, "= EXPR")->item->text;
     if (text_is(rest, "off"))
-        return remove_line(session, given, TYPED_OBSERVE, line.name, NULL, reply, error);
+        return remove_line(session, args, TYPED_OBSERVE, line.name, NULL, reply, error);
     if (!free_name(line.name, error) || !skip_equals(&rest, "observe NAME = EXPR", error))
         return false;
     line.expr = rest;

@@ -87,7 +87,7 @@ static bool read_action(struct parser *parser, struct event_line *line, struct i
            (line->action != EVENT_COMMANDS || check_commands(commands->text, error));
 }
 
-static bool read_event(struct session *session, const struct arguments *given, struct text name,
+static bool read_event(struct session *session, const struct arguments *args, struct text name,
                        struct text rule, struct error *error)
 {
     /* It has to mean the same whenever it is looked at: no variables, no results. */
@@ -103,15 +103,15 @@ static bool read_event(struct session *session, const struct arguments *given, s
     if (!text_is(peek_word(rule, ""), "when"))
         return event_usage(peek_word(rule, ""), "after the name comes 'when'", error);
     const struct text when = after(rule, 4);
-    if (!event_compile(when, &scope, given->arena, &event, &used, error))
+    if (!event_compile(when, &scope, args->arena, &event, &used, error))
         return names_explain(session, error);
-    struct parser compared = {session, &scope, given->arena, when};
+    struct parser compared = {session, &scope, args->arena, when};
     if (!check_condition(&compared, text_trim((struct text){when.at, used}), error))
         return false;
     if (used > LIMIT_EVENT_TEXT)
         return error_at(error, (struct text){when.at, used}, "more than %d bytes",
                         LIMIT_EVENT_TEXT);
-    struct parser parser = {session, &scope, given->arena, after(when, used)};
+    struct parser parser = {session, &scope, args->arena, after(when, used)};
     if (!read_action(&parser, &line, &commands, error))
         return false;
     const struct events *events =
@@ -123,8 +123,8 @@ static bool read_event(struct session *session, const struct arguments *given, s
 
 HANDLER(event)
 {
-    const struct given_argument *name = argument_given(given, "NAME"),
-                                *rule = argument_given(given, "when EXPR do stop|record|COMMANDS");
+    const struct argument_value *name = argument_value(args, "NAME"),
+                                *rule = argument_value(args, "when EXPR do stop|record|COMMANDS");
     const struct text end = name->count ? after(name->item->text, name->item->text.len) : TEXT("");
     const struct text rest = rule->count ? rule->item->text : end;
     if (name->count == 0) {
@@ -138,7 +138,7 @@ HANDLER(event)
             return false;
         reply_line(reply, "event %.*s is gone", (int)name->item->text.len, name->item->text.at);
     } else {
-        if (!read_event(session, given, name->item->text, rest, error))
+        if (!read_event(session, args, name->item->text, rest, error))
             return false;
         const struct events *events = session->setup.events; /* the new one comes last */
         reply_line_of(&events->line[events->count - 1], reply);

@@ -43,10 +43,10 @@ static bool check_drag(const struct method *method, const struct item *item, str
 
 HANDLER(method)
 {
-    const struct given_argument *name = argument_given(given, "NAME"),
-                                *dt = argument_given(given, "dt"),
-                                *tol = argument_given(given, "tol"),
-                                *drag = argument_given(given, "drag");
+    const struct argument_value *name = argument_value(args, "NAME"),
+                                *dt = argument_value(args, "dt"),
+                                *tol = argument_value(args, "tol"),
+                                *drag = argument_value(args, "drag");
     struct setup *setup = &session->setup;
     const struct method *method =
         name->count ? (const struct method *)(const void *)name->item->row : setup->method;
@@ -70,9 +70,9 @@ HANDLER(method)
         setup->method = method;
         setup->method_chosen |= name->count > 0;
         if (dt->count)
-            setup->settings.dt = dt->item->value.value, setup->settings.dt_given = true;
+            setup->settings.dt = dt->item->value.value, setup->settings.dt_chosen = true;
         if (tol->count)
-            setup->settings.tol = tol->item->value.value, setup->settings.tol_given = true;
+            setup->settings.tol = tol->item->value.value, setup->settings.tol_chosen = true;
         session_changed(session);
         reply_inapplicable(session, reply);
     }

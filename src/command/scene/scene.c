@@ -44,7 +44,7 @@ static void reply_scene(const struct session *session, struct reply *reply)
         const char *name = param_at(scene, i)->row.name;
         char padded[LIMIT_NAME + 3];
         snprintf(padded, sizeof padded, " %s ", name);
-        if (is_oscillator(scene) && !strstr(always, padded) && !scene->given[i] &&
+        if (is_oscillator(scene) && !strstr(always, padded) && !scene->chosen[i] &&
             !preset_sets(scene->preset, name))
             continue;
         buffer_char(&text, ' ');
@@ -97,7 +97,7 @@ bool keep_own_scene(struct session *session, struct error *error)
 }
 
 /* An empty one; the handler's caller takes the set-up back if it fails. */
-static bool new_scene(struct session *session, const struct given_argument *name,
+static bool new_scene(struct session *session, const struct argument_value *name,
                       struct error *error)
 {
     const struct text as = name->count ? name->item->text : TEXT("");
@@ -120,15 +120,15 @@ static bool new_scene(struct session *session, const struct given_argument *name
 
 HANDLER(scene)
 {
-    const struct given_argument *name = argument_given(given, "NAME|new"),
-                                *as = argument_given(given, "NAME");
+    const struct argument_value *name = argument_value(args, "NAME|new"),
+                                *as = argument_value(args, "NAME");
     if (name->count) {
         const struct model *before = session->setup.scene.model;
         const struct preset *preset = (const struct preset *)(const void *)name->item->row;
         if (preset && as->count)
             return error_at(error, as->where,
                             "a scene has one name; 'scene new NAME' begins one of your own");
-        session->told_assumed = false;
+        session->said_assumed = false;
         if (preset)
             scene_init(&session->setup.scene, preset);
         else if (!new_scene(session, as, error))
@@ -146,15 +146,15 @@ HANDLER(scene)
 /* ---- set, unset, let ---- */
 
 /* What stands after NAME, without the "=" of an assignment. */
-struct parser value_parser(struct session *session, const struct arguments *given)
+struct parser value_parser(struct session *session, const struct arguments *args)
 {
-    struct text value = argument_given(given, "VALUE")->item->text;
+    struct text value = argument_value(args, "VALUE")->item->text;
     if (value.len > 0 && value.at[0] == '\'') /* of a velocity's name */
         value = (struct text){value.at + 1, value.len - 1};
     text_skip_blanks(&value);
     if (value.len > 0 && value.at[0] == '=')
         value = (struct text){value.at + 1, value.len - 1};
-    return (struct parser){session, given->scope, given->arena, value};
+    return (struct parser){session, args->scope, args->arena, value};
 }
 
 bool read_value(struct parser *parser, const char *what, enum quantity quantity, struct item *item,
@@ -313,12 +313,12 @@ static bool set_let(struct session *session, struct text name, const struct item
 
 HANDLER(set)
 {
-    const struct text name = argument_given(given, "NAME")->item->text;
+    const struct text name = argument_value(args, "NAME")->item->text;
     const struct catalog *params = scene_params(&session->setup.scene);
-    struct parser parser = value_parser(session, given);
+    struct parser parser = value_parser(session, args);
     struct item item = {0};
     const struct row *row;
-    const int variable = state_named(session, name, argument_given(given, "VALUE")->item->text);
+    const int variable = state_named(session, name, argument_value(args, "VALUE")->item->text);
     bool ok;
     if (variable >= 0) {
         ok = set_state(session, variable, &parser, reply, error);
@@ -333,13 +333,13 @@ HANDLER(set)
     } else if ((row = catalog_find(&setting_catalog, name))) {
         const struct setting *setting = (const struct setting *)(const void *)row;
         struct settings changed = session->setup.settings;
-        struct item *value = argument_given(given, "VALUE")->item;
+        struct item *value = argument_value(args, "VALUE")->item;
         value->text = text_trim(parser.rest);
         ok = setting_read(setting, &parser, &changed, error);
         if (ok) {
             value->row = setting_choice(setting, &changed); /* which may be abbreviated */
             session->setup.settings = changed;
-            setting_give(setting, true, &session->setup.settings);
+            setting_choose(setting, true, &session->setup.settings);
             reply_setting(session, setting, reply);
             if (setting->choices == &turning_catalog)
                 reply_inapplicable(session, reply);
@@ -365,7 +365,7 @@ const struct catalog unset_catalog = CATALOG("choice", unset_rows);
 
 HANDLER(unset)
 {
-    const struct text name = argument_given(given, "NAME")->item->text;
+    const struct text name = argument_value(args, "NAME")->item->text;
     const struct catalog *params = scene_params(&session->setup.scene);
     const struct row *row = catalog_find(params, name);
     struct buffer text = {0};
@@ -383,7 +383,7 @@ HANDLER(unset)
         struct settings defaults;
         session_default_settings(&defaults);
         setting_copy(setting, &defaults, &session->setup.settings);
-        setting_give(setting, false, &session->setup.settings);
+        setting_choose(setting, false, &session->setup.settings);
         settings_of_scene(&session->setup.settings, session->setup.scene.preset);
         buffer_format(&text, "%s = ", row->name);
         setting_show(setting, &session->setup.settings, &text);
@@ -407,14 +407,14 @@ HANDLER(unset)
 
 HANDLER(let)
 {
-    const struct text name = argument_given(given, "NAME")->item->text;
+    const struct text name = argument_value(args, "NAME")->item->text;
     const char *kind;
     if (name_is_taken(session, name, &kind)) {
         error_at(error, name, "'%.*s' is taken: it is the name of %s %s", (int)name.len, name.at,
                  strchr("aeiou", kind[0]) ? "an" : "a", kind);
         return error_hint(error, "choose another name for the variable");
     }
-    struct parser parser = value_parser(session, given);
+    struct parser parser = value_parser(session, args);
     struct item item = {0};
     return read_value(&parser, "the variable", QUANTITY_OTHER, &item, error) &&
            set_let(session, name, &item, reply, error);
@@ -424,7 +424,7 @@ HANDLER(let)
 
 HANDLER(plan)
 {
-    UNUSED(given);
+    UNUSED(args);
     const struct setup *setup = &session->setup;
     const struct run_settings settings = session_run_settings(session);
     struct system system;

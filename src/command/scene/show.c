@@ -51,7 +51,7 @@ static void show_setting(const struct session *session, const struct setting *se
     for (int pad = text_width(buffer_text(&text)); pad < 31; pad++)
         buffer_char(&text, ' ');
     buffer_put(&text, text_of(setting->row.brief));
-    if (setting->natural && !setting_is_given(setting, &session->setup.settings))
+    if (setting->natural && !setting_is_chosen(setting, &session->setup.settings))
         buffer_put(&text, TEXT("; the scene's own, until it is set"));
     reply_text(reply, buffer_text(&text));
     reply_begin(reply, "show");
@@ -181,7 +181,7 @@ static void show_all(const struct session *session, struct reply *reply)
 
 HANDLER(show)
 {
-    const struct given_argument *what = argument_given(given, "NAME");
+    const struct argument_value *what = argument_value(args, "NAME");
     const struct scene *scene = &session->setup.scene;
     struct named_value value = {.quantity = QUANTITY_OTHER};
     if (what->count == 0) {

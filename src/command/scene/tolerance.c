@@ -59,8 +59,8 @@ static bool set_atol(struct session *session, int i, struct parser *parser, stru
 
 HANDLER(atol)
 {
-    const struct given_argument *name = argument_given(given, "NAME"),
-                                *value = argument_given(given, "VALUE");
+    const struct argument_value *name = argument_value(args, "NAME"),
+                                *value = argument_value(args, "VALUE");
     struct scene *scene = &session->setup.scene;
     if (!name->count) {
         list_atol(session, reply);
@@ -80,7 +80,7 @@ HANDLER(atol)
     const struct text rest = value->item->text;
     wanted.len += rest.len > 0 && rest.at == wanted.at + wanted.len && rest.at[0] == '\'';
     const int i = model_variable(scene->model, wanted);
-    struct parser parser = value_parser(session, given);
+    struct parser parser = value_parser(session, args);
     return i < 0 ? no_variable(scene->model, wanted, error)
                  : set_atol(session, i, &parser, reply, error);
 }

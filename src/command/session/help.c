@@ -85,7 +85,7 @@ static void help_param(const struct model *model, const struct row *row, struct 
     buffer_put(text, TEXT("default "));
     buffer_quantity(text, param->initial, param->quantity, 0);
     if (isfinite(param->min))
-        buffer_format(text, ", %s %g", param->least_excluded ? "more than" : "at least",
+        buffer_format(text, ", %s %g", param->min_excluded ? "more than" : "at least",
                       param->min);
     struct buffer units = {0};
     quantity_units(param->quantity, &units);
@@ -160,7 +160,7 @@ static void help_method(const struct row *row, struct buffer *text)
                  {METHOD_L_STABLE, "L-stable"},
                  {METHOD_ADAPTIVE, "adaptive"},
                  {METHOD_EXACT, "exact"},
-                 {METHOD_EXTERNAL, "a yardstick: not hooke's own"}};
+                 {METHOD_EXTERNAL, "an external solver: not hooke's own"}};
     const struct method *method = (const struct method *)(const void *)row;
     buffer_format(text, "%s, a method: %s\n", row->name, row->brief);
     put_indented(text, method->formula);
@@ -397,7 +397,7 @@ static struct text topic_of(struct text words)
 
 HANDLER(help)
 {
-    const struct given_argument *word = argument_given(given, "WORD");
+    const struct argument_value *word = argument_value(args, "WORD");
     struct suggestion near = {.wanted = word->count ? topic_of(word->item->text) : TEXT("")};
     struct buffer text = {0};
     if (word->count == 0 || text_is(near.wanted, "commands")) {
@@ -455,7 +455,7 @@ static int search(const struct catalog *catalog, struct text word, struct reply 
 HANDLER(apropos)
 {
     UNUSED(session);
-    const struct text word = argument_given(given, "WORD")->item->text;
+    const struct text word = argument_value(args, "WORD")->item->text;
     int found = 0;
     for (size_t i = 0; i < COUNT_OF(topics); i++)
         found += search(topics[i].catalog, word, reply);

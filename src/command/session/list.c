@@ -107,8 +107,8 @@ HANDLER(list)
         [LIST_UNITS] = &unit_catalog,       [LIST_FUNCTIONS] = &function_catalog,
         [LIST_FORMATS] = &format_catalog,   [LIST_LIMITS] = &limit_catalog};
     static const char *const others[] = {[LIST_RUNS] = "runs", [LIST_RECORDINGS] = "data"};
-    const enum listed kind = (enum listed)argument_given(given, "KIND")->item->index;
-    const struct given_argument *words = argument_given(given, "WORDS");
+    const enum listed kind = (enum listed)argument_value(args, "KIND")->item->index;
+    const struct argument_value *words = argument_value(args, "WORDS");
     if (words->count && kind != LIST_METHODS)
         return error_at(error, words->where, "only methods can be chosen from: list methods stiff");
     if (kind == LIST_METHODS)
@@ -134,9 +134,9 @@ HANDLER(list)
         const struct command *command =
             command_at(catalog_find(&command_catalog, text_of(others[kind])));
         struct arguments none = {.command = command,
-                                 .arena = given->arena,
-                                 .scope = given->scope,
-                                 .where = given->where};
+                                 .arena = args->arena,
+                                 .scope = args->scope,
+                                 .where = args->where};
         return command->handler(session, &none, reply, error);
     }
     return true;

@@ -11,7 +11,7 @@
         .row = {word, "", says, "", NULL}, .any = any_of, .none = none_of                          \
     }
 
-static const struct filter {
+static const struct method_filter {
     struct row row;
     unsigned any, none;
 } filters[] = {
@@ -27,12 +27,12 @@ static const struct filter {
 };
 static const struct catalog filter_catalog = CATALOG("kind of method", filters);
 
-struct wanted {
+struct wanted_methods {
     unsigned any[COUNT_OF(filters)], none[COUNT_OF(filters)];
     int filters, order; /* order 0: any */
 };
 
-static bool read_wanted(struct text words, struct wanted *wanted, struct error *error)
+static bool read_wanted(struct text words, struct wanted_methods *wanted, struct error *error)
 {
     while ((words = text_trim(words)).len > 0) {
         const struct text word = peek_word(words, "");
@@ -53,7 +53,7 @@ static bool read_wanted(struct text words, struct wanted *wanted, struct error *
             catalog_unknown(&filter_catalog, word, error);
             return error_hint(error, "(or 'order N')");
         }
-        const struct filter *filter = (const struct filter *)(const void *)row;
+        const struct method_filter *filter = (const struct method_filter *)(const void *)row;
         if (wanted->filters < (int)COUNT_OF(filters)) {
             wanted->any[wanted->filters] = filter->any;
             wanted->none[wanted->filters++] = filter->none;
@@ -62,7 +62,7 @@ static bool read_wanted(struct text words, struct wanted *wanted, struct error *
     return true;
 }
 
-static bool is_wanted(const struct wanted *wanted, const struct method *method)
+static bool is_wanted(const struct wanted_methods *wanted, const struct method *method)
 {
     bool is = wanted->order == 0 ||
               (wanted->order == method->order && !(method->flags & METHOD_EXTERNAL));
@@ -107,7 +107,7 @@ static void put_stable(double limit, struct buffer *line)
 bool list_methods(struct text words, void (*record)(const struct row *row, struct reply *reply),
                   struct reply *reply, struct error *error)
 {
-    struct wanted wanted = {.filters = 0};
+    struct wanted_methods wanted = {.filters = 0};
     int count = 0;
     if (!read_wanted(words, &wanted, error))
         return false;

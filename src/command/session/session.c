@@ -8,18 +8,18 @@
 
 HANDLER(source)
 {
-    char *path = script_path(given->where, argument_given(given, "FILE")->item->text, given->arena);
+    char *path = script_path(args->where, argument_value(args, "FILE")->item->text, args->arena);
     static const struct source prompt = {.name = NULL};
     if (!path)
         return error_memory(error);
     /* Whatever goes wrong inside was reported where it happened; the error stays without a code. */
-    return script_file(session, path, given->where ? given->where : &prompt, reply);
+    return script_file(session, path, args->where ? args->where : &prompt, reply);
 }
 
 HANDLER(record)
 {
-    const struct text name = argument_given(given, "FILE")->item->text;
-    char *path = arena_text(given->arena, name);
+    const struct text name = argument_value(args, "FILE")->item->text;
+    char *path = arena_text(args->arena, name);
     if (!path)
         return error_memory(error);
     if (text_is(name, "off")) {
@@ -53,7 +53,7 @@ static bool contains(struct text rest, struct text wanted)
 
 HANDLER(history)
 {
-    const struct given_argument *what = argument_given(given, "WHAT");
+    const struct argument_value *what = argument_value(args, "WHAT");
     const struct text word = what->count ? what->item->text : TEXT("");
     const bool search = word.len > 0 && word.at[0] == '/';
     double max = 50;
@@ -84,7 +84,7 @@ HANDLER(history)
 HANDLER(timing)
 {
     UNUSED(error);
-    const struct given_argument *how = argument_given(given, "HOW");
+    const struct argument_value *how = argument_value(args, "HOW");
     if (how->count) {
         session->setup.settings.timing = how->item->index;
         session_changed(session);
@@ -96,7 +96,7 @@ HANDLER(timing)
 
 HANDLER(clear)
 {
-    UNUSED(given);
+    UNUSED(args);
     UNUSED(reply);
     UNUSED(error);
     if (session->front.clear)
@@ -106,7 +106,7 @@ HANDLER(clear)
 
 HANDLER(quit)
 {
-    UNUSED(given);
+    UNUSED(args);
     UNUSED(reply);
     UNUSED(error);
     session->quit = true;

@@ -6,10 +6,10 @@
 #include <math.h>
 #include <string.h>
 
-static bool move(struct session *session, const struct arguments *given, bool back,
+static bool move(struct session *session, const struct arguments *args, bool back,
                  struct reply *reply, struct error *error)
 {
-    const struct given_argument *count = argument_given(given, "N");
+    const struct argument_value *count = argument_value(args, "N");
     const int steps = count->count ? (int)fmin(count->item->value.value, 1e9) : 1;
     char label[LIMIT_NAME + 1];
     int done = 0;
@@ -24,21 +24,21 @@ static bool move(struct session *session, const struct arguments *given, bool ba
 
 HANDLER(undo)
 {
-    return move(session, given, true, reply, error);
+    return move(session, args, true, reply, error);
 }
 
 HANDLER(redo)
 {
-    return move(session, given, false, reply, error);
+    return move(session, args, false, reply, error);
 }
 
 HANDLER(checkpoint)
 {
-    const struct given_argument *name = argument_given(given, "NAME");
+    const struct argument_value *name = argument_value(args, "NAME");
     const struct text text = name->count ? name->item->text : TEXT("last");
     if (text.len == 0 || text.len > LIMIT_NAME)
         return error_at(error, text, "a name of 1 to %d letters", LIMIT_NAME);
-    const char *label = arena_text(given->arena, text);
+    const char *label = arena_text(args->arena, text);
     if (!label)
         return error_memory(error);
     if (!checkpoint_make(session, label, error))
@@ -49,7 +49,7 @@ HANDLER(checkpoint)
 
 HANDLER(restore)
 {
-    const struct given_argument *name = argument_given(given, "NAME");
+    const struct argument_value *name = argument_value(args, "NAME");
     const char *label;
     if (!checkpoint_restore(session, name->count ? name->item->text : TEXT(""), &label, error))
         return false;
@@ -59,8 +59,8 @@ HANDLER(restore)
 
 HANDLER(save)
 {
-    const struct item *file = argument_given(given, "FILE")->item;
-    char *path = arena_text(given->arena, file->text);
+    const struct item *file = argument_value(args, "FILE")->item;
+    char *path = arena_text(args->arena, file->text);
     struct buffer text = {0};
     struct writer writer;
     session_save(session, &text);
@@ -68,7 +68,7 @@ HANDLER(save)
         buffer_free(&text);
         return error_memory(error);
     }
-    bool ok = writer_open(&writer, path, session_policy(session, is_given(given, "force")), error);
+    bool ok = writer_open(&writer, path, session_policy(session, has_argument(args, "force")), error);
     if (ok) {
         writer_put(&writer, buffer_text(&text));
         ok = writer_commit(&writer, error);

@@ -58,9 +58,9 @@ static void reply_order(const struct order *order, struct reply *reply)
 
 HANDLER(order)
 {
-    const struct given_argument *method = argument_given(given, "METHOD"),
-                                *dt = argument_given(given, "dt"),
-                                *drag = argument_given(given, "drag");
+    const struct argument_value *method = argument_value(args, "METHOD"),
+                                *dt = argument_value(args, "dt"),
+                                *drag = argument_value(args, "drag");
     struct order_request request = {
         .scene = &session->setup.scene,
         .by = {(const struct method *)(const void *)method->item->row, DRAG_DEFAULT},
@@ -80,7 +80,7 @@ HANDLER(order)
     const bool ok = study_order(&request, &order, error);
     if (ok || order.points > 0) {
         struct buffer text = {0};
-        put_order(session, &order, given->arena, &text);
+        put_order(session, &order, args->arena, &text);
         reply_text(reply, buffer_text(&text));
         buffer_free(&text);
         reply_result(session, reply, "order", &order_point_columns, order.point,
@@ -96,7 +96,7 @@ static void check_cell(struct text_table *table, const struct selftest_row *row,
                        enum selftest_check check)
 {
     struct buffer text = {0};
-    if (!row->check[check].asked)
+    if (!row->check[check].applies)
         buffer_char(&text, '-');
     else if (check == SELFTEST_ORDER)
         buffer_format(&text, "%.2f of %g", row->check[check].value, row->check[check].wanted);
@@ -104,7 +104,7 @@ static void check_cell(struct text_table *table, const struct selftest_row *row,
         buffer_format(&text, "x %.6g of %.6g", row->check[check].value, row->check[check].wanted);
     else
         buffer_format(&text, "%.0e", fabs(row->check[check].value));
-    if (row->check[check].asked && !row->check[check].passed)
+    if (row->check[check].applies && !row->check[check].passed)
         buffer_put(&text, TEXT(" !"));
     cell_take(table, &text);
 }
@@ -116,10 +116,10 @@ static void reply_selftest(const struct selftest_row *row, struct reply *reply)
     reply_bool(reply, "passed", row->passed);
     for (enum selftest_check i = 0; i < SELFTEST_CHECKS; i++) {
         reply_object(reply, catalog_row(&selftest_catalog, i)->name);
-        reply_bool(reply, "asked", row->check[i].asked);
+        reply_bool(reply, "asked", row->check[i].applies);
         reply_bool(reply, "passed", row->check[i].passed);
-        reply_real(reply, "value", row->check[i].asked ? row->check[i].value : NAN);
-        reply_real(reply, "wanted", row->check[i].asked ? row->check[i].wanted : NAN);
+        reply_real(reply, "value", row->check[i].applies ? row->check[i].value : NAN);
+        reply_real(reply, "wanted", row->check[i].applies ? row->check[i].wanted : NAN);
         reply_close(reply);
     }
     reply_end(reply);
@@ -127,7 +127,7 @@ static void reply_selftest(const struct selftest_row *row, struct reply *reply)
 
 HANDLER(selftest)
 {
-    struct text_table table = {.arena = given->arena, .columns = SELFTEST_CHECKS + 2, .gap = 2};
+    struct text_table table = {.arena = args->arena, .columns = SELFTEST_CHECKS + 2, .gap = 2};
     struct buffer text = {0}, failed = {0};
     const int64_t begin = clock_ns();
     int finished = 0, failures = 0;

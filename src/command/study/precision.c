@@ -22,12 +22,12 @@ static void note_absent(void *context, const char *method, const char *reason)
 }
 
 /* The methods named, else those that suit the scene; one drag= holds for those that know it. */
-static bool choose_methods(const struct session *session, const struct arguments *given,
+static bool choose_methods(const struct session *session, const struct arguments *args,
                            struct method_choice *choice, int *count, struct absentees *absentees,
                            struct error *error)
 {
-    const struct given_argument *methods = argument_given(given, "METHOD"),
-                                *drag = argument_given(given, "drag");
+    const struct argument_value *methods = argument_value(args, "METHOD"),
+                                *drag = argument_value(args, "drag");
     struct system system;
     if (!scene_bind(&session->setup.scene, &system, error))
         return false;
@@ -48,14 +48,14 @@ static bool choose_methods(const struct session *session, const struct arguments
     return true;
 }
 
-static void take_range(const struct given_argument *range, double out[2])
+static void take_range(const struct argument_value *range, double out[2])
 {
     out[0] = out[1] = NAN;
     for (int i = 0; i < 2 && range->count; i++)
         out[i] = range->item->range[i];
 }
 
-static bool check_range(const struct given_argument *range, const char *example,
+static bool check_range(const struct argument_value *range, const char *example,
                         struct error *error)
 {
     if (range->count == 0)
@@ -106,7 +106,7 @@ static void put_marks(struct buffer *text, const struct precision *precision)
             TEXT("+  the time of 30000 steps, scaled to all; one a method was timed whole, too\n"));
 }
 
-static void reply_study(const struct session *session, const struct arguments *given,
+static void reply_study(const struct session *session, const struct arguments *args,
                         const struct precision *precision, const struct buffer *absent,
                         double seconds, struct reply *reply)
 {
@@ -121,14 +121,14 @@ static void reply_study(const struct session *session, const struct arguments *g
     buffer_quantity(&text, precision->duration, QUANTITY_TIME, 4);
     buffer_format(&text, " of the scene, computed in %.2g s; errors against ", seconds);
     reference_describe(&precision->reference, &text);
-    buffer_put(&text, precision->reference.kept ? TEXT(", as found before\n") : TEXT("\n"));
+    buffer_put(&text, precision->reference.stored ? TEXT(", as found before\n") : TEXT("\n"));
     buffer_put(&text, buffer_text(absent));
-    precision_tables(precision, width, given->arena, &text);
+    precision_tables(precision, width, args->arena, &text);
     put_marks(&text, precision);
-    if (precision_figure(precision, given->arena, &figure, &ignored) &&
+    if (precision_figure(precision, args->arena, &figure, &ignored) &&
         figure_print(&figure, width, height, session_charset(session), false, &text))
         precision_legend(precision, width, &text);
-    precision_summary(precision, given->arena, &text);
+    precision_summary(precision, args->arena, &text);
     reply_text(reply, buffer_text(&text));
     buffer_free(&text);
 }
@@ -136,23 +136,23 @@ static void reply_study(const struct session *session, const struct arguments *g
 /* The session takes it over; without memory the one before stays. */
 static void keep_precision(struct session *session, struct precision *precision)
 {
-    struct precision *kept = malloc(sizeof *kept);
-    if (!kept)
+    struct precision *stored = malloc(sizeof *stored);
+    if (!stored)
         return;
-    *kept = *precision;
+    *stored = *precision;
     *precision = (struct precision){0};
     if (session->precision)
         precision_free(session->precision);
     free(session->precision);
-    session->precision = kept;
+    session->precision = stored;
 }
 
 HANDLER(precision)
 {
-    const struct given_argument *dt = argument_given(given, "dt"),
-                                *tol = argument_given(given, "tol");
-    const size_t capacity = (size_t)argument_given(given, "METHOD")->count + PRECISION_DEFAULTS;
-    struct method_choice *choice = arena_array(given->arena, capacity, sizeof *choice);
+    const struct argument_value *dt = argument_value(args, "dt"),
+                                *tol = argument_value(args, "tol");
+    const size_t capacity = (size_t)argument_value(args, "METHOD")->count + PRECISION_DEFAULTS;
+    struct method_choice *choice = arena_array(args->arena, capacity, sizeof *choice);
     struct absentees absentees = {{0}};
     int count = 0;
     if (!choice)
@@ -162,13 +162,13 @@ HANDLER(precision)
                                         .duration = session->setup.settings.duration,
                                         .timing = (enum timing)session->setup.settings.timing,
                                         .compensated = session_run_settings(session).compensated,
-                                        .recording = is_given(given, "recording"),
+                                        .recording = has_argument(args, "recording"),
                                         .references = &session->references,
                                         .cancel = session->front.cancel};
     take_range(dt, request.dt);
     take_range(tol, request.tol);
     bool ok = check_range(dt, "dt=1ms:100ms", error) && check_range(tol, "tol=1e-10:1e-3", error) &&
-              choose_methods(session, given, choice, &count, &absentees, error);
+              choose_methods(session, args, choice, &count, &absentees, error);
     if (!ok) {
         buffer_free(&absentees.text);
         return false;
@@ -180,8 +180,8 @@ HANDLER(precision)
     reply_shorter(session, reply);
     ok = study_precision(&request, &precision, error);
     if (precision.curves > 0) {
-        reply_study(session, given, &precision, &absentees.text, clock_seconds(begin), reply);
-        reply_precision(session, &precision, given->arena, reply);
+        reply_study(session, args, &precision, &absentees.text, clock_seconds(begin), reply);
+        reply_precision(session, &precision, args->arena, reply);
         keep_precision(session, &precision);
     }
     buffer_free(&absentees.text);

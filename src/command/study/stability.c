@@ -209,13 +209,13 @@ static void reply_stability(const struct stability *s, struct reply *reply)
 
 /* Of several methods those that do not apply are left out with the reason; one alone is an error.
  */
-static bool study_each(const struct session *session, const struct arguments *given,
+static bool study_each(const struct session *session, const struct arguments *args,
                        struct stability *rows, int *count, struct buffer *absent,
                        struct error *error)
 {
-    const struct given_argument *methods = argument_given(given, "METHOD"),
-                                *dt = argument_given(given, "dt"),
-                                *drag = argument_given(given, "drag");
+    const struct argument_value *methods = argument_value(args, "METHOD"),
+                                *dt = argument_value(args, "dt"),
+                                *drag = argument_value(args, "drag");
     const int wanted = methods->count ? methods->count : 1;
     for (int i = 0; i < wanted; i++) {
         struct stability_request request = {
@@ -243,15 +243,15 @@ static bool study_each(const struct session *session, const struct arguments *gi
 
 HANDLER(stability)
 {
-    const struct given_argument *methods = argument_given(given, "METHOD");
-    struct stability *rows = arena_array(given->arena, (size_t)methods->count + 1, sizeof *rows);
+    const struct argument_value *methods = argument_value(args, "METHOD");
+    struct stability *rows = arena_array(args->arena, (size_t)methods->count + 1, sizeof *rows);
     struct buffer text = {0}, absent = {0};
     int count = 0;
     if (!rows)
         return error_memory(error);
-    const bool ok = study_each(session, given, rows, &count, &absent, error);
+    const bool ok = study_each(session, args, rows, &count, &absent, error);
     if (count > 0)
-        put_table(&text, rows, count, given->arena);
+        put_table(&text, rows, count, args->arena);
     buffer_put(&text, buffer_text(&absent));
     buffer_free(&absent);
     for (int i = 0; i < count; i++) {
@@ -261,7 +261,7 @@ HANDLER(stability)
         put_weakness(&text, &rows[i]);
     }
     if (count == 1 && methods->count <= 1 && ok &&
-        !put_picture(&text, session, &rows[0], given->arena))
+        !put_picture(&text, session, &rows[0], args->arena))
         text.failed = true;
     if (count > 0)
         reply_text(reply, buffer_text(&text));

@@ -220,24 +220,24 @@ static bool this_scene(const struct session *session, struct arena *arena, struc
 
 HANDLER(stress)
 {
-    const struct given_argument *asked = argument_given(given, "METHOD");
+    const struct argument_value *wanted = argument_value(args, "METHOD");
     const struct method **method =
-        arena_array(given->arena, method_catalog.count + (size_t)asked->count, sizeof *method);
+        arena_array(args->arena, method_catalog.count + (size_t)wanted->count, sizeof *method);
     struct stress stress;
     int methods = 0;
     if (!method)
         return error_memory(error);
-    for (int i = 0; i < asked->count; i++)
-        method[methods++] = (const struct method *)(const void *)asked->item[i].row;
-    for (size_t i = 0; i < method_catalog.count && asked->count == 0; i++) {
+    for (int i = 0; i < wanted->count; i++)
+        method[methods++] = (const struct method *)(const void *)wanted->item[i].row;
+    for (size_t i = 0; i < method_catalog.count && wanted->count == 0; i++) {
         const struct method *row =
             (const struct method *)(const void *)catalog_row(&method_catalog, i);
         if (!(row->flags & METHOD_EXTERNAL)) /* somebody else's: only when named */
             method[methods++] = row;
     }
     struct stress_scene of;
-    const bool present = is_given(given, "scene");
-    if (present && !this_scene(session, given->arena, &of, error))
+    const bool present = has_argument(args, "scene");
+    if (present && !this_scene(session, args->arena, &of, error))
         return false;
     const bool ok =
         study_stress(present ? &of : NULL, method, methods, session->front.cancel, &stress, error);

@@ -136,19 +136,19 @@ static void reply_comparison(const struct session *session, const struct compare
 
 /* ---- the command ---- */
 
-static double *values_of(const struct given_argument *given, struct arena *arena)
+static double *values_of(const struct argument_value *args, struct arena *arena)
 {
-    double *values = arena_array(arena, (size_t)given->count + 1, sizeof *values);
-    for (int i = 0; values && i < given->count; i++)
-        values[i] = given->item[i].value.value;
+    double *values = arena_array(arena, (size_t)args->count + 1, sizeof *values);
+    for (int i = 0; values && i < args->count; i++)
+        values[i] = args->item[i].value.value;
     return values;
 }
 
-static bool make_choices(const struct session *session, const struct arguments *given,
+static bool make_choices(const struct session *session, const struct arguments *args,
                          struct method_choice *choice, struct error *error)
 {
-    const struct given_argument *methods = argument_given(given, "METHOD"),
-                                *drag = argument_given(given, "drag");
+    const struct argument_value *methods = argument_value(args, "METHOD"),
+                                *drag = argument_value(args, "drag");
     for (int i = 0; i < methods->count; i++) {
         choice[i].method = (const struct method *)(const void *)methods->item[i].row;
         choice[i].drag = drag->count == 1                ? (enum drag)(drag->item[0].index + 1)
@@ -209,16 +209,16 @@ static bool choices_adapt(const struct compare_request *request)
 
 HANDLER(compare)
 {
-    const struct given_argument *methods = argument_given(given, "METHOD"),
-                                *dt = argument_given(given, "dt"),
-                                *tol = argument_given(given, "tol");
+    const struct argument_value *methods = argument_value(args, "METHOD"),
+                                *dt = argument_value(args, "dt"),
+                                *tol = argument_value(args, "tol");
     const struct settings *settings = &session->setup.settings;
     const int max = methods->count * (tol->count ? tol->count : dt->count ? dt->count : 1);
     struct method_choice *choice =
-        arena_array(given->arena, (size_t)methods->count, sizeof *choice);
-    struct comparison *rows = arena_array(given->arena, (size_t)max, sizeof *rows);
-    struct compared_row *compared = arena_array(given->arena, (size_t)max, sizeof *compared);
-    double *dts = values_of(dt, given->arena), *tols = values_of(tol, given->arena);
+        arena_array(args->arena, (size_t)methods->count, sizeof *choice);
+    struct comparison *rows = arena_array(args->arena, (size_t)max, sizeof *rows);
+    struct compared_row *compared = arena_array(args->arena, (size_t)max, sizeof *compared);
+    double *dts = values_of(dt, args->arena), *tols = values_of(tol, args->arena);
     if (!choice || !rows || !compared || !dts || !tols)
         return error_memory(error);
     const bool adapts = !tol->count && !dt->count && settings->tol > 0; /* those that can */
@@ -233,7 +233,7 @@ HANDLER(compare)
                   session->runs, LIMIT_RUNS);
         return error_hint(error, "drop some: drop N.. or drop all");
     }
-    if (!make_choices(session, given, choice, error))
+    if (!make_choices(session, args, choice, error))
         return false;
     const struct compare_request request = {.scene = &session->setup.scene,
                                             .choice = choice,
@@ -254,7 +254,7 @@ HANDLER(compare)
                                             .cancel = session->front.cancel};
     double steps, seconds;
     if (!study_compare_plan(&request, &steps, &seconds, error) ||
-        !allow_long(session, seconds, steps, is_given(given, "force"), error))
+        !allow_long(session, seconds, steps, has_argument(args, "force"), error))
         return false;
     int count = 0;
     struct error study = {0};
@@ -265,8 +265,8 @@ HANDLER(compare)
         return false;
     if (count > 0) {
         overlay_runs(&session->view, rows, count);
-        fill_rows(session, rows, count, given->arena, compared);
-        reply_table(session, rows, compared, count, given->arena, reply);
+        fill_rows(session, rows, count, args->arena, compared);
+        reply_table(session, rows, compared, count, args->arena, reply);
         reply_comparison(session, compared, count, reply);
         for (int i = 0; i < count; i++)
             reply_unsound(rows[i].run, reply);

@@ -187,14 +187,14 @@ static bool read_option(struct parser *parser, struct sweep_request *request, bo
     return true;
 }
 
-static bool read_sweep(struct session *session, const struct arguments *given,
+static bool read_sweep(struct session *session, const struct arguments *args,
                        struct sweep_request *request, bool *force, struct error *error)
 {
-    struct text rest = argument_given(given, "NAME=RANGE")->item->text;
+    struct text rest = argument_value(args, "NAME=RANGE")->item->text;
     while (text_skip_blanks(&rest), rest.len > 0) {
         const struct text argument = next_argument(&rest), name = peek_name(argument);
         struct parser parser = {
-            session, given->scope, given->arena, {argument.at + name.len, argument.len - name.len}};
+            session, args->scope, args->arena, {argument.at + name.len, argument.len - name.len}};
         text_skip_blanks(&parser.rest);
         if (text_starts(argument, TEXT("--"))) {
             parser.rest = argument;
@@ -284,7 +284,7 @@ HANDLER(sweep)
     struct sweep sweep;
     bool force = false;
     double steps, seconds;
-    if (!read_sweep(session, given, &request, &force, error))
+    if (!read_sweep(session, args, &request, &force, error))
         return false;
     reply_unchosen(session, reply);
     study_sweep_predict(&request, &steps, &seconds);
@@ -296,7 +296,7 @@ HANDLER(sweep)
     report_sweep(&session->front, 2);
     if (sweep.finished > 0 && (ok || error->code == ERROR_CANCELLED)) {
         const struct swept swept = {&sweep, request.measure, request.scene->model};
-        reply_sweep(session, &swept, given->arena, reply);
+        reply_sweep(session, &swept, args->arena, reply);
     }
     sweep_free(&sweep);
     return ok;

@@ -16,13 +16,13 @@ enum { TERMS = 6, SAMPLES_MIN = 2 * TERMS, ROUNDS_HUBER = 6, ROUNDS = 12 };
 #define COVERED 1.25      /* of the two periods: across a gap a fit is none */
 #define NEAR_ENOUGH 0.002 /* of the swing: so far the amplitude may bend within two periods */
 
-struct stretch {
+struct clean_samples {
     size_t n;
     double (*term)[TERMS]; /* [n] */
     double *y, *weight, *residual, *size;
 };
 
-static bool weighted_fit(const struct stretch *s, double parameter[TERMS])
+static bool weighted_fit(const struct clean_samples *s, double parameter[TERMS])
 {
     double a[TERMS][TERMS] = {{0}}, b[TERMS] = {0};
     for (size_t i = 0; i < s->n; i++)
@@ -51,7 +51,7 @@ static double value_of(const double parameter[TERMS], const double term[TERMS])
 }
 
 /* Residuals and their robust scale. */
-static double residual_scale(const struct stretch *s, const double parameter[TERMS])
+static double residual_scale(const struct clean_samples *s, const double parameter[TERMS])
 {
     for (size_t i = 0; i < s->n; i++) {
         s->residual[i] = s->y[i] - value_of(parameter, s->term[i]);
@@ -60,7 +60,7 @@ static double residual_scale(const struct stretch *s, const double parameter[TER
     return MAD_TO_SIGMA * quantile(s->size, s->n, 0.5);
 }
 
-static bool robust_fit(const struct stretch *s, double min, double parameter[TERMS], double *scale)
+static bool robust_fit(const struct clean_samples *s, double min, double parameter[TERMS], double *scale)
 {
     for (size_t i = 0; i < s->n; i++)
         s->weight[i] = 1;
@@ -91,12 +91,12 @@ static size_t row_at(const struct cleaning *c, double t)
     return first_from(c->t, c->n, t);
 }
 
-static void fit_local(struct cleaning *c, struct local *local, const struct stretch *work)
+static void fit_local(struct cleaning *c, struct local *local, const struct clean_samples *work)
 {
     const double first = c->t[0], last = c->t[c->n - 1];
     const double begin = fmin(fmax(local->t - c->period, first), fmax(first, last - 2 * c->period));
     const size_t from = row_at(c, begin), to = row_at(c, begin + 2 * c->period);
-    struct stretch s = *work;
+    struct clean_samples s = *work;
     double parameter[TERMS], here[TERMS];
     s.n = 0;
     for (size_t i = from; i < to; i++)
@@ -137,7 +137,7 @@ bool clean_fit(struct cleaning *c)
             .to = k + 1 < c->locals ? row_at(c, first + each * (double)(k + 1)) : c->n};
         largest = rows > largest ? rows : largest;
     }
-    struct stretch work = {.term = arena_array(c->scratch, largest, sizeof *work.term),
+    struct clean_samples work = {.term = arena_array(c->scratch, largest, sizeof *work.term),
                            .y = arena_array(c->scratch, largest, sizeof *work.y),
                            .weight = arena_array(c->scratch, largest, sizeof *work.weight),
                            .residual = arena_array(c->scratch, largest, sizeof *work.residual),

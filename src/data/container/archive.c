@@ -140,7 +140,7 @@ static bool read_entries(struct unpacking *u, bool (*wanted)(const char *path),
             continue;
         if (u->api->archive_entry_is_encrypted(entry) > 0)
             return error_set(error, ERROR_IO, "%s is locked by a password", u->shown);
-        struct entry *one = &content->entry[content->entries];
+        struct archive_entry *one = &content->entry[content->entries];
         one->path = strdup(path);
         if (!one->path)
             return error_memory(error);

@@ -9,13 +9,13 @@
 #include <string.h>
 #include <strings.h>
 
-struct part *contents_add(struct contents *contents, struct text name)
+struct container_part *contents_add(struct contents *contents, struct text name)
 {
     if (!contents->part)
         contents->part = calloc(PARTS_MAX, sizeof *contents->part);
     if (!contents->part || contents->parts == PARTS_MAX)
         return NULL;
-    struct part *part = &contents->part[contents->parts++];
+    struct container_part *part = &contents->part[contents->parts++];
     struct buffer safe = {0};
     safe_text(&safe, name, false);
     const size_t len = safe.failed ? 0 : text_fitting(buffer_text(&safe), LIMIT_NAME);
@@ -118,7 +118,7 @@ static size_t narrow_numbers(struct text bytes)
 static bool add_text(struct contents *contents, struct text name, struct buffer *bytes,
                      struct error *error)
 {
-    struct part *part = contents_add(contents, name);
+    struct container_part *part = contents_add(contents, name);
     if (!part)
         return contents->parts == PARTS_MAX || error_memory(error);
     const struct text raw = buffer_text(bytes);

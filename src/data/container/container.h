@@ -48,14 +48,14 @@ bool intake_look(void *context, struct text content, size_t from, uintmax_t size
 bool intake_read(const char *path, struct intake *intake, struct buffer *bytes,
                  struct error *error);
 
-struct part {
+struct container_part {
     char name[LIMIT_NAME + 1]; /* of the entry, sheet or data set, made safe; "": the file itself */
     struct buffer text;        /* UTF-8 */
 };
 
 struct contents {
     const char *container; /* "gzip", "zip", "xlsx" …; NULL: a plain file */
-    struct part *part;     /* [PARTS_MAX] */
+    struct container_part *part;     /* [PARTS_MAX] */
     size_t parts;          /* at least 1 after contents_read */
     bool grew;             /* while it was read; its last line is left out */
 };
@@ -70,16 +70,16 @@ bool contents_read(const char *path, const char *shown, const struct load_option
 void contents_free(struct contents *contents);
 
 /* A new part; NULL: no memory, or PARTS_MAX of them (the rest is left out). */
-struct part *contents_add(struct contents *contents, struct text name);
+struct container_part *contents_add(struct contents *contents, struct text name);
 
 /* archive.c: entries of a zip or gzip archive in memory. */
-struct entry {
+struct archive_entry {
     char *path; /* as in the archive, NUL-terminated */
     struct buffer bytes;
 };
 
 struct archive_content {
-    struct entry entry[PARTS_MAX];
+    struct archive_entry entry[PARTS_MAX];
     size_t entries;
 };
 

@@ -18,7 +18,7 @@
 #define GROWTH_MAX                                                                                 \
     4 /* times the size of its XML that a workbook's text may have, beyond EXPANSION_FREE */
 
-enum style { STYLE_NUMBER, STYLE_DATE, STYLE_TIME };
+enum cell_style { STYLE_NUMBER, STYLE_DATE, STYLE_TIME };
 
 struct workbook {
     const struct archive_content *content;
@@ -32,7 +32,7 @@ struct workbook {
     double epoch;
     struct { /* formats of numbers of the workbook's own */
         long id;
-        enum style style;
+        enum cell_style style;
     } format[STYLES_MAX];
     int formats;
     unsigned char style[STYLES_MAX]; /* of cells */
@@ -46,7 +46,7 @@ struct workbook {
     struct buffer *out;
     int column, filled; /* of the cell at hand; cells written in this row */
     char type[16];
-    enum style cell_style;
+    enum cell_style cell_style;
     size_t cells;
     size_t left; /* [byte] of text that all sheets may still become */
 };
@@ -123,7 +123,7 @@ static bool relation_start(void *context, const char *name, const char **attribu
 /* ---- formats: which numbers are dates ---- */
 
 /* A number format's code: letters of dates outside of quotes, brackets and escapes. */
-static enum style style_of_code(const char *code)
+static enum cell_style style_of_code(const char *code)
 {
     bool date = false, time = false, quoted = false, bracket = false;
     for (; *code; code++) {
@@ -140,7 +140,7 @@ static enum style style_of_code(const char *code)
 }
 
 /* ECMA-376, 18.8.30: 14 to 17 and 22 are dates, 18 to 21 and 45 to 47 times. */
-static enum style style_of_id(const struct workbook *book, long id)
+static enum cell_style style_of_id(const struct workbook *book, long id)
 {
     for (int i = 0; i < book->formats; i++)
         if (book->format[i].id == id)
@@ -232,7 +232,7 @@ static bool cell_start(struct workbook *book, const char **attributes)
                          (int)LIMIT_COLUMNS, CELLS_MAX);
     snprintf(book->type, sizeof book->type, "%s", type ? type : "n");
     book->cell_style =
-        index >= 0 && index < book->styles ? (enum style)book->style[index] : STYLE_NUMBER;
+        index >= 0 && index < book->styles ? (enum cell_style)book->style[index] : STYLE_NUMBER;
     buffer_clear(&book->text);
     return true;
 }
@@ -308,7 +308,7 @@ static bool read_sheet(struct workbook *book, int i, struct contents *contents)
             return true; /* under another name: read already */
     if (!sheet)
         return true;
-    struct part *part = contents_add(contents, text_of(book->sheet[i].name));
+    struct container_part *part = contents_add(contents, text_of(book->sheet[i].name));
     if (!part)
         return contents->parts == PARTS_MAX || error_memory(book->error);
     book->out = &part->text;

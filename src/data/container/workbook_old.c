@@ -70,7 +70,7 @@ static bool read_sheet(const struct freexl_api *api, const void *book, unsigned 
     if (api->freexl_select_active_worksheet(book, index) != FREEXL_OK ||
         api->freexl_worksheet_dimensions(book, &rows, &columns) != FREEXL_OK)
         return true;
-    struct part *part = contents_add(contents, text_of(name ? name : ""));
+    struct container_part *part = contents_add(contents, text_of(name ? name : ""));
     if (!part)
         return contents->parts == PARTS_MAX || error_memory(error);
     buffer_put(&part->text, TEXT(""));

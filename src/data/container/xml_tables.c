@@ -143,7 +143,7 @@ static bool finish_set(struct tables *tables)
         return true;
     snprintf(name, sizeof name, "set %d", ++tables->sets);
     struct text own = text_trim(buffer_text(&tables->set));
-    struct part *part = contents_add(tables->contents, own.len > 0 ? own : text_of(name));
+    struct container_part *part = contents_add(tables->contents, own.len > 0 ? own : text_of(name));
     if (!part)
         return tables->contents->parts == PARTS_MAX || error_memory(tables->error);
     for (size_t i = 0; i < tables->columns; i++) {

@@ -14,7 +14,7 @@
 
 /* In the order of preference when two read the same number of lines; '\n' separates nothing: a
  * single column. */
-static const struct reading {
+static const struct separator_pair {
     char separator, decimal;
 } readings[] = {
     {'\t', '.'}, {'\t', ','}, {';', '.'},  {';', ','},  {',', '.'},
@@ -29,13 +29,13 @@ struct shape {
         led_by_zero; /* some whole number but 0 starts with 0: what a decimal comma leaves behind */
 };
 
-static struct shape shape_of(struct text line, struct reading reading)
+static struct shape shape_of(struct text line, struct separator_pair reading)
 {
     struct shape shape = {0};
     struct text field;
     double value;
     while (shape.fields <= (int)LIMIT_COLUMNS && table_field(&line, reading.separator, &field)) {
-        enum cell cell = table_cell(field, reading.decimal, &value);
+        enum field cell = table_cell(field, reading.decimal, &value);
         shape.fields++;
         shape.numbers += cell == CELL_NUMBER || cell == CELL_STAMP;
         shape.words += cell == CELL_WORD;
@@ -56,7 +56,7 @@ static bool is_row(struct shape shape, int min, bool words)
 }
 
 struct found {
-    struct reading reading;
+    struct separator_pair reading;
     size_t first;      /* head[first] is the first row */
     int fields, score; /* score: rows among the lines counted */
     bool trailing;     /* every row counted ends in a separator */
@@ -64,7 +64,7 @@ struct found {
 };
 
 /* `run` consecutive rows of `min` fields or more; words: with words in some of them. */
-static bool find_rows(const struct table_text *text, size_t from, struct reading reading, int min,
+static bool find_rows(const struct table_text *text, size_t from, struct separator_pair reading, int min,
                       bool words, int run, struct found *found)
 {
     int same = 0;
@@ -111,7 +111,7 @@ static size_t first_row(const struct table_text *text, const struct found *found
             continue;
         if (!table_field(&line, found->reading.separator, &field))
             break;
-        const enum cell cell = table_cell(field, found->reading.decimal, &value);
+        const enum field cell = table_cell(field, found->reading.decimal, &value);
         if (cell != CELL_NUMBER && cell != CELL_STAMP)
             break;
         first = i;
@@ -187,7 +187,7 @@ static void find_names(const struct table_text *text, size_t first, size_t from,
     layout->name_separator = separator[units];
 }
 
-static bool allowed(struct reading reading, const struct load_options *options)
+static bool allowed(struct separator_pair reading, const struct load_options *options)
 {
     return (!options->separator || options->separator == reading.separator ||
             reading.separator == '\n') &&

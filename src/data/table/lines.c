@@ -208,7 +208,7 @@ bool table_grouped(struct text field, char decimal, double *value)
     return odd_number(field, decimal, true, value);
 }
 
-enum cell table_cell(struct text field, char decimal, double *value)
+enum field table_cell(struct text field, char decimal, double *value)
 {
     size_t used;
     double number;

@@ -15,7 +15,7 @@
 #define ESTIMATE 64   /* lines whose length tells how many there are */
 #define RECENT 16     /* … among those kept in mind: a power of two above it */
 
-struct tally {
+struct row_problem {
     size_t count, first; /* how many, and the line of the first */
     char example[SHORT_NAME];
 };
@@ -23,7 +23,7 @@ struct tally {
 struct reader {
     struct recording *recording;
     const struct table_layout *layout;
-    struct tally ragged, extra, *words; /* words: of each column */
+    struct row_problem ragged, extra, *words; /* words: of each column */
     struct stamp_column *stamps;        /* of each column */
     struct text recent[RECENT];         /* recent[i % RECENT]: row i, while it is one of the last */
     size_t capacity;                    /* rows there is memory for */
@@ -66,7 +66,7 @@ static bool reserve(struct reader *reader, size_t rows, struct error *error)
 
 /* ---- one row ---- */
 
-static void note(struct tally *tally, size_t line, struct text example)
+static void note(struct row_problem *tally, size_t line, struct text example)
 {
     if (tally->count++ == 0) {
         tally->first = line;
@@ -142,9 +142,9 @@ static const char *plain_row(struct reader *reader, const char *at, const char *
     return at < end && *at == '\n' ? at + 1 : NULL;
 }
 
-static enum cell cell_of(struct text field, const struct table_layout *layout, double *value)
+static enum field cell_of(struct text field, const struct table_layout *layout, double *value)
 {
-    const enum cell cell = table_cell(field, layout->decimal, value);
+    const enum field cell = table_cell(field, layout->decimal, value);
     return cell == CELL_WORD && layout->grouped && table_grouped(field, layout->decimal, value)
                ? CELL_NUMBER
                : cell;
@@ -152,7 +152,7 @@ static enum cell cell_of(struct text field, const struct table_layout *layout, d
 
 /* The next field, parsed. Numbers that end at the separator need no look at the field as text. */
 static bool next_cell(struct text *rest, const struct table_layout *layout, struct text *field,
-                      enum cell *cell, double *value)
+                      enum field *cell, double *value)
 {
     size_t used = 0;
     if (rest->at == NULL)
@@ -193,7 +193,7 @@ static bool read_row(struct reader *reader, struct text line, size_t number)
     struct text rest = line, field, beyond = {0};
     int fields = 0, numbers = 0;
     bool words = false;
-    enum cell cell;
+    enum field cell;
     double value;
     while (next_cell(&rest, reader->layout, &field, &cell, &value)) {
         if (fields < recording->columns) {
@@ -259,7 +259,7 @@ static bool is_cut(const struct reader *reader)
         agreed = here;
     }
     double value;
-    enum cell cell = table_cell(last, layout->decimal, &value);
+    enum field cell = table_cell(last, layout->decimal, &value);
     struct text above = last_field(reader, reader->recent[(row - 1) % RECENT]);
     if (cell == CELL_WORD || text_is(last, "-"))
         return table_cell(above, layout->decimal, &value) != CELL_WORD;
@@ -298,7 +298,7 @@ static void warn_rows(struct reader *reader)
                        reader->ragged.count == 1 ? "is" : "are", recording->columns,
                        reader->ragged.first, reader->ragged.example);
     for (int i = 0; i < recording->columns; i++) {
-        const struct tally *words = &reader->words[i];
+        const struct row_problem *words = &reader->words[i];
         if (words->count > 0 && words->count == recording->rows)
             recording_warn(recording, "%s holds words, not numbers ('%s')",
                            recording->column[i].name, words->example);

@@ -228,7 +228,7 @@ static void spread_stamps(struct recording *recording)
 static void drop_rows(struct recording *recording)
 {
     struct dropped missing = {0}, same = {0}, back = {0};
-    size_t kept = 0, rising = 0;
+    size_t rows_used = 0, rising = 0;
     double last = -HUGE_VAL;
     for (; rising < recording->rows && recording->t[rising] > last; rising++)
         last = recording->t[rising];
@@ -236,21 +236,21 @@ static void drop_rows(struct recording *recording)
         return;
     for (size_t i = 0; i < recording->rows; i++)
         if (isfinite(recording->t[i]))
-            keep(recording, kept++, i);
+            keep(recording, rows_used++, i);
         else
             drop(&missing, recording->line[i]);
-    recording->rows = kept;
-    kept = 0;
+    recording->rows = rows_used;
+    rows_used = 0;
     for (size_t i = 0; i < recording->rows; i++) {
-        const double before = kept > 0 ? recording->t[kept - 1] : -HUGE_VAL, now = recording->t[i];
+        const double before = rows_used > 0 ? recording->t[rows_used - 1] : -HUGE_VAL, now = recording->t[i];
         const bool ahead =
             i + 1 < recording->rows && recording->t[i + 1] < now && recording->t[i + 1] > before;
         if (now > before && !ahead)
-            keep(recording, kept++, i);
+            keep(recording, rows_used++, i);
         else
             drop(now == before ? &same : &back, recording->line[i]);
     }
-    recording->rows = kept;
+    recording->rows = rows_used;
     recording->repeated = same.count;
     recording->backward = back.count;
     warn_dropped(recording, &missing, "row has no time", "rows have no time");

@@ -94,7 +94,7 @@ INLINE double largest_estimate(const struct method *method, double tol)
     return (method->fraction > 0 ? method->fraction : SHARE) * proportional;
 }
 
-static inline double least_step(double t)
+static inline double min_step(double t)
 {
     return MIN_ULPS * (nextafter(fabs(t), HUGE_VAL) - fabs(t));
 }
@@ -192,7 +192,7 @@ __attribute__((noinline, unused)) static bool plan_again(const struct method *me
         ++*failures;
         controller->h = h / 4;
     }
-    return *failures <= FAILURES && fabs(controller->h) >= least_step(t);
+    return *failures <= FAILURES && fabs(controller->h) >= min_step(t);
 }
 
 #endif

@@ -24,7 +24,7 @@
 #define EVEN                                                                                       \
     0.1 /* of its length, what a step without a turning point may be off the mean of its speeds */
 
-struct look {
+struct switch_search {
     const struct method *method;
     struct step *step;
     const double *before;
@@ -32,7 +32,7 @@ struct look {
 };
 
 /* A cubic through the ends of a step says little about one of high order: a shorter step does. */
-static bool inside_by_step(const struct look *look, double theta, double *y)
+static bool inside_by_step(const struct switch_search *look, double theta, double *y)
 {
     const struct method *method = look->method;
     const bool cubic = method->order > 0 && method->order <= 4; /* 0: exact */
@@ -52,7 +52,7 @@ static bool inside_by_step(const struct look *look, double theta, double *y)
     return fine;
 }
 
-static void guards_at(const struct look *look, double theta, double *guard)
+static void guards_at(const struct switch_search *look, double theta, double *guard)
 {
     double y[LIMIT_VARIABLES];
     if (theta >= 1)
@@ -62,7 +62,7 @@ static void guards_at(const struct look *look, double theta, double *guard)
     system_guards(look->step->system, look->t + theta * look->h, y, guard);
 }
 
-static double guard_at(const struct look *look, int i, double theta)
+static double guard_at(const struct switch_search *look, int i, double theta)
 {
     double guard[LIMIT_SWITCHES];
     guards_at(look, theta, guard);
@@ -70,7 +70,7 @@ static double guard_at(const struct look *look, int i, double theta)
 }
 
 struct one_guard {
-    const struct look *look;
+    const struct switch_search *look;
     int i;
 };
 
@@ -82,14 +82,14 @@ static double one_guard_at(void *context, double theta)
 }
 
 /* Where the guard is 0 between a, where it is above, and b, where it is below. */
-static double root(const struct look *look, int i, double a, double fa, double b, double fb)
+static double root(const struct switch_search *look, int i, double a, double fa, double b, double fb)
 {
     struct one_guard one = {look, i};
     return root_between(one_guard_at, &one, a, fa, b, fb, DBL_EPSILON);
 }
 
 /* A point before `theta` where guard i is above 0; `theta` itself: there is none. */
-static double inside(const struct look *look, int i, double theta)
+static double inside(const struct switch_search *look, int i, double theta)
 {
     for (double x = theta / 2; x > 1e-12; x /= 4)
         if (guard_at(look, i, x) > 0)
@@ -98,7 +98,7 @@ static double inside(const struct look *look, int i, double theta)
 }
 
 /* The lowest point of a guard that is above 0 at a, m and b, lowest at m: below 0, or NAN. */
-static double dip(const struct look *look, int i, double m, double apart, double fa, double fm,
+static double dip(const struct switch_search *look, int i, double m, double apart, double fa, double fm,
                   double fb)
 {
     for (int k = 0; k < 6; k++) {
@@ -127,7 +127,7 @@ static double dip(const struct look *look, int i, double m, double apart, double
  * rounding of its switch, perhaps before it: while its guard rises from there, in a step as short
  * as rounding, it has not ended.
  */
-static double first_end(const struct look *look, int i, double (*guard)[LIMIT_SWITCHES])
+static double first_end(const struct switch_search *look, int i, double (*guard)[LIMIT_SWITCHES])
 {
     bool ahead = guard[0][i] < 0 && fabs(look->h) <= BRIEF_ULPS * DBL_EPSILON * fabs(look->t);
     for (int k = 1; k <= LOOKS; k++) {
@@ -151,7 +151,7 @@ static double first_end(const struct look *look, int i, double (*guard)[LIMIT_SW
 }
 
 /* Takes the step again over x; guard i at its end goes to *guard. */
-static enum step_status again(const struct look *look, struct step *step, const double *low,
+static enum step_status again(const struct switch_search *look, struct step *step, const double *low,
                               double x, int i, double *guard)
 {
     const size_t size = (size_t)step->system->n * sizeof *step->y;
@@ -183,7 +183,7 @@ static bool moves_on(const struct system *system, double h, const double *before
 enum step_status switch_step(const struct method *method, struct step *step, double t,
                              const double *before, const double *low, int *ended)
 {
-    const struct look look = {method, step, before, t, step->h};
+    const struct switch_search look = {method, step, before, t, step->h};
     const int count = step->system->switches;
     double guard[LOOKS + 1][LIMIT_SWITCHES], theta = 2;
     *ended = -1;

@@ -30,7 +30,7 @@ struct whole {
     const struct system *system;
     int positions; /* variables whose slopes are others; -1: not in one program */
     bool force;    /* what does not depend on velocity is in one */
-    struct known known;
+    struct typed_forces known;
 };
 
 static void whole_take(struct whole *whole, const struct system *system)

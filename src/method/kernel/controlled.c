@@ -210,7 +210,7 @@ INLINE bool solved(const struct method *method, int shape)
     static enum step_status NAME(shape)(const struct method *method, struct step *step,            \
                                         struct controller *controller, double t_end)               \
     {                                                                                              \
-        struct forces forces;                                                                      \
+        struct shape_forces forces;                                                                      \
         (void)method;                                                                              \
         if (!solved(&RK_ROW, SHAPE_##shape))                                                       \
             return STEP_STALLED; /* not in use */                                                  \

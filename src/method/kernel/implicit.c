@@ -17,8 +17,8 @@ enum { IMPLICIT_STAGES = 3, ROOM = 2 + (3 + N) * N + 3 * N * (N + 1) };
 
 /* ---- stages ---- */
 
-struct known {
-    struct forces forces;
+struct shape_known {
+    struct shape_forces forces;
     struct oscillator oscillator;
     const struct system *system;
 };
@@ -26,7 +26,7 @@ struct known {
 #define KNOWN_SLOPE(shape)                                                                         \
     INLINE void shape##_known_slope(const void *known, double t, const double *y, double *dydt)    \
     {                                                                                              \
-        shape##_slope(&((const struct known *)known)->forces, t, y, dydt);                         \
+        shape##_slope(&((const struct shape_known *)known)->forces, t, y, dydt);                         \
     }
 CLOSED_SHAPES(KNOWN_SLOPE)
 NEWTON_SHAPES(KNOWN_SLOPE)
@@ -37,7 +37,7 @@ NEWTON_SHAPES(KNOWN_SLOPE)
                                           double h, const double *y, double *z, double *sum,       \
                                           double *work)                                            \
     {                                                                                              \
-        const struct known *of = known;                                                            \
+        const struct shape_known *of = known;                                                            \
         double force;                                                                              \
         (void)work;                                                                                \
         shape##_force(&of->forces, t, y, &force);                                                  \
@@ -57,7 +57,7 @@ CLOSED_SHAPES(CLOSED_STAGE)
 #define NEWTON_STAGE(shape)                                                                        \
     INLINE void shape##_known_jacobian(const void *known, double t, const double *y, double *jac)  \
     {                                                                                              \
-        const struct known *of = known;                                                            \
+        const struct shape_known *of = known;                                                            \
         jac[0] = jac[2] = jac[3] = 0;                                                              \
         jac[1] = 1;                                                                                \
         TERMS_OF_##shape(TERM_SLOPES)                                                              \
@@ -88,7 +88,7 @@ INLINE bool finish(bool accurate, const double *z, const double *sum, double *y)
 }
 
 INLINE int64_t diagonal_march(const struct method *method, stage_function *stage,
-                              slope_function *slope, const struct known *known,
+                              slope_function *slope, const struct shape_known *known,
                               const struct march *march)
 {
     const struct implicit_tableau *tableau = method->implicit;
@@ -97,13 +97,13 @@ INLINE int64_t diagonal_march(const struct method *method, stage_function *stage
     struct step *const step = march->step;
     double k[IMPLICIT_STAGES * N] = {0}, y[N], z[N] = {0}, sum[N] = {0}, base[N], work[ROOM],
                                last[N] = {0};
-    double *const kept = step->work + (stages - 1) * N, *const newest = k + (stages - 1) * N;
+    double *const reused = step->work + (stages - 1) * N, *const newest = k + (stages - 1) * N;
     struct step own = {.system = step->system, .h = step->h, .y = y};
     struct cost cost = {0};
     bool warm = step->warm;
     copy_numbers(N, step->y, y);
     if (tableau->fsal && warm)
-        copy_numbers(N, kept, newest);
+        copy_numbers(N, reused, newest);
     int64_t i = 0;
     for (double *row = march->row; i < march->count; i++, row += N) {
         own.cost = (struct cost){0};
@@ -125,7 +125,7 @@ INLINE int64_t diagonal_march(const struct method *method, stage_function *stage
         copy_numbers(N, y, row);
     }
     if (tableau->fsal)
-        copy_numbers(N, newest, kept);
+        copy_numbers(N, newest, reused);
     newton_forget(step->work + (stages + 3) * N);
     copy_numbers(N, y, step->y);
     step->warm = warm;
@@ -142,7 +142,7 @@ INLINE int64_t diagonal_march(const struct method *method, stage_function *stage
     static int64_t shape##_irk(const struct method *method, const struct march *march)             \
     {                                                                                              \
         const struct system *system = march->step->system;                                         \
-        struct known known = {.oscillator = system->oscillator, .system = system};                 \
+        struct shape_known known = {.oscillator = system->oscillator, .system = system};                 \
         forces_take(&known.forces, system, SHAPE_TERMS);                                           \
         return diagonal_march(method, shape##_stage, shape##_known_slope, &known, march);          \
     }
@@ -156,7 +156,7 @@ NEWTON_SHAPES(ANY_KERNEL)
     static int64_t IRK_NAME(shape)(const struct method *method, const struct march *march)         \
     {                                                                                              \
         const struct system *system = march->step->system;                                         \
-        struct known known = {.oscillator = system->oscillator, .system = system};                 \
+        struct shape_known known = {.oscillator = system->oscillator, .system = system};                 \
         if (!(IRK_ROW.flags & METHOD_UNROLLED))                                                    \
             return shape##_irk(method, march);                                                     \
         forces_take(&known.forces, system, SHAPE_TERMS);                                           \

@@ -15,11 +15,11 @@ enum { N = 2, MOST = 4, SHAPE_TERMS = 4, FORCE_BITS = 8 };
 #include "method/rows/rows.h"
 
 /* Coefficients of the terms, in order, where the compiler can keep them in registers. */
-struct forces {
+struct shape_forces {
     double c[SHAPE_TERMS][TERM_COEFFICIENTS];
 };
 
-INLINE void forces_take(struct forces *forces, const struct system *system, int terms)
+INLINE void forces_take(struct shape_forces *forces, const struct system *system, int terms)
 {
     UNROLL for (int i = 0; i < terms; i++)
         memcpy(forces->c[i], system->term[i].c, sizeof forces->c[i]);
@@ -88,19 +88,19 @@ enum {
 #define SHAPE_FUNCTIONS(shape)                                                                     \
     INLINE void shape##_force(const void *known, double t, const double *y, double *a)             \
     {                                                                                              \
-        const struct forces *forces = known;                                                       \
+        const struct shape_forces *forces = known;                                                       \
         sum_begin(SIZE_##shape / 2, a);                                                            \
         TERMS_OF_##shape(TERM_IF_FORCE)                                                            \
     }                                                                                              \
     INLINE void shape##_drag(const void *known, double t, const double *y, double *a)              \
     {                                                                                              \
-        const struct forces *forces = known;                                                       \
+        const struct shape_forces *forces = known;                                                       \
         sum_begin(SIZE_##shape / 2, a);                                                            \
         TERMS_OF_##shape(TERM_IF_DRAG)                                                             \
     }                                                                                              \
     INLINE void shape##_slope(const void *known, double t, const double *y, double *dydt)          \
     {                                                                                              \
-        const struct forces *forces = known;                                                       \
+        const struct shape_forces *forces = known;                                                       \
         double *a = dydt + SIZE_##shape / 2;                                                       \
         copy_numbers(SIZE_##shape / 2, y + SIZE_##shape / 2, dydt);                                \
         sum_begin(SIZE_##shape / 2, a);                                                            \

@@ -27,7 +27,7 @@ struct lanes {
     int64_t step; /* taken */
     double c[SHAPE_TERMS][LANE_COEFFICIENTS][LANES];
     double y[2][LANES];
-    double kept[2][LANES]; /* the last stage's slope, or the last force: what the next step begins
+    double carried[2][LANES]; /* the last stage's slope, or the last force: what the next step begins
                               with */
     /* The drag's flow over h/2; with a divisor other than 1? */
     double keep[LANES], min[LANES], pull[LANES];
@@ -269,7 +269,7 @@ bool lanes_begin(struct lanes *lanes, const struct method *method, enum drag dra
     lanes->step = 0;
     lanes->divides = lanes->turns = false;
     memset(lanes->more, 0, sizeof lanes->more);
-    memset(lanes->kept, 0, sizeof lanes->kept);
+    memset(lanes->carried, 0, sizeof lanes->carried);
     memset(lanes->omega, 0, sizeof lanes->omega);
     memset(lanes->phase, 0, sizeof lanes->phase);
     return lanes->shape >= 0 || typed_lanes_begin(&lanes->typed, method, drag, like, h);

@@ -197,7 +197,7 @@ FAST void WITH(rk)(bool chain, int parts, int from, WITH(force) * force, struct 
         WITH(begin)(parts, from, lanes->y[i], y[i]);
     if (fsal && lanes->step > 0) {
         for (int i = 0; i < 2; i++)
-            WITH(begin)(parts, from, lanes->kept[i], k[stages - 1][i]);
+            WITH(begin)(parts, from, lanes->carried[i], k[stages - 1][i]);
     } else if (fsal) {
         WITH(look)
         (known, parts, from, &drive, lanes, march, 0, 0, lanes->t0 + (double)march->first * h);
@@ -246,7 +246,7 @@ FAST void WITH(rk)(bool chain, int parts, int from, WITH(force) * force, struct 
     for (int i = 0; i < 2; i++) {
         WITH(end)(parts, from, y[i], lanes->y[i]);
         if (fsal)
-            WITH(end)(parts, from, k[stages - 1][i], lanes->kept[i]);
+            WITH(end)(parts, from, k[stages - 1][i], lanes->carried[i]);
     }
 }
 
@@ -302,7 +302,7 @@ FAST void WITH(split)(bool euler, enum drag variant, int parts, int from, WITH(f
     WITH(take)(known, parts, from, lanes);
     for (int i = 0; i < 2; i++)
         WITH(begin)(parts, from, lanes->y[i], z[i]);
-    WITH(begin)(parts, from, lanes->kept[0], pull);
+    WITH(begin)(parts, from, lanes->carried[0], pull);
     for (int64_t i = 0; i < march->count; i++) {
         double t = lanes->t0 + (double)(march->first + i) * h;
         if (way.around)
@@ -328,7 +328,7 @@ FAST void WITH(split)(bool euler, enum drag variant, int parts, int from, WITH(f
     for (int i = 0; i < 2; i++)
         WITH(end)(parts, from, z[i], lanes->y[i]);
     if (way.continues)
-        WITH(end)(parts, from, pull, lanes->kept[0]);
+        WITH(end)(parts, from, pull, lanes->carried[0]);
 }
 
 /* ---- the kernels ---- */

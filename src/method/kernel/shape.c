@@ -11,16 +11,16 @@
 
 #define RUN(name)                                                                                  \
     static struct leading name(const struct program *program, double t, double q, double v,        \
-                               const double *state, const double *given, double *output,           \
+                               const double *state, const double *args, double *output,           \
                                double *frame)
 
 #define SHAPE_RUN(shape)                                                                           \
     RUN(shape##_run)                                                                               \
     {                                                                                              \
-        const struct forces *forces = (const struct forces *)(const void *)frame;                  \
+        const struct shape_forces *forces = (const struct shape_forces *)(const void *)frame;                  \
         const double line[N] = {q, v}, *const y = (int)SIZE_##shape == (int)N ? line : state;      \
         double a[2] = {-0.0, -0.0};                                                                \
-        (void)program, (void)given, (void)output;                                                  \
+        (void)program, (void)args, (void)output;                                                  \
         TERMS_OF_##shape(TERM_ALWAYS);                                                             \
         return (struct leading){a[0], a[1]};                                                       \
     }
@@ -33,31 +33,31 @@ RUN(terms_run)
     const struct system *const system = *at;
     const double line[N] = {q, v}, *const y = system->n == N ? line : state;
     double a[2] = {-0.0, -0.0};
-    (void)program, (void)given, (void)output;
+    (void)program, (void)args, (void)output;
     for (int i = 0; i < system->terms; i++)
         system->term[i].row->add(system->term[i].c, t, y, a);
     return (struct leading){a[0], a[1]};
 }
 
 /* False: there are more than two coordinates. */
-static bool built_in_take(const struct system *system, struct part *part, double *frame)
+static bool built_in_take(const struct system *system, struct typed_addend *part, double *frame)
 {
 #define RUN_ENTRY(shape) shape##_run,
     static program_function *const runs[] = {ALL_SHAPES(RUN_ENTRY)};
     const int shape = shape_of(system);
     if (system->order != 2 || system->n > MOST)
         return false;
-    *part = (struct part){shape < 0 ? terms_run : runs[shape], NULL, system->term, frame};
+    *part = (struct typed_addend){shape < 0 ? terms_run : runs[shape], NULL, system->term, frame};
     if (shape < 0)
         memcpy(frame, &system, sizeof(const struct system *));
     else
-        forces_take((struct forces *)(void *)frame, system, SHAPE_TERMS);
+        forces_take((struct shape_forces *)(void *)frame, system, SHAPE_TERMS);
     return true;
 }
 
 /* ---- typed ones ---- */
 
-static bool sum_take(struct sum *sum, struct known *known, int *left, const struct bound_term *term)
+static bool sum_take(struct typed_sum *sum, struct typed_forces *known, int *left, const struct bound_term *term)
 {
     int values;
     const struct program *const program = term_program(term, &values);
@@ -66,7 +66,7 @@ static bool sum_take(struct sum *sum, struct known *known, int *left, const stru
         return false;
     *left -= size;
     sum->part[sum->parts++] =
-        (struct part){program ? program_code(program) : NULL, program, term, known->frame + *left};
+        (struct typed_addend){program ? program_code(program) : NULL, program, term, known->frame + *left};
     if (program)
         program_prepare(program, known->frame + *left);
     return true;
@@ -74,14 +74,14 @@ static bool sum_take(struct sum *sum, struct known *known, int *left, const stru
 
 /* The sum of parts over one coordinate. */
 static struct leading sum_run(const struct program *program, double t, double q, double v,
-                              const double *state, const double *given, double *output,
+                              const double *state, const double *args, double *output,
                               double *frame)
 {
-    const struct sum *sum = (const struct sum *)(const void *)frame;
+    const struct typed_sum *sum = (const struct typed_sum *)(const void *)frame;
     const double y[2] = {q, v};
     double a = -0.0;
-    (void)program, (void)state, (void)given, (void)output;
-    for (const struct part *part = sum->part; part < sum->part + sum->parts; part++) {
+    (void)program, (void)state, (void)args, (void)output;
+    for (const struct typed_addend *part = sum->part; part < sum->part + sum->parts; part++) {
         if (part->run)
             a +=
                 part->run(part->program, t, q, v, NULL, part->term->c + 1, NULL, part->frame).first;
@@ -91,18 +91,18 @@ static struct leading sum_run(const struct program *program, double t, double q,
     return (struct leading){a, 0};
 }
 
-bool sum_is_one(const struct sum *sum)
+bool sum_is_one(const struct typed_sum *sum)
 {
     return sum->parts == 1 && sum->part->run;
 }
 
-static void sum_close(struct sum *sum, const struct system *system)
+static void sum_close(struct typed_sum *sum, const struct system *system)
 {
     sum->all = sum_is_one(sum) ? sum->part[0]
-                               : (struct part){sum_run, NULL, system->term, (double *)(void *)sum};
+                               : (struct typed_addend){sum_run, NULL, system->term, (double *)(void *)sum};
 }
 
-bool known_take(struct known *known, const struct system *system)
+bool known_take(struct typed_forces *known, const struct system *system)
 {
     const struct bound_term *const whole = system_whole(system);
     int left = FRAME;
@@ -126,7 +126,7 @@ bool known_take(struct known *known, const struct system *system)
 
 int typed_shape(const struct system *system, bool splits)
 {
-    struct known known;
+    struct typed_forces known;
     if (!known_take(&known, system))
         return -1;
     const bool one =
@@ -153,7 +153,7 @@ int typed_shape(const struct system *system, bool splits)
     {                                                                                              \
         const bool velocity = (0 TERMS_OF_##shape(HAS_VELOCITY)) != 0;                             \
         const enum drag drag = velocity ? march->step->drag : DRAG_DEFAULT;                        \
-        struct forces forces;                                                                      \
+        struct shape_forces forces;                                                                      \
         forces_take(&forces, march->step->system, 0 TERMS_OF_##shape(ONE_MORE));                   \
         return split_march(method, SIZE_##shape, drag, shape##_force, shape##_drag, &forces,       \
                            march);                                                                 \
@@ -166,7 +166,7 @@ TYPED_MOTIONS(SPLIT_FUNCTIONS)
     {                                                                                              \
         const bool velocity = march->step->system->velocity;                                       \
         const enum drag drag = velocity ? DRAG_EXPLICIT : DRAG_DEFAULT;                            \
-        struct known known;                                                                        \
+        struct typed_forces known;                                                                        \
         known_take(&known, march->step->system);                                                   \
         return split_march(method, n, drag, name##_force, name##_drag, &known, march);             \
     }

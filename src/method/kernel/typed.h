@@ -13,33 +13,33 @@
 enum { FRAME = 512 };
 
 /* A term: a program, or what the scene below has. */
-struct part {
+struct typed_addend {
     program_function *run; /* NULL: the latter */
     const struct program *program;
     const struct bound_term *term;
     double *frame;
 };
 
-struct sum {
-    struct part part[TERM_MAX];
+struct typed_sum {
+    struct typed_addend part[TERM_MAX];
     int parts;
-    struct part all; /* the only one, or what adds them up */
+    struct typed_addend all; /* the only one, or what adds them up */
 };
 
-struct known {
-    struct sum whole, force, drag;
+struct typed_forces {
+    struct typed_sum whole, force, drag;
     double frame[FRAME];
 };
 
 /* False: the system is neither typed nor an equation of motion of one or two coordinates, or too
  * large. */
-bool known_take(struct known *known, const struct system *system);
+bool known_take(struct typed_forces *known, const struct system *system);
 
 /* Has the sum one part, which is a program? */
-bool sum_is_one(const struct sum *sum);
+bool sum_is_one(const struct typed_sum *sum);
 
 /* out [rows], of n state variables */
-INLINE void part_evaluate(const struct part *part, int n, int rows, double t, const double *y,
+INLINE void part_evaluate(const struct typed_addend *part, int n, int rows, double t, const double *y,
                           double *out)
 {
     const struct leading leading = part->run(part->program, t, y[0], y[1], n > 2 ? y : NULL,
@@ -50,7 +50,7 @@ INLINE void part_evaluate(const struct part *part, int n, int rows, double t, co
 }
 
 /* The sum of all parts. */
-INLINE void one_evaluate(const struct sum *sum, int n, int rows, double t, const double *y,
+INLINE void one_evaluate(const struct typed_sum *sum, int n, int rows, double t, const double *y,
                          double *out)
 {
     part_evaluate(&sum->all, n, rows, t, y, out);
@@ -59,7 +59,7 @@ INLINE void one_evaluate(const struct sum *sum, int n, int rows, double t, const
 #define TYPED_MOTIONS(S) S(typed_line, 2) S(typed_plane, 4)
 #define TYPED_FLOWS(S) S(typed_two, 2) S(typed_three, 3)
 
-#define KNOWN(known) ((const struct known *)(known))
+#define KNOWN(known) ((const struct typed_forces *)(known))
 #define MOTION_FUNCTIONS(name, n)                                                                  \
     INLINE void name##_slope(const void *known, double t, const double *y, double *dydt)           \
     {                                                                                              \

@@ -64,7 +64,7 @@ static void mean_rest(const struct newton *equations, struct step *step, int n, 
 size_t avf_work(const struct method *method, int n)
 {
     (void)method;
-    return (size_t)n + newton_room(1, n);
+    return (size_t)n + newton_capacity(1, n);
 }
 
 enum step_status avf_step(const struct method *method, struct step *step)

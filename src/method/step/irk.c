@@ -13,8 +13,8 @@ size_t implicit_work(const struct method *method, int n)
 {
     const struct implicit_tableau *tableau = method->implicit;
     size_t values = (size_t)tableau->stages * (size_t)n;
-    return tableau->diagonal != 0 ? values + 3 * (size_t)n + newton_room(1, n)
-                                  : values + newton_room(tableau->stages, n);
+    return tableau->diagonal != 0 ? values + 3 * (size_t)n + newton_capacity(1, n)
+                                  : values + newton_capacity(tableau->stages, n);
 }
 
 /* ---- stage by stage ---- */

@@ -22,7 +22,7 @@ static double next_x(double x)
 
 enum { WORK_MAX = 4096 };
 
-struct oscillation {
+struct linear_scene {
     const struct method *method;
     enum drag drag;
     double zeta;
@@ -35,18 +35,18 @@ double stiffness_sign_value(enum stiffness_sign sign)
     return sign == STIFFNESS_POSITIVE ? 1 : sign == STIFFNESS_ZERO ? 0 : -1;
 }
 
-static bool oscillation_init(struct oscillation *oscillation, const struct method *method,
+static bool oscillation_init(struct linear_scene *oscillation, const struct method *method,
                              enum drag drag, double zeta, enum stiffness_sign sign)
 {
     const struct {
         const char *name;
         double value;
-    } given[] = {{"m", 1}, {"k", stiffness_sign_value(sign)}, {"gamma", 2 * zeta}};
+    } args[] = {{"m", 1}, {"k", stiffness_sign_value(sign)}, {"gamma", 2 * zeta}};
     struct scene scene;
     struct error ignored;
     scene_init(&scene, NULL);
-    for (size_t i = 0; i < COUNT_OF(given); i++)
-        if (!scene_set(&scene, param_index(given[i].name), (struct measured){given[i].value, 0},
+    for (size_t i = 0; i < COUNT_OF(args); i++)
+        if (!scene_set(&scene, param_index(args[i].name), (struct measured){args[i].value, 0},
                        &ignored))
             return false;
     if (!scene_bind(&scene, &oscillation->system, &ignored))
@@ -60,7 +60,7 @@ static bool oscillation_init(struct oscillation *oscillation, const struct metho
 }
 
 /* Columns are the images of the unit vectors; NaN where the step fails. */
-static void amplify(const struct oscillation *oscillation, double x, double matrix[4])
+static void amplify(const struct linear_scene *oscillation, double x, double matrix[4])
 {
     double work[WORK_MAX];
     assert(method_work_size(oscillation->method, 2) <= WORK_MAX);
@@ -80,7 +80,7 @@ static void amplify(const struct oscillation *oscillation, double x, double matr
 bool method_amplification(const struct method *method, enum drag drag, double x, double zeta,
                           double matrix[4])
 {
-    struct oscillation oscillation;
+    struct linear_scene oscillation;
     if (method->growth || !oscillation_init(&oscillation, method, drag, zeta, STIFFNESS_POSITIVE))
         return false;
     amplify(&oscillation, x, matrix);
@@ -94,7 +94,7 @@ double matrix_spectral_radius(const double m[4])
     return split >= 0 ? fabs(mean) + sqrt(split) : sqrt(mean * mean - split);
 }
 
-static double growth_factor(const struct oscillation *oscillation, double x)
+static double growth_factor(const struct linear_scene *oscillation, double x)
 {
     if (oscillation->method->growth)
         return oscillation->method->growth(oscillation->method, x, oscillation->zeta,
@@ -107,7 +107,7 @@ static double growth_factor(const struct oscillation *oscillation, double x)
 double method_growth_signed(const struct method *method, enum drag drag, double x, double zeta,
                             enum stiffness_sign sign)
 {
-    struct oscillation oscillation;
+    struct linear_scene oscillation;
     return oscillation_init(&oscillation, method, drag, zeta, sign) ? growth_factor(&oscillation, x)
                                                                     : NAN;
 }
@@ -118,7 +118,7 @@ double method_growth(const struct method *method, enum drag drag, double x, doub
 }
 
 /* Above 0: this step grows. */
-static double growth(const struct oscillation *oscillation, double x)
+static double growth(const struct linear_scene *oscillation, double x)
 {
     double radius = growth_factor(oscillation, x);
     return isnan(radius) ? HUGE_VAL : radius - 1;
@@ -127,7 +127,7 @@ static double growth(const struct oscillation *oscillation, double x)
 double method_stable_limit_signed(const struct method *method, enum drag drag, double zeta,
                                   enum stiffness_sign sign)
 {
-    struct oscillation oscillation;
+    struct linear_scene oscillation;
     if (!oscillation_init(&oscillation, method, drag, zeta, sign))
         return NAN;
     double low = 0, high = X_FIRST / fmax(1, fabs(zeta));

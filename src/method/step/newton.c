@@ -46,7 +46,7 @@ void newton_stages(const struct newton *equations, struct step *step, int n, dou
     newton_rest(equations, step, n, t, h, y, z, slope, rest);
 }
 
-size_t newton_room(int stages, int n)
+size_t newton_capacity(int stages, int n)
 {
     return 2 + (size_t)(3 * stages + n) * (size_t)n + 3 * LU_ROOM(n);
 }
@@ -183,8 +183,8 @@ enum step_status newton_solve(const struct newton *equations, struct step *step,
     struct workspace workspace = workspace_of(equations->tableau->stages, system->n, work);
     double weight[LIMIT_VARIABLES];
     newton_weights(step_scale(step), system->n, y, weight);
-    bool kept = *workspace.h == h && (system->linear || (adaptive && *workspace.rate <= FAST));
-    if (!kept && !newton_factor(equations, step, system->n, t, h, y, &workspace))
+    bool reused = *workspace.h == h && (system->linear || (adaptive && *workspace.rate <= FAST));
+    if (!reused && !newton_factor(equations, step, system->n, t, h, y, &workspace))
         return STEP_NO_SOLUTION;
     return adaptive
                ? approach(equations, step, t, h, y, z, weight, fraction(step->tol) * step->tol,
@@ -224,7 +224,7 @@ enum step_status newton_stage(struct step *step, double t, double h, const doubl
 size_t newton_work(const struct method *method, int n)
 {
     (void)method;
-    return 3 * (size_t)n + newton_room(1, n);
+    return 3 * (size_t)n + newton_capacity(1, n);
 }
 
 enum step_status implicit_euler_solve(struct step *step, double t, double h, const double *y,

@@ -35,13 +35,13 @@ newton_rest_function newton_stages;
 /*
  * z: in, a guess; out, the solution (undefined unless STEP_OK): as exact as rounding allows or, in
  * steps of method_adapt(), as exact as the tolerance asks for. A linear system takes one solve.
- * work: newton_room() doubles that belong to these equations. They keep the factors of the matrix
+ * work: newton_capacity() doubles that belong to these equations. They keep the factors of the matrix
  * from call to call and step to step, where that changes nothing (linear systems) or little
  * (adaptive steps); newton_forget() begins anew.
  */
 enum step_status newton_solve(const struct newton *equations, struct step *step, double t, double h,
                               const double *y, double *z, double *work);
-size_t newton_room(int stages, int n);
+size_t newton_capacity(int stages, int n);
 void newton_forget(double *work);
 
 /*

@@ -239,7 +239,7 @@ INLINE enum step_status rosenbrock_small_step(int n, const struct rosenbrock *ro
                                               const struct rosenbrock_forces *of, struct step *step)
 {
     const int stages = rosenbrock->stages;
-    double *const kept = step->work, *const jacobian = kept + stages * n,
+    double *const reused = step->work, *const jacobian = reused + stages * n,
                   *const first = jacobian + n * n;
     double *const drift = first + n, *const error = step->error, y[INVERTED], increment[INVERTED];
     struct few u[STAGES_MOST], column[INVERTED];
@@ -265,7 +265,7 @@ INLINE enum step_status rosenbrock_small_step(int n, const struct rosenbrock *ro
     if (!few_inverse(n, 1 / (rosenbrock->gamma * step->h), start.jacobian, column))
         return STEP_NO_SOLUTION;
     few_stages(n, rosenbrock, of, step, y, &start, column, u);
-    UNROLL for (int s = 0; s < stages; s++) for (int i = 0; i < n; i++) kept[s * n + i] =
+    UNROLL for (int s = 0; s < stages; s++) for (int i = 0; i < n; i++) reused[s * n + i] =
         few_get(&u[s], i);
     if (error && rosenbrock->b_hat) {
         struct few sum = {{{-0.0, -0.0}, {-0.0, -0.0}}};

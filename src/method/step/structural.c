@@ -31,7 +31,7 @@ size_t structural_work(const struct method *method, int n)
 {
     (void)method;
     return 4 * (size_t)(n / 2) + LU_ROOM(n / 2) + 2 * (size_t)n + (size_t)n * (size_t)n +
-           newton_room(1, n);
+           newton_capacity(1, n);
 }
 
 /* The factors of (1 - alpha_m) - (1 - alpha_f) (beta tau^2 dF/dy + gamma tau dF/dv) */

@@ -172,7 +172,7 @@ double stored_band_at(const struct fit_band *band, int variable, double t)
 }
 
 /* As many points as the motion needs. */
-static size_t kept_points(const struct run *run, double span)
+static size_t band_points(const struct run *run, double span)
 {
     const double rhythm = run_rhythm(run);
     const double n = rhythm > 0 ? ceil(A_PERIOD * span / rhythm) : 8 * KEPT_MIN;
@@ -184,7 +184,7 @@ static bool find_band(struct session *session, const struct run *run, struct fit
 {
     struct error ignored = {0};
     const double span = run->t - trace_time(run->trace, 0);
-    const size_t n = kept_points(run, span);
+    const size_t n = band_points(run, span);
     double *t = arena_array(arena, n, sizeof *t);
     band->half = calloc(n * (size_t)run->system.n, sizeof *band->half);
     if (!t || !band->half)

@@ -48,7 +48,7 @@ static int extremes_of(const struct run *run, const double *y, double value[EXTR
  * their extremes (the modified energy of a symplectic method differs by terms in q v, q^2, v^2;
  * Hairer, Lubich, Wanner IX.8).
  */
-static size_t choose_of_share(const struct run *run, size_t from, size_t to, size_t stride,
+static size_t choose_of_shared(const struct run *run, size_t from, size_t to, size_t stride,
                               size_t *out)
 {
     size_t at[EXTREMES_MAX + 2];
@@ -139,7 +139,7 @@ bool choose_rows(const struct run *run, const struct row_request *request, struc
         if (all)
             rows->row[rows->n++] = from;
         else
-            rows->n += choose_of_share(run, from, to, stride, rows->row + rows->n);
+            rows->n += choose_of_shared(run, from, to, stride, rows->row + rows->n);
     }
     if (rows->n > 0 && rows->row[rows->n - 1] < end - 1)
         rows->row[rows->n++] = end - 1;

@@ -114,7 +114,7 @@ static const double *curve_sizes(const struct drawing *d, const struct figure *f
     return size;
 }
 
-static double least_size(const double *size, int n)
+static double min_size(const double *size, int n)
 {
     double min = HUGE_VAL;
     for (int i = 0; i < n; i++)
@@ -137,7 +137,7 @@ static double parting_size(const double *size, int n)
             parting = sqrt(size[i]) * sqrt(next);
         }
     }
-    return max > ALIKE * least_size(size, n) ? parting : 0;
+    return max > ALIKE * min_size(size, n) ? parting : 0;
 }
 
 static bool is_positive(const struct drawing *d, enum quantity quantity)
@@ -208,12 +208,12 @@ static bool note_flat(struct drawing *d, struct figure *figure)
 bool drawing_scales(struct drawing *d, struct figure *figure, const enum quantity quantity[2])
 {
     const struct figure_request *request = d->request;
-    const bool asked = has_ends(request->y) || (figure->plane && has_ends(request->x));
+    const bool wanted = has_ends(request->y) || (figure->plane && has_ends(request->x));
     figure->y.log = request->log;
     if (!drawing_ranges(d, figure, quantity))
         return false;
     figure->y.flat = request->y ? -1 : kind_of(d)->flat ? FLAT : 0;
-    const bool one = asked || request->full || request->log;
+    const bool one = wanted || request->full || request->log;
     if (one)
         return true;
     const double *size = curve_sizes(d, figure);
@@ -225,6 +225,6 @@ bool drawing_scales(struct drawing *d, struct figure *figure, const enum quantit
     if (!is_positive(d, quantity[1]))
         return part_panels(d, figure, quantity[0], quantity[1], size, parting);
     figure->y.log = true;
-    figure->y.min = DECADES_LEFT * least_size(size, d->curves);
+    figure->y.min = DECADES_LEFT * min_size(size, d->curves);
     return true;
 }

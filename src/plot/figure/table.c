@@ -41,7 +41,7 @@ static enum quantity quantity_of(const struct table_column *column)
 
 /* asked: of the user; NULL: none. What begins at 0 is not logarithmic. */
 static struct axis axis_of(const struct table_column *column, size_t rows, double decades,
-                           const struct figure_range *asked)
+                           const struct figure_range *wanted)
 {
     struct axis axis = {.label = column->name, .unit = column->unit};
     double low = HUGE_VAL, high = 0, size = 0;
@@ -53,7 +53,7 @@ static struct axis axis_of(const struct table_column *column, size_t rows, doubl
         high = fmax(high, value);
         size = fmax(size, fabs(value));
     }
-    axis.log = low > 0 && high > decades * low && !(asked && asked->end[0] <= 0);
+    axis.log = low > 0 && high > decades * low && !(wanted && wanted->end[0] <= 0);
     if (!axis.log)
         axis_suit(&axis, quantity_of(column), size);
     return axis;

@@ -138,7 +138,7 @@ void drawing_window(struct drawing *d)
         return;
     }
     span_of(d, &from, &to);
-    const bool asked = !isnan(request->window[0]) || !isnan(request->window[1]),
+    const bool wanted = !isnan(request->window[0]) || !isnan(request->window[1]),
                plane = plot_is_plane(request->kind);
     const double now = goes_back(d) ? from : to;
     if (request->follow && !plane) {
@@ -150,11 +150,11 @@ void drawing_window(struct drawing *d)
     d->window[1] = isnan(request->window[1]) ? to : request->window[1];
     const double trail = drawing_trail(d) * d->period,
                  max = request->span > 0 ? request->span : longest_window(d);
-    if (plane && !asked && !request->full && trail < d->total) {
+    if (plane && !wanted && !request->full && trail < d->total) {
         d->window[0] = goes_back(d) ? from : to - trail;
         d->window[1] = d->window[0] + trail;
     } else if (request->follow && plot_is_timed(request->kind) && !kind_of(d)->run_curve &&
-               !asked &&
+               !wanted &&
                (request->span > 0 ||
                 (request->runs > 0 && d->total > max))) { /* nothing is added to a recording */
         follow_window(d, from, to, now, max);

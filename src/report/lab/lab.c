@@ -82,9 +82,9 @@ static void add_measurement(struct report *report, const struct measurement *m)
                                           "2/gamma, measured", NAN});
 }
 
-static void add_fit(struct report *report, const struct stored_fit *kept, const char *source)
+static void add_fit(struct report *report, const struct stored_fit *stored, const char *source)
 {
-    const struct fit *fit = &kept->fit;
+    const struct fit *fit = &stored->fit;
     const struct measured rms = {fit->rms, 0};
     const struct {
         const char *name;
@@ -94,18 +94,18 @@ static void add_fit(struct report *report, const struct stored_fit *kept, const 
         {"period", fit->period, QUANTITY_TIME},
         {"frequency", times(1 / (2 * PI), fit->omega), QUANTITY_FREQUENCY},
         {"omega", fit->omega, QUANTITY_ANGULAR_FREQUENCY},
-        {"amplitude", fit->amplitude, kept->quantity},
+        {"amplitude", fit->amplitude, stored->quantity},
         {"phase", fit->phase, QUANTITY_ANGLE},
-        {"offset", fit->offset, kept->quantity},
-        {"k", kept->k, QUANTITY_STIFFNESS},
+        {"offset", fit->offset, stored->quantity},
+        {"k", stored->k, QUANTITY_STIFFNESS},
         {"gamma", fit->gamma, QUANTITY_RATE},
         {"tau", decay_time(fit->gamma), QUANTITY_TIME},
         {"gamma of the first half", fit->halves[0], QUANTITY_RATE},
         {"gamma of the second half", fit->halves[1], QUANTITY_RATE},
-        {"rms of the residuals", rms, kept->quantity},
+        {"rms of the residuals", rms, stored->quantity},
     };
     for (size_t i = 0; i < COUNT_OF(rows) && rows[i].name; i++)
-        add(report, (struct report_value){rows[i].name, rows[i].value, rows[i].quantity, kept->of,
+        add(report, (struct report_value){rows[i].name, rows[i].value, rows[i].quantity, stored->of,
                                           source, NAN});
 }
 
@@ -160,18 +160,18 @@ bool collect_values(struct report *report, struct error *error)
         char source[96];
         snprintf(source, sizeof source, "fit %s, %.6g..%.6g s", fit->model, fit->window[0],
                  fit->window[1]);
-        const char *kept = arena_text(report->arena, text_of(source));
-        if (!kept)
+        const char *stored = arena_text(report->arena, text_of(source));
+        if (!stored)
             return error_memory(error);
-        add_fit(report, &session->stored_fit[i], kept);
+        add_fit(report, &session->stored_fit[i], stored);
     }
     for (int i = 0; i < session->runs; i++) {
         char of[32];
         snprintf(of, sizeof of, "run %d", session->run[i]->run->number);
-        const char *kept = arena_text(report->arena, text_of(of));
-        if (!kept)
+        const char *stored = arena_text(report->arena, text_of(of));
+        if (!stored)
             return error_memory(error);
-        add_run(report, session->run[i]->run, kept);
+        add_run(report, session->run[i]->run, stored);
     }
     return true;
 }
@@ -271,7 +271,7 @@ static bool write_data(struct report *report, struct error *error)
     for (int i = 0; i < session->runs; i++) {
         struct export export = {.arena = report->arena};
         struct item item = {.index = i};
-        const struct given_argument run = {.count = 1, .item = &item}, none = {.count = 0};
+        const struct argument_value run = {.count = 1, .item = &item}, none = {.count = 0};
         snprintf(name, sizeof name, "run-%d.csv", session->run[i]->run->number);
         if (report->run_shown[i] && (!export_runs(session, &run, &none, &none, &export, error) ||
                                      !put_table(report, name, &export.table, error)))

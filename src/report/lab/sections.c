@@ -157,9 +157,9 @@ static bool put_recording(struct report *report, int index, enum section section
     buffer_free(&about);
     put_values(report, of, false);
     for (int i = 0; i < report->session->stored_fits; i++) {
-        const struct stored_fit *kept = &report->session->stored_fit[i];
-        if (strcmp(kept->of, of) == 0 && section == SECTION_DAMPED_RECORDING)
-            put_laws(document, &kept->fit);
+        const struct stored_fit *stored = &report->session->stored_fit[i];
+        if (strcmp(stored->of, of) == 0 && section == SECTION_DAMPED_RECORDING)
+            put_laws(document, &stored->fit);
     }
     put_exact(report, of);
     return ok;

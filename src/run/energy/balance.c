@@ -15,7 +15,7 @@ double system_energy(const struct system *system, const double *y)
 
 /* Knuth, The Art of Computer Programming 2 (1997), 4.2.2: what rounding takes from the sum goes to
  * `low`. */
-static inline void sum_add(struct sum *sum, double x)
+static inline void sum_add(struct compensated_sum *sum, double x)
 {
     const double total = sum->high + x, part = total - sum->high;
     sum->low += (sum->high - (total - part)) + (x - part);
@@ -25,7 +25,7 @@ static inline void sum_add(struct sum *sum, double x)
 typedef double two __attribute__((vector_size(16)));
 
 /* Both sums at once; what they are after each step is noted. */
-static void add_work(struct tally *tally, struct work_done *done, int from, int to)
+static void add_work(struct energy_tally *tally, struct work_done *done, int from, int to)
 {
     two high = {tally->work.high, tally->drag.high}, low = {tally->work.low, tally->drag.low};
     for (int k = from; k < to; k++) {
@@ -36,11 +36,11 @@ static void add_work(struct tally *tally, struct work_done *done, int from, int 
         done->all_work[k] = all[0];
         done->all_drag[k] = all[1];
     }
-    tally->work = (struct sum){high[0], low[0]};
-    tally->drag = (struct sum){high[1], low[1]};
+    tally->work = (struct compensated_sum){high[0], low[0]};
+    tally->drag = (struct compensated_sum){high[1], low[1]};
 }
 
-static void same_work(const struct tally *tally, struct work_done *done, int from, int to)
+static void same_work(const struct energy_tally *tally, struct work_done *done, int from, int to)
 {
     const double work = tally->work.high + tally->work.low,
                  drag = tally->drag.high + tally->drag.low;
@@ -61,7 +61,7 @@ static inline double largest(const double *x, double min)
 }
 
 /* By comparisons, which pass over numbers that are none: fmax() is a call. */
-static inline void note_lacks(struct tally *tally, double initial, const struct work_done *done,
+static inline void note_lacks(struct energy_tally *tally, double initial, const struct work_done *done,
                               int from, int to)
 {
     double max = tally->max;
@@ -72,7 +72,7 @@ static inline void note_lacks(struct tally *tally, double initial, const struct 
     tally->max = max;
 }
 
-CLONES static void note_many_lacks(struct tally *tally, double initial,
+CLONES static void note_many_lacks(struct energy_tally *tally, double initial,
                                    const struct work_done *done, int from, int to)
 {
     int k = from;
@@ -90,7 +90,7 @@ CLONES static void note_many_lacks(struct tally *tally, double initial,
 }
 
 /* The largest energy is the unit where there was none at first. */
-static void note_extremes(struct tally *tally, double initial, const struct work_done *done,
+static void note_extremes(struct energy_tally *tally, double initial, const struct work_done *done,
                           int from, int to)
 {
     if (to - from >= 4 * FOUR)
@@ -160,7 +160,7 @@ static void on_grid(const struct run *run, const struct balance *balance, struct
                     double *times)
 {
     const struct trace *trace = run->trace;
-    const struct grid *grid = trace_grid_of(trace, balance->step + 1);
+    const struct time_grid *grid = trace_grid_of(trace, balance->step + 1);
     if (grid->first > balance->step) {
         work->count = 1;
         times[0] = balance->t;

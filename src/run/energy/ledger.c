@@ -32,13 +32,13 @@ static void mark_staying(const struct run *run, struct balance *balance, size_t 
 
 static bool save(struct run_private *p, size_t index)
 {
-    if (index == p->save_room) {
-        const size_t capacity = p->save_room ? 2 * p->save_room : 16;
-        struct tally *saved = realloc(p->saved, capacity * sizeof *saved);
+    if (index == p->save_capacity) {
+        const size_t capacity = p->save_capacity ? 2 * p->save_capacity : 16;
+        struct energy_tally *saved = realloc(p->saved, capacity * sizeof *saved);
         if (!saved)
             return false; /* going back starts earlier then */
         p->saved = saved;
-        p->save_room = capacity;
+        p->save_capacity = capacity;
     }
     p->saved[index] = p->balance.tally;
     p->saves = index + 1;
@@ -160,7 +160,7 @@ void ledger_back(struct run *run)
     copy_state(p->balance.y, trace_state(trace, row), run->system.n);
 }
 
-static void rescale(struct tally *tally, double by)
+static void rescale(struct energy_tally *tally, double by)
 {
     double *value[] = {&tally->work.high, &tally->work.low, &tally->drag.high,
                        &tally->drag.low,  &tally->max,      &tally->scale};
@@ -183,7 +183,7 @@ void ledger_rescale(struct run *run, double factor)
     rescale(&p->balance.tally, by);
     p->balance.initial *= by;
     for (size_t i = 0; i < run->trace->count; i++) {
-        struct tally mark = trace_mark(run->trace, i);
+        struct energy_tally mark = trace_mark(run->trace, i);
         rescale(&mark, by);
         trace_set_mark(run->trace, i, &mark);
     }
@@ -206,7 +206,7 @@ void run_ledger(const struct run *run, struct ledger *ledger)
         return;
     }
     balance_present(run, &balance);
-    const struct tally *tally = &balance.tally;
+    const struct energy_tally *tally = &balance.tally;
     const double energy = balance_energy(run, &run_epoch(run, run->steps)->system, balance.y),
                  work = tally->work.high + tally->work.low,
                  /* A total that is 0 all the time (x'' = -1/x from 1) is no unit: what moves is. */

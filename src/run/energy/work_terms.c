@@ -44,27 +44,27 @@ enum {
 #define POWERED (HAS(damping) | HAS(drag) | HAS(drive) | HAS(vanderpol) | HAS(friction))
 
 /* Coefficients of the terms that are there; those of the others are 0. */
-struct line {
+struct oscillator_terms {
     double c[PLACES][TERM_COEFFICIENTS];
     double mass;
 };
 
 /* Row i of the pendulum's terms is the term here that has its form; those behind have none. */
-static const int pendulum_place[] = {PLACE_weight, PLACE_damping, PLACE_drive};
+static const int pendulum_index[] = {PLACE_weight, PLACE_damping, PLACE_drive};
 
 /* Where a term of the system stands here; PLACES: nowhere. */
-static ptrdiff_t place_of(const struct system *system, const struct term_row *row)
+static ptrdiff_t index_of(const struct system *system, const struct term_row *row)
 {
     const struct term_row *rows =
         (const struct term_row *)(const void *)catalog_row(system->model->terms, 0);
     const ptrdiff_t at = row - rows;
     if (system->model == &pendulum_model)
-        return at >= 0 && at < (ptrdiff_t)COUNT_OF(pendulum_place) ? pendulum_place[at] : PLACES;
+        return at >= 0 && at < (ptrdiff_t)COUNT_OF(pendulum_index) ? pendulum_index[at] : PLACES;
     return system->model->terms == &term_catalog && at >= 0 && at < OSCILLATOR_PLACES ? at : PLACES;
 }
 
 /* The terms of an oscillator or a pendulum, one bit each; 0: it is something else. */
-static unsigned terms_of(const struct system *system, struct line *line)
+static unsigned terms_of(const struct system *system, struct oscillator_terms *line)
 {
     unsigned terms = 0;
     memset(line, 0, sizeof *line);
@@ -72,7 +72,7 @@ static unsigned terms_of(const struct system *system, struct line *line)
     if (system->n != 2 || system->typed.row)
         return 0;
     for (int i = 0; i < system->terms; i++) {
-        const ptrdiff_t index = place_of(system, system->term[i].row);
+        const ptrdiff_t index = index_of(system, system->term[i].row);
         if (index == PLACES || !((OSCILLATOR_TERMS | PENDULUM_TERMS) & 1u << index))
             return 0;
         terms |= 1u << index;
@@ -82,7 +82,7 @@ static unsigned terms_of(const struct system *system, struct line *line)
 }
 
 /* States and times of a block, each quantity for itself. */
-struct block {
+struct work_block {
     double q[WORK_BLOCK + 1], v[WORK_BLOCK + 1], a[WORK_BLOCK + 1], p[WORK_BLOCK + 1],
         d[WORK_BLOCK + 1];
     double h[WORK_BLOCK], rate[WORK_BLOCK]; /* 1/h */
@@ -136,7 +136,7 @@ ALWAYS_INLINE void take_sines(int count, const double *restrict x, double factor
 
 /* Terms in the order of terms.def; those of drive and weight by the cosine and the sine that are
  * already there. */
-ALWAYS_INLINE double acceleration(unsigned terms, const struct line *line, double q, double v,
+ALWAYS_INLINE double acceleration(unsigned terms, const struct oscillator_terms *line, double q, double v,
                                   double cosine, double sine)
 {
     const double y[2] = {q, v};
@@ -162,7 +162,7 @@ ALWAYS_INLINE double acceleration(unsigned terms, const struct line *line, doubl
     return a;
 }
 
-ALWAYS_INLINE double drag_power_of(unsigned terms, const struct line *line, double q, double v)
+ALWAYS_INLINE double drag_power_of(unsigned terms, const struct oscillator_terms *line, double q, double v)
 {
     const double y[2] = {q, v};
     double power = 0;
@@ -177,7 +177,7 @@ ALWAYS_INLINE double drag_power_of(unsigned terms, const struct line *line, doub
     return power;
 }
 
-ALWAYS_INLINE double energy_at(unsigned terms, const struct line *line, double q, double v,
+ALWAYS_INLINE double energy_at(unsigned terms, const struct oscillator_terms *line, double q, double v,
                                double half)
 {
     const double y[2] = {q, v};
@@ -194,7 +194,7 @@ ALWAYS_INLINE double energy_at(unsigned terms, const struct line *line, double q
 }
 
 /* Row i of the states is y[i stride]. */
-ALWAYS_INLINE void take_rows(const struct work *work, size_t stride, struct block *restrict b)
+ALWAYS_INLINE void take_rows(const struct work *work, size_t stride, struct work_block *restrict b)
 {
     const double factor = work->factor;
     for (int k = 0; k < work->count; k++) {
@@ -203,7 +203,7 @@ ALWAYS_INLINE void take_rows(const struct work *work, size_t stride, struct bloc
     }
 }
 
-ALWAYS_INLINE void take_states(const struct work *work, struct block *restrict b)
+ALWAYS_INLINE void take_states(const struct work *work, struct work_block *restrict b)
 {
     b->q[0] = work->before[0] * work->factor;
     b->v[0] = work->before[1] * work->factor;
@@ -213,7 +213,7 @@ ALWAYS_INLINE void take_states(const struct work *work, struct block *restrict b
         take_rows(work, work->stride, b);
 }
 
-static void take_lengths(const struct work *work, struct block *b)
+static void take_lengths(const struct work *work, struct work_block *b)
 {
     const double rate = 1 / work->h;
     for (int k = 0; k < work->count; k++) {
@@ -222,8 +222,8 @@ static void take_lengths(const struct work *work, struct block *b)
     }
 }
 
-ALWAYS_INLINE void block_work(unsigned terms, const struct line *line, const struct work *work,
-                              struct block *restrict b, struct work_done *restrict done)
+ALWAYS_INLINE void block_work(unsigned terms, const struct oscillator_terms *line, const struct work *work,
+                              struct work_block *restrict b, struct work_done *restrict done)
 {
     const int count = work->count;
     take_states(work, b);
@@ -271,8 +271,8 @@ ALWAYS_INLINE void block_work(unsigned terms, const struct line *line, const str
 /* Wider vectors gain nothing: memory is waited for. */
 #define KIND(name, terms)                                                                          \
     CLONES_FOR("avx2")                                                                             \
-    static void block_##name(const struct line *line, const struct work *work,                     \
-                             struct block *restrict b, struct work_done *restrict done)            \
+    static void block_##name(const struct oscillator_terms *line, const struct work *work,                     \
+                             struct work_block *restrict b, struct work_done *restrict done)            \
     {                                                                                              \
         block_work((terms), line, work, b, done);                                                  \
     }
@@ -294,7 +294,7 @@ KINDS(KIND)
 
 static const struct kind {
     unsigned terms;
-    void (*work)(const struct line *line, const struct work *work, struct block *restrict b,
+    void (*work)(const struct oscillator_terms *line, const struct work *work, struct work_block *restrict b,
                  struct work_done *restrict done);
 } kinds[] = {
 #define KIND_ROW(name, terms) {(terms), block_##name},
@@ -305,7 +305,7 @@ static const struct kind {
  * sums of angles. A table holds the multiples of omega h, so that each value is one product away
  * from the library's.
  */
-static void even_cosines(const struct work *work, const double *c, struct block *b)
+static void even_cosines(const struct work *work, const double *c, struct work_block *b)
 {
     struct turns *turns = work->turns;
     if (turns->omega != c[1] || turns->h != work->h) {
@@ -330,7 +330,7 @@ static void even_cosines(const struct work *work, const double *c, struct block 
     }
 }
 
-static void cosines(const struct work *work, const double *c, struct block *b)
+static void cosines(const struct work *work, const double *c, struct work_block *b)
 {
     if (!work->t) {
         even_cosines(work, c, b);
@@ -346,7 +346,7 @@ static void cosines(const struct work *work, const double *c, struct block *b)
     }
 }
 
-static void turn_across(const struct work *work, const struct block *b, struct work_done *done)
+static void turn_across(const struct work *work, const struct work_block *b, struct work_done *done)
 {
     for (int k = 0; k < work->count; k++)
         if (work_turns(work->system, b->v[k], b->v[k + 1]) && b->h[k] != 0) {
@@ -358,8 +358,8 @@ static void turn_across(const struct work *work, const struct block *b, struct w
 
 bool work_of_terms(const struct work *work, struct work_done *done)
 {
-    struct line line;
-    struct block b;
+    struct oscillator_terms line;
+    struct work_block b;
     const unsigned terms = terms_of(work->system, &line);
     if (!terms)
         return false;

@@ -21,25 +21,25 @@ static int sign_of(double value)
 }
 
 /* Of a state: the share of each variable's size that it may be off. */
-static double share_of_error(const struct run *run)
+static double error_fraction(const struct run *run)
 {
     const double rounding = (ROUNDED + (double)run->steps) * DBL_EPSILON;
     return run->plan.adaptive ? fmax(rounding, run->settings.tol) : rounding;
 }
 
 /* The same for what errors that have grown may be: nearer to 0, a touch is not certain. */
-static double share_of_doubt(const struct run *run)
+static double doubt_fraction(const struct run *run)
 {
-    return run->plan.adaptive ? NEAR * share_of_error(run) : NEAR_FIXED;
+    return run->plan.adaptive ? NEAR * error_fraction(run) : NEAR_FIXED;
 }
 
 /* ---- where a segment begins ---- */
 
 /* The run stands where the condition became true, perhaps but for errors: not there again. */
-static void depart_from_condition(struct watch *watch, struct watched *watched)
+static void depart_from_condition(struct event_watch *watch, struct watched *watched)
 {
     struct run *run = watch->run;
-    watched->departs = events_watch_is_zero(watch, watched, run->t, run->y, share_of_error(run));
+    watched->departs = events_watch_is_zero(watch, watched, run->t, run->y, error_fraction(run));
     watched->touched = watched->departs ? run->t : NAN;
 }
 
@@ -50,7 +50,7 @@ bool events_begin(struct run *run, const struct segment *segment)
         return true;
     if (!p->watch)
         p->watch = calloc(1, sizeof *p->watch);
-    struct watch *watch = p->watch;
+    struct event_watch *watch = p->watch;
     if (!watch || !events_watch_begin(watch, run, segment->target))
         return false;
     for (int i = 0; i < watch->events; i++) {
@@ -79,8 +79,8 @@ bool events_begin(struct run *run, const struct segment *segment)
 /* ---- inside of a step ---- */
 
 /* What a search goes by. */
-struct look {
-    struct watch *watch;
+struct event_search {
+    struct event_watch *watch;
     struct watched *watched;
     int event;
     double until; /* an event that stops the run is there: what comes after does not happen */
@@ -90,14 +90,14 @@ struct look {
     const struct root_search *roots; /* that goes on */
 };
 
-static bool is_until(const struct look *look)
+static bool is_until(const struct event_search *look)
 {
     return look->event == look->watch->until;
 }
 
 static double look_value(void *context, double theta)
 {
-    const struct look *look = context;
+    const struct event_search *look = context;
     double y[LIMIT_VARIABLES];
     path_state(&look->watch->path, theta, y);
     return events_watch_value(look->watch, look->watched, path_time(&look->watch->path, theta), y);
@@ -105,51 +105,51 @@ static double look_value(void *context, double theta)
 
 static struct jet look_bounds(void *context, double a, double b)
 {
-    const struct look *look = context;
+    const struct event_search *look = context;
     return events_watch_bounds(look->watch, look->watched, a, b);
 }
 
-static bool is_zero(const struct look *look, double theta, double share)
+static bool is_zero(const struct event_search *look, double theta, double fraction)
 {
-    const struct path *path = &look->watch->path;
+    const struct step_path *path = &look->watch->path;
     double y[LIMIT_VARIABLES];
     path_state(path, theta, y);
-    return events_watch_is_zero(look->watch, look->watched, path_time(path, theta), y, share);
+    return events_watch_is_zero(look->watch, look->watched, path_time(path, theta), y, fraction);
 }
 
 /* As the last one, at the end of the step before or where the run began: it has not left 0 since.
  */
-static bool is_same_touch(const struct look *look, double theta, double share)
+static bool is_same_touch(const struct event_search *look, double theta, double fraction)
 {
-    const struct path *path = &look->watch->path;
+    const struct step_path *path = &look->watch->path;
     const double touched = look->watched->touched;
     const double since = (touched - path->inside.t) / path->inside.h;
     if (fabs(path_time(path, theta) - touched) <= TOUCH * fabs(path->inside.h))
         return true;
     bool same = since >= 0 && since < theta;
     for (int k = 1; same && k < TOUCH_LOOKS; k++)
-        same = is_zero(look, since + (theta - since) * k / TOUCH_LOOKS, share);
+        same = is_zero(look, since + (theta - since) * k / TOUCH_LOOKS, fraction);
     return same;
 }
 
 static bool look_touches(void *context, double theta)
 {
-    struct look *look = context;
+    struct event_search *look = context;
     const struct run *run = look->watch->path.inside.run;
-    if (is_zero(look, theta, share_of_error(run)))
+    if (is_zero(look, theta, error_fraction(run)))
         return true;
-    if (!is_until(look) && isnan(look->near) && is_zero(look, theta, share_of_doubt(run)) &&
-        !is_same_touch(look, theta, share_of_doubt(run)))
+    if (!is_until(look) && isnan(look->near) && is_zero(look, theta, doubt_fraction(run)) &&
+        !is_same_touch(look, theta, doubt_fraction(run)))
         look->near = theta;
     return false;
 }
 
-static bool add(struct watch *watch, const struct crossing *crossing)
+static bool add(struct event_watch *watch, const struct event_crossing *crossing)
 {
     const size_t n = (size_t)watch->run->system.n;
     if (watch->count == watch->found_capacity) {
         const size_t capacity = watch->found_capacity ? 2 * watch->found_capacity : 16;
-        struct crossing *found = realloc(watch->found, capacity * sizeof *found);
+        struct event_crossing *found = realloc(watch->found, capacity * sizeof *found);
         watch->found = found ? found : watch->found;
         double *state = found ? realloc(watch->state, capacity * n * sizeof *state) : NULL;
         watch->state = state ? state : watch->state;
@@ -163,8 +163,8 @@ static bool add(struct watch *watch, const struct crossing *crossing)
 
 static bool look_found(void *context, double theta, int sign)
 {
-    struct look *look = context;
-    const struct path *path = &look->watch->path;
+    struct event_search *look = context;
+    const struct step_path *path = &look->watch->path;
     const struct event *event = look->watched->event;
     /* A condition becomes true on the way, an event rises with time. */
     const int direction = path->inside.h > 0 || is_until(look) ? sign : -sign;
@@ -172,11 +172,11 @@ static bool look_found(void *context, double theta, int sign)
         sign == 0 && event->touching && look->roots && look->roots->sign == -event->direction;
     if (event->direction != 0 && event->direction != direction && !touches)
         return true;
-    if (event->touching && is_same_touch(look, theta, share_of_error(path->inside.run)))
+    if (event->touching && is_same_touch(look, theta, error_fraction(path->inside.run)))
         return true;
     if (sign == 0)
         look->watched->touched = path_time(path, theta);
-    const struct crossing crossing = {theta, path_time(path, theta), look->event, direction};
+    const struct event_crossing crossing = {theta, path_time(path, theta), look->event, direction};
     look->failed = look->failed || !add(look->watch, &crossing);
     if (event->stop)
         look->until = fmin(look->until, theta);
@@ -189,7 +189,7 @@ static bool look_found(void *context, double theta, int sign)
  * ball that has just been thrown up may be back long before the end of the step. The share of the
  * step at that moment, where *value is; 0: there is none.
  */
-static double depart(struct look *look, double *value)
+static double depart(struct event_search *look, double *value)
 {
     struct watched *watched = look->watched;
     watched->departs = false;
@@ -214,7 +214,7 @@ static double depart(struct look *look, double *value)
 
 /* At a step's end, where the value is 0: the sign beyond, which is that before where it only
  * touches. */
-static int sign_beyond(const struct look *look, int before)
+static int sign_beyond(const struct event_search *look, int before)
 {
     const struct jet jet = events_watch_bounds(look->watch, look->watched, 1, 1);
     const int slope = jet.slope.lo > 0   ? 1
@@ -226,7 +226,7 @@ static int sign_beyond(const struct look *look, int before)
 
 /* Where the run ends, an event is there that is due within the rounding of the sums that led there.
  */
-static bool is_due(const struct look *look, const struct run_target *target)
+static bool is_due(const struct event_search *look, const struct run_target *target)
 {
     const struct run *run = look->watch->run;
     const struct watched *watched = look->watched;
@@ -239,22 +239,22 @@ static bool is_due(const struct look *look, const struct run_target *target)
                             (ROUNDED + (double)run->steps) * DBL_EPSILON * size;
 }
 
-static void doubt(struct run *run, const struct look *look, double from, bool near)
+static void doubt(struct run *run, const struct event_search *look, double from, bool near)
 {
     struct event_doubt *doubt =
         &run->private_state->doubt[is_until(look) ? LIMIT_EVENTS : look->event];
-    const struct path *path = &look->watch->path;
+    const struct step_path *path = &look->watch->path;
     doubt->from = doubt->steps == 0 ? path_time(path, from) : doubt->from;
     doubt->to = path->end_t;
     doubt->steps++;
     doubt->near = near && (doubt->near || doubt->steps == 1);
 }
 
-static void search(struct look *look, double from, double value, double to)
+static void search(struct event_search *look, double from, double value, double to)
 {
     struct watched *watched = look->watched;
-    struct watch *watch = look->watch;
-    const struct path *path = &watch->path;
+    struct event_watch *watch = look->watch;
+    const struct step_path *path = &watch->path;
     const double times = fmax(fabs(path->inside.t), fabs(path->end_t));
     struct root_search roots = {.context = look,
                                 .value = look_value,
@@ -268,7 +268,7 @@ static void search(struct look *look, double from, double value, double to)
     roots.nonzero = value != 0 || watched->value != 0;
     if (roots.touches && !is_until(look))
         roots.near = events_watch_error(watch, watched, path->end_t, path->end,
-                                        share_of_doubt(path->inside.run));
+                                        doubt_fraction(path->inside.run));
     look->near = NAN;
     look->roots = &roots;
     roots_find(&roots, from, value, to, to < 1 ? look_value(look, to) : watched->value);
@@ -285,10 +285,10 @@ static void search(struct look *look, double from, double value, double to)
 }
 
 /* In the step just taken, up to look->until. */
-static void look_at(struct look *look, const struct run_target *target)
+static void look_at(struct event_search *look, const struct run_target *target)
 {
     struct watched *watched = look->watched;
-    const struct path *path = &look->watch->path;
+    const struct step_path *path = &look->watch->path;
     double from = 0, value = watched->value;
     const double near =
         SAME * DBL_EPSILON * fmax(fabs(path->inside.t), fabs(path->end_t)) / fabs(path->inside.h);
@@ -323,17 +323,17 @@ static void look_at(struct look *look, const struct run_target *target)
 
 static int by_time(const void *a, const void *b)
 {
-    const struct crossing *p = a, *q = b;
+    const struct event_crossing *p = a, *q = b;
     return p->theta != q->theta ? (p->theta > q->theta) - (p->theta < q->theta)
                                 : p->event - q->event;
 }
 
 /* In order; those at the same time but for rounding are at one, in the order of definition. */
-static void put_in_order(struct watch *watch)
+static void put_in_order(struct event_watch *watch)
 {
-    const struct path *path = &watch->path;
+    const struct step_path *path = &watch->path;
     const size_t n = (size_t)watch->run->system.n;
-    struct crossing *found = watch->found;
+    struct event_crossing *found = watch->found;
     qsort(found, watch->count, sizeof *found, by_time);
     for (size_t i = 1, first = 0; i < watch->count; i++) {
         const double near = SAME * DBL_EPSILON * fmax(fabs(found[i].t), fabs(path->inside.t));
@@ -341,7 +341,7 @@ static void put_in_order(struct watch *watch)
             first = i;
             continue;
         }
-        struct crossing moved = found[i];
+        struct event_crossing moved = found[i];
         moved.theta = found[first].theta;
         moved.t = found[first].t;
         size_t at = i;
@@ -359,9 +359,9 @@ static void put_in_order(struct watch *watch)
 /* Those that stop the run first: the others are looked for up to there. */
 bool events_find(struct run *run, const struct segment *segment, double t, double h)
 {
-    struct watch *watch = run->private_state->watch;
+    struct event_watch *watch = run->private_state->watch;
     const struct inside inside = inside_of(run, !run->plan.adaptive, t, h);
-    struct look look = {.watch = watch, .until = 1};
+    struct event_search look = {.watch = watch, .until = 1};
     path_begin(&watch->path, &inside);
     watch->count = 0;
     for (int pass = 0; pass < 2; pass++)
@@ -379,7 +379,7 @@ bool events_find(struct run *run, const struct segment *segment, double t, doubl
 
 /* ---- what has happened ---- */
 
-static bool keep(struct run *run, const struct crossing *crossing, const double *state)
+static bool keep(struct run *run, const struct event_crossing *crossing, const double *state)
 {
     struct event_records *all = &run->private_state->event_records;
     const size_t n = (size_t)run->system.n;
@@ -403,10 +403,10 @@ static bool keep(struct run *run, const struct crossing *crossing, const double 
 
 bool events_until(const struct run *run, double *theta)
 {
-    const struct watch *watch = run->private_state->watch;
+    const struct event_watch *watch = run->private_state->watch;
     bool stopped = false; /* by another event before */
     for (size_t i = 0; i < watch->count; i++) {
-        const struct crossing *crossing = &watch->found[i];
+        const struct event_crossing *crossing = &watch->found[i];
         if (crossing->event == watch->until && (!stopped || crossing->theta == *theta)) {
             *theta = crossing->theta;
             return true;
@@ -421,7 +421,7 @@ bool events_until(const struct run *run, double *theta)
 
 bool events_stop(const struct run *run)
 {
-    const struct watch *watch = run->private_state->watch;
+    const struct event_watch *watch = run->private_state->watch;
     for (size_t i = 0; i < watch->count; i++)
         if (watch->event[watch->found[i].event].event->stop)
             return true;
@@ -430,9 +430,9 @@ bool events_stop(const struct run *run)
 
 void events_until_at(struct run *run, double theta)
 {
-    const struct watch *watch = run->private_state->watch;
+    const struct event_watch *watch = run->private_state->watch;
     for (size_t i = 0; i < watch->count; i++) {
-        struct crossing *crossing = &watch->found[i];
+        struct event_crossing *crossing = &watch->found[i];
         const bool before = (run->t - crossing->t) * watch->path.inside.h > 0;
         if (crossing->theta > theta || (crossing->theta < theta && before))
             continue;
@@ -443,10 +443,10 @@ void events_until_at(struct run *run, double theta)
 
 bool events_keep(struct run *run, const struct segment *segment, double h, bool *stops)
 {
-    const struct watch *watch = run->private_state->watch;
+    const struct event_watch *watch = run->private_state->watch;
     const int n = run->system.n;
     for (size_t i = 0; i < watch->count; i++) {
-        const struct crossing *crossing = &watch->found[i];
+        const struct event_crossing *crossing = &watch->found[i];
         const double *state = watch->state + i * (size_t)n;
         if ((crossing->t - run->t) * h > 0)
             break;

@@ -52,7 +52,7 @@ static bool is_on_steps(const struct run *run, size_t first, const struct burst 
     return false;
 }
 
-struct search {
+struct burst_search {
     const struct run *run;
     size_t first; /* row */
     bool steps;   /* each way is one */
@@ -61,7 +61,7 @@ struct search {
 };
 
 /* Is one of them missed? The others go, but for one that may go on after `open`. */
-static bool look_through(struct search *search, double open, struct burst *missed)
+static bool look_through(struct burst_search *search, double open, struct burst *missed)
 {
     const struct trace *trace = search->run->trace;
     const size_t first = search->first;
@@ -94,7 +94,7 @@ bool run_missed_burst(struct run *run, struct burst *missed)
     const size_t all = rows - 1, length = all > WAYS ? all / WAYS : 1;
     const size_t first = p->searched > length ? p->searched - length : 0, steps = all - first;
     const size_t even = (steps * WAYS + all - 1) / all, ways = steps < even ? steps : even;
-    struct search search = {.run = run, .first = first, .steps = ways == steps};
+    struct burst_search search = {.run = run, .first = first, .steps = ways == steps};
     p->searched = all;
     for (size_t k = 0; k < ways; k++) {
         const size_t from = first + k * steps / ways, to = first + (k + 1) * steps / ways;

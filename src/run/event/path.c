@@ -88,7 +88,7 @@ struct jet path_fit(const double *value, int degree, double a, double b)
 
 /* ---- of the step ---- */
 
-void path_begin(struct path *path, const struct inside *inside)
+void path_begin(struct step_path *path, const struct inside *inside)
 {
     const struct run *run = inside->run;
     path->inside = *inside;
@@ -98,7 +98,7 @@ void path_begin(struct path *path, const struct inside *inside)
 }
 
 /* Cubic through the ends and the slopes there. */
-static void through_ends(struct path *path)
+static void through_ends(struct step_path *path)
 {
     const struct inside *inside = &path->inside;
     const double *before = inside->run->private_state->before, h = inside->h;
@@ -120,7 +120,7 @@ static void through_ends(struct path *path)
 }
 
 /* Bent to go through the middle: as much is not known. */
-static void through_middle(struct path *path)
+static void through_middle(struct step_path *path)
 {
     double middle[LIMIT_VARIABLES];
     inside_state(&path->inside, 0.5, middle);
@@ -135,7 +135,7 @@ static void through_middle(struct path *path)
 }
 
 /* The error of each variable: rounding. */
-static void judge(struct path *path)
+static void judge(struct step_path *path)
 {
     for (int i = 0; i < path->inside.run->system.n; i++) {
         double sum = 0, power = 1;
@@ -145,7 +145,7 @@ static void judge(struct path *path)
     }
 }
 
-static void through_samples(struct path *path, int degree)
+static void through_samples(struct step_path *path, int degree)
 {
     double sample[DENSE_DEGREE + 1][LIMIT_VARIABLES];
     for (int k = 0; k <= degree; k++)
@@ -156,7 +156,7 @@ static void through_samples(struct path *path, int degree)
     judge(path);
 }
 
-void path_make(struct path *path)
+void path_make(struct step_path *path)
 {
     const bool side = path->inside.run->private_state->side != NULL;
     if (path->known)
@@ -173,12 +173,12 @@ void path_make(struct path *path)
         judge(path);
 }
 
-double path_time(const struct path *path, double theta)
+double path_time(const struct step_path *path, double theta)
 {
     return theta >= 1 ? path->end_t : path->inside.t + theta * path->inside.h;
 }
 
-void path_state(const struct path *path, double theta, double *y)
+void path_state(const struct step_path *path, double theta, double *y)
 {
     const struct run *run = path->inside.run;
     if (theta <= 0 || theta >= 1)
@@ -187,7 +187,7 @@ void path_state(const struct path *path, double theta, double *y)
         inside_state(&path->inside, theta, y);
 }
 
-void path_estimate(const struct path *path, double theta, double *y)
+void path_estimate(const struct step_path *path, double theta, double *y)
 {
     for (int i = 0; i < path->inside.run->system.n; i++) {
         y[i] = path->c[path->degree][i];
@@ -196,7 +196,7 @@ void path_estimate(const struct path *path, double theta, double *y)
     }
 }
 
-struct jet path_jet(const struct path *path, int variable, double a, double b)
+struct jet path_jet(const struct step_path *path, int variable, double a, double b)
 {
     const int degree = path->degree;
     const double shift = (a + b) / 2 - 0.5;

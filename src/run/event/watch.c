@@ -15,7 +15,7 @@
 
 static int column_of(void *context, int slot)
 {
-    struct watch *watch = context;
+    struct event_watch *watch = context;
     const struct expr_scope *scope = watch->scope;
     const int own = scope->moving ? scope->moving(scope->context, slot) : slot;
     if (own < 0)
@@ -44,7 +44,7 @@ static int column_of(void *context, int slot)
 }
 
 /* Where a condition becomes true is an event that stops the run. */
-static void take_condition(struct watch *watch, const struct run_target *target)
+static void take_condition(struct event_watch *watch, const struct run_target *target)
 {
     const struct condition *condition = target->condition;
     watch->or_equal = condition->or_equal;
@@ -58,7 +58,7 @@ static void take_condition(struct watch *watch, const struct run_target *target)
                                       .scope = target->scope};
 }
 
-bool events_watch_begin(struct watch *watch, struct run *run, const struct run_target *target)
+bool events_watch_begin(struct event_watch *watch, struct run *run, const struct run_target *target)
 {
     arena_reset(&watch->arena);
     watch->columns = watch->capacity = 0;
@@ -81,7 +81,7 @@ bool events_watch_begin(struct watch *watch, struct run *run, const struct run_t
     return !watch->failed;
 }
 
-void events_watch_destroy(struct watch *watch)
+void events_watch_destroy(struct event_watch *watch)
 {
     if (!watch)
         return;
@@ -99,7 +99,7 @@ static double load_value(const void *context, int slot)
 }
 
 /* The event's scope knows the run's present state only: it is put there for a moment. */
-static double load_other(struct watch *watch, const struct watched *watched, int slot, double t,
+static double load_other(struct event_watch *watch, const struct watched *watched, int slot, double t,
                          const double *y)
 {
     struct run *run = watch->run;
@@ -117,7 +117,7 @@ static double load_other(struct watch *watch, const struct watched *watched, int
     return value;
 }
 
-double events_watch_value(struct watch *watch, const struct watched *watched, double t,
+double events_watch_value(struct event_watch *watch, const struct watched *watched, double t,
                           const double *y)
 {
     const struct event *event = watched->event;
@@ -155,7 +155,7 @@ static struct interval less_interval(struct interval a, struct interval b)
     return (struct interval){lo - slack * fabs(lo), hi + slack * fabs(hi)};
 }
 
-static struct jet evaluate(const struct watch *watch, const struct watched *watched)
+static struct jet evaluate(const struct event_watch *watch, const struct watched *watched)
 {
     const struct event *event = watched->event;
     const struct jet left = scaled(expr_jet(watched->left, watch->jet), event->left_factor);
@@ -167,7 +167,7 @@ static struct jet evaluate(const struct watch *watch, const struct watched *watc
                         less_interval(left.bend, right.bend)};
 }
 
-static struct jet time_jet(const struct path *path, double a, double b)
+static struct jet time_jet(const struct step_path *path, double a, double b)
 {
     const double from = path_time(path, a), to = path_time(path, b), h = path->inside.h;
     const double near = 2 * DBL_EPSILON * fmax(fabs(from), fabs(to));
@@ -175,7 +175,7 @@ static struct jet time_jet(const struct path *path, double a, double b)
 }
 
 /* Of a function of the state: a polynomial through its values, which is no proof. */
-static struct jet other_jet(struct watch *watch, const struct watched *watched, int slot, double a,
+static struct jet other_jet(struct event_watch *watch, const struct watched *watched, int slot, double a,
                             double b)
 {
     double y[LIMIT_VARIABLES], value[SAMPLES + 1];
@@ -188,10 +188,10 @@ static struct jet other_jet(struct watch *watch, const struct watched *watched, 
     return path_fit(value, SAMPLES, from, from + apart);
 }
 
-struct jet events_watch_bounds(struct watch *watch, const struct watched *watched, double a,
+struct jet events_watch_bounds(struct event_watch *watch, const struct watched *watched, double a,
                                double b)
 {
-    const struct path *path = &watch->path;
+    const struct step_path *path = &watch->path;
     path_make(&watch->path);
     for (int i = 0; i < watch->columns; i++) {
         const struct moving *column = &watch->column[i];
@@ -204,7 +204,7 @@ struct jet events_watch_bounds(struct watch *watch, const struct watched *watche
 }
 
 /* Bounds of the value where each variable may be off by that share of its size. */
-static struct interval value_within(struct watch *watch, const struct watched *watched, double t,
+static struct interval value_within(struct event_watch *watch, const struct watched *watched, double t,
                                     const double *y, double error)
 {
     for (int i = 0; i < watch->columns; i++) {
@@ -222,14 +222,14 @@ static struct interval value_within(struct watch *watch, const struct watched *w
     return evaluate(watch, watched).value;
 }
 
-bool events_watch_is_zero(struct watch *watch, const struct watched *watched, double t,
+bool events_watch_is_zero(struct event_watch *watch, const struct watched *watched, double t,
                           const double *y, double error)
 {
     const struct interval value = value_within(watch, watched, t, y, error);
     return value.lo <= 0 && value.hi >= 0;
 }
 
-double events_watch_error(struct watch *watch, const struct watched *watched, double t,
+double events_watch_error(struct event_watch *watch, const struct watched *watched, double t,
                           const double *y, double error)
 {
     const struct interval value = value_within(watch, watched, t, y, error);

@@ -13,7 +13,7 @@
  * The step just taken as a polynomial of the share theta of it: y = sum c_k (theta - 1/2)^k, but
  * for `error`. Of a method whose steps have no polynomial through the ends and the middle.
  */
-struct path {
+struct step_path {
     struct inside inside;
     double end_t;
     bool known; /* made for this step */
@@ -23,13 +23,13 @@ struct path {
     double error[LIMIT_VARIABLES];
 };
 
-void path_begin(struct path *path, const struct inside *inside);
-void path_make(struct path *path);
-double path_time(const struct path *path, double theta);
+void path_begin(struct step_path *path, const struct inside *inside);
+void path_make(struct step_path *path);
+double path_time(const struct step_path *path, double theta);
 /* By the method itself, at the ends the states that were computed. */
-void path_state(const struct path *path, double theta, double *y);
-struct jet path_jet(const struct path *path, int variable, double a, double b);
-void path_estimate(const struct path *path, double theta,
+void path_state(const struct step_path *path, double theta, double *y);
+struct jet path_jet(const struct step_path *path, int variable, double a, double b);
+void path_estimate(const struct step_path *path, double theta,
                    double *y); /* all variables, by the polynomial */
 /* Of values at even shares of the stretch from a to b, the first at a: the polynomial's bounds, and
  * about its error. */
@@ -49,12 +49,12 @@ struct watched {
     double touched; /* [s] when it last touched 0, NAN: never */
 };
 
-struct crossing {
+struct event_crossing {
     double theta, t;
     int event, direction; /* 1 rising with time, 0 touching */
 };
 
-struct watch {
+struct event_watch {
     struct arena arena;
     struct moving *column;
     double *value;   /* [columns] */
@@ -69,24 +69,24 @@ struct watch {
     int until;
     struct event condition;
     bool or_equal;
-    struct path path;
-    struct crossing *found; /* in the step just taken, in order */
+    struct step_path path;
+    struct event_crossing *found; /* in the step just taken, in order */
     double *state;          /* [count][n] */
     size_t count, found_capacity;
 };
 
 /* For a run at its present state. False: no memory. */
-bool events_watch_begin(struct watch *watch, struct run *run, const struct run_target *target);
-void events_watch_destroy(struct watch *watch);
-double events_watch_value(struct watch *watch, const struct watched *watched, double t,
+bool events_watch_begin(struct event_watch *watch, struct run *run, const struct run_target *target);
+void events_watch_destroy(struct event_watch *watch);
+double events_watch_value(struct event_watch *watch, const struct watched *watched, double t,
                           const double *y);
-struct jet events_watch_bounds(struct watch *watch, const struct watched *watched, double a,
+struct jet events_watch_bounds(struct event_watch *watch, const struct watched *watched, double a,
                                double b);
 /* At a state that is known but for a share `error` of each variable's size. */
-bool events_watch_is_zero(struct watch *watch, const struct watched *watched, double t,
+bool events_watch_is_zero(struct event_watch *watch, const struct watched *watched, double t,
                           const double *y, double error);
 /* Half the width of the bounds of its value there. */
-double events_watch_error(struct watch *watch, const struct watched *watched, double t,
+double events_watch_error(struct event_watch *watch, const struct watched *watched, double t,
                           const double *y, double error);
 
 #endif

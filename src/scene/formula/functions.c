@@ -5,12 +5,12 @@
 
 #include "scene/formula/expr.h"
 
-double function_least(double a, double b)
+double function_min(double a, double b)
 {
     return a < b || isnan(a) ? a : b;
 }
 
-double function_most(double a, double b)
+double function_max(double a, double b)
 {
     return a > b || isnan(a) ? a : b;
 }
@@ -77,8 +77,8 @@ static const struct function rows[] = {
     {{"abs", "", "abs(x): absolute value", "", "fabs"}, .one = fabs},
     {{"sign", "", "sign(x): -1, 0 or 1", "", "sgn"}, .one = function_sign},
     {{"step", "", "step(x): 0 for x < 0, else 1", "", "heaviside heav"}, .one = function_step},
-    {{"min", "", "min(a, b): the smaller of two", "", NULL}, .two = function_least},
-    {{"max", "", "max(a, b): the larger of two", "", NULL}, .two = function_most},
+    {{"min", "", "min(a, b): the smaller of two", "", NULL}, .two = function_min},
+    {{"max", "", "max(a, b): the larger of two", "", NULL}, .two = function_max},
     {{"mod", "", "mod(a, b): what a leaves when divided by b, between 0 and b", "", NULL},
      .two = function_mod},
     {{"floor", "", "floor(x): largest integer <= x", "", NULL}, .one = floor},

@@ -62,9 +62,9 @@ struct interval interval_mul(struct interval a, struct interval b)
         return interval_point(0);
     const double p = times(a.lo, b.lo), q = times(a.lo, b.hi), r = times(a.hi, b.lo),
                  s = times(a.hi, b.hi);
-    const double pq = p < q ? p : q, rs = r < s ? r : s, most_pq = p < q ? q : p,
-                 most_rs = r < s ? s : r;
-    return interval_wide(pq < rs ? pq : rs, most_pq < most_rs ? most_rs : most_pq, 1);
+    const double pq = p < q ? p : q, rs = r < s ? r : s, max_pq = p < q ? q : p,
+                 max_rs = r < s ? s : r;
+    return interval_wide(pq < rs ? pq : rs, max_pq < max_rs ? max_rs : max_pq, 1);
 }
 
 struct interval interval_div(struct interval a, struct interval b)

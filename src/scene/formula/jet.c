@@ -195,9 +195,9 @@ struct jet jet_two(double (*function)(double, double), struct jet a, struct jet 
 {
     if (function == function_power)
         return to_power(a, b);
-    if (function == function_least)
+    if (function == function_min)
         return min(a, b);
-    if (function == function_most)
+    if (function == function_max)
         return jet_neg(min(jet_neg(a), jet_neg(b)));
     if (function == function_mod)
         return modulo(a, b);

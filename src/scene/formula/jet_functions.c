@@ -5,7 +5,7 @@
 #define UNITS 4 /* of the last place: what libm may be off */
 
 /* f, f', f'' over an interval. */
-struct series {
+struct interval_jet {
     struct interval f, first, second;
 };
 
@@ -24,7 +24,7 @@ static struct interval rising(double (*function)(double), struct interval x)
     return interval_wide(function(x.lo), function(x.hi), UNITS);
 }
 
-static const struct series unknown = {{NAN, NAN}, {NAN, NAN}, {NAN, NAN}};
+static const struct interval_jet unknown = {{NAN, NAN}, {NAN, NAN}, {NAN, NAN}};
 
 /* The part of x from lo to hi, where there is a value; beyond, nothing is known of slopes. */
 static bool clipped(struct interval *x, double lo, double hi)
@@ -37,9 +37,9 @@ static bool clipped(struct interval *x, double lo, double hi)
     return whole;
 }
 
-static struct series somewhere(struct interval f)
+static struct interval_jet somewhere(struct interval f)
 {
-    return (struct series){f, interval_all, interval_all};
+    return (struct interval_jet){f, interval_all, interval_all};
 }
 
 /* ---- circular ---- */
@@ -66,28 +66,28 @@ static struct interval wave(double (*function)(double), struct interval x, doubl
     return f;
 }
 
-static struct series series_sin(struct interval x)
+static struct interval_jet series_sin(struct interval x)
 {
     const struct interval f = wave(sin, x, 0.5);
-    return (struct series){f, wave(cos, x, 0), interval_neg(f)};
+    return (struct interval_jet){f, wave(cos, x, 0), interval_neg(f)};
 }
 
-static struct series series_cos(struct interval x)
+static struct interval_jet series_cos(struct interval x)
 {
     const struct interval f = wave(cos, x, 0);
-    return (struct series){f, interval_neg(wave(sin, x, 0.5)), interval_neg(f)};
+    return (struct interval_jet){f, interval_neg(wave(sin, x, 0.5)), interval_neg(f)};
 }
 
-static struct series series_tan(struct interval x)
+static struct interval_jet series_tan(struct interval x)
 {
     if (!(x.hi - x.lo < M_PI) || fmax(fabs(x.lo), fabs(x.hi)) > 0x1p40 || meets(x, 0.5, 2))
         return somewhere(interval_all);
     const struct interval f = rising(tan, x), first = interval_add(one(), interval_square(f));
-    return (struct series){f, first, times(2, interval_mul(f, first))};
+    return (struct interval_jet){f, first, times(2, interval_mul(f, first))};
 }
 
 /* 1/sqrt(1 - x^2), x/(1 - x^2)^(3/2) */
-static struct series series_asin(struct interval x)
+static struct interval_jet series_asin(struct interval x)
 {
     const bool whole = clipped(&x, -1, 1);
     if (interval_empty(x))
@@ -97,23 +97,23 @@ static struct series series_asin(struct interval x)
     if (!whole || !(rest.lo > 0))
         return somewhere(f);
     const struct interval first = interval_div(one(), rising(sqrt, rest));
-    return (struct series){f, first, interval_div(interval_mul(x, first), rest)};
+    return (struct interval_jet){f, first, interval_div(interval_mul(x, first), rest)};
 }
 
-static struct series series_acos(struct interval x)
+static struct interval_jet series_acos(struct interval x)
 {
-    struct series s = series_asin(x);
+    struct interval_jet s = series_asin(x);
     if (interval_empty(s.f))
         return s;
     clipped(&x, -1, 1);
-    return (struct series){interval_wide(acos(x.hi), acos(x.lo), UNITS), interval_neg(s.first),
+    return (struct interval_jet){interval_wide(acos(x.hi), acos(x.lo), UNITS), interval_neg(s.first),
                            interval_neg(s.second)};
 }
 
-static struct series series_atan(struct interval x)
+static struct interval_jet series_atan(struct interval x)
 {
     const struct interval first = interval_div(one(), interval_add(one(), interval_square(x)));
-    return (struct series){rising(atan, x), first,
+    return (struct interval_jet){rising(atan, x), first,
                            times(-2, interval_mul(x, interval_square(first)))};
 }
 
@@ -125,34 +125,34 @@ static struct interval cosh_of(struct interval x)
     return interval_wide(interval_has(x, 0) ? 1 : fmin(p, q), fmax(p, q), UNITS);
 }
 
-static struct series series_sinh(struct interval x)
+static struct interval_jet series_sinh(struct interval x)
 {
     const struct interval f = rising(sinh, x);
-    return (struct series){f, cosh_of(x), f};
+    return (struct interval_jet){f, cosh_of(x), f};
 }
 
-static struct series series_cosh(struct interval x)
+static struct interval_jet series_cosh(struct interval x)
 {
     const struct interval f = cosh_of(x);
-    return (struct series){f, rising(sinh, x), f};
+    return (struct interval_jet){f, rising(sinh, x), f};
 }
 
-static struct series series_tanh(struct interval x)
+static struct interval_jet series_tanh(struct interval x)
 {
     const struct interval f = rising(tanh, x),
                           first = interval_div(one(), interval_square(cosh_of(x)));
-    return (struct series){f, first, times(-2, interval_mul(f, first))};
+    return (struct interval_jet){f, first, times(-2, interval_mul(f, first))};
 }
 
-static struct series series_exp(struct interval x)
+static struct interval_jet series_exp(struct interval x)
 {
     struct interval f = rising(exp, x);
     f.lo = fmax(f.lo, 0);
-    return (struct series){f, f, f};
+    return (struct interval_jet){f, f, f};
 }
 
 /* 1/x times the factor, which is 1/ln of the base */
-static struct series logarithm(double (*function)(double), struct interval x, double factor)
+static struct interval_jet logarithm(double (*function)(double), struct interval x, double factor)
 {
     const bool whole = clipped(&x, 0, HUGE_VAL);
     if (interval_empty(x))
@@ -161,22 +161,22 @@ static struct series logarithm(double (*function)(double), struct interval x, do
     if (!whole || !(x.lo > 0))
         return somewhere(f);
     const struct interval first = interval_div(interval_wide(factor, factor, 1), x);
-    return (struct series){f, first, interval_neg(interval_div(first, x))};
+    return (struct interval_jet){f, first, interval_neg(interval_div(first, x))};
 }
 
-static struct series series_log(struct interval x)
+static struct interval_jet series_log(struct interval x)
 {
     return logarithm(log, x, 1);
 }
 
-static struct series series_log10(struct interval x)
+static struct interval_jet series_log10(struct interval x)
 {
     return logarithm(log10, x, M_LOG10E);
 }
 
 /* ---- roots ---- */
 
-static struct series series_sqrt(struct interval x)
+static struct interval_jet series_sqrt(struct interval x)
 {
     const bool whole = clipped(&x, 0, HUGE_VAL);
     if (interval_empty(x))
@@ -186,40 +186,40 @@ static struct series series_sqrt(struct interval x)
     if (!whole || !(x.lo > 0))
         return somewhere(f);
     const struct interval first = interval_div(interval_point(0.5), f);
-    return (struct series){f, first, times(-0.5, interval_div(first, x))};
+    return (struct interval_jet){f, first, times(-0.5, interval_div(first, x))};
 }
 
-static struct series series_cbrt(struct interval x)
+static struct interval_jet series_cbrt(struct interval x)
 {
     const struct interval f = rising(cbrt, x);
     const struct interval first = interval_div(one(), times(3, interval_square(f)));
-    return (struct series){f, first,
+    return (struct interval_jet){f, first,
                            interval_div(times(-2. / 3, interval_wide(first.lo, first.hi, 2)), x)};
 }
 
 /* ---- corners and jumps ---- */
 
-static struct series straight(struct interval f, double slope)
+static struct interval_jet straight(struct interval f, double slope)
 {
-    return (struct series){f, interval_point(slope), interval_point(0)};
+    return (struct interval_jet){f, interval_point(slope), interval_point(0)};
 }
 
-static struct series series_abs(struct interval x)
+static struct interval_jet series_abs(struct interval x)
 {
     if (x.lo >= 0 || x.hi <= 0)
         return x.lo >= 0 ? straight(x, 1) : straight(interval_neg(x), -1);
-    return (struct series){{0, fmax(-x.lo, x.hi)}, {-1, 1}, interval_all};
+    return (struct interval_jet){{0, fmax(-x.lo, x.hi)}, {-1, 1}, interval_all};
 }
 
 /* A function that is constant between its jumps. */
-static struct series stairs(double (*function)(double), struct interval x)
+static struct interval_jet stairs(double (*function)(double), struct interval x)
 {
     const struct interval f = {function(x.lo), function(x.hi)};
     return f.lo == f.hi ? straight(f, 0) : somewhere(f);
 }
 
 #define STAIRS(name, function)                                                                     \
-    static struct series name(struct interval x)                                                   \
+    static struct interval_jet name(struct interval x)                                                   \
     {                                                                                              \
         return stairs(function, x);                                                                \
     }
@@ -233,7 +233,7 @@ STAIRS(series_round, round)
 
 static const struct {
     double (*function)(double);
-    struct series (*series)(struct interval x);
+    struct interval_jet (*series)(struct interval x);
 } rows[] = {
     {sin, series_sin},
     {cos, series_cos},
@@ -266,7 +266,7 @@ struct jet jet_one(double (*function)(double), struct jet x)
         return jet_jump(NAN, NAN);
     if (i == COUNT_OF(rows))
         return jet_jump(-HUGE_VAL, HUGE_VAL);
-    const struct series s = rows[i].series(x.value);
+    const struct interval_jet s = rows[i].series(x.value);
     return (struct jet){s.f, interval_mul(s.first, x.slope),
                         interval_add(interval_mul(s.second, interval_square(x.slope)),
                                      interval_mul(s.first, x.bend))};

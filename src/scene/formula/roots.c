@@ -15,7 +15,7 @@
 #define DEPTH 64
 #define MOST 100000 /* roots in one search */
 
-struct stretch {
+struct root_interval {
     double a, b, fa, fb;
 };
 
@@ -66,7 +66,7 @@ double root_between(double (*value)(void *context, double x), void *context, dou
 }
 
 /* The point beyond the sign change of s. */
-static double locate(const struct root_search *roots, const struct stretch *s)
+static double locate(const struct root_search *roots, const struct root_interval *s)
 {
     return s->fa == 0
                ? s->a
@@ -74,7 +74,7 @@ static double locate(const struct root_search *roots, const struct stretch *s)
 }
 
 /* Its sign changes once at most. */
-static void pass(struct root_search *roots, const struct stretch *s)
+static void pass(struct root_search *roots, const struct root_interval *s)
 {
     const int after = sign_of(s->fb);
     if (after == 0)
@@ -108,7 +108,7 @@ static double slope_at(const struct root_search *roots, double x)
  * extreme value, about *x, may be farther, with a second derivative of at least `bend`. By values
  * alone then (golden section; Kiefer 1953).
  */
-static bool reaches_near(const struct root_search *roots, const struct stretch *s, double bend,
+static bool reaches_near(const struct root_search *roots, const struct root_interval *s, double bend,
                          double *x)
 {
     const struct interval slope = roots->bounds(roots->context, *x, *x).slope;
@@ -143,7 +143,7 @@ static bool reaches_near(const struct root_search *roots, const struct stretch *
  * Bent away from 0, with ends on one side of it: is the extreme value on the other? *x is where it
  * was found to be, or where the value is nearest to 0.
  */
-static bool reaches(const struct root_search *roots, const struct stretch *s, double *x)
+static bool reaches(const struct root_search *roots, const struct root_interval *s, double *x)
 {
     double a = s->a, b = s->b, ga = roots->sign * slope_at(roots, a),
            gb = roots->sign * slope_at(roots, b);
@@ -178,7 +178,7 @@ static bool reaches(const struct root_search *roots, const struct stretch *s, do
 }
 
 /* With a second derivative of one sign. */
-static void bent(struct root_search *roots, const struct stretch *s, const struct interval *second)
+static void bent(struct root_search *roots, const struct root_interval *s, const struct interval *second)
 {
     const int after = sign_of(s->fb);
     const bool up = second->lo > 0;
@@ -198,12 +198,12 @@ static void bent(struct root_search *roots, const struct stretch *s, const struc
         return;
     }
     const double fx = value_at(roots, x);
-    pass(roots, &(struct stretch){s->a, x, s->fa, fx});
-    pass(roots, &(struct stretch){x, s->b, fx, s->fb});
+    pass(roots, &(struct root_interval){s->a, x, s->fa, fx});
+    pass(roots, &(struct root_interval){x, s->b, fx, s->fb});
 }
 
 /* The bounds of the value that follow from its ends and its slope, too. */
-static struct interval value_of(const struct jet *jet, const struct stretch *s)
+static struct interval value_of(const struct jet *jet, const struct root_interval *s)
 {
     struct interval value = jet->value;
     const double w = s->b - s->a, down = -jet->slope.lo, up = jet->slope.hi;
@@ -221,7 +221,7 @@ static struct interval value_of(const struct jet *jet, const struct stretch *s)
 }
 
 /* True: nothing is left to be found in it. */
-static bool decided(struct root_search *roots, const struct stretch *s)
+static bool decided(struct root_search *roots, const struct root_interval *s)
 {
     const int before = sign_of(s->fa);
     if (before != 0 && roots->sign != 0 && before != roots->sign)
@@ -245,12 +245,12 @@ static bool decided(struct root_search *roots, const struct stretch *s)
 
 void roots_find(struct root_search *roots, double a, double fa, double b, double fb)
 {
-    struct stretch stack[DEPTH] = {{a, b, fa, fb}};
+    struct root_interval stack[DEPTH] = {{a, b, fa, fb}};
     int depth = 1;
     roots->used = roots->count = 0;
     roots->unsure = roots->stopped = roots->touched = false;
     while (depth > 0 && !roots->stopped) {
-        const struct stretch s = stack[--depth];
+        const struct root_interval s = stack[--depth];
         if (decided(roots, &s))
             continue;
         const double middle = s.a + (s.b - s.a) / 2;
@@ -264,12 +264,12 @@ void roots_find(struct root_search *roots, double a, double fa, double b, double
         if (roots->used > roots->budget + EACH * roots->count || roots->count >= MOST) {
             roots->unsure = true;
             roots->unsure_from = s.a;
-            pass(roots, &(struct stretch){s.a, b, s.fa, fb});
+            pass(roots, &(struct root_interval){s.a, b, s.fa, fb});
             return;
         }
         const double fm = value_at(roots, middle);
         roots->nonzero = roots->nonzero || fm != 0;
-        stack[depth++] = (struct stretch){middle, s.b, fm, s.fb};
-        stack[depth++] = (struct stretch){s.a, middle, s.fa, fm};
+        stack[depth++] = (struct root_interval){middle, s.b, fm, s.fb};
+        stack[depth++] = (struct root_interval){s.a, middle, s.fa, fm};
     }
 }

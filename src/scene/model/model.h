@@ -23,7 +23,7 @@ extern const struct catalog no_derived; /* of a model without derived quantities
 
 #define ANY .min = -HUGE_VAL
 #define AT_LEAST(limit) .min = (limit)
-#define ABOVE(limit) .min = (limit), .least_excluded = true
+#define ABOVE(limit) .min = (limit), .min_excluded = true
 
 #define PARAM_PLACE(name, ...) P_##name,
 #define PARAM_PLACES(PARAMS) enum { PARAMS(PARAM_PLACE) P_COUNT }

@@ -11,7 +11,7 @@ static const struct param_row rows[] = {
 
 const struct catalog param_catalog = CATALOG("parameter", rows);
 
-static int place_of(const struct catalog *catalog, struct text name)
+static int index_of(const struct catalog *catalog, struct text name)
 {
     const struct row *found = catalog_find(catalog, name);
     return found ? catalog_index(catalog, found) : -1;
@@ -19,7 +19,7 @@ static int place_of(const struct catalog *catalog, struct text name)
 
 int param_index(const char *name)
 {
-    int index = place_of(&param_catalog, text_of(name));
+    int index = index_of(&param_catalog, text_of(name));
     assert(index >= 0);
     return index;
 }
@@ -36,7 +36,7 @@ const struct catalog *scene_derived(const struct scene *scene)
 
 int scene_param(const struct scene *scene, const char *name)
 {
-    return place_of(scene->model->params, text_of(name));
+    return index_of(scene->model->params, text_of(name));
 }
 
 const struct param_row *param_at(const struct scene *scene, int index)
@@ -47,7 +47,7 @@ const struct param_row *param_at(const struct scene *scene, int index)
 
 int scene_param_at(const struct scene *scene, struct text name)
 {
-    return place_of(scene->model->params, name);
+    return index_of(scene->model->params, name);
 }
 
 double param_value(const struct scene *scene, const char *name)
@@ -56,10 +56,10 @@ double param_value(const struct scene *scene, const char *name)
     return index >= 0 ? scene->value[index] : NAN;
 }
 
-bool param_given(const struct scene *scene, const char *name)
+bool param_chosen(const struct scene *scene, const char *name)
 {
     const int index = scene_param(scene, name);
-    return index >= 0 && scene->given[index];
+    return index >= 0 && scene->chosen[index];
 }
 
 bool is_oscillator(const struct scene *scene)
@@ -100,12 +100,12 @@ void scene_unset(struct scene *scene, int param)
 {
     scene->value[param] = preset_value(scene, param);
     scene->uncertainty[param] = 0;
-    scene->given[param] = false;
+    scene->chosen[param] = false;
 }
 
 static bool in_range(const struct param_row *row, double value, struct error *error)
 {
-    if (isfinite(value) && (row->least_excluded ? value > row->min : value >= row->min))
+    if (isfinite(value) && (row->min_excluded ? value > row->min : value >= row->min))
         return true;
     char got[REAL_TEXT_SIZE], min[REAL_TEXT_SIZE];
     const char *unit = row->row.unit;
@@ -115,7 +115,7 @@ static bool in_range(const struct param_row *row, double value, struct error *er
                          got);
     real_format(row->min, min);
     return error_set(error, ERROR_COMMAND, "%s must be %s %s (got %s%s%s)", row->row.name,
-                     row->least_excluded ? ">" : ">=", min, got, *unit ? " " : "", unit);
+                     row->min_excluded ? ">" : ">=", min, got, *unit ? " " : "", unit);
 }
 
 bool params_coherent(const double *param, struct error *error)
@@ -142,6 +142,6 @@ bool scene_set(struct scene *scene, int param, struct measured value, struct err
         return false;
     }
     scene->uncertainty[param] = isnan(value.uncertainty) ? 0 : value.uncertainty;
-    scene->given[param] = true;
+    scene->chosen[param] = true;
     return true;
 }

@@ -149,7 +149,7 @@ const struct program *term_program(const struct bound_term *term, int *values)
     if (term->row->bind)
         return NULL;
     const struct typed_term *typed = typed_term_of(term->c);
-    *values = typed->part->given;
+    *values = typed->part->steady;
     return typed->add;
 }
 

@@ -75,7 +75,7 @@ bool typed_look(const struct typed *typed, const struct program *program, bool *
 
 /* ---- one oscillator ---- */
 
-enum part { CONSTANT, BY_T, BY_Q, BY_V, BY_SPEED, BY_SQUARE, DRIVE, PARTS };
+enum affine_part { CONSTANT, BY_T, BY_Q, BY_V, BY_SPEED, BY_SQUARE, DRIVE, PARTS };
 
 #define BIT(part) (1u << (part))
 
@@ -84,17 +84,17 @@ enum part { CONSTANT, BY_T, BY_Q, BY_V, BY_SPEED, BY_SQUARE, DRIVE, PARTS };
  * [DRIVE] cos(omega t + phase), as numbers: t only on its way into a cosine, |v| on its way to |v|
  * v.
  */
-struct form {
+struct affine_form {
     double part[PARTS], omega, phase;
     bool known; /* it is of this kind */
 };
 
 #define NODES_MAX 256 /* an oscillator with more operations is not one that anybody types */
 
-static const struct form unknown;
+static const struct affine_form unknown;
 
 /* Is there nothing but these? */
-static bool only(const struct form *f, unsigned parts)
+static bool only(const struct affine_form *f, unsigned parts)
 {
     for (int i = 0; i < PARTS; i++)
         if (!(parts & BIT(i)) && f->part[i] != 0)
@@ -124,12 +124,12 @@ static bool add_drive(struct oscillator *o, double drive, double omega, double p
 }
 
 /* a + sign b */
-static struct form sum(const struct form *a, double sign, const struct form *b)
+static struct affine_form sum(const struct affine_form *a, double sign, const struct affine_form *b)
 {
     struct oscillator both = {.drive = a->part[DRIVE], .omega = a->omega, .phase = a->phase};
     if (!add_drive(&both, sign * b->part[DRIVE], b->omega, b->phase))
         return unknown;
-    struct form made = {.omega = both.omega, .phase = both.phase, .known = true};
+    struct affine_form made = {.omega = both.omega, .phase = both.phase, .known = true};
     for (int i = 0; i < DRIVE; i++)
         made.part[i] = a->part[i] + sign * b->part[i];
     made.part[DRIVE] = both.drive;
@@ -137,7 +137,7 @@ static struct form sum(const struct form *a, double sign, const struct form *b)
 }
 
 /* Coefficients are rounded as those of the built-in terms are: k/m is a quotient. */
-static struct form scaled(struct form f, double factor, double divisor)
+static struct affine_form scaled(struct affine_form f, double factor, double divisor)
 {
     for (int i = 0; i < PARTS; i++)
         f.part[i] = divisor == 1 ? f.part[i] * factor : f.part[i] / divisor;
@@ -145,39 +145,39 @@ static struct form scaled(struct form f, double factor, double divisor)
 }
 
 /* A constant times anything, or (constant + |v|) v. */
-static struct form product(const struct form *a, const struct form *b)
+static struct affine_form product(const struct affine_form *a, const struct affine_form *b)
 {
     if (only(b, BIT(CONSTANT)))
         return scaled(*a, b->part[CONSTANT], 1);
     if (only(a, BIT(CONSTANT)))
         return scaled(*b, a->part[CONSTANT], 1);
-    const struct form *rate = a->part[BY_SPEED] != 0 ? a : b, *v = rate == a ? b : a;
+    const struct affine_form *rate = a->part[BY_SPEED] != 0 ? a : b, *v = rate == a ? b : a;
     if (!only(rate, BIT(CONSTANT) | BIT(BY_SPEED)) || !only(v, BIT(BY_V)))
         return unknown;
-    struct form made = {.known = true};
+    struct affine_form made = {.known = true};
     made.part[BY_V] = rate->part[CONSTANT] * v->part[BY_V];
     made.part[BY_SQUARE] = rate->part[BY_SPEED] * v->part[BY_V];
     return made;
 }
 
 /* cos(angle + ahead) */
-static struct form wave(const struct form *angle, double ahead)
+static struct affine_form wave(const struct affine_form *angle, double ahead)
 {
     if (!only(angle, BIT(CONSTANT) | BIT(BY_T)))
         return unknown;
     const double omega = angle->part[BY_T], phase = angle->part[CONSTANT] + ahead;
-    struct form made = {.omega = fabs(omega), .phase = omega < 0 ? -phase : phase, .known = true};
+    struct affine_form made = {.omega = fabs(omega), .phase = omega < 0 ? -phase : phase, .known = true};
     made.part[DRIVE] = 1;
     return made;
 }
 
-static struct form number(double value)
+static struct affine_form number(double value)
 {
-    return (struct form){.part = {[CONSTANT] = value}, .known = true};
+    return (struct affine_form){.part = {[CONSTANT] = value}, .known = true};
 }
 
-static struct form apply(const struct node *node, const struct form *a, const struct form *b,
-                         const struct form *c)
+static struct affine_form apply(const struct node *node, const struct affine_form *a, const struct affine_form *b,
+                         const struct affine_form *c)
 {
     static const double quarter = 1.57079632679489661923;
     const unsigned constant = BIT(CONSTANT);
@@ -193,7 +193,7 @@ static struct form apply(const struct node *node, const struct form *a, const st
         return scaled(*a, -1, 1);
     case NODE_ABS:
         return only(a, BIT(BY_V))
-                   ? (struct form){.part = {[BY_SPEED] = fabs(a->part[BY_V])}, .known = true}
+                   ? (struct affine_form){.part = {[BY_SPEED] = fabs(a->part[BY_V])}, .known = true}
                    : unknown;
     case NODE_ADD:
         return sum(a, 1, b);
@@ -210,9 +210,9 @@ static struct form apply(const struct node *node, const struct form *a, const st
     }
 }
 
-static struct form form_of(const struct program *program, const double *c)
+static struct affine_form form_of(const struct program *program, const double *c)
 {
-    struct form form[NODES_MAX], one = number(1);
+    struct affine_form form[NODES_MAX], one = number(1);
     if (program->nodes > NODES_MAX)
         return unknown;
     for (int i = 0; i < program->nodes; i++) {
@@ -235,7 +235,7 @@ static struct form form_of(const struct program *program, const double *c)
 static void add_line(const struct typed_term *term, const double *c, struct oscillator *o)
 {
     const bool drag = term->row.flags & TERM_VELOCITY;
-    const struct form f = form_of(term->add, c);
+    const struct affine_form f = form_of(term->add, c);
     const unsigned velocity = BIT(BY_V) | BIT(BY_SQUARE),
                    rest = BIT(CONSTANT) | BIT(BY_Q) | BIT(DRIVE);
     struct oscillator with = *o;

@@ -135,7 +135,7 @@ static bool add_param(struct compile *c, struct text name, double value, enum qu
         .quantity = quantity,
         .initial = value,
         .min = positive ? 0 : -HUGE_VAL,
-        .least_excluded = positive};
+        .min_excluded = positive};
     return c->own[c->owns - 1].row.name || error_memory(c->error);
 }
 

@@ -95,7 +95,7 @@ static double power(const double *c, double t, const double *y)
 
 /* ---- making programs ---- */
 
-struct making {
+struct part_making {
     const struct typed *typed;
     struct typed_part *part;
     struct equations *equations;
@@ -108,15 +108,15 @@ struct making {
 enum use { STEPS, LOOKS, RARELY };
 
 /* The last `count` outputs as a program. */
-static struct program *make(const struct making *m, int count, enum use use)
+static struct program *make(const struct part_making *m, int count, enum use use)
 {
-    const struct given_argument given = {1 + m->typed->model.n, m->part->given,
-                                         use == STEPS ? TERM_VALUES - 1 - m->part->given : 0};
+    const struct steady_names steady = {1 + m->typed->model.n, m->part->steady,
+                                         use == STEPS ? TERM_VALUES - 1 - m->part->steady : 0};
     struct program *program =
-        program_create_given(m->equations, equations_count(m->equations) - count, count, m->bound,
-                             m->value, &given, use != RARELY, m->error);
+        program_create_keeping(m->equations, equations_count(m->equations) - count, count, m->bound,
+                             m->value, &steady, use != RARELY, m->error);
     if (program)
-        m->part->given += program->keeps;
+        m->part->steady += program->keeps;
     if (!program || program_frame(program) <= FRAME_MAX)
         return program;
     error_set(m->error, ERROR_COMMAND,
@@ -153,7 +153,7 @@ static unsigned flags_of(const struct typed_term *term, bool affine, bool kinks)
 
 /* What is added, of the expressions [rows]; nothing if it is 0. *first: its place among the
  * equations. */
-static bool make_add(const struct making *m, struct typed_term *term,
+static bool make_add(const struct part_making *m, struct typed_term *term,
                      const struct expr *const *expr, int *first)
 {
     static const struct op zero = {.kind = OP_NUMBER, .number = 0};
@@ -175,7 +175,7 @@ static bool make_add(const struct making *m, struct typed_term *term,
 }
 
 /* Its Jacobian and the rest, where something is added. */
-static bool make_term(const struct making *m, struct typed_term *term, int first, enum use use)
+static bool make_term(const struct part_making *m, struct typed_term *term, int first, enum use use)
 {
     const int n = m->typed->model.n, rows = typed_rows(m->typed);
     int state[LIMIT_VARIABLES];
@@ -196,7 +196,7 @@ static bool make_term(const struct making *m, struct typed_term *term, int first
 }
 
 /* All groups that are there at once, in the order in which they would be added. */
-static bool make_whole(const struct making *m, struct typed_part *part)
+static bool make_whole(const struct part_making *m, struct typed_part *part)
 {
     const struct typed *typed = m->typed;
     struct arena arena = {0};
@@ -215,7 +215,7 @@ static bool make_whole(const struct making *m, struct typed_part *part)
     return fine;
 }
 
-static bool make_groups(const struct making *m, struct typed_part *part)
+static bool make_groups(const struct part_making *m, struct typed_part *part)
 {
     const struct typed *typed = m->typed;
     size_t row = typed->terms.count;
@@ -241,7 +241,7 @@ static bool make_groups(const struct making *m, struct typed_part *part)
     return !whole || make_whole(m, part);
 }
 
-static bool make_looks(const struct making *m, struct typed_part *part)
+static bool make_looks(const struct part_making *m, struct typed_part *part)
 {
     const struct typed *typed = m->typed;
     struct typed_term *force = &part->term[GROUP_FORCE];
@@ -294,10 +294,10 @@ struct typed_part *typed_part_create(const struct typed *typed, uint64_t zeros, 
     struct typed_part *part = calloc(1, sizeof *part);
     bool *bound = calloc((size_t)names, sizeof *bound);
     double *value = calloc((size_t)names, sizeof *value);
-    struct making m = {typed, part, NULL, bound, value, error};
+    struct part_making m = {typed, part, NULL, bound, value, error};
     bool fine = part && bound && value;
     if (fine)
-        part->given = 1 + typed->reads;
+        part->steady = 1 + typed->reads;
     if (!fine)
         error_memory(error);
     else

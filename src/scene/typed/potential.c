@@ -32,16 +32,16 @@ static const double gauss[NODES / 2] = {
     0.381830050505118944950369775488975, 0.417959183673469387755102040816327};
 
 /* The force along a path q(s), 0 <= s <= 1. */
-struct path {
+struct force_path {
     const struct typed_term *term;
     const double *c;
     int rows;
     const double *mass, *from, *to; /* [rows] */
-    void (*at)(const struct path *path, double s, double *q,
+    void (*at)(const struct force_path *path, double s, double *q,
                double *along); /* q and dq/ds [rows] */
 };
 
-static double force_along(const struct path *path, double s)
+static double force_along(const struct force_path *path, double s)
 {
     const int rows = path->rows;
     double q[LIMIT_VARIABLES], along[LIMIT_VARIABLES], a[LIMIT_VARIABLES], sum = 0;
@@ -54,7 +54,7 @@ static double force_along(const struct path *path, double s)
 }
 
 /* *size: of the integral of |f|, *error: about how wrong it is. */
-static double piece(const struct path *path, double from, double to, double *size, double *error)
+static double piece(const struct force_path *path, double from, double to, double *size, double *error)
 {
     const double half = (to - from) / 2, middle = (from + to) / 2;
     double fine = 0, coarse = 0, sum = 0;
@@ -79,7 +79,7 @@ static double piece(const struct path *path, double from, double to, double *siz
 #define BEHIND 1e-12 /* of it: where a branch is told that begins at a switch */
 
 /* False: others than *first, which are those behind `from`. */
-static bool same_branches(const struct path *path, double s, const double *first)
+static bool same_branches(const struct force_path *path, double s, const double *first)
 {
     const struct typed_part *part = path->term->part;
     double q[LIMIT_VARIABLES], along[LIMIT_VARIABLES], branch[LIMIT_TYPED_SWITCHES];
@@ -93,7 +93,7 @@ static bool same_branches(const struct path *path, double s, const double *first
 }
 
 /* Where the first switch behind `from` is, to the last place; 1: there is none. */
-static double next_switch(const struct path *path, double from)
+static double next_switch(const struct force_path *path, double from)
 {
     const struct typed_part *part = path->term->part;
     double q[LIMIT_VARIABLES], along[LIMIT_VARIABLES], first[LIMIT_TYPED_SWITCHES];
@@ -122,7 +122,7 @@ struct sums {
 
 /* Adds the integral from `from` to `to`, between which the force is smooth. False: it does not
  * converge. */
-static bool add_smooth(const struct path *path, double from, double to, struct sums *sums)
+static bool add_smooth(const struct force_path *path, double from, double to, struct sums *sums)
 {
     double ends[DEPTH + 1] = {to}, part, error;
     for (int depth = 0; sums->pieces < PIECES; sums->pieces++) {
@@ -147,7 +147,7 @@ static bool add_smooth(const struct path *path, double from, double to, struct s
 }
 
 /* The integral over s from 0 to 1, and that of its magnitude; NAN: it does not converge. */
-static double integral(const struct path *path, double *size)
+static double integral(const struct force_path *path, double *size)
 {
     struct sums sums = {0};
     for (double from = 0, to = 0; from < 1; from = to) {
@@ -161,7 +161,7 @@ static double integral(const struct path *path, double *size)
 
 /* ---- paths ---- */
 
-static void straight(const struct path *path, double s, double *q, double *along)
+static void straight(const struct force_path *path, double s, double *q, double *along)
 {
     for (int i = 0; i < path->rows; i++) {
         along[i] = path->to[i] - path->from[i];
@@ -169,7 +169,7 @@ static void straight(const struct path *path, double s, double *q, double *along
     }
 }
 
-static void from_origin(const struct path *path, double s, double *q, double *along)
+static void from_origin(const struct force_path *path, double s, double *q, double *along)
 {
     for (int i = 0; i < path->rows; i++) {
         q[i] = s * path->to[i];
@@ -177,7 +177,7 @@ static void from_origin(const struct path *path, double s, double *q, double *al
     }
 }
 
-static void from_infinity(const struct path *path, double s, double *q, double *along)
+static void from_infinity(const struct force_path *path, double s, double *q, double *along)
 {
     for (int i = 0; i < path->rows; i++) {
         q[i] = path->to[i] / s;
@@ -198,7 +198,7 @@ static double length(const double *q, int rows)
  * the logarithm of the radius and the angle grow evenly. With q = r (cos, sin u) the unit vector u
  * is across the first axis.
  */
-static void around_origin(const struct path *path, double s, double *q, double *along)
+static void around_origin(const struct force_path *path, double s, double *q, double *along)
 {
     const int rows = path->rows;
     const double r = length(path->to, rows), across = length(path->to + 1, rows - 1), rate = log(r),
@@ -217,13 +217,13 @@ static void around_origin(const struct path *path, double s, double *q, double *
 /* ---- potentials ---- */
 
 static double along_path(const double *c, const double *y,
-                         void (*at)(const struct path *path, double s, double *q, double *along),
+                         void (*at)(const struct force_path *path, double s, double *q, double *along),
                          double *size)
 {
     const struct typed_term *term = typed_term_of(c);
     double mass[LIMIT_VARIABLES];
     typed_masses(c, mass);
-    const struct path path = {term, c, typed_rows(term->typed), mass, NULL, y, at};
+    const struct force_path path = {term, c, typed_rows(term->typed), mass, NULL, y, at};
     return -integral(&path, size);
 }
 
@@ -401,7 +401,7 @@ static bool fits_between(const struct typed_term *term, const double *c, const d
     const double tolerated = 1e-8;
     double mass[LIMIT_VARIABLES];
     typed_masses(c, mass);
-    const struct path path = {term, c, typed_rows(term->typed), mass, a, b, straight};
+    const struct force_path path = {term, c, typed_rows(term->typed), mass, a, b, straight};
     double size;
     const double fall = integral(&path, &size);
     return fabs(potential_a - potential_b - fall) <=

@@ -36,7 +36,7 @@ static void jacobian(const double *c, double t, const double *y, double *jac)
 
 /* ---- making them ---- */
 
-struct making {
+struct switch_making {
     const struct typed *typed;
     struct equations *equations;
     const bool *bound; /* [names] */
@@ -45,18 +45,18 @@ struct making {
     struct error *error;
 };
 
-static struct program *make(struct making *m, int first, int count, bool steps)
+static struct program *make(struct switch_making *m, int first, int count, bool steps)
 {
-    const struct given_argument given = {1 + m->typed->model.n, m->values,
+    const struct steady_names steady = {1 + m->typed->model.n, m->values,
                                          steps ? TERM_VALUES - 1 - m->values : 0};
-    struct program *program = program_create_given(m->equations, first, count, m->bound, m->value,
-                                                   &given, steps, m->error);
+    struct program *program = program_create_keeping(m->equations, first, count, m->bound, m->value,
+                                                   &steady, steps, m->error);
     m->values += program ? program->keeps : 0;
     return program;
 }
 
 /* The rows of all groups, added up, as outputs. */
-static bool add_rows(struct making *m)
+static bool add_rows(struct switch_making *m)
 {
     static const struct op zero = {.kind = OP_NUMBER, .number = 0};
     const struct expr nothing = {.op = (struct op *)(uintptr_t)&zero, .count = 1};
@@ -77,7 +77,7 @@ static bool add_rows(struct making *m)
     return fine;
 }
 
-static bool make_programs(struct making *m, struct typed_part *part)
+static bool make_programs(struct switch_making *m, struct typed_part *part)
 {
     const struct typed *typed = m->typed;
     const int n = typed->model.n, rows = typed_rows(typed);
@@ -162,7 +162,7 @@ bool typed_freeze(const struct typed *typed, uint64_t zeros, struct typed_part *
         return true;
     bool *bound = calloc((size_t)names, sizeof *bound);
     double *value = calloc((size_t)names, sizeof *value);
-    struct making m = {typed, NULL, bound, value, first_branch(typed) + LIMIT_TYPED_SWITCHES,
+    struct switch_making m = {typed, NULL, bound, value, first_branch(typed) + LIMIT_TYPED_SWITCHES,
                        error};
     bool fine = bound && value;
     if (!fine)

@@ -121,9 +121,9 @@ static const struct model *keep(struct typed_models *models, struct typed *typed
     return &typed->model;
 }
 
-/* Compiles it; what an error points to in the copy of `given` it then points to in the original. */
+/* Compiles it; what an error points to in the copy of `chosen` it then points to in the original. */
 static const struct model *finish(struct typed_models *models, struct typed *typed,
-                                  const struct typed_line *copy, const struct typed_line *given,
+                                  const struct typed_line *copy, const struct typed_line *chosen,
                                   struct error *error)
 {
     if (typed_compile(typed, error))
@@ -131,7 +131,7 @@ static const struct model *finish(struct typed_models *models, struct typed *typ
     bool found = false;
     for (int i = 0; copy && error->where.at && !found && i < 2; i++) {
         const struct text text = i == 0 ? copy->expr : copy->name,
-                          original = i == 0 ? given->expr : given->name;
+                          original = i == 0 ? chosen->expr : chosen->name;
         found = error->where.at >= text.at && error->where.at <= text.at + text.len;
         if (found)
             error->where.at = original.at + (error->where.at - text.at);
@@ -139,9 +139,9 @@ static const struct model *finish(struct typed_models *models, struct typed *typ
     /* Else it lies in another line, or nowhere: then it is this one that does not go with the
      * others. */
     if (!found)
-        error->where = !given                ? (struct text){NULL, 0}
-                       : given->name.len > 0 ? given->name
-                                             : given->expr;
+        error->where = !chosen                ? (struct text){NULL, 0}
+                       : chosen->name.len > 0 ? chosen->name
+                                             : chosen->expr;
     destroy(typed);
     return NULL;
 }
@@ -351,12 +351,12 @@ void scene_remodel(struct scene *scene, const struct model *model)
         const int index = scene_param(&was, row->row.name);
         scene->value[i] = row->initial;
         scene->uncertainty[i] = 0;
-        scene->given[i] = false;
+        scene->chosen[i] = false;
         if (index < 0 || param_row(was.model, (size_t)index)->initial != row->initial)
             continue;
         scene->value[i] = was.value[index];
         scene->uncertainty[i] = was.uncertainty[index];
-        scene->given[i] = was.given[index];
+        scene->chosen[i] = was.chosen[index];
     }
     for (int i = 0; i < LIMIT_VARIABLES; i++) {
         const int index =

@@ -108,7 +108,7 @@ struct typed_part {
     bool turns_only; /* as typed_turns_only() says */
     struct term_row
         found[TYPED_FOUND]; /* of GROUP_FORCE with a potential that was found, by the way to it */
-    int given; /* values of a bound term behind the first: the mass, the parameters, what its
+    int steady; /* values of a bound term behind the first: the mass, the parameters, what its
                   programs keep */
     atomic_bool checked; /* force and potential agree */
 };
@@ -121,7 +121,7 @@ const struct typed_term *typed_term_of(const double *c);
  * first coordinate. */
 static inline bool typed_ratios_fit(const struct typed_term *term)
 {
-    return term->part && 1 + term->part->given <= TERM_VALUES - typed_rows(term->typed);
+    return term->part && 1 + term->part->steady <= TERM_VALUES - typed_rows(term->typed);
 }
 /* The mass of each coordinate [rows]: that of the scene, unless typed_find_potential() found that
  * they differ. */

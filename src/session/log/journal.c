@@ -37,7 +37,7 @@ int journal_count(const struct request *last)
     return last ? last->count : 0;
 }
 
-struct request *journal_share(struct request *last)
+struct request *journal_fraction(struct request *last)
 {
     if (last)
         last->references++;
@@ -105,7 +105,7 @@ bool journal_add(struct run_slot *slot, struct request request, struct text cond
 void journal_drop(struct run_slot *slot)
 {
     struct request *dropped = slot->last;
-    slot->last = journal_share(dropped->before);
+    slot->last = journal_fraction(dropped->before);
     journal_release(dropped);
 }
 
@@ -146,7 +146,7 @@ struct request *journal_edit_pending(struct run_slot *slot, struct error *error)
         return NULL;
     }
     struct request *edited = NULL;
-    slot->last = journal_share(request->before);
+    slot->last = journal_fraction(request->before);
     bool ok = true;
     for (int i = 0; i < count && ok; i++) {
         ok = journal_add(slot, *list[i], text_of(list[i]->condition), error);
@@ -341,7 +341,7 @@ bool journal_restore(struct session *session, struct run_slot *slot, struct requ
         ok = replay(session, slot, last, steps);
     }
     if (ok) {
-        journal_share(last);
+        journal_fraction(last);
         journal_release(slot->last);
         slot->last = last;
     }

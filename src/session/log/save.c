@@ -23,7 +23,7 @@ static void save_scene(const struct scene *scene, bool always, struct buffer *te
     scene_script(scene, "\n", text);
     for (size_t i = 0; i < scene_params(scene)->count; i++) {
         const struct param_row *param = param_at(scene, (int)i);
-        if (!scene->given[i])
+        if (!scene->chosen[i])
             continue;
         buffer_format(text, "%s = ", param->row.name);
         buffer_exact(text, (struct measured){scene->value[i], scene->uncertainty[i]},
@@ -48,7 +48,7 @@ static void save_method(const struct setup *setup, bool always, struct buffer *t
     if (setup->drag != DRAG_DEFAULT)
         buffer_format(text, " drag=%s", catalog_row(&drag_catalog, (size_t)setup->drag - 1)->name);
     buffer_char(text, '\n');
-    if (setup->fixed && !setup->settings.dt_given)
+    if (setup->fixed && !setup->settings.dt_chosen)
         buffer_put(text, TEXT("unset dt\n"));
 }
 
@@ -66,11 +66,11 @@ static void save_settings(const struct settings *settings, bool always, struct b
     session_default_settings(&defaults);
     for (size_t i = 0; i < setting_catalog.count; i++) {
         const struct setting *setting = setting_at(i);
-        const bool given = setting_is_given(setting, settings);
-        if (!given && always)
+        const bool chosen = setting_is_chosen(setting, settings);
+        if (!chosen && always)
             buffer_format(text, "unset %s\n", setting->row.name);
-        else if (!setting->display && given &&
-                 (always || setting->given || !setting_same(setting, settings, &defaults)))
+        else if (!setting->display && chosen &&
+                 (always || setting->chosen || !setting_same(setting, settings, &defaults)))
             save_setting(setting, settings, text);
     }
 }
@@ -271,13 +271,13 @@ static bool save_run(const struct session *session, const struct run_slot *slot,
 
 void session_autosave(const struct session *session, struct buffer *text)
 {
-    bool kept = false, current = false;
+    bool always_saved = false, current = false;
     buffer_put(text, TEXT("# session saved by hooke " HOOKE_VERSION "\n"));
     save_recordings(session, true, text);
     save_let(&session->setup, text);
     for (int i = 0; i < session->runs; i++) {
         const bool there = save_run(session, session->run[i], text);
-        kept |= there;
+        always_saved |= there;
         current |= there && i == session->current_run;
     }
     for (int i = 0; i < session->setup.owns; i++) {
@@ -286,12 +286,12 @@ void session_autosave(const struct session *session, struct buffer *text)
         scene_init(&scene, session->setup.own[i]);
         scene_script(&scene, "\n", text);
     }
-    kept |= session->setup.owns > 0;
-    save_scene(&session->setup.scene, kept, text);
-    buffer_put(text, kept ? TEXT("event off\n") : TEXT(""));
+    always_saved |= session->setup.owns > 0;
+    save_scene(&session->setup.scene, always_saved, text);
+    buffer_put(text, always_saved ? TEXT("event off\n") : TEXT(""));
     events_save(session->setup.events, false, text);
-    save_method(&session->setup, kept, text);
-    save_settings(&session->setup.settings, kept, text);
+    save_method(&session->setup, always_saved, text);
+    save_settings(&session->setup.settings, always_saved, text);
     if (!session->data_is_latest)
         save_current_recording(session, true, text);
     if (current)

@@ -285,7 +285,7 @@ static bool compare_one(const struct compare_request *request, const struct meth
     run_errors(row->run, &row->errors);
     if (reference->y) {
         memcpy(row->reference, reference->by, sizeof row->reference);
-        row->reference_stored = reference->kept;
+        row->reference_stored = reference->stored;
         row->errors.floor = reference->accuracy;
         if (row->run->stop == STOP_END)
             measure(row, reference, request->cancel);

@@ -75,9 +75,9 @@ static bool solve_point(const struct sweep_target *target, const struct method_c
 static bool steps_at(const struct sweep_target *target, int order, int i, double *steps)
 {
     const double each = order >= HIGH ? sqrt(2) : 2, span = fabs(target->span);
-    const bool asked = !isnan(target->dt[0]);
-    const double first = asked ? span / fmax(target->dt[0], target->dt[1]) : 4;
-    const double last = asked ? span / fmin(target->dt[0], target->dt[1]) : 4e9;
+    const bool wanted = !isnan(target->dt[0]);
+    const double first = wanted ? span / fmax(target->dt[0], target->dt[1]) : 4;
+    const double last = wanted ? span / fmin(target->dt[0], target->dt[1]) : 4e9;
     *steps = nearbyint(first * pow(each, i));
     return *steps >= 1 && *steps <= last * (1 + 1e-9);
 }
@@ -100,7 +100,7 @@ static double rounding_level(const struct order *order)
 
 /* ---- the fit ---- */
 
-struct line {
+struct order_line {
     double slope, guard, r2;
 };
 
@@ -109,7 +109,7 @@ struct line {
  * one; with three points c = 0. guard: the standard error, half of what that term changes, or how
  * far local slopes are from a line.
  */
-static struct line fit(const struct order_point *point, int n)
+static struct order_line fit(const struct order_point *point, int n)
 {
     double x = 0, y = 0, h = 0, xx = 0, xy = 0, yy = 0, xh = 0, hh = 0, hy = 0;
     for (int i = 0; i < n; i++) {
@@ -129,7 +129,7 @@ static struct line fit(const struct order_point *point, int n)
     }
     const double free = xx * hh - xh * xh, plain = xy / xx;
     const double bend = n > LEAST ? (hy * xx - xy * xh) / free : 0;
-    struct line line = {.slope = (xy - bend * xh) / xx, .r2 = xy * xy / (xx * yy)};
+    struct order_line line = {.slope = (xy - bend * xh) / xx, .r2 = xy * xy / (xx * yy)};
     if (n > LEAST) {
         const double rest = fmax(0, yy - line.slope * xy - bend * hy);
         line.guard = fmax(sqrt(rest / (n - LEAST) * hh / free), fabs(line.slope - plain) / 2);
@@ -149,8 +149,8 @@ static bool choose_window(struct order *order, int size)
         bool all = true;
         for (int i = first; i < first + size; i++)
             all &= order->point[i].error < TOP && order->point[i].error > level;
-        const struct line line =
-            all ? fit(order->point + first, size) : (struct line){NAN, NAN, NAN};
+        const struct order_line line =
+            all ? fit(order->point + first, size) : (struct order_line){NAN, NAN, NAN};
         if (!all || !(line.slope > IDLE) || !(line.guard < best))
             continue;
         best = line.guard;
@@ -184,7 +184,7 @@ static enum order_verdict judge(const struct order *order)
 
 bool order_sweep(const struct sweep_target *target, struct order *order, struct error *error)
 {
-    const bool asked = !isnan(target->dt[0]);
+    const bool wanted = !isnan(target->dt[0]);
     double steps;
     int low = 0;
     order->points = order->fitted = 0;
@@ -201,11 +201,11 @@ bool order_sweep(const struct sweep_target *target, struct order *order, struct 
         if (before)
             point.slope = log_slope(before, &point);
         /* Of the steps too coarse to arrive only the last is of interest. */
-        const bool instead = before && !asked && isnan(before->error) && isnan(point.error);
+        const bool instead = before && !wanted && isnan(before->error) && isnan(point.error);
         order->point[instead ? order->points - 1 : order->points] = point;
         order->points += !instead;
         low += point.error <= fmax(ROUNDING, ACCURACIES * order->floor);
-        if (!asked && (low > 1 || point.stop == STOP_FULL || 2 * cost > target->max))
+        if (!wanted && (low > 1 || point.stop == STOP_FULL || 2 * cost > target->max))
             break;
     }
     for (int size = order->claimed >= HIGH ? WINDOW + 1 : WINDOW;
@@ -341,7 +341,7 @@ bool study_order(const struct order_request *request, struct order *order, struc
     const bool first = order->by.drag == DRAG_EXPLICIT && system.velocity;
     order->claimed = first && request->by.method->order > 1 ? 1 : request->by.method->order;
     order->floor = reference.accuracy;
-    order->reference_stored = reference.kept;
+    order->reference_stored = reference.stored;
     struct sweep_target target = {.system = &system,
                                   .span = request->duration,
                                   .end = reference.y + (STUDY_TIMES - 1) * system.n,

@@ -118,10 +118,10 @@ static bool lost_in_probe(const struct sweeping *sweep, struct precision_point *
 
 /* An adaptive solve, given up where the part that COST_TRIAL reaches says that all of it costs too
  * much. */
-static enum stop solve(const struct sweeping *sweep, struct solver *solver, bool asked)
+static enum stop solve(const struct sweeping *sweep, struct solver *solver, bool wanted)
 {
     const struct cancel *cancel = sweep->request->cancel;
-    if (solver->tol > 0 && !asked) {
+    if (solver->tol > 0 && !wanted) {
         solver->max = (int64_t)COST_TRIAL;
         const enum stop stop = solver_run(solver, sweep->grid, cancel);
         const double part = (solver->step.t - solver->system->t0) / solver->span;
@@ -135,7 +135,7 @@ static enum stop solve(const struct sweeping *sweep, struct solver *solver, bool
 
 /* Solves and measures; false without memory. asked: this very setting, so it is solved whatever a
  * probe would say. */
-static bool measure(struct sweeping *sweep, struct precision_point *point, bool asked)
+static bool measure(struct sweeping *sweep, struct precision_point *point, bool wanted)
 {
     const struct precision *precision = sweep->precision;
     const struct precision_curve *curve = sweep->curve;
@@ -152,20 +152,20 @@ static bool measure(struct sweeping *sweep, struct precision_point *point, bool 
         return true;
     }
     bool memory = true;
-    if ((!asked && lost_in_probe(sweep, point, &memory)) || !memory)
+    if ((!wanted && lost_in_probe(sweep, point, &memory)) || !memory)
         return memory;
     point->errors.max = NAN;
     if (!solver_init(&solver, &precision->system, curve->by.method, &settings, precision->duration))
         return false;
     const int64_t begin = clock_cpu_ns();
-    point->stop = solve(sweep, &solver, asked);
+    point->stop = solve(sweep, &solver, wanted);
     point->seconds = (double)(clock_cpu_ns() - begin) * 1e-9;
     point->steps = solver.steps;
     point->cost = solver.step.cost;
     solver_free(&solver);
     if (point->stop == STOP_END) {
         grid_errors(&precision->system, &precision->reference, sweep->grid, &point->errors);
-        witness_tell(&sweep->witnesses, precision->curves, &precision->reference, curve->by.method,
+        witness_explain(&sweep->witnesses, precision->curves, &precision->reference, curve->by.method,
                      point->steps, sweep->grid);
     }
     point->below = point->errors.max <= precision->reference.accuracy;
@@ -232,14 +232,14 @@ static bool sweep_curve(struct sweeping *sweep, double fraction, struct error *e
 {
     struct precision *precision = sweep->precision;
     struct precision_curve *curve = sweep->curve;
-    const bool asked = !isnan(curve->adaptive ? sweep->request->tol[0] : sweep->request->dt[0]);
+    const bool wanted = !isnan(curve->adaptive ? sweep->request->tol[0] : sweep->request->dt[0]);
     sweep->begin = clock_ns();
     sweep->meaningful = sweep->stale = sweep->failures = 0;
     sweep->best = HUGE_VAL;
     struct precision_point next = {.curve = precision->curves};
     for (int i = 0; setting_at(sweep, i, &next); i++) {
         struct precision_point point = next;
-        if (!measure(sweep, &point, asked))
+        if (!measure(sweep, &point, wanted))
             return error_memory(error);
         if (cancelled(sweep->request->cancel))
             return error_set(error, ERROR_CANCELLED, "stopped");
@@ -249,13 +249,13 @@ static bool sweep_curve(struct sweeping *sweep, double fraction, struct error *e
             point.order = local_order(before, &point);
         /* Of settings in a row that say nothing only the last is of interest. */
         const bool instead =
-            before && !asked && !precision_meaningful(before) && !precision_meaningful(&point);
+            before && !wanted && !precision_meaningful(before) && !precision_meaningful(&point);
         struct precision_point *index = instead ? before : add_point(sweep);
         if (!index)
             return error_memory(error);
         *index = point;
         const bool over = finished(sweep, &point, fraction);
-        if (over && (!asked || curve->cut))
+        if (over && (!wanted || curve->cut))
             break;
     }
     precision->curves++;

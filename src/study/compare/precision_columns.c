@@ -13,7 +13,7 @@ const struct precision_row *precision_rows(const struct precision *precision, st
         row[i] = (struct precision_row){.point = *point,
                                         .curve = precision->curve[point->curve],
                                         .accuracy = precision->reference.accuracy,
-                                        .kept = precision->reference.kept,
+                                        .stored = precision->reference.stored,
                                         .resolved = !precision->reference.against[0],
                                         .precision = precision};
     }
@@ -187,7 +187,7 @@ static const struct result_column columns[] = {
     {.name = "below_reference", .kind = COLUMN_BOOL, AT(point.below), .flags = COLUMN_NO_FILE},
     {.name = "asymptotic", .kind = COLUMN_BOOL, AT(point.asymptotic), .flags = COLUMN_NO_FILE},
     {.name = "reference_accuracy", AT(accuracy), .flags = COLUMN_NO_FILE},
-    {.name = "reference_kept", .kind = COLUMN_BOOL, AT(kept), .flags = COLUMN_NO_FILE},
+    {.name = "reference_kept", .kind = COLUMN_BOOL, AT(stored), .flags = COLUMN_NO_FILE},
     {.name = "reference_resolved", .kind = COLUMN_BOOL, AT(resolved), .flags = COLUMN_NO_FILE},
     {.name = "slope", AT(curve.slope), .flags = COLUMN_NO_FILE},
     {.name = "slope_expected", AT(curve.expected), .flags = COLUMN_NO_FILE},

@@ -65,9 +65,9 @@ static struct stored_reference *find(struct references *references, const struct
                                      double span)
 {
     for (size_t i = 0; references && i < REFERENCES; i++) {
-        struct stored_reference *kept = &references->kept[i];
-        if (kept->used > 0 && kept->span == span && same_scene(&kept->scene, scene))
-            return kept;
+        struct stored_reference *stored = &references->stored[i];
+        if (stored->used > 0 && stored->span == span && same_scene(&stored->scene, scene))
+            return stored;
     }
     return NULL;
 }
@@ -76,10 +76,10 @@ const struct reference *references_find(const struct references *references,
                                         const struct scene *scene, double span)
 {
     for (size_t i = 0; i < REFERENCES; i++) {
-        const struct stored_reference *kept = &references->kept[i];
-        if (kept->used > 0 && kept->reference.y && kept->span == span &&
-            same_scene(&kept->scene, scene))
-            return &kept->reference;
+        const struct stored_reference *stored = &references->stored[i];
+        if (stored->used > 0 && stored->reference.y && stored->span == span &&
+            same_scene(&stored->scene, scene))
+            return &stored->reference;
     }
     return NULL;
 }
@@ -98,10 +98,10 @@ static bool copy(const struct reference *from, struct reference *to)
 static void keep(struct references *references, const struct scene *scene, double span,
                  const struct reference *reference, const struct error *why)
 {
-    struct stored_reference *oldest = &references->kept[0];
+    struct stored_reference *oldest = &references->stored[0];
     for (size_t i = 1; i < REFERENCES; i++)
-        if (references->kept[i].used < oldest->used)
-            oldest = &references->kept[i];
+        if (references->stored[i].used < oldest->used)
+            oldest = &references->stored[i];
     reference_free(&oldest->reference);
     *oldest = (struct stored_reference){.scene = *scene, .span = span, .used = ++references->uses};
     if (why) {
@@ -116,18 +116,18 @@ bool references_get(struct references *references, const struct scene *scene,
                     const struct system *system, double span, const struct cancel *cancel,
                     struct reference *reference, struct error *error)
 {
-    struct stored_reference *kept = find(references, scene, span);
-    if (kept) {
-        kept->used = ++references->uses;
+    struct stored_reference *stored = find(references, scene, span);
+    if (stored) {
+        stored->used = ++references->uses;
         *reference = (struct reference){.singular = {.t = NAN}};
-        if (!kept->reference.y) {
-            reference->singular = kept->reference.singular;
-            *error = kept->why;
+        if (!stored->reference.y) {
+            reference->singular = stored->reference.singular;
+            *error = stored->why;
             return false;
         }
-        if (!copy(&kept->reference, reference))
+        if (!copy(&stored->reference, reference))
             return error_memory(error);
-        reference->kept = true;
+        reference->stored = true;
         return true;
     }
     const bool ok = study_reference(system, span, cancel, reference, error);
@@ -147,10 +147,10 @@ bool references_again(struct references *references, const struct scene *scene,
     anew.again = true;
     reference_free(reference);
     *reference = anew;
-    struct stored_reference *kept = find(references, scene, span);
-    if (kept) {
-        reference_free(&kept->reference);
-        kept->used = copy(reference, &kept->reference) ? kept->used : 0;
+    struct stored_reference *stored = find(references, scene, span);
+    if (stored) {
+        reference_free(&stored->reference);
+        stored->used = copy(reference, &stored->reference) ? stored->used : 0;
     }
     return true;
 }
@@ -158,6 +158,6 @@ bool references_again(struct references *references, const struct scene *scene,
 void references_free(struct references *references)
 {
     for (size_t i = 0; i < REFERENCES; i++)
-        reference_free(&references->kept[i].reference);
+        reference_free(&references->stored[i].reference);
     *references = (struct references){0};
 }

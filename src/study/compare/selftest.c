@@ -28,12 +28,12 @@ static const struct row checks[] = {
 
 const struct catalog selftest_catalog = CATALOG("check", checks);
 
-struct setting {
+struct check_setting {
     const char *param;
     double value;
 };
 
-static bool bind(const char *preset, const struct setting *set, int count, struct system *system)
+static bool bind(const char *preset, const struct check_setting *set, int count, struct system *system)
 {
     struct scene scene;
     struct error ignored;
@@ -52,7 +52,7 @@ static bool bind(const char *preset, const struct setting *set, int count, struc
 static bool check_order(const struct method *method, const struct cancel *cancel,
                         struct selftest_row *row)
 {
-    const struct setting set[] = {{"e", 0.1}};
+    const struct check_setting set[] = {{"e", 0.1}};
     struct system system;
     struct order order = {.by = {method, DRAG_DEFAULT}, .claimed = method->order};
     struct error error;
@@ -72,7 +72,7 @@ static bool check_order(const struct method *method, const struct cancel *cancel
     order.floor = 4e-16;
     if (!order_sweep(&target, &order, &error))
         return false;
-    row->check[SELFTEST_ORDER].asked = true;
+    row->check[SELFTEST_ORDER].applies = true;
     row->check[SELFTEST_ORDER].value = order.slope;
     row->check[SELFTEST_ORDER].wanted = method->order;
     row->check[SELFTEST_ORDER].passed =
@@ -85,7 +85,7 @@ static bool check_order(const struct method *method, const struct cancel *cancel
 
 static bool swing(const struct method *method, struct system *system, enum drag *drag)
 {
-    const struct setting unit[] = {{"m", 1}, {"k", 1}, {"y0", 1}};
+    const struct check_setting unit[] = {{"m", 1}, {"k", 1}, {"y0", 1}};
     struct error ignored;
     *drag = DRAG_DEFAULT;
     if (bind("pendulum", NULL, 0, system) && method_applies(method, system, drag, &ignored))
@@ -137,7 +137,7 @@ static bool check_geometry(const struct method *method, struct selftest_row *row
         return false;
     const double h = 0.3 * system.scale[0] / system.scale[1];
     if (method->flags & METHOD_SYMPLECTIC) {
-        row->check[SELFTEST_AREA].asked = true;
+        row->check[SELFTEST_AREA].applies = true;
         row->check[SELFTEST_AREA].value = area_factor(method, &system, drag, h, work) - 1;
         row->check[SELFTEST_AREA].passed = fabs(row->check[SELFTEST_AREA].value) <= AREA_MAX;
     }
@@ -147,7 +147,7 @@ static bool check_geometry(const struct method *method, struct selftest_row *row
         const bool back = there && advance(method, &system, drag, -h, RETURN_STEPS, work, y);
         const double away = fmax(fabs(y[0] - system.start[0]) / system.scale[0],
                                  fabs(y[1] - system.start[1]) / system.scale[1]);
-        row->check[SELFTEST_REVERSAL].asked = true;
+        row->check[SELFTEST_REVERSAL].applies = true;
         row->check[SELFTEST_REVERSAL].value = back ? away : NAN;
         row->check[SELFTEST_REVERSAL].passed = back && away <= RETURN_MAX;
     }
@@ -169,7 +169,7 @@ static void check_stability(const struct method *method, struct selftest_row *ro
     }
     if (isnan(mode_growth(&by, &mode, 1)) || isnan(limit))
         return;
-    row->check[SELFTEST_STABILITY].asked = true;
+    row->check[SELFTEST_STABILITY].applies = true;
     if (isinf(limit) || limit == 0) { /* a step of 30 is far beyond any limit, and below none */
         mode_check(&by, &mode, 30, &above);
         row->check[SELFTEST_STABILITY].passed =
@@ -193,6 +193,6 @@ bool selftest_method(const struct method *method, const struct cancel *cancel,
         return false;
     check_stability(method, row);
     for (int i = 0; i < SELFTEST_CHECKS; i++)
-        row->passed &= !row->check[i].asked || row->check[i].passed;
+        row->passed &= !row->check[i].applies || row->check[i].passed;
     return !cancelled(cancel);
 }

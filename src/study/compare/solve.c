@@ -266,14 +266,14 @@ double grid_distance(const struct reference *reference, const double *a, const d
 }
 
 /* Amplitude and phase, as a turn of the plane (q - centre, v/omega) that grows with time. */
-struct turn {
+struct phase_turn {
     double size, angle;
 };
 
-static struct turn turn_of(const struct oscillator *o, const double *y)
+static struct phase_turn turn_of(const struct oscillator *o, const double *y)
 {
     const double q = y[0] + o->gravity / o->stiffness, p = y[1] / sqrt(o->stiffness);
-    return (struct turn){hypot(q, p), atan2(-p, q)};
+    return (struct phase_turn){hypot(q, p), atan2(-p, q)};
 }
 
 static double energy(const struct system *system, const double *y)
@@ -301,7 +301,7 @@ void grid_errors(const struct system *system, const struct reference *reference,
             scale = fmax(scale, fabs(wanted));
         }
         if (turns) {
-            const struct turn a = turn_of(o, y), b = turn_of(o, exact);
+            const struct phase_turn a = turn_of(o, y), b = turn_of(o, exact);
             if (a.size == 0 && b.size > 0)
                 phase = NAN; /* what has vanished has none */
             phase += remainder(a.angle - b.angle - phase, 2 * 3.14159265358979323846);

@@ -42,7 +42,7 @@ static double largest(const struct reference *reference, const double *a, const 
     return max;
 }
 
-void witness_tell(struct witnesses *witnesses, int i, const struct reference *reference,
+void witness_explain(struct witnesses *witnesses, int i, const struct reference *reference,
                   const struct method *by, int64_t steps, const double *grid)
 {
     struct witness *w = &witnesses->one[i];

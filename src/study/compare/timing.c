@@ -37,7 +37,7 @@ static const struct protocol {
 };
 
 /* One solver on the bench. */
-struct bench {
+struct timed_solver {
     struct solver *solver;
     int64_t batch;  /* solves a sample */
     double seconds; /* of a sample, expected */
@@ -71,7 +71,7 @@ static int quota(const struct protocol *protocol, double each, double seconds)
 
 /* The same share of time for all, as large as the budget allows: only solves that take long lose
  * samples. */
-static void share_out(struct bench *bench, int count, const struct protocol *protocol,
+static void share_out(struct timed_solver *bench, int count, const struct protocol *protocol,
                       double budget)
 {
     double low = 0, high = protocol->budget_seconds;
@@ -98,7 +98,7 @@ static void shuffle(int *order, int count, uint64_t *state)
     }
 }
 
-static void summarize(struct bench *bench, const struct protocol *protocol,
+static void summarize(struct timed_solver *bench, const struct protocol *protocol,
                       struct timing_result *result)
 {
     if (bench->samples == 0)
@@ -112,14 +112,14 @@ static void summarize(struct bench *bench, const struct protocol *protocol,
     result->spread = gsl_stats_median(bench->sample, 1, (size_t)bench->samples) / result->median;
 }
 
-static void run_rounds(struct bench *bench, int *order, int count, const struct protocol *protocol,
+static void run_rounds(struct timed_solver *bench, int *order, int count, const struct protocol *protocol,
                        const struct cancel *cancel)
 {
     uint64_t state = 88172645463325252u; /* the same order on every machine */
     for (int round = 0; round < protocol->samples; round++) {
         shuffle(order, count, &state);
         for (int i = 0; i < count && !cancelled(cancel); i++) {
-            struct bench *b = &bench[order[i]];
+            struct timed_solver *b = &bench[order[i]];
             const double seconds =
                 b->samples < b->quota ? time_batch(b->solver, b->batch, cancel) : NAN;
             if (!isnan(seconds))
@@ -134,7 +134,7 @@ void time_solvers(struct solver *solver, struct timing_result *result, int count
     const struct protocol *protocol = &protocols[timing];
     for (int i = 0; i < count; i++)
         result[i] = (struct timing_result){.minimum = NAN, .median = NAN, .spread = NAN};
-    struct bench *bench = calloc((size_t)count + 1, sizeof *bench);
+    struct timed_solver *bench = calloc((size_t)count + 1, sizeof *bench);
     int *order = calloc((size_t)count + 1, sizeof *order);
     if (bench && order && protocol->samples > 0) {
         double warming = 0;

@@ -34,13 +34,13 @@ static void take_sample(const struct scene_curve *c, const struct system *system
 
 /* What samples are made of: the series' variable and its derivatives, or all where the rate is
  * asked for. */
-struct wanted {
+struct wanted_solutions {
     int count, index[LIMIT_VARIABLES];
 };
 
-static struct wanted wanted_of(const struct scene_curve *c, const struct system *system)
+static struct wanted_solutions wanted_of(const struct scene_curve *c, const struct system *system)
 {
-    struct wanted w = {.count = 0};
+    struct wanted_solutions w = {.count = 0};
     const int n = c->variation->base.n;
     for (int i = 0; i < system->n; i++)
         if (c->rate || i % n == c->variable)
@@ -69,7 +69,7 @@ bool scene_curve_first(const struct scene_curve *c, const struct system *system,
 void scene_curve_inside(const struct scene_curve *c, const struct step *step,
                         const struct sampling *s, double from, size_t *i)
 {
-    const struct wanted w = wanted_of(c, step->system);
+    const struct wanted_solutions w = wanted_of(c, step->system);
     struct dense_polynomial polynomial[LIMIT_VARIABLES];
     double inside[LIMIT_VARIABLES];
     if (*i < s->n && s->t[*i] < step->t)

@@ -20,7 +20,7 @@
 #define CORRECTIONS 3
 #define NEAR 1e-13 /* of the time: a turn that is known so well is there */
 
-struct walk {
+struct dry_walk {
     const struct scene_curve *c;
     const struct sampling *sampling;
     struct system own; /* not frozen */
@@ -29,13 +29,13 @@ struct walk {
     size_t i;   /* the next sample */
 };
 
-static void freeze(const struct walk *w, int branch, struct system *frozen)
+static void freeze(const struct dry_walk *w, int branch, struct system *frozen)
 {
     const double side = branch > 0;
     system_freeze(&w->own, &side, frozen);
 }
 
-static void go_on_branch(struct walk *w, int branch)
+static void go_on_branch(struct dry_walk *w, int branch)
 {
     w->branch = branch;
     w->step->warm = false;
@@ -46,7 +46,7 @@ static void go_on_branch(struct walk *w, int branch)
 }
 
 /* With v = 0: on the lower branch, on the upper one. */
-static void accelerations(const struct walk *w, double t, const double *y, double a[2])
+static void accelerations(const struct dry_walk *w, double t, const double *y, double a[2])
 {
     const double at[2] = {y[0], 0};
     for (int side = 0; side < 2; side++) {
@@ -64,7 +64,7 @@ static int onward(const double a[2])
     return a[1] > 0 ? 1 : a[0] < 0 ? -1 : 0;
 }
 
-static void turn(struct walk *w)
+static void turn(struct dry_walk *w)
 {
     struct step *step = w->step;
     double a[2];
@@ -81,7 +81,7 @@ static void turn(struct walk *w)
 /* ---- at rest ---- */
 
 /* When it is pulled off before `end`; `end`: it is not. */
-static double release(const struct walk *w, double end)
+static double release(const struct dry_walk *w, double end)
 {
     const double from = w->step->t;
     double a[2];
@@ -101,7 +101,7 @@ static double release(const struct walk *w, double end)
     return end;
 }
 
-static void put_resting(struct walk *w, double until)
+static void put_resting(struct dry_walk *w, double until)
 {
     const struct sampling *s = w->sampling;
     const int variable = w->c->variable;
@@ -115,7 +115,7 @@ static void put_resting(struct walk *w, double until)
     }
 }
 
-static void rest(struct walk *w, double end)
+static void rest(struct dry_walk *w, double end)
 {
     double a[2];
     const double until = release(w, end);
@@ -127,24 +127,24 @@ static void rest(struct walk *w, double end)
 
 /* ---- in motion ---- */
 
-struct kept {
+struct dry_state {
     double t, y[LIMIT_VARIABLES], low[LIMIT_VARIABLES];
 };
 
-static bool step_again(struct walk *w, const struct kept *kept, double h)
+static bool step_again(struct dry_walk *w, const struct dry_state *saved, double h)
 {
     struct step *step = w->step;
     const size_t size = (size_t)step->system->n * sizeof *step->y;
-    memcpy(step->y, kept->y, size);
-    memcpy(step->low, kept->low, size);
-    step->t = kept->t;
+    memcpy(step->y, saved->y, size);
+    memcpy(step->low, saved->low, size);
+    step->t = saved->t;
     step->h = h;
     step->warm = false;
     return method_step(w->c->method, step) == STEP_OK;
 }
 
 /* Where in the step that was just taken the velocity leaves its branch for good. */
-static double turning(const struct walk *w)
+static double turning(const struct dry_walk *w)
 {
     struct dense_polynomial v;
     double before = 0, after = 1;
@@ -162,13 +162,13 @@ static double turning(const struct walk *w)
 }
 
 /* As far as `end`, or to where it turns. */
-static bool move(struct walk *w, double end)
+static bool move(struct dry_walk *w, double end)
 {
     struct step *step = w->step;
-    struct kept kept = {.t = step->t};
+    struct dry_state saved = {.t = step->t};
     const size_t size = (size_t)step->system->n * sizeof *step->y;
-    memcpy(kept.y, step->y, size);
-    memcpy(kept.low, step->low, size);
+    memcpy(saved.y, step->y, size);
+    memcpy(saved.low, step->low, size);
     step->h = end - step->t;
     if (method_step(w->c->method, step) != STEP_OK)
         return false;
@@ -176,16 +176,16 @@ static bool move(struct walk *w, double end)
     double h = turns ? turning(w) * step->h : step->h;
     for (int k = 0; k < CORRECTIONS && turns; k++) {
         double rate[LIMIT_VARIABLES];
-        if (!step_again(w, &kept, h))
+        if (!step_again(w, &saved, h))
             return false;
-        system_derivative(&w->c->variation->base, kept.t + h, step->y, rate);
+        system_derivative(&w->c->variation->base, saved.t + h, step->y, rate);
         const double off = rate[1] != 0 ? -step->y[1] / rate[1] : 0;
-        if (!(fabs(off) > NEAR * (fabs(kept.t) + h)) || !(h + off > 0))
+        if (!(fabs(off) > NEAR * (fabs(saved.t) + h)) || !(h + off > 0))
             break;
         h += off;
     }
-    step->t = turns ? kept.t + h : end;
-    scene_curve_inside(w->c, step, w->sampling, kept.t, &w->i);
+    step->t = turns ? saved.t + h : end;
+    scene_curve_inside(w->c, step, w->sampling, saved.t, &w->i);
     if (turns)
         turn(w);
     return true;
@@ -196,7 +196,7 @@ bool scene_dry_march(const struct scene_curve *c, const struct system *system,
 {
     double y[LIMIT_VARIABLES], low[LIMIT_VARIABLES] = {0}, a[2];
     struct step step = {.system = system, .t = system->t0, .y = y, .low = low, .work = c->work};
-    struct walk w = {.c = c, .sampling = s, .own = c->variation->base, .step = &step};
+    struct dry_walk w = {.c = c, .sampling = s, .own = c->variation->base, .step = &step};
     memcpy(y, system->start, (size_t)system->n * sizeof *y);
     if (!scene_curve_first(c, system, s, &w.i))
         return false;

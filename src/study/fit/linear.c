@@ -13,7 +13,7 @@ enum { STEPS_MOST = 24, TERMS = 14, BLOCK = LIMIT_VARIABLES / 2, AUGMENTED = 2 *
 #define NORM_MAX 0.25    /* where the series is summed: the term left out is below rounding */
 #define ROUNDING 4.4e-16 /* of a time */
 
-struct propagator {
+struct linear_propagator {
     double dt;
     bool ready;
     double *base;      /* [n][n + 1]: E | e */
@@ -21,7 +21,7 @@ struct propagator {
 };
 
 struct linear_motion {
-    struct propagator step[STEPS_MOST];
+    struct linear_propagator step[STEPS_MOST];
     int steps, last; /* last: the one that was used last */
     int n, directions;
     const struct variation *variation;
@@ -49,9 +49,9 @@ static int find_step(const struct linear_motion *m, double wanted, double t)
     return -1;
 }
 
-static void place_step(struct linear_motion *m, int k, double dt)
+static void step_position(struct linear_motion *m, int k, double dt)
 {
-    struct propagator *p = &m->step[k];
+    struct linear_propagator *p = &m->step[k];
     p->dt = dt;
     p->base = m->storage + (size_t)k * storage_each;
     p->direction = p->base + m->n * (m->n + 1);
@@ -70,7 +70,7 @@ static bool collect_steps(struct linear_motion *m, double t0, const double *t, s
             return false;
         if (k < 0) {
             k = m->steps++;
-            place_step(m, k, wanted);
+            step_position(m, k, wanted);
         }
         at += m->step[k].dt;
         m->last = k;
@@ -110,7 +110,7 @@ void linear_motion_bind(struct linear_motion *m, const struct variation *v, int 
             m->by[i * n + j] = rate[n + i] - still[n + i];
     }
     for (int k = 0; k < m->steps; k++)
-        place_step(m, k, m->step[k].dt);
+        step_position(m, k, m->step[k].dt);
 }
 
 /* ---- the exponential ---- */
@@ -161,7 +161,7 @@ static void exponential(int n, double *x, double work[2][AUGMENTED * AUGMENTED])
 }
 
 /* [A 0 b; B A c; 0 0 0] dt holds E, F, e and f in its exponential. */
-static void prepare(struct linear_motion *m, struct propagator *p)
+static void prepare(struct linear_motion *m, struct linear_propagator *p)
 {
     double x[AUGMENTED * AUGMENTED], work[2][AUGMENTED * AUGMENTED];
     const int n = m->n, blocks = m->directions > 0 ? m->directions : 1,
@@ -197,7 +197,7 @@ static void prepare(struct linear_motion *m, struct propagator *p)
 /* ---- the motion ---- */
 
 static inline __attribute__((always_inline)) void
-propagate(int n, int directions, const struct propagator *p, double *state)
+propagate(int n, int directions, const struct linear_propagator *p, double *state)
 {
     double next[BLOCK];
     for (int block = directions; block >= 0;
@@ -226,10 +226,10 @@ double linear_motion_advance(struct linear_motion *m, double from, double t, dou
     int k = find_step(m, wanted, t);
     if (k < 0) { /* of other samples than were announced: takes a step's place */
         k = m->steps < STEPS_MOST ? m->steps++ : (m->last + 1) % STEPS_MOST;
-        place_step(m, k, wanted);
+        step_position(m, k, wanted);
     }
     m->last = k;
-    struct propagator *p = &m->step[m->last];
+    struct linear_propagator *p = &m->step[m->last];
     if (!p->ready)
         prepare(m, p);
     if (m->n == 2)

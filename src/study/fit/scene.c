@@ -26,7 +26,7 @@
 static bool start_is_free(const struct scene_curve *c)
 {
     for (int i = 0; i < (int)scene_params(&c->scene)->count; i++) {
-        struct direction d;
+        struct parameter_change d;
         bool fitted = i == scene_param(&c->scene, "t0");
         for (int j = 0; j < c->frees; j++)
             fitted = fitted || c->index[j] == i;
@@ -89,7 +89,7 @@ static void improve_start(struct scene_curve *c, const struct fit *fit, double *
     const double wanted[2] = {A * cos(phi) + (c->offset || order > 0 ? middle : fit->offset.value),
                               A * (-0.5 * gamma * cos(phi) - omega * sin(phi))};
     for (int j = 0; j < c->frees; j++) {
-        struct direction d;
+        struct parameter_change d;
         if (!direction_find(&c->scene, c->index[j], &d) || d.changes > 0 || d.t0 != 0)
             continue;
         for (int half = 0; half < 2; half++) {
@@ -111,14 +111,14 @@ static void bounds(const struct scene_curve *c, const double *start, double *low
                                           : NULL;
         high[j] = INFINITY;
         low[j] = row && row->min > -HUGE_VAL ? row->min : -INFINITY;
-        if (row && row->least_excluded)
+        if (row && row->min_excluded)
             low[j] += 1e-9 * fabs(start[j] - row->min);
     }
 }
 
 /* ---- the fit ---- */
 
-struct fitting {
+struct scene_fitting {
     const struct scene_fit_request *request;
     struct scene_curve *curve;
     struct fit_curve as_curve;
@@ -141,7 +141,7 @@ static double spread_of(const struct series *series)
 }
 
 /* One fit of a part from f->at, where it then stays if that is an answer. */
-static bool fit_part(struct fitting *f, size_t n, bool last, struct curve_fit *fit,
+static bool fit_part(struct scene_fitting *f, size_t n, bool last, struct curve_fit *fit,
                      struct error *error)
 {
     struct series part = *f->request->series;
@@ -170,7 +170,7 @@ static bool fit_part(struct fitting *f, size_t n, bool last, struct curve_fit *f
  * The whole at once where the start is good enough; else a few periods first, then more and more,
  * so that the phase is never lost.
  */
-static bool approach(struct fitting *f, double period, struct error *error)
+static bool approach(struct scene_fitting *f, double period, struct error *error)
 {
     const struct series *series = f->request->series;
     double start[CURVE_PARAMETERS], direct[CURVE_PARAMETERS];
@@ -214,7 +214,7 @@ static bool approach(struct fitting *f, double period, struct error *error)
  * What the uncertainties of held values (the mass …) add: a change dq moves the answer by (J^T W
  * J)^-1 J^T W dF/dq dq.
  */
-static bool add_held(struct fitting *f, struct scene_fit *fit, struct error *error)
+static bool add_held(struct scene_fitting *f, struct scene_fit *fit, struct error *error)
 {
     const struct series *series = f->request->series;
     struct scene_curve both = *f->curve;
@@ -222,7 +222,7 @@ static bool add_held(struct fitting *f, struct scene_fit *fit, struct error *err
     const int own = f->curve->frees;
     for (int i = 0; i < (int)scene_params(&both.scene)->count && both.frees < CURVE_PARAMETERS - 1;
          i++) {
-        struct direction d;
+        struct parameter_change d;
         bool is_free = both.scene.uncertainty[i] == 0;
         for (int j = 0; j < own; j++)
             is_free = is_free || both.index[j] == i;
@@ -342,7 +342,7 @@ static bool set_up(const struct scene_fit_request *request, struct scene_curve *
 
 /* Errors of the integration add up to a tenth, at most, of what the noise of the recording leaves
  * of the phase. */
-static double tolerance(const struct fitting *f, const struct overview *overview)
+static double tolerance(const struct scene_fitting *f, const struct overview *overview)
 {
     const double periods = isfinite(overview->period) ? fmax(overview->periods, 1) : 100;
     const double known = overview->noise / (f->spread * sqrt((double)f->request->series->n));
@@ -354,7 +354,7 @@ static double tolerance(const struct fitting *f, const struct overview *overview
  * for the last digits: a curve that is so close, with parameters that are all determined, has
  * arrived.
  */
-static void accept_simulation(const struct fitting *f, struct curve_fit *fit)
+static void accept_simulation(const struct scene_fitting *f, struct curve_fit *fit)
 {
     bool determined = fit->sigma < NOTHING * f->spread;
     for (int j = 0; j < fit->parameters; j++) {
@@ -388,18 +388,18 @@ static size_t stretch_of(const struct series *series, const struct overview *ove
  * friction the sum of squares has a minimum for each number. Where more than noise is left others
  * are tried: from the asked start, and with friction changed by about a half swing more or less.
  */
-static bool try_other_swings(struct fitting *f, const double *asked, double noise,
+static bool try_other_swings(struct scene_fitting *f, const double *proposed, double noise,
                              struct error *error)
 {
     static const double factors[] = {0, 0.85, 0.93, 1.08, 1.18}; /* 0: as asked */
     const int friction = free_index(f->curve, "friction");
-    const size_t bytes = (size_t)f->as_curve.parameters * sizeof *asked;
+    const size_t bytes = (size_t)f->as_curve.parameters * sizeof *proposed;
     double best[CURVE_PARAMETERS], found[CURVE_PARAMETERS], sigma = f->sigma;
     memcpy(found, f->at, bytes);
     memcpy(best, f->at, bytes);
     for (size_t k = 0; k < COUNT_OF(factors) && friction >= 0 && sigma > LEFT * noise; k++) {
         struct curve_fit fit;
-        memcpy(f->at, k == 0 ? asked : found, bytes);
+        memcpy(f->at, k == 0 ? proposed : found, bytes);
         f->at[friction] *= k == 0 ? 1 : factors[k];
         *error = (struct error){0};
         const bool done = fit_part(f, f->request->series->n, false, &fit, error);
@@ -416,7 +416,7 @@ static bool try_other_swings(struct fitting *f, const double *asked, double nois
     return true;
 }
 
-static bool fit_all(struct fitting *f, struct scene_fit *fit, struct error *error)
+static bool fit_all(struct scene_fitting *f, struct scene_fit *fit, struct error *error)
 {
     const struct series *series = f->request->series;
     struct overview overview;
@@ -424,8 +424,8 @@ static bool fit_all(struct fitting *f, struct scene_fit *fit, struct error *erro
     struct error ignored = {0};
     struct arena scratch = {
         0}; /* of what is known of the motion beforehand: large, and not needed any more */
-    double asked[CURVE_PARAMETERS];
-    memcpy(asked, f->at, (size_t)f->as_curve.parameters * sizeof *asked);
+    double proposed[CURVE_PARAMETERS];
+    memcpy(proposed, f->at, (size_t)f->as_curve.parameters * sizeof *proposed);
     series_overview(series, &scratch, &overview);
     f->stretch = stretch_of(series, &overview);
     f->curve->tol = tolerance(f, &overview);
@@ -437,7 +437,7 @@ static bool fit_all(struct fitting *f, struct scene_fit *fit, struct error *erro
     }
     arena_reset(&scratch);
     if (!approach(f, overview.oscillates ? overview.period : NAN, error) ||
-        !try_other_swings(f, asked, overview.noise, error) ||
+        !try_other_swings(f, proposed, overview.noise, error) ||
         !fit_part(f, series->n, true, &fit->curve, error))
         return false;
     accept_simulation(f, &fit->curve);
@@ -460,7 +460,7 @@ bool study_fit_scene(const struct scene_fit_request *request, struct arena *aren
                            : "offset";
         at[j] = j < curve.frees ? curve.scene.value[curve.index[j]] : 0;
     }
-    struct fitting f = {
+    struct scene_fitting f = {
         .request = request,
         .curve = &curve,
         .as_curve = {count, fit->name, &curve, scene_curve_evaluate},
@@ -480,7 +480,7 @@ bool study_fit_scene(const struct scene_fit_request *request, struct arena *aren
         fit->scene.value[fit->index[j]] = fit->curve.value[j].value;
         fit->scene.uncertainty[fit->index[j]] =
             fit->curve.value[j].uncertainty > 0 ? fit->curve.value[j].uncertainty : 0;
-        fit->scene.given[fit->index[j]] = true;
+        fit->scene.chosen[fit->index[j]] = true;
     }
     return true;
 }

@@ -35,13 +35,13 @@ int scene_fit_usual(const struct scene *scene, int *index, int *fixed, int *fixe
     *fixed_count = 0;
     for (int i = 0; i < (int)scene_params(scene)->count && count < CURVE_PARAMETERS - 1; i++) {
         const char *name = catalog_row(scene_params(scene), (size_t)i)->name;
-        struct direction d;
+        struct parameter_change d;
         if (strcmp(name, "t0") == 0 || !direction_find(scene, i, &d) ||
             (d.changes == 0 && !d.starts))
             continue;
         if (d.changes > 0 && !is_usual(scene, name))
             continue;
-        if (d.changes > 0 && scene->given[i] && scene->uncertainty[i] == 0)
+        if (d.changes > 0 && scene->chosen[i] && scene->uncertainty[i] == 0)
             fixed[(*fixed_count)++] = i;
         else
             index[count++] = i;

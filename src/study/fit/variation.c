@@ -20,7 +20,7 @@ static const struct bound_term *term_of(const struct system *system, const struc
     return NULL;
 }
 
-static void find_changes(const struct system side[2], struct direction *d)
+static void find_changes(const struct system side[2], struct parameter_change *d)
 {
     for (int s = 0; s < 2; s++) {
         for (int i = 0; i < side[s].terms; i++) {
@@ -40,11 +40,11 @@ static void find_changes(const struct system side[2], struct direction *d)
     }
 }
 
-bool direction_find(const struct scene *scene, int index, struct direction *d)
+bool direction_find(const struct scene *scene, int index, struct parameter_change *d)
 {
     const struct param_row *row = param_at(scene, index);
     const double value = scene->value[index],
-                 size = row->least_excluded ? fabs(value) : fmax(fabs(value), SMALL);
+                 size = row->min_excluded ? fabs(value) : fmax(fabs(value), SMALL);
     struct scene trial = *scene;
     struct system side[2];
     struct error ignored;
@@ -57,7 +57,7 @@ bool direction_find(const struct scene *scene, int index, struct direction *d)
         if (!scene_bind_motion(&trial, &side[s], &ignored))
             return false;
     }
-    *d = (struct direction){.apart = at[0] - at[1]};
+    *d = (struct parameter_change){.apart = at[0] - at[1]};
     if (!(d->apart > 0))
         return false;
     find_changes(side, d);
@@ -71,7 +71,7 @@ bool direction_find(const struct scene *scene, int index, struct direction *d)
 }
 
 /* df/dp, zero but for the rows that terms add to. */
-static void slope_by_parameter(const struct variation *v, const struct direction *d, double t,
+static void slope_by_parameter(const struct variation *v, const struct parameter_change *d, double t,
                                const double *y, double *slope)
 {
     const struct system *base = &v->base;
@@ -92,7 +92,7 @@ static void slope_by_parameter(const struct variation *v, const struct direction
 }
 
 /* S' of one direction. */
-static void vary(const struct variation *v, const struct direction *d, double t, const double *y,
+static void vary(const struct variation *v, const struct parameter_change *d, double t, const double *y,
                  const double *jacobian, const double *s, double *out)
 {
     const int n = v->base.n;
@@ -192,7 +192,7 @@ bool variation_bind(struct variation *v, const struct scene *scene, const int *i
         v->whole.scale[i] = base->scale[i % base->n];
     memcpy(v->whole.start, base->start, (size_t)base->n * sizeof *rate);
     for (int j = 0; j < count; j++) {
-        const struct direction *d = &v->direction[j];
+        const struct parameter_change *d = &v->direction[j];
         if (!direction_find(scene, index[j], &v->direction[j]))
             return false;
         for (int i = 0; i < base->n; i++)

@@ -13,7 +13,7 @@ struct term_change {
     double c[2][TERM_VALUES];
 };
 
-struct direction { /* one parameter */
+struct parameter_change { /* one parameter */
     double apart;  /* 2 delta */
     struct term_change change[TERM_MAX];
     int changes;
@@ -22,14 +22,14 @@ struct direction { /* one parameter */
 };
 
 /* False: the scene has no motion on both sides of the value. */
-bool direction_find(const struct scene *scene, int index, struct direction *direction);
+bool direction_find(const struct scene *scene, int index, struct parameter_change *direction);
 
 struct variation {
     struct system base;  /* the scene */
     struct system whole; /* base and its derivatives by each direction: n (1 + directions) variables
                             of first order */
     int directions;
-    struct direction direction[CURVE_PARAMETERS];
+    struct parameter_change direction[CURVE_PARAMETERS];
     double dry; /* 1, -1: the base is frozen on the branch of dry friction on which the velocity has
                    this sign; 0: not */
 };

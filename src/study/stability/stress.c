@@ -124,7 +124,7 @@ static void collect(struct stress *stress)
 
 /* ---- one case ---- */
 
-struct bench {
+struct stress_state {
     const struct stress_case *what;
     double *limit; /* [methods] of STRESS_STEP; NAN: not yet known */
     struct system system;
@@ -156,7 +156,7 @@ static bool set_scene(const struct stress_case *what, struct system *system, str
 
 /* Two implicit or explicit integrations of different kinds that agree; the closed form where there
  * is one. */
-static void find_reference(struct bench *bench)
+static void find_reference(struct stress_state *bench)
 {
     static const char *const able[] = {"rodas5p", "radau5", "dop853", "odex"};
     struct reference *reference = &bench->reference;
@@ -202,11 +202,11 @@ static void find_reference(struct bench *bench)
         reference_free(reference);
 }
 
-static bool bench_init(struct bench *bench, const struct stress_case *what,
+static bool bench_init(struct stress_state *bench, const struct stress_case *what,
                        const struct cancel *cancel)
 {
     struct error error = {0};
-    *bench = (struct bench){.what = what, .cancel = cancel};
+    *bench = (struct stress_state){.what = what, .cancel = cancel};
     bench->span = what->span == 0 ? SPAN : what->span;
     bench->dt = what->fixed ? what->dt : bench->span / STEPS;
     bench->tol = what->tol == 0 ? TOL : what->tol;
@@ -221,7 +221,7 @@ static bool bench_init(struct bench *bench, const struct stress_case *what,
     return true;
 }
 
-static void bench_free(struct bench *bench)
+static void bench_free(struct stress_state *bench)
 {
     free(bench->grid);
     if (bench->reference.y)
@@ -230,7 +230,7 @@ static void bench_free(struct bench *bench)
 
 /* Largest position on the grid in units of the motion, from grid time `from` on; NAN states left
  * out. */
-static double largest(const struct bench *bench, const double *grid, int from, int i)
+static double largest(const struct stress_state *bench, const double *grid, int from, int i)
 {
     double max = 0;
     for (int k = from; k < STUDY_TIMES; k++)
@@ -240,7 +240,7 @@ static double largest(const struct bench *bench, const double *grid, int from, i
 }
 
 /* The run reached its end: what is it worth? */
-static void judge_end(const struct bench *bench, struct stress_row *row)
+static void judge_end(const struct stress_state *bench, struct stress_row *row)
 {
     const struct reference *reference = &bench->reference;
     const int last_quarter = 3 * (STUDY_TIMES - 1) / 4;
@@ -289,7 +289,7 @@ static void judge_end(const struct bench *bench, struct stress_row *row)
 
 /* Also of a method that went on past it, where there is nothing to measure against: what it gives
  * is no solution. */
-static bool judge_singular(struct bench *bench, enum stop stop, struct stress_row *row)
+static bool judge_singular(struct stress_state *bench, enum stop stop, struct stress_row *row)
 {
     const struct system *system = &bench->system;
     if (!stop_is_failure(stop) && !(stop == STOP_END && !bench->reference.y))
@@ -307,7 +307,7 @@ static bool judge_singular(struct bench *bench, enum stop stop, struct stress_ro
     return true;
 }
 
-static void judge_stop(const struct bench *bench, const struct solver *solver,
+static void judge_stop(const struct stress_state *bench, const struct solver *solver,
                        const struct run_settings *settings, const struct plan *plan, enum stop stop,
                        struct stress_row *row)
 {
@@ -342,7 +342,7 @@ static void refuse(struct stress_row *row, const char *why)
 }
 
 /* False: no memory. */
-static bool run_case(struct bench *bench, int method, struct stress_row *row)
+static bool run_case(struct stress_state *bench, int method, struct stress_row *row)
 {
     const bool adaptive = row->method->flags & METHOD_ADAPTIVE && !bench->what->fixed;
     double *limit = &bench->limit[method];
@@ -412,7 +412,7 @@ bool study_stress(const struct stress_scene *scene, const struct method *const *
     for (int m = 0; m < count && ok; m++)
         limit[m] = NAN;
     for (int c = 0; c < stress->count && ok && !cancelled(cancel); c++) {
-        struct bench bench;
+        struct stress_state bench;
         ok = bench_init(&bench, &stress->cases[c], cancel);
         bench.limit = limit;
         for (int m = 0; m < count && ok && !cancelled(cancel); m++) {

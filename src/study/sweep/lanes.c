@@ -158,7 +158,7 @@ static void finish_lanes(struct sweep_worker *worker)
     const struct sweep_request *request = job->request;
     for (int lane = 0; lane < worker->used; lane++) {
         const int64_t i = worker->point[lane];
-        struct watch *watch = &worker->watch[lane];
+        struct extremes *watch = &worker->watch[lane];
         const struct system *system = &worker->system[lane];
         int64_t evals = lanes_evals(worker->lanes, lane);
         double y[LIMIT_VARIABLES], was[LIMIT_VARIABLES];

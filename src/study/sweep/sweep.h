@@ -10,7 +10,7 @@
  * Extremes of a column are where its velocity changes sign: placed by a line through the
  * velocities, their value by the cubic through both ends.
  */
-struct watch {
+struct extremes {
     double top, bottom; /* largest and smallest value so far */
     bool open;          /* the window has begun; from then on: */
     double low, high;   /* extremes */
@@ -19,13 +19,13 @@ struct watch {
     double area, span; /* integral, and over how long [s] */
 };
 
-void watch_begin(struct watch *watch, double y);
-void watch_open(struct watch *watch, double y);
+void watch_begin(struct extremes *watch, double y);
+void watch_open(struct extremes *watch, double y);
 /* The velocity changed its sign between two states. */
-void watch_turn(struct watch *watch, double t0, double y0, double v0, double t1, double y1,
+void watch_turn(struct extremes *watch, double t0, double y0, double v0, double t1, double y1,
                 double v1);
-void watch_end(struct watch *watch, double y);
-double watch_value(const struct watch *watch, enum sweep_kind kind);
+void watch_end(struct extremes *watch, double y);
+double watch_value(const struct extremes *watch, enum sweep_kind kind);
 double watch_speed(const struct system *system, int variable, double t, const double *y);
 /* A recorded run; the window opens at that time. */
 double watch_run(const struct run *run, const struct sweep_measure *measure, double opens);
@@ -64,7 +64,7 @@ struct sweep_worker {
     struct lanes *lanes; /* NULL: none are used */
     double *row;
     struct system *system; /* [LANES] */
-    struct watch watch[LANES];
+    struct extremes watch[LANES];
     int64_t point[LANES]; /* of each lane: place in the sweep */
     int used;
     double *work; /* of a step alone */

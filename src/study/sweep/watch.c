@@ -4,12 +4,12 @@
 
 #include <stdlib.h>
 
-void watch_begin(struct watch *watch, double y)
+void watch_begin(struct extremes *watch, double y)
 {
-    *watch = (struct watch){.top = y, .bottom = y};
+    *watch = (struct extremes){.top = y, .bottom = y};
 }
 
-void watch_open(struct watch *watch, double y)
+void watch_open(struct extremes *watch, double y)
 {
     watch->open = true;
     watch->low = watch->high = y;
@@ -23,7 +23,7 @@ static double between(double h, double y0, double v0, double y1, double v1, doub
            theta * rest * ((1 - 2 * theta) * -rise + rest * h * v0 - theta * h * v1);
 }
 
-void watch_turn(struct watch *watch, double t0, double y0, double v0, double t1, double y1,
+void watch_turn(struct extremes *watch, double t0, double y0, double v0, double t1, double y1,
                 double v1)
 {
     if (v0 == v1) /* both 0 */
@@ -43,7 +43,7 @@ void watch_turn(struct watch *watch, double t0, double y0, double v0, double t1,
     }
 }
 
-void watch_end(struct watch *watch, double y)
+void watch_end(struct extremes *watch, double y)
 {
     watch->top = y > watch->top ? y : watch->top;
     watch->bottom = y < watch->bottom ? y : watch->bottom;
@@ -51,7 +51,7 @@ void watch_end(struct watch *watch, double y)
     watch->high = y > watch->high ? y : watch->high;
 }
 
-double watch_value(const struct watch *watch, enum sweep_kind kind)
+double watch_value(const struct extremes *watch, enum sweep_kind kind)
 {
     switch (kind) {
     case SWEEP_AMPLITUDE:
@@ -111,7 +111,7 @@ static bool make_column(const struct run *run, const struct sweep_measure *measu
 }
 
 /* The integral of the cubic through both ends. */
-static void watch_area(struct watch *watch, double h, double y0, double v0, double y1, double v1)
+static void watch_area(struct extremes *watch, double h, double y0, double v0, double y1, double v1)
 {
     watch->area += h * ((y0 + y1) / 2 + h * (v0 - v1) / 12);
     watch->span += h;
@@ -121,7 +121,7 @@ double watch_run(const struct run *run, const struct sweep_measure *measure, dou
 {
     const struct trace *trace = run->trace;
     const size_t n = trace_count(trace);
-    struct watch watch = {0};
+    struct extremes watch = {0};
     double *column, t0 = 0, y0 = 0, v0 = 0;
     const bool there = make_column(run, measure, &column);
     for (size_t i = 0; there && i < n; i++) {

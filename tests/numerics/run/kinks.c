@@ -151,7 +151,7 @@ static void test_references(void **state)
                 solve(&scene, "dop853", (struct run_settings){.dt = 0.05}, table[i].t);
             struct run *adaptive = solve(
                 &scene, "dop853", (struct run_settings){.dt = 1e-3, .tol = 1e-14}, table[i].t);
-            const int index = place_of(&table[i]);
+            const int index = index_of(&table[i]);
             assert_close(fixed->y[index], table[i].value, 1e-13);
             assert_close(adaptive->y[index], table[i].value, 1e-13);
             run_destroy(fixed);

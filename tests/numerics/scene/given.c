@@ -9,10 +9,10 @@ enum { OUTPUTS = 4, GIVEN = 3 * NAMES, UNUSED_PLACES = 2 };
 static struct program *given_program(const struct equations *equations, int count, int first,
                                      int max, bool native)
 {
-    const struct given_argument given = {first, NAMES - first + UNUSED_PLACES, max};
+    const struct steady_names steady = {first, NAMES - first + UNUSED_PLACES, max};
     struct error error = {0};
     struct program *program =
-        program_create_given(equations, 0, count, NULL, NULL, &given, native, &error);
+        program_create_keeping(equations, 0, count, NULL, NULL, &steady, native, &error);
     if (!program)
         fail_msg("%s", error.text);
     return program;
@@ -22,13 +22,13 @@ static struct program *given_program(const struct equations *equations, int coun
 static void compare(const struct program *program, const double *input, int first,
                     const double *wanted, const char *text)
 {
-    double given[GIVEN + 64], output[OUTPUTS], *frame = room_of(program_frame(program));
-    assert_true(program->names <= first + (int)COUNT_OF(given));
-    memset(given, 0xFF, sizeof given);
-    memcpy(given, input + first, (size_t)(NAMES - first) * sizeof *given);
-    program_keep(program, given);
+    double steady[GIVEN + 64], output[OUTPUTS], *frame = room_of(program_frame(program));
+    assert_true(program->names <= first + (int)COUNT_OF(steady));
+    memset(steady, 0xFF, sizeof steady);
+    memcpy(steady, input + first, (size_t)(NAMES - first) * sizeof *steady);
+    program_keep(program, steady);
     program_prepare(program, frame);
-    program_run(program, input[0], input + 1, given, output, frame);
+    program_run(program, input[0], input + 1, steady, output, frame);
     for (int i = 0; i < program->outputs; i++)
         if (!same(output[i], wanted[i]))
             fail_msg("%s: output %d from name %d on given: %.17g, wanted %.17g", text, i, first,
@@ -39,7 +39,7 @@ static void compare(const struct program *program, const double *input, int firs
     double *row = room_of(OUTPUTS * PROGRAM_LANES);
     for (int i = 0; i < program->names; i++)
         for (int k = 0; k < PROGRAM_LANES; k++)
-            in[i * PROGRAM_LANES + k] = i < first ? input[i] : given[i - first];
+            in[i * PROGRAM_LANES + k] = i < first ? input[i] : steady[i - first];
     program_prepare_lanes(program, in, NULL, lanes);
     program_eval_lanes(program, row, lanes);
     for (int i = 0; i < program->outputs; i++)

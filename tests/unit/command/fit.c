@@ -183,7 +183,7 @@ static void scene_fits_are_adopted(void **state)
     type_ok(&bench, "adopt");
     const struct scene *scene = &bench.session->setup.scene;
     assert_true(fabs(scene->value[scene_param(scene, "k3")] - 0.8) < 1e-4);
-    assert_true(scene->given[scene_param(scene, "k3")]);
+    assert_true(scene->chosen[scene_param(scene, "k3")]);
     assert_true(fabs(scene->value[scene_param(scene, "y0")] - 1.3) < 1e-4);
     type_ok(&bench, "undo; print k3");
     assert_says(&bench.out, "1 N/m^3");

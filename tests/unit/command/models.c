@@ -45,7 +45,7 @@ static void every_scene_has_its_parameters(void **state)
             type_ok(&b, line);
             snprintf(line, sizeof line, "%s = ", name);
             assert_says(&b.out, line);
-            assert_true(scene->given[i] && scene->value[i] == before.value[i]);
+            assert_true(scene->chosen[i] && scene->value[i] == before.value[i]);
         }
         session_save(b.session, &saved);
         write_file("set.hk", saved.data, saved.len);
@@ -53,7 +53,7 @@ static void every_scene_has_its_parameters(void **state)
         type_ok(&other, "source set.hk");
         assert_true(other.session->setup.scene.preset == preset_at(p));
         assert_memory_equal(other.session->setup.scene.value, scene->value, sizeof scene->value);
-        assert_memory_equal(other.session->setup.scene.given, scene->given, sizeof scene->given);
+        assert_memory_equal(other.session->setup.scene.chosen, scene->chosen, sizeof scene->chosen);
         bench_close(&other);
         buffer_free(&saved);
         buffer_free(&offered);

@@ -41,7 +41,7 @@ static void put_scene(const struct scene *scene, struct buffer *text)
     scene_script(scene, "\n", text);
     for (size_t i = 0; i < scene_params(scene)->count; i++) {
         buffer_format(text, "%s%s", catalog_row(scene_params(scene), i)->name,
-                      scene->given[i] ? " (given)" : "");
+                      scene->chosen[i] ? " (given)" : "");
         put_real(text, scene->value[i]);
         put_real(text, scene->uncertainty[i]);
         buffer_char(text, '\n');
@@ -56,7 +56,7 @@ static void put_settings(const struct settings *settings, bool display, struct b
         if (setting->display != display)
             continue;
         buffer_format(text, "%s%s", setting->row.name,
-                      setting_is_given(setting, settings) ? " (given) " : " ");
+                      setting_is_chosen(setting, settings) ? " (given) " : " ");
         setting_exact(setting, settings, text);
         buffer_char(text, '\n');
     }

@@ -135,7 +135,7 @@ static void assert_same_setup(const struct setup *a, const struct setup *b)
     assert_ptr_equal(a->scene.preset, b->scene.preset);
     assert_memory_equal(a->scene.value, b->scene.value, sizeof a->scene.value);
     assert_memory_equal(a->scene.uncertainty, b->scene.uncertainty, sizeof a->scene.uncertainty);
-    assert_memory_equal(a->scene.given, b->scene.given, sizeof a->scene.given);
+    assert_memory_equal(a->scene.chosen, b->scene.chosen, sizeof a->scene.chosen);
     assert_ptr_equal(a->method, b->method);
     assert_int_equal(a->drag, b->drag);
     assert_int_equal(a->fixed, b->fixed);

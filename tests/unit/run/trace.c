@@ -40,7 +40,7 @@ static void test_decimation_equals_brute_force(void **state)
                                        CAP * 2 * sizeof(double));
     assert_non_null(trace);
     assert_true(trace_reserve_grids(trace, 1));
-    trace_regrid(trace, (struct grid){.first = 0, .origin = 3, .h = 0.1});
+    trace_regrid(trace, (struct time_grid){.first = 0, .origin = 3, .h = 0.1});
     for (int64_t i = 0; i < COUNT; i++) {
         seed = seed * 6364136223846793005u + 1442695040888963407u;
         q[i] = (double)(seed >> 60) + (i > 2000 ? (double)i : 0); /* with ties */

@@ -56,7 +56,7 @@ static void test_tables(void **state)
             const struct param_row *param = (const struct param_row *)catalog_row(model->params, i);
             assert_true(param->row.brief[0]);
             assert_string_equal(param->row.unit, quantity_unit(param->quantity));
-            assert_true(param->least_excluded ? param->initial > param->min
+            assert_true(param->min_excluded ? param->initial > param->min
                                               : param->initial >= param->min);
             for (int v = 0; v < model->n; v++) /* a name in an expression means one thing */
                 assert_string_not_equal(param->row.name, model->variable[v].name);

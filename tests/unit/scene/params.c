@@ -79,7 +79,7 @@ static void expect_refused(const char *param, double value, double uncertainty,
     assert_int_equal(error.code, ERROR_COMMAND);
     assert_memory_equal(scene.value, before.value, sizeof scene.value);
     assert_memory_equal(scene.uncertainty, before.uncertainty, sizeof scene.uncertainty);
-    assert_memory_equal(scene.given, before.given, sizeof scene.given);
+    assert_memory_equal(scene.chosen, before.chosen, sizeof scene.chosen);
 }
 
 static void test_ranges(void **state)
@@ -111,11 +111,11 @@ static void test_set_and_unset(void **state)
     struct scene scene;
     int gamma = param_index("gamma");
     scene_init(&scene, (const struct preset *)catalog_find(&preset_catalog, TEXT("damped")));
-    assert_true(scene.value[gamma] == 0.25 && !scene.given[gamma]);
+    assert_true(scene.value[gamma] == 0.25 && !scene.chosen[gamma]);
     set(&scene, "gamma", 3, 0.1);
-    assert_true(scene.value[gamma] == 3 && scene.given[gamma] && scene.uncertainty[gamma] == 0.1);
+    assert_true(scene.value[gamma] == 3 && scene.chosen[gamma] && scene.uncertainty[gamma] == 0.1);
     scene_unset(&scene, gamma);
-    assert_true(scene.value[gamma] == 0.25 && !scene.given[gamma] && scene.uncertainty[gamma] == 0);
+    assert_true(scene.value[gamma] == 0.25 && !scene.chosen[gamma] && scene.uncertainty[gamma] == 0);
     scene_init(&scene, NULL);
     assert_string_equal(scene.preset->row.name, "spring");
 }
@@ -246,7 +246,7 @@ static void test_setting_a_derived_quantity(void **state)
             assert_non_null(strstr(error.text, "cannot be set"));
             continue;
         }
-        assert_true(scene.given[param_index(row->target)]);
+        assert_true(scene.chosen[param_index(row->target)]);
         expect_near(row->value(&scene).value, 1.25, 1e-14);
         expect_near(row->value(&scene).uncertainty, 0.01, 1e-7);
     }

@@ -65,7 +65,7 @@ static void known_truths_are_found(void **state)
         struct scene start = scene_with(c->preset, c->start);
         random_state = 5 + i;
         struct recorded r = record(&truth, 0, c->rate, c->span, c->noise, 0.2);
-        memset(start.given, 0, sizeof start.given); /* nothing is held */
+        memset(start.chosen, 0, sizeof start.chosen); /* nothing is held */
         struct fitted f = fit_to(&start, &r.series, NULL, true);
         assert_converged(&f);
         struct text rest = text_of(c->found), name;
@@ -127,7 +127,7 @@ static void held_values_add_their_uncertainty(void **state)
     const struct scene truth = scene_with("damped", SETTINGS({"gamma", 0.1}));
     struct recorded r = record(&truth, 0, 50, 20, 1e-4, 0);
     struct scene start = truth;
-    memset(start.given, 0, sizeof start.given);
+    memset(start.chosen, 0, sizeof start.chosen);
     struct fitted exact = fit_to(&start, &r.series, "k gamma y0 v0", false);
     assert_true(scene_set(&start, scene_param(&start, "m"), (struct measured){0.2, 0.002}, &error));
     struct fitted loose = fit_to(&start, &r.series, "k gamma y0 v0", false);

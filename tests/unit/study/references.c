@@ -17,7 +17,7 @@
 #include "unit/scene/typing.h"
 
 /* Whether it was kept; what is there equals what is computed anew. */
-static bool kept(struct references *references, const struct scene *scene, double span)
+static bool stored(struct references *references, const struct scene *scene, double span)
 {
     struct system system;
     struct reference reference, anew;
@@ -28,9 +28,9 @@ static bool kept(struct references *references, const struct scene *scene, doubl
     assert_true(study_reference(&system, span, NULL, &anew, &error));
     assert_memory_equal(reference.y, anew.y, sizeof *anew.y * (size_t)(STUDY_TIMES * anew.n));
     assert_true(reference.accuracy == anew.accuracy && reference.by[0] == anew.by[0]);
-    assert_int_equal(reference.kept, expected);
+    assert_int_equal(reference.stored, expected);
     assert_non_null(references_find(references, scene, span));
-    const bool found = reference.kept;
+    const bool found = reference.stored;
     reference_free(&reference);
     reference_free(&anew);
     return found;
@@ -52,8 +52,8 @@ static void test_every_parameter(void **state)
         struct scene scene;
         struct error error = {0};
         scene_of(presets[i], &scene);
-        assert_false(kept(&references, &scene, 1));
-        assert_true(kept(&references, &scene, 1));
+        assert_false(stored(&references, &scene, 1));
+        assert_true(stored(&references, &scene, 1));
         for (size_t p = is_long() ? 0 : i % 3; p < scene.model->params->count;
              p += is_long() ? 1 : 3) {
             struct scene other = scene;
@@ -63,15 +63,15 @@ static void test_every_parameter(void **state)
                            (struct measured){value == 0 ? 1e-3 : value * (1 + 1e-15), 0}, &error) ||
                 other.value[p] == value || !scene_bind(&other, &system, &error))
                 continue;
-            assert_false(kept(&references, &other, 1));
-            assert_true(kept(&references, &other, 1));
-            assert_true(kept(&references, &scene, 1));
+            assert_false(stored(&references, &other, 1));
+            assert_true(stored(&references, &other, 1));
+            assert_true(stored(&references, &scene, 1));
         }
         struct scene loose = scene;
         loose.atol[0] = 1e-9;
-        assert_false(kept(&references, &loose, 1));
-        assert_false(kept(&references, &scene, nextafter(1, 2)));
-        assert_true(kept(&references, &scene, 1));
+        assert_false(stored(&references, &loose, 1));
+        assert_false(stored(&references, &scene, nextafter(1, 2)));
+        assert_true(stored(&references, &scene, 1));
         references_free(&references);
     }
 }
@@ -87,21 +87,21 @@ static void test_typed_lines(void **state)
     struct scene scene;
     scene_init(&scene, NULL);
     assert_true(type_scene(models, &scene, lines));
-    assert_false(kept(&references, &scene, 2));
+    assert_false(stored(&references, &scene, 2));
     const struct scene first = scene;
     for (size_t i = 0; i < 2; i++) {
         const char *const line[] = {more[i], NULL};
         assert_true(type_scene(models, &scene, line));
-        assert_false(kept(&references, &scene, 2));
-        assert_true(kept(&references, &scene, 2));
+        assert_false(stored(&references, &scene, 2));
+        assert_true(stored(&references, &scene, 2));
     }
-    assert_true(kept(&references, &first, 2));
+    assert_true(stored(&references, &first, 2));
     struct scene spring;
     scene_of("spring", &spring);
-    assert_false(kept(&references, &spring, 2));
+    assert_false(stored(&references, &spring, 2));
     const char *const force[] = {more[2], NULL};
     assert_true(type_scene(models, &spring, force));
-    assert_false(kept(&references, &spring, 2));
+    assert_false(stored(&references, &spring, 2));
     references_free(&references);
     typed_destroy(models);
 }
@@ -114,11 +114,11 @@ static void test_those_used_last(void **state)
     struct scene scene;
     scene_of("drag", &scene);
     for (int i = 0; i < REFERENCES; i++)
-        assert_false(kept(&references, &scene, 1 + i));
-    assert_true(kept(&references, &scene, 1));
-    assert_false(kept(&references, &scene, 1 + REFERENCES));
-    assert_true(kept(&references, &scene, 1));
-    assert_false(kept(&references, &scene, 2));
+        assert_false(stored(&references, &scene, 1 + i));
+    assert_true(stored(&references, &scene, 1));
+    assert_false(stored(&references, &scene, 1 + REFERENCES));
+    assert_true(stored(&references, &scene, 1));
+    assert_false(stored(&references, &scene, 2));
     references_free(&references);
 
     static const char *const lines[] = {"var x = 1", "x' = x^2", NULL};
@@ -143,7 +143,7 @@ static void test_those_used_last(void **state)
     scene_of("drag", &scene);
     assert_true(scene_bind(&scene, &system, &error));
     assert_false(references_get(&references, &scene, &system, 9, &cancel, &reference, &error));
-    assert_false(kept(&references, &scene, 9));
+    assert_false(stored(&references, &scene, 9));
     references_free(&references);
     typed_destroy(models);
 }

@@ -34,8 +34,8 @@ static void bend(struct references *references, const struct scene *scene, doubl
     assert_true(references_get(references, scene, &system, span, NULL, &reference, &error));
     reference_free(&reference);
     for (int i = 0; i < REFERENCES; i++)
-        for (int k = STUDY_TIMES / 2; k < STUDY_TIMES && references->kept[i].used; k++)
-            references->kept[i].reference.y[k * system.n] += by;
+        for (int k = STUDY_TIMES / 2; k < STUDY_TIMES && references->stored[i].used; k++)
+            references->stored[i].reference.y[k * system.n] += by;
 }
 
 static void test_wrong_one_is_computed_again(void **state)
@@ -66,7 +66,7 @@ static void test_wrong_one_is_computed_again(void **state)
     precision_free(&precision);
     assert_true(references_find(&references, &scene, 10)->again);
     assert_true(study_precision(&request, &precision, &error)); /* the new one is kept */
-    assert_true(precision.reference.kept && precision.point[9].errors.max < 1e-8);
+    assert_true(precision.reference.stored && precision.point[9].errors.max < 1e-8);
     precision_free(&precision);
     references_free(&references);
     typed_destroy(models);
@@ -86,7 +86,7 @@ static void test_what_stays_is_said(void **state)
     assert_true(type_scene(models, &scene, duffing));
     bend(&references, &scene, 10, 2);
     for (int i = 0; i < REFERENCES; i++)
-        references.kept[i].reference.again = true;
+        references.stored[i].reference.again = true;
     const struct method_choice choice[] = {named("dopri5"), named("rodas5p")};
     const struct precision_request request = {.scene = &scene,
                                               .choice = choice,

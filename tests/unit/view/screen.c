@@ -226,17 +226,17 @@ static void the_log_scrolls(void **state)
     session->view.scroll = 1000; /* the oldest stays at the top */
     assert_shows(session, 80, 24, "line 1.");
     assert_shows(session, 80, 24, "line 6.");
-    assert_int_equal(screen_log_most(session, 80, 24),
+    assert_int_equal(screen_log_max(session, 80, 24),
                      21 - screen_log_rows(session, 80, 24)); /* one line has two rows */
-    session->view.scroll = screen_log_most(session, 80, 24);
+    session->view.scroll = screen_log_max(session, 80, 24);
     assert_shows(session, 80, 24, "line 1.");
     session->view.scroll--;
     assert_hides(session, 80, 24, "line 1.");
-    assert_int_equal(screen_log_most(session, 80, 60), 21 - screen_log_rows(session, 80, 60));
+    assert_int_equal(screen_log_max(session, 80, 60), 21 - screen_log_rows(session, 80, 60));
     log_clear(&session->log);
-    assert_int_equal(screen_log_most(session, 80, 24), 0);
+    assert_int_equal(screen_log_max(session, 80, 24), 0);
     session->view.cursors.shown = true; /* their table gives way to the log */
-    assert_int_equal(screen_log_most(session, 80, 24), 1);
+    assert_int_equal(screen_log_max(session, 80, 24), 1);
     session_destroy(session);
 }
 

@@ -295,9 +295,9 @@ int graph_one(struct graph *g, double (*one)(double), int a)
 
 int graph_two(struct graph *g, double (*two)(double, double), int a, int b)
 {
-    if (two == function_least)
+    if (two == function_min)
         return graph_apply(g, NODE_IF, graph_apply(g, NODE_LESS, a, b, 0), a, b);
-    if (two == function_most)
+    if (two == function_max)
         return graph_apply(g, NODE_IF, graph_apply(g, NODE_LESS, b, a, 0), a, b);
     return make(g, (struct node){.kind = NODE_TWO, .operand = {a, b}, .two = two});
 }

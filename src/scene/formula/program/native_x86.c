@@ -30,7 +30,7 @@ static void with_memory(struct emitter *e, int code, int reg, int slot)
 {
     const struct program *p = e->program;
     if (slot >= p->moving && slot < p->names)
-        with_address(e, DOUBLE, code, reg, e->given, slot - p->moving);
+        with_address(e, DOUBLE, code, reg, e->steady, slot - p->moving);
     else if (slot >= LEADING && slot < p->moving)
         with_address(e, DOUBLE, code, reg, e->state, slot - 1);
     else
@@ -290,7 +290,7 @@ static void write_code(struct emitter *e, bool calls)
         word(e, 0xC7894D, 3);         /* mov r15, r8 */
     }
     e->state = calls ? RBX : RSI;
-    e->given = calls ? RBP : RDX;
+    e->steady = calls ? RBP : RDX;
     e->output = calls ? R14 : RCX;
     e->frame = calls ? R15 : R8;
     for (int i = 0; i < p->uses; i++)

@@ -148,8 +148,8 @@ static bool prepare(struct schedule *s)
     return true;
 }
 
-/* Of the graph, with the nodes `kept` [p->keeps] as the last names. */
-static bool schedule(struct program *p, const int *kept)
+/* Of the graph, with the nodes `retained` [p->keeps] as the last names. */
+static bool schedule(struct program *p, const int *retained)
 {
     const size_t nodes = (size_t)p->nodes;
     struct schedule s = {.program = p, .usage = calloc(nodes, sizeof *s.usage)};
@@ -159,7 +159,7 @@ static bool schedule(struct program *p, const int *kept)
     if (fine)
         memcpy(s.node, p->node, nodes * sizeof *s.node);
     for (int i = 0; fine && i < p->keeps; i++)
-        s.node[kept[i]] = (struct node){.kind = NODE_NAME, .operand = {p->names - p->keeps + i}};
+        s.node[retained[i]] = (struct node){.kind = NODE_NAME, .operand = {p->names - p->keeps + i}};
     fine = fine && prepare(&s);
     for (int i = 0; fine && i < p->nodes; i++)
         if (s.usage[i].uses > 0 && !s.usage[i].fused && s.node[i].kind > NODE_NAME)
@@ -177,13 +177,13 @@ static bool schedule(struct program *p, const int *kept)
 /* ---- the scalar form ---- */
 
 static struct leading interpret(const struct program *p, double x0, double x1, double x2,
-                                const double *state, const double *given, double *output,
+                                const double *state, const double *steady, double *output,
                                 double *frame)
 {
     const double leading[LEADING] = {x0, x1, x2};
     for (int i = 0; i < p->uses; i++) {
         const int name = p->used[i];
-        frame[name] = name >= p->moving ? given[name - p->moving]
+        frame[name] = name >= p->moving ? steady[name - p->moving]
                       : name < LEADING  ? leading[name]
                                         : state[name - 1];
     }
@@ -209,7 +209,7 @@ static struct leading interpret(const struct program *p, double x0, double x1, d
 /* ---- what is kept ---- */
 
 /* Nodes that depend on given names only and are used by others or are outputs. -1: no memory. */
-static int find_kept(const struct program *p, int *kept)
+static int find_retained(const struct program *p, int *retained)
 {
     bool *steady = calloc((size_t)p->nodes, sizeof *steady),
          *mark = calloc((size_t)p->nodes, sizeof *mark);
@@ -227,14 +227,14 @@ static int find_kept(const struct program *p, int *kept)
             mark[p->node[i].operand[k]] = true;
     for (int i = 0; count >= 0 && i < p->nodes; i++)
         if (mark[i] && steady[i] && p->node[i].kind > NODE_NAME)
-            kept[count++] = i;
+            retained[count++] = i;
     free(steady);
     free(mark);
     return count;
 }
 
 /* The program of what is kept, unless that is too large. False: no memory. */
-static bool make_keep(struct program *p, const struct given_argument *given, const int *kept,
+static bool make_retained(struct program *p, const struct steady_names *steady, const int *retained,
                       int count)
 {
     struct program *keep = calloc(1, sizeof *keep);
@@ -249,7 +249,7 @@ static bool make_keep(struct program *p, const struct given_argument *given, con
     bool fine = keep->result && keep->written;
     if (fine) {
         keep->output = keep->result + count;
-        memcpy(keep->result, kept, (size_t)count * sizeof *kept);
+        memcpy(keep->result, retained, (size_t)count * sizeof *retained);
         fine = schedule(keep, NULL);
     }
     if (!fine || keep->slots > PROGRAM_KEEP) {
@@ -258,42 +258,42 @@ static bool make_keep(struct program *p, const struct given_argument *given, con
     }
     p->keep = keep;
     p->keeps = count;
-    p->names = given->first + given->kept + count;
+    p->names = steady->first + steady->retained + count;
     return true;
 }
 
-static bool schedule_in_parts(struct program *p, const struct given_argument *given)
+static bool schedule_in_parts(struct program *p, const struct steady_names *steady)
 {
-    if (!given || given->max <= 0)
+    if (!steady || steady->max <= 0)
         return schedule(p, NULL);
-    int *kept = malloc((size_t)p->nodes * sizeof *kept);
-    const int count = kept ? find_kept(p, kept) : -1;
+    int *retained = malloc((size_t)p->nodes * sizeof *retained);
+    const int count = retained ? find_retained(p, retained) : -1;
     bool fine = count >= 0;
-    if (count > 0 && count <= given->max)
-        fine = make_keep(p, given, kept, count);
-    fine = fine && schedule(p, kept);
-    free(kept);
+    if (count > 0 && count <= steady->max)
+        fine = make_retained(p, steady, retained, count);
+    fine = fine && schedule(p, retained);
+    free(retained);
     return fine;
 }
 
-void program_keep(const struct program *p, double *given)
+void program_keep(const struct program *p, double *steady)
 {
     double frame[PROGRAM_KEEP];
     if (!p->keep)
         return;
     program_prepare(p->keep, frame);
-    double *const kept = given + p->names - p->keeps - p->moving;
-    const struct leading leading = p->keep->run(p->keep, 0, 0, 0, NULL, given, kept, frame);
-    kept[0] = leading.first;
+    double *const retained = steady + p->names - p->keeps - p->moving;
+    const struct leading leading = p->keep->run(p->keep, 0, 0, 0, NULL, steady, retained, frame);
+    retained[0] = leading.first;
     if (p->keeps > 1)
-        kept[1] = leading.second;
+        retained[1] = leading.second;
 }
 
 /* ---- making and destroying ---- */
 
-struct program *program_create_given(const struct equations *e, int first, int count,
+struct program *program_create_keeping(const struct equations *e, int first, int count,
                                      const bool *bound, const double *value,
-                                     const struct given_argument *given, bool native,
+                                     const struct steady_names *steady, bool native,
                                      struct error *error)
 {
     struct program *p = calloc(1, sizeof *p);
@@ -302,7 +302,7 @@ struct program *program_create_given(const struct equations *e, int first, int c
         return NULL;
     }
     p->names = e->names;
-    p->moving = given ? given->first : e->names;
+    p->moving = steady ? steady->first : e->names;
     p->outputs = count;
     p->output = arena_array(&p->arena, 2 * (size_t)count + 1, sizeof *p->output);
     p->result = p->output + count;
@@ -315,7 +315,7 @@ struct program *program_create_given(const struct equations *e, int first, int c
     fine = fine && graph_check(&graph, error);
     p->node = graph.node;
     p->nodes = graph.count;
-    if (fine && !schedule_in_parts(p, given))
+    if (fine && !schedule_in_parts(p, steady))
         fine = error_memory(error);
     if (!fine) {
         program_destroy(p);
@@ -329,7 +329,7 @@ struct program *program_create_given(const struct equations *e, int first, int c
 struct program *program_create(const struct equations *e, int first, int count, const bool *bound,
                                const double *value, bool native, struct error *error)
 {
-    return program_create_given(e, first, count, bound, value, NULL, native, error);
+    return program_create_keeping(e, first, count, bound, value, NULL, native, error);
 }
 
 void program_destroy(struct program *p)
@@ -404,8 +404,8 @@ double program_eval(const struct program *p, const double *input, double *output
     double x[LEADING] = {0};
     for (int i = 0; i < LEADING && i < p->names; i++)
         x[i] = input[i];
-    const double *const state = input + (p->names > 1), *const given = input + p->moving;
-    const struct leading leading = p->run(p, x[0], x[1], x[2], state, given, output, frame);
+    const double *const state = input + (p->names > 1), *const steady = input + p->moving;
+    const struct leading leading = p->run(p, x[0], x[1], x[2], state, steady, output, frame);
     output[0] = leading.first;
     if (p->outputs > 1)
         output[1] = leading.second;

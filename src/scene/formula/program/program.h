@@ -216,26 +216,26 @@ struct program {
  * only is computed by program_keep() and becomes more names, given[kept] and on, if they and all it
  * takes fit (most; PROGRAM_KEEP doubles).
  */
-struct given_argument {
-    int first, kept, max;
+struct steady_names {
+    int first, retained, max;
 };
 #define PROGRAM_KEEP 4096
 
-struct program *program_create_given(const struct equations *e, int first, int count,
+struct program *program_create_keeping(const struct equations *e, int first, int count,
                                      const bool *bound, const double *value,
-                                     const struct given_argument *given, bool native,
+                                     const struct steady_names *steady, bool native,
                                      struct error *error);
 /* As program_depends(), on any of these names? */
 bool program_depends_on(const struct program *p, int first, int count, int name, int names);
 /* Once for each set of given values. */
-void program_keep(const struct program *program, double *given);
+void program_keep(const struct program *program, double *steady);
 
 /* The outputs, where `moving` names are t and a state. */
 static inline void program_run(const struct program *p, double t, const double *state,
-                               const double *given, double *output, double *frame)
+                               const double *steady, double *output, double *frame)
 {
     const struct leading leading =
-        p->run(p, t, state[0], p->moving > 2 ? state[1] : 0, state, given, output, frame);
+        p->run(p, t, state[0], p->moving > 2 ? state[1] : 0, state, steady, output, frame);
     output[0] = leading.first;
     if (p->outputs > 1)
         output[1] = leading.second;

@@ -79,9 +79,9 @@ static int freeze_one(struct freezing *f, const struct node *node, int x)
 
 static int freeze_two(struct freezing *f, const struct node *node, int a, int b)
 {
-    if (node->two == function_least || node->two == function_most) {
+    if (node->two == function_min || node->two == function_max) {
         const int less = branch(f, apply(f, NODE_SUB, b, a, 0), SWITCH_SIGN);
-        return node->two == function_least ? apply(f, NODE_IF, less, a, b)
+        return node->two == function_min ? apply(f, NODE_IF, less, a, b)
                                            : apply(f, NODE_IF, less, b, a);
     }
     if (node->two == function_mod)
@@ -171,7 +171,7 @@ bool equations_freeze(struct equations *e, int first, int count, struct switches
 static bool is_switch(const struct op *op)
 {
     static double (*const one[])(double) = {fabs, function_sign, function_step, floor, ceil, round};
-    static double (*const two[])(double, double) = {function_least, function_most, function_mod};
+    static double (*const two[])(double, double) = {function_min, function_max, function_mod};
     bool found = op->kind == OP_LESS || op->kind == OP_GREATER || op->kind == OP_LESS_EQUAL ||
                  op->kind == OP_GREATER_EQUAL;
     if (op->kind != OP_CALL)

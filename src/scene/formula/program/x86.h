@@ -29,7 +29,7 @@ struct emitter {
     uint8_t *page;
     size_t at, size; /* [byte] next, of the page */
     bool full;
-    int state, given, output, frame; /* the registers that hold these addresses */
+    int state, steady, output, frame; /* the registers that hold these addresses */
     int holds[REGISTERS];  /* place whose value it is, NOTHING, or TAKEN by the operation at hand */
     bool dirty[REGISTERS]; /* not in the frame */
     int64_t used[REGISTERS], clock;
