@@ -155,12 +155,12 @@ static int run(const struct options *options)
         }
         if (!options->norc && (kind != FRONT_END || options->rc)) {
             rc_run(session, &reply);
-            session->status =
-                0; /* a mistake in the rc file has been told; it does not make this run a failure */
+            /* a mistake in the rc file has been told; it does not make this run a failure */
+            session->status = 0;
         }
         batch_run(session, options, kind == FRONT_END && options->tasks == 0, &reply, &streams);
-        status =
-            session->status; /* what is typed at the prompt afterwards has been answered there */
+        /* what is typed at the prompt afterwards has been answered there */
+        status = session->status;
         if (kind != FRONT_END && !session->quit && !signals_ending()) {
             talk(
                 &(struct front_program){

@@ -38,8 +38,8 @@ bool text_equal(struct text a, struct text b);
 bool text_is(struct text a, const char *z);
 bool text_starts(struct text a, struct text prefix);
 struct text text_trim(struct text a); /* without blanks, tabs, CR at both ends */
-bool text_split(struct text *rest, char separator,
-                struct text *head); /* cuts the head off; false: nothing left */
+/* cuts the head off; false: nothing left */
+bool text_split(struct text *rest, char separator, struct text *head);
 
 /* ---- memory ----
  *
@@ -51,8 +51,8 @@ struct arena {
     struct arena_block *blocks;
 };
 
-void *arena_alloc(struct arena *arena,
-                  size_t size); /* zeroed, aligned for any type; NULL: no memory */
+/* zeroed, aligned for any type; NULL: no memory */
+void *arena_alloc(struct arena *arena, size_t size);
 void *arena_array(struct arena *arena, size_t count, size_t size); /* overflow-checked */
 char *arena_text(struct arena *arena, struct text text);           /* NUL-terminated copy */
 void arena_reset(struct arena *arena); /* frees everything; the arena can be used again */
@@ -120,13 +120,13 @@ struct error {
 /* All return false, so that `return error_set(…)` reads well. */
 bool error_set(struct error *error, enum error_code code, const char *format, ...)
     PRINTF_LIKE(3, 4);
-bool error_at(struct error *error, struct text where, const char *format, ...)
-    PRINTF_LIKE(3, 4); /* ERROR_COMMAND */
-bool error_hint(struct error *error, const char *format, ...)
-    PRINTF_LIKE(2, 3);                  /* adds the hint to an error already set */
+/* ERROR_COMMAND */
+bool error_at(struct error *error, struct text where, const char *format, ...) PRINTF_LIKE(3, 4);
+/* adds the hint to an error already set */
+bool error_hint(struct error *error, const char *format, ...) PRINTF_LIKE(2, 3);
 bool error_memory(struct error *error); /* "out of memory …" */
-const char *error_name(
-    enum error_code code); /* "command", "usage", "numerical", "io", "cancelled": the JSON `code` */
+/* "command", "usage", "numerical", "io", "cancelled": the JSON `code` */
+const char *error_name(enum error_code code);
 
 /* ---- catalogs: everything that can be chosen by name is a row in a table ----
  *
@@ -158,8 +158,8 @@ struct catalog {
 
 const struct row *catalog_row(const struct catalog *catalog, size_t i);
 int catalog_index(const struct catalog *catalog, const struct row *row); /* index of a row of it */
-const struct row *catalog_find(const struct catalog *catalog,
-                               struct text name); /* exact name or alias; NULL: none */
+/* exact name or alias; NULL: none */
+const struct row *catalog_find(const struct catalog *catalog, struct text name);
 /* Exact, else the only row whose name starts with `name` (at least `min` letters). NULL: none or
  * ambiguous. */
 const struct row *catalog_prefix(const struct catalog *catalog, struct text name, size_t min);
@@ -183,8 +183,8 @@ struct suggestion {
 };
 
 void suggestion_offer(struct suggestion *suggestion, const char *name);
-void suggestion_hint(const struct suggestion *suggestion,
-                     struct error *error); /* appends nothing when none is near */
+/* appends nothing when none is near */
+void suggestion_hint(const struct suggestion *suggestion, struct error *error);
 
 /* ---- numbers ----
  *
@@ -208,12 +208,12 @@ enum real_status {
  * `decimal` is '.' or
  * ','. */
 enum real_status real_scan(struct text text, char decimal, double *value, size_t *used);
-enum real_status real_parse(struct text text,
-                            double *value); /* the whole text is the number, decimal point */
+/* the whole text is the number, decimal point */
+enum real_status real_parse(struct text text, double *value);
 size_t real_format(double value, char out[REAL_TEXT_SIZE]); /* length without the NUL */
 void buffer_real(struct buffer *buffer, double value);      /* shortest round trip */
-void buffer_short(struct buffer *buffer, double value,
-                  int digits); /* for people: `digits` significant, no trailing zeros */
+/* for people: `digits` significant, no trailing zeros */
+void buffer_short(struct buffer *buffer, double value, int digits);
 /* "1.9373 +- 0.0002": the uncertainty to 1 digit (2 if it starts with 1), the value to match; no
  * uncertainty: 6 digits.
  */
@@ -295,9 +295,9 @@ int quantity_order(enum quantity quantity);
 const char *quantity_article(enum quantity quantity); /* "a" mass, "an" angle */
 const char *quantity_unit(enum quantity quantity);    /* SI unit "kg", "" for a pure number */
 void quantity_units(enum quantity quantity, struct buffer *names); /* "kg, g, mg" */
-const struct unit *unit_match(struct text text); /* longest unit at the start of text (not followed
-                                                    by a letter); NULL: none */
-const struct unit *unit_find(struct text name);  /* exact name */
+/* longest unit at the start of text (not followed by a letter); NULL: none */
+const struct unit *unit_match(struct text text);
+const struct unit *unit_find(struct text name); /* exact name */
 /*
  * The one place that decides whether a unit fits a quantity: its own, and Hz for rad/s or back by 2
  * pi. Decimal factors are exact: 5.7 cm gives the double nearest to 0.057.
@@ -317,16 +317,16 @@ void buffer_quantity(struct buffer *buffer, double value, enum quantity quantity
  * <U+NNNN>. Newline and tab too, unless keep_layout.
  */
 void safe_text(struct buffer *out, struct text text, bool keep_layout);
-bool codepoint_hidden(uint32_t codepoint); /* no letter: steers how the rest is shown, or is not
-                                              seen at all (from U+0080) */
+/* no letter: steers how the rest is shown, or is not seen at all (from U+0080) */
+bool codepoint_hidden(uint32_t codepoint);
 
 #define CODEPOINT_INVALID 0xFFFDu /* the replacement character */
 
 /* UTF-8: decodes one code point from the start of text (CODEPOINT_INVALID with *used = 1 for an
  * invalid byte). */
 uint32_t text_codepoint(struct text text, size_t *used);
-int codepoint_width(
-    uint32_t codepoint); /* columns on a terminal: 0, 1 or 2; a table of its own, no locale */
+/* columns on a terminal: 0, 1 or 2; a table of its own, no locale */
+int codepoint_width(uint32_t codepoint);
 int text_width(struct text text); /* columns */
 
 /* ---- files ----
@@ -374,8 +374,8 @@ struct write_policy {
 
 bool writer_open(struct writer *writer, const char *path, struct write_policy policy,
                  struct error *error);
-void writer_put(struct writer *writer,
-                struct text text); /* a failure is remembered and reported by commit */
+/* a failure is remembered and reported by commit */
+void writer_put(struct writer *writer, struct text text);
 bool writer_commit(struct writer *writer, struct error *error); /* closes in every case */
 void writer_abandon(struct writer *writer);
 

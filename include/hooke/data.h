@@ -54,9 +54,9 @@ struct recording {
     double rate;         /* [1/s] 1/dt */
     double header_rate;  /* [1/s] what the file says above its table, 0: nothing */
     double header_start; /* [s] and when the first sample was taken */
-    bool header_rules;   /* these are better than the times beside the values, which are rounded or
-                            counts */
-    double dt;           /* [s] (t_last - t_first)/(rows - 1) */
+    /* these are better than the times beside the values, which are rounded or counts */
+    bool header_rules;
+    double dt; /* [s] (t_last - t_first)/(rows - 1) */
     int header_lines;
     char separator;       /* '\t' ',' ';' ' ', '\n': a single column */
     char decimal;         /* '.' ',' */
@@ -66,8 +66,8 @@ struct recording {
     double window[2];     /* [s] the part in use, in the file's time; the whole file by default */
     double zero;          /* SI, subtracted from the value; 0 by default */
     struct measured mass; /* [kg] of what hung on the spring; 0: nobody has said */
-    char velocity[LIMIT_NAME +
-                  1]; /* name of the recording that holds the sensor's velocities; "": none */
+    /* name of the recording that holds the sensor's velocities; "": none */
+    char velocity[LIMIT_NAME + 1];
     size_t repeated, backward; /* rows among the dropped ones whose time repeats or goes back */
     const struct findings *findings; /* NULL: nobody has looked yet */
     bool cleaned;                    /* what the findings mask is left out */
@@ -149,12 +149,13 @@ extern const struct catalog finding_catalog; /* at the enum's place */
 #define FINDING_STRETCHES 3
 
 struct finding {
-    size_t count;                    /* samples; of gaps and times: rows */
-    size_t stretches;                /* stretches that they form */
-    double first[FINDING_STRETCHES]; /* [s] where the first of these begin; NAN where there are
-                                        fewer */
-    double size; /* SI: largest deviation; of a clipped top its level, of steps their size, of a gap
-                    its length [s], of sway the modulation (rms, relative); NAN: does not apply */
+    size_t count;     /* samples; of gaps and times: rows */
+    size_t stretches; /* stretches that they form */
+    /* [s] where the first of these begin; NAN where there are fewer */
+    double first[FINDING_STRETCHES];
+    /* SI: largest deviation; of a clipped top its level, of steps their size, of a gap its
+     * length [s], of sway the modulation (rms, relative); NAN: does not apply */
+    double size;
 };
 
 struct findings {

@@ -36,10 +36,10 @@ struct canvas {
 
 bool canvas_init(struct canvas *canvas, int width, int height); /* blanks; false: no memory */
 void canvas_free(struct canvas *canvas);
-void canvas_put(struct canvas *canvas, int x, int y, uint32_t codepoint,
-                enum style style); /* outside: ignored */
-int canvas_text(struct canvas *canvas, int x, int y, struct text text,
-                enum style style); /* returns the column after it; clipped */
+/* outside: ignored */
+void canvas_put(struct canvas *canvas, int x, int y, uint32_t codepoint, enum style style);
+/* returns the column after it; clipped */
+int canvas_text(struct canvas *canvas, int x, int y, struct text text, enum style style);
 /* Lines without trailing blanks; colour escapes only when `color`. */
 void canvas_print(const struct canvas *canvas, bool color, struct buffer *out);
 
@@ -53,10 +53,11 @@ struct axis {
     double factor;     /* number shown = value / factor; 0 counts as 1 */
     double from, to;   /* range in values; used if fixed */
     bool fixed, log;
-    double min; /* of a log axis: what is smaller is left out of the range and counted; 0: only what
-                   is <= 0 */
-    double flat; /* what varies by less than this part of its size is drawn from zero; 0: about its
-                    middle where it hardly varies; < 0: as it is */
+    /* of a log axis: what is smaller is left out of the range and counted; 0: only what is <= 0 */
+    double min;
+    /* what varies by less than this part of its size is drawn from zero; 0: about its middle
+     * where it hardly varies; < 0: as it is */
+    double flat;
 };
 
 struct curve {
@@ -89,11 +90,11 @@ struct figure {
     bool zero_line;
     bool has_point; /* the current point is marked */
     double point[2];
-    double aspect;       /* height over width of a cell; 0 counts as 2 */
-    const char *note;    /* left end of the lower frame, or NULL: "14 periods: envelope" */
-    int gutter;          /* least width of the y labels (hysteresis of live plots) */
-    const char *caption; /* right end of the upper frame, after the legend, or NULL: "last 2 T,
-                            equal axes" */
+    double aspect;    /* height over width of a cell; 0 counts as 2 */
+    const char *note; /* left end of the lower frame, or NULL: "14 periods: envelope" */
+    int gutter;       /* least width of the y labels (hysteresis of live plots) */
+    /* right end of the upper frame, after the legend, or NULL: "last 2 T, equal axes" */
+    const char *caption;
 };
 
 /* The first curve (of this panel) that has a band with a name; NULL: none. */
@@ -120,8 +121,8 @@ struct ticks ticks_log(double from, double to, int max);
 struct scale {
     double from, to; /* values at the ends */
     bool log;
-    double unit, origin,
-        gain; /* fraction = (value * unit - origin) * gain; for log the value is its log10 */
+    /* fraction = (value * unit - origin) * gain; for log the value is its log10 */
+    double unit, origin, gain;
 };
 /* 0 at from, 1 at to; cut off at +-1e6; NAN for what cannot be shown. */
 double scale_fraction(const struct scale *scale, double value);
@@ -143,8 +144,8 @@ void figure_layout(const struct figure *figure, int width, int height, enum char
 /* A figure of two panels is drawn as two figures. */
 struct figure_panel {
     struct figure figure;
-    int x, y, width,
-        height; /* [cell] where, in the rectangle; what comes later covers what overlaps */
+    /* [cell] where, in the rectangle; what comes later covers what overlaps */
+    int x, y, width, height;
 };
 #define PANELS_MAX 2
 /* How many there are, and where: labels aligned where panels share an axis. One where there is no
@@ -202,13 +203,13 @@ bool heat_print(const struct heat *heat, int width, int height, enum charset cha
 
 enum picture { PICTURE_SVG, PICTURE_PDF, PICTURE_PNG };
 
-extern const struct catalog
-    picture_catalog; /* struct row at the enum's place; the names are what files end in */
+/* struct row at the enum's place; the names are what files end in */
+extern const struct catalog picture_catalog;
 
 #define PICTURE_WIDTH 640 /* [pt] 1/72 inch: with the height below about A5 */
 #define PICTURE_HEIGHT 400
-#define PICTURE_COLUMNS                                                                            \
-    250 /* [cell] of a text figure that shows as much: for callers that choose what is drawn */
+/* [cell] of a text figure that shows as much: for callers that choose what is drawn */
+#define PICTURE_COLUMNS 250
 
 /*
  * Appends the figure as a picture file of width x height points (0: the sizes above; PNG: 2 pixels

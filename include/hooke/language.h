@@ -38,10 +38,11 @@ enum type_flag {
 
 enum argument_flag {
     ARG_REQUIRED = 1,
-    ARG_MANY = 2, /* several items: blanks or commas between them in a place or after a word, commas
-                     after a key */
-    ARG_ALL = 4,  /* the word `all` stands for every run */
-    ARG_OF = 16,  /* TYPE_COLUMN: any word where `of` stands behind it: a column of a table */
+    /* several items: blanks or commas between them in a place or after a word, commas after a
+     * key */
+    ARG_MANY = 2,
+    ARG_ALL = 4,      /* the word `all` stands for every run */
+    ARG_OF = 16,      /* TYPE_COLUMN: any word where `of` stands behind it: a column of a table */
     ARG_NEGATIVE = 8, /* TYPE_INTEGER and TYPE_VALUE may be negative or zero */
 };
 
@@ -146,13 +147,13 @@ struct item {
     struct text text;        /* as typed, quotes and escapes resolved */
     struct measured value;   /* SI; the uncertainty is 0 unless given */
     const struct unit *unit; /* NULL: none typed */
-    enum quantity quantity;  /* of the value, where it is known: by its unit, or as a single name;
-                                else QUANTITY_OTHER */
+    /* of the value, where it is known: by its unit, or as a single name; else QUANTITY_OTHER */
+    enum quantity quantity;
     bool is_string;
     double range[2];       /* NAN: open */
     const struct row *row; /* TYPE_CHOICE */
-    int index; /* place of the choice in its catalog, of the run or recording in the session; -1:
-                  all */
+    /* place of the choice in its catalog, of the run or recording in the session; -1: all */
+    int index;
     const struct condition *condition;
     const struct expr *expr;
 };

@@ -18,8 +18,8 @@ enum step_status {
     STEP_OK,
     STEP_NONFINITE,   /* the new state is not finite; y is unchanged */
     STEP_NO_SOLUTION, /* the implicit equation was not solved; y is unchanged */
-    STEP_STALLED,     /* the tolerance asks for a step below the rounding of t; y is unchanged
-                         (method_adapt only) */
+    /* the tolerance asks for a step below the rounding of t; y is unchanged (method_adapt only) */
+    STEP_STALLED,
 };
 
 typedef enum step_status step_function(const struct method *method, struct step *step);
@@ -37,8 +37,8 @@ double stiffness_sign_value(enum stiffness_sign sign); /* 1, 0, -1 */
 
 enum drag { DRAG_DEFAULT, DRAG_EXACT, DRAG_IMPLICIT, DRAG_EXPLICIT, DRAG_COUNT };
 
-extern const struct catalog
-    drag_catalog; /* struct row: "exact", "implicit", "explicit" at their enum's place - 1 */
+/* struct row: "exact", "implicit", "explicit" at their enum's place - 1 */
+extern const struct catalog drag_catalog;
 
 struct cost {
     int64_t evals;     /* force evaluations (right-hand sides) */
@@ -64,27 +64,29 @@ struct switches_state;
 
 struct step {
     const struct system *system;
-    enum drag
-        drag; /* resolved by method_applies(): DRAG_DEFAULT only where the method has no variants */
+    /* resolved by method_applies(): DRAG_DEFAULT only where the method has no variants */
+    enum drag drag;
     double t, h;
     double *y, *error, *work;
-    double *low; /* [n] optional: what rounding took from y so far (compensated sums, Kahan 1965);
-                    NULL: plain sums */
+    /* [n] optional: what rounding took from y so far (compensated sums, Kahan 1965); NULL: plain
+     * sums */
+    double *low;
     bool warm;
-    void *library;         /* of an external solver: what method_begin() made */
-    step_function *kernel; /* the method's step made for this system, by method_step_kernel(); NULL:
-                              the general one */
+    void *library; /* of an external solver: what method_begin() made */
+    /* the method's step made for this system, by method_step_kernel(); NULL: the general one */
+    step_function *kernel;
     controlled_function
         *controlled; /* and an accepted one, by method_controlled_kernel(); NULL: there is none */
     /* By method_adapt(): */
-    bool again; /* the last step was taken back: what was evaluated at t and y before it still holds
-                 */
-    double tol; /* accepts an error with an RMS of tol max(scale_i, |y_i|): a measure for
-                   iterations. 0: a fixed step */
+    /* the last step was taken back: what was evaluated at t and y before it still holds */
+    bool again;
+    /* accepts an error with an RMS of tol max(scale_i, |y_i|): a measure for iterations. 0: a
+     * fixed step */
+    double tol;
     const double
-        *scale;    /* [n] sizes along the run, see struct controller; NULL: those of the system */
-    double square; /* sum of (error_i / max(scale_i, |y_i|))^2, where the step has it; else as it
-                      was */
+        *scale; /* [n] sizes along the run, see struct controller; NULL: those of the system */
+    /* sum of (error_i / max(scale_i, |y_i|))^2, where the step has it; else as it was */
+    double square;
     struct cost cost; /* accumulates */
     struct switches_state
         *switches; /* of fixed steps: how they slide and pile up is counted there; NULL: nowhere */
@@ -125,13 +127,13 @@ struct method {
     const char *formula; /* one step, as text with textbook letters, for help */
     int order;           /* order of convergence; 0: exact */
     int embedded;        /* order of the embedded method, 0: none */
-    double
-        fraction; /* of the tolerance, what a step's estimate may be (see method_adapt), 0: 1/3 */
-    int evals;    /* force evaluations a step (once warm) */
+    /* of the tolerance, what a step's estimate may be (see method_adapt), 0: 1/3 */
+    double fraction;
+    int evals; /* force evaluations a step (once warm) */
     unsigned flags;
     int index; /* in the file of its family: kernels, which compile rows again, find theirs by it */
-    enum drag
-        drag; /* default; DRAG_DEFAULT: drag is part of the right-hand side and has no variants */
+    /* default; DRAG_DEFAULT: drag is part of the right-hand side and has no variants */
+    enum drag drag;
     unsigned drags; /* bit 1 << enum drag for each variant offered */
     enum step_status (*step)(const struct method *method, struct step *step);
     size_t (*work)(const struct method *method, int n); /* doubles */
@@ -246,8 +248,8 @@ typedef int64_t march_function(const struct method *method, const struct march *
 march_function *method_kernel(const struct method *method, const struct system *system,
                               enum drag drag); /* or NULL */
 /* The same for single steps with an error estimate, whatever the drag variant. */
-step_function *method_step_kernel(const struct method *method,
-                                  const struct system *system); /* or NULL */
+/* or NULL */
+step_function *method_step_kernel(const struct method *method, const struct system *system);
 /* And for accepted steps of rows that are METHOD_CONTROLLED. */
 controlled_function *method_controlled_kernel(const struct method *method,
                                               const struct system *system); /* or NULL */
@@ -311,8 +313,8 @@ int64_t lanes_evals(const struct lanes *lanes, int lane); /* so far */
  */
 /* The branches of a system's switches at t, where the next step begins. */
 struct switches_state {
-    bool known, begins,
-        piled;           /* begins: some have changed at t; piled: too many in too short a time */
+    /* begins: some have changed at t; piled: too many in too short a time */
+    bool known, begins, piled;
     int fresh;           /* the one at which the last step ended, -1: none */
     double t;            /* [s] */
     unsigned count;      /* of switches, */
@@ -320,9 +322,9 @@ struct switches_state {
     double since, block; /* [s] where this block began, and how long the last one took */
     bool recent[LIMIT_SWITCHES]; /* changed in this block */
     double branch[LIMIT_SWITCHES];
-    bool along[LIMIT_SWITCHES]; /* the motion slides along these, in steps of about `by`; branch:
-                                   below */
-    int released;               /* the one along which it slid until the last step, -1: none */
+    /* the motion slides along these, in steps of about `by`; branch: below */
+    bool along[LIMIT_SWITCHES];
+    int released; /* the one along which it slid until the last step, -1: none */
     double by;
     double taken[LIMIT_SWITCHES]; /* branch and along of the last step */
     bool slid_along[LIMIT_SWITCHES];
@@ -333,18 +335,18 @@ struct switches_state {
 };
 
 struct controller {
-    double tol;                     /* at least 10 eps */
-    double scale[LIMIT_VARIABLES];  /* [n] size of each variable along the run, see below */
-    double excess[LIMIT_VARIABLES]; /* [n] [s] by how much it was larger than the system's,
-                                       integrated */
-    double elapsed, sampled;        /* [s] since the first step; t of the last sample */
+    double tol;                    /* at least 10 eps */
+    double scale[LIMIT_VARIABLES]; /* [n] size of each variable along the run, see below */
+    /* [n] [s] by how much it was larger than the system's, integrated */
+    double excess[LIMIT_VARIABLES];
+    double elapsed, sampled; /* [s] since the first step; t of the last sample */
     bool sampling;
-    double h;        /* [s] proposal for the next step, 0: choose a first one */
-    double t_low;    /* [s] what rounding has taken from t so far (Neumaier 1974): equal steps are
-                        rounded alike */
-    double last;     /* [s] the last accepted step */
-    double previous; /* the square of its error, in units of what is aimed at; 0: there is no
-                        history */
+    double h; /* [s] proposal for the next step, 0: choose a first one */
+    /* [s] what rounding has taken from t so far (Neumaier 1974): equal steps are rounded alike */
+    double t_low;
+    double last; /* [s] the last accepted step */
+    /* the square of its error, in units of what is aimed at; 0: there is no history */
+    double previous;
     bool rejected;
     struct switches_state switches;
 };

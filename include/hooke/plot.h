@@ -128,8 +128,8 @@ struct figure_request {
     const struct table *table; /* whose columns they are; NULL: those of runs */
     const char *title;         /* of the table */
     struct text at;            /* only at the moments of this event, as points; empty: all along */
-    bool next; /* then the columns at the event after the one where `against` is taken: a return map
-                */
+    /* then the columns at the event after the one where `against` is taken: a return map */
+    bool next;
     double window[2];                 /* [s] NAN: choose */
     const struct figure_range *x, *y; /* of the axes; NULL: automatic */
     struct text band; /* as typed: with the band of the adopted fit's uncertainty; empty: without */
@@ -141,12 +141,13 @@ struct figure_request {
     double trail; /* periods of phase plot and orbit, 0: 2; HUGE_VAL: all */
     /* Of a view that lasts: the newest part instead of the first, its time axis fixed. */
     bool follow;
-    bool alone;   /* no other plot shares the time axis: each period has to be seen only where this
-                     one needs it */
-    bool running; /* the end moves: nothing that is written depends on it */
-    double span;  /* [s] of time shown, 0: as much as the width can show */
-    int pages;    /* the window moves on by span / pages */
-    double until; /* [s] the axis reaches to here at least, where known; NAN */
+    /* no other plot shares the time axis: each period has to be seen only where this one needs
+     * it */
+    bool alone;
+    bool running;               /* the end moves: nothing that is written depends on it */
+    double span;                /* [s] of time shown, 0: as much as the width can show */
+    int pages;                  /* the window moves on by span / pages */
+    double until;               /* [s] the axis reaches to here at least, where known; NAN */
     struct figure_peaks *peaks; /* takes the lines of spectra; NULL: nobody asks */
     const struct figure_window
         *shared; /* of all time plots of a screen; NULL: chosen for this one */
@@ -187,8 +188,8 @@ struct cursor_reading {
     double theory;             /* [s] period of the scene, with its linear damping */
     const char *theory_name;   /* T0, T_d; period in other scenes than those of an oscillator */
     double deviation;          /* (period - theory)/theory */
-    double decrement,
-        quality; /* logarithmic decrement from the amplitudes at A and B, Q = pi/decrement */
+    /* logarithmic decrement from the amplitudes at A and B, Q = pi/decrement */
+    double decrement, quality;
 };
 
 /* False: the cursors are not shown or not both set. Cheap: a screen asks for each frame. */

@@ -39,13 +39,13 @@ bool export_scene_keys(const struct session *session, struct export *export, str
 struct result_row {
     struct row row;
     const char *kind; /* of its records; NULL: as the row is called */
-    bool (*table)(const struct session *session, struct export *export,
-                  struct error *error); /* of what there is now; NULL: the last that was found */
-    void (*say)(const struct session *session,
-                struct reply *reply); /* records of what there is now; NULL: what was said last */
-    bool study;                       /* `export FILE table` alone writes it, until there is
-                                         another run */
-    const char *type;                 /* what makes one */
+    /* of what there is now; NULL: the last that was found */
+    bool (*table)(const struct session *session, struct export *export, struct error *error);
+    /* records of what there is now; NULL: what was said last */
+    void (*say)(const struct session *session, struct reply *reply);
+    /* `export FILE table` alone writes it, until there is another run */
+    bool study;
+    const char *type; /* what makes one */
 };
 
 extern const struct catalog result_catalog; /* of struct result_row */

@@ -39,8 +39,8 @@ struct table {
     size_t rows;
 };
 
-extern const struct catalog
-    table_format_catalog; /* struct row at the enum's place: csv, tsv, json, md, html, tex */
+/* struct row at the enum's place: csv, tsv, json, md, html, tex */
+extern const struct catalog table_format_catalog;
 
 /* Every double reads back bit for bit; `.` and newline whatever the locale. Text cells that could
  * be a formula or contain the separator are quoted. */
@@ -78,8 +78,8 @@ struct table_store {
 };
 
 void table_store_free(struct table_store *store);
-struct stored_table *table_store_find(const struct table_store *store,
-                                      struct text kind); /* NULL: none */
+/* NULL: none */
+struct stored_table *table_store_find(const struct table_store *store, struct text kind);
 /* A whole table, which replaces that of the same kind; the arena that it lives in is taken over.
  * False: no memory, nothing has changed. */
 bool table_store_put(struct table_store *store, const char *kind, struct arena *arena,
@@ -106,9 +106,8 @@ void store_row_end(struct table_store *store);
 enum output_format { FORMAT_TEXT, FORMAT_CSV, FORMAT_JSON };
 
 struct sink {
-    bool (*out)(
-        void *context,
-        struct text text); /* results; false: they cannot be written (closed, full device) */
+    /* results; false: they cannot be written (closed, full device) */
+    bool (*out)(void *context, struct text text);
     bool (*err)(void *context, struct text text); /* messages */
     void *context;
 };
@@ -139,14 +138,14 @@ struct reply {
 
 void reply_init(struct reply *reply, struct sink sink);
 void reply_free(struct reply *reply);
-void reply_line(struct reply *reply, const char *format, ...)
-    PRINTF_LIKE(2, 3); /* one or more lines, without the last newline */
+/* one or more lines, without the last newline */
+void reply_line(struct reply *reply, const char *format, ...) PRINTF_LIKE(2, 3);
 void reply_text(struct reply *reply, struct text text); /* the same, ready-made */
 /* What was asked for as it is: also when quiet, and among records in CSV. */
 void reply_data(struct reply *reply, struct text text);
 void reply_warning(struct reply *reply, const char *format, ...) PRINTF_LIKE(2, 3);
-void reply_note(struct reply *reply, const char *format, ...)
-    PRINTF_LIKE(2, 3); /* a message on the error stream, as it is */
+/* a message on the error stream, as it is */
+void reply_note(struct reply *reply, const char *format, ...) PRINTF_LIKE(2, 3);
 
 /* Whether anybody wants records: where they cost much. */
 bool reply_wants_records(const struct reply *reply);
@@ -154,8 +153,8 @@ bool reply_wants_records(const struct reply *reply);
 void reply_begin(struct reply *reply, const char *kind);
 void reply_string(struct reply *reply, const char *key, const char *value); /* NULL: null */
 void reply_real(struct reply *reply, const char *key, double value);
-void reply_quantity(struct reply *reply, const char *key, double value,
-                    const char *unit); /* the same; its column has that unit */
+/* the same; its column has that unit */
+void reply_quantity(struct reply *reply, const char *key, double value, const char *unit);
 void reply_int(struct reply *reply, const char *key, int64_t value);
 void reply_bool(struct reply *reply, const char *key, bool value);
 void reply_null(struct reply *reply, const char *key);
@@ -221,10 +220,10 @@ struct text_table {
 };
 
 void cell_text(struct text_table *table, const char *text); /* copied; NULL: an empty cell */
-void cell_take(struct text_table *table,
-               struct buffer *text); /* the same from a buffer, which is freed */
-void cell_quantity(struct text_table *table, double value, enum quantity quantity,
-                   int digits);                          /* "-": not finite */
+/* the same from a buffer, which is freed */
+void cell_take(struct text_table *table, struct buffer *text);
+/* "-": not finite */
+void cell_quantity(struct text_table *table, double value, enum quantity quantity, int digits);
 void cell_error(struct text_table *table, double value); /* 1.3e-05 */
 void cell_count(struct text_table *table, int64_t value);
 void cell_seconds(struct text_table *table, double seconds); /* with us below a millisecond */
@@ -265,8 +264,8 @@ struct result_column {
     unsigned flags;
     enum column_kind kind;
     enum quantity quantity; /* of a real */
-    enum quantity (*quantity_of)(
-        const void *row);                 /* where rows differ; files have the first row's unit */
+    /* where rows differ; files have the first row's unit */
+    enum quantity (*quantity_of)(const void *row);
     size_t at;                            /* offset in the struct */
     double (*real)(const void *row);      /* or what gives the value: */
     int64_t (*number)(const void *row);   /* COLUMN_COUNT */
@@ -276,8 +275,8 @@ struct result_column {
     /* Of an object or an array: only records have it. */
     void (*record)(struct reply *reply, const char *key, const void *row);
     int digits; /* for people, of a real; 0: 3 */
-    void (*look)(struct text_table *table,
-                 double value); /* a real for people, cell_error for one */
+    /* a real for people, cell_error for one */
+    void (*look)(struct text_table *table, double value);
     void (*cell)(struct text_table *table, const void *row); /* or the whole cell */
 };
 

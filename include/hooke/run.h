@@ -21,9 +21,9 @@ enum record_rule { RECORD_AUTO, RECORD_ALL, RECORD_EVERY, RECORD_TIMES };
 
 struct recording_rule {
     enum record_rule rule;
-    int64_t every;   /* RECORD_EVERY: each so many steps */
-    double interval; /* [s] > 0, RECORD_TIMES: rows at t0 + k interval, inside of steps too, and the
-                        present state */
+    int64_t every; /* RECORD_EVERY: each so many steps */
+    /* [s] > 0, RECORD_TIMES: rows at t0 + k interval, inside of steps too, and the present state */
+    double interval;
 };
 
 struct trace;
@@ -46,22 +46,23 @@ size_t trace_bytes(const struct trace *trace); /* memory held */
  */
 enum kernel { KERNEL_PROPAGATOR, KERNEL_SPECIALISED, KERNEL_GENERAL };
 
-extern const struct catalog
-    kernel_catalog; /* struct row at the enum's place: propagator, specialised, general */
+/* struct row at the enum's place: propagator, specialised, general */
+extern const struct catalog kernel_catalog;
 
 struct run_settings {
     double dt;  /* [s] > 0: fixed step, and the first guess where adaptive */
     double tol; /* > 0: adaptive where the method can; 0: fixed step */
     enum drag drag;
     enum kernel kernel; /* the fastest way that is allowed */
-    bool compensated;   /* fixed steps: what rounding takes from the state is carried along (Kahan
-                           1965) */
+    /* fixed steps: what rounding takes from the state is carried along (Kahan 1965) */
+    bool compensated;
     struct recording_rule record;
-    bool balanced; /* somebody will ask for the energy balance: it is taken up while rows are in the
-                      cache */
-    bool unbalanced; /* nobody will ask for the work of a run whose rows are more than a step apart:
-                        it is not kept */
-    size_t memory;   /* [byte] budget for the trace, 0: 1 GiB */
+    /* somebody will ask for the energy balance: it is taken up while rows are in the cache */
+    bool balanced;
+    /* nobody will ask for the work of a run whose rows are more than a step apart: it is not
+     * kept */
+    bool unbalanced;
+    size_t memory; /* [byte] budget for the trace, 0: 1 GiB */
 };
 
 /* What will be computed for a scene and a method, and what is left out, as lines for `plan` (filled
@@ -75,10 +76,10 @@ struct plan {
     double steps;     /* predicted, NaN if adaptive */
     double bytes;     /* predicted size of the trace */
     double seconds;   /* predicted run time */
-    double
-        growth; /* predicted amplitude growth a step of the linear oscillator, NaN if not linear */
-    double limit;   /* [s] largest stable dt, looked for only if growth > 1 (NaN otherwise):
-                       plan_stable_limit() */
+    /* predicted amplitude growth a step of the linear oscillator, NaN if not linear */
+    double growth;
+    /* [s] largest stable dt, looked for only if growth > 1 (NaN otherwise): plan_stable_limit() */
+    double limit;
     int64_t whole;  /* full steps of dt in the span */
     double partial; /* [s] last partial step, 0: none */
     bool exact_end; /* span is a whole number of steps */
@@ -124,8 +125,8 @@ static inline bool stop_is_failure(enum stop stop)
            stop == STOP_SINGULAR;
 }
 
-const char *stop_name(enum stop stop); /* the JSON `status`: ok, diverged, cancelled … (STOP_END,
-                                          STOP_CONDITION, STOP_NONE are ok) */
+/* the JSON `status`: ok, diverged, cancelled … (STOP_END, STOP_CONDITION, STOP_NONE are ok) */
+const char *stop_name(enum stop stop);
 
 struct singularity {
     double t;    /* [s] NAN: none, or it cannot be told */
@@ -147,24 +148,25 @@ struct unsound_step {
  * given.
  */
 #define OPINION_WRONG 100 /* tolerances: errors beyond deserve a warning */
-#define OPINION_BUDGET                                                                             \
-    4e5 /* evaluations and Jacobians, over the number of variables: some milliseconds */
+/* evaluations and Jacobians, over the number of variables: some milliseconds */
+#define OPINION_BUDGET 4e5
 #define OPINION_SHARE 0.1        /* of the run's own, where that is more, */
 #define OPINION_DOUBT 0.45       /* where the first part says that the end may be wrong, */
 #define OPINION_BUDGET_DOUBT 4e6 /* or this over the number of variables: a tenth of a second */
 
 struct opinion {
-    double error; /* at the end, or in the mean over time if larger; where t is not the run's, what
-                     its growth makes of it there. NAN: there is no opinion */
-    double max;   /* the largest on the way: where values jump an error of time is one of them */
-    double t;     /* [s] compared up to there */
-    double lost;  /* [s] from there on it is as large as the motion, or will be by its growth; NAN:
-                     nowhere */
-    double work;  /* evaluations and Jacobians of the second solution */
-    double end[LIMIT_VARIABLES]; /* [n] distances at t [SI]; where t is not the run's, grown as
-                                    `error` is */
-    const struct method *by;     /* NULL: the closed form */
-    double tol;                  /* of it */
+    /* at the end, or in the mean over time if larger; where t is not the run's, what its growth
+     * makes of it there. NAN: there is no opinion */
+    double error;
+    double max; /* the largest on the way: where values jump an error of time is one of them */
+    double t;   /* [s] compared up to there */
+    /* [s] from there on it is as large as the motion, or will be by its growth; NAN: nowhere */
+    double lost;
+    double work; /* evaluations and Jacobians of the second solution */
+    /* [n] distances at t [SI]; where t is not the run's, grown as `error` is */
+    double end[LIMIT_VARIABLES];
+    const struct method *by; /* NULL: the closed form */
+    double tol;              /* of it */
 };
 
 struct run {
@@ -342,8 +344,8 @@ struct sample { /* one row of a run, or its current state */
     const struct run *run;
     double t;
     const double *y; /* [n] */
-    double work;     /* [J] work of non-conservative forces since the start; valid if the observable
-                        needs it */
+    /* [J] work of non-conservative forces since the start; valid if the observable needs it */
+    double work;
     double dissipated;   /* [J] the part that drag took away, >= 0 for real drag; with NEED_WORK */
     double initial;      /* [J] energy at the start; with NEED_WORK */
     const double *exact; /* [n] exact state; with NEED_EXACT */
@@ -360,8 +362,9 @@ enum observable_need {
     NEED_POWER =
         32, /* says nothing in a conservative scene, where it is 0: lists may leave it out */
     NEED_ENERGY = 128, /* struct system's energy */
-    NEED_RATIO = 16,   /* the value is a ratio of energies: states, work and energies come scaled so
-                          that squares stay in range */
+    /* the value is a ratio of energies: states, work and energies come scaled so that squares
+     * stay in range */
+    NEED_RATIO = 16,
 };
 
 struct observable {
@@ -441,10 +444,11 @@ double run_energy_peak(const struct run *run, const struct ledger *ledger);
  * largest over the variables, each in units of its own amplitude.
  */
 struct run_errors {
-    double end;       /* distance at the end */
-    double max;       /* largest distance on the trace */
-    double phase;     /* [rad] phase of numerical over exact oscillation at the end; NAN: nothing
-                         oscillates linearly */
+    double end; /* distance at the end */
+    double max; /* largest distance on the trace */
+    /* [rad] phase of numerical over exact oscillation at the end; NAN: nothing oscillates
+     * linearly */
+    double phase;
     double amplitude; /* relative amplitude error at the end */
     double floor;     /* conditioning floor of the exact solution */
 };

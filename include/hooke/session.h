@@ -26,8 +26,8 @@ struct named_value {
     double below; /* of a state: no digit is certain, errors may be that and more; 0: they are */
 };
 
-struct events; /* private: what is watched for on the way; a list never changes and lives as long as
-                  its session */
+/* private: what is watched for on the way; a list never changes and lives as long as its session */
+struct events;
 
 /* The part that is plain data: undo copies it. */
 struct setup {
@@ -45,16 +45,17 @@ struct setup {
     int lets;
 };
 
-struct request; /* private: one thing that was asked of a run (go there, change a parameter, go
-                   back) */
+/* private: one thing that was asked of a run (go there, change a parameter, go back) */
+struct request;
 
 /* Runs and recordings are shared by the session and its undo entries. */
 struct run_slot {
     struct run *run;
     int references;
-    char *note;           /* NULL: none */
-    struct request *last; /* the end of the list of what was asked of the run since its start, which
-                         recreates it bit for bit; shared with undo entries. NULL: nothing yet */
+    char *note; /* NULL: none */
+    /* the end of the list of what was asked of the run since its start, which recreates it bit
+     * for bit; shared with undo entries. NULL: nothing yet */
+    struct request *last;
     struct run_mark *mark;       /* private to undo.c: as the latest entry has it, NULL: none */
     const struct events *events; /* as they were when it began; NULL: none */
 };
@@ -110,8 +111,8 @@ enum live_state { LIVE_IDLE, LIVE_RUNNING, LIVE_PAUSED, LIVE_DIVERGED };
 struct live {
     enum live_state state;
     double speed; /* simulated seconds a second; HUGE_VAL: as fast as possible */
-    double
-        achieved; /* the same, measured over the last second; below speed: "RUNNING 0.4x (CPU)" */
+    /* the same, measured over the last second; below speed: "RUNNING 0.4x (CPU)" */
+    double achieved;
     double fraction;  /* of the way to the target, < 0: unknown */
     double marks[32]; /* [s] the latest times at which parameters were changed during the run */
     int mark_count;
@@ -158,16 +159,16 @@ enum front_change { FRONT_PANES, FRONT_PLAIN, FRONT_REDRAW };
 
 /* What the front end offers; the session only calls it. Every callback may be NULL. */
 struct front {
-    bool interactive;  /* a person types: prefixes of names are accepted, long runs are asked about
-                          instead of refused */
+    /* a person types: prefixes of names are accepted, long runs are asked about instead of
+     * refused */
+    bool interactive;
     bool utf8, color;  /* what the output can show */
     int width, height; /* [cell] of the output, 0: 80x24 */
     const struct cancel *cancel;
     void *context;
     bool (*confirm)(void *context, const char *question);
-    void (*progress)(void *context, const struct run *run,
-                     double fraction); /* between slices; fraction < 0: unknown; > 1: over, erase;
-                                          run NULL: a study */
+    /* between slices; fraction < 0: unknown; > 1: over, erase; run NULL: a study */
+    void (*progress)(void *context, const struct run *run, double fraction);
     void (*clear)(void *context);
     /*
      * Live runs. `watched`: a person watches a screen of panes. Then run and continue advance in
@@ -267,8 +268,8 @@ struct session {
     uint64_t changes; /* counts changes: autosave compares it */
     bool typed;       /* the statement being executed was typed by a person */
     int nesting;      /* command_exec inside command_exec */
-    bool halted;      /* a run was paused: what stands after it on the line and in the file is not
-                         executed */
+    /* a run was paused: what stands after it on the line and in the file is not executed */
+    bool halted;
     bool reacting;  /* commands of an event are executed: part of the statement that ran into it */
     bool passing;   /* the run goes on after them: what they set is not told each time */
     bool restoring; /* a session that saved itself is read: nothing but what recreates it */
@@ -329,8 +330,8 @@ void session_drop_run(struct session *session, int index);
 void session_drop_recording(struct session *session, int index);
 void run_slot_release(struct run_slot *slot);
 void recording_slot_release(struct recording_slot *slot);
-int session_find_run(const struct session *session,
-                     struct text name); /* number or name; -1: none */
+/* number or name; -1: none */
+int session_find_run(const struct session *session, struct text name);
 int session_find_recording(const struct session *session, struct text name); /* -1: none */
 /* The latest one of each model, recording or run, and window; without memory it is only not in the
  * report. */
@@ -354,8 +355,8 @@ void settings_of_scene(struct settings *settings, const struct preset *preset);
 void settings_display(struct settings *settings, const struct settings *from);
 void session_size(const struct session *session, int *width, int *height);
 
-struct snapshot *snapshot_take(const struct session *session,
-                               const char *label); /* NULL: no memory */
+/* NULL: no memory */
+struct snapshot *snapshot_take(const struct session *session, const char *label);
 void snapshot_free(struct snapshot *snapshot);
 void run_unmark(struct run_slot *slot); /* forget how undo entries last saw it */
 /* Whether going back to it would change anything. */

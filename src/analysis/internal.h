@@ -19,10 +19,10 @@ struct samples {
     const struct cancel *cancel; /* ends fits; NULL: nobody can */
 };
 
-bool samples_init(struct samples *samples, const struct series *series,
-                  struct arena *arena); /* false: no memory */
-struct samples samples_part(const struct samples *samples, size_t from,
-                            size_t to); /* [from, to), shares memory */
+/* false: no memory */
+bool samples_init(struct samples *samples, const struct series *series, struct arena *arena);
+/* [from, to), shares memory */
+struct samples samples_part(const struct samples *samples, size_t from, size_t to);
 /* The first sample at or after t [s]. */
 static inline size_t samples_index(const struct samples *samples, double t)
 {
@@ -44,11 +44,11 @@ struct spectrum {
     size_t bins;       /* from 0 to half the rate of the samples; 0: too few samples */
     double step;       /* [Hz] between them */
 };
-bool samples_spectrum(const struct samples *samples, struct arena *arena,
-                      struct spectrum *out); /* false: no memory */
+/* false: no memory */
+bool samples_spectrum(const struct samples *samples, struct arena *arena, struct spectrum *out);
 double samples_noise(const struct samples *samples, double *scratch);
-void samples_flag_spikes(struct samples *samples,
-                         double *scratch); /* clears `use` of short far excursions */
+/* clears `use` of short far excursions */
+void samples_flag_spikes(struct samples *samples, double *scratch);
 
 /* ---- harmonic.c: y = c + d s + exp(-gamma s/2) (a cos(omega s) + b sin(omega s)), s = t - origin
  * ---- */
@@ -66,9 +66,9 @@ struct harmonic {
     double gamma;  /* [1/s] */
     double origin; /* [s] */
     /* what the fit leaves behind */
-    double inverse[HARMONIC_PARAMETERS]
-                  [HARMONIC_PARAMETERS]; /* (J^T J)^-1 of the free parameters, else 0 */
-    double rss;                          /* sum of squared residuals of the samples used */
+    /* (J^T J)^-1 of the free parameters, else 0 */
+    double inverse[HARMONIC_PARAMETERS][HARMONIC_PARAMETERS];
+    double rss; /* sum of squared residuals of the samples used */
     size_t used;
     int iterations;
     bool converged;
@@ -82,8 +82,8 @@ struct harmonic {
  */
 bool harmonic_fit(const struct samples *samples, enum harmonic_free unknowns,
                   struct harmonic *harmonic, double *residual);
-double harmonic_sigma(const struct harmonic *harmonic,
-                      int unknowns); /* standard deviation of the residuals */
+/* standard deviation of the residuals */
+double harmonic_sigma(const struct harmonic *harmonic, int unknowns);
 /* Lag-1 autocorrelation of the residuals of the samples used. */
 double residual_autocorrelation(const struct samples *samples, const double *residual);
 
@@ -98,8 +98,8 @@ struct widening {
 };
 
 struct oscillation {
-    double a, b, omega, gamma,
-        origin; /* exp(-gamma s/2) (a cos(omega s) + b sin(omega s)), s = t - origin */
+    /* exp(-gamma s/2) (a cos(omega s) + b sin(omega s)), s = t - origin */
+    double a, b, omega, gamma, origin;
 };
 
 /* fitted: parameters of amplitude and decay together, as many as of phase and frequency. */
@@ -114,21 +114,22 @@ double autocorrelation_factor(double rho);
 
 struct swing_segment {
     size_t from, to; /* samples [from, to) */
-    double a, b,
-        c; /* local harmonic fit, see struct harmonic; its origin is the middle of the segment */
-    double scale; /* robust standard deviation of its residuals, where they fall like the amplitude:
-                     in the middle */
-    double rms;   /* of a, b part of the model */
+    /* local harmonic fit, see struct harmonic; its origin is the middle of the segment */
+    double a, b, c;
+    /* robust standard deviation of its residuals, where they fall like the amplitude: in the
+     * middle */
+    double scale;
+    double rms; /* of a, b part of the model */
     bool settled;
 };
 
 struct motion {
     struct samples samples; /* use: without spikes, rejected and clipped samples */
     struct overview overview;
-    struct harmonic harmonic; /* damped sine, robust */
-    double *residual;         /* [n] of it */
-    double *scratch;          /* [n] */
-    struct swing_segment *segment;  /* [segments] two periods each, one after the other */
+    struct harmonic harmonic;      /* damped sine, robust */
+    double *residual;              /* [n] of it */
+    double *scratch;               /* [n] */
+    struct swing_segment *segment; /* [segments] two periods each, one after the other */
     size_t segments;
     double quantum; /* step to which values are rounded (noise of quantum/sqrt(12)), 0: none */
     double autocorrelation;

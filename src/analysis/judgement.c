@@ -15,12 +15,11 @@
 
 #define EPSILON 2.220446049250313e-16
 #define STEP_MAX 1e-8
-#define STEP_COSTLY                                                                                \
-    1e-6 /* of the uncertainty: derivatives of integrated curves have errors, too                  \
-          */
+/* of the uncertainty: derivatives of integrated curves have errors, too */
+#define STEP_COSTLY 1e-6
 #define GRADIENT_MAX 1e-6
-#define CORRELATED                                                                                 \
-    0.1 /* lag-1 autocorrelation from which the uncertainties are widened (NUMERICS: n_eff) */
+/* lag-1 autocorrelation from which the uncertainties are widened (NUMERICS: n_eff) */
+#define CORRELATED 0.1
 
 /* ---- the linear problem at the answer ---- */
 

@@ -17,9 +17,8 @@
 #define FEW_NOISES 2.0   /* and hangs together */
 #define FEW_TOGETHER 0.5 /* (autocorrelation) */
 #define DRIFTS 3.0       /* standard deviations of the offset's slope from which on it is fitted */
-#define CHANCE                                                                                     \
-    20.0 /* -ln of the chance that noise looks like it, per frequency; much for wandering records, \
-          */
+/* -ln of the chance that noise looks like it, per frequency; much for wandering records, */
+#define CHANCE 20.0
 #define WHITE_CHANCE 11.0 /* less where the residuals do not hang together */
 #define WHITE 0.2
 #define GONE 6.0 /* gamma times span: the amplitude has fallen to a twentieth */
@@ -127,8 +126,8 @@ static void require_significant(struct motion *m)
            independent = n / autocorrelation_factor(m->autocorrelation);
     const bool wanders = m->autocorrelation > 0.5;
     const double chance = m->autocorrelation < WHITE ? WHITE_CHANCE : CHANCE;
-    if (wanders) { /* no white noise: a wandering offset, which has 1/k^2 of its variance in k
-                      periods */
+    /* no white noise: a wandering offset, which has 1/k^2 of its variance in k periods */
+    if (wanders) {
         independent = fmax(independent, m->overview.periods * m->overview.periods);
     }
     if (wanders && explained < m->harmonic.rss) {

@@ -15,8 +15,8 @@
 static bool rounded_grid(const struct series *series, double dt, double deviation)
 {
     for (int digits = 2; digits <= 5; digits++) {
-        double scale = pow(10.0, digits),
-               limit = 1.01 / scale; /* of a time, and of the first or last */
+        /* of a time, and of the first or last */
+        double scale = pow(10.0, digits), limit = 1.01 / scale;
         if (deviation > limit || limit > 0.2 * dt) {
             continue;
         }

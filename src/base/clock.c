@@ -13,8 +13,8 @@ int64_t clock_cpu_ns(void)
 int64_t clock_ns(void)
 {
     struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC,
-                  &now); /* cannot fail: the clock exists and the address is good */
+    /* cannot fail: the clock exists and the address is good */
+    clock_gettime(CLOCK_MONOTONIC, &now);
     return (int64_t)now.tv_sec * 1000000000 + now.tv_nsec;
 }
 

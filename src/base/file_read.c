@@ -129,8 +129,9 @@ bool file_read_watched(const char *path, size_t limit, struct read_watch *watch,
     const size_t before = content->len;
     int fd = -1;
     const bool done = read_all(path, limit, watch, content, &fd, error);
+    /* nothing was written: nothing can be lost */
     if (fd >= 0)
-        close(fd); /* nothing was written: nothing can be lost */
+        close(fd);
     if (!done && content->data) {
         content->len = before;
         content->data[before] = '\0';

@@ -19,8 +19,8 @@ const char *system_message(int number);
 
 #define NAME_ATTEMPTS 100 /* at a temporary name that nobody has taken */
 
-bool writer_refuse(const struct writer *writer, struct error *error,
-                   const char *why); /* false, always */
+/* false, always */
+bool writer_refuse(const struct writer *writer, struct error *error, const char *why);
 bool writer_refuse_existing(const struct writer *writer, struct error *error);
 /* Opens the folder of writer->path and points at the last component. confine: it has to be below
  * the current one. */

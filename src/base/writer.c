@@ -255,9 +255,8 @@ static int rename_temporary(struct writer *writer)
     }
     if (errno != EINVAL || writer->force)
         return errno;
-    return linkat(folder, writer->temporary, folder, writer->base, 0) == 0
-               ? 0
-               : errno; /* the other name goes at the end */
+    /* the other name goes at the end */
+    return linkat(folder, writer->temporary, folder, writer->base, 0) == 0 ? 0 : errno;
 }
 
 static int publish(struct writer *writer)

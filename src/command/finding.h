@@ -4,8 +4,8 @@
 
 #include <hooke/base.h>
 
-extern const struct catalog
-    word_catalog; /* words of the field and of other programs: what to type */
+/* words of the field and of other programs: what to type */
+extern const struct catalog word_catalog;
 
 /* Of an error about a word that is not known where it stands: says in the hint, in the place of
  * guesses, what has this name elsewhere, or what is meant by it. */

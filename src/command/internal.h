@@ -68,10 +68,10 @@ void reply_run(const struct session *session, const struct run *run, struct repl
 void reply_growth(struct run *run, struct reply *reply);
 /* Warns once if a step was nonsense. */
 void reply_unsound(struct run *run, struct reply *reply);
-void reply_sliding(struct run *run,
-                   struct reply *reply); /* along switches, or these pile up; once */
-void reply_vanished(const struct run *run,
-                    struct reply *reply); /* every value is below the smallest number */
+/* along switches, or these pile up; once */
+void reply_sliding(struct run *run, struct reply *reply);
+/* every value is below the smallest number */
+void reply_vanished(const struct run *run, struct reply *reply);
 void reply_below_tolerance(const struct run *run, struct reply *reply);
 void seek_opinion(const struct session *session, struct run *run); /* as `set opinion` says */
 void plan_opinion(const struct session *session, const struct system *system,

@@ -248,8 +248,9 @@ static bool exec_line(struct session *session, struct text line, const struct so
         if (!ok && error.code != ERROR_NONE) {
             reply->format = (enum output_format)session->setup.settings.format;
             explain_unknown(statement, &error);
+            /* which of several it was */
             if (!error.where.at && statement.len < line.len)
-                error.where = statement; /* which of several it was */
+                error.where = statement;
             reply_error(reply, &error, where, line);
             note_failure(session, &error);
         }

@@ -87,7 +87,8 @@ bool script_end(struct script *script, struct session *session, struct reply *re
     const struct source *parent = script->where.parent;
     const bool outermost = !parent || !parent->name;
     const char *const name_of_argument = script->where.name; /* NULL: one line, typed */
-    const bool one_line = !name_of_argument || (script->where.line <= 1 && strcmp(name_of_argument, "-c") == 0);
+    const bool one_line =
+        !name_of_argument || (script->where.line <= 1 && strcmp(name_of_argument, "-c") == 0);
     if (script->stopped && outermost && !one_line && reply->format != FORMAT_JSON) {
         struct buffer saved = {0}, name = {0};
         put_runs_left(session, &saved);

@@ -9,8 +9,8 @@
 
 #define RUNS_BELOW_MAX 64
 #define ROWS_MIN 8 /* of a run */
-#define BACK_MIN                                                                                   \
-    0.5 /* of the time that has passed: a clock that goes back less has only stumbled */
+/* of the time that has passed: a clock that goes back less has only stumbled */
+#define BACK_MIN 0.5
 
 /* First rows of the runs; returns how many runs there are, 1: a table as usual. */
 static int find_starts(const struct recording *recording, size_t start[RUNS_BELOW_MAX + 1])

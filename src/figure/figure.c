@@ -321,7 +321,7 @@ static void draw_panel(const struct figure_panel *panel, struct canvas *canvas, 
 {
     struct figure_layout layout;
     struct text_sheet sheet = {&panel->figure, &layout,      strokes_of(charset), canvas,
-                          x + panel->x,   y + panel->y, panel->width,        panel->height};
+                               x + panel->x,   y + panel->y, panel->width,        panel->height};
 
     for (int row = 0; row < panel->height; row++)
         for (int column = 0; column < panel->width; column++)

@@ -7,8 +7,8 @@
 #include <string.h>
 
 static const uint32_t ascii_shades[] = {' ', '.', ':', '-', '=', '+', '*', '%', '@', '#'};
-static const uint32_t block_shades[] = {' ',    0xB7,   0x2591,
-                                        0x2592, 0x2593, 0x2588}; /* space, dot, light .. full */
+/* space, dot, light .. full */
+static const uint32_t block_shades[] = {' ', 0xB7, 0x2591, 0x2592, 0x2593, 0x2588};
 
 enum { LABEL_GAP = 3, LEGEND_LINES = 2, LABEL_SIZE = 40, NO_VALUE = 'x' };
 

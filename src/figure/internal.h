@@ -14,14 +14,14 @@ struct ticks ticks_search(double from, double to, int want, int max, bool loose)
 double tick_value(const struct ticks *ticks, int i, bool log);
 int tick_text(const struct ticks *ticks, int i, bool log, char out[TICK_TEXT_SIZE]); /* length */
 
-int offset_text(const struct ticks *ticks,
-                char out[TICK_TEXT_SIZE]); /* what a title takes off: "- 2.2326" */
+/* what a title takes off: "- 2.2326" */
+int offset_text(const struct ticks *ticks, char out[TICK_TEXT_SIZE]);
 
 struct scale scale_of(double from, double to, bool log);
 
 #define LARGEST 1e300 /* ranges end here, so that differences stay finite */
-#define FARTHEST                                                                                   \
-    1e6 /* [axis lengths] fractions are cut off here: still an integer number of dots */
+/* [axis lengths] fractions are cut off here: still an integer number of dots */
+#define FARTHEST 1e6
 
 /* scale_fraction for the inner loops. */
 static inline double fraction_of(const struct scale *scale, double value)
@@ -46,9 +46,8 @@ struct scale axis_scale(const struct figure *figure, bool vertical, struct exten
 
 static inline double axis_factor(const struct axis *axis)
 {
-    return axis->factor > 1e-30 && axis->factor < 1e30
-               ? axis->factor
-               : 1; /* of a unit: nothing overflows through it */
+    /* of a unit: nothing overflows through it */
+    return axis->factor > 1e-30 && axis->factor < 1e30 ? axis->factor : 1;
 }
 
 /* Chooses ranges and ticks for layout->columns x rows, of curves that reach that far. */

@@ -267,8 +267,8 @@ int figure_parts(const struct figure *figure, struct figure part[PANELS_MAX])
     part[1].y = figure->second[1];
     part[1].title = "";
     part[1].caption = NULL;
-    part[figure->plane ? 1 : 0].note =
-        NULL; /* once is enough; where panels share an axis the upper one has no room */
+    /* once is enough; where panels share an axis the upper one has no room */
+    part[figure->plane ? 1 : 0].note = NULL;
     return PANELS_MAX;
 }
 

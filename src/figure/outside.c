@@ -3,8 +3,8 @@
  * so. */
 #include "figure/internal.h"
 
-#define EDGE                                                                                       \
-    0.011 /* [axis lengths] a live axis is not widened for so little; it is drawn at the frame */
+/* [axis lengths] a live axis is not widened for so little; it is drawn at the frame */
+#define EDGE 0.011
 
 /* How far beyond the ends of an axis; 0: inside. */
 static double beyond(double fraction)

@@ -385,8 +385,8 @@ static cairo_surface_t *make_surface(const struct cairo_api *api, enum picture k
     if (kind == PICTURE_SVG)
         return api->svg_surface_create_for_stream(take_bytes, out, width, height);
     cairo_surface_t *surface = api->pdf_surface_create_for_stream(take_bytes, out, width, height);
-    api->pdf_surface_set_metadata(surface, CAIRO_PDF_METADATA_CREATE_DATE,
-                                  NULL); /* the same figure, the same file */
+    /* the same figure, the same file */
+    api->pdf_surface_set_metadata(surface, CAIRO_PDF_METADATA_CREATE_DATE, NULL);
     return surface;
 }
 

@@ -6,9 +6,8 @@
 #ifdef HAVE_CAIRO
 #include <string.h>
 
-#define DOT                                                                                        \
-    2.0 /* [pt] of dense data; one for each such square, or for a larger one if there are more     \
-           than DOTS */
+/* [pt] of dense data; one for each such square, or for a larger one if there are more than DOTS */
+#define DOT 2.0
 #define DOTS 20000
 #define SPARSE 150 /* points that still get a shape */
 #define MARKS 9    /* along a line */
@@ -216,7 +215,7 @@ double page_band_sample(struct page *page, int index, double x, double y, bool d
 /* ---- points ---- */
 
 static bool point_position(const struct page *page, const struct curve *curve, size_t i, double *x,
-                        double *y)
+                           double *y)
 {
     *x = page_x(page, curve->x[i]);
     *y = page_y(page, curve->y[i]);

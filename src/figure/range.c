@@ -121,8 +121,8 @@ static struct scale linear_scale(const struct figure *figure, bool vertical, str
 static struct scale log_scale(struct extent extent, const struct axis *axis)
 {
     double shift = log10(axis_factor(axis));
-    double low = fmin(fmax(log10(extent.low), -299), 299) -
-                 shift; /* a decade is left below LARGEST, and above 1 / it */
+    /* a decade is left below LARGEST, and above 1 / it */
+    double low = fmin(fmax(log10(extent.low), -299), 299) - shift;
     double high = fmin(fmax(log10(extent.high), -299), 299) - shift;
 
     if (extent.low > extent.high)

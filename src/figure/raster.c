@@ -268,8 +268,8 @@ bool curve_exits(const struct figure *figure, const struct figure_layout *layout
 
 void raster_exits(const struct raster *raster, const struct figure *figure, int curve)
 {
-    static const uint32_t arrow[2][4] = {{'<', '>', 'v', '^'},
-                                         {0x2190, 0x2192, 0x2193, 0x2191}}; /* left right down up */
+    /* left right down up */
+    static const uint32_t arrow[2][4] = {{'<', '>', 'v', '^'}, {0x2190, 0x2192, 0x2193, 0x2191}};
     const struct figure_layout *layout = raster->layout;
     struct curve_exit exits[4];
 

@@ -25,8 +25,9 @@ static double score_of(size_t q, double low, double high, int count, double a, d
 {
     double zero = low <= 0 && high >= 0 ? 1 : 0;
     double simplicity = zero - (double)q / (double)(COUNT_OF(nice) - 1);
+    /* a single label only where there is no room for two */
     if (count < 2)
-        return simplicity - 100; /* a single label only where there is no room for two */
+        return simplicity - 100;
     double coverage = 1 - 0.5 * (square(b - high) + square(a - low)) / square(0.1 * (b - a));
     double have = (count - 1) / (high - low);
     double wish = (want > 1 ? want - 1 : 1) / (fmax(high, b) - fmin(low, a));
@@ -63,8 +64,8 @@ struct ticks ticks_search(double from, double to, int want, int max, bool loose)
                 double score = score_of(q, first * step, last * step, count, a, b, want);
                 if (score <= best)
                     continue;
-                int digit = z + magnitude -
-                            exponent; /* power of ten of the step's first digit, as labelled */
+                /* power of ten of the step's first digit, as labelled */
+                int digit = z + magnitude - exponent;
                 int decimals = (nice[q] == 2.5 ? 1 : 0) - digit;
                 best = score;
                 ticks = (struct ticks){.first = first * step * scale,

@@ -49,7 +49,8 @@ struct argument_progress {
     const struct item *number; /* that was read last, NULL: something else */
 };
 
-static bool read_into(struct argument_progress *progress, int index, const char *start, struct error *error)
+static bool read_into(struct argument_progress *progress, int index, const char *start,
+                      struct error *error)
 {
     struct parser *parser = progress->parser;
     const struct argument *argument = &progress->command->argument[index];
@@ -193,8 +194,9 @@ static bool read_next(struct argument_progress *progress, struct error *error)
         used = used ? used : option.len + 2;
     } else if ((used = key_length(*rest, name)) > 0) {
         index = find_argument(progress->command, FORM_KEY, name);
+        /* the name is part of it */
         if (index < 0 && (index = find_start(progress->command)) >= 0)
-            used = 0; /* the name is part of it */
+            used = 0;
         /* `let NAME = value`: the = belongs to what follows. */
         if (index < 0 && next_index(progress, name) >= 0 &&
             type_is(&progress->command->argument[next_index(progress, name)], TYPE_BEFORE_EQUALS)) {
@@ -206,8 +208,9 @@ static bool read_next(struct argument_progress *progress, struct error *error)
     } else if (index >= 0 && type_is(&progress->command->argument[index], TYPE_BEFORE_WORDS) &&
                !has(progress->arguments, index) &&
                catalog_find(progress->command->argument[index].choices, name)) {
-        used = 0; /* `measure energy`: what the place wants comes before a word of the same name, as
-                     in `of energy` */
+        /* `measure energy`: what the place wants comes before a word of the same name, as in `of
+         * energy` */
+        used = 0;
     } else if ((index = find_argument(progress->command, FORM_WORD, name)) >= 0 &&
                peek_word(*rest, "").len == name.len) {
         used = name.len;

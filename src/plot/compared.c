@@ -8,8 +8,8 @@
 
 #include <math.h>
 
-#define FOLLOWS                                                                                    \
-    0.01 /* share of the variance that a scaled recording shares with the run, at least */
+/* share of the variance that a scaled recording shares with the run, at least */
+#define FOLLOWS 0.01
 #define ROUNDING 1e-9 /* of the unit of the recording: an offset below is none */
 
 /* The span of a run, its earlier end first. */

@@ -12,10 +12,10 @@
 
 #define OFF_BEAT 0.15 /* [periods] an up-crossing that is further off is none */
 #define BEATS_TRIED 16
-#define LATE_MAX                                                                                   \
-    0.34 /* part of the up-crossings that may be off before the motion counts as not steady */
-#define PEAK_WIDTH                                                                                 \
-    0.1 /* [periods] on each side of the highest sample that the parabola is fitted to */
+/* part of the up-crossings that may be off before the motion counts as not steady */
+#define LATE_MAX 0.34
+/* [periods] on each side of the highest sample that the parabola is fitted to */
+#define PEAK_WIDTH 0.1
 
 /* ---- what they stand on ---- */
 
@@ -146,8 +146,8 @@ struct snap_point {
 static bool peak_between(const struct ground *g, double from, double to, struct snap_point *point)
 {
     const struct series *s = &g->series;
-    const double ceiling =
-        g->overview.high + 4 * g->overview.noise; /* above it there are only spikes */
+    /* above it there are only spikes */
+    const double ceiling = g->overview.high + 4 * g->overview.noise;
     size_t top = s->n;
     for (size_t i = sample_before(s, from); i < s->n && s->t[i] <= to; i++)
         if (s->t[i] >= from && s->y[i] <= ceiling && (top == s->n || s->y[i] > s->y[top]))
@@ -160,8 +160,8 @@ static bool peak_between(const struct ground *g, double from, double to, struct 
         a--;
     while (b + 1 < s->n && s->t[b + 1] - s->t[top] <= width)
         b++;
-    const double bottom =
-        s->y[top] - 0.25 * (g->overview.high - g->overview.low); /* half the amplitude down */
+    /* half the amplitude down */
+    const double bottom = s->y[top] - 0.25 * (g->overview.high - g->overview.low);
     /* y = p + q x + r x^2 with x counted from the mean, so that q is nearly independent of the
      * others. */
     double n = 0, sx = 0;
@@ -201,7 +201,8 @@ static bool peak_between(const struct ground *g, double from, double to, struct 
 /* Calls for each place of this kind in order until it says stop. Samples are no places: there are
  * too many. */
 static void each_position(const struct ground *g, enum snap snap,
-                       bool (*visit)(void *context, const struct snap_point *point), void *context)
+                          bool (*visit)(void *context, const struct snap_point *point),
+                          void *context)
 {
     struct snap_point point;
     for (size_t i = 0; i < g->hills; i++) {

@@ -7,8 +7,8 @@
 #include <math.h>
 #include <stdio.h>
 
-#define ROUNDING                                                                                   \
-    1e-9 /* of the amplitude, or of 1: below it is nothing to show, and Q means nothing */
+/* of the amplitude, or of 1: below it is nothing to show, and Q means nothing */
+#define ROUNDING 1e-9
 
 bool session_cursor_reading(const struct session *session, struct cursor_reading *reading)
 {

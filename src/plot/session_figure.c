@@ -281,8 +281,8 @@ static void mark_present(const struct drawing *d, struct figure *figure)
     const struct curve *curve = &d->curve[0];
     const struct trace *trace = run_of(d, 0)->trace;
     const double *t = curve->t ? curve->t : curve->x;
-    figure->has_point =
-        t[curve->n - 1] == trace_time(trace, trace_count(trace) - 1); /* not the end of a window */
+    /* not the end of a window */
+    figure->has_point = t[curve->n - 1] == trace_time(trace, trace_count(trace) - 1);
     figure->point[0] = curve->x[curve->n - 1];
     figure->point[1] = curve->y[curve->n - 1];
 }

@@ -18,8 +18,9 @@ void run_record_init(struct run_record *record, const struct session *session,
                                   .data = run_data_distance(run, session_recording(session)),
                                   .status = stop_name(run->stop)};
     run_ledger(run, &record->ledger);
+    /* the difference of numbers without bound */
     if (run->stop == STOP_SINGULAR)
-        record->ledger.error_max = NAN; /* the difference of numbers without bound */
+        record->ledger.error_max = NAN;
 }
 
 /* What takes long, and only records say. */

@@ -125,8 +125,8 @@ static bool name_column(struct table_reading *r, const char *heading, struct tab
 }
 
 /* Numbers where every cell is one or empty, and none was quoted. */
-static bool fill_column(struct table_reading *r, const struct parsed_cell *cell, int columns, size_t rows,
-                        struct table_column *column)
+static bool fill_column(struct table_reading *r, const struct parsed_cell *cell, int columns,
+                        size_t rows, struct table_column *column)
 {
     double *value = arena_array(r->arena, rows + 1, sizeof *value);
     const char **text = arena_array(r->arena, rows + 1, sizeof *text);

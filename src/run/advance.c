@@ -20,8 +20,8 @@ static bool holds(const struct segment *segment)
 
 static bool same_time(double a, double b)
 {
-    return isfinite(b) &&
-           fabs(a - b) <= 4 * DBL_EPSILON * fmax(fabs(a), fabs(b)); /* HUGE_VAL is no time */
+    /* HUGE_VAL is no time */
+    return isfinite(b) && fabs(a - b) <= 4 * DBL_EPSILON * fmax(fabs(a), fabs(b));
 }
 
 static enum stop segment_begin(struct run *run, const struct run_target *target,
@@ -43,7 +43,8 @@ static enum stop segment_begin(struct run *run, const struct run_target *target,
         run->controller.h = copysign(run->controller.h, h);
     } else {
         if (trace_grid(run->trace)->h != h) {
-            trace_regrid(run->trace, (struct time_grid){.first = run->steps, .origin = run->t, .h = h});
+            trace_regrid(run->trace,
+                         (struct time_grid){.first = run->steps, .origin = run->t, .h = h});
             p->step.warm = false;
         }
         segment->grid = *trace_grid(run->trace);
@@ -107,9 +108,8 @@ static double condition_after(void *context, double h)
     return condition_value(part->segment->target->condition, part->segment->target->scope);
 }
 
-#define CLOSE                                                                                      \
-    1e-9 /* of a step: how far from where an interpolant has it the condition becomes true, at     \
-            first */
+/* of a step: how far from where an interpolant has it the condition becomes true, at first */
+#define CLOSE 1e-9
 
 /*
  * A stretch about `at` of the step over h at whose ends the condition is false, then true; *low =
@@ -158,8 +158,9 @@ static bool locate(struct run *run, const struct segment *segment, double t, dou
             at = fabs(at + copysign(more, h)) < fabs(high) ? at + copysign(more, h) : high;
     }
     const bool whole = at == h || part.failed;
+    /* rows inside are of this step */
     if (!whole)
-        condition_after(&part, at); /* rows inside are of this step */
+        condition_after(&part, at);
     else
         memcpy(run->y, found, size);
     run->t = whole ? end : t + at;
@@ -274,8 +275,8 @@ static enum stop advance_step(struct run *run, struct segment *segment)
         return refused ? refused : STOP_FULL;
     }
     if (off_grid && !run->plan.adaptive) {
-        trace_regrid(run->trace,
-                     (struct time_grid){.first = run->steps, .origin = run->t, .h = segment->grid.h});
+        trace_regrid(run->trace, (struct time_grid){
+                                     .first = run->steps, .origin = run->t, .h = segment->grid.h});
         p->step.warm = false;
     }
     ledger_take(run, run->y, 1);

@@ -7,8 +7,8 @@
 
 #define ADDED_UP 10 /* errors of steps come to about so many tolerances in a run */
 #define DIGIT 10    /* times the error: what is less has no first digit */
-#define PASSING                                                                                    \
-    0.01 /* of the run: what would be above the tolerance within so long passes through 0 */
+/* of the run: what would be above the tolerance within so long passes through 0 */
+#define PASSING 0.01
 
 /* What the error of variable i is known to be at the present state, or would be by its growth; 0:
  * nothing. */

@@ -40,8 +40,8 @@ static double phase_after(struct phase_point a, struct phase_point b)
     const double along = a.q * b.q + a.p * b.p, across = a.q * b.p - a.p * b.q;
     if (fabs(along) + fabs(across) > DBL_MIN / DBL_EPSILON)
         return atan2(across, along);
-    return remainder(atan2(-a.p, a.q) - atan2(-b.p, b.q),
-                     2 * M_PI); /* their products are too small */
+    /* their products are too small */
+    return remainder(atan2(-a.p, a.q) - atan2(-b.p, b.q), 2 * M_PI);
 }
 
 static double phase_between(const struct system *system, const double *y, const double *from)
@@ -337,8 +337,8 @@ void run_errors(const struct run *run, struct run_errors *errors)
     while (walk_next(&walk)) {
         for (int i = 0; i < judged; i++) {
             distance[i] = fabs(sample->y[i] - sample->exact[i]);
-            const double size =
-                fabs(sample->exact[i]); /* comparisons pass over NAN, as fmax() does */
+            /* comparisons pass over NAN, as fmax() does */
+            const double size = fabs(sample->exact[i]);
             max[i] = distance[i] > max[i] ? distance[i] : max[i];
             amplitude[i] = size > amplitude[i] ? size : amplitude[i];
         }
@@ -346,10 +346,11 @@ void run_errors(const struct run *run, struct run_errors *errors)
             continue;
         const struct phase_point here = phase_point(sample->system, sample->y),
                                  wanted = phase_point(sample->system, sample->exact);
+        /* what has vanished has none, then and later */
         if (here.q == 0 && here.p == 0 && (wanted.q != 0 || wanted.p != 0))
-            phase = NAN; /* what has vanished has none, then and later */
-        phase =
-            with_turns(phase_after(here, wanted), phase); /* it changes little from row to row */
+            phase = NAN;
+        /* it changes little from row to row */
+        phase = with_turns(phase_after(here, wanted), phase);
     }
 
     /* What rounding does to the exact solution at the end. */

@@ -17,8 +17,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-#define TIGHTER                                                                                    \
-    0.01 /* times the tolerance: another method may err ten times as much at the same one, */
+/* times the tolerance: another method may err ten times as much at the same one, */
+#define TIGHTER 0.01
 #define TIGHTER_STIFF 0.1  /* and one of fifth order takes 1.6 times as many steps for a tenth */
 #define TOL_EXPLICIT 2e-14 /* at least: rounding */
 #define TOL_IMPLICIT 1e-13
@@ -26,30 +26,29 @@
 #define LOOKS 32  /* at the Jacobian, whose spectral radius is found in */
 #define ROUNDS 12 /* multiplications, the last of which count: */
 #define COUNTED 6 /* an even number, so that pairs +-lambda do not matter */
-#define STIFF                                                                                      \
-    0.5 /* of the run's own evaluations: dearer for its stability alone dop853 is not taken */
-#define EVALS_A_UNIT                                                                               \
-    2. /* of dop853 at the edge of stability, for |J| dt = 1: 12 evaluations over 6 */
+/* of the run's own evaluations: dearer for its stability alone dop853 is not taken */
+#define STIFF 0.5
+/* of dop853 at the edge of stability, for |J| dt = 1: 12 evaluations over 6 */
+#define EVALS_A_UNIT 2.
 #define EVALS_FREE 1000 /* nobody minds */
 #define PARTS 512       /* no step is longer where forces depend on time: there may be pulses */
 #define LOST_LATER 3    /* times the motion: an error that its growth makes as large as that */
-#define CERTAIN                                                                                    \
-    0.2 /* of the time until a run was lost: after that much more it is certain, and followed no   \
-           more */
+/* of the time until a run was lost: after that much more it is certain, and followed no more */
+#define CERTAIN 0.2
 #define LOOK_EACH 64 /* steps between looks at the budget */
 #define PAST 64      /* errors that are remembered on the way */
-#define POWER_MAX                                                                                  \
-    3 /* errors that grow faster than this power of time are taken to grow exponentially */
-#define LOST                                                                                       \
-    0.1 /* in the mean since then: what is as large as the motion only in jumps is no loss */
+/* errors that grow faster than this power of time are taken to grow exponentially */
+#define POWER_MAX 3
+/* in the mean since then: what is as large as the motion only in jumps is no loss */
+#define LOST 0.1
 
 /* Distances so far. */
 struct distances {
     double size[LIMIT_VARIABLES]; /* the largest values of the run */
     double t;                     /* [s] of the last one */
-    double sum,
-        lost_sum; /* [s] integrals over time, since the start and since struct opinion's lost */
-    double lost;  /* [s] where it first was as large as the motion; NAN */
+    /* [s] integrals over time, since the start and since struct opinion's lost */
+    double sum, lost_sum;
+    double lost; /* [s] where it first was as large as the motion; NAN */
 };
 
 struct second {
@@ -161,8 +160,9 @@ static void against_closed_form(struct run *run)
 static double spectral_radius(const double *jacobian, int n)
 {
     double v[LIMIT_VARIABLES], w[LIMIT_VARIABLES], grown = 0;
+    /* nothing in particular */
     for (int i = 0; i < n; i++)
-        v[i] = 1 + 0.1 * i - 0.3 * (i % 3); /* nothing in particular */
+        v[i] = 1 + 0.1 * i - 0.3 * (i % 3);
     for (int round = 0; round < ROUNDS; round++) {
         double before = 0, after = 0;
         for (int i = 0; i < n; i++) {

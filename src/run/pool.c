@@ -26,8 +26,9 @@ static struct pool_block *large_block(void)
 {
     struct pool_block *block = aligned_alloc(LARGE, LARGE);
 #ifdef MADV_HUGEPAGE
+    /* where there are none it is memory all the same */
     if (block)
-        madvise(block, LARGE, MADV_HUGEPAGE); /* where there are none it is memory all the same */
+        madvise(block, LARGE, MADV_HUGEPAGE);
 #endif
     return block;
 }

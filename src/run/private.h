@@ -50,8 +50,8 @@ struct compensated_sum {
 struct energy_tally {
     double max;   /* largest |E - E0 - work| after a step so far */
     double scale; /* largest |E|, or |E0| where that is not 0 */
-    struct compensated_sum work,
-        drag; /* since the start: drag, drive, jumps and changes of parameters; drag alone */
+    /* since the start: drag, drive, jumps and changes of parameters; drag alone */
+    struct compensated_sum work, drag;
 };
 
 /* ---- pool.c: memory that goes back all at once ---- */
@@ -62,8 +62,8 @@ struct pool {
     size_t left, bytes;
 };
 
-void *pool_take(struct pool *pool,
-                size_t size); /* a multiple of 16 bytes, not cleared; NULL: no memory */
+/* a multiple of 16 bytes, not cleared; NULL: no memory */
+void *pool_take(struct pool *pool, size_t size);
 void pool_release(struct pool *pool);
 
 /* ---- trace ----
@@ -80,8 +80,8 @@ void pool_release(struct pool *pool);
 struct trace {
     int n;
     bool decimates, timed;
-    int64_t every,
-        next;     /* unless it decimates: record each so many steps; the next one to record */
+    /* unless it decimates: record each so many steps; the next one to record */
+    int64_t every, next;
     size_t width; /* doubles a row */
     size_t cap;   /* rows: decimated there or full */
     double **chunk;
@@ -127,8 +127,8 @@ static inline int64_t trace_row_step(const struct trace *trace, size_t i)
 
 /* Another row, which the rule has asked for; false: full or no memory. */
 bool trace_append(struct trace *trace, int64_t step, double t, const double *y);
-struct trace *trace_create(int n, bool timed, struct recording_rule rule,
-                           size_t memory); /* NULL: no memory */
+/* NULL: no memory */
+struct trace *trace_create(int n, bool timed, struct recording_rule rule, size_t memory);
 void trace_destroy(struct trace *trace);
 /* Offers the state after `step`; false: full or no memory, nothing recorded. Steps come in order,
  * each once. */
@@ -141,25 +141,25 @@ const double *trace_state_after(const struct trace *trace, int64_t step);
 /* Where the next rows go when every step is kept: room for *rows of them, one after the other.
  * NULL: not so. */
 double *trace_open(struct trace *trace, size_t *rows);
-const struct time_grid *trace_grid_of(const struct trace *trace,
-                                 int64_t step);     /* that gives this step its time */
+/* that gives this step its time */
+const struct time_grid *trace_grid_of(const struct trace *trace, int64_t step);
 void trace_close(struct trace *trace, size_t rows); /* so many were written there */
 void trace_present(struct trace *trace, int64_t step, double t, const double *y);
 /* Drops everything after row i, which becomes the present. */
 void trace_truncate(struct trace *trace, size_t i);
-bool trace_reserve_grids(struct trace *trace,
-                         size_t more); /* room for so many regrids; false: no memory */
+/* room for so many regrids; false: no memory */
+bool trace_reserve_grids(struct trace *trace, size_t more);
 void trace_regrid(struct trace *trace, struct time_grid grid); /* from here on a new grid */
 const struct time_grid *trace_grid(const struct trace *trace); /* the present one */
 size_t trace_row_bytes(int n, bool timed, bool indexed);
 /* Marks: the balance at each recorded row, its work only where there is any. False: no memory. */
-bool trace_mark_rows(struct trace *trace,
-                     bool work); /* from now on, those that are there are not known or have 0 */
+/* from now on, those that are there are not known or have 0 */
+bool trace_mark_rows(struct trace *trace, bool work);
 bool trace_marked(const struct trace *trace);
 struct energy_tally trace_mark(const struct trace *trace, size_t i); /* scale < 0: not yet known */
 void trace_set_mark(struct trace *trace, size_t i, const struct energy_tally *tally);
-size_t trace_row_from(const struct trace *trace,
-                      int64_t step); /* the first recorded row of this step or a later one */
+/* the first recorded row of this step or a later one */
+size_t trace_row_from(const struct trace *trace, int64_t step);
 /* Recorded row i of those before `end`, and how many follow it in memory, each trace->width on. */
 const double *trace_rows(const struct trace *trace, size_t i, size_t end, size_t *count);
 /*
@@ -176,10 +176,10 @@ void trace_thinned(struct trace *trace);
 
 /* The scene that was in force from a step on: one at the start, one more for each run_rebind(). */
 struct epoch {
-    int64_t first;                 /* step index of its start */
-    double t;                      /* [s] */
-    double start[LIMIT_VARIABLES]; /* where the exact solution starts: its own value at the end of
-                                      the epoch before */
+    int64_t first; /* step index of its start */
+    double t;      /* [s] */
+    /* where the exact solution starts: its own value at the end of the epoch before */
+    double start[LIMIT_VARIABLES];
     struct system system;
     struct plan plan;
     enum drag drag;
@@ -210,18 +210,18 @@ struct work {
     double factor; /* on all states */
     int count;
     const double *before, *row;
-    size_t stride;    /* from row to row */
-    const double *t;  /* [count + 1] of the states; NULL: at origin + (index + k) h, in one block of
-                         the index */
+    size_t stride; /* from row to row */
+    /* [count + 1] of the states; NULL: at origin + (index + k) h, in one block of the index */
+    const double *t;
     double origin, h; /* [s] */
     int64_t index;
     struct turns *turns;
 };
 
 struct work_done { /* in units of factor^2 J */
-    double work[WORK_BLOCK],
-        drag[WORK_BLOCK];      /* in each step; drag is the part of it that drag did */
-    double energy[WORK_BLOCK]; /* after it */
+    /* in each step; drag is the part of it that drag did */
+    double work[WORK_BLOCK], drag[WORK_BLOCK];
+    double energy[WORK_BLOCK];                         /* after it */
     double all_work[WORK_BLOCK], all_drag[WORK_BLOCK]; /* since the start, by balance_block() */
 };
 
@@ -252,25 +252,25 @@ struct run_private {
     size_t epochs, epoch_capacity;
     int64_t batch; /* steps between looks at the clock */
     int64_t look;  /* run_creeps() has nothing to do before this step */
-    size_t looked,
-        across;       /* rows that run_diagnose() has seen; the next that it would look into, */
-    size_t unchecked; /* and whose step it would check, */
-    size_t checks;    /* after so many */
-    size_t searched;  /* the last row that run_missed_burst() has seen */
+    /* rows that run_diagnose() has seen; the next that it would look into, */
+    size_t looked, across;
+    size_t unchecked;              /* and whose step it would check, */
+    size_t checks;                 /* after so many */
+    size_t searched;               /* the last row that run_missed_burst() has seen */
     march_function *kernel;        /* NULL: none for this method and system */
     struct propagator *propagator; /* NULL: not (yet) there, or not of use */
-    double *scratch; /* [CHUNK_ROWS][n] states that do not go into the trace as they are; NULL: not
-                        yet needed */
-    double factor;   /* power of two on states before their energies are compared */
-    struct balance
-        balance; /* up to the last step where rows have marks, else as far as somebody asked */
+    /* [CHUNK_ROWS][n] states that do not go into the trace as they are; NULL: not yet needed */
+    double *scratch;
+    double factor; /* power of two on states before their energies are compared */
+    /* up to the last step where rows have marks, else as far as somebody asked */
+    struct balance balance;
     struct energy_tally
         *saved; /* [saves] at each CHUNK_ROWS steps up to there, where rows have no marks */
     size_t saves, save_capacity;
     struct turns turns;
     struct event_records event_records;
     struct second *second;                      /* opinion.c; NULL: nobody asked */
-    struct event_watch *watch;                        /* watch.h; NULL: there are no events */
+    struct event_watch *watch;                  /* watch.h; NULL: there are no events */
     struct event_doubt doubt[LIMIT_EVENTS + 1]; /* the last is that of the condition */
     struct kick *kick;
     size_t kicks, kick_capacity;
@@ -330,8 +330,8 @@ struct moving run_scope_moving(const struct run *run, int slot);
  * its end. */
 struct inside {
     struct run *run;
-    struct method
-        method; /* without a dense output where that would be only of a part of the step */
+    /* without a dense output where that would be only of a part of the step */
+    struct method method;
     double t, h;
 };
 
@@ -368,8 +368,8 @@ typedef uint64_t four_bits __attribute__((vector_size(32), aligned(8), may_alias
 #define FOUR 4
 
 /* propagate.c: the states after steps first + 1, … of a linear scene, without evaluating forces. */
-struct propagator *propagator_create(const struct run *run,
-                                     double h); /* NULL: no memory, or a step that fails */
+/* NULL: no memory, or a step that fails */
+struct propagator *propagator_create(const struct run *run, double h);
 double propagator_step(const struct propagator *propagator); /* [s] the h it is made for */
 /* The step of the grid where the block of `step` begins, whether its state is known, and that
  * state. */
@@ -388,8 +388,8 @@ bool propagator_within(const struct propagator *propagator, const double *bound)
  * False: step by step. */
 bool advance_many(struct run *run, const struct segment *segment, enum stop *stop);
 enum stop stop_of_step(enum step_status status);
-bool run_in_bounds(const struct run *run,
-                   const double *y); /* all finite, and not what counts as diverged */
+/* all finite, and not what counts as diverged */
+bool run_in_bounds(const struct run *run, const double *y);
 
 /* singular.c: adaptive steps that no longer get on, because the solution ends: then stop is
  * STOP_SINGULAR. Looks at twice the step of its last look, so that it costs a share of the run. */
@@ -425,15 +425,15 @@ struct walk {
 };
 
 void walk_begin(struct walk *walk, const struct run *run, unsigned needs);
-bool walk_next(
-    struct walk *walk); /* to be called until false: no more rows, nothing is held any longer */
+/* to be called until false: no more rows, nothing is held any longer */
+bool walk_next(struct walk *walk);
 void walk_present(struct walk *walk, const struct run *run, unsigned needs);
 
 /* ---- ledger.c ---- */
 
 double system_energy(const struct system *system, const double *y); /* [J] */
-bool ledger_known(
-    const struct run *run); /* else rows are apart, and settings.unbalanced left it out */
+/* else rows are apart, and settings.unbalanced left it out */
+bool ledger_known(const struct run *run);
 void balance_begin(const struct run *run, struct balance *balance); /* at the start */
 /*
  * On over at most `count` steps whose states follow in `row`, and adaptive ones' times in `time`,
@@ -443,19 +443,19 @@ void balance_begin(const struct run *run, struct balance *balance); /* at the st
 int balance_block(const struct run *run, struct balance *balance, const double *row,
                   const double *time, size_t stride, int64_t count, struct work_done *done,
                   bool marking);
-void balance_present(const struct run *run,
-                     struct balance *balance); /* at the present state, even inside of a step */
+/* at the present state, even inside of a step */
+void balance_present(const struct run *run, struct balance *balance);
 /* Before so many rows are offered to the trace: where it will leave some out, the balance has to be
  * kept from there on. False: no memory. */
 bool ledger_ready(struct run *run, int64_t rows);
 /* After steps to these states were offered to the trace; the marks of those that it took are set.
  */
 void ledger_take(struct run *run, const double *row, int64_t count);
-void ledger_warm(
-    struct run *run); /* after steps went straight into the trace, if settings.balanced */
-void ledger_inside(struct run *run, double t,
-                   const double *y); /* the last row is this state, inside of the next step */
-void ledger_back(struct run *run);   /* the run went back to a recorded row, the last one */
+/* after steps went straight into the trace, if settings.balanced */
+void ledger_warm(struct run *run);
+/* the last row is this state, inside of the next step */
+void ledger_inside(struct run *run, double t, const double *y);
+void ledger_back(struct run *run); /* the run went back to a recorded row, the last one */
 void ledger_rescale(struct run *run, double factor); /* run_private.factor becomes this */
 
 #endif

@@ -22,8 +22,8 @@
 typedef long double real;
 
 struct propagator {
-    double first[BLOCK * N], second[BLOCK * N],
-        shift[BLOCK * N];   /* row j: M^(j+1) by columns, and what is added */
+    /* row j: M^(j+1) by columns, and what is added */
+    double first[BLOCK * N], second[BLOCK * N], shift[BLOCK * N];
     real last[N][N + 1];    /* the last row with all digits */
     double reach[N][N + 1]; /* largest magnitudes of first, second and shift */
     double max[N];          /* of the states where blocks of a call began */
@@ -70,8 +70,8 @@ struct propagator *propagator_create(const struct run *run, double h)
             m[i][j] = (real)column[j][i] - (real)shift[i];
     if (run->method->flags & METHOD_SYMPLECTIC && run->system.conservative) {
         real determinant = m[0][0] * m[1][1] - m[0][1] * m[1][0];
-        real scale = fabsl(determinant - 1) < 1e-6L ? 1 / sqrtl(determinant)
-                                                    : 1; /* else it is all rounding */
+        /* else it is all rounding */
+        real scale = fabsl(determinant - 1) < 1e-6L ? 1 / sqrtl(determinant) : 1;
         for (int i = 0; i < N; i++)
             for (int j = 0; j < N; j++)
                 m[i][j] *= scale;

@@ -8,8 +8,8 @@
 
 #define LOOK_FIRST 4096 /* steps before adaptive ones are looked into, see run_creeps() */
 
-#define AMPLITUDE_MAX                                                                              \
-    1e150 /* [m] above it a run has diverged: its energy still is a finite number */
+/* [m] above it a run has diverged: its energy still is a finite number */
+#define AMPLITUDE_MAX 1e150
 
 const char *stop_name(enum stop stop)
 {

@@ -20,8 +20,8 @@
 #define STEPS_MOST 20000
 #define LAST 256 /* steps that are looked at */
 #define ULPS 1e3 /* of t*: what is nearer is rounding */
-#define NEAR                                                                                       \
-    1e-6 /* of the time since the start: the nearest state has to be at least that close to t* */
+/* of the time since the start: the nearest state has to be at least that close to t* */
+#define NEAR 1e-6
 #define DECADES 3.0 /* of t* - t over which the power holds */
 #define POINTS 8
 #define POWER_MIN 0.3
@@ -30,17 +30,15 @@
 #define POWER_FINITE 0.95 /* |y'| may be integrated up to there: y stays finite */
 #define CREEP 1e-6        /* of the time since the start: steps that short are looked into, */
 #define SHORTLY 1e-3      /* of that time */
-#define STEPS_FIRST                                                                                \
-    1000 /* of the accurate method, where a step looks strange; and two for each step of the run   \
-          */
+/* of the accurate method, where a step looks strange; and two for each step of the run */
+#define STEPS_FIRST 1000
 #define ROWS_LOOKED 4096 /* of an explicit method, whose step costs no more than a look */
 #define CHANGE_MIN 0.1   /* of y in a step: less is passed over */
 #define STEEPER 8        /* times: the slope after a step that grows without bound */
 #define OFF 0.1          /* of y: what a step and the mean of its slopes, or these, may differ by */
 #define STEPS_BEYOND 16  /* where a step looks strange: a method may pass too early, or soon */
-#define BEYOND                                                                                     \
-    1.01 /* times the time to a singularity: who gets there in another way has shown that it is    \
-            none */
+/* times the time to a singularity: who gets there in another way has shown that it is none */
+#define BEYOND 1.01
 
 struct approach {
     double t[LAST], speed[LAST];
@@ -89,7 +87,8 @@ struct line_sums {
 };
 
 /* log |y'| over log (at - t), where that is from low to high [s] */
-static struct line_sums line_over(const struct approach *approach, double at, double low, double high)
+static struct line_sums line_over(const struct approach *approach, double at, double low,
+                                  double high)
 {
     struct line_sums sum = {0};
     for (int64_t i = 0; i < approach->count && i < LAST; i++) {

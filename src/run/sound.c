@@ -11,9 +11,8 @@
 
 #define STEPS_MOST 2000
 #define STEPS_SMOOTH 32 /* by a method that is not for stiff equations */
-#define UNSOUND                                                                                    \
-    1.2 /* times the values before and after it: such an error leaves nothing of them              \
-         */
+/* times the values before and after it: such an error leaves nothing of them */
+#define UNSOUND 1.2
 #define STEPS_AHEAD 32 /* what is still small grows within so many */
 #define CHECKS 64      /* of steps one by one */
 

@@ -347,8 +347,9 @@ bool trace_append(struct trace *trace, int64_t step, double t, const double *y)
 
 bool trace_record(struct trace *trace, int64_t step, double t, const double *y)
 {
+    /* by even_record() */
     if (trace->interval > 0 && trace->count > 0)
-        return true; /* by even_record() */
+        return true;
     if (trace->count == 0)
         trace->origin = t;
     if (!trace->decimates && step != trace->next)
@@ -451,8 +452,9 @@ void trace_truncate(struct trace *trace, size_t i)
         trace->count = i + 1;
         trace->next = (int64_t)trace->count * trace->every;
     }
+    /* as it began */
     if (i == 0)
-        trace->bucket = 1; /* as it began */
+        trace->bucket = 1;
     while (trace->grids > 1 && trace_grid(trace)->first > trace->now_step)
         trace->grids--;
     if (trace->bucket > 1)

@@ -25,8 +25,9 @@ int64_t trace_step(const struct trace *trace, size_t i)
 double trace_time(const struct trace *trace, size_t i)
 {
     int64_t step = trace_step(trace, i);
+    /* at the end of a span this is the time asked for, to the last bit */
     if (trace->interval > 0 ? i >= trace->count : step == trace->now_step)
-        return trace->now_t; /* at the end of a span this is the time asked for, to the last bit */
+        return trace->now_t;
     if (trace->timed)
         return trace_row(trace, i)[trace->width - 1];
     return grid_time(trace_grid_of(trace, step), step);

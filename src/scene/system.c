@@ -16,8 +16,9 @@ static int term_rows(const struct system *system)
 static void add_terms(const struct system *system, unsigned mask, unsigned wanted, double t,
                       const double *y, double *a)
 {
+    /* adding to it changes nothing, to the bit */
     for (int i = 0; i < term_rows(system); i++)
-        a[i] = -0.0; /* adding to it changes nothing, to the bit */
+        a[i] = -0.0;
     if (mask == 0 && system->typed.row && system->typed.row->add) {
         system->typed.row->add(system->typed.c, t, y, a);
         return;
@@ -174,8 +175,8 @@ static bool check_term(const struct system *system, const struct bound_term *ter
     if (!fine)
         return error_set(error, ERROR_COMMAND, "a coefficient of the %s term overflows",
                          term->row->row.name);
-    const double *states[] = {system->start,
-                              system->scale}; /* typed terms may have a pole at the latter */
+    /* typed terms may have a pole at the latter */
+    const double *states[] = {system->start, system->scale};
     for (size_t i = 0; i < (system->model->typed ? 1 : COUNT_OF(states)); i++) {
         double a[LIMIT_VARIABLES];
         for (int row = 0; row < term_rows(system); row++)

@@ -10,8 +10,8 @@
 #define SLICE_NS 10000000   /* computing between two looks at the terminal */
 #define WAIT_NS 100000000   /* the longest wait for the clock: a frame */
 #define WINDOW_NS 500000000 /* over which the speed achieved is measured */
-#define LAG                                                                                        \
-    0.2 /* [s] of wall time by which a run may trail the clock before it stops catching up */
+/* [s] of wall time by which a run may trail the clock before it stops catching up */
+#define LAG 0.2
 
 /* What the clock asks for: at `clock` the run was at t, and goes on at `speed`. */
 struct clock_pace {
@@ -48,8 +48,9 @@ static int64_t steps_due(const struct clock_pace *pace, const struct run *run,
 }
 
 /* As many steps as are due, for at most a slice. True while there is more to do. */
-static bool advance_slice(const struct clock_pace *pace, struct run *run, const struct run_target *target,
-                          int64_t last, const struct cancel *cancel)
+static bool advance_slice(const struct clock_pace *pace, struct run *run,
+                          const struct run_target *target, int64_t last,
+                          const struct cancel *cancel)
 {
     const int64_t begin = clock_ns();
     for (int64_t now = begin; now - begin < SLICE_NS; now = clock_ns()) {
@@ -94,7 +95,7 @@ void live_advance(struct session *session, struct run *run, const struct run_tar
                   last = target->steps < 0 ? INT64_MAX : run->steps + target->steps;
     const double from = run->t;
     struct clock_pace pace = {clock_ns(), run->t, clocked ? live->speed : HUGE_VAL,
-                        target->t < run->t ? -1 : 1};
+                              target->t < run->t ? -1 : 1};
     struct clock_pace window = pace;
     live->state = LIVE_RUNNING;
     live->pausing = false;
@@ -154,8 +155,8 @@ bool live_bind(struct session *session, int param, double *from, struct error *e
     const char *name = param_at(now, param)->row.name;
     const bool is_start = param_is_start(now, param),
                is_other = run && !same_scene(run->system.model, now->model);
-    const int index =
-        run ? scene_param(&run->scene, name) : -1; /* lines typed since may have moved it */
+    /* lines typed since may have moved it */
+    const int index = run ? scene_param(&run->scene, name) : -1;
     *from = NAN;
     if (live->changing && !run)
         return error_set(error, ERROR_COMMAND, "there is no run to change");

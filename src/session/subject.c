@@ -12,7 +12,7 @@ const struct scene *subject_scene(const struct session *session, const struct ru
     if (run)
         return &run->scene;
     return is_oscillator(scene) && (param_chosen(scene, "k") || param_chosen(scene, "m")) ? scene
-                                                                                        : NULL;
+                                                                                          : NULL;
 }
 
 double derived_value(const struct scene *scene, const char *name)
@@ -43,8 +43,8 @@ double scene_period_at(const struct scene *scene, double amplitude)
 }
 
 bool session_add_measurement(struct session *session, const char *name, const char *of,
-                              struct measured value, enum quantity unit, double periods,
-                              struct error *error)
+                             struct measured value, enum quantity unit, double periods,
+                             struct error *error)
 {
     if ((session->measurements & (session->measurements - 1)) ==
         0) { /* full at every power of two */

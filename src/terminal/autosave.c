@@ -80,8 +80,8 @@ static struct saved_list list_saved(const char *folder, bool sweep)
             unlinkat(dirfd(directory), entry->d_name, 0);
         }
         struct autosaved *more = read_name(entry->d_name, &saved)
-                                 ? realloc(list.item, (size_t)(list.count + 1) * sizeof *more)
-                                 : NULL;
+                                     ? realloc(list.item, (size_t)(list.count + 1) * sizeof *more)
+                                     : NULL;
         if (more) {
             list.item = more;
             saved.time = status.st_mtime;

@@ -80,8 +80,8 @@ void history_load(void)
         }
         while (text_split(&rest, '\n', &line)) {
             if (line.len > 0) {
-                content.data[line.at + line.len - content.data] =
-                    0; /* the newline, or the final NUL */
+                /* the newline, or the final NUL */
+                content.data[line.at + line.len - content.data] = 0;
                 add_history(line.at);
             }
         }
@@ -103,8 +103,8 @@ bool history_append(const char *line, struct error *error)
         struct buffer text = {0};
         buffer_put(&text, text_of(line));
         buffer_char(&text, '\n');
-        saved = !text.failed && write(fd, text.data, text.len) ==
-                                   (ssize_t)text.len; /* one write: whole lines only */
+        /* one write: whole lines only */
+        saved = !text.failed && write(fd, text.data, text.len) == (ssize_t)text.len;
         saved = close(fd) == 0 && saved;
         buffer_free(&text);
     }

@@ -18,8 +18,8 @@
 #define MORE "     > " /* before the further lines of a paste */
 #define LINES_HINT "several lines: Enter runs them, Ctrl-C drops them"
 #define GONE (POLLHUP | POLLERR | POLLNVAL)
-#define FAREWELL_NS                                                                                \
-    300000000 /* wait for an answer that is still under way before the shell gets to see it */
+/* wait for an answer that is still under way before the shell gets to see it */
+#define FAREWELL_NS 300000000
 
 /* The person, the system or the terminal wants an end. */
 bool panes_over(const struct panes *panes)
@@ -268,8 +268,8 @@ void panes_wait(struct panes *panes, int64_t until)
     heed_signals(panes, true);
     if (any && ready[0].revents) {
         input_read(&panes->input, (ready[0].revents & GONE) != 0);
-        heed_signals(
-            panes, false); /* what a Ctrl-C in between has left for us to read was typed after it */
+        /* what a Ctrl-C in between has left for us to read was typed after it */
+        heed_signals(panes, false);
     }
     struct error error;
     if (clock_ns() >= autosave_due(panes->program->autosave) &&

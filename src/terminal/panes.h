@@ -14,9 +14,8 @@
  */
 
 #define REPLY_TEXT "\033[0n"
-#define HELD_NS                                                                                    \
-    100000000 /* what may be the beginning of such a sequence is held back this long               \
-               */
+/* what may be the beginning of such a sequence is held back this long */
+#define HELD_NS 100000000
 
 struct input {
     struct buffer bytes;
@@ -49,10 +48,10 @@ void input_free(struct input *input);
 enum shown { SHOWN_NOTHING, SHOWN_PART, SHOWN_ALL };
 
 struct pacing {
-    int64_t next;  /* [clock_ns] earliest time of the next animated frame */
+    int64_t next;      /* [clock_ns] earliest time of the next animated frame */
     int64_t requested; /* [clock_ns] 0: no question is open */
-    int64_t delay; /* [ns] between the last question and its answer */
-    int missing;   /* questions without an answer, in a row */
+    int64_t delay;     /* [ns] between the last question and its answer */
+    int missing;       /* questions without an answer, in a row */
 };
 
 /* The link counts as slow until it has answered for the first time. */
@@ -103,7 +102,8 @@ void screen_resize(struct terminal_screen *screen);
 /* Sends what differs from `shown`, from row `from` on, at most about so many bytes: the rest comes
  * with the next call.
  */
-enum shown screen_show(struct terminal_screen *screen, int from, int bytes, int cursor_x, int cursor_y);
+enum shown screen_show(struct terminal_screen *screen, int from, int bytes, int cursor_x,
+                       int cursor_y);
 
 /* ---- the front end
  * ---------------------------------------------------------------------------------------- */
@@ -124,13 +124,13 @@ struct panes {
     struct buffer line; /* a complete line that waits to be executed */
     enum line_from line_from;
     bool line_waits;
-    struct buffer
-        notice;      /* what a key could not do: shown instead of the numbers until the next line */
-    bool echo_stale; /* the prompt has changed */
+    /* what a key could not do: shown instead of the numbers until the next line */
+    struct buffer notice;
+    bool echo_stale;      /* the prompt has changed */
     bool screen_stale;    /* more than that has */
     bool interrupted;     /* Ctrl-C while a run goes on */
     bool running;         /* inside front.slice: a run goes on */
-    bool history_warned;    /* that it cannot be kept: said once */
+    bool history_warned;  /* that it cannot be kept: said once */
     const char *question; /* asked at the prompt, NULL: none */
 };
 

@@ -250,7 +250,8 @@ static void put_row(struct terminal_screen *screen, int y)
             continue;
         }
         const wchar_t wide[2] = {shown_as(screen, row[x].codepoint), L'\0'};
-        const struct style_attributes *look = &looks[row[x].codepoint == ' ' ? STYLE_PLAIN : row[x].style];
+        const struct style_attributes *look =
+            &looks[row[x].codepoint == ' ' ? STYLE_PLAIN : row[x].style];
         setcchar(&line[n++], wide, look->attributes,
                  color && look->color >= 0 ? (short)(look - looks) : 0, NULL);
         if (wide[0] == L'?' && x + 1 < screen->width && row[x + 1].codepoint == 0) {
@@ -277,7 +278,8 @@ static int row_cost(const struct cell *a, const struct cell *b, int n)
     return cost > 0 ? cost + MOVE_COST : 0;
 }
 
-enum shown screen_show(struct terminal_screen *screen, int from, int bytes, int cursor_x, int cursor_y)
+enum shown screen_show(struct terminal_screen *screen, int from, int bytes, int cursor_x,
+                       int cursor_y)
 {
     if (!screen->canvas.cell || !screen->shown.cell) {
         set_size(screen); /* there was no memory for it */

@@ -66,8 +66,8 @@ static void on_event(int number)
         crash_restore();
         signals_stop();
         errno = before;
-        number =
-            SIGCONT; /* the terminal is to be taken back, also where the system would not stop us */
+        /* the terminal is to be taken back, also where the system would not stop us */
+        number = SIGCONT;
     }
     for (int i = 0; i < HAPPENED_COUNT; i++) {
         if (number_of[i] == number) {

@@ -65,8 +65,8 @@ static void put_cursor(struct buffer *out, const struct cursors *cursors, int i)
         unit_display(cursors->quantity, fmax(cursors->at[i].amplitude, fabs(cursors->at[i].y)));
     buffer_put(out, TEXT("t = "));
     put_parenthesis(out, cursors->at[i].t, cursors->at[i].t_uncertainty);
-    double y = floor(cursors->at[i].y / (unit ? unit->factor : 1) * 100 + 0.5) / 100 +
-               0.0; /* never -0.00 */
+    /* never -0.00 */
+    double y = floor(cursors->at[i].y / (unit ? unit->factor : 1) * 100 + 0.5) / 100 + 0.0;
     buffer_format(out, " s   y = %.2f %s", y,
                   unit ? unit->row.name : quantity_unit(cursors->quantity));
     if (cursors->at[i].crossing > 0)

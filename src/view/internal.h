@@ -50,8 +50,8 @@ bool view_has_time_range(const struct view *view);
 /* Moves the end of a time axis of so many cells to the next label where that is near. */
 bool is_range(const double range[2]); /* not automatic */
 void ranges_reach_label(struct axis *axis, int columns);
-bool ranges_settle(struct screen *screen, const struct placed_pane *placed,
-                   struct figure *figure); /* false: no memory */
+/* false: no memory */
+bool ranges_settle(struct screen *screen, const struct placed_pane *placed, struct figure *figure);
 
 /* ---- panes.c ---- */
 
@@ -59,10 +59,10 @@ bool ranges_settle(struct screen *screen, const struct placed_pane *placed,
  * no memory. */
 bool panes_figures(struct screen *screen, const struct placed_pane *placed, int placed_count,
                    struct figure *figure);
-int pane_drawn_height(const struct placed_pane *
-                          placed); /* of its figure: the lowest rows may lie under the pane below */
-bool panes_draw(struct screen *screen, const struct placed_pane *placed,
-                int placed_count); /* false: no memory */
+/* of its figure: the lowest rows may lie under the pane below */
+int pane_drawn_height(const struct placed_pane *placed);
+/* false: no memory */
+bool panes_draw(struct screen *screen, const struct placed_pane *placed, int placed_count);
 /* [s] from, to of the time axis of the focused time plot, else of the first. Returns its columns,
  * 0: there is none. */
 int panes_time_axis(struct screen *screen, const struct placed_pane *placed, int placed_count,

@@ -4,8 +4,8 @@
 #include <hooke/plot.h>
 #include "view/internal.h"
 
-#define PLOT_ROWS                                                                                  \
-    8 /* frame, axis with labels, and four rows of curve: before that the log gets one row only */
+/* frame, axis with labels, and four rows of curve: before that the log gets one row only */
+#define PLOT_ROWS 8
 #define SHARED_ROWS 3  /* axis, labels and lower frame of panes over each other */
 #define CURVE_ROWS 3   /* at least, of each of them */
 #define PHASE_MIN 24   /* [cell] */
@@ -102,8 +102,8 @@ static int stack_column(struct rectangle area, const struct arrangement *a,
         bool last = i == count - 1;
         /* Of two full plots over each other the upper one is a little higher: 15 and 12 of 27 rows.
          */
-        int max = rows - (y - area.y - (shared ? i : 0)) -
-                  CURVE_ROWS * (count - 1 - i); /* the rest needs its own */
+        /* the rest needs its own */
+        int max = rows - (y - area.y - (shared ? i : 0)) - CURVE_ROWS * (count - 1 - i);
         int fraction = smaller((rows * (i ? 1 : a->first) + fractions / 2) / fractions, max);
         int height = shared ? fraction + 1 : (area.height * 5 + 4) / 9;
         if (last)

@@ -51,8 +51,8 @@ void log_draw(const struct screen *screen, struct rectangle at)
     while (oldest < log->count && rows < wanted)
         rows += log_rows(text_of(log_line(log, oldest++)), at.width);
 
-    int row =
-        smaller(wanted - rows, 0); /* the oldest line stays at the top, however far one scrolls */
+    /* the oldest line stays at the top, however far one scrolls */
+    int row = smaller(wanted - rows, 0);
     for (int i = oldest - 1; i >= 0 && row < at.height; i--) {
         const struct text line = text_of(log_line(log, i));
         size_t from = 0;

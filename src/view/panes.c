@@ -121,8 +121,8 @@ static const char *numbered_title(struct screen *screen, const struct placed_pan
 
 int pane_drawn_height(const struct placed_pane *placed)
 {
-    return placed->at.height +
-           (placed->open ? 3 : 0); /* axis, labels and lower frame will not be seen */
+    /* axis, labels and lower frame will not be seen */
+    return placed->at.height + (placed->open ? 3 : 0);
 }
 
 /* What the time plots of a screen have in common. */

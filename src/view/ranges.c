@@ -129,7 +129,8 @@ static void settle_panel(const struct screen *screen, const struct placed_pane *
 {
     const struct session *session = screen->session;
     const bool first = figure->curves == 0 || figure->curve[0].panel == panel;
-    struct value_span extent = extent_of(figure, panel, true), across = extent_of(figure, panel, false);
+    struct value_span extent = extent_of(figure, panel, true),
+                      across = extent_of(figure, panel, false);
     if (y->log) {
         settle_decades(y, extent);
         return;

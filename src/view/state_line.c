@@ -74,7 +74,8 @@ static int time_decimals(double dt)
     return decimals;
 }
 
-static void put_progress(struct buffer *out, const struct session *session, const struct line_form *form)
+static void put_progress(struct buffer *out, const struct session *session,
+                         const struct line_form *form)
 {
     const struct live *live = &session->live;
     const struct run *run = session_run(session);
@@ -120,7 +121,8 @@ static void put_step(struct buffer *out, const struct solving *by, const struct 
 }
 
 /* What the curve was computed with, and what the next run will be, where that is something else. */
-static void put_method(struct buffer *out, const struct session *session, const struct line_form *form)
+static void put_method(struct buffer *out, const struct session *session,
+                       const struct line_form *form)
 {
     const struct run *run = session_run(session);
     const struct solving next = {session->setup.method, session_run_settings(session)};
@@ -137,8 +139,8 @@ static void put_method(struct buffer *out, const struct session *session, const 
         put_step(out, &next, form);
 }
 
-static void put_form(struct buffer *out, const struct session *session, const struct line_form *form,
-                     int parameters)
+static void put_form(struct buffer *out, const struct session *session,
+                     const struct line_form *form, int parameters)
 {
     const struct setup *setup = &session->setup;
     const struct text bar = form->blanks ? TEXT(" | ") : TEXT(" ");

@@ -79,8 +79,8 @@ static void robertson_jacobian(double t, const double *y, double *jac)
 struct rival {
     const char *name;
     solve_function *solve; /* NULL: hooke's method of that name */
-    double
-        goal; /* hooke: of the ratio to the solver by hand, NAN: none; others: of hooke's to it */
+    /* hooke: of the ratio to the solver by hand, NAN: none; others: of hooke's to it */
+    double goal;
     const char *absent;
     const char *mine; /* others: hooke's that is of the same kind; NULL: the best */
 };

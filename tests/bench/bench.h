@@ -24,8 +24,8 @@ struct arm {
     }
 
 void contest(struct arm *arm, int count);
-double arm_spread(const struct arm *a,
-                  const struct arm *b); /* the larger median/minimum - 1 of both */
+/* the larger median/minimum - 1 of both */
+double arm_spread(const struct arm *a, const struct arm *b);
 
 /* ---- tables: 98 columns ---- */
 
@@ -41,8 +41,8 @@ void table_note(const char *format, ...) __attribute__((format(printf, 1, 2)));
 /* ---- scenes and methods by name; the benchmark ends where one is missing ---- */
 
 const struct method *bench_method(const char *name);
-struct scene bench_scene(const char *preset, const char *setting,
-                         double value); /* setting NULL: none */
+/* setting NULL: none */
+struct scene bench_scene(const char *preset, const char *setting, double value);
 struct run *bench_run(const struct scene *scene, const struct method *method,
                       const struct run_settings *settings, double span);
 void bench_die(const char *what, const char *why) __attribute__((noreturn));
@@ -70,8 +70,8 @@ hand_loop *hand_chain(int n); /* rk4 of 4, 8, 16 or 32 oscillators in a ring */
 solve_function hand_dop853_oscillator, hand_dop853_kepler, hand_rodas5p_vanderpol,
     hand_rodas5p_robertson;
 solve_function gsl_rk8pd, gsl_msbdf, gsl_bsimp;
-hand_loop *gsl_loop(const char *method,
-                    const char *scene); /* its rk4, with the scene's terms only */
+/* its rk4, with the scene's terms only */
+hand_loop *gsl_loop(const char *method, const char *scene);
 
 /* ---- topics ---- */
 

@@ -9,12 +9,11 @@
 
 #define DT 0.01
 #define STEPS 61440 /* whole chunks of the loop by hand */
-#define CAP                                                                                        \
-    196608 /* [byte] a trace of 8192 rows: the same is done beyond a million, in samples too long  \
-            * to be quiet                                                                          \
-            */
-#define SLICE                                                                                      \
-    8192 /* steps between two looks of a live pane: fewer than 60 a second would ask for */
+/* [byte] a trace of 8192 rows: the same is done beyond a million, in samples too long to be
+ * quiet */
+#define CAP 196608
+/* steps between two looks of a live pane: fewer than 60 a second would ask for */
+#define SLICE 8192
 
 struct job {
     struct scene scene;

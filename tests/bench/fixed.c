@@ -7,9 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define STEPS                                                                                      \
-    60000 /* at most: what they leave behind fits into the second cache, for the loops as for      \
-             hooke */
+/* at most: what they leave behind fits into the second cache, for the loops as for hooke */
+#define STEPS 60000
 #define SAMPLE_NS 4e5 /* short, so that some samples of a round meet nobody else */
 #define DT 0.01
 

@@ -29,8 +29,8 @@ struct typed {
     double *frame, *input; /* in lanes apart */
     double k, c, w;
     bool driven; /* depends on time */
-    double (*made)(double y, double v, double t, double h,
-                   const struct typed *typed); /* one sample: y + v at the end */
+    /* one sample: y + v at the end */
+    double (*made)(double y, double v, double t, double h, const struct typed *typed);
 };
 
 /* From the text to what can be evaluated: what happens after Enter. */

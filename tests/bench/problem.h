@@ -31,8 +31,8 @@ struct problem {
     double span;
     struct check {
         double t, y[PROBLEM_MAX];
-    } check[PROBLEM_CHECKS];   /* the state at these times, the last at the end of the span; t 0: no
-                                  more */
+        /* the state at these times, the last at the end of the span; t 0: no more */
+    } check[PROBLEM_CHECKS];
     double unit[PROBLEM_MAX];  /* what errors there are measured in */
     double scale[PROBLEM_MAX]; /* of error norms: tol max(scale, |y|) */
     void (*slope)(double t, const double *y, double *dydt);

@@ -69,8 +69,8 @@ int main(void)
     const char *folder = "tests/fuzz/corpus/" CORPUS;
     struct dirent **entry = NULL;
     int files = scandir(folder, &entry, NULL, alphasort);
-    int corpus =
-        open(folder, O_RDONLY | O_DIRECTORY); /* the target may change the working directory */
+    /* the target may change the working directory */
+    int corpus = open(folder, O_RDONLY | O_DIRECTORY);
     enum { ROOM = 1 << 16 };
     static uint8_t original[ROOM / 2];
     static uint8_t data[ROOM];

@@ -58,8 +58,8 @@ struct tree_weight {
 struct tree_weights {
     int stages;
     struct tree_weight of[TREES][TREE_STAGES]; /* of each tree at each stage */
-    struct tree_weight
-        among[TREES][TREE_STAGES]; /* the same where more branches will follow at the root */
+    /* the same where more branches will follow at the root */
+    struct tree_weight among[TREES][TREE_STAGES];
 };
 
 static inline struct tree_weight tree_branch(int stages, const double *row,

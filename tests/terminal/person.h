@@ -21,9 +21,8 @@
 #include "terminal/emulator.h"
 #include "terminal/folder.h"
 
-#define PATIENCE_NS                                                                                \
-    (getenv("HASTE") ? 3000000000 : 20000000000) /* what has not come by then will not come;       \
-                                                    generous for sanitizers on a busy machine */
+/* what has not come by then will not come; generous for sanitizers on a busy machine */
+#define PATIENCE_NS (getenv("HASTE") ? 3000000000 : 20000000000)
 #define MS 1000000
 
 struct person {
@@ -46,8 +45,8 @@ struct start {
     const char *argument[6];
     int width, height;
     bool silent;
-    bool shell; /* a shell stands between that sees the program stop: without one the system ignores
-                   Ctrl-Z */
+    /* a shell stands between that sees the program stop: without one the system ignores Ctrl-Z */
+    bool shell;
 };
 
 static char state_folder[] = "/tmp/hooke-panes-XXXXXX";

@@ -179,8 +179,8 @@ static inline double read_offset(const struct canvas *canvas, int from, int to, 
         if ((sign != '-' && sign != '+') || cell_at(canvas, x - 1, y) != ' ' ||
             cell_at(canvas, x + 1, y) != ' ')
             continue;
-        const uint32_t label =
-            cell_at(canvas, x - 2, y); /* of the axis; a mark of the legend, "+ 3", has none */
+        /* of the axis; a mark of the legend, "+ 3", has none */
+        const uint32_t label = cell_at(canvas, x - 2, y);
         if (label == ' ' || label == '-' || label == 0x2500)
             continue;
         const double offset = read_number(canvas, x + 2, y, to, &end);

@@ -27,11 +27,11 @@ struct fit_curve {
 
 struct curve_options {
     const double *low,
-        *high;   /* [parameters] bounds, NULL: none; -INFINITY and INFINITY: none on that side */
-    bool robust; /* soft-L1, then bisquare (4.685 robust sigma): what is far off has no weight, and
-                    is counted */
-    bool rough; /* a start for another fit is wanted: neither the last digits nor what is determined
-                 */
+        *high; /* [parameters] bounds, NULL: none; -INFINITY and INFINITY: none on that side */
+    /* soft-L1, then bisquare (4.685 robust sigma): what is far off has no weight, and is counted */
+    bool robust;
+    /* a start for another fit is wanted: neither the last digits nor what is determined */
+    bool rough;
     /* an evaluation takes long, as where a motion is integrated: weights settle on the curve's
      * tangent, and digits far below the uncertainties are not looked for */
     bool costly;
@@ -46,26 +46,27 @@ struct curve_options {
 
 struct curve_fit {
     int parameters;
-    struct measured value[CURVE_PARAMETERS]; /* uncertainty: widened for correlated residuals; NAN:
-                                                not determined */
-    double formal[CURVE_PARAMETERS];         /* the same as if residuals were independent */
-    double interval[CURVE_PARAMETERS]
-                   [2]; /* 95 % (Student's t; of the bootstrap where it was asked for) */
+    /* uncertainty: widened for correlated residuals; NAN: not determined */
+    struct measured value[CURVE_PARAMETERS];
+    double formal[CURVE_PARAMETERS]; /* the same as if residuals were independent */
+    /* 95 % (Student's t; of the bootstrap where it was asked for) */
+    double interval[CURVE_PARAMETERS][2];
     double covariance[CURVE_PARAMETERS][CURVE_PARAMETERS]; /* widened */
     double correlation[CURVE_PARAMETERS][CURVE_PARAMETERS];
     bool determined[CURVE_PARAMETERS]; /* by the data */
     bool bound[CURVE_PARAMETERS];      /* lies on its bound: no uncertainty */
     bool converged;                    /* small_step, small_gradient, everything determined */
-    bool small_step; /* the next full step would change no parameter by more than 1e-8 of itself or
-                        its uncertainty */
-    bool small_gradient; /* the residuals are orthogonal to the derivatives to 1e-6, or to rounding
-                          */
+    /* the next full step would change no parameter by more than 1e-8 of itself or its
+     * uncertainty */
+    bool small_step;
+    /* the residuals are orthogonal to the derivatives to 1e-6, or to rounding */
+    bool small_gradient;
     int iterations;
     double rss, sigma; /* (weighted) sum of squares; standard deviation of the residuals */
     size_t used, rejected;
     double autocorrelation; /* lag 1 of the residuals */
-    double
-        runs; /* runs of equal sign: standard deviations from what chance gives; < -3: systematic */
+    /* runs of equal sign: standard deviations from what chance gives; < -3: systematic */
+    double runs;
     int bootstrapped; /* samples that converged */
     double *residual; /* [n] y - f, from the arena */
     double *weight;   /* [n] 1, or the robust ones */
@@ -103,7 +104,7 @@ struct formula {
     int parameters;
     const char *name[CURVE_PARAMETERS]; /* in the order in which they first appear */
     bool linear[CURVE_PARAMETERS];      /* the formula is linear in these together */
-    bool started[CURVE_PARAMETERS];       /* a start was given */
+    bool started[CURVE_PARAMETERS];     /* a start was given */
     double start[CURVE_PARAMETERS];
     const struct formula_column *column; /* variables; t is always one */
     int columns;
@@ -156,11 +157,11 @@ struct drag_rate {
     const char *bare; /* of an angle or a plain number */
 };
 
-extern const struct drag_rate
-    drag_rates[DRAG_RATES]; /* in the order of the bits of enum drag_law */
+/* in the order of the bits of enum drag_law */
+extern const struct drag_rate drag_rates[DRAG_RATES];
 
-const char *
-drag_law_name(enum drag_law law); /* "linear+dry", "not distinguishable", NULL for LAW_NONE */
+/* "linear+dry", "not distinguishable", NULL for LAW_NONE */
+const char *drag_law_name(enum drag_law law);
 
 enum {
     EQUATION_START,
@@ -224,15 +225,15 @@ struct drag_fit {
     struct drag_candidate {
         enum drag_law law;
         bool converged;
-        struct measured rate[DRAG_RATES]; /* gamma [1/s], b [1/m], f [m/s^2] where y is a length; 0:
-                                             it has none */
-        double bic;                       /* of this many independent residuals */
+        /* gamma [1/s], b [1/m], f [m/s^2] where y is a length; 0: it has none */
+        struct measured rate[DRAG_RATES];
+        double bic; /* of this many independent residuals */
         double rms;
     } candidate[DRAG_LAWS];
     int candidates;     /* 0: the fit was not one of drag */
     enum drag_law best; /* the simplest that remains: the law that the fit's values are those of */
-    unsigned remaining; /* bit i: the data do not exclude candidate[i]; more than one: not
-                           distinguishable */
+    /* bit i: the data do not exclude candidate[i]; more than one: not distinguishable */
+    unsigned remaining;
     double independent; /* residuals, after allowing for their correlation in the amplitude */
     double delta;       /* BIC of the next best law less that of the best */
     double p_value; /* F-test of the last term of a sum, or of a second one beside a single law */
@@ -244,10 +245,10 @@ struct drag_fit {
     } restoring[RESTORING_FORCES];
     int forces;                 /* 0: only the spring was tried */
     enum restoring_force force; /* the simplest that remains */
-    unsigned forces_remaining;  /* bit i: the data do not exclude force i; more than one: not
-                                   distinguishable */
-    struct measured cubic;      /* beta [1/(s^2 y^2)] of a Duffing spring */
-    double signal;              /* rms of the motion alone */
+    /* bit i: the data do not exclude force i; more than one: not distinguishable */
+    unsigned forces_remaining;
+    struct measured cubic; /* beta [1/(s^2 y^2)] of a Duffing spring */
+    double signal;         /* rms of the motion alone */
     double wander;  /* of the baseline: standard deviation between its blocks; 0: it stands still */
     char said[240]; /* the choice in words, with the numbers */
 };
@@ -269,13 +270,13 @@ void fit_covariance_widen(struct fit_covariance *covariance, int i, double uncer
 
 struct fit {
     const char *model;
-    struct measured period, omega, gamma, amplitude, phase,
-        offset; /* SI; period = 2 pi/omega (the damped one) */
+    /* SI; period = 2 pi/omega (the damped one) */
+    struct measured period, omega, gamma, amplitude, phase, offset;
     double rms; /* of the residuals of the samples used */
     size_t used, rejected;
     double window[2]; /* [s] */
-    struct measured
-        halves[2]; /* gamma of the two halves of the window, NAN where a half determines nothing */
+    /* gamma of the two halves of the window, NAN where a half determines nothing */
+    struct measured halves[2];
     struct measured half_periods[2]; /* [s] */
     enum drag_law preferred; /* of damping; LAW_NONE: the laws were not compared (fit drag does) */
     bool converged;
@@ -328,14 +329,14 @@ struct normal_mode {
 };
 
 struct modes_fit {
-    struct fit fit; /* offset, its drift, rms, warnings and the like; NAN where there is one of each
-                       mode */
+    /* offset, its drift, rms, warnings and the like; NAN where there is one of each mode */
+    struct fit fit;
     int modes;
     struct normal_mode mode[MODES_MAX]; /* the slowest first */
     /* Of two modes, else NAN: */
     struct measured splitting; /* [Hz] */
-    struct measured
-        coupling; /* kc/k of two equal oscillators coupled by kc: omega0^2 = k/m and (k + 2 kc)/m */
+    /* kc/k of two equal oscillators coupled by kc: omega0^2 = k/m and (k + 2 kc)/m */
+    struct measured coupling;
     struct measured stiffness; /* [1/s^2] kc/m */
     double *residual;          /* [n] y - model, from the arena */
 };
@@ -353,14 +354,14 @@ bool series_modes(const struct series *series, int modes, struct arena *arena,
 
 struct repeat {
     int n;
-    struct measured mean;     /* all alike; uncertainty: scatter/sqrt(n) */
-    double scatter;           /* standard deviation of one */
-    struct measured weighted; /* by the stated uncertainties, and what follows from these alone;
-                                 NAN: one states none */
-    double birge;   /* sqrt(chi2/(n - 1)): how many times the scatter is what was stated */
-    double chance;  /* that stated uncertainties which are right scatter so much */
-    double between; /* standard deviation to be added to each, so that they explain the scatter; 0:
-                       none */
+    struct measured mean; /* all alike; uncertainty: scatter/sqrt(n) */
+    double scatter;       /* standard deviation of one */
+    /* by the stated uncertainties, and what follows from these alone; NAN: one states none */
+    struct measured weighted;
+    double birge;  /* sqrt(chi2/(n - 1)): how many times the scatter is what was stated */
+    double chance; /* that stated uncertainties which are right scatter so much */
+    /* standard deviation to be added to each, so that they explain the scatter; 0: none */
+    double between;
     struct measured quote; /* weighted with both: what should be quoted */
     double interval;       /* half of its 95 % interval (Student) */
 };

@@ -7,8 +7,8 @@
 
 /* What the series looks like before any model: NaN-free, robust. */
 struct overview {
-    double mean, low,
-        high;       /* offset (mid of the robust extremes, or mean over whole periods), extremes */
+    /* offset (mid of the robust extremes, or mean over whole periods), extremes */
+    double mean, low, high;
     double noise;   /* standard deviation of the noise, from differences */
     double period;  /* [s] first estimate from the spectrum, refined; NAN: does not oscillate */
     double periods; /* how many of them the series holds */
@@ -77,9 +77,9 @@ bool series_period_readings(const struct series *series, int windows, struct are
 /* ---- amplitude and decay ---- */
 
 struct reading {
-    double t;                  /* [s] centre of the window */
-    struct measured amplitude; /* half the swing about the local offset: local harmonic fit over one
-                                  or more periods */
+    double t; /* [s] centre of the window */
+    /* half the swing about the local offset: local harmonic fit over one or more periods */
+    struct measured amplitude;
 };
 
 /* Amplitude at the given times (each from a window of `width` [s], 0: two periods). */
@@ -101,8 +101,8 @@ struct decay {
  * a simulation. */
 struct energy_noise {
     double floor; /* [J] what the noise adds on average: sigma^2 (k + m gain^2)/2 */
-    double
-        spread; /* [J^1/2] a sample of E scatters by spread sqrt(E) about that: 2 sigma sqrt(k) */
+    /* [J^1/2] a sample of E scatters by spread sqrt(E) about that: 2 sigma sqrt(k) */
+    double spread;
 };
 
 /* Mean and spread over time (trapezoids), so that uneven samples count by how long they stand. */

@@ -86,12 +86,11 @@ struct root_search {
     /* In the order of x: the sign beyond, 0 where it only touches. False: no more are looked for.
      */
     bool (*found)(void *context, double x, int sign);
-    bool (*touches)(
-        void *context,
-        double x); /* is the value 0 there, within errors? NULL: who touches is not asked */
-    double near;   /* extreme values that are no farther from 0 are asked for, too */
-    double min;    /* stretches are not cut below this length */
-    int budget;    /* bounds asked for, beside some for each root */
+    /* is the value 0 there, within errors? NULL: who touches is not asked */
+    bool (*touches)(void *context, double x);
+    double near; /* extreme values that are no farther from 0 are asked for, too */
+    double min;  /* stretches are not cut below this length */
+    int budget;  /* bounds asked for, beside some for each root */
 
     int sign; /* in: of the value before, where it was last not 0; out: at the end */
 
@@ -170,10 +169,10 @@ struct program *program_create(const struct equations *equations, int first, int
                                struct error *error);
 void program_destroy(struct program *program);
 bool program_native(const struct program *program);
-int program_operations(
-    const struct program *program); /* a product and the sum that it goes into count as one */
-bool program_constant(const struct program *program, int output,
-                      double *value); /* depends on no input */
+/* a product and the sum that it goes into count as one */
+int program_operations(const struct program *program);
+/* depends on no input */
+bool program_constant(const struct program *program, int output, double *value);
 /* Does any of `count` outputs from `first` depend on the input, as it is written? */
 bool program_depends(const struct program *program, int first, int count, int name);
 

@@ -19,13 +19,13 @@
 struct param_row {
     struct row row; /* name, SI unit, brief */
     enum quantity quantity;
-    double initial;      /* default, SI */
-    double min;          /* smallest value allowed, -HUGE_VAL: any */
+    double initial;    /* default, SI */
+    double min;        /* smallest value allowed, -HUGE_VAL: any */
     bool min_excluded; /* value > least */
 };
 
-extern const struct catalog
-    param_catalog; /* those of the oscillator: struct param_row, at most PARAM_MAX */
+/* those of the oscillator: struct param_row, at most PARAM_MAX */
+extern const struct catalog param_catalog;
 
 int param_index(const char *name); /* of a name that exists in that table (asserted) */
 
@@ -36,10 +36,10 @@ struct scene {
     const struct preset *preset;
     double value[PARAM_MAX];       /* SI */
     double uncertainty[PARAM_MAX]; /* one standard uncertainty, 0: exact */
-    bool chosen[PARAM_MAX];         /* set by the user since the preset */
+    bool chosen[PARAM_MAX];        /* set by the user since the preset */
     bool across; /* methods step across kinks at turning points, as they are printed */
-    double atol[LIMIT_VARIABLES]; /* [n] errors of adaptive methods that do not matter, SI; 0: not
-                                     given */
+    /* [n] errors of adaptive methods that do not matter, SI; 0: not given */
+    double atol[LIMIT_VARIABLES];
 };
 
 /* Settings of a model under a name. */
@@ -74,18 +74,18 @@ extern const struct catalog preset_catalog;
 /* The parameters and derived quantities of the scene's model; places in them index scene.value. */
 const struct catalog *scene_params(const struct scene *scene);
 const struct catalog *scene_derived(const struct scene *scene);
-int scene_param(const struct scene *scene,
-                const char *name); /* place, -1: this scene has no such parameter */
+/* place, -1: this scene has no such parameter */
+int scene_param(const struct scene *scene, const char *name);
 int scene_param_at(const struct scene *scene, struct text name);
 const struct param_row *param_at(const struct scene *scene, int index);
-double param_value(const struct scene *scene,
-                   const char *name); /* NAN: the scene has no such parameter */
+/* NAN: the scene has no such parameter */
+double param_value(const struct scene *scene, const char *name);
 bool param_chosen(const struct scene *scene, const char *name);
 bool is_oscillator(const struct scene *scene); /* also with forces that were typed */
 bool is_pendulum(const struct scene *scene);   /* on a rigid rod */
 
-void scene_init(struct scene *scene,
-                const struct preset *preset); /* NULL: "spring" with the lab's defaults */
+/* NULL: "spring" with the lab's defaults */
+void scene_init(struct scene *scene, const struct preset *preset);
 /* Checks the range (m > 0, …, finite) and that k/m does not overflow; the scene is unchanged on
  * error. */
 bool scene_set(struct scene *scene, int param, struct measured value, struct error *error);
@@ -138,8 +138,8 @@ struct model {
     const struct variable *variable; /* [n] */
     const struct catalog *params, *terms,
         *derived; /* struct param_row, struct term_row, struct derived_row */
-    bool (*coherent)(const double *param,
-                     struct error *error); /* rules beyond each parameter's range; NULL: none */
+    /* rules beyond each parameter's range; NULL: none */
+    bool (*coherent)(const double *param, struct error *error);
     /* Fills t0, start, mass and scale (natural sizes, > 0) once the terms are bound. */
     void (*begin)(const double *param, struct system *system);
     /* As system_exact(); NULL: no closed form, or that of the linear oscillator. */
@@ -177,14 +177,15 @@ struct oscillator {
     double stiffness; /* [1/s^2] k/m, any sign */
     double damping;   /* [1/s] gamma */
     double quadratic; /* [1/m] C rho area / m */
-    double
-        friction; /* [m/s^2] F/m, at rest what it takes; frozen on a branch it is part of gravity */
+    /* [m/s^2] F/m, at rest what it takes; frozen on a branch it is part of gravity */
+    double friction;
     double gravity;      /* [m/s^2] */
     double drive;        /* [m/s^2] F0/m */
     double omega, phase; /* [rad/s] [rad] */
     bool whole;
-    bool drag_whole; /* no force depends on velocity but damping and quadratic (the latter with one
-                        coordinate only) */
+    /* no force depends on velocity but damping and quadratic (the latter with one coordinate
+     * only) */
+    bool drag_whole;
 };
 
 struct term_row {
@@ -200,8 +201,8 @@ struct term_row {
      * state. */
     void (*jacobian)(const double *c, double t, const double *y, double *jac);
     double (*potential)(const double *c, const double *y); /* [J], NULL unless TERM_CONSERVATIVE */
-    double (*power)(const double *c, double t,
-                    const double *y); /* [W], NULL if TERM_CONSERVATIVE or first order */
+    /* [W], NULL if TERM_CONSERVATIVE or first order */
+    double (*power)(const double *c, double t, const double *y);
 };
 
 extern const struct catalog term_catalog; /* those of the oscillator */
@@ -211,8 +212,8 @@ struct bound_term {
     double c[TERM_VALUES]; /* set: TERM_COEFFICIENTS, all of a typed term */
 };
 
-bool bound_term_equal(const struct bound_term *a,
-                      const struct bound_term *b); /* the same row and coefficients */
+/* the same row and coefficients */
+bool bound_term_equal(const struct bound_term *a, const struct bound_term *b);
 
 struct system {
     const struct model *model;
@@ -225,25 +226,25 @@ struct system {
     bool autonomous;         /* no TERM_TIME */
     bool velocity;     /* some force depends on velocity, but for dry friction that is located */
     bool conservative; /* every term has a potential: energy is constant */
-    bool energy; /* kinetic and potential; false: kinetic is all there is, of typed forces without a
-                    potential */
-    int switches; /* of typed equations, then that of dry friction: with branches that can be frozen
-                   */
-    bool dry;     /* the last of them is that of dry friction, at v = 0 */
-    bool pieces;  /* steps of fixed size, too, end at switches: unless they go across, or it is
-                     frozen */
+    /* kinetic and potential; false: kinetic is all there is, of typed forces without a potential */
+    bool energy;
+    /* of typed equations, then that of dry friction: with branches that can be frozen */
+    int switches;
+    bool dry; /* the last of them is that of dry friction, at v = 0 */
+    /* steps of fixed size, too, end at switches: unless they go across, or it is frozen */
+    bool pieces;
     const struct sliding *sliding; /* of a frozen system; NULL: along none of them */
     bool kinks;  /* n = 2, and some force is not smooth at v = 0, where it is not frozen */
     bool across; /* methods step across such kinks, as they are printed */
     double mass; /* [kg] or what takes its place: kinetic energy = mass v^2 / 2 */
-    double ratio[LIMIT_VARIABLES /
-                 2]; /* of the mass of each coordinate to it, where typed ones differ; 0: 1 */
+    /* of the mass of each coordinate to it, where typed ones differ; 0: 1 */
+    double ratio[LIMIT_VARIABLES / 2];
     struct oscillator oscillator;
     double start[LIMIT_VARIABLES]; /* state at t0 */
     double t0;                     /* [s] */
-    double scale[LIMIT_VARIABLES]; /* natural size of each variable (amplitude, amplitude * omega):
-                                      error norms; > 0 */
-    double atol[LIMIT_VARIABLES];  /* as the scene's */
+    /* natural size of each variable (amplitude, amplitude * omega): error norms; > 0 */
+    double scale[LIMIT_VARIABLES];
+    double atol[LIMIT_VARIABLES]; /* as the scene's */
 };
 
 bool scene_bind(const struct scene *scene, struct system *system, struct error *error);
@@ -254,10 +255,10 @@ bool scene_bind_motion(const struct scene *scene, struct system *system, struct 
 /* As if methods did not step across kinks. */
 void system_turn_at_kinks(struct system *system);
 
-void system_acceleration(const struct system *system, double t, const double *y,
-                         double *a); /* [n/2], order 2 only */
-void system_derivative(const struct system *system, double t, const double *y,
-                       double *dydt); /* [n] */
+/* [n/2], order 2 only */
+void system_acceleration(const struct system *system, double t, const double *y, double *a);
+/* [n] */
+void system_derivative(const struct system *system, double t, const double *y, double *dydt);
 /* Only the terms that do not depend on velocity. */
 void system_force(const struct system *system, double t, const double *y, double *a);
 /* Only the terms that do depend on velocity. */
@@ -280,8 +281,8 @@ static inline double drag_flow_apply(const struct drag_flow *flow, double v)
         return copysign(HUGE_VAL, v);
     return flow->min == 1 && flow->pull == 0 ? v * flow->keep : v * flow->keep / below;
 }
-void system_jacobian(const struct system *system, double t, const double *y,
-                     double *jac); /* d y'/d y, [n][n] row-major */
+/* d y'/d y, [n][n] row-major */
+void system_jacobian(const struct system *system, double t, const double *y, double *jac);
 
 /*
  * Short times at which a typed equation does something that samples would miss, as bounds of it
@@ -300,10 +301,10 @@ int system_bursts(const struct system *system, const double t[2], const double *
 double system_kinetic(const struct system *system, const double *y);   /* [J] */
 double system_potential(const struct system *system, const double *y); /* [J] */
 bool system_has_potential(const struct system *system); /* all forces but drag have one */
-double system_power(const struct system *system, double t,
-                    const double *y); /* [W] of the non-conservative terms */
-double system_dissipation(const struct system *system, double t,
-                          const double *y); /* [W] of the drag terms alone, <= 0 */
+/* [W] of the non-conservative terms */
+double system_power(const struct system *system, double t, const double *y);
+/* [W] of the drag terms alone, <= 0 */
+double system_dissipation(const struct system *system, double t, const double *y);
 
 struct variable system_variable(const struct system *system, int i); /* of state variable i */
 /* Place in the state of a variable's name; y' is the velocity of y. -1: there is none. */

@@ -59,8 +59,8 @@ enum typed_kind {
 
 struct typed_line {
     enum typed_kind kind;
-    struct text
-        name; /* of a velocity's initial value: y' (TYPED_VAR); force: "" is the first coordinate */
+    /* of a velocity's initial value: y' (TYPED_VAR); force: "" is the first coordinate */
+    struct text name;
     int order;        /* TYPED_EQUATION: 1 or 2 */
     struct text expr; /* all but TYPED_VAR and TYPED_PARAM; a whole expression, nothing behind it */
     double value;     /* TYPED_VAR, TYPED_PARAM: SI */
@@ -70,8 +70,8 @@ struct typed_line {
 struct typed_models; /* all of a session */
 
 struct typed_models *typed_create(struct error *error); /* NULL: no memory */
-void typed_destroy(
-    struct typed_models *models); /* with every model: nothing may use them any more */
+/* with every model: nothing may use them any more */
+void typed_destroy(struct typed_models *models);
 /* A scene without a line under this name ("": typed); lines that are added to it keep the name.
  * NULL: error. */
 const struct model *typed_new(struct typed_models *models, struct text name, struct error *error);
@@ -90,10 +90,10 @@ const struct model *typed_remove(struct typed_models *models, const struct model
  * model. */
 int typed_lines(const struct model *model);
 const struct typed_line *typed_line(const struct model *model, int i);
-void typed_describe(const struct typed_line *line,
-                    struct buffer *text); /* "y'' = -k*y", as one types it */
-const struct model *
-typed_base(const struct model *model); /* the built-in model below; NULL: none, all is typed */
+/* "y'' = -k*y", as one types it */
+void typed_describe(const struct typed_line *line, struct buffer *text);
+/* the built-in model below; NULL: none, all is typed */
+const struct model *typed_base(const struct model *model);
 
 /* Settings under the name of a scene that is all typed; NULL: it is not. */
 const struct preset *typed_preset(const struct model *model);

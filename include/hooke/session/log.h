@@ -17,8 +17,9 @@ enum request_kind {
     REQUEST_GO,   /* towards a time, a step or a condition */
     REQUEST_SET,  /* a parameter changes */
     REQUEST_KICK, /* a variable of the state changes, in a step of its own */
-    REQUEST_BACK, /* recorded states are dropped; of runs that remember their way, the others keep
-                     no memory of it */
+    /* recorded states are dropped; of runs that remember their way, the others keep no memory of
+     * it */
+    REQUEST_BACK,
 };
 
 /*
@@ -31,8 +32,8 @@ struct request {
     int64_t from;  /* step of the run at which it was asked for */
     double from_t; /* [s] */
     double t;      /* REQUEST_GO: the target [s], FAR either way: none */
-    int64_t
-        end; /* REQUEST_GO: step at which it ends, INT64_MAX: none; REQUEST_BACK: step it led to */
+    /* REQUEST_GO: step at which it ends, INT64_MAX: none; REQUEST_BACK: step it led to */
+    int64_t end;
     char *condition; /* REQUEST_GO: as typed, NULL: none */
     int64_t met;     /* step at which the condition became true, 0: it did not */
     int param;       /* REQUEST_SET; REQUEST_KICK: variable */
@@ -57,8 +58,8 @@ struct request {
 bool journal_add(struct run_slot *slot, struct request request, struct text condition,
                  struct error *error);
 void journal_drop(struct run_slot *slot); /* the last one */
-struct request *journal_fraction(
-    struct request *last); /* another owner of the list that ends there; NULL: an empty one */
+/* another owner of the list that ends there; NULL: an empty one */
+struct request *journal_fraction(struct request *last);
 void journal_release(struct request *last);
 int journal_count(const struct request *last);
 /* The requests from place `first` on, in order, *count of them; free() the list, not them. False:

@@ -17,24 +17,24 @@ void scene_script(const struct scene *scene, const char *end, struct buffer *tex
  */
 void atol_describe(const struct scene *scene, int variable, struct buffer *text);
 void atol_script(const struct scene *scene, const char *end, struct buffer *text);
-int model_variable(const struct model *model,
-                   struct text name); /* place, -1: none; y' is vy of a typed model */
-int model_observation(const struct model *model,
-                      struct text name); /* place of what a typed model observes, -1: none */
-const struct model *
-model_with(struct text name); /* the first with such a parameter, derived quantity or variable */
+/* place, -1: none; y' is vy of a typed model */
+int model_variable(const struct model *model, struct text name);
+/* place of what a typed model observes, -1: none */
+int model_observation(const struct model *model, struct text name);
+/* the first with such a parameter, derived quantity or variable */
+const struct model *model_with(struct text name);
 const char *model_scene(const struct model *model); /* name of a scene that is one */
 enum quantity model_quantity(const struct model *model, const struct observable *observable);
 /* NULL: none. In what a user has typed `y` is no other name of the first coordinate. */
 const struct observable *model_observable(const struct model *model, struct text name);
-bool model_offers(const struct model *model,
-                  const struct observable *observable); /* as far as the model decides it */
+/* as far as the model decides it */
+bool model_offers(const struct model *model, const struct observable *observable);
 /* Says where the name belongs, if it is to another model; false: it does not. */
 bool hint_other_model(const struct session *session, struct text name, struct error *error);
 /* A scene of the user's own, by its name; NULL: there is none. */
 const struct preset *own_scene(const struct setup *setup, struct text name);
-bool unknown_parameter(const struct session *session, struct text name,
-                       struct error *error); /* false, always */
+/* false, always */
+bool unknown_parameter(const struct session *session, struct text name, struct error *error);
 
 /* ---- names in expressions ---- */
 
@@ -49,10 +49,10 @@ struct in_force {
 struct names {
     const struct session *session;
     struct in_force *in_force; /* whose parameters; NULL: those of the set-up */
-    bool expects_run; /* state and observables are known although there is no run yet: it is about
-                         to start */
-    bool saved_only;  /* without variables and results: what means the same when a saved session is
-                         read again */
+    /* state and observables are known although there is no run yet: it is about to start */
+    bool expects_run;
+    /* without variables and results: what means the same when a saved session is read again */
+    bool saved_only;
     const struct run *run; /* whose state and observables; NULL: those of the current run */
 };
 

@@ -59,19 +59,19 @@ struct cursors {
 
 struct view {
     enum layout layout;
-    const struct row *focus; /* pane that commands and zooming act on, of plot_catalog; NULL: the
-                                position */
-    bool full;               /* the focused pane alone */
-    double x[2], y[2];       /* fixed ranges of the focused pane (time [s], SI); NAN: automatic */
-    double window;           /* [s] of time shown; 0: automatic */
-    double trail;            /* periods of the phase trail; HUGE_VAL: all */
-    int scroll;              /* rows the log is scrolled up */
-    bool reading;            /* the log has the whole screen */
-    int found;               /* line that was found last, from the newest */
+    /* pane that commands and zooming act on, of plot_catalog; NULL: the position */
+    const struct row *focus;
+    bool full;         /* the focused pane alone */
+    double x[2], y[2]; /* fixed ranges of the focused pane (time [s], SI); NAN: automatic */
+    double window;     /* [s] of time shown; 0: automatic */
+    double trail;      /* periods of the phase trail; HUGE_VAL: all */
+    int scroll;        /* rows the log is scrolled up */
+    bool reading;      /* the log has the whole screen */
+    int found;         /* line that was found last, from the newest */
     char wanted[LIMIT_NAME + 1]; /* what it has */
     bool paging; /* the live view sweeps, then pages; otherwise it scrolls by whole cells */
-    int overlay[LIMIT_OVERLAY]; /* numbers of the runs drawn besides the present one; those that are
-                                   gone are passed over */
+    /* numbers of the runs drawn besides the present one; those that are gone are passed over */
+    int overlay[LIMIT_OVERLAY];
     int overlays;
     struct cursors cursors;
 };
@@ -80,14 +80,14 @@ struct view {
 #define LIMIT_LOG 2000
 
 struct log {
-    char **line; /* [LIMIT_LOG], allocated when the first line comes; each made safe, without
-                    newline */
+    /* [LIMIT_LOG], allocated when the first line comes; each made safe, without newline */
+    char **line;
     int first, count;
     uint64_t said; /* lines, also those that are gone */
 };
 
-void log_add(struct log *log,
-             struct text text); /* one or more lines; without memory they are dropped */
+/* one or more lines; without memory they are dropped */
+void log_add(struct log *log, struct text text);
 const char *log_line(const struct log *log, int i); /* i = 0: the newest */
 /*
  * The row of a line that begins at byte *from, as it stands in a pane of that width [cell]: whole

@@ -12,14 +12,16 @@ enum charset_choice { CHOOSE_AUTO, CHOOSE_ASCII, CHOOSE_BLOCK, CHOOSE_BRAILLE };
 enum color_choice { COLOR_AUTO, COLOR_ALWAYS, COLOR_NEVER };
 enum phase_axes { PHASE_SCALED, PHASE_RAW };
 enum sync_choice {
+    /* whether the next frame waits until the terminal has answered */
     SYNC_AUTO,
     SYNC_ON,
     SYNC_OFF
-}; /* whether the next frame waits until the terminal has answered */
+};
 enum view_choice {
+    /* the live view sweeps, then pages; or scrolls by whole cells */
     VIEW_PAGE,
     VIEW_SCROLL
-}; /* the live view sweeps, then pages; or scrolls by whole cells */
+};
 
 enum sums { SUMS_PLAIN, SUMS_COMPENSATED };
 enum turning { TURNING_ON, TURNING_OFF };
@@ -30,8 +32,8 @@ struct settings {
 #define SETTING(type, field, ...) type field;
 #define SETTING_PAIR(type, field, second, ...) type field, second;
 #include "session/settings.def"
-    bool dt_chosen, tol_chosen,
-        duration_chosen; /* by the user: else tol and duration are those of the scene */
+    /* by the user: else tol and duration are those of the scene */
+    bool dt_chosen, tol_chosen, duration_chosen;
 };
 
 /* What methods make of it: `set` says so. */
@@ -41,9 +43,9 @@ struct setting {
     struct row row;
     enum quantity quantity;
     size_t offset, bytes; /* of the field in struct settings */
-    size_t chosen;         /* 0, or the offset of the bool that says the user has set it */
-    double (*natural)(
-        const struct preset *preset); /* its value where he has not; NULL: a new session's */
+    size_t chosen;        /* 0, or the offset of the bool that says the user has set it */
+    /* its value where he has not; NULL: a new session's */
+    double (*natural)(const struct preset *preset);
     bool plots; /* `show plot` shows it although it belongs to the experiment */
     enum setting_use use;
     bool of_run;  /* a run keeps its own */
@@ -65,8 +67,8 @@ static inline const struct setting *setting_at(size_t i)
 bool setting_same(const struct setting *setting, const struct settings *a,
                   const struct settings *b);
 void setting_copy(const struct setting *setting, const struct settings *from, struct settings *to);
-extern const struct catalog
-    format_choice_catalog; /* struct row at the enum's place: text, csv, json */
+/* struct row at the enum's place: text, csv, json */
+extern const struct catalog format_choice_catalog;
 
 #define FAR 1e300 /* [s] no run gets there; finite, so that what is left of the way is a number */
 

@@ -30,12 +30,12 @@ double scene_period(const struct scene *scene);
 /* [s] of a pendulum that swings so far [rad], without damping: complete elliptic integral; NAN:
  * another scene. */
 double scene_period_at(const struct scene *scene, double amplitude);
-double derived_value(const struct scene *scene,
-                     const char *name); /* NAN: no scene, or not defined */
+/* NAN: no scene, or not defined */
+double derived_value(const struct scene *scene, const char *name);
 /* Keeps it as a row of `list measurements` and as the result measured_NAME. */
 bool session_add_measurement(struct session *session, const char *name, const char *of,
-                              struct measured value, enum quantity unit, double periods,
-                              struct error *error);
+                             struct measured value, enum quantity unit, double periods,
+                             struct error *error);
 /* The first variable, or energy, of a run over time; oldest first also where it went backwards. */
 bool run_series(const struct run *run, bool energy, struct arena *arena, struct series *series,
                 struct error *error);
@@ -140,8 +140,8 @@ struct window_advice {
 
 void advise_window(const struct subject *subject, enum window_law law, struct arena *arena,
                    struct window_advice *advice);
-void reply_advice(const struct subject *subject, struct arena *arena,
-                  struct reply *reply); /* as a warning */
+/* as a warning */
+void reply_advice(const struct subject *subject, struct arena *arena, struct reply *reply);
 
 /* The table, then what was done or would be done. */
 void reply_findings(const struct recording *recording, struct arena *arena, struct reply *reply);

@@ -33,8 +33,8 @@ struct timing_result {
 
 #define TIMING_SPREAD 0.1 /* above it a time is flagged */
 
-double timing_step_ns(const struct timing_result *time,
-                      int64_t steps);                  /* [ns] of the minimum; NAN: not timed */
+/* [ns] of the minimum; NAN: not timed */
+double timing_step_ns(const struct timing_result *time, int64_t steps);
 void buffer_step_time(struct buffer *text, double ns); /* for people, without its unit */
 
 /*
@@ -73,10 +73,10 @@ struct reference {
     double shortest; /* [s] the shortest stretch that its steps had to be cut for, 0: none */
     double bound;    /* [s] no step of it is longer, except of one of the two methods */
     bool again;      /* computed again, in shorter steps, because finer runs disagreed with it */
-    const struct method *against[2]; /* their runs agree with each other and not with it: not
-                                        resolved; NULL: nobody */
-    double apart;                    /* by so much, in amplitudes */
-    bool stored;                       /* by an earlier study of the same scene */
+    /* their runs agree with each other and not with it: not resolved; NULL: nobody */
+    const struct method *against[2];
+    double apart; /* by so much, in amplitudes */
+    bool stored;  /* by an earlier study of the same scene */
 };
 
 /* Bounded in cost (about 4e7 evaluations a solution at most) and cancellable. False: cancelled, or
@@ -130,8 +130,8 @@ void references_free(struct references *references);
 
 struct study_errors {
     double end, max; /* at the end, on the grid */
-    double
-        energy; /* largest |E - E_reference| / largest |E_reference|; NAN for first-order scenes */
+    /* largest |E - E_reference| / largest |E_reference|; NAN for first-order scenes */
+    double energy;
     double phase, amplitude; /* [rad] and relative, at the end, of an oscillator; NAN */
 };
 
@@ -148,9 +148,9 @@ struct precision_request {
     const struct scene *scene;
     const struct method_choice *choice;
     int choices;
-    double dt[2];  /* [s] ends of the sweep, NAN: choose. Given: methods that adapt take fixed steps
-                      too */
-    double tol[2]; /* ends of the sweep of methods that adapt, NAN: choose */
+    /* [s] ends of the sweep, NAN: choose. Given: methods that adapt take fixed steps too */
+    double dt[2];
+    double tol[2];    /* ends of the sweep of methods that adapt, NAN: choose */
     double duration;  /* [s] */
     bool compensated; /* sums of fixed steps */
     enum timing timing;
@@ -168,19 +168,19 @@ struct precision_point {
     enum stop stop;
     bool refused; /* the method takes no steps of this size here */
     struct study_errors errors;
-    bool probed; /* lost already where the motion goes furthest: steps, cost and error are of that
-                    1/256 alone */
-    double
-        seconds; /* [s] of the processor, for the one solve that was measured, sampling included */
-    int64_t
-        timed_steps; /* the time is that of so many, scaled to all of them; 0: of whole solves */
+    /* lost already where the motion goes furthest: steps, cost and error are of that 1/256 alone */
+    bool probed;
+    /* [s] of the processor, for the one solve that was measured, sampling included */
+    double seconds;
+    /* the time is that of so many, scaled to all of them; 0: of whole solves */
+    int64_t timed_steps;
     double order; /* log(error ratio)/log(dt or tol ratio) to the point before, NAN for the first */
     bool below;   /* below the accuracy of the reference */
     bool asymptotic;  /* takes part in the fit */
     enum kernel path; /* as study_path() */
     struct timing_result time;
-    double
-        recording; /* [s] the same with all rows recorded, shortest of three; NAN: not asked for */
+    /* [s] the same with all rows recorded, shortest of three; NAN: not asked for */
+    double recording;
 };
 
 /* One method: its points from coarse to fine, and the line through the asymptotic ones. */
@@ -190,11 +190,11 @@ struct precision_curve {
     int first, count;
     double slope, r2; /* of log error over log dt (or log tol); NAN: fewer than three points */
     int fitted;
-    double expected; /* order, or 1 for tol: error proportional to tolerance; NAN: nothing is
-                        expected (exact) */
-    bool differs; /* slope is further than PRECISION_SLOPE (for orders above 6: a 20th) from what is
-                     expected */
-    bool cut;     /* ended by the time allowed, not by rounding or cost */
+    /* order, or 1 for tol: error proportional to tolerance; NAN: nothing is expected (exact) */
+    double expected;
+    /* slope is further than PRECISION_SLOPE (for orders above 6: a 20th) from what is expected */
+    bool differs;
+    bool cut; /* ended by the time allowed, not by rounding or cost */
 };
 
 #define PRECISION_SLOPE 0.3
@@ -227,7 +227,7 @@ struct precision_row {
     struct precision_point point;
     struct precision_curve curve;
     double accuracy; /* of the reference */
-    bool stored;       /* the reference, by an earlier study */
+    bool stored;     /* the reference, by an earlier study */
     bool resolved;   /* it is not contradicted by the finest runs of two methods */
     const struct precision *precision;
 };
@@ -250,8 +250,8 @@ struct precision_cost {
     bool tied;
 };
 
-#define PRECISION_TIE                                                                              \
-    1.05 /* what minima of the same solve differ by from one process to the next */
+/* what minima of the same solve differ by from one process to the next */
+#define PRECISION_TIE 1.05
 
 bool precision_cost_at(const struct precision *precision, int curve, double error,
                        struct precision_cost *cost);
@@ -301,21 +301,21 @@ struct compare_request {
     const struct cancel *cancel;
 };
 
-struct comparison {           /* one method at one setting */
-    struct run *run;          /* owned by the caller after study_compare */
-    struct run_errors errors; /* against the exact solution; without one end, max and floor against
-                                 the reference */
-    double duration;          /* [s] asked for */
+struct comparison {  /* one method at one setting */
+    struct run *run; /* owned by the caller after study_compare */
+    /* against the exact solution; without one end, max and floor against the reference */
+    struct run_errors errors;
+    double duration; /* [s] asked for */
     const struct method
         *reference[2]; /* what that reference was made with, NULL: not needed, or there is none */
     bool reference_stored; /* by an earlier study */
     struct ledger ledger;
-    double order; /* log(error ratio)/log(dt ratio) to the row before of the same method, NAN for
-                     the first */
-    double energy_factor;    /* E/E0 at the end */
-    double predicted_factor; /* what the method's amplification matrix says of E/E0; NAN where it
-                                does not apply */
-    enum kernel path;        /* as study_path() */
+    /* log(error ratio)/log(dt ratio) to the row before of the same method, NAN for the first */
+    double order;
+    double energy_factor; /* E/E0 at the end */
+    /* what the method's amplification matrix says of E/E0; NAN where it does not apply */
+    double predicted_factor;
+    enum kernel path; /* as study_path() */
     struct timing_result time;
     char verdict[200]; /* in words: "energy x 1.76e+03 in 10 s, as predicted: 1.0075 a step" */
 };
@@ -376,8 +376,8 @@ struct order_point {
     int64_t steps;
     enum stop stop;
     bool refused; /* the method takes no steps of this size here */
-    double
-        error; /* largest over the variables, in units of their amplitudes; NAN: did not arrive */
+    /* largest over the variables, in units of their amplitudes; NAN: did not arrive */
+    double error;
     double slope;  /* to the point before; NAN */
     int64_t turns; /* extra steps that end at turning points */
     bool fitted;
@@ -400,8 +400,8 @@ extern const struct catalog order_verdict_catalog; /* struct row at the enum's p
 struct order {
     struct method_choice by;
     int claimed; /* by the row; explicit drag claims 1 on a scene with drag */
-    double slope, guard,
-        r2; /* guard: how far local slopes and the line's own uncertainty reach; NAN: no range */
+    /* guard: how far local slopes and the line's own uncertainty reach; NAN: no range */
+    double slope, guard, r2;
     struct order_point point[ORDER_POINTS];
     int points, fitted;
     double floor;          /* errors below are not claimed */
@@ -411,8 +411,8 @@ struct order {
     char words[300]; /* why the scene spoils it, "" where nothing is to say */
 };
 
-extern const struct result_columns order_columns,
-    order_point_columns; /* of struct order, struct order_point */
+/* of struct order, struct order_point */
+extern const struct result_columns order_columns, order_point_columns;
 
 /* False: the method does not apply, there is no reference, or cancelled (what is finished is kept:
  * points > 0). */
@@ -434,8 +434,8 @@ struct selftest_row {
     const struct method *method;
     struct {
         bool applies, passed;
-        double value,
-            wanted; /* order; area factor - 1; distance from the start; growth around the limit */
+        /* order; area factor - 1; distance from the start; growth around the limit */
+        double value, wanted;
     } check[SELFTEST_CHECKS];
     bool passed;
 };

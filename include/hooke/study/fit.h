@@ -25,8 +25,8 @@ struct scene_fit_request {
 };
 
 struct scene_fit {
-    struct scene
-        scene; /* with what was fitted; t0 is the first sample where the whole start was free */
+    /* with what was fitted; t0 is the first sample where the whole start was free */
+    struct scene scene;
     int index[CURVE_PARAMETERS];        /* of the curve's parameters; -1: the offset, the last */
     const char *name[CURVE_PARAMETERS]; /* of the same */
     struct curve_fit curve;             /* uncertainties with those of the held values (the mass) */

@@ -13,10 +13,10 @@
  */
 
 struct mode {
-    double omega, zeta;       /* [1/s]; zeta > 1: a pair of real eigenvalues; < 0: it grows */
-    double t;                 /* [s] where it was met */
-    enum stiffness_sign sign; /* of y'' + 2 zeta omega y' +, 0, - omega^2 y = 0: where it is not the
-                                 first, omega is a unit */
+    double omega, zeta; /* [1/s]; zeta > 1: a pair of real eigenvalues; < 0: it grows */
+    double t;           /* [s] where it was met */
+    /* of y'' + 2 zeta omega y' +, 0, - omega^2 y = 0: where it is not the first, omega is a unit */
+    enum stiffness_sign sign;
 };
 
 /* [1/s] The two eigenvalues, that with the larger real part first; im of the first, the second is
@@ -30,9 +30,9 @@ struct stability_request {
     const struct cancel *cancel;
 };
 
-struct stability_check {            /* one step size, run for so many steps */
-    double dt, predicted, measured; /* growth a step; measured: envelope of the last quarter over
-                                       that of the second */
+struct stability_check { /* one step size, run for so many steps */
+    /* growth a step; measured: envelope of the last quarter over that of the second */
+    double dt, predicted, measured;
     int64_t steps;
     bool agrees;
 };
@@ -51,19 +51,20 @@ struct stability {
     int modes, at_start;
     struct mode worst;    /* grows most at dt */
     struct mode tightest; /* sets dt_max */
-    double dt_max; /* [s] supremum of the steps in which nothing grows but what does so by itself;
-                    * HUGE_VAL: every, 0: none, NAN: nothing decides it */
+    /* [s] supremum of the steps in which nothing grows but what does so by itself; HUGE_VAL:
+     * every, 0: none, NAN: nothing decides it */
+    double dt_max;
     double growth_predicted, growth_measured, growth_exact; /* a step of dt, of the worst mode */
     double energy_factor;                                   /* a step */
     struct stability_check check[3]; /* dt, a little below dt_max, a little above */
     int checks;
     bool agrees;
     enum stability_verdict verdict;
-    double doubling;  /* steps until the amplitude doubles; HUGE_VAL: never */
-    double weak[2];   /* growth - 1 is about weak[0] (omega dt)^weak[1]; NAN: not weak */
-    double window[3]; /* [s] [s] 1: a narrow resonance from .. to, and the largest growth in it;
-                         NAN: none */
-    enum stop stop;   /* of the scene itself, run with dt where it is not linear */
+    double doubling; /* steps until the amplitude doubles; HUGE_VAL: never */
+    double weak[2];  /* growth - 1 is about weak[0] (omega dt)^weak[1]; NAN: not weak */
+    /* [s] [s] 1: a narrow resonance from .. to, and the largest growth in it; NAN: none */
+    double window[3];
+    enum stop stop;          /* of the scene itself, run with dt where it is not linear */
     double reached, largest; /* [s] and amplitude of that run over the natural one */
 };
 
@@ -104,13 +105,13 @@ struct stress_case {
     } set[8];
     const struct stress_scene *of; /* that scene; NULL: the preset */
     enum { STRESS_AS_IT_IS, STRESS_STEP, STRESS_PARAM, STRESS_START } change;
-    int param;    /* PARAM: its place */
-    double value; /* SI, of the parameter or of the initial values; STEP: dt in units of the
-                     method's own limit */
-    double span;  /* [s], 0: ten seconds */
-    bool fixed;   /* the case is about its dt: methods that adapt take it too */
-    double dt;    /* [s] where fixed, else span/1024 */
-    double tol;   /* 0: 1e-6 for methods that adapt */
+    int param; /* PARAM: its place */
+    /* SI, of the parameter or of the initial values; STEP: dt in units of the method's own limit */
+    double value;
+    double span; /* [s], 0: ten seconds */
+    bool fixed;  /* the case is about its dt: methods that adapt take it too */
+    double dt;   /* [s] where fixed, else span/1024 */
+    double tol;  /* 0: 1e-6 for methods that adapt */
 };
 
 struct stress_row {

@@ -86,8 +86,8 @@ struct sweep_request {
     int64_t shard, shards; /* 1 … shards */
     int threads;           /* 0: as many as there are processors */
     const struct cancel *cancel;
-    void (*progress)(void *context,
-                     double fraction); /* from the calling thread, ten times a second; NULL */
+    /* from the calling thread, ten times a second; NULL */
+    void (*progress)(void *context, double fraction);
     void *context;
 };
 
@@ -113,8 +113,8 @@ void study_sweep_predict(const struct sweep_request *request, double *steps, dou
  * case. */
 bool study_sweep(const struct sweep_request *request, struct sweep *sweep, struct error *error);
 void sweep_free(struct sweep *sweep);
-int64_t sweep_number(const struct sweep *sweep, int axis,
-                     int64_t i); /* place on the axis of point first + i */
+/* place on the axis of point first + i */
+int64_t sweep_number(const struct sweep *sweep, int axis, int64_t i);
 const char *sweep_status_name(int status);
 
 #endif

@@ -18,8 +18,8 @@ double inside(const struct problem *p, int j, double u, double *slope)
     }
     if (!isfinite(low) && !isfinite(high))
         return u;
-    double root = sqrt(1 + u * u),
-           beyond = unit * u * u / (root + 1); /* root - 1 without cancellation */
+    /* root - 1 without cancellation */
+    double root = sqrt(1 + u * u), beyond = unit * u * u / (root + 1);
     *slope = isfinite(low) ? unit * u / root : -unit * u / root;
     return isfinite(low) ? low + beyond : high - beyond;
 }

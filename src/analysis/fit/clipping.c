@@ -12,16 +12,15 @@
 
 enum { CENSORED_MIN = 6, ROUNDS = 25 };
 
-#define HARMONICS                                                                                  \
-    2.5 /* standard deviations of the second or third harmonic that make it worth a look */
+/* standard deviations of the second or third harmonic that make it worth a look */
+#define HARMONICS 2.5
 #define GAIN_MIN 9.0 /* chi-square by which a ceiling must explain the samples better */
 #define RESOLVED 1.5 /* steps of the recording: what is flat over less is rounded, not cut */
-#define FLAT                                                                                       \
-    3.0 /* standard deviations of the noise by which readings of a flat top may scatter,           \
-         */
+/* standard deviations of the noise by which readings of a flat top may scatter, */
+#define FLAT 3.0
 #define FLAT_SHARE 0.02 /* or by this share of what the model does there */
-#define SLOPE_MAX                                                                                  \
-    0.35 /* of reading against model beyond the level: 0 where it is flat, 1 where it is not */
+/* of reading against model beyond the level: 0 where it is flat, 1 where it is not */
+#define SLOPE_MAX 0.35
 
 /* A flat top has harmonics; noise has none at all. */
 static bool has_harmonics(const struct motion *m)

@@ -16,8 +16,8 @@ enum { ITERATIONS = 500, ROBUST_ROUNDS = 40, SOFT_ROUNDS = 5, MANY = 20000 };
 #define NO_VALUE 1e140 /* residual where the curve has none: the step is refused */
 #define SOFT_L1 1.345
 #define WEIGHTS_STAY 1e-3 /* change of a weight from which on they stay */
-#define LENGTH_EXACT                                                                               \
-    1e-14 /* of the step that is polished no further, relative to value or uncertainty */
+/* of the step that is polished no further, relative to value or uncertainty */
+#define LENGTH_EXACT 1e-14
 #define LENGTH_COSTLY 1e-10
 
 /* ---- the residuals as GSL wants them ---- */
@@ -105,8 +105,8 @@ static enum outcome descend(struct problem *p, double *u, bool accelerate, int m
             outcome = OUTCOME_CANCELLED;
             break;
         }
-        status = gsl_multifit_nlinear_iterate(
-            work); /* GSL_ENOPROG: the minimum to the last digit, or stuck */
+        /* GSL_ENOPROG: the minimum to the last digit, or stuck */
+        status = gsl_multifit_nlinear_iterate(work);
         ++*iterations;
         if (status == GSL_SUCCESS && settled(work, p))
             break;
@@ -333,8 +333,8 @@ static enum outcome approach_on_tangent(struct problem *p, double *x, bool *soft
 static enum outcome minimise_robust(struct problem *p, double *x, int max, struct curve_fit *fit)
 {
     int iterations = 0;
-    const bool is_long =
-        p->n > MANY; /* then it starts from a robust fit already: nothing soft is needed */
+    /* then it starts from a robust fit already: nothing soft is needed */
+    const bool is_long = p->n > MANY;
     const bool wanted = p->rough;
     p->rough = true; /* until the weights stay */
     enum outcome outcome =

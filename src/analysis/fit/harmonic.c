@@ -63,7 +63,8 @@ static void turn_init(struct phase_table *turn, const struct harmonic *h, double
 /* u + i v = exp((-gamma/2 + i omega) s) and s for the samples from `at` on; `count` of them exist.
  */
 static void fill_basis(const struct samples *x, size_t at, int count, const struct harmonic *h,
-                       const struct phase_table *turn, union block *u, union block *v, union block *s)
+                       const struct phase_table *turn, union block *u, union block *v,
+                       union block *s)
 {
     if (x->uniform) {
         double start = x->t0 + (double)at * x->dt - h->origin, e = exp(-0.5 * h->gamma * start);
@@ -275,10 +276,8 @@ bool harmonic_fit(const struct samples *x, enum harmonic_free wanted, struct har
     if (x->n == 0 || cancelled(x->cancel)) {
         return false;
     }
-    bool cold =
-        best.a == 0 &&
-        best.b ==
-            0; /* no start: work around a first answer, so that rounding is that of the residuals */
+    /* no start: work around a first answer, so that rounding is that of the residuals */
+    bool cold = best.a == 0 && best.b == 0;
     if (cold) {
         best.c = x->y[0];
         if (!look(x, FREE_LINEAR, &best, &factor, NULL)) {

@@ -9,8 +9,8 @@ struct problem {
     const struct fit_curve *curve;
     const double *t, *y, *low, *high;
     size_t n;
-    double unit[CURVE_PARAMETERS];    /* of the change of variables at a bound: the start's distance
-                                         from it */
+    /* of the change of variables at a bound: the start's distance from it */
+    double unit[CURVE_PARAMETERS];
     double *value, *scratch, *weight; /* [n] */
     double *derivative;               /* [n][parameters] */
     double size;                      /* length of y: rounding */

@@ -10,8 +10,8 @@
 #define EXACT 1e-7    /* of the amplitude: deviations below are the model's, not the instrument's */
 #define CLIPPED_MIN 0.01 /* of the samples */
 #define RESOLVED 1.5     /* steps of the recording: what falls short by less is rounded, not cut */
-#define FLAT                                                                                       \
-    0.8 /* of the samples that fall short of the model read the same, or these are no flat tops */
+/* of the samples that fall short of the model read the same, or these are no flat tops */
+#define FLAT 0.8
 
 /* Where the model of a sample is: its value less the residual. side 1: above, -1: below; positive
  * beyond the level. */
@@ -63,8 +63,8 @@ static void fit_segment(struct motion *m, struct swing_segment *s)
     h.origin = 0.5 * (part.t[0] + part.t[part.n - 1]);
     s->settled = true;
     if (!harmonic_fit(&part, FREE_LINEAR, &h, m->residual + s->from)) {
-        memset(m->residual + s->from, 0,
-               part.n * sizeof(double)); /* too few good samples to judge the others */
+        /* too few good samples to judge the others */
+        memset(m->residual + s->from, 0, part.n * sizeof(double));
         return;
     }
     s->a = h.a;

@@ -12,15 +12,15 @@
 
 enum { ROUNDS = 4 };
 
-#define LONG                                                                                       \
-    100000 /* samples, from which on a step of ten standard deviations is trusted in the end */
+/* samples, from which on a step of ten standard deviations is trusted in the end */
+#define LONG 100000
 #define NEARLY 100.0  /* variances that a step may promise to be taken unseen: in the search, */
 #define FINALLY 1e-3  /* and at the end */
 #define REJECT_AT 5.0 /* robust standard deviations */
 #define CLIPPED 0.2   /* of what was taken for clipped that must be off, or it was not */
 #define BASELINE_PERIODS 3
-#define WANDERS                                                                                    \
-    2.0 /* variance that a baseline of its own takes in each block, over that of the residuals */
+/* variance that a baseline of its own takes in each block, over that of the residuals */
+#define WANDERS 2.0
 
 int drag_indices(enum drag_law law, enum restoring_force force, int index[LAW_PARAMETERS])
 {

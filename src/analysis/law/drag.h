@@ -8,16 +8,16 @@
 /* Places among a fit's parameters; windows from which slow changes are read. */
 enum { START, SPEED, OMEGA, FIRST_RATE, DRAG_WINDOWS_MIN = 8 };
 
-#define INTEGRATED                                                                                 \
-    1e-16 /* mean square, relative, to which integration is good: no law is better than that */
+/* mean square, relative, to which integration is good: no law is better than that */
+#define INTEGRATED 1e-16
 
 #define DELTA_MIN 6.0    /* of BIC, for a claim, and */
 #define CHANCE_MAX 0.001 /* of the F-test, for a further term to be claimed, and */
 #define HIDDEN 0.01      /* to be taken for possible, though not shown */
-#define SHARE_MAX                                                                                  \
-    0.2 /* of the loss, or of the force, that a further term may take (two standard deviations) */
-#define DRAG_WIDENED                                                                               \
-    1.05 /* of a variance: slow changes count, so windows are what is independent */
+/* of the loss, or of the force, that a further term may take (two standard deviations) */
+#define SHARE_MAX 0.2
+/* of a variance: slow changes count, so windows are what is independent */
+#define DRAG_WIDENED 1.05
 
 struct drag_fitting {
     struct motion *motion;
@@ -45,7 +45,8 @@ int drag_indices(enum drag_law law, enum restoring_force force, int index[LAW_PA
 
 /* ---- drag_report.c ---- */
 
-bool drag_factors(const struct drag_fitting *f, const struct law_fit *fit, struct drag_factors *out);
+bool drag_factors(const struct drag_fitting *f, const struct law_fit *fit,
+                  struct drag_factors *out);
 void drag_losses(const struct drag_fitting *f, const struct law_fit *fit, double loss[DRAG_RATES]);
 void drag_describe(const struct law_fit *fit, int i, double deviation, struct drag_candidate *out);
 bool drag_report_offset(struct drag_fitting *f, const struct law_fit *fit,
@@ -60,6 +61,7 @@ void drag_report(const struct drag_fitting *f, int i, const struct drag_factors 
  * BIC and F-test: fills drag->restoring, force, forces_remaining, and best. angle: it may be a
  * pendulum. False: no number.
  */
-bool restoring_choose(struct drag_fitting *f, bool angle, struct drag_fit *drag, struct law_fit *best);
+bool restoring_choose(struct drag_fitting *f, bool angle, struct drag_fit *drag,
+                      struct law_fit *best);
 
 #endif

@@ -33,8 +33,8 @@ static double factor_of(const struct windows *w, double lag)
 {
     if (w->count < DRAG_WINDOWS_MIN || !(w->expected > 0))
         return autocorrelation_factor(lag);
-    const double left =
-        w->count / fmax(w->count - 3, 1); /* up to three parameters of the envelope are fitted */
+    /* up to three parameters of the envelope are fitted */
+    const double left = w->count / fmax(w->count - 3, 1);
     return fmax(1, w->square / w->expected * left * autocorrelation_factor(w->product / w->square));
 }
 
@@ -196,8 +196,8 @@ void drag_report(const struct drag_fitting *f, int i, const struct drag_factors 
     out->amplitude = (struct measured){a * grow, radial * grow};
     out->phase = (struct measured){remainder(atan2(-sine, y) + turn, TWO_PI), turned / a};
     out->omega = (struct measured){omega, law_formal(fit, OMEGA) * across};
-    const struct measured *half =
-        out->half_periods; /* a period that drifts is only as good as half the difference */
+    /* a period that drifts is only as good as half the difference */
+    const struct measured *half = out->half_periods;
     const double drifts = fabs(half[0].value - half[1].value);
     if (fit->motion.force == RESTORING_LINEAR &&
         drifts > HALVES_DIFFER * hypot(half[0].uncertainty, half[1].uncertainty))

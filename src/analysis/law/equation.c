@@ -27,8 +27,8 @@ enum {
 };
 
 #define STEP_MAX 1.2 /* [rad] */
-#define ROUNDING                                                                                   \
-    1e-15 /* share of the series that its last term may have: what follows is ten times smaller */
+/* share of the series that its last term may have: what follows is ten times smaller */
+#define ROUNDING 1e-15
 
 _Static_assert((int)ORDER == (int)EQUATION_ORDER && (int)OF_CUBIC == (int)COLUMNS - 1,
                "a column for each parameter of the motion");

@@ -6,10 +6,11 @@
 #include <string.h>
 
 enum {
+    /* derivatives, then the residual */
     CHUNK = 128,
     ITERATIONS = 60,
     COLUMNS = LAW_PARAMETERS + 1
-}; /* derivatives, then the residual */
+};
 
 /* With friction a minimum may lie where a half swing more begins, in a kink: no step promises
  * little there. */
@@ -60,7 +61,8 @@ static struct gram_block block_of(const struct law_samples *x, size_t k)
 {
     const double *t = x->samples->t;
     const double from = t[x->baseline.edge[k]], to = t[x->baseline.edge[k + 1] - 1];
-    return (struct gram_block){.middle = 0.5 * (from + to), .half = fmax(0.5 * (to - from), 1e-300)};
+    return (struct gram_block){.middle = 0.5 * (from + to),
+                               .half = fmax(0.5 * (to - from), 1e-300)};
 }
 
 static double time_of(const struct samples *x, size_t i)

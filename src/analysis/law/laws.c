@@ -83,7 +83,7 @@ static double chance(const struct law_evidence *e, int small, int large)
  * itself.
  */
 static double fraction_beyond(const struct law_evidence *e, const struct drag_candidate *c,
-                           enum drag_law part, bool *there)
+                              enum drag_law part, bool *there)
 {
     const struct law_fit *fit = &e->fit[c->law - 1];
     double all = 0, beyond = 0, variance = 0, weight[LAW_PARAMETERS] = {0},

@@ -13,8 +13,8 @@ enum { FIRST_PERIODS = 4, LEAST = 16 };
 
 #define NEARLY 100.0 /* variances that a step may promise to be taken unseen */
 #define FINALLY 1e-2
-#define FAR                                                                                        \
-    100.0 /* variances beyond another force, with which a search that did not end is no answer */
+/* variances beyond another force, with which a search that did not end is no answer */
+#define FAR 100.0
 
 const char *restoring_name(enum restoring_force force)
 {
@@ -195,7 +195,8 @@ static bool weigh(struct drag_fitting *f, struct force_fits *all, struct drag_fi
     return true;
 }
 
-bool restoring_choose(struct drag_fitting *f, bool angle, struct drag_fit *drag, struct law_fit *best)
+bool restoring_choose(struct drag_fitting *f, bool angle, struct drag_fit *drag,
+                      struct law_fit *best)
 {
     const struct law_samples *x = &f->samples;
     const double first_span = FIRST_PERIODS * TWO_PI / f->start.value[EQUATION_OMEGA];

@@ -9,9 +9,8 @@
 #define REJECTED 5.0  /* robust standard deviations */
 #define ROUNDING 1e-9 /* of an amplitude: what is nearer is no outlier of a simulation */
 #define SURE 3.0      /* standard deviations of an amplitude, and */
-#define SURE_SLOW                                                                                  \
-    5.0               /* where the slowest has fewer than PERIODS: a random walk looks like that   \
-                       */
+/* where the slowest has fewer than PERIODS: a random walk looks like that */
+#define SURE_SLOW 5.0
 #define CLEAR 6.0     /* of the noise beside its line */
 #define DECIDES 6.0   /* BIC */
 #define RESOLVED 1.5  /* line widths 1/span between two frequencies */
@@ -341,7 +340,8 @@ static double noise_beside(const struct modes_fitting *f, const struct normal_mo
     return sqrt(2 * variance / (double)f->fit.used) / rms;
 }
 
-static bool certain(const struct modes_fitting *f, const struct modes_fit *modes, struct error *error)
+static bool certain(const struct modes_fitting *f, const struct modes_fit *modes,
+                    struct error *error)
 {
     const double span = f->series->t[f->series->n - 1] - f->series->t[0];
     const double sure = modes->mode[0].frequency.value * span < PERIODS ? SURE_SLOW : SURE;
@@ -367,9 +367,8 @@ static bool certain(const struct modes_fitting *f, const struct modes_fit *modes
 static int count_modes(const struct samples *x, int count, const struct cancel *cancel,
                        struct mode_start *start)
 {
-    const int max = count < MODES_MAX
-                        ? count + 1
-                        : count; /* one that is left would look like correlated noise */
+    /* one that is left would look like correlated noise */
+    const int max = count < MODES_MAX ? count + 1 : count;
     int sure = 0;
     for (int wanted = count; wanted <= max && sure < count; wanted++) {
         double samples;
@@ -418,8 +417,9 @@ bool two_lines(const struct samples *x, struct mode_pair *pair)
 {
     struct mode_start start[3];
     double samples;
+    /* as many parameters, or more */
     if (x->n <= MODES_FIRST + 2 * MODE_PARAMETERS)
-        return false; /* as many parameters, or more */
+        return false;
     const double width = 1 / (x->t[x->n - 1] - x->t[0]);
     if (modes_search(x, 2, true, NULL, start, &samples) < 2 ||
         !(modes_evidence(start, 1, 2, samples) > DECIDES) ||

@@ -7,10 +7,11 @@
 #include "analysis/internal.h"
 
 enum {
+    /* places of c, d, and of the first mode's parameters */
     MODES_OFFSET,
     MODES_SLOPE,
     MODES_FIRST
-}; /* places of c, d, and of the first mode's parameters */
+};
 enum { MODE_OMEGA, MODE_GAMMA, MODE_A, MODE_B, MODE_PARAMETERS };
 
 struct mode_curve {

@@ -19,8 +19,8 @@ enum {
     ITERATIONS_QUICK = 10
 };
 
-#define QUICK_LEFT                                                                                 \
-    0.8 /* of the sum of squares: what one mode leaves at most, where a quick look goes on */
+/* of the sum of squares: what one mode leaves at most, where a quick look goes on */
+#define QUICK_LEFT 0.8
 
 #define A_PERIOD 8 /* samples that averaging leaves of the fastest line, at least */
 
@@ -242,8 +242,8 @@ static bool refine(struct modes_search *s, struct mode_start *start, double *res
 }
 
 /* One mode more than in `start`, whose residuals are replaced. */
-static bool add_mode(struct modes_search *s, const struct mode_start *start, struct mode_start *next,
-                     double *residual)
+static bool add_mode(struct modes_search *s, const struct mode_start *start,
+                     struct mode_start *next, double *residual)
 {
     struct rates known[MODES_MAX] = {{0, 0}};
     for (int k = 0; k < s->modes; k++) {

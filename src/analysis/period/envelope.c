@@ -14,8 +14,8 @@
 
 enum { WINDOWS_MAX = 64, WINDOWS_MIN = 8 };
 
-#define AVERAGED                                                                                   \
-    1e-10 /* mean square to which averaging over a period is good: no law is better than that */
+/* mean square to which averaging over a period is good: no law is better than that */
+#define AVERAGED 1e-10
 
 struct envelope {
     size_t count;
@@ -27,8 +27,8 @@ struct envelope {
 
 double envelope_value(const struct envelope_rates *rates, double s, double by[2])
 {
-    double h = 0.5 * rates->gamma, hs = h * s, phi,
-           slope; /* phi = (1 - exp(-hs))/h, slope = dphi/dh */
+    /* phi = (1 - exp(-hs))/h, slope = dphi/dh */
+    double h = 0.5 * rates->gamma, hs = h * s, phi, slope;
     if (fabs(hs) < 1e-3) {
         phi = s * (1 - hs / 2 * (1 - hs / 3));
         slope = s * s * (-0.5 + hs / 3);

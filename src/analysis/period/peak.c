@@ -19,11 +19,10 @@
 #define APART 1.5  /* bins: nearer to a line that was found is its own foot */
 #define ROUNDS 6   /* each line is fitted again beside the others */
 #define LEAST 0.01 /* of the first line */
-#define SIGMAS                                                                                     \
-    8 /* a line stands so far above its surroundings: by chance none of 10^4 bins does             \
-       */
-#define WHITE                                                                                      \
-    6 /* the first one so far above white noise, its own foot counted as such: it may be broad */
+/* a line stands so far above its surroundings: by chance none of 10^4 bins does */
+#define SIGMAS 8
+/* the first one so far above white noise, its own foot counted as such: it may be broad */
+#define WHITE 6
 
 double variance_beside(const struct samples *x, const double *residual, double omega)
 {

@@ -126,8 +126,8 @@ static bool whole_period(const struct motion *m, struct period *period)
     if (m->tracked || !h->converged || !isfinite(sigma)) {
         return false;
     }
-    const double last =
-        x->t[samples_quiet(x, TWO_PI / h->omega) - 1]; /* what rests has no periods */
+    /* what rests has no periods */
+    const double last = x->t[samples_quiet(x, TWO_PI / h->omega) - 1];
     *period = (struct period){
         .period = {TWO_PI / h->omega, TWO_PI / (h->omega * h->omega) * sigma},
         .first = x->t[0],
@@ -274,8 +274,8 @@ static bool long_period(const struct series *series, struct arena *arena, struct
 
 #define WAVES 512    /* crossings that are asked for */
 #define REGULAR 0.01 /* how far the times between crossings are off their median */
-#define CLOCKWORK                                                                                  \
-    1e-4 /* the same of samples that may be noisy: crossings of noise are never so regular */
+/* the same of samples that may be noisy: crossings of noise are never so regular */
+#define CLOCKWORK 1e-4
 
 /* It crosses the level (NAN: the middle between its extremes) upwards at regular times, three times
  * at least. */

@@ -17,9 +17,9 @@ struct track_window {
     double amplitude; /* as y */
     double phase;     /* [rad] at t, counted through */
     double sigma;     /* [rad] of the phase, from the residuals of the window */
-    double off;  /* [rad] of the phase from where the windows before expected it; NAN: nothing was
-                    expected */
-    double mean; /* of the samples */
+    /* [rad] of the phase from where the windows before expected it; NAN: nothing was expected */
+    double off;
+    double mean;      /* of the samples */
     double explained; /* sum of squares that the sine takes off what the parabola left */
     double rss;       /* sum of squares that is left */
     size_t used;
@@ -29,12 +29,12 @@ struct track_window {
 struct track {
     struct track_window *window; /* [windows] */
     size_t windows, clear;
-    double periods;   /* per window, as asked for */
-    double omega;     /* [rad/s] mean over the clear windows, by their phases */
-    double coherence; /* mean cosine of `off`, weighted by amplitude: 1 for an oscillation, about 0
-                         for chance */
-    double fraction;  /* of the variance about the baseline, in the windows from the first to the
-                         last clear one */
+    double periods; /* per window, as asked for */
+    double omega;   /* [rad/s] mean over the clear windows, by their phases */
+    /* mean cosine of `off`, weighted by amplitude: 1 for an oscillation, about 0 for chance */
+    double coherence;
+    /* of the variance about the baseline, in the windows from the first to the last clear one */
+    double fraction;
     double explained; /* sum of squares */
 };
 

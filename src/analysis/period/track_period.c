@@ -189,8 +189,8 @@ static void count_across_gaps(struct phases *p, double *scratch, unsigned char *
 {
     enum { TURNS = 4, SIDE = 512 }; /* so many phases on each side tell, however many there are */
     for (size_t i = 1; i < p->n && p->n > PHASES_MIN; i++) {
-        const double width =
-            2.0 / (double)(p->n - 1); /* at least that of a window: gaps take some of the time */
+        /* at least that of a window: gaps take some of the time */
+        const double width = 2.0 / (double)(p->n - 1);
         const size_t from = i > SIDE ? i - SIDE : 0, to = i + SIDE < p->n ? i + SIDE : p->n;
         const struct phases near = {.t = p->t + from,
                                     .phase = p->phase + from,

@@ -190,8 +190,9 @@ bool command_complete(struct session *session, struct text line, size_t cursor, 
         statement = rest;
         if (!next_statement(&rest, &statement, &ignored)) {
             const char *inside = event_string(statement), *end = line.at + cursor;
+            /* inside a string */
             if (!inside || inside > end)
-                return true; /* inside a string */
+                return true;
             const struct text commands = {inside, (size_t)(end - inside)};
             const bool names =
                 command_complete(session, commands, commands.len, start, offer_to, context);
@@ -200,8 +201,9 @@ bool command_complete(struct session *session, struct text line, size_t cursor, 
         }
         if (rest.len == 0 && rest.at > line.at && rest.at[-1] == ';')
             statement = rest;
+        /* with the blanks at its end */
         else if (rest.len == 0)
-            statement.len = (size_t)(rest.at - statement.at); /* with the blanks at its end */
+            statement.len = (size_t)(rest.at - statement.at);
     }
     size_t word = statement.len;
     while (word > 0 && !strchr(" \t=,;:", statement.at[word - 1]))

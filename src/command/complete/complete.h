@@ -8,8 +8,8 @@
 
 /* ---- what there is of each kind ---- */
 
-void complete_atol(struct completion *c,
-                   bool named);             /* variables of the scene, and how to take them back */
+/* variables of the scene, and how to take them back */
+void complete_atol(struct completion *c, bool named);
 void complete_topics(struct completion *c); /* of help */
 /* After NAME of set: the unit of that name, or the choices of that setting. */
 void complete_set(struct completion *c, struct text name, struct text before);

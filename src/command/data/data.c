@@ -373,11 +373,13 @@ static void reply_joined(const struct recording *recording, struct reply *reply)
 static bool change(struct session *session, struct recording *recording,
                    const struct arguments *args, struct error *error)
 {
-    if (has_argument(args, "window") && !set_window(recording, argument_value(args, "window"), error))
+    if (has_argument(args, "window") &&
+        !set_window(recording, argument_value(args, "window"), error))
         return false;
     if (has_argument(args, "zero") && !set_zero(session, recording, args, error))
         return false;
-    if (has_argument(args, "join") && !join(session, recording, argument_value(args, "join"), error))
+    if (has_argument(args, "join") &&
+        !join(session, recording, argument_value(args, "join"), error))
         return false;
     if (has_argument(args, "mass"))
         recording->mass = argument_value(args, "mass")->item->value;

@@ -134,10 +134,8 @@ HANDLER(fit)
         return false;
     struct measured mass;
     if (chosen->by == FIT_MODES)
-        return fit_the_modes(&call, known_mass(&session->setup.scene, &mass) ? &mass : NULL,
-                             error);
-    return chosen->by == FIT_SCENE ? fit_the_scene(&call, error)
-                                   : fit_motion(&call, chosen, error);
+        return fit_the_modes(&call, known_mass(&session->setup.scene, &mass) ? &mass : NULL, error);
+    return chosen->by == FIT_SCENE ? fit_the_scene(&call, error) : fit_motion(&call, chosen, error);
 }
 
 HANDLER(adopt)

@@ -22,7 +22,7 @@ void session_drop_curve(struct session *session)
 }
 
 bool session_add_curve(const struct fit_request *call, const double *residual,
-                        const struct fit *fit, struct error *error)
+                       const struct fit *fit, struct error *error)
 {
     struct session *session = call->session;
     const struct subject *subject = call->subject;
@@ -148,8 +148,9 @@ static bool take_free(const struct fit_request *call, int *index, int *count, st
     for (int i = 0; i < names->count; i++) {
         const struct item *item = &names->item[i];
         bool twice = false;
+        /* it always is, unless offset=VALUE holds it */
         if (is_offset(item->text))
-            continue; /* it always is, unless offset=VALUE holds it */
+            continue;
         if (item->index < 0)
             return unknown_parameter(call->session, item->text, error);
         for (int j = 0; j < *count; j++)
@@ -252,13 +253,13 @@ bool fit_the_scene(const struct fit_request *call, struct error *error)
         quantity[j] =
             fit.index[j] >= 0 ? param_at(&scene, fit.index[j])->quantity : series.quantity;
     struct fit_summary summary = {.subject = call->subject,
-                               .model = "scene",
-                               .curve = &fit.curve,
-                               .name = fit.name,
-                               .quantity = quantity,
-                               .fixed = describe_fixed(&scene, fixed, fixed_count, arena),
-                               .inputs = exact_in(&scene, index, count),
-                               .k = {NAN, NAN}};
+                                  .model = "scene",
+                                  .curve = &fit.curve,
+                                  .name = fit.name,
+                                  .quantity = quantity,
+                                  .fixed = describe_fixed(&scene, fixed, fixed_count, arena),
+                                  .inputs = exact_in(&scene, index, count),
+                                  .k = {NAN, NAN}};
     const int last = fit.curve.parameters - 1, friction = scene_param(&fit.scene, "friction");
     const bool sticks = friction >= 0 && fit.scene.value[friction] > 0;
     fit_add_window(&summary, sticks ? WINDOW_LAW_STICKS : WINDOW_LAW_SINE, arena);
@@ -370,11 +371,11 @@ bool fit_a_formula(const struct fit_request *call, struct text text, struct erro
         quantity[j] = QUANTITY_OTHER;
     const char *model = arena_text(arena, text);
     struct fit_summary summary = {.subject = call->subject,
-                               .model = model ? model : "formula",
-                               .curve = &fit,
-                               .name = formula.name,
-                               .quantity = quantity,
-                               .fixed = fixed_text,
-                               .k = {NAN, NAN}};
+                                  .model = model ? model : "formula",
+                                  .curve = &fit,
+                                  .name = formula.name,
+                                  .quantity = quantity,
+                                  .fixed = fixed_text,
+                                  .k = {NAN, NAN}};
     return conclude(call, &summary, "formula", (struct measured){0, 0}, error);
 }

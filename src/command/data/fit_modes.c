@@ -130,8 +130,7 @@ static struct measured coupling_spring(const struct modes_fit *modes, const stru
                                        mass->uncertainty * modes->stiffness.value)};
 }
 
-bool fit_the_modes(const struct fit_request *call, const struct measured *mass,
-                   struct error *error)
+bool fit_the_modes(const struct fit_request *call, const struct measured *mass, struct error *error)
 {
     struct modes_fit modes;
     struct session *session = call->session;
@@ -141,10 +140,10 @@ bool fit_the_modes(const struct fit_request *call, const struct measured *mass,
     if (count == 0 || !series_modes(series, count, arena, session->front.cancel, &modes, error))
         return false;
     struct fit_summary summary = {.subject = call->subject,
-                               .model = "modes",
-                               .motion = &modes.fit,
-                               .modes = &modes,
-                               .k = coupling_spring(&modes, mass)};
+                                  .model = "modes",
+                                  .motion = &modes.fit,
+                                  .modes = &modes,
+                                  .k = coupling_spring(&modes, mass)};
     if (modes.fit.converged) {
         if (!session_add_curve(call, modes.residual, &modes.fit, error))
             return false;

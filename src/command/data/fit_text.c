@@ -11,8 +11,8 @@
 #define STRONG 0.95    /* correlation of two parameters from which it is named */
 #define SAME 0.999999  /* from which the data cannot tell them apart */
 #define CORRELATED 0.3 /* of neighbouring residuals */
-#define EXACT_DIGITS                                                                               \
-    12 /* what a measurement is uncertain by is shown down to here; a simulation's is rounding */
+/* what a measurement is uncertain by is shown down to here; a simulation's is rounding */
+#define EXACT_DIGITS 12
 
 void fit_add_warning(struct fit_summary *summary, const char *format, ...)
 {
@@ -37,10 +37,10 @@ void fit_add_residuals(struct fit_summary *summary)
     const struct curve_fit *curve = summary->curve;
     if (curve->autocorrelation > CORRELATED)
         fit_add_warning(summary,
-                         "neighbouring residuals are alike (correlation %.2f): the curve leaves "
-                         "something out, or the "
-                         "recording sways; the uncertainties are widened for it",
-                         curve->autocorrelation);
+                        "neighbouring residuals are alike (correlation %.2f): the curve leaves "
+                        "something out, or the "
+                        "recording sways; the uncertainties are widened for it",
+                        curve->autocorrelation);
     for (int i = 0; i < curve->parameters; i++)
         for (int j = 0; j < i; j++)
             if (fabs(curve->correlation[i][j]) > SAME)
@@ -50,8 +50,9 @@ void fit_add_residuals(struct fit_summary *summary)
                     summary->name[j], summary->name[i]);
     for (int j = 0; j < curve->parameters; j++)
         if (curve->bound[j])
-            fit_add_warning(summary, "%s lies on the edge of what is allowed: it has no uncertainty",
-                             summary->name[j]);
+            fit_add_warning(summary,
+                            "%s lies on the edge of what is allowed: it has no uncertainty",
+                            summary->name[j]);
 }
 
 void put_value(struct buffer *text, const char *name, struct measured value, enum quantity quantity,
@@ -82,8 +83,9 @@ static void put_head(const struct fit_summary *summary, struct buffer *text)
     const struct series *series = &summary->subject->series;
     const size_t used = summary->motion ? summary->motion->used : summary->curve->used;
     const size_t rejected = summary->motion ? summary->motion->rejected : summary->curve->rejected;
-    buffer_format(text, "fit %s to %s, %.6g..%.6g s: %zu samples used, %zu rejected", summary->model,
-                  summary->subject->name, series->t[0], series->t[series->n - 1], used, rejected);
+    buffer_format(text, "fit %s to %s, %.6g..%.6g s: %zu samples used, %zu rejected",
+                  summary->model, summary->subject->name, series->t[0], series->t[series->n - 1],
+                  used, rejected);
 }
 
 /* ---- an oscillation ---- */
@@ -153,10 +155,10 @@ static void put_laws(const struct fit_summary *summary, struct arena *arena, str
             cell_rate(&table, c->rate[k], fit_rate_unit(summary, k), summary->subject->recording);
         buffer_format(&bic, isfinite(c->bic) ? "%.1f" : "-", c->bic);
         cell_take(&table, &bic);
-        cell_text(&table, !c->converged                       ? "did not converge"
+        cell_text(&table, !c->converged                          ? "did not converge"
                           : c->law == summary->motion->preferred ? "preferred"
                           : c->law == summary->motion->drag.best ? "best"
-                                                              : "");
+                                                                 : "");
     }
     buffer_char(text, '\n');
     text_table_put(&table, text);
@@ -171,7 +173,8 @@ static void put_motion(const struct fit_summary *summary, struct arena *arena, s
     const struct fit *fit = summary->motion;
     const enum quantity quantity = summary->subject->series.quantity;
     put_value(text, "\n  T", fit->period, QUANTITY_TIME, summary->subject->recording);
-    put_value(text, "   omega", fit->omega, QUANTITY_ANGULAR_FREQUENCY, summary->subject->recording);
+    put_value(text, "   omega", fit->omega, QUANTITY_ANGULAR_FREQUENCY,
+              summary->subject->recording);
     if (isfinite(fit->gamma.value)) {
         put_value(text, "\n  gamma", fit->gamma, QUANTITY_RATE, summary->subject->recording);
         buffer_put(text,
@@ -209,7 +212,8 @@ static void put_motion(const struct fit_summary *summary, struct arena *arena, s
 
 /* ---- a curve ---- */
 
-static void put_parameters(const struct fit_summary *summary, struct arena *arena, struct buffer *text)
+static void put_parameters(const struct fit_summary *summary, struct arena *arena,
+                           struct buffer *text)
 {
     const struct curve_fit *curve = summary->curve;
     struct text_table table = {.arena = arena, .columns = 3, .gap = 3, .indent = 2};

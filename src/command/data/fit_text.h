@@ -67,7 +67,7 @@ bool fit_the_modes(const struct fit_request *call, const struct measured *mass,
                    struct error *error);
 /* Keeps y - residual at the samples as the curve of the last fit, with what `fit` says of it. */
 bool session_add_curve(const struct fit_request *call, const double *residual,
-                        const struct fit *fit, struct error *error);
+                       const struct fit *fit, struct error *error);
 /* A fit of something else replaces its curve. */
 void session_drop_curve(struct session *session);
 

@@ -24,7 +24,8 @@ static void reply_parameters(const struct fit_summary *summary, struct reply *re
         reply_real(reply, "value", curve->value[j].value);
         reply_real(reply, "uncertainty", curve->value[j].uncertainty);
         reply_string(reply, "unit",
-                     summary->quantity[j] == QUANTITY_OTHER ? NULL : quantity_unit(summary->quantity[j]));
+                     summary->quantity[j] == QUANTITY_OTHER ? NULL
+                                                            : quantity_unit(summary->quantity[j]));
         reply_real(reply, "low", curve->determined[j] ? curve->interval[j][0] : NAN);
         reply_real(reply, "high", curve->determined[j] ? curve->interval[j][1] : NAN);
         reply_close(reply);
@@ -108,9 +109,9 @@ static void fit_record_init(struct fit_record *record, const struct fit_summary 
                                           .gamma = parameter(summary, "gamma"),
                                           .offset = parameter(summary, "offset"),
                                           .halves = {none, none}},
-                                  .k = curve         ? parameter(summary, "k")
+                                  .k = curve            ? parameter(summary, "k")
                                        : summary->modes ? none
-                                                     : summary->k};
+                                                        : summary->k};
     if (summary->motion)
         record->fit = *summary->motion;
     const struct fit *fit = &record->fit;

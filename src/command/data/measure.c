@@ -23,8 +23,7 @@ static struct measurement *latest(const struct measuring *m)
 static bool keep(struct measuring *m, const char *name, struct measured value, enum quantity unit,
                  double periods)
 {
-    if (!session_add_measurement(m->session, name, m->subject.name, value, unit, periods,
-                                  m->error))
+    if (!session_add_measurement(m->session, name, m->subject.name, value, unit, periods, m->error))
         return false;
     latest(m)->energy = m->subject.energy;
     return true;
@@ -304,8 +303,8 @@ static bool largest_speed(struct measuring *m, struct measured *speed)
 {
     const struct series *s = &m->subject.series;
     if (!m->subject.run && !m->subject.recording) {
-        struct named_value amplitude,
-            omega0; /* without a run these are the derived quantities of the scene */
+        /* without a run these are the derived quantities of the scene */
+        struct named_value amplitude, omega0;
         if (names_value(m->session, TEXT("amplitude"), &amplitude) &&
             names_value(m->session, TEXT("omega0"), &omega0))
             *speed = (struct measured){amplitude.value * omega0.value, 0};
@@ -451,10 +450,9 @@ HANDLER(measure)
                         "what= belongs to 'measure repeat'");
     if (!subject_open(session, argument_value(args, "run"),
                       named->count ? named : argument_value(args, "data"),
-                      argument_value(args, "window"), energy, 2, args->arena, &m.subject,
-                      error) ||
-        (column->count && !subject_column(&m.subject, column, argument_value(args, "window"),
-                                          args->arena, error)) ||
+                      argument_value(args, "window"), energy, 2, args->arena, &m.subject, error) ||
+        (column->count &&
+         !subject_column(&m.subject, column, argument_value(args, "window"), args->arena, error)) ||
         !measures[which](&m))
         return false;
     if (m.subject.recording && which != MEASURE_SPECTRUM)

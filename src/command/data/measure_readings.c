@@ -153,7 +153,7 @@ bool measure_periods(struct measuring *m, int windows, struct buffer *text)
         return false;
     for (int i = 0; i < windows; i++) {
         if (!session_add_measurement(m->session, m->quantity, m->subject.name, reading[i].period,
-                                      QUANTITY_TIME, reading[i].periods, m->error))
+                                     QUANTITY_TIME, reading[i].periods, m->error))
             return false;
         a[i] = reading[i].amplitude.value;
         period[i] = reading[i].period;

@@ -7,8 +7,8 @@
 #include <math.h>
 #include <stdio.h>
 
-#define SURPRISING                                                                                 \
-    0.01 /* chance of such a scatter from which on stated uncertainties are called too small */
+/* chance of such a scatter from which on stated uncertainties are called too small */
+#define SURPRISING 0.01
 #define MIN_SAMPLES 8
 
 struct repeated {
@@ -227,7 +227,7 @@ bool measure_repeat(struct measuring *m)
     const char *what = catalog_row(&quantity_catalog, (size_t)r.what)->name;
     snprintf(m->subject.name, sizeof m->subject.name, "%d values", r.count);
     if (!session_add_measurement(m->session, what, m->subject.name, repeat.quote, r.unit, NAN,
-                                  m->error))
+                                 m->error))
         return false;
     for (int i = 0; i < r.count; i++) {
         buffer_format(&text, "%s%-24s ", i ? "\n" : "", r.name[i]);

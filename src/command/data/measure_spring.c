@@ -126,7 +126,7 @@ bool measure_spring(struct measuring *m)
                                    (line.slope.value * line.slope.value)};
     const struct measured spring = ratio(&line);
     if (!session_add_measurement(m->session, m->quantity, m->subject.name, k, QUANTITY_STIFFNESS,
-                                  NAN, m->error)) {
+                                 NAN, m->error)) {
         buffer_free(&text);
         return false;
     }

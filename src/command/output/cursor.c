@@ -70,7 +70,7 @@ static bool keep(struct session *session, struct reply *reply, struct error *err
         return error_hint(error, "for example cursor periods 4");
     }
     if (!session_add_measurement(session, "period", c->of, r.period, QUANTITY_TIME, r.periods,
-                                  error))
+                                 error))
         return false;
     reply_line(reply, "kept ('list measurements')");
     return true;
@@ -123,7 +123,7 @@ static bool act(struct session *session, const struct arguments *args, struct gr
 }
 
 static bool put_arguments(struct cursors *c, const struct ground *ground, int which,
-                      const struct argument_value *at, struct error *error)
+                          const struct argument_value *at, struct error *error)
 {
     const struct series *s = &ground->series;
     const double t = at->item->value.value;

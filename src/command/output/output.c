@@ -20,8 +20,8 @@ static enum table_format choose_format(const struct arguments *args, struct text
     return row ? (enum table_format)catalog_index(&table_format_catalog, row) : TABLE_CSV;
 }
 
-static bool fill_table(struct session *session, const struct arguments *args,
-                       struct export *export, struct error *error)
+static bool fill_table(struct session *session, const struct arguments *args, struct export *export,
+                       struct error *error)
 {
     const struct argument_value *runs = argument_value(args, "run"),
                                 *band = argument_value(args, "band"),
@@ -44,8 +44,8 @@ static bool fill_table(struct session *session, const struct arguments *args,
     if (has_argument(args, "data"))
         return export_recorded(session, argument_value(args, "COLUMN"),
                                argument_value(args, "every"), export, error);
-    return export_runs(session, runs, argument_value(args, "COLUMN"),
-                       argument_value(args, "every"), export, error) &&
+    return export_runs(session, runs, argument_value(args, "COLUMN"), argument_value(args, "every"),
+                       export, error) &&
            (!has_argument(args, "band") || export_band(session, runs, band->where, export, error));
 }
 

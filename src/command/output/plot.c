@@ -9,9 +9,8 @@
 #include <math.h>
 #include <string.h>
 
-#define OTHER_ROWS                                                                                 \
-    6 /* of a screen: state line, numbers, prompt; the hint and two more once 'layout log' is      \
-         typed */
+/* of a screen: state line, numbers, prompt; the hint and two more once 'layout log' is typed */
+#define OTHER_ROWS 6
 #define MIN_ROWS 8
 
 static bool ends_with(struct text text, const char *end)
@@ -66,8 +65,7 @@ static bool choose_kind(const struct arguments *args, struct figure_request *req
 {
     const struct argument_value *what = argument_value(args, "WHAT"),
                                 *against = argument_value(args, "against"),
-                                *at = argument_value(args, "at"),
-                                *of = argument_value(args, "of"),
+                                *at = argument_value(args, "at"), *of = argument_value(args, "of"),
                                 *data = argument_value(args, "data");
     if (of->count && (!against->count || at->count || data->count || has_argument(args, "run"))) {
         error_at(error, of->where, "of a table one column is drawn against another");
@@ -179,9 +177,9 @@ static bool write_file(const struct session *session, const struct arguments *ar
     const char *path = arena_text(args->arena, file->text);
     struct buffer shown = {0};
     struct writer writer;
-    bool ok =
-        path ? writer_open(&writer, path, session_policy(session, has_argument(args, "force")), error)
-             : error_memory(error);
+    bool ok = path ? writer_open(&writer, path,
+                                 session_policy(session, has_argument(args, "force")), error)
+                   : error_memory(error);
     if (ok) {
         writer_put(&writer, buffer_text(content));
         ok = writer_commit(&writer, error);
@@ -291,8 +289,9 @@ HANDLER(plot)
     request.table = of->count ? &export.table : NULL;
     request.title = of->count ? of->item->row->name : NULL;
     if (!session_figure(session, &request, args->arena, &figure, error)) {
+        /* nothing there, unless it is memory */
         if (!error->where.at)
-            error->where = window->where; /* nothing there, unless it is memory */
+            error->where = window->where;
         return false;
     }
     if (file->count) {

@@ -83,8 +83,9 @@ HANDLER(focus)
         buffer_free(&offered);
         return false;
     }
+    /* they were those of the other pane */
     if (wanted != view_focus(view))
-        free_ranges(view); /* they were those of the other pane */
+        free_ranges(view);
     view_focus_on(view, wanted);
     if (has_argument(args, "full") || has_argument(args, "shared"))
         view->full = has_argument(args, "full");

@@ -9,8 +9,8 @@
 
 /* What may stand in its commands. */
 bool event_executes(const struct command *command);
-bool refuse_in_event(const struct command *command, struct text where,
-                     struct error *error); /* false, always */
+/* false, always */
+bool refuse_in_event(const struct command *command, struct text where, struct error *error);
 
 /* Events at which a run stops only for what they change. */
 struct event_pass {

@@ -278,8 +278,9 @@ bool run_go_on(struct session *session, const struct arguments *args, int64_t st
     } while (events_pass(session, &advance.target, &pass, args, reply, &ok, &why));
     const bool early = run->stop == STOP_END && run->t != advance.request.t && steps >= 0 &&
                        run->steps < advance.request.end;
+    /* it was not waited for */
     if (early)
-        advance.target.condition = NULL; /* it was not waited for */
+        advance.target.condition = NULL;
     const bool arrived = arrive(session, &advance, &pass, reply, error);
     if (early && !stop_is_failure(run->stop))
         run->stop = STOP_CANCELLED;

@@ -99,9 +99,9 @@ static bool events_know(struct session *session, struct arena *arena, struct err
 }
 
 /* what: how it is called where it has no name. */
-static bool remove_line(struct session *session, const struct arguments *args,
-                        enum typed_kind kind, struct text name, const char *what,
-                        struct reply *reply, struct error *error)
+static bool remove_line(struct session *session, const struct arguments *args, enum typed_kind kind,
+                        struct text name, const char *what, struct reply *reply,
+                        struct error *error)
 {
     const struct scene before = session->setup.scene;
     const struct model *model = typed_remove(session->models, before.model, kind, name, error);

@@ -134,8 +134,9 @@ HANDLER(scene)
         else if (!new_scene(session, as, error))
             return false;
         settings_of_scene(&session->setup.settings, session->setup.scene.preset);
+        /* they may speak of what is not there */
         if (session->setup.scene.model != before)
-            session->setup.events = NULL; /* they may speak of what is not there */
+            session->setup.events = NULL;
         session_changed(session);
         warn_hidden(session, reply);
     }

@@ -145,8 +145,9 @@ static void show_state(const struct session *session, const struct model *model,
     for (int i = 0; i < model->n; i++) {
         const struct text name = text_of(model->variable[i].name);
         struct named_value value = {.quantity = QUANTITY_OTHER};
+        /* y and v are observables, too */
         if (model == &oscillator_model || !names_value(session, name, &value))
-            continue; /* y and v are observables, too */
+            continue;
         memcpy(value.name, name.at, name.len + 1);
         show_value(session, &value, "state variable", reply);
     }

@@ -85,8 +85,7 @@ static void help_param(const struct model *model, const struct row *row, struct 
     buffer_put(text, TEXT("default "));
     buffer_quantity(text, param->initial, param->quantity, 0);
     if (isfinite(param->min))
-        buffer_format(text, ", %s %g", param->min_excluded ? "more than" : "at least",
-                      param->min);
+        buffer_format(text, ", %s %g", param->min_excluded ? "more than" : "at least", param->min);
     struct buffer units = {0};
     quantity_units(param->quantity, &units);
     if (units.len > 0)

@@ -133,10 +133,8 @@ HANDLER(list)
         /* These lists are commands of their own. */
         const struct command *command =
             command_at(catalog_find(&command_catalog, text_of(others[kind])));
-        struct arguments none = {.command = command,
-                                 .arena = args->arena,
-                                 .scope = args->scope,
-                                 .where = args->where};
+        struct arguments none = {
+            .command = command, .arena = args->arena, .scope = args->scope, .where = args->where};
         return command->handler(session, &none, reply, error);
     }
     return true;

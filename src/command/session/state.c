@@ -68,7 +68,8 @@ HANDLER(save)
         buffer_free(&text);
         return error_memory(error);
     }
-    bool ok = writer_open(&writer, path, session_policy(session, has_argument(args, "force")), error);
+    bool ok =
+        writer_open(&writer, path, session_policy(session, has_argument(args, "force")), error);
     if (ok) {
         writer_put(&writer, buffer_text(&text));
         ok = writer_commit(&writer, error);

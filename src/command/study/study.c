@@ -214,8 +214,7 @@ HANDLER(compare)
                                 *tol = argument_value(args, "tol");
     const struct settings *settings = &session->setup.settings;
     const int max = methods->count * (tol->count ? tol->count : dt->count ? dt->count : 1);
-    struct method_choice *choice =
-        arena_array(args->arena, (size_t)methods->count, sizeof *choice);
+    struct method_choice *choice = arena_array(args->arena, (size_t)methods->count, sizeof *choice);
     struct comparison *rows = arena_array(args->arena, (size_t)max, sizeof *rows);
     struct compared_row *compared = arena_array(args->arena, (size_t)max, sizeof *compared);
     double *dts = values_of(dt, args->arena), *tols = values_of(tol, args->arena);

@@ -6,8 +6,8 @@
 #include <math.h>
 
 #define CLIPPED_MIN 12 /* samples */
-#define SINE_MAX                                                                                   \
-    2.5 /* times as many in a layer at the top of a sine as in the one below: 1/(sqrt(2) - 1) */
+/* times as many in a layer at the top of a sine as in the one below: 1/(sqrt(2) - 1) */
+#define SINE_MAX 2.5
 
 struct layer {
     double low, high;
@@ -90,8 +90,8 @@ void clean_clipped(struct cleaning *c, bool upper)
     clipped->size = sum / (double)tops.count;
     clipped->count += tops.count;
     clipped->stretches += tops.stretches;
-    const double margin = fmax(0.5 * (layer.high - layer.low),
-                               fmin(4 * c->typical, thin)); /* noise carries some out */
+    /* noise carries some out */
+    const double margin = fmax(0.5 * (layer.high - layer.low), fmin(4 * c->typical, thin));
     layer.low -= margin;
     layer.high += margin;
     for (size_t i = 0; i < c->n; i++)

@@ -32,8 +32,9 @@ static bool weighted_fit(const struct clean_samples *s, double parameter[TERMS])
             for (int k = 0; k <= j; k++)
                 a[j][k] += wx * s->term[i][k];
         }
+    /* a ridge that no determined parameter feels */
     for (int i = 0; i < TERMS; i++)
-        a[i][i] *= 1 + 1e-10; /* a ridge that no determined parameter feels */
+        a[i][i] *= 1 + 1e-10;
     if (!cholesky(TERMS, TERMS, &a[0][0], 1e-14, &a[0][0]))
         return false;
     cholesky_forward(TERMS, TERMS, &a[0][0], b);
@@ -60,7 +61,8 @@ static double residual_scale(const struct clean_samples *s, const double paramet
     return MAD_TO_SIGMA * quantile(s->size, s->n, 0.5);
 }
 
-static bool robust_fit(const struct clean_samples *s, double min, double parameter[TERMS], double *scale)
+static bool robust_fit(const struct clean_samples *s, double min, double parameter[TERMS],
+                       double *scale)
 {
     for (size_t i = 0; i < s->n; i++)
         s->weight[i] = 1;
@@ -138,10 +140,11 @@ bool clean_fit(struct cleaning *c)
         largest = rows > largest ? rows : largest;
     }
     struct clean_samples work = {.term = arena_array(c->scratch, largest, sizeof *work.term),
-                           .y = arena_array(c->scratch, largest, sizeof *work.y),
-                           .weight = arena_array(c->scratch, largest, sizeof *work.weight),
-                           .residual = arena_array(c->scratch, largest, sizeof *work.residual),
-                           .size = arena_array(c->scratch, largest, sizeof *work.size)};
+                                 .y = arena_array(c->scratch, largest, sizeof *work.y),
+                                 .weight = arena_array(c->scratch, largest, sizeof *work.weight),
+                                 .residual =
+                                     arena_array(c->scratch, largest, sizeof *work.residual),
+                                 .size = arena_array(c->scratch, largest, sizeof *work.size)};
     if (!work.term || !work.y || !work.weight || !work.residual || !work.size)
         return false;
     size_t fitted = 0;

@@ -37,8 +37,8 @@ struct intake {
     enum packing packing;
     size_t line; /* where the line at hand begins */
     bool sought; /* there is a table in the beginning */
-    bool
-        grew; /* text that was being written: its last line is left out, as it may be half of one */
+    /* text that was being written: its last line is left out, as it may be half of one */
+    bool grew;
 };
 
 /* The look of a read_watch whose context is a struct intake: refuses what is no text and no
@@ -54,10 +54,10 @@ struct container_part {
 };
 
 struct contents {
-    const char *container; /* "gzip", "zip", "xlsx" …; NULL: a plain file */
-    struct container_part *part;     /* [PARTS_MAX] */
-    size_t parts;          /* at least 1 after contents_read */
-    bool grew;             /* while it was read; its last line is left out */
+    const char *container;       /* "gzip", "zip", "xlsx" …; NULL: a plain file */
+    struct container_part *part; /* [PARTS_MAX] */
+    size_t parts;                /* at least 1 after contents_read */
+    bool grew;                   /* while it was read; its last line is left out */
 };
 
 /*
@@ -88,8 +88,8 @@ struct archive_content {
 bool archive_unpack(struct text bytes, const char *shown, bool (*wanted)(const char *path),
                     struct intake *intake, struct archive_content *content, struct error *error);
 void archive_content_free(struct archive_content *content);
-const struct buffer *archive_content_find(const struct archive_content *content,
-                                          const char *path); /* NULL: not there */
+/* NULL: not there */
+const struct buffer *archive_content_find(const struct archive_content *content, const char *path);
 
 /* xml.c: a document, element by element. Handlers return false to stop (the error is then theirs).
  */
@@ -110,8 +110,8 @@ bool xml_tables(struct text document, const char *shown, struct contents *conten
 /* workbook.c, workbook_old.c: sheets of .xlsx and .xls. */
 bool workbook_sheets(const struct archive_content *content, const char *shown,
                      struct contents *contents, struct error *error);
-bool workbook_wanted(
-    const char *path); /* the entries of an .xlsx that hold sheets, words and formats */
+/* the entries of an .xlsx that hold sheets, words and formats */
+bool workbook_wanted(const char *path);
 bool workbook_old_sheets(const char *path, const char *shown, struct contents *contents,
                          struct error *error);
 

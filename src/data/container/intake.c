@@ -25,8 +25,9 @@ static bool is_xml(struct text text)
 }
 
 enum {
+    /* [byte] that tell what a file is: blanks may stand before a document's first element */
     HEAD = 512
-}; /* [byte] that tell what a file is: blanks may stand before a document's first element */
+};
 
 enum packing packing_of(struct text bytes)
 {

@@ -15,8 +15,8 @@
 #define EPOCH_1904 24107.0 /* … in that of old Macintosh files */
 #define CELLS_MAX 20000000
 #define WORDS_MAX (1u << 21) /* shared strings: twice the rows that a sheet may have */
-#define GROWTH_MAX                                                                                 \
-    4 /* times the size of its XML that a workbook's text may have, beyond EXPANSION_FREE */
+/* times the size of its XML that a workbook's text may have, beyond EXPANSION_FREE */
+#define GROWTH_MAX 4
 
 enum cell_style { STYLE_NUMBER, STYLE_DATE, STYLE_TIME };
 
@@ -53,8 +53,8 @@ struct workbook {
 
 bool workbook_wanted(const char *path)
 {
-    const size_t len = strlen(
-        path); /* whatever the writer calls a sheet; their relations lie in a folder of their own */
+    /* whatever the writer calls a sheet; their relations lie in a folder of their own */
+    const size_t len = strlen(path);
     const bool sheet = strncmp(path, "xl/worksheets/", 14) == 0 && !strchr(path + 14, '/') &&
                        strcmp(path + len - 4, ".xml") == 0;
     return sheet || strcmp(path, "xl/workbook.xml") == 0 ||

@@ -24,8 +24,8 @@
 struct profile {
     size_t numbers;
     double low, high, variance;
-    double rising, falling, by_one,
-        even;   /* share of the steps that are > 0, < 0, exactly 1, near the mean step */
+    /* share of the steps that are > 0, < 0, exactly 1, near the mean step */
+    double rising, falling, by_one, even;
     bool ahead; /* the last number is above the first */
     bool whole;
 };
@@ -161,8 +161,8 @@ static int match_column(const struct recording *recording, struct text wanted, i
     }
     for (int i = 0; i < recording->columns && name.len > 0; i++) {
         const struct column *one = &recording->column[i];
-        const size_t before =
-            one->run >= 0 ? strlen(recording->run[one->run].name) + 2 : 0; /* "Run 1: " */
+        /* "Run 1: " */
+        const size_t before = one->run >= 0 ? strlen(recording->run[one->run].name) + 2 : 0;
         if (in_run(recording, i) &&
             (starts_with(one->name, name) ||
              (before > 0 && before < strlen(one->name) && starts_with(one->name + before, name)))) {

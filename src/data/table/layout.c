@@ -25,8 +25,8 @@ struct shape {
     int fields, numbers, words;
     bool last_empty; /* the row ends in a separator */
     bool fraction;   /* some number has a decimal point */
-    bool
-        led_by_zero; /* some whole number but 0 starts with 0: what a decimal comma leaves behind */
+    /* some whole number but 0 starts with 0: what a decimal comma leaves behind */
+    bool led_by_zero;
 };
 
 static struct shape shape_of(struct text line, struct separator_pair reading)
@@ -64,8 +64,8 @@ struct found {
 };
 
 /* `run` consecutive rows of `min` fields or more; words: with words in some of them. */
-static bool find_rows(const struct table_text *text, size_t from, struct separator_pair reading, int min,
-                      bool words, int run, struct found *found)
+static bool find_rows(const struct table_text *text, size_t from, struct separator_pair reading,
+                      int min, bool words, int run, struct found *found)
 {
     int same = 0;
     *found = (struct found){.reading = reading, .trailing = true};

@@ -6,8 +6,8 @@
 #include <string.h>
 #include <strings.h>
 
-#define WINDOW                                                                                     \
-    256 /* [byte] so that neither end-of-line byte is looked for through the whole file */
+/* [byte] so that neither end-of-line byte is looked for through the whole file */
+#define WINDOW 256
 
 static size_t line_length(struct text text)
 {

@@ -24,10 +24,10 @@ struct reader {
     struct recording *recording;
     const struct table_layout *layout;
     struct row_problem ragged, extra, *words; /* words: of each column */
-    struct stamp_column *stamps;        /* of each column */
-    struct text recent[RECENT];         /* recent[i % RECENT]: row i, while it is one of the last */
-    size_t capacity;                    /* rows there is memory for */
-    bool ended;                         /* the newest row has a line end */
+    struct stamp_column *stamps;              /* of each column */
+    struct text recent[RECENT]; /* recent[i % RECENT]: row i, while it is one of the last */
+    size_t capacity;            /* rows there is memory for */
+    bool ended;                 /* the newest row has a line end */
 };
 
 /* ---- memory ---- */

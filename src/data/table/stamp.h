@@ -8,8 +8,8 @@
 struct stamp {
     bool date, clock; /* which of the two it has */
     int64_t day;      /* since 1970-01-01, 0 without a date */
-    double
-        second; /* [s] of the day, in the zone it was written in, moved to UTC where it names one */
+    /* [s] of the day, in the zone it was written in, moved to UTC where it names one */
+    double second;
 };
 
 /*

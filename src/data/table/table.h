@@ -67,8 +67,8 @@ bool table_field(struct text *rest, char separator, struct text *field);
 /* NAN unless a number ("inf" is one) or a stamp, whose value is in seconds since 1970 or midnight.
  */
 enum field table_cell(struct text field, char decimal, double *value);
-bool table_grouped(struct text field, char decimal,
-                   double *value);                 /* a number with marks between thousands */
+/* a number with marks between thousands */
+bool table_grouped(struct text field, char decimal, double *value);
 size_t text_fitting(struct text text, size_t max); /* bytes of whole characters, at most `max` */
 const char *short_name(struct text text, char out[SHORT_NAME]); /* safe to show */
 
@@ -90,8 +90,8 @@ bool header_field(struct text *rest, char separator, struct text *field);
 bool table_columns(const struct table_layout *layout, struct recording *recording,
                    struct error *error);
 void column_unit(struct column *column, struct text unit); /* as a file spells it */
-bool name_has_word(const char *name,
-                   const char *words); /* one of the blank-separated words, any case */
+/* one of the blank-separated words, any case */
+bool name_has_word(const char *name, const char *words);
 
 /* rate.c: the sampling rate [Hz] that a line above the table says ("# Sample rate: 50 Hz"); 0: none
  * does. */
@@ -112,8 +112,8 @@ bool table_read(const struct table_text *text, const struct load_options *option
 bool runs_of_columns(struct recording *recording, bool (*part)(struct text name, struct text *run),
                      struct error *error);
 bool run_find(const struct recording *recording, struct text wanted, int *run, struct error *error);
-void run_list(const struct recording *recording,
-              struct buffer *text); /* "Run #1 = taken, Run #2" */
+/* "Run #1 = taken, Run #2" */
+void run_list(const struct recording *recording, struct buffer *text);
 /* Below each other: `find` gives the blocks (at most BLOCKS, 0: an ordinary table) and what the
  * header says about separators; the one wanted, else the first with a table, is given to `read` as
  * a text of its own. */

@@ -135,10 +135,10 @@ static void keep(struct recording *recording, size_t to, size_t from)
 
 /* ---- rounded stamps ---- */
 
-#define REPEATS_MIN                                                                                \
-    0.02 /* of the rows repeat the stamp before them, and all stamps lie on a line … */
-#define REPEATS_MANY                                                                               \
-    0.2 /* … or so many do: the clock was rounded. Less is a logger that stumbled. */
+/* of the rows repeat the stamp before them, and all stamps lie on a line … */
+#define REPEATS_MIN 0.02
+/* … or so many do: the clock was rounded. Less is a logger that stumbled. */
+#define REPEATS_MANY 0.2
 
 /* The smallest step [s] between stamps that differ. */
 static double stamp_resolution(const struct recording *recording)
@@ -242,7 +242,8 @@ static void drop_rows(struct recording *recording)
     recording->rows = rows_used;
     rows_used = 0;
     for (size_t i = 0; i < recording->rows; i++) {
-        const double before = rows_used > 0 ? recording->t[rows_used - 1] : -HUGE_VAL, now = recording->t[i];
+        const double before = rows_used > 0 ? recording->t[rows_used - 1] : -HUGE_VAL,
+                     now = recording->t[i];
         const bool ahead =
             i + 1 < recording->rows && recording->t[i + 1] < now && recording->t[i + 1] > before;
         if (now > before && !ahead)

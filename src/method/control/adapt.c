@@ -81,8 +81,8 @@ INLINE enum step_status adapt_size(int n, const struct method *method, struct st
     const double max = largest_estimate(method, tol);
     const bool turns = !switches && step->system->kinks && method_turns(method, step->system);
     const double accepted = 1 / (n * max * max), aims = by_aim(method);
-    const double planned =
-        controller->h; /* after a failure another try begins where this one did */
+    /* after a failure another try begins where this one did */
+    const double planned = controller->h;
     const bool rejected = controller->rejected;
     struct switches_state state;
     if (switches)

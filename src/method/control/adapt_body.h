@@ -37,8 +37,8 @@
  */
 static const struct filter {
     double b1, b2, a;
-} explicit = {8. / 10, -4. / 10, -5. / 10},
-  implicit = {11. / 10, -7. / 10, -10. / 10}; /* the latter: PC47 */
+    /* the latter: PC47 */
+} explicit = {8. / 10, -4. / 10, -5. / 10}, implicit = {11. / 10, -7. / 10, -10. / 10};
 
 #define SHARE (1. / 3)    /* of the tolerance, where the row says nothing */
 #define AIM_EXPLICIT 0.35 /* of the largest error that is accepted */

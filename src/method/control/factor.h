@@ -35,8 +35,8 @@ static inline double factor_log2(double x)
 static inline double factor_exp2(double x)
 {
     const double above = x < -1000 ? -1000 : x, within = above > 1000 ? 1000 : above;
-    const double shift = 0x1.8p52,
-                 near = within + shift; /* its low bits: the nearest whole number */
+    /* its low bits: the nearest whole number */
+    const double shift = 0x1.8p52, near = within + shift;
     const double f = within - (near - shift), g = f * f;
     uint64_t bits;
     double power;

@@ -21,8 +21,8 @@
 #define SHORTEST 1e-12
 #define BRIEF_ULPS 64 /* of t: in so short a step a guard at 0 need not come to be above it */
 #define SLOW 0.05     /* of the natural speed: a turning point is near */
-#define EVEN                                                                                       \
-    0.1 /* of its length, what a step without a turning point may be off the mean of its speeds */
+/* of its length, what a step without a turning point may be off the mean of its speeds */
+#define EVEN 0.1
 
 struct switch_search {
     const struct method *method;
@@ -82,7 +82,8 @@ static double one_guard_at(void *context, double theta)
 }
 
 /* Where the guard is 0 between a, where it is above, and b, where it is below. */
-static double root(const struct switch_search *look, int i, double a, double fa, double b, double fb)
+static double root(const struct switch_search *look, int i, double a, double fa, double b,
+                   double fb)
 {
     struct one_guard one = {look, i};
     return root_between(one_guard_at, &one, a, fa, b, fb, DBL_EPSILON);
@@ -98,8 +99,8 @@ static double inside(const struct switch_search *look, int i, double theta)
 }
 
 /* The lowest point of a guard that is above 0 at a, m and b, lowest at m: below 0, or NAN. */
-static double dip(const struct switch_search *look, int i, double m, double apart, double fa, double fm,
-                  double fb)
+static double dip(const struct switch_search *look, int i, double m, double apart, double fa,
+                  double fm, double fb)
 {
     for (int k = 0; k < 6; k++) {
         const double curve = fa - 2 * fm + fb,
@@ -151,8 +152,8 @@ static double first_end(const struct switch_search *look, int i, double (*guard)
 }
 
 /* Takes the step again over x; guard i at its end goes to *guard. */
-static enum step_status again(const struct switch_search *look, struct step *step, const double *low,
-                              double x, int i, double *guard)
+static enum step_status again(const struct switch_search *look, struct step *step,
+                              const double *low, double x, int i, double *guard)
 {
     const size_t size = (size_t)step->system->n * sizeof *step->y;
     memcpy(step->y, look->before, size);

@@ -8,8 +8,8 @@
 #include "method/control/switch.h"
 
 #define PIECES 64 /* of a step at most */
-#define PROBE                                                                                      \
-    1e-4 /* of what is left of the step: how far ahead a guard's direction is looked for */
+/* of what is left of the step: how far ahead a guard's direction is looked for */
+#define PROBE 1e-4
 #define ROUNDING 1e-14 /* of sizes: a state that is so near is at its switch */
 
 /* A motion that slides along a typed switch says so by a piece of rounding. Where the velocity is
@@ -38,8 +38,8 @@ static void know(struct step *step, struct switches_state *state)
         system_guards(&frozen, step->t, step->y, argument);
         for (int i = 0; i < frozen.n; i++) {
             const double size = fmax(fabs(step->y[i]), step->system->scale[i]);
-            at[i] = step->y[i] + ROUNDING * (1 + 0.3 * (i % 4)) *
-                                     size; /* not all alike: they may be subtracted */
+            /* not all alike: they may be subtracted */
+            at[i] = step->y[i] + ROUNDING * (1 + 0.3 * (i % 4)) * size;
         }
         system_guards(&frozen, step->t * (1 + 0.7 * ROUNDING), at, beside);
         for (int i = 0; i < frozen.switches; i++)

@@ -24,7 +24,7 @@ enum { MOST = 4 };
 #define TYPED_STEP(name, n)                                                                        \
     static enum step_status STEP_NAME(name)(const struct method *method, struct step *step)        \
     {                                                                                              \
-        struct typed_forces known;                                                                        \
+        struct typed_forces known;                                                                 \
         (void)method;                                                                              \
         known_take(&known, step->system);                                                          \
         return one_step(&RK_ROW, n, name##_slope, &known, step);                                   \

@@ -69,8 +69,8 @@ INLINE void paired_difference(double h, const double *w, const double *u, int co
 
 struct attempt {
     double y[MOST], z[MOST], error[MOST];
-    pair paired[STAGES_MAX *
-                PAIRS]; /* slopes, where they are in pairs; else they are in step->work */
+    /* slopes, where they are in pairs; else they are in step->work */
+    pair paired[STAGES_MAX * PAIRS];
 };
 
 INLINE void attempt_begin(int n, int stages, bool known, const struct step *step,
@@ -128,8 +128,8 @@ INLINE void attempt_keep(const struct tableau *tableau, int n, double h,
     copy_numbers(n, attempt->z, step->y);
     if (n == PAIRED)
         memcpy(step->work, attempt->paired, (size_t)(tableau->stages * n) * sizeof *step->work);
-    step->work[(tableau->stages + tableau->extra + 1) * n] =
-        false; /* the interpolant's stages are not there */
+    /* the interpolant's stages are not there */
+    step->work[(tableau->stages + tableau->extra + 1) * n] = false;
     if (step->error)
         copy_numbers(n, attempt->error, step->error);
 }
@@ -210,7 +210,7 @@ INLINE bool solved(const struct method *method, int shape)
     static enum step_status NAME(shape)(const struct method *method, struct step *step,            \
                                         struct controller *controller, double t_end)               \
     {                                                                                              \
-        struct shape_forces forces;                                                                      \
+        struct shape_forces forces;                                                                \
         (void)method;                                                                              \
         if (!solved(&RK_ROW, SHAPE_##shape))                                                       \
             return STEP_STALLED; /* not in use */                                                  \

@@ -26,7 +26,7 @@ struct shape_known {
 #define KNOWN_SLOPE(shape)                                                                         \
     INLINE void shape##_known_slope(const void *known, double t, const double *y, double *dydt)    \
     {                                                                                              \
-        shape##_slope(&((const struct shape_known *)known)->forces, t, y, dydt);                         \
+        shape##_slope(&((const struct shape_known *)known)->forces, t, y, dydt);                   \
     }
 CLOSED_SHAPES(KNOWN_SLOPE)
 NEWTON_SHAPES(KNOWN_SLOPE)
@@ -37,7 +37,7 @@ NEWTON_SHAPES(KNOWN_SLOPE)
                                           double h, const double *y, double *z, double *sum,       \
                                           double *work)                                            \
     {                                                                                              \
-        const struct shape_known *of = known;                                                            \
+        const struct shape_known *of = known;                                                      \
         double force;                                                                              \
         (void)work;                                                                                \
         shape##_force(&of->forces, t, y, &force);                                                  \
@@ -57,7 +57,7 @@ CLOSED_SHAPES(CLOSED_STAGE)
 #define NEWTON_STAGE(shape)                                                                        \
     INLINE void shape##_known_jacobian(const void *known, double t, const double *y, double *jac)  \
     {                                                                                              \
-        const struct shape_known *of = known;                                                            \
+        const struct shape_known *of = known;                                                      \
         jac[0] = jac[2] = jac[3] = 0;                                                              \
         jac[1] = 1;                                                                                \
         TERMS_OF_##shape(TERM_SLOPES)                                                              \
@@ -142,7 +142,7 @@ INLINE int64_t diagonal_march(const struct method *method, stage_function *stage
     static int64_t shape##_irk(const struct method *method, const struct march *march)             \
     {                                                                                              \
         const struct system *system = march->step->system;                                         \
-        struct shape_known known = {.oscillator = system->oscillator, .system = system};                 \
+        struct shape_known known = {.oscillator = system->oscillator, .system = system};           \
         forces_take(&known.forces, system, SHAPE_TERMS);                                           \
         return diagonal_march(method, shape##_stage, shape##_known_slope, &known, march);          \
     }
@@ -156,7 +156,7 @@ NEWTON_SHAPES(ANY_KERNEL)
     static int64_t IRK_NAME(shape)(const struct method *method, const struct march *march)         \
     {                                                                                              \
         const struct system *system = march->step->system;                                         \
-        struct shape_known known = {.oscillator = system->oscillator, .system = system};                 \
+        struct shape_known known = {.oscillator = system->oscillator, .system = system};           \
         if (!(IRK_ROW.flags & METHOD_UNROLLED))                                                    \
             return shape##_irk(method, march);                                                     \
         forces_take(&known.forces, system, SHAPE_TERMS);                                           \

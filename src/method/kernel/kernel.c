@@ -24,7 +24,7 @@ INLINE bool unrolled(const struct method *method, int shape)
 #define RK_KERNEL(shape)                                                                           \
     static int64_t RK_NAME(shape)(const struct method *method, const struct march *march)          \
     {                                                                                              \
-        struct shape_forces forces;                                                                      \
+        struct shape_forces forces;                                                                \
         if (!unrolled(&RK_ROW, SHAPE_##shape))                                                     \
             return typed_kernel(method, march->step->system, DRAG_DEFAULT)(method, march);         \
         forces_take(&forces, march->step->system, 0 TERMS_OF_##shape(ONE_MORE));                   \
@@ -45,7 +45,7 @@ INLINE bool unrolled(const struct method *method, int shape)
     {                                                                                              \
         const bool velocity = (0 TERMS_OF_##shape(HAS_VELOCITY)) != 0;                             \
         const enum drag drag = velocity ? march->step->drag : DRAG_DEFAULT;                        \
-        struct shape_forces forces;                                                                      \
+        struct shape_forces forces;                                                                \
         if (!(SPLIT_ROW.flags & METHOD_UNROLLED))                                                  \
             return shape_split(SHAPE_##shape)(method, march);                                      \
         forces_take(&forces, march->step->system, 0 TERMS_OF_##shape(ONE_MORE));                   \

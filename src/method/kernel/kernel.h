@@ -88,19 +88,19 @@ enum {
 #define SHAPE_FUNCTIONS(shape)                                                                     \
     INLINE void shape##_force(const void *known, double t, const double *y, double *a)             \
     {                                                                                              \
-        const struct shape_forces *forces = known;                                                       \
+        const struct shape_forces *forces = known;                                                 \
         sum_begin(SIZE_##shape / 2, a);                                                            \
         TERMS_OF_##shape(TERM_IF_FORCE)                                                            \
     }                                                                                              \
     INLINE void shape##_drag(const void *known, double t, const double *y, double *a)              \
     {                                                                                              \
-        const struct shape_forces *forces = known;                                                       \
+        const struct shape_forces *forces = known;                                                 \
         sum_begin(SIZE_##shape / 2, a);                                                            \
         TERMS_OF_##shape(TERM_IF_DRAG)                                                             \
     }                                                                                              \
     INLINE void shape##_slope(const void *known, double t, const double *y, double *dydt)          \
     {                                                                                              \
-        const struct shape_forces *forces = known;                                                       \
+        const struct shape_forces *forces = known;                                                 \
         double *a = dydt + SIZE_##shape / 2;                                                       \
         copy_numbers(SIZE_##shape / 2, y + SIZE_##shape / 2, dydt);                                \
         sum_begin(SIZE_##shape / 2, a);                                                            \

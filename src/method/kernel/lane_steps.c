@@ -27,8 +27,8 @@ struct lanes {
     int64_t step; /* taken */
     double c[SHAPE_TERMS][LANE_COEFFICIENTS][LANES];
     double y[2][LANES];
-    double carried[2][LANES]; /* the last stage's slope, or the last force: what the next step begins
-                              with */
+    /* the last stage's slope, or the last force: what the next step begins with */
+    double carried[2][LANES];
     /* The drag's flow over h/2; with a divisor other than 1? */
     double keep[LANES], min[LANES], pull[LANES];
     bool divides;

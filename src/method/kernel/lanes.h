@@ -43,8 +43,8 @@ static inline int64_t lane_turn(const struct method *method, struct step *step, 
 /* Adds a built-in force to a [LANES]; c [TERM_COEFFICIENTS][LANES], y [2][LANES] */
 typedef void lane_term_function(const double *c, double t, const double *y, double *a);
 
-lane_term_function *
-lane_term(const struct term_row *row); /* kernel_lane_terms.c; NULL: not one of the oscillator's */
+/* kernel_lane_terms.c; NULL: not one of the oscillator's */
+lane_term_function *lane_term(const struct term_row *row);
 
 struct typed_lanes;
 

@@ -23,7 +23,7 @@
 #define MOTION_JACOBIAN(shape)                                                                     \
     INLINE void shape##_jac(const void *known, double t, const double *y, double *jac)             \
     {                                                                                              \
-        const struct shape_forces *forces = known;                                                       \
+        const struct shape_forces *forces = known;                                                 \
         jac[0] = jac[2] = jac[3] = 0;                                                              \
         jac[1] = 1;                                                                                \
         TERMS_OF_##shape(TERM_SLOPES)                                                              \
@@ -36,14 +36,14 @@ MOTIONS(MOTION_JACOBIAN)
 #define FLOW_FUNCTIONS(shape, n)                                                                   \
     INLINE void shape##_slope(const void *known, double t, const double *y, double *dydt)          \
     {                                                                                              \
-        const struct shape_forces *forces = known;                                                       \
+        const struct shape_forces *forces = known;                                                 \
         sum_begin(n, dydt);                                                                        \
         double *const a = dydt;                                                                    \
         TERMS_OF_##shape(TERM_ALWAYS)                                                              \
     }                                                                                              \
     INLINE void shape##_jac(const void *known, double t, const double *y, double *jac)             \
     {                                                                                              \
-        const struct shape_forces *forces = known;                                                       \
+        const struct shape_forces *forces = known;                                                 \
         for (int i = 0; i < (n) * (n); i++)                                                        \
             jac[i] = 0;                                                                            \
         TERMS_OF_##shape(TERM_JACOBIANS)                                                           \
@@ -57,7 +57,7 @@ FLOWS(FLOW_FUNCTIONS)
 #define STEP(shape, n)                                                                             \
     static enum step_status NAME(shape)(const struct method *method, struct step *step)            \
     {                                                                                              \
-        struct shape_forces forces;                                                                      \
+        struct shape_forces forces;                                                                \
         const struct rosenbrock_forces of = {shape##_slope, shape##_jac, &forces, false};          \
         (void)method;                                                                              \
         for (int i = 0; i < (0 TERMS_OF_##shape(ONE_MORE)); i++)                                   \

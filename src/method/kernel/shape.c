@@ -11,16 +11,16 @@
 
 #define RUN(name)                                                                                  \
     static struct leading name(const struct program *program, double t, double q, double v,        \
-                               const double *state, const double *args, double *output,           \
+                               const double *state, const double *args, double *output,            \
                                double *frame)
 
 #define SHAPE_RUN(shape)                                                                           \
     RUN(shape##_run)                                                                               \
     {                                                                                              \
-        const struct shape_forces *forces = (const struct shape_forces *)(const void *)frame;                  \
+        const struct shape_forces *forces = (const struct shape_forces *)(const void *)frame;      \
         const double line[N] = {q, v}, *const y = (int)SIZE_##shape == (int)N ? line : state;      \
         double a[2] = {-0.0, -0.0};                                                                \
-        (void)program, (void)args, (void)output;                                                  \
+        (void)program, (void)args, (void)output;                                                   \
         TERMS_OF_##shape(TERM_ALWAYS);                                                             \
         return (struct leading){a[0], a[1]};                                                       \
     }
@@ -57,7 +57,8 @@ static bool built_in_take(const struct system *system, struct typed_addend *part
 
 /* ---- typed ones ---- */
 
-static bool sum_take(struct typed_sum *sum, struct typed_forces *known, int *left, const struct bound_term *term)
+static bool sum_take(struct typed_sum *sum, struct typed_forces *known, int *left,
+                     const struct bound_term *term)
 {
     int values;
     const struct program *const program = term_program(term, &values);
@@ -65,8 +66,8 @@ static bool sum_take(struct typed_sum *sum, struct typed_forces *known, int *lef
     if (size > *left)
         return false;
     *left -= size;
-    sum->part[sum->parts++] =
-        (struct typed_addend){program ? program_code(program) : NULL, program, term, known->frame + *left};
+    sum->part[sum->parts++] = (struct typed_addend){program ? program_code(program) : NULL, program,
+                                                    term, known->frame + *left};
     if (program)
         program_prepare(program, known->frame + *left);
     return true;
@@ -98,8 +99,9 @@ bool sum_is_one(const struct typed_sum *sum)
 
 static void sum_close(struct typed_sum *sum, const struct system *system)
 {
-    sum->all = sum_is_one(sum) ? sum->part[0]
-                               : (struct typed_addend){sum_run, NULL, system->term, (double *)(void *)sum};
+    sum->all = sum_is_one(sum)
+                   ? sum->part[0]
+                   : (struct typed_addend){sum_run, NULL, system->term, (double *)(void *)sum};
 }
 
 bool known_take(struct typed_forces *known, const struct system *system)
@@ -153,7 +155,7 @@ int typed_shape(const struct system *system, bool splits)
     {                                                                                              \
         const bool velocity = (0 TERMS_OF_##shape(HAS_VELOCITY)) != 0;                             \
         const enum drag drag = velocity ? march->step->drag : DRAG_DEFAULT;                        \
-        struct shape_forces forces;                                                                      \
+        struct shape_forces forces;                                                                \
         forces_take(&forces, march->step->system, 0 TERMS_OF_##shape(ONE_MORE));                   \
         return split_march(method, SIZE_##shape, drag, shape##_force, shape##_drag, &forces,       \
                            march);                                                                 \
@@ -166,7 +168,7 @@ TYPED_MOTIONS(SPLIT_FUNCTIONS)
     {                                                                                              \
         const bool velocity = march->step->system->velocity;                                       \
         const enum drag drag = velocity ? DRAG_EXPLICIT : DRAG_DEFAULT;                            \
-        struct typed_forces known;                                                                        \
+        struct typed_forces known;                                                                 \
         known_take(&known, march->step->system);                                                   \
         return split_march(method, n, drag, name##_force, name##_drag, &known, march);             \
     }

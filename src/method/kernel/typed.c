@@ -14,7 +14,7 @@ enum { MOST = 4 };
 #define RK_KERNEL(name, n)                                                                         \
     static int64_t RK_NAME(name)(const struct method *method, const struct march *march)           \
     {                                                                                              \
-        struct typed_forces known;                                                                        \
+        struct typed_forces known;                                                                 \
         (void)method;                                                                              \
         known_take(&known, march->step->system);                                                   \
         return rk_march(&RK_ROW, n, name##_slope, &known, march);                                  \

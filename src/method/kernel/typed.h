@@ -39,8 +39,8 @@ bool known_take(struct typed_forces *known, const struct system *system);
 bool sum_is_one(const struct typed_sum *sum);
 
 /* out [rows], of n state variables */
-INLINE void part_evaluate(const struct typed_addend *part, int n, int rows, double t, const double *y,
-                          double *out)
+INLINE void part_evaluate(const struct typed_addend *part, int n, int rows, double t,
+                          const double *y, double *out)
 {
     const struct leading leading = part->run(part->program, t, y[0], y[1], n > 2 ? y : NULL,
                                              part->term->c + 1, rows > 2 ? out : NULL, part->frame);

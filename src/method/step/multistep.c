@@ -18,8 +18,8 @@ enum { COUNT, H, HEAD };
 
 enum { DEGREE_MAX = 6, ITERATIONS = 100 };
 
-static const double ARRIVED =
-    1e-9; /* the order is 3: what remains after such a move is below rounding */
+/* the order is 3: what remains after such a move is below rounding */
+static const double ARRIVED = 1e-9;
 
 /* Substeps of a start: the shortest, and how many there may be. */
 static const double SHORTEST = 1e-9; /* of h */
@@ -139,8 +139,9 @@ enum step_status multistep_step(const struct method *method, struct step *step)
            *own = next + n;
 
     int count = step->warm && head[H] == h ? (int)head[COUNT] : 0;
+    /* the oldest leaves */
     if (count == steps)
-        count--; /* the oldest leaves */
+        count--;
     memmove(past + n, past, (size_t)(count * n) * sizeof *past);
     if (multistep->values)
         memcpy(past, y, (size_t)n * sizeof *y);

@@ -12,8 +12,8 @@ enum { ADAPTIVE_ITERATIONS = 7 };
 static const double FIRST_PART = 0.25, PART_MIN = 1e-5;
 enum { PARTS_MOST = 100, STAGES_MOST = 3 };
 
-static const double FAST =
-    1e-3; /* increments that shrink by this in an adaptive step: keep the Jacobian */
+/* increments that shrink by this in an adaptive step: keep the Jacobian */
+static const double FAST = 1e-3;
 
 /* Of the tolerance of an adaptive step, what the iteration may leave; in finer steps errors of many
  * add up. */

@@ -10,8 +10,8 @@
  * that of h sum_j a_ij f(t + c_j h, y + z_j) - z_i, as far as convergence needs it.
  */
 struct newton;
-typedef void jacobian_function(const void *forces, double t, const double *y,
-                               double *jac); /* [n][n] */
+/* [n][n] */
+typedef void jacobian_function(const void *forces, double t, const double *y, double *jac);
 /* What the equations are off by; scratch [stages][n]. */
 typedef void newton_rest_function(const struct newton *equations, struct step *step, int n,
                                   double t, double h, const double *y, const double *z,
@@ -35,8 +35,8 @@ newton_rest_function newton_stages;
 /*
  * z: in, a guess; out, the solution (undefined unless STEP_OK): as exact as rounding allows or, in
  * steps of method_adapt(), as exact as the tolerance asks for. A linear system takes one solve.
- * work: newton_capacity() doubles that belong to these equations. They keep the factors of the matrix
- * from call to call and step to step, where that changes nothing (linear systems) or little
+ * work: newton_capacity() doubles that belong to these equations. They keep the factors of the
+ * matrix from call to call and step to step, where that changes nothing (linear systems) or little
  * (adaptive steps); newton_forget() begins anew.
  */
 enum step_status newton_solve(const struct newton *equations, struct step *step, double t, double h,

@@ -23,8 +23,8 @@ enum { HALVINGS = 8, ITERATIONS = 30 };
 
 #define STANDSTILL 1e-10 /* an increment this small (relative) that shrinks no more is rounding */
 #define SLOW 0.1         /* increments that shrink by less than this want a new Jacobian */
-#define CONTRACTS                                                                                  \
-    0.5 /* increments that shrink by this stay near where they began (Newton-Kantorovich) */
+/* increments that shrink by this stay near where they began (Newton-Kantorovich) */
+#define CONTRACTS 0.5
 
 #define LOST (DBL_EPSILON / 32) /* an increment that changes no digit */
 
@@ -274,8 +274,8 @@ INLINE enum step_status oscillator_stage(const struct oscillator *o, bool dragge
                                          struct step *step, double h, const double *y, double *z,
                                          double *sum)
 {
-    const double a = 1 + o->damping * h + o->stiffness * h * h,
-                 inverse = 1 / a; /* the same in each step */
+    /* the same in each step */
+    const double a = 1 + o->damping * h + o->stiffness * h * h, inverse = 1 / a;
     const double bend = 4 * (o->quadratic * h * inverse) * inverse, r = y[1] + h * force,
                  u = r * inverse;
     step->cost.evals++;

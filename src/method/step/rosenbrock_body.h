@@ -17,8 +17,8 @@
 #define INLINE static inline __attribute__((always_inline))
 #endif
 
-typedef void jacobian_function(const void *forces, double t, const double *y,
-                               double *jac); /* [n][n] */
+/* [n][n] */
+typedef void jacobian_function(const void *forces, double t, const double *y, double *jac);
 
 /* What a step is of; `forces` is whatever the functions know. */
 struct rosenbrock_forces {
@@ -189,8 +189,8 @@ INLINE bool few_inverse(int n, double diagonal, const double *jacobian, struct f
 }
 
 struct few_start {
-    double jacobian[INVERTED * INVERTED], first[INVERTED],
-        drift[INVERTED]; /* at y: the slope, and how it changes with t */
+    /* at y: the slope, and how it changes with t */
+    double jacobian[INVERTED * INVERTED], first[INVERTED], drift[INVERTED];
 };
 
 /* u_i from y */
@@ -208,8 +208,8 @@ INLINE void few_stages(int n, const struct rosenbrock *rosenbrock,
         const double *const a = rosenbrock->a + s * (s - 1) / 2, *const c = rosenbrock->c +
                                                                             s * (s - 1) / 2;
         if (s > 0 && !rosenbrock_same_point(rosenbrock, a, s)) {
-            struct few state =
-                few_sum(n, a, s - 1, u); /* the newest last: nothing else waits for it */
+            /* the newest last: nothing else waits for it */
+            struct few state = few_sum(n, a, s - 1, u);
             for (int q = 0; q < (n + 1) / 2; q++)
                 state.of[q] = at.of[q] + state.of[q];
             if (a[s - 1] != 0)

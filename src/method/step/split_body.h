@@ -27,10 +27,10 @@ struct split_way {
     const struct splitting *splitting;
     enum drag drag; /* DRAG_DEFAULT: there is none */
     bool symmetric;
-    bool around;    /* the drag's own flow stands at the step's ends */
-    bool continues; /* a step that begins and ends with a kick begins where the last one left the
-                       force */
-    int kicks;      /* forces evaluated a step, one fewer where the first is known */
+    bool around; /* the drag's own flow stands at the step's ends */
+    /* a step that begins and ends with a kick begins where the last one left the force */
+    bool continues;
+    int kicks; /* forces evaluated a step, one fewer where the first is known */
 };
 
 INLINE void split_choose(struct split_way *way, const struct method *method, enum drag drag)

@@ -193,10 +193,10 @@ enum step_status rk_step(const struct method *method, struct step *step);
 /* Of typed scenes (kernel_typed.c), and for any number of variables (kernel_any.c); or NULL */
 march_function *typed_kernel(const struct method *method, const struct system *system,
                              enum drag drag);
-march_function *implicit_kernel(const struct method *method,
-                                const struct system *system); /* kernel_implicit.c */
-march_function *
-shape_split(int shape); /* of any splitting, by the shapes of kernel.h (kernel_shape.c), */
+/* kernel_implicit.c */
+march_function *implicit_kernel(const struct method *method, const struct system *system);
+/* of any splitting, by the shapes of kernel.h (kernel_shape.c), */
+march_function *shape_split(int shape);
 march_function *typed_split(int shape); /* and by those of kernel_typed.h */
 march_function *any_kernel(const struct method *method);
 step_function *any_step_kernel(const struct method *method);
@@ -264,8 +264,9 @@ size_t state_work(const struct method *method, int n); /* one state */
 static inline double drag_root(double a, double c, double r)
 {
     double u = r / a;
+    /* what the formula gives, too */
     if (c == 0)
-        return u; /* what the formula gives, too */
+        return u;
     return 2 * u / (1 + sqrt(1 + 4 * (c / a) * fabs(u)));
 }
 

@@ -13,8 +13,9 @@ INLINE enum step_status one_step(const struct method *method, int n, slope_funct
     const struct tableau *tableau = method->tableau;
     const int stages = tableau->stages;
     double k[STAGES_MAX * MOST], z[MOST], y[MOST];
+    /* else gcc thinks that y may be empty */
     if (n < 1)
-        __builtin_unreachable(); /* else gcc thinks that y may be empty */
+        __builtin_unreachable();
     if (step->low)
         return rk_step(method, step);
     for (int i = 0; i < n; i++)
@@ -27,8 +28,8 @@ INLINE enum step_status one_step(const struct method *method, int n, slope_funct
     step->cost.evals += stages - known;
     for (int i = 0; i < stages * n; i++)
         step->work[i] = k[i];
-    step->work[(stages + tableau->extra + 1) * n] =
-        false; /* the interpolant's stages are not there */
+    /* the interpolant's stages are not there */
+    step->work[(stages + tableau->extra + 1) * n] = false;
     if (step->error && tableau->b_hat)
         step->square = rk_estimate(tableau, n, step_scale(step), step->h, k, y, z, step->error);
     bool finite = true;

@@ -49,7 +49,7 @@ static int extremes_of(const struct run *run, const double *y, double value[EXTR
  * Hairer, Lubich, Wanner IX.8).
  */
 static size_t choose_of_shared(const struct run *run, size_t from, size_t to, size_t stride,
-                              size_t *out)
+                               size_t *out)
 {
     size_t at[EXTREMES_MAX + 2];
     double best[EXTREMES_MAX], value[EXTREMES_MAX];

@@ -28,8 +28,8 @@ struct drawing {
     double period;                                       /* [s] of the first run, NAN: none */
     double window[2];                                    /* [s] */
     double shown, total;                                 /* [s] */
-    struct spectrum_peak
-        line; /* of a spectrum: the strongest, of several the highest; frequency 0: none */
+    /* of a spectrum: the strongest, of several the highest; frequency 0: none */
+    struct spectrum_peak line;
     struct data_motion motion; /* of the recording, where the plot needs it */
 };
 
@@ -85,8 +85,8 @@ bool drawing_scales(struct drawing *d, struct figure *figure, const enum quantit
 bool drawing_data_spectrum(struct drawing *d, const struct series *series, struct curve *curve);
 bool drawing_run_spectrum(struct drawing *d, const struct run *run, struct curve *curve);
 struct axis spectrum_axis(const struct drawing *d);
-void spectrum_note(const struct drawing *d,
-                   struct buffer *text); /* names the line; nothing: there is none */
+/* names the line; nothing: there is none */
+void spectrum_note(const struct drawing *d, struct buffer *text);
 
 /* The 95 % band of the adopted fit about each curve of the run; ERROR_COMMAND: the run is not of
  * that fit. */

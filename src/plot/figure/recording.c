@@ -92,8 +92,9 @@ static bool scale_values(const struct drawing *d, struct series *series)
     for (size_t i = 0; i < series->n; i++)
         y[i] = data.at_zero + data.gain * series->y[i];
     series->y = y;
+    /* it does not follow the run */
     if (!isfinite(data.gain))
-        series->n = 0; /* it does not follow the run */
+        series->n = 0;
     return true;
 }
 

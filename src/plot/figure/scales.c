@@ -8,8 +8,8 @@
 #include <math.h>
 
 #define ALIKE 10 /* sizes up to this factor share an axis */
-#define DECADES_LEFT                                                                               \
-    1e-6          /* of the smallest curve: what falls below is left out of a logarithmic axis */
+/* of the smallest curve: what falls below is left out of a logarithmic axis */
+#define DECADES_LEFT 1e-6
 #define FLAT 0.01 /* an energy that varies by less is shown from zero */
 #define AIR 0.04  /* of a range, beyond the curves */
 

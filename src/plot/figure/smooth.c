@@ -44,8 +44,8 @@ static bool smooth_rows(const struct run *run, const struct chosen_rows *rows, i
         const bool last = row + 1 == rows->n;
         const size_t next = rows->row[last ? row : row + 1];
         const double h = trace_time(run->trace, next) - a, *right = trace_state(run->trace, next);
-        const struct system *system =
-            run_system_to(run, next); /* a jump has no length, a change falls on a row */
+        /* a jump has no length, a change falls on a row */
+        const struct system *system = run_system_to(run, next);
         system_derivative(system, a, left, slope[0]);
         system_derivative(system, a + h, right, slope[1]);
         for (size_t k = 0; k < (last ? 1 : each); k++) {

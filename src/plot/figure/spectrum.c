@@ -6,8 +6,8 @@
 
 #include <math.h>
 
-#define TIMES                                                                                      \
-    10 /* the axis goes to so many times the main line: beyond it there is little to see */
+/* the axis goes to so many times the main line: beyond it there is little to see */
+#define TIMES 10
 
 bool drawing_data_spectrum(struct drawing *d, const struct series *series, struct curve *curve)
 {

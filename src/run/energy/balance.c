@@ -61,8 +61,8 @@ static inline double largest(const double *x, double min)
 }
 
 /* By comparisons, which pass over numbers that are none: fmax() is a call. */
-static inline void note_lacks(struct energy_tally *tally, double initial, const struct work_done *done,
-                              int from, int to)
+static inline void note_lacks(struct energy_tally *tally, double initial,
+                              const struct work_done *done, int from, int to)
 {
     double max = tally->max;
     for (int k = from; k < to; k++) {
@@ -218,9 +218,8 @@ static int block_done(const struct run *run, const struct balance *balance,
 
 #define ROUNDED 64   /* rounding units of the energy */
 #define SUSPECT 1e-3 /* of the tolerance: such a share of the energy, missing after one step */
-#define FINER                                                                                      \
-    1e-3 /* times the run's tolerance: that of a solution that says what the work was,             \
-          */
+/* times the run's tolerance: that of a solution that says what the work was, */
+#define FINER 1e-3
 #define WORK_TOL 1e-12 /* or this */
 #define WORK_MIN 1e-14
 

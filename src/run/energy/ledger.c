@@ -35,8 +35,9 @@ static bool save(struct run_private *p, size_t index)
     if (index == p->save_capacity) {
         const size_t capacity = p->save_capacity ? 2 * p->save_capacity : 16;
         struct energy_tally *saved = realloc(p->saved, capacity * sizeof *saved);
+        /* going back starts earlier then */
         if (!saved)
-            return false; /* going back starts earlier then */
+            return false;
         p->saved = saved;
         p->save_capacity = capacity;
     }

@@ -64,8 +64,8 @@ static void quintic_at(const struct quintic *p, double s, double *q, double *v)
 #define FINE 1e-11     /* tolerance of the steps in which a body turns under dry friction; */
 #define PARTS 64       /* so many at most, */
 #define STEP_MEMORY 64 /* with so much memory */
-#define NEAR_REST                                                                                  \
-    1e-9 /* of the step: the power there goes with the square or cube of the velocity */
+/* of the step: the power there goes with the square or cube of the velocity */
+#define NEAR_REST 1e-9
 
 static double velocity_at(void *context, double s)
 {

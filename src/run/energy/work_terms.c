@@ -30,8 +30,8 @@ enum {
 #define POWERED_TERM(name, ...) PLACE_##name,
 #include "scene/model/terms.def"
     OSCILLATOR_PLACES,
-    PLACE_weight = OSCILLATOR_PLACES, /* of the pendulum, whose damping and drive are those of the
-                                         oscillator */
+    /* of the pendulum, whose damping and drive are those of the oscillator */
+    PLACE_weight = OSCILLATOR_PLACES,
     PLACES
 };
 
@@ -86,17 +86,16 @@ struct work_block {
     double q[WORK_BLOCK + 1], v[WORK_BLOCK + 1], a[WORK_BLOCK + 1], p[WORK_BLOCK + 1],
         d[WORK_BLOCK + 1];
     double h[WORK_BLOCK], rate[WORK_BLOCK]; /* 1/h */
-    double cosine[3][WORK_BLOCK +
-                     1]; /* of the drive, at the states and at the inner points of the steps */
-    double sine[WORK_BLOCK + 1],
-        half[WORK_BLOCK + 1]; /* of the pendulum's angle and of half of it */
+    /* of the drive, at the states and at the inner points of the steps */
+    double cosine[3][WORK_BLOCK + 1];
+    /* of the pendulum's angle and of half of it */
+    double sine[WORK_BLOCK + 1], half[WORK_BLOCK + 1];
 };
 
 /* ---- sines, many at once ---- */
 
-#define PI_HIGH                                                                                    \
-    0x1.921fb54400000p+1 /* pi in three parts; few bits in two: products with numbers of turns are \
-                            exact */
+/* pi in three parts; few bits in two: products with numbers of turns are exact */
+#define PI_HIGH 0x1.921fb54400000p+1
 #define PI_MIDDLE 0x1.0b4611a600000p-33
 #define PI_LOW 0x1.3198a2e037073p-68
 #define NEAR 1e5       /* [rad] what lies beyond is left to the library */
@@ -136,8 +135,8 @@ ALWAYS_INLINE void take_sines(int count, const double *restrict x, double factor
 
 /* Terms in the order of terms.def; those of drive and weight by the cosine and the sine that are
  * already there. */
-ALWAYS_INLINE double acceleration(unsigned terms, const struct oscillator_terms *line, double q, double v,
-                                  double cosine, double sine)
+ALWAYS_INLINE double acceleration(unsigned terms, const struct oscillator_terms *line, double q,
+                                  double v, double cosine, double sine)
 {
     const double y[2] = {q, v};
     double a = -0.0;
@@ -162,7 +161,8 @@ ALWAYS_INLINE double acceleration(unsigned terms, const struct oscillator_terms 
     return a;
 }
 
-ALWAYS_INLINE double drag_power_of(unsigned terms, const struct oscillator_terms *line, double q, double v)
+ALWAYS_INLINE double drag_power_of(unsigned terms, const struct oscillator_terms *line, double q,
+                                   double v)
 {
     const double y[2] = {q, v};
     double power = 0;
@@ -177,8 +177,8 @@ ALWAYS_INLINE double drag_power_of(unsigned terms, const struct oscillator_terms
     return power;
 }
 
-ALWAYS_INLINE double energy_at(unsigned terms, const struct oscillator_terms *line, double q, double v,
-                               double half)
+ALWAYS_INLINE double energy_at(unsigned terms, const struct oscillator_terms *line, double q,
+                               double v, double half)
 {
     const double y[2] = {q, v};
     double potential = 0;
@@ -222,8 +222,9 @@ static void take_lengths(const struct work *work, struct work_block *b)
     }
 }
 
-ALWAYS_INLINE void block_work(unsigned terms, const struct oscillator_terms *line, const struct work *work,
-                              struct work_block *restrict b, struct work_done *restrict done)
+ALWAYS_INLINE void block_work(unsigned terms, const struct oscillator_terms *line,
+                              const struct work *work, struct work_block *restrict b,
+                              struct work_done *restrict done)
 {
     const int count = work->count;
     take_states(work, b);
@@ -271,8 +272,8 @@ ALWAYS_INLINE void block_work(unsigned terms, const struct oscillator_terms *lin
 /* Wider vectors gain nothing: memory is waited for. */
 #define KIND(name, terms)                                                                          \
     CLONES_FOR("avx2")                                                                             \
-    static void block_##name(const struct oscillator_terms *line, const struct work *work,                     \
-                             struct work_block *restrict b, struct work_done *restrict done)            \
+    static void block_##name(const struct oscillator_terms *line, const struct work *work,         \
+                             struct work_block *restrict b, struct work_done *restrict done)       \
     {                                                                                              \
         block_work((terms), line, work, b, done);                                                  \
     }
@@ -294,8 +295,8 @@ KINDS(KIND)
 
 static const struct kind {
     unsigned terms;
-    void (*work)(const struct oscillator_terms *line, const struct work *work, struct work_block *restrict b,
-                 struct work_done *restrict done);
+    void (*work)(const struct oscillator_terms *line, const struct work *work,
+                 struct work_block *restrict b, struct work_done *restrict done);
 } kinds[] = {
 #define KIND_ROW(name, terms) {(terms), block_##name},
     KINDS(KIND_ROW)};

@@ -85,8 +85,8 @@ struct event_search {
     int event;
     double until; /* an event that stops the run is there: what comes after does not happen */
     bool failed;
-    double
-        near; /* where it comes so near to 0 that nobody knows whether it touches; NAN: nowhere */
+    /* where it comes so near to 0 that nobody knows whether it touches; NAN: nowhere */
+    double near;
     const struct root_search *roots; /* that goes on */
 };
 

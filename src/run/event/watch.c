@@ -7,8 +7,8 @@
 #include <float.h>
 #include <stdlib.h>
 
-#define BUDGET                                                                                     \
-    4000 /* bounds of an event in a step, before it is said that it may have been missed */
+/* bounds of an event in a step, before it is said that it may have been missed */
+#define BUDGET 4000
 #define SAMPLES 12 /* parts of a stretch, where a column that is no variable is looked at */
 
 /* ---- columns ---- */
@@ -99,8 +99,8 @@ static double load_value(const void *context, int slot)
 }
 
 /* The event's scope knows the run's present state only: it is put there for a moment. */
-static double load_other(struct event_watch *watch, const struct watched *watched, int slot, double t,
-                         const double *y)
+static double load_other(struct event_watch *watch, const struct watched *watched, int slot,
+                         double t, const double *y)
 {
     struct run *run = watch->run;
     const struct expr_scope *scope = watched->event->scope;
@@ -175,8 +175,8 @@ static struct jet time_jet(const struct step_path *path, double a, double b)
 }
 
 /* Of a function of the state: a polynomial through its values, which is no proof. */
-static struct jet other_jet(struct event_watch *watch, const struct watched *watched, int slot, double a,
-                            double b)
+static struct jet other_jet(struct event_watch *watch, const struct watched *watched, int slot,
+                            double a, double b)
 {
     double y[LIMIT_VARIABLES], value[SAMPLES + 1];
     const double apart = fmax(b - a, 1e-9), from = fmin(a, 1 - apart);
@@ -204,8 +204,8 @@ struct jet events_watch_bounds(struct event_watch *watch, const struct watched *
 }
 
 /* Bounds of the value where each variable may be off by that share of its size. */
-static struct interval value_within(struct event_watch *watch, const struct watched *watched, double t,
-                                    const double *y, double error)
+static struct interval value_within(struct event_watch *watch, const struct watched *watched,
+                                    double t, const double *y, double error)
 {
     for (int i = 0; i < watch->columns; i++) {
         const struct moving *column = &watch->column[i];

@@ -29,8 +29,8 @@ double path_time(const struct step_path *path, double theta);
 /* By the method itself, at the ends the states that were computed. */
 void path_state(const struct step_path *path, double theta, double *y);
 struct jet path_jet(const struct step_path *path, int variable, double a, double b);
-void path_estimate(const struct step_path *path, double theta,
-                   double *y); /* all variables, by the polynomial */
+/* all variables, by the polynomial */
+void path_estimate(const struct step_path *path, double theta, double *y);
 /* Of values at even shares of the stretch from a to b, the first at a: the polynomial's bounds, and
  * about its error. */
 struct jet path_fit(const double *value, int degree, double a, double b);
@@ -64,19 +64,20 @@ struct event_watch {
     struct run *run;
     const struct expr_scope *scope;
     struct watched event[LIMIT_EVENTS + 1];
-    int events; /* with the condition, if there is one: the last, and `until` is its place, else -1
-                 */
+    /* with the condition, if there is one: the last, and `until` is its place, else -1 */
+    int events;
     int until;
     struct event condition;
     bool or_equal;
     struct step_path path;
     struct event_crossing *found; /* in the step just taken, in order */
-    double *state;          /* [count][n] */
+    double *state;                /* [count][n] */
     size_t count, found_capacity;
 };
 
 /* For a run at its present state. False: no memory. */
-bool events_watch_begin(struct event_watch *watch, struct run *run, const struct run_target *target);
+bool events_watch_begin(struct event_watch *watch, struct run *run,
+                        const struct run_target *target);
 void events_watch_destroy(struct event_watch *watch);
 double events_watch_value(struct event_watch *watch, const struct watched *watched, double t,
                           const double *y);

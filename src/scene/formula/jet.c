@@ -263,8 +263,9 @@ static void narrow(struct jet *a, struct interval centre, double half)
 {
     const struct interval by = interval_mul(a->slope, (struct interval){-half, half});
     const struct interval about = interval_add(centre, by);
+    /* no numbers */
     if (!(about.lo <= about.hi && about.lo <= a->value.hi && about.hi >= a->value.lo))
-        return; /* no numbers */
+        return;
     a->value.lo = fmax(a->value.lo, about.lo);
     a->value.hi = fmin(a->value.hi, about.hi);
 }

@@ -106,15 +106,15 @@ static struct interval_jet series_acos(struct interval x)
     if (interval_empty(s.f))
         return s;
     clipped(&x, -1, 1);
-    return (struct interval_jet){interval_wide(acos(x.hi), acos(x.lo), UNITS), interval_neg(s.first),
-                           interval_neg(s.second)};
+    return (struct interval_jet){interval_wide(acos(x.hi), acos(x.lo), UNITS),
+                                 interval_neg(s.first), interval_neg(s.second)};
 }
 
 static struct interval_jet series_atan(struct interval x)
 {
     const struct interval first = interval_div(one(), interval_add(one(), interval_square(x)));
     return (struct interval_jet){rising(atan, x), first,
-                           times(-2, interval_mul(x, interval_square(first)))};
+                                 times(-2, interval_mul(x, interval_square(first)))};
 }
 
 /* ---- exponential ---- */
@@ -193,8 +193,8 @@ static struct interval_jet series_cbrt(struct interval x)
 {
     const struct interval f = rising(cbrt, x);
     const struct interval first = interval_div(one(), times(3, interval_square(f)));
-    return (struct interval_jet){f, first,
-                           interval_div(times(-2. / 3, interval_wide(first.lo, first.hi, 2)), x)};
+    return (struct interval_jet){
+        f, first, interval_div(times(-2. / 3, interval_wide(first.lo, first.hi, 2)), x)};
 }
 
 /* ---- corners and jumps ---- */
@@ -219,7 +219,7 @@ static struct interval_jet stairs(double (*function)(double), struct interval x)
 }
 
 #define STAIRS(name, function)                                                                     \
-    static struct interval_jet name(struct interval x)                                                   \
+    static struct interval_jet name(struct interval x)                                             \
     {                                                                                              \
         return stairs(function, x);                                                                \
     }

@@ -108,8 +108,8 @@ static double slope_at(const struct root_search *roots, double x)
  * extreme value, about *x, may be farther, with a second derivative of at least `bend`. By values
  * alone then (golden section; Kiefer 1953).
  */
-static bool reaches_near(const struct root_search *roots, const struct root_interval *s, double bend,
-                         double *x)
+static bool reaches_near(const struct root_search *roots, const struct root_interval *s,
+                         double bend, double *x)
 {
     const struct interval slope = roots->bounds(roots->context, *x, *x).slope;
     const double max = fmax(fabs(slope.lo), fabs(slope.hi)), off = 2 * max / bend;
@@ -178,7 +178,8 @@ static bool reaches(const struct root_search *roots, const struct root_interval 
 }
 
 /* With a second derivative of one sign. */
-static void bent(struct root_search *roots, const struct root_interval *s, const struct interval *second)
+static void bent(struct root_search *roots, const struct root_interval *s,
+                 const struct interval *second)
 {
     const int after = sign_of(s->fb);
     const bool up = second->lo > 0;

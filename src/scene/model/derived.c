@@ -96,8 +96,8 @@ static double equilibrium(const struct scene *scene)
                    ? -system.oscillator.gravity / system.oscillator.stiffness
                    : NAN;
     double k = own(scene, P_k), weight = own(scene, P_m) * own(scene, P_g);
-    return k != 0 && (weight == 0 || own(scene, P_k3) == 0) ? -weight / k
-                                                            : NAN; /* or the root of a cubic */
+    /* or the root of a cubic */
+    return k != 0 && (weight == 0 || own(scene, P_k3) == 0) ? -weight / k : NAN;
 }
 
 /* hypot neither overflows nor underflows on the way. */

@@ -122,8 +122,8 @@ static void begin(const double *param, struct system *system)
            c = cos(param[P_theta0]);
     double speed = r * param[P_rate0], reach = fmax(fabs(r), param[P_length]);
     double stiffness = param[P_k] / param[P_m];
-    double sag = stiffness > 0 ? fabs(param[P_g]) / stiffness
-                               : 0; /* how far the weight stretches the spring */
+    /* how far the weight stretches the spring */
+    double sag = stiffness > 0 ? fabs(param[P_g]) / stiffness : 0;
     reach = scale_clamp(fmax(reach, sag));
     system->t0 = param[P_t0];
     system->mass = param[P_m];

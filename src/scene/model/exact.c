@@ -103,8 +103,8 @@ static struct roots roots_of(const struct oscillator *o)
 {
     struct roots z = {.w2 = (real)o->stiffness, .gamma = (real)o->damping};
     const real s = z.gamma / 2;
-    const real discriminant =
-        fmal(-s, s, z.w2); /* one rounding: exact however near critical damping */
+    /* one rounding: exact however near critical damping */
+    const real discriminant = fmal(-s, s, z.w2);
     z.r = sqrtl(fabsl(discriminant));
     if (discriminant > 0) {
         z.a = -s + z.r * (node)I;
@@ -214,13 +214,11 @@ void oscillator_exact(const struct oscillator *o, double t0, const double *start
 /* ---- at many times, a step apart ---- */
 
 #define TABLE_MAX 64 /* steps from one time where the solution is found anew to the next */
-#define TABLE_TURN                                                                                 \
-    4.0 /* |b t| over all of them, at most: what rounding adds does not grow by more than exp(4)   \
-         */
+/* |b t| over all of them, at most: what rounding adds does not grow by more than exp(4) */
+#define TABLE_TURN 4.0
 #define TABLE_MIN 8 /* fewer are not worth it */
-#define TABLE_OFF                                                                                  \
-    1e-9 /* |b dt| that a time may be off its multiple: terms in dt^2 are below half an ulp of y   \
-          */
+/* |b dt| that a time may be off its multiple: terms in dt^2 are below half an ulp of y */
+#define TABLE_OFF 1e-9
 
 struct exact_table {
     const struct system *system;

@@ -135,9 +135,8 @@ static double T0(const struct scene *scene)
 static double period(const struct scene *scene)
 {
     double s = sin(scene->value[P_theta0] / 2), turn = scene->value[P_rate0] / (2 * omega0(scene));
-    double a = 1,
-           b = sqrt(1 - s * s -
-                    turn * turn); /* energy: sin^2 of half the largest angle is s^2 + turn^2 */
+    /* energy: sin^2 of half the largest angle is s^2 + turn^2 */
+    double a = 1, b = sqrt(1 - s * s - turn * turn);
     while (b > 0 && a - b > 4 * DBL_EPSILON * a) {
         double mean = (a + b) / 2;
         b = sqrt(a * b);

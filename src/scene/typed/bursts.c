@@ -132,8 +132,8 @@ static struct stretch_look look(struct way *way, int row, double a, double b)
 {
     const struct jet bounds = row_bounds(way, row, a, b);
     const double width = bounds.value.hi - bounds.value.lo, length = b - a;
-    const double bent =
-        largest(bounds.bend) * length * length / 8; /* from the straight line between the ends */
+    /* from the straight line between the ends */
+    const double bent = largest(bounds.bend) * length * length / 8;
     const double first = row_value(way, row, a), last = row_value(way, row, b);
     double low = fmin(first, last), high = fmax(first, last), off = 0;
     for (int i = 1; i < SAMPLES; i++) {
@@ -162,9 +162,8 @@ static bool stands_out(struct way *way, int row, double a, double b, double seen
     enum { POINTS = 6 };
     static const double around_it[3][POINTS] = {
         {-1, -0.5, 0, 1, 1.5, 2}, {0, 1, 1.5, 2, 2.5, 3}, {-2, -1.5, -1, -0.5, 0, 1}};
-    const double *at = around_it[a < b - a         ? 1
-                                 : b + (b - a) > 1 ? 2
-                                                   : 0]; /* there may be a switch at an end */
+    /* there may be a switch at an end */
+    const double *at = around_it[a < b - a ? 1 : b + (b - a) > 1 ? 2 : 0];
     double value[POINTS], off = 0;
     for (int k = 0; k < POINTS; k++)
         value[k] = row_value(way, row, a + at[k] * (b - a));
@@ -224,10 +223,12 @@ static int search_row(struct way *way, int row, double size, bool sure, struct b
         const bool seen = at.hidden <= SEEN * at.seen;
         if (seen && depth >= DEPTH_MIN && (!sure || stands_out(way, row, a, b, at.seen)))
             count = keep(way, a == ends ? 0 : a, b == 1 - ends ? 1 : b, burst, count, max);
+        /* of a long stretch one sample may have met a burst by chance */
         if (seen && (depth >= DEPTH_MIN || !stands_out(way, row, a, b, at.seen)))
-            continue; /* of a long stretch one sample may have met a burst by chance */
+            continue;
+        /* a jump, or no number */
         if (depth == DEPTH_MOST)
-            continue; /* a jump, or no number */
+            continue;
         stack[top].a = middle;
         stack[top].b = b;
         stack[top++].depth = depth + 1;

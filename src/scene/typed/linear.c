@@ -166,7 +166,8 @@ static struct affine_form wave(const struct affine_form *angle, double ahead)
     if (!only(angle, BIT(CONSTANT) | BIT(BY_T)))
         return unknown;
     const double omega = angle->part[BY_T], phase = angle->part[CONSTANT] + ahead;
-    struct affine_form made = {.omega = fabs(omega), .phase = omega < 0 ? -phase : phase, .known = true};
+    struct affine_form made = {
+        .omega = fabs(omega), .phase = omega < 0 ? -phase : phase, .known = true};
     made.part[DRIVE] = 1;
     return made;
 }
@@ -176,8 +177,8 @@ static struct affine_form number(double value)
     return (struct affine_form){.part = {[CONSTANT] = value}, .known = true};
 }
 
-static struct affine_form apply(const struct node *node, const struct affine_form *a, const struct affine_form *b,
-                         const struct affine_form *c)
+static struct affine_form apply(const struct node *node, const struct affine_form *a,
+                                const struct affine_form *b, const struct affine_form *c)
 {
     static const double quarter = 1.57079632679489661923;
     const unsigned constant = BIT(CONSTANT);

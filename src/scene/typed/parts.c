@@ -111,10 +111,10 @@ enum use { STEPS, LOOKS, RARELY };
 static struct program *make(const struct part_making *m, int count, enum use use)
 {
     const struct steady_names steady = {1 + m->typed->model.n, m->part->steady,
-                                         use == STEPS ? TERM_VALUES - 1 - m->part->steady : 0};
+                                        use == STEPS ? TERM_VALUES - 1 - m->part->steady : 0};
     struct program *program =
         program_create_keeping(m->equations, equations_count(m->equations) - count, count, m->bound,
-                             m->value, &steady, use != RARELY, m->error);
+                               m->value, &steady, use != RARELY, m->error);
     if (program)
         m->part->steady += program->keeps;
     if (!program || program_frame(program) <= FRAME_MAX)

@@ -37,8 +37,8 @@ struct force_path {
     const double *c;
     int rows;
     const double *mass, *from, *to; /* [rows] */
-    void (*at)(const struct force_path *path, double s, double *q,
-               double *along); /* q and dq/ds [rows] */
+    /* q and dq/ds [rows] */
+    void (*at)(const struct force_path *path, double s, double *q, double *along);
 };
 
 static double force_along(const struct force_path *path, double s)
@@ -54,7 +54,8 @@ static double force_along(const struct force_path *path, double s)
 }
 
 /* *size: of the integral of |f|, *error: about how wrong it is. */
-static double piece(const struct force_path *path, double from, double to, double *size, double *error)
+static double piece(const struct force_path *path, double from, double to, double *size,
+                    double *error)
 {
     const double half = (to - from) / 2, middle = (from + to) / 2;
     double fine = 0, coarse = 0, sum = 0;
@@ -70,9 +71,8 @@ static double piece(const struct force_path *path, double from, double to, doubl
     return half * fine;
 }
 
-#define ACCURACY                                                                                   \
-    1e-11        /* of the difference between both rules, which is that of the coarser one         \
-                  */
+/* of the difference between both rules, which is that of the coarser one */
+#define ACCURACY 1e-11
 #define DEPTH 48 /* halvings of a stretch: a jump that nobody located is enclosed that closely */
 #define PIECES 400
 #define LOOKS 32     /* at switches, at even parts of what is left of a path */
@@ -217,7 +217,8 @@ static void around_origin(const struct force_path *path, double s, double *q, do
 /* ---- potentials ---- */
 
 static double along_path(const double *c, const double *y,
-                         void (*at)(const struct force_path *path, double s, double *q, double *along),
+                         void (*at)(const struct force_path *path, double s, double *q,
+                                    double *along),
                          double *size)
 {
     const struct typed_term *term = typed_term_of(c);
@@ -280,9 +281,8 @@ void typed_found_rows(struct typed_part *part)
 #define POINTS 8
 #define REACH 3.0 /* natural sizes */
 
-#define SIDE                                                                                       \
-    1.0 /* of the largest: a coordinate that the trial run did not reach is tried so far           \
-         */
+/* of the largest: a coordinate that the trial run did not reach is tried so far */
+#define SIDE 1.0
 
 static double largest_scale(const struct system *system)
 {

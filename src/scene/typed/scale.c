@@ -20,9 +20,8 @@
 #define ACCURACY 0.02 /* of a step, relative to the largest values so far */
 #define POWERS 16     /* applications of the Jacobian */
 #define POLE 1e-6     /* steps that have become as short as this part of the way go to a pole */
-#define UNSEEN                                                                                     \
-    1e-20 /* of the largest size: what stays below this in the trial has not been reached by it,   \
-           */
+/* of the largest size: what stays below this in the trial has not been reached by it, */
+#define UNSEEN 1e-20
 #define FLOOR 1e-12 /* and is given this, because a size of nothing makes every error infinite */
 
 /* |J^16 v|^(1/16): about the largest |eigenvalue| [1/s]. */

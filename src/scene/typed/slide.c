@@ -10,14 +10,13 @@
 
 #include "scene/typed/typed.h"
 
-#define DEPENDENT                                                                                  \
-    1e-12           /* a row that adds this part of its square to those before says nothing new */
+/* a row that adds this part of its square to those before says nothing new */
+#define DEPENDENT 1e-12
 #define BESIDE 1e-5 /* of a variable's size: for differences */
-#define RETURNS                                                                                    \
-    3 /* steps to where rates have to be 0, too: from there the motion is to go on at rest */
-#define FAR                                                                                        \
-    1e-2 /* of all variables' sizes: for differences of arguments, most of which are linear, and   \
-          */
+/* steps to where rates have to be 0, too: from there the motion is to go on at rest */
+#define RETURNS 3
+/* of all variables' sizes: for differences of arguments, most of which are linear, and */
+#define FAR 1e-2
 #define FAR_FIELD 1e-4 /* of fields; both of the fourth order */
 
 static const struct sliding *sliding_of(const double *c)

@@ -48,9 +48,9 @@ struct switch_making {
 static struct program *make(struct switch_making *m, int first, int count, bool steps)
 {
     const struct steady_names steady = {1 + m->typed->model.n, m->values,
-                                         steps ? TERM_VALUES - 1 - m->values : 0};
+                                        steps ? TERM_VALUES - 1 - m->values : 0};
     struct program *program = program_create_keeping(m->equations, first, count, m->bound, m->value,
-                                                   &steady, steps, m->error);
+                                                     &steady, steps, m->error);
     m->values += program ? program->keeps : 0;
     return program;
 }
@@ -163,7 +163,7 @@ bool typed_freeze(const struct typed *typed, uint64_t zeros, struct typed_part *
     bool *bound = calloc((size_t)names, sizeof *bound);
     double *value = calloc((size_t)names, sizeof *value);
     struct switch_making m = {typed, NULL, bound, value, first_branch(typed) + LIMIT_TYPED_SWITCHES,
-                       error};
+                              error};
     bool fine = bound && value;
     if (!fine)
         error_memory(error);

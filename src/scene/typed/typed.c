@@ -121,7 +121,8 @@ static const struct model *keep(struct typed_models *models, struct typed *typed
     return &typed->model;
 }
 
-/* Compiles it; what an error points to in the copy of `chosen` it then points to in the original. */
+/* Compiles it; what an error points to in the copy of `chosen` it then points to in the original.
+ */
 static const struct model *finish(struct typed_models *models, struct typed *typed,
                                   const struct typed_line *copy, const struct typed_line *chosen,
                                   struct error *error)
@@ -141,7 +142,7 @@ static const struct model *finish(struct typed_models *models, struct typed *typ
     if (!found)
         error->where = !chosen                ? (struct text){NULL, 0}
                        : chosen->name.len > 0 ? chosen->name
-                                             : chosen->expr;
+                                              : chosen->expr;
     destroy(typed);
     return NULL;
 }

@@ -31,13 +31,13 @@ struct typed {
     int lines;
     struct term_row *row; /* [terms of the base + GROUPS] the groups that are there */
     struct catalog params, terms, derived;
-    int initial[LIMIT_VARIABLES];  /* parameter of each state variable; where all is typed, like the
-                                      next two */
-    int velocity[LIMIT_VARIABLES]; /* places in the state of a variable and of its velocity, -1:
-                                      none */
-    int t0, mass;                  /* parameters, mass -1: it is 1 */
-    int incomplete;                /* line of a variable without an equation, -1: none */
-    int read[TYPED_READS], reads;  /* parameters */
+    /* parameter of each state variable; where all is typed, like the next two */
+    int initial[LIMIT_VARIABLES];
+    /* places in the state of a variable and of its velocity, -1: none */
+    int velocity[LIMIT_VARIABLES];
+    int t0, mass;                 /* parameters, mass -1: it is 1 */
+    int incomplete;               /* line of a variable without an equation, -1: none */
+    int read[TYPED_READS], reads; /* parameters */
     struct variable *observed;
     const struct expr **observe;
     int observes;
@@ -101,15 +101,15 @@ struct typed_part {
     struct typed_part *next;
     uint64_t zeros; /* bits of the parameters that are 0 */
     struct typed_term term[GROUPS], all;
-    struct typed_term
-        frozen; /* all, with the branches of switches as given values; add NULL: no switches */
+    /* all, with the branches of switches as given values; add NULL: no switches */
+    struct typed_term frozen;
     struct program *argument; /* of each switch */
     struct switches switches;
     bool turns_only; /* as typed_turns_only() says */
-    struct term_row
-        found[TYPED_FOUND]; /* of GROUP_FORCE with a potential that was found, by the way to it */
-    int steady; /* values of a bound term behind the first: the mass, the parameters, what its
-                  programs keep */
+    /* of GROUP_FORCE with a potential that was found, by the way to it */
+    struct term_row found[TYPED_FOUND];
+    /* values of a bound term behind the first: the mass, the parameters, what its programs keep */
+    int steady;
     atomic_bool checked; /* force and potential agree */
 };
 
@@ -153,8 +153,8 @@ void sliding_guards(const struct sliding *s, double t, const double *y, double *
 double sliding_leaves(const struct sliding *s, int i, double t, const double *y);
 /* Is the only switch that of a speed, across which the force is continuous? */
 bool typed_turns_only(const struct system *system);
-int typed_switches(const struct system *system); /* that are located: 0 for an oscillator, which has
-                                                    turning points */
+/* that are located: 0 for an oscillator, which has turning points */
+int typed_switches(const struct system *system);
 
 /* ---- switches of all kinds (switches.c) ---- */
 

@@ -10,8 +10,8 @@
 
 /* ---- the list ---- */
 
-#define SCENE_EVERY                                                                                \
-    16 /* so many changed parameters are gone through where the scene in force is asked for */
+/* so many changed parameters are gone through where the scene in force is asked for */
+#define SCENE_EVERY 16
 
 static bool is_set(const struct request *request, bool by_events)
 {
@@ -204,8 +204,9 @@ void journal_scene(const struct run_slot *slot, bool by_events, struct scene *sc
     for (; request && !request->set[by_events].scene; request = request->set[by_events].before)
         set[count++] = request;
     *scene = request ? *request->set[by_events].scene : slot->run->scene;
+    /* was accepted then */
     while (count-- > 0)
-        scene_set(scene, set[count]->param, set[count]->value, &ignored); /* was accepted then */
+        scene_set(scene, set[count]->param, set[count]->value, &ignored);
 }
 
 bool journal_changed(const struct run_slot *slot, int first)

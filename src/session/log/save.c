@@ -10,8 +10,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define SECONDS_MAX                                                                                \
-    2.0 /* [s] of computing: what takes longer is not done again when a session is resumed */
+/* [s] of computing: what takes longer is not done again when a session is resumed */
+#define SECONDS_MAX 2.0
 
 static void save_scene(const struct scene *scene, bool always, struct buffer *text)
 {

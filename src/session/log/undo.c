@@ -225,8 +225,8 @@ bool undo_matters(const struct session *session, const struct snapshot *before)
         return false;
     struct setup setup = before->setup->setup;
     settings_display(&setup.settings, &session->setup.settings);
-    return memcmp(&setup, &session->setup, sizeof setup) !=
-           0; /* padding was copied with the rest */
+    /* padding was copied with the rest */
+    return memcmp(&setup, &session->setup, sizeof setup) != 0;
 }
 
 /* Puts the session into the state of the snapshot, which stays valid. */

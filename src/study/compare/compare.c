@@ -13,12 +13,12 @@
  */
 struct prediction {
     bool known;
-    double growth;    /* spectral radius: amplitude factor a step */
-    double amplitude; /* ln of the amplitude factor after the run; the last step may be a shorter
-                         one */
-    double factor;    /* E/E0 after the run: the energy is quadratic in the state */
-    double exact;     /* the same for the exact solution */
-    double swing; /* largest |E - E0|/E0 of a method that only turns the state round an ellipse */
+    double growth; /* spectral radius: amplitude factor a step */
+    /* ln of the amplitude factor after the run; the last step may be a shorter one */
+    double amplitude;
+    double factor; /* E/E0 after the run: the energy is quadratic in the state */
+    double exact;  /* the same for the exact solution */
+    double swing;  /* largest |E - E0|/E0 of a method that only turns the state round an ellipse */
 };
 
 /*
@@ -48,8 +48,8 @@ static double exact_factor(const struct run *run, double omega)
     const double *start = trace_state(run->trace, 0);
     double y[LIMIT_VARIABLES], floor[LIMIT_VARIABLES];
     system_exact(&run->system, run->system.t0, start, run->t, y, floor);
-    const double ratio =
-        hypot(y[0], y[1] / omega) / hypot(start[0], start[1] / omega); /* no square underflows */
+    /* no square underflows */
+    const double ratio = hypot(y[0], y[1] / omega) / hypot(start[0], start[1] / omega);
     return ratio * ratio;
 }
 
@@ -259,8 +259,8 @@ static bool compare_one(const struct compare_request *request, const struct meth
         .dt = adapts && request->first > 0 ? request->first : dt,
         .tol = adapts ? tol : 0,
         .drag = choice->drag,
-        .kernel = KERNEL_SPECIALISED, /* methods are compared, not powers of their matrices:
-                                         evaluations are counted */
+        /* methods are compared, not powers of their matrices: evaluations are counted */
+        .kernel = KERNEL_SPECIALISED,
         .compensated = request->compensated,
         .record = request->record,
     };
@@ -272,8 +272,9 @@ static bool compare_one(const struct compare_request *request, const struct meth
                                       .steps = adapts ? ADAPTIVE_STEPS : -1};
     while (run_advance(row->run, &target, 0, request->cancel)) {
     }
+    /* nobody could say before how many it would take */
     if (row->run->stop == STOP_END && row->run->t != target.t)
-        row->run->stop = STOP_GIVEN_UP; /* nobody could say before how many it would take */
+        row->run->stop = STOP_GIVEN_UP;
     run_diagnose(row->run);
     if (row->run->stop == STOP_END && !isnan(reference->singular.t)) { /* it jumped over */
         row->run->stop = STOP_SINGULAR;

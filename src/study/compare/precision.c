@@ -14,14 +14,13 @@
 #define LOG2_LAST 27
 #define TOL_FIRST 1e-2
 #define TOL_LAST 1e-14
-#define COST_USUAL                                                                                 \
-    2.1e6 /* a solve's evaluations, Jacobians and solves, once a curve has ENOUGH points */
+/* a solve's evaluations, Jacobians and solves, once a curve has ENOUGH points */
+#define COST_USUAL 2.1e6
 #define COST_MAX 6e6   /* before that */
 #define COST_TRIAL 2e5 /* of an adaptive solve, before what all of it would cost is known */
 #define ENOUGH 4
-#define FLOOR_ERROR                                                                                \
-    1e-9 /* errors that stop falling are rounding only below this, or near the reference's         \
-            accuracy */
+/* errors that stop falling are rounding only below this, or near the reference's accuracy */
+#define FLOOR_ERROR 1e-9
 #define SETTLED 0.05   /* once an error was this small, */
 #define FAILURES 3     /* so many failures in a row end a sweep: one may be bad luck on the way */
 #define FLOOR_POINTS 2 /* that many without gain end a sweep */
@@ -165,8 +164,8 @@ static bool measure(struct sweeping *sweep, struct precision_point *point, bool 
     solver_free(&solver);
     if (point->stop == STOP_END) {
         grid_errors(&precision->system, &precision->reference, sweep->grid, &point->errors);
-        witness_explain(&sweep->witnesses, precision->curves, &precision->reference, curve->by.method,
-                     point->steps, sweep->grid);
+        witness_explain(&sweep->witnesses, precision->curves, &precision->reference,
+                        curve->by.method, point->steps, sweep->grid);
     }
     point->below = point->errors.max <= precision->reference.accuracy;
     return true;

@@ -29,8 +29,8 @@ static const struct candidate {
 #define ENOUGH 1e-12 /* agreement with which the search ends */
 #define STILL 1e-13  /* change on halving that is taken for rounding */
 #define SUDDEN 1e4   /* times as far apart as one time of the grid before */
-#define FIRST                                                                                      \
-    3 /* grid times: growth from rounding to MEANING within so many is not told from a jump */
+/* grid times: growth from rounding to MEANING within so many is not told from a jump */
+#define FIRST 3
 #define MEANING 1e-3  /* where two references differ by more, neither means anything */
 #define COST_MAX 40e6 /* evaluations, Jacobians and solves of one solution, over n */
 #define COST_ALL 80e6 /* of all of them, over n: some seconds */

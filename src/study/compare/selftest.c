@@ -8,8 +8,8 @@
 
 #define ORDER_COST 250000 /* evaluations of one solve */
 #define ORDER_NEAR 0.15   /* of the claim */
-#define HIGH                                                                                       \
-    8 /* above it so few steps lie between the largest and rounding that later terms still add */
+/* above it so few steps lie between the largest and rounding that later terms still add */
+#define HIGH 8
 #define AREA_MAX 1e-10
 #define RETURN_MAX 1e-9
 #define RETURN_STEPS 200
@@ -33,7 +33,8 @@ struct check_setting {
     double value;
 };
 
-static bool bind(const char *preset, const struct check_setting *set, int count, struct system *system)
+static bool bind(const char *preset, const struct check_setting *set, int count,
+                 struct system *system)
 {
     struct scene scene;
     struct error ignored;

@@ -215,8 +215,8 @@ static enum stop run_fixed(struct solver *s, struct sampler *sampler, const stru
     const bool whole = fabs(ratio - nearbyint(ratio)) <= 4 * DBL_EPSILON * ratio;
     const int64_t all = (int64_t)(whole ? nearbyint(ratio) : floor(ratio));
     const int64_t steps = s->part > 0 && s->part < all ? s->part : all;
-    const bool met = whole && steps == all &&
-                     all % (STUDY_TIMES - 1) == 0; /* every grid time, by a step's end */
+    /* every grid time, by a step's end */
+    const bool met = whole && steps == all && all % (STUDY_TIMES - 1) == 0;
     const bool bulk = s->kernel && (!sampler->grid || met);
     s->step.h = h;
     const enum stop stop =
@@ -302,8 +302,9 @@ void grid_errors(const struct system *system, const struct reference *reference,
         }
         if (turns) {
             const struct phase_turn a = turn_of(o, y), b = turn_of(o, exact);
+            /* what has vanished has none */
             if (a.size == 0 && b.size > 0)
-                phase = NAN; /* what has vanished has none */
+                phase = NAN;
             phase += remainder(a.angle - b.angle - phase, 2 * 3.14159265358979323846);
             amplitude = b.size > 0 ? a.size / b.size - 1 : NAN;
         }

@@ -14,11 +14,11 @@
 struct solver {
     const struct system *system;
     const struct method *method;
-    double dt, tol, span;   /* tol > 0: adaptive, dt is the first guess, 0: none */
-    bool compensated;       /* sums of fixed steps */
-    bool turns;             /* fixed steps are taken in pieces that meet at turning points */
-    march_function *kernel; /* where nobody looks at the states on the way: the same steps, to the
-                               bit; NULL: none */
+    double dt, tol, span; /* tol > 0: adaptive, dt is the first guess, 0: none */
+    bool compensated;     /* sums of fixed steps */
+    bool turns;           /* fixed steps are taken in pieces that meet at turning points */
+    /* where nobody looks at the states on the way: the same steps, to the bit; NULL: none */
+    march_function *kernel;
     int64_t max;      /* evaluations, Jacobians and solves together it may cost; 0: no limit */
     int64_t part;     /* fixed steps after which it stops, as if at the end; 0: none. For timing */
     int64_t steps;    /* taken */

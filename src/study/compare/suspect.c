@@ -5,9 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define APART                                                                                      \
-    100 /* times what the runs, and the reference, are known to: then they contradict each other   \
-         */
+/* times what the runs, and the reference, are known to: then they contradict each other */
+#define APART 100
 
 bool witnesses_init(struct witnesses *witnesses, const struct system *system, int max)
 {
@@ -43,7 +42,7 @@ static double largest(const struct reference *reference, const double *a, const 
 }
 
 void witness_explain(struct witnesses *witnesses, int i, const struct reference *reference,
-                  const struct method *by, int64_t steps, const double *grid)
+                     const struct method *by, int64_t steps, const double *grid)
 {
     struct witness *w = &witnesses->one[i];
     w->moved = w->by ? largest(reference, w->grid, grid) : NAN;

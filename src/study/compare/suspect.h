@@ -24,12 +24,12 @@ struct witnesses {
     int count;
 };
 
-bool witnesses_init(struct witnesses *witnesses, const struct system *system,
-                    int max); /* false: no memory */
+/* false: no memory */
+bool witnesses_init(struct witnesses *witnesses, const struct system *system, int max);
 void witnesses_free(struct witnesses *witnesses);
 /* A finer run of choice i has arrived, in so many steps. */
 void witness_explain(struct witnesses *witnesses, int i, const struct reference *reference,
-                  const struct method *by, int64_t steps, const double *grid);
+                     const struct method *by, int64_t steps, const double *grid);
 /* Sets the reference's against and apart; *step [s]: steps that see what they have seen. */
 bool reference_suspect(struct reference *reference, const struct witnesses *witnesses,
                        double *step);

@@ -112,8 +112,8 @@ static void summarize(struct timed_solver *bench, const struct protocol *protoco
     result->spread = gsl_stats_median(bench->sample, 1, (size_t)bench->samples) / result->median;
 }
 
-static void run_rounds(struct timed_solver *bench, int *order, int count, const struct protocol *protocol,
-                       const struct cancel *cancel)
+static void run_rounds(struct timed_solver *bench, int *order, int count,
+                       const struct protocol *protocol, const struct cancel *cancel)
 {
     uint64_t state = 88172645463325252u; /* the same order on every machine */
     for (int round = 0; round < protocol->samples; round++) {

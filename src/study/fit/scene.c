@@ -8,15 +8,14 @@
 #include <string.h>
 
 #define LEFT 1.5 /* times the noise: so much left has a reason */
-#define PHASE_LOST                                                                                 \
-    0.5 /* residuals of that share of the series' spread: curve and data are not in phase */
+/* residuals of that share of the series' spread: curve and data are not in phase */
+#define PHASE_LOST 0.5
 #define FIRST_PERIODS 1.25 /* of the first part that a lost fit begins with */
 #define FIRST_SHARE 0.02   /* of the series, where its period is not known */
 #define LARGER 1.7         /* by which the part grows */
 #define ITERATIONS 40
-#define NOTHING                                                                                    \
-    1e-6 /* residuals of that share are no sensor's: of a simulation, without spikes but not       \
-            random */
+/* residuals of that share are no sensor's: of a simulation, without spikes but not random */
+#define NOTHING 1e-6
 #define TOLERANCE_MIN 1e-11 /* of the integration */
 #define TOLERANCE_MAX 1e-7
 

@@ -71,8 +71,8 @@ bool direction_find(const struct scene *scene, int index, struct parameter_chang
 }
 
 /* df/dp, zero but for the rows that terms add to. */
-static void slope_by_parameter(const struct variation *v, const struct parameter_change *d, double t,
-                               const double *y, double *slope)
+static void slope_by_parameter(const struct variation *v, const struct parameter_change *d,
+                               double t, const double *y, double *slope)
 {
     const struct system *base = &v->base;
     double sum[2][LIMIT_VARIABLES / 2];
@@ -92,8 +92,8 @@ static void slope_by_parameter(const struct variation *v, const struct parameter
 }
 
 /* S' of one direction. */
-static void vary(const struct variation *v, const struct parameter_change *d, double t, const double *y,
-                 const double *jacobian, const double *s, double *out)
+static void vary(const struct variation *v, const struct parameter_change *d, double t,
+                 const double *y, const double *jacobian, const double *s, double *out)
 {
     const int n = v->base.n;
     slope_by_parameter(v, d, t, y, out);

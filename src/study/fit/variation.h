@@ -14,7 +14,7 @@ struct term_change {
 };
 
 struct parameter_change { /* one parameter */
-    double apart;  /* 2 delta */
+    double apart;         /* 2 delta */
     struct term_change change[TERM_MAX];
     int changes;
     double start[LIMIT_VARIABLES], t0; /* derivatives of the start */
@@ -25,13 +25,14 @@ struct parameter_change { /* one parameter */
 bool direction_find(const struct scene *scene, int index, struct parameter_change *direction);
 
 struct variation {
-    struct system base;  /* the scene */
-    struct system whole; /* base and its derivatives by each direction: n (1 + directions) variables
-                            of first order */
+    struct system base; /* the scene */
+    /* base and its derivatives by each direction: n (1 + directions) variables of first order */
+    struct system whole;
     int directions;
     struct parameter_change direction[CURVE_PARAMETERS];
-    double dry; /* 1, -1: the base is frozen on the branch of dry friction on which the velocity has
-                   this sign; 0: not */
+    /* 1, -1: the base is frozen on the branch of dry friction on which the velocity has this
+     * sign; 0: not */
+    double dry;
 };
 
 /* n (1 + count) <= LIMIT_VARIABLES. The variation must stay where it is: its system points to it.

@@ -7,12 +7,11 @@
 #include <string.h>
 
 #define ROUNDING 1e-12 /* growth above 1 that is rounding */
-#define ON_AXIS                                                                                    \
-    1e-7 /* the same at a double eigenvalue, whose growth is known to the root of rounding only */
+/* the same at a double eigenvalue, whose growth is known to the root of rounding only */
+#define ON_AXIS 1e-7
 #define FOLLOWS 1e-2 /* relative error of the rate of what grows by itself */
-#define WEAK                                                                                       \
-    1e-3 /* growth - 1 below: the amplitude doubles after 700 steps or more, which looks stable    \
-            for long */
+/* growth - 1 below: the amplitude doubles after 700 steps or more, which looks stable for long */
+#define WEAK 1e-3
 #define STEPS_MOST 16384  /* of a check */
 #define PAST 8            /* steps: more than any method remembers */
 #define EXTREME 1e20      /* [1/s] */
@@ -63,8 +62,8 @@ void mode_eigenvalues(const struct mode *mode, double re[2], double *im)
     if (split <= 0)
         return;
     /* The larger one first; their product gives the other without cancellation. */
-    const double fast = -copysign(fabs(zeta) + sqrt(split), zeta),
-                 slow = product / fast + 0.0; /* no -0 */
+    /* no -0 */
+    const double fast = -copysign(fabs(zeta) + sqrt(split), zeta), slow = product / fast + 0.0;
     re[0] = mode->omega * fmax(fast, slow);
     re[1] = mode->omega * fmin(fast, slow);
 }

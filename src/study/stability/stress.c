@@ -326,8 +326,8 @@ static void judge_stop(const struct stress_state *bench, const struct solver *so
                       .steps = solver->steps,
                       .t = solver->step.t,
                       .stop = stop};
-    memcpy(run.y, bench->system.start,
-           sizeof run.y); /* rates are those of the scene, not of what it blew up to */
+    /* rates are those of the scene, not of what it blew up to */
+    memcpy(run.y, bench->system.start, sizeof run.y);
     run_explain(&run, &why);
     row->verdict = stop == STOP_DIVERGED ? STRESS_DIVERGED : STRESS_REFUSED;
     snprintf(row->reason, sizeof row->reason, "%s",
@@ -377,8 +377,9 @@ static bool run_case(struct stress_state *bench, int method, struct stress_row *
     }
     if (!solver_init(&solver, &bench->system, row->method, &settings, bench->span))
         return false;
+    /* chooses its first step */
     if (adaptive)
-        solver.dt = 0; /* chooses its first step */
+        solver.dt = 0;
     solver.max = COST_MAX;
     const enum stop stop = solver_run(&solver, bench->grid, bench->cancel);
     row->steps = solver.steps;

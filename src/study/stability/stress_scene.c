@@ -136,7 +136,6 @@ double stress_limit(const struct system *system, const double *y, int states, in
                 fastest = mode[i];
     }
     const double limit = fastest.omega > 0 ? mode_limit(&by, &fastest) : HUGE_VAL;
-    return limit > 0 && isfinite(limit)
-               ? limit
-               : 1 / fastest.omega; /* 0, NaN: no step is better than another */
+    /* 0, NaN: no step is better than another */
+    return limit > 0 && isfinite(limit) ? limit : 1 / fastest.omega;
 }

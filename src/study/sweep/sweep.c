@@ -255,8 +255,9 @@ static bool run_workers(struct sweep_job *job, struct error *error)
         sweep->threads += helper[i].running;
     if (sweep->threads > 0)
         watch_over(job, helper, ready);
+    /* no threads to be had */
     else if (ready > 0)
-        work(&helper[0].worker); /* no threads to be had */
+        work(&helper[0].worker);
     for (int i = 0; i < ready; i++)
         if (helper[i].running)
             pthread_join(helper[i].thread, NULL);

@@ -87,8 +87,8 @@ void sweep_common(const struct sweep_request *request, struct scene *scene,
 bool sweep_point(const struct sweep_request *request, const struct sweep *sweep, int64_t i,
                  struct scene *scene, struct run_settings *settings, struct error *error);
 void sweep_refuse(struct sweep_worker *worker, int64_t i, const struct error *error);
-double *sweep_values(const struct sweep_worker *worker,
-                     int64_t i); /* [measures] results of point i */
+/* [measures] results of point i */
+double *sweep_values(const struct sweep_worker *worker, int64_t i);
 /* What depends on the state at the end only; of other kinds NAN. */
 double sweep_measured(const struct sweep_measure *measure, const struct system *system, double t,
                       const double *y);

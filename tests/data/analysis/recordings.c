@@ -25,8 +25,8 @@ struct reference {
     double rate;              /* [Hz] 0: the file has times */
     const char *unit;         /* NULL: the file says it */
     double mass;              /* [kg] 0: not stated */
-    struct measured period,
-        gamma; /* uncertainty 0: not stated (gamma: not compared where value is 0 as well) */
+    /* uncertainty 0: not stated (gamma: not compared where value is 0 as well) */
+    struct measured period, gamma;
     double amplitude, offset; /* [cm] 0: not compared */
     double halves[2];         /* gamma, 0: not stated */
     double stiffness;         /* [N/m] 0: not stated */

@@ -397,8 +397,8 @@ static void hostile_names(void **state)
                 assert_int_equal(symlink("victim", names[i]), 0);
                 assert_false(put(names[i], 'n', policy, &error));
                 assert_int_equal(unlink(names[i]), 0);
-                assert_int_equal(link("victim", names[i]),
-                                 0); /* a hard link: force replaces this name only */
+                /* a hard link: force replaces this name only */
+                assert_int_equal(link("victim", names[i]), 0);
                 assert_int_equal(put(names[i], 'n', policy, &error), forced);
                 assert_int_equal(unlink(names[i]), 0);
             } else {

@@ -53,9 +53,10 @@ static double advance_error(const struct method *method, const struct system *sy
 }
 
 enum {
+    /* 1e-4 … 1e-10, but not where rounding adds up over more steps than that */
     TOLERANCES = 7,
     STEPS = 100000
-}; /* 1e-4 … 1e-10, but not where rounding adds up over more steps than that */
+};
 
 /* log error = slope log tol + constant, up to a factor of scatter; ratio: error/tol midway */
 struct line {
@@ -165,8 +166,9 @@ static void test_sizes_follow_the_solution(void **state)
         if (!(method->flags & METHOD_ADAPTIVE))
             continue;
         const double tol = method->order < 4 ? 1e-4 : 1e-8;
+        /* a library's own control */
         if (method->begin)
-            continue; /* a library's own control */
+            continue;
         advance_begin(&shared, &known, 0, tol);
         assert_int_equal(travel(&shared, method, 20), STEP_OK);
         const double evals = (double)shared.step.cost.evals;
@@ -245,8 +247,8 @@ static void test_backwards(void **state)
     assert_below("from 0 to -5", advance_error(dopri5, &system, 1e-9, -5, 1), 1e-6);
     advance_begin(&shared, &system, 0, 1e-10);
     assert_int_equal(travel(&shared, dopri5, 5), STEP_OK);
-    assert_int_equal(travel(&shared, dopri5, 0),
-                     STEP_OK); /* turns round with the same controller */
+    /* turns round with the same controller */
+    assert_int_equal(travel(&shared, dopri5, 0), STEP_OK);
     assert_below("there and back", distance(&system, shared.y, system.start), 1e-7);
 }
 
@@ -474,9 +476,9 @@ static void test_dense_orders(void **state)
         const struct method *method = method_at(m);
         const struct system system = first_fit(method, systems, 3);
         const int p = method->order;
+        /* it remembers more than the state, so that the first step says nothing of the others */
         if (method->growth)
-            continue; /* it remembers more than the state, so that the first step says nothing of
-                         the others */
+            continue;
         int want = p > 4 && method->dense && !method->implicit ? p : p == 0 || p > 3 ? 4 : p + 1;
         double h = want > 5 ? 2e-2 : 1e-3; /* an error far above rounding */
         double coarse = dense_error(method, &system, 4 * h),

@@ -118,8 +118,8 @@ static void test_tableau_shape(void **state)
                 assert_near(method->row.name, tableau_row(tableau, stages - 1)[j], tableau->b[j],
                             0);
         }
-        assert_true(!method->dense ||
-                    tableau->fsal); /* the interpolant takes the slope at the end from there */
+        /* the interpolant takes the slope at the end from there */
+        assert_true(!method->dense || tableau->fsal);
         assert_int_equal(method->evals, stages - tableau->fsal);
     }
 }

@@ -109,8 +109,8 @@ static double order_of(const struct method *method, enum drag drag, int coordina
                        double quadratic)
 {
     const double start[4] = {0.4, -0.3, 0.2, 0.1};
-    const double span =
-        quadratic != 0 ? 1.5 : 6; /* quadratic drag: without a turning point inside */
+    /* quadratic drag: without a turning point inside */
+    const double span = quadratic != 0 ? 1.5 : 6;
     struct system system = damped(coordinates, quadratic);
     double want[4], error[14] = {0};
     memcpy(want, start, sizeof want);

@@ -221,8 +221,8 @@ static void test_every_row(void **state)
             if (applies(method, &problems[p].system, DRAG_DEFAULT))
                 judge(method, DRAG_DEFAULT, &problems[p], method->order,
                       problems[p].system.linear ? &linear : &nonlinear);
-        bool shown = nonlinear.right > 0 ||
-                     method->order > 8; /* of which double leaves no asymptotic range */
+        /* of which double leaves no asymptotic range */
+        bool shown = nonlinear.right > 0 || method->order > 8;
         if (!shown)
             print_error("%s: no nonlinear problem shows its order\n", method->row.name);
         wrong += linear.wrong + nonlinear.wrong + !shown;

@@ -205,8 +205,8 @@ static void test_extreme_stiffness(void **state)
     double ring[2] = {0.05, 0};
     assert_int_equal(advance(method_named("implicit-midpoint"), &system, 0.01, 1, ring), STEP_OK);
     assert_near("implicit midpoint rings", ring[0], -0.05, 1e-12);
-    double far[2] = {0.05,
-                     0}; /* omega^2 h^2 overflows: a failure, not a spring that stands still */
+    /* omega^2 h^2 overflows: a failure, not a spring that stands still */
+    double far[2] = {0.05, 0};
     assert_int_equal(advance(method_named("backward-euler"), &system, 1e5, 1, far), STEP_NONFINITE);
 }
 

@@ -160,8 +160,8 @@ static void test_error_estimates_see_linear_motion(void **state)
         if (!row || !row->b_hat)
             continue;
         struct textbook book = textbook_of(row);
-        double w[STAGES_MAX], b[STAGES_MAX], power[STAGES_MAX],
-            difference = 0; /* of the terms in z^(embedded + 1) */
+        /* of the terms in z^(embedded + 1) */
+        double w[STAGES_MAX], b[STAGES_MAX], power[STAGES_MAX], difference = 0;
         for (int s = 0; s < row->stages; s++) {
             w[s] = row->m[s] - row->b_hat[s];
             power[s] = 1;

@@ -175,8 +175,8 @@ static const struct {
 static void test_limits_on_the_axes(void **state)
 {
     (void)state;
-    const double zeta = 100,
-                 fast = zeta + sqrt((zeta - 1) * (zeta + 1)); /* the fast decay is exp(-fast t) */
+    /* the fast decay is exp(-fast t) */
+    const double zeta = 100, fast = zeta + sqrt((zeta - 1) * (zeta + 1));
     for (size_t i = 0; i < COUNT_OF(axes); i++) {
         const struct method *method = method_named(axes[i].name);
         if (!isnan(axes[i].imaginary))

@@ -159,8 +159,8 @@ static void test_structural(void **state)
     const double x = 0.1;
     for (size_t i = 0; i < COUNT_OF(known); i++) {
         const struct method *method = method_named(known[i].name);
-        double frequency, damping, coarse,
-            rough; /* the next terms, of x^2 relative, are extrapolated away */
+        /* the next terms, of x^2 relative, are extrapolated away */
+        double frequency, damping, coarse, rough;
         measure(method, 2 * x, &coarse, &rough);
         measure(method, x, &frequency, &damping);
         frequency = (4 * frequency - coarse / 4) / 3 / (x * x);

@@ -165,8 +165,9 @@ static void compare_lane(const struct typed_case *one, const struct lanes *lanes
     if (finite && taken == STEPS && lanes_evals(lanes, lane) != evals)
         fail_msg("%s, %s, lane %d: %lld evaluations, alone %lld", one->name, method->row.name, lane,
                  (long long)lanes_evals(lanes, lane), (long long)evals);
+    /* so that it is noticed */
     if (taken < STEPS)
-        assert_false(finite); /* so that it is noticed */
+        assert_false(finite);
 }
 
 /* False: this method and this scene do not go in lanes. */

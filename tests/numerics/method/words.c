@@ -236,8 +236,8 @@ static struct stages stages;
 static void test_number_of_trees(void **state)
 {
     (void)state;
-    static const int known[] = {1, 1,  2, 3,
-                                6, 10, 20}; /* Hairer, Norsett, Wanner I, table II.14.2 */
+    /* Hairer, Norsett, Wanner I, table II.14.2 */
+    static const int known[] = {1, 1, 2, 3, 6, 10, 20};
     forest_grow(&forest);
     for (int r = 0; r < (int)COUNT_OF(known); r++)
         assert_int_equal(forest.first[r + 1] - forest.first[r], known[r]);

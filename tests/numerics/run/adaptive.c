@@ -9,9 +9,8 @@
 #define MOST 100   /* tol: a larger error is a matter for a word */
 #define LEAST 1e-3 /* tol: a smaller one was paid for in vain */
 #define NEAR 4 /* an estimate that is so near the truth, as a factor, says what there is to say */
-#define ROUNDING                                                                                   \
-    1e-12          /* of the variable's size: what a run may lose to it beyond its tolerance       \
-                    */
+/* of the variable's size: what a run may lose to it beyond its tolerance */
+#define ROUNDING 1e-12
 #define AGREED 0.1 /* of the tolerance: references that differ by more say nothing about it */
 
 enum { METHODS = 128, RATIOS = 1500 };
@@ -193,8 +192,8 @@ static void test_oscillators(void **state)
     }
     typed_destroy(models);
     assert_int_equal(silent, 0);
-    assert_true(1000 * untrue <=
-                runs); /* where an estimate ends early and its growth is taken on */
+    /* where an estimate ends early and its growth is taken on */
+    assert_true(1000 * untrue <= runs);
     assert_true(runs > 150);
 }
 

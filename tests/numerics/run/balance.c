@@ -317,8 +317,8 @@ static void test_nobody_asks(void **state)
 static void test_long_runs(void **state)
 {
     (void)state;
-    static const double max[] = {0, 2e-6, 2e-4,
-                                 3e-4}; /* what rk4 takes in 1e6 steps of omega dt = 0.087 */
+    /* what rk4 takes in 1e6 steps of omega dt = 0.087 */
+    static const double max[] = {0, 2e-6, 2e-4, 3e-4};
     for (size_t i = 1; i <= 3; i++) {
         const struct scene scene = make_scene(i);
         struct run *few =

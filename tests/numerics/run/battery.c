@@ -372,8 +372,8 @@ static void test_chain_of_heat(void **state)
     for (size_t m = 0; m < COUNT_OF(names); m++) {
         struct run *run = reach(&scene, names[m], 1e-6, 1e-3, 0.1);
         assert_int_equal(run->stop, STOP_END);
-        assert_close(run->y[0], 2.81564e-4,
-                     m == 2 ? 1e-5 : 1e-7); /* of first order: 2 % at this step */
+        /* of first order: 2 % at this step */
+        assert_close(run->y[0], 2.81564e-4, m == 2 ? 1e-5 : 1e-7);
         run_destroy(run);
     }
     typed_destroy(models);

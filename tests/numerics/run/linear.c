@@ -170,8 +170,8 @@ static void test_friction_is_not_linear(void **state)
         run_destroy(run);
     }
     assert_true(end[0] == end[1]);
-    assert_true(fabs(end[0] - (0.1 + 0.9 * cos(3))) <
-                1e-3); /* half a swing about the shifted equilibrium */
+    /* half a swing about the shifted equilibrium */
+    assert_true(fabs(end[0] - (0.1 + 0.9 * cos(3))) < 1e-3);
     typed_destroy(models);
 }
 

@@ -281,8 +281,8 @@ static int test_rest(struct typed_models *models, const struct method *method, s
                                : fmax((method->order == 1 ? 10 : 2) * pow(h, method->order), 1e-9);
     const struct switches_state *switches = &run->controller.switches;
     const bool slides = switches->slides + switches->piles > 0, piles = k + 1 == COUNT_OF(resting);
-    const bool said = slides == resting[k].slides ||
-                      (piles && method->order == 1); /* whose paths are no parabolas */
+    /* whose paths are no parabolas */
+    const bool said = slides == resting[k].slides || (piles && method->order == 1);
     const bool bad = run->stop != STOP_END || !(off < max) || !said || switches->across > 0;
     if (bad || getenv("VERBOSE"))
         print_message("%s, tol %g, scene %zu: t = %g s after %lld steps, off by %.3g, slides %lld, "

@@ -109,8 +109,8 @@ static void test_splitting_with_drag(void **state)
     assert_non_null(run);
     const struct run_target target = {.t = 10, .steps = -1};
     run_advance(run, &target, 0, NULL);
-    assert_true(fabs(run->y[0] - -6.038516824236533039553e-1) <
-                1e-3); /* references.csv, quadratic drag b = 0.1 */
+    /* references.csv, quadratic drag b = 0.1 */
+    assert_true(fabs(run->y[0] - -6.038516824236533039553e-1) < 1e-3);
     struct ledger ledger;
     run_ledger(run, &ledger);
     assert_true(fabs(ledger.error_max) < 1e-3 && ledger.work < -0.1);

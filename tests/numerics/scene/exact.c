@@ -271,9 +271,9 @@ static void test_any_amplitude(void **state)
                 other.start[j] = ldexp(one.start[j], power);
             exact_at(&one, 2.5, y);
             exact_at(&other, 2.5, scaled);
+            /* linear: powers of two pass through exactly */
             for (int j = 0; j < 2; j++)
-                assert_true(scaled[j] ==
-                            ldexp(y[j], power)); /* linear: powers of two pass through exactly */
+                assert_true(scaled[j] == ldexp(y[j], power));
         }
     double y[2];
     struct system tiny = BOUND({"y0", 1e-310}), huge = BOUND({"y0", 1e300});
@@ -441,8 +441,8 @@ static void test_which_systems_have_one(void **state)
     assert_true(system_has_exact(&plain));
     assert_true(system_has_exact(&driven));
     assert_false(system_has_exact(&drag));
-    driven.oscillator.whole =
-        false; /* then only what does not depend on time, by the matrix exponential */
+    /* then only what does not depend on time, by the matrix exponential */
+    driven.oscillator.whole = false;
     assert_false(system_has_exact(&driven));
     plain.oscillator.whole = false;
     assert_true(system_has_exact(&plain));

@@ -251,8 +251,8 @@ static void test_not_recognised(void **state)
     assert_true(f->system.oscillator.damping == 0.1 && f->system.oscillator.quadratic == 0.2);
     bind_lines(f, LINES("var y = 0.5", "y'' = -y - 0.1*y'^2"));
     assert_false(f->system.oscillator.drag_whole);
-    bind_lines(f, LINES("var y = 0.5",
-                        "y'' = -y - 0.1*y'*abs(2*y')")); /* not as has_kink() looks for it */
+    /* not as has_kink() looks for it */
+    bind_lines(f, LINES("var y = 0.5", "y'' = -y - 0.1*y'*abs(2*y')"));
     assert_true(f->system.kinks && f->system.oscillator.whole);
     /* Where a position cannot be told from the drag it is no oscillator in two parts, but linear
      * all the same. */
@@ -388,27 +388,27 @@ static void test_like_the_closed_form(void **state)
 static void test_stiff(void **state)
 {
     struct fixture *f = *state;
-    bind_lines(f, LINES("var a = 1", "var b = 2", "a' = -1e6*a + 1e6*b",
-                        "b' = a - 2*b")); /* 60 digits: mpmath */
+    /* 60 digits: mpmath */
+    bind_lines(f, LINES("var a = 1", "var b = 2", "a' = -1e6*a + 1e6*b", "b' = a - 2*b"));
     check(&f->system, 3, (const double[]){0.09957448524565454443472, 0.0995743856712688732780418},
           2e-16);
     bind_lines(f, LINES("var a = 1", "var b = 2", "a' = -500000.5*a + 499999.5*b",
                         "b' = 499999.5*a - 500000.5*b"));
     check(&f->system, 3, (const double[]){0.07468060255179591446901, 0.07468060255179591446901},
           5e-14);
-    bind_lines(f, LINES("var y = 1", "param k = 1e6",
-                        "y' = -k*(y - 3)")); /* what is fast is over, and nothing else is */
+    /* what is fast is over, and nothing else is */
+    bind_lines(f, LINES("var y = 1", "param k = 1e6", "y' = -k*(y - 3)"));
     check(&f->system, 1e-6, (const double[]){3 - 2 * exp(-1)}, 2e-16);
     check(&f->system, 100, (const double[]){3}, 1e-16);
-    bind_lines(f, LINES("var a = 1", "var b = 1e-8", "a' = -1e9*a",
-                        "b' = 1e-3*b")); /* neither knows of the other */
+    /* neither knows of the other */
+    bind_lines(f, LINES("var a = 1", "var b = 1e-8", "a' = -1e9*a", "b' = 1e-3*b"));
     check(&f->system, 1000, (const double[]){0, 1e-8 * exp(1)}, 2e-16);
-    bind_lines(
-        f, LINES("var x = 1", "var v = 2", "x' = v", "v' = -9.81")); /* nilpotent: a polynomial */
+    /* nilpotent: a polynomial */
+    bind_lines(f, LINES("var x = 1", "var v = 2", "x' = v", "v' = -9.81"));
     check(&f->system, 1e4, (const double[]){1 + 2e4 - 0.5 * 9.81 * 1e8, 2 - 9.81e4}, 2e-16);
     double y[2], floor[2];
-    bind_lines(f,
-               LINES("var a = 1", "var b = 1", "a' = 5*a", "b' = -b")); /* growth beyond double */
+    /* growth beyond double */
+    bind_lines(f, LINES("var a = 1", "var b = 1", "a' = 5*a", "b' = -b"));
     for (double t = 1e3; t < 1e8; t *= 10) {
         system_exact(&f->system, 0, f->system.start, t, y, floor);
         assert_true(y[0] == HUGE_VAL && y[1] >= 0 && y[1] < 1e-15);
@@ -511,8 +511,8 @@ static void test_derived(void **state)
         scene_derived(&f->scene), TEXT("T0"));
     assert_true(alike(derived(&f->scene, "omega0"), 10, 0) &&
                 alike(derived(&f->scene, "Q"), 20, 0));
-    assert_true(scene_set_derived(&f->scene, T0, (struct measured){0.5, 0},
-                                  &f->error)); /* the spring does the rest */
+    /* the spring does the rest */
+    assert_true(scene_set_derived(&f->scene, T0, (struct measured){0.5, 0}, &f->error));
     assert_true(alike(derived(&f->scene, "T0"), 0.5, 0));
     bind_lines(f, LINES("force -k*y")); /* k counts twice: it cannot be told so simply */
     assert_true(alike(derived(&f->scene, "omega0"), sqrt(150), 0));

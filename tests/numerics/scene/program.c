@@ -26,8 +26,8 @@ static struct worth worth_of(const struct tree *t, const bool *bound, const doub
         known = known && x[count].known;
     }
     const double a = x[0].value, b = x[1].value;
-    const bool first = x[0].known && a == 0,
-               second = count > 1 && x[1].known && b == 0; /* a known 0 */
+    /* a known 0 */
+    const bool first = x[0].known && a == 0, second = count > 1 && x[1].known && b == 0;
     switch (t->kind) {
     case NEG:
         return (struct worth){-a, known};

@@ -15,8 +15,9 @@ static double complex complex_of(double re, double im)
 
 static double complex complex_power(double complex x, double complex n)
 {
+    /* only integer powers are real there */
     if (cimag(n) != 0 && creal(x) <= 0)
-        return complex_of(NAN, NAN); /* only integer powers are real there */
+        return complex_of(NAN, NAN);
     return creal(n) == 0 && cimag(n) == 0 ? 1 : cexp(n * clog(x));
 }
 

@@ -67,8 +67,8 @@ static void test_damped(void **state)
 static void test_spring(void **state)
 {
     (void)state;
-    test_every_method_on("spring",
-                         2.3); /* no whole number of quarter periods: the end is nothing special */
+    /* no whole number of quarter periods: the end is nothing special */
+    test_every_method_on("spring", 2.3);
 }
 
 int main(void)

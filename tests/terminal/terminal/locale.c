@@ -179,8 +179,9 @@ static void test_invalid_bytes(void **state)
     expect_prompt(&p, "hooke> echo ab(");
     type(&p, "\r");
     expect_prompt(&p, EMPTY_PROMPT);
+    /* and found again in the history */
     type(&p, "\x12"
-             "ab"); /* and found again in the history */
+             "ab");
     expect(&p, "echo ab(");
     type(&p, "\x03");
     expect_prompt(&p, EMPTY_PROMPT);

@@ -38,9 +38,10 @@ static void test_edits_like_readline(void **state)
     (void)state;
     struct person p;
     start_panes(&p, (struct start){0});
+    /* to the beginning, six forward */
     type(&p, "print 3*11\x01"
              "\x06\x06\x06\x06\x06\x06"
-             "1"); /* to the beginning, six forward */
+             "1");
     expect_prompt(&p, "hooke> print 13*11");
     type(&p, "\r");
     expect(&p, "143");
@@ -50,8 +51,9 @@ static void test_edits_like_readline(void **state)
     expect_prompt(&p, "hooke> method");
     type(&p, "rk4\x01\x0b");
     expect_prompt(&p, EMPTY_PROMPT);
+    /* history search */
     type(&p, "\x12"
-             "13"); /* history search */
+             "13");
     expect(&p, "reverse-i-search");
     expect(&p, "print 13*11");
     type(&p, "\r");

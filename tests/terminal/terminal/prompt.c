@@ -24,9 +24,8 @@
 #include "terminal/terminal.h"
 #include "terminal/folder.h"
 
-#define PATIENCE_MS                                                                                \
-    20000 /* a text that has not come by then will not come; generous for sanitizers on a busy     \
-             machine */
+/* a text that has not come by then will not come; generous for sanitizers on a busy machine */
+#define PATIENCE_MS 20000
 
 struct person {
     pid_t program;
@@ -182,8 +181,9 @@ static void test_interrupt_clears_the_line(void **state)
     type(&p, "print 2*11\r");
     expect(&p, "22");
     expect(&p, PROMPT);
+    /* in a history search */
     type(&p, "\x12"
-             "pri\x03"); /* in a history search */
+             "pri\x03");
     expect(&p, PROMPT);
     type(&p, "print 3*11\r");
     expect(&p, "33");
@@ -253,8 +253,8 @@ static void test_interrupt_stops_long_commands(void **state)
     type(&p, line);
     expect(&p, "50000 rows");
     expect(&p, PROMPT);
-    interrupted_in_time(&p, "fit damped",
-                        false); /* late in a fit the key comes too late: its end is near */
+    /* late in a fit the key comes too late: its end is near */
+    interrupted_in_time(&p, "fit damped", false);
     quit(&p);
     unlink(path);
 }

@@ -197,8 +197,8 @@ static void test_old_ones_go(void **state)
     new_state();
     char living[64], name[256];
     for (int i = 0; i < 8; i++) {
-        snprintf(name, sizeof name, "session-20200101-00000%d-4194304%d.hk", i,
-                 i); /* no process has such a number */
+        /* no process has such a number */
+        snprintf(name, sizeof name, "session-20200101-00000%d-4194304%d.hk", i, i);
         plant(name, "m = 1 kg\n", 1000 + i);
     }
     snprintf(living, sizeof living, "session-20200101-000000-%ld.hk", (long)getpid());

@@ -71,8 +71,8 @@ static void test_pipes(void **state)
         close(slave);
         close(in[0]);
         close(out[1]);
-        static const char typed[] =
-            "print\t6*7\nrun 1 s; pri y > 0\n\x04"; /* a prefix: only at a prompt */
+        /* a prefix: only at a prompt */
+        static const char typed[] = "print\t6*7\nrun 1 s; pri y > 0\n\x04";
         const size_t len = sizeof typed - 1 - input_piped;
         assert_int_equal(write(input_piped ? in[1] : master, typed, len), (ssize_t)len);
         close(in[1]);
@@ -116,8 +116,8 @@ static void test_scripts_from_standard_input(void **state)
 {
     (void)state;
     struct buffer said = {0}, line = {0};
-    assert_int_equal(RUN("\xEF\xBB\xBFm\t=\t300 g\r\nprint \\\r\n\tm\r\nprint 6*7", &said),
-                     0); /* no final newline */
+    /* no final newline */
+    assert_int_equal(RUN("\xEF\xBB\xBFm\t=\t300 g\r\nprint \\\r\n\tm\r\nprint 6*7", &said), 0);
     assert_string_equal(said.data, "m = 300 g\n300 g\n42\n");
     assert_int_equal(RUN("", &said), 0);
     assert_string_equal(said.data, "");

@@ -36,16 +36,18 @@ static void quantised(struct recorded *r, double amplitude)
 {
     (void)amplitude;
     white(r, 0.02);
+    /* 1 mm, in cm */
     for (size_t i = 0; i < r->n; i++)
-        r->y[i] = nearbyint(r->y[i] * 10) / 10; /* 1 mm, in cm */
+        r->y[i] = nearbyint(r->y[i] * 10) / 10;
 }
 
 static void coarsely_quantised(struct recorded *r, double amplitude)
 {
     (void)amplitude;
     white(r, 0.5);
+    /* 3 mm, in cm */
     for (size_t i = 0; i < r->n; i++)
-        r->y[i] = nearbyint(r->y[i] / 0.3) * 0.3; /* 3 mm, in cm */
+        r->y[i] = nearbyint(r->y[i] / 0.3) * 0.3;
 }
 
 static void walking_baseline(struct recorded *r, double amplitude)
@@ -111,8 +113,8 @@ static double slowly_decaying(double t, double period, double span)
  */
 static double under_dry_friction(double x, double d)
 {
-    const int half =
-        (int)fmin(2 * x, 0.5 * (1 / d - 1) + 1); /* swings, while the amplitude exceeds d */
+    /* swings, while the amplitude exceeds d */
+    const int half = (int)fmin(2 * x, 0.5 * (1 / d - 1) + 1);
     const double sign = half % 2 ? -1 : 1, from = 1 - 2 * d * half;
     return from > d ? sign * (d + (from - d) * cos(PI * (2 * x - half))) : sign * from;
 }

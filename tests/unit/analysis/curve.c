@@ -152,8 +152,9 @@ static void outliers_have_no_weight(void **state)
     struct curve_options options = {.robust = true};
     random_state = 33;
     sample(decaying, 8, 0.01);
+    /* 25 of 400 */
     for (size_t i = 7; i < N; i += 16)
-        y[i] = i % 32 == 7 ? 0 : 6; /* 25 of 400 */
+        y[i] = i % 32 == 7 ? 0 : 6;
     compile("a*exp(-b*t) + c", &arena, &formula);
     fit(&formula, NULL, &arena, &plain);
     fit(&formula, &options, &arena, &robust);

@@ -252,8 +252,8 @@ static void rest_before_release_is_seen(void **state)
     struct fit fit;
     struct error error = {0};
     assert_true(fit_named("damped", &s.series, &fit, &error));
-    assert_true(fit.warnings >
-                0); /* the window itself is judged by command_window.c, for all commands alike */
+    /* the window itself is judged by command_window.c, for all commands alike */
+    assert_true(fit.warnings > 0);
     const double from = 4.5;
     struct series window = series_window(s.series, from, 30);
     assert_true(fit_named("damped", &window, &fit, &error));

@@ -141,9 +141,8 @@ static double evidence_of(const struct law_case *c, double sigma)
 }
 
 struct tally {
-    int all, clear, right, wrong, undecided, excluded,
-        refused; /* excluded: undecided, and the truth is not among those
-                  * that remain */
+    /* excluded: undecided, and the truth is not among those that remain */
+    int all, clear, right, wrong, undecided, excluded, refused;
 };
 
 static bool says(const struct fit *fit, const char *word)

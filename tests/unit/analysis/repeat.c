@@ -75,8 +75,8 @@ static void closed_forms(void **state)
     assert_true(close_to(r.chance, exp(-7.0 / 3), 1e-12)); /* chi2 of 2 degrees */
     assert_true(close_to(r.between, sqrt(7.0 / 3 - 1), 1e-12));
     assert_true(close_to(r.quote.uncertainty, sqrt(7.0 / 9), 1e-12));
-    assert_true(
-        close_to(r.interval, 4.302652729911275 * sqrt(7.0 / 9), 1e-9)); /* Student, 2 degrees */
+    /* Student, 2 degrees */
+    assert_true(close_to(r.interval, 4.302652729911275 * sqrt(7.0 / 9), 1e-9));
     assert_true(repeat_values(bare, 3, &r));
     assert_true(isnan(r.birge) && isnan(r.weighted.value));
     assert_true(close_to(r.quote.uncertainty, sqrt(7.0 / 9), 1e-14));

@@ -39,8 +39,8 @@ static int leave_folder(void **state)
     for (size_t i = 0; i < COUNT_OF(names); i++)
         if (unlink(names[i]) != 0)
             rmdir(names[i]);
-    const int result =
-        chdir("/") == 0 ? rmdir(*state) : -1; /* not empty if a temporary file was left behind */
+    /* not empty if a temporary file was left behind */
+    const int result = chdir("/") == 0 ? rmdir(*state) : -1;
     free(*state);
     return result;
 }
@@ -227,8 +227,8 @@ static void confined_to_the_current_folder(void **state)
         assert_false(put(outside[i], "x", confine, &error));
         assert_non_null(strstr(error.text, "outside the current directory"));
     }
-    snprintf(path, sizeof path, "%s-beside",
-             folder); /* a name that only starts like the folder's */
+    /* a name that only starts like the folder's */
+    snprintf(path, sizeof path, "%s-beside", folder);
     assert_int_equal(mkdir(path, 0777), 0);
     strncat(path, "/a", sizeof path - strlen(path) - 1);
     assert_false(put(path, "x", confine, &error));

@@ -302,13 +302,13 @@ static void what_is_no_number(void **state)
     assert_int_equal(real_scan(TEXT("-1,25;"), ',', &value, &used), REAL_OK);
     assert_true(value == -1.25 && used == 5);
     assert_int_equal(real_scan(TEXT("12345"), '.', &value, &used), REAL_OK);
-    assert_int_equal(real_scan((struct text){"12345", 2}, '.', &value, &used),
-                     REAL_OK); /* never beyond the slice */
+    /* never beyond the slice */
+    assert_int_equal(real_scan((struct text){"12345", 2}, '.', &value, &used), REAL_OK);
     assert_true(value == 12 && used == 2);
     assert_int_equal(real_scan((struct text){"1e56", 3}, '.', &value, &used), REAL_OK);
     assert_true(value == 1e5 && used == 3);
-    assert_int_equal(real_parse(TEXT("2.2250738585072014e-308"), &value),
-                     REAL_OK); /* the smallest normal double */
+    /* the smallest normal double */
+    assert_int_equal(real_parse(TEXT("2.2250738585072014e-308"), &value), REAL_OK);
     assert_int_equal(real_parse(TEXT("2.2250738585072009e-308"), &value), REAL_UNDERFLOW);
 }
 

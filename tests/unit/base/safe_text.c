@@ -134,8 +134,8 @@ static void widths(void **state)
     assert_int_equal(text_width(TEXT("e\xCC\x81")), 1);                /* e + combining acute */
     assert_int_equal(text_width(TEXT("\xE6\xBC\xA2\xE5\xAD\x97")), 4); /* two ideographs */
     assert_int_equal(text_width(TEXT("\xF0\x9F\x98\x80")), 2);         /* emoji */
-    assert_int_equal(text_width(TEXT("\xE2\xA0\xBF\xE2\x94\x80\xE2\x97\x8F")),
-                     3);                               /* braille, box drawing, disc */
+    /* braille, box drawing, disc */
+    assert_int_equal(text_width(TEXT("\xE2\xA0\xBF\xE2\x94\x80\xE2\x97\x8F")), 3);
     assert_int_equal(text_width(TEXT("\xFF\xFE")), 2); /* invalid bytes take a column each */
     assert_int_equal(text_width(TEXT("\n\033\177")), 0);
 }

@@ -68,8 +68,8 @@ static void distances(void **state)
     }
     char long_name[200];
     memset(long_name, 'x', sizeof long_name);
-    assert_int_equal(text_distance((struct text){long_name, 200}, TEXT("x")),
-                     200); /* too long to be a name: far */
+    /* too long to be a name: far */
+    assert_int_equal(text_distance((struct text){long_name, 200}, TEXT("x")), 200);
     assert_int_equal(
         text_distance((struct text){long_name, LIMIT_NAME}, (struct text){long_name, LIMIT_NAME}),
         0);
@@ -224,8 +224,8 @@ static void catalogs_find(void **state)
     assert_int_equal(found(catalog_prefix(&catalog, TEXT("ga"), 3)), 0);
     assert_int_equal(found(catalog_prefix(&catalog, TEXT("ver"), 3)), 3);
     assert_int_equal(found(catalog_prefix(&catalog, TEXT("ve"), 1)), 0); /* ambiguous */
-    assert_int_equal(found(catalog_prefix(&catalog, TEXT("symplectic-euler"), 3)),
-                     5); /* exact wins */
+    /* exact wins */
+    assert_int_equal(found(catalog_prefix(&catalog, TEXT("symplectic-euler"), 3)), 5);
     assert_int_equal(found(catalog_prefix(&catalog, TEXT("symplectic"), 3)), 0);
     assert_int_equal(found(catalog_prefix(&catalog, TEXT("m"), 3)), 7); /* exact needs no length */
     assert_int_equal(found(catalog_prefix(&catalog, TEXT(""), 0)), 0);

@@ -89,8 +89,8 @@ static void the_longest_whole_unit_matches(void **state)
             (c && strchr("0123456789_abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ", c));
         assert_int_equal(unit_match(text_of(z)) == NULL, word);
     }
-    assert_string_equal(unit_match((struct text){"m/s^2", 3})->row.name,
-                        "m/s"); /* not beyond the slice */
+    /* not beyond the slice */
+    assert_string_equal(unit_match((struct text){"m/s^2", 3})->row.name, "m/s");
     assert_null(unit_find(TEXT("m/")));
 }
 

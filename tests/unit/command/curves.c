@@ -293,8 +293,8 @@ static void adaptive_runs_are_smooth_between_jumps(void **state)
                      y = later < 0 ? 1 - 4.905 * t * t : speed * later - 4.905 * later * later;
         assert_passes(&figure.curve[0], t, y, 0.1);
     }
-    assert_passes(&figure.curve[0], fall + speed / 9.81, 0.64,
-                  0.005); /* the top, where no step ends */
+    /* the top, where no step ends */
+    assert_passes(&figure.curve[0], fall + speed / 9.81, 0.64, 0.005);
     bench_close(&bench);
     bench_open(&bench, false);
     type_ok(&bench,

@@ -22,13 +22,13 @@
 
 #define GLYPHS 400
 #define POINTS 60000
-#define NEAR                                                                                       \
-    0.5 /* [pt] a point of a path to the samples: ends of coarse lines are rounded to 1/8 */
-#define MARKED                                                                                     \
-    3 /* [pt] a sample to a mark: of dense data there is one for each square of 2 or 3 pt */
-#define INK                                                                                        \
-    1.2 /* [pt] a sample to the path: what passes where ink is already is left out, in grains of   \
-           up to 1 pt */
+/* [pt] a point of a path to the samples: ends of coarse lines are rounded to 1/8 */
+#define NEAR 0.5
+/* [pt] a sample to a mark: of dense data there is one for each square of 2 or 3 pt */
+#define MARKED 3
+/* [pt] a sample to the path: what passes where ink is already is left out, in grains of up to 1
+ * pt */
+#define INK 1.2
 
 /* ---- text ---- */
 
@@ -185,8 +185,8 @@ static bool read_path(const char *d, struct path *path)
         path->joined[path->n++] = joined;
         path->marks &= !joined || (path->x[n] == path->x[n - 1] && path->y[n] == path->y[n - 1]);
     }
-    path->n -=
-        circles > 0 && path->n == circles + 1; /* the pen goes back to where the last one began */
+    /* the pen goes back to where the last one began */
+    path->n -= circles > 0 && path->n == circles + 1;
     return path->n > 0;
 }
 
@@ -216,8 +216,9 @@ static void read_title(const char *title, struct read_axis *axis)
             axis->unit = units[i].value * power;
             known = true;
         }
+    /* not read */
     if (!known)
-        axis->n = 0; /* not read */
+        axis->n = 0;
     for (const char *at = title; (at = strpbrk(at + 1, "-+")) && (!bracket || at < bracket);)
         if (at[-1] == ' ' && at[1] == ' ')
             axis->offset = strtod(at + 2, NULL) * (*at == '-' ? 1 : -1) / power;
@@ -395,8 +396,8 @@ static void make_session(struct bench *bench, struct dice *dice, struct made *ma
     snprintf(line, sizeof line, "scene %s", scenes[scene]);
     say(bench, made->told, line);
     for (int i = 0; i < made->runs; i++) {
-        const bool back =
-            scene < 3 && dice_below(dice, 4) == 0; /* backwards drag of the square has a pole */
+        /* backwards drag of the square has a pole */
+        const bool back = scene < 3 && dice_below(dice, 4) == 0;
         snprintf(line, sizeof line, "method %s dt=%.3g ms; y0 = %.3g m; run %.3g s",
                  methods[dice_below(dice, (int)COUNT_OF(methods))], dice_between(dice, 2, 20),
                  exp(dice_between(dice, log(1e-3), log(3))),
@@ -502,19 +503,22 @@ static int check_picture(struct bench *bench, struct alphabet *alphabet, enum ki
         fail_msg("%sthere is no frame", made->told);
     for (int p = 0; p < sheet.panels; p++) {
         const struct panel *panel = &sheet.panel[p];
+        /* too few labels to read by */
         if (panel->x.n < 2 || panel->y.n < 2)
-            readable = false; /* too few labels to read by */
+            readable = false;
         if (!readable)
             continue;
         if (!read_axis_is_even(&panel->x, 0.01) || !read_axis_is_even(&panel->y, 0.01))
             fail_msg("%sthe numbers of an axis do not stand at even distances", made->told);
         for (int i = panel->first; i < panel->first + panel->paths; i++) {
             const struct path *path = &sheet.path[i];
+            /* of the legend */
             if (path->y[0] < panel->top - 4 || path->curve > made->runs)
-                continue; /* of the legend */
+                continue;
             const bool recorded = path->curve == made->runs;
+            /* shapes along a line */
             if (recorded != path->marks)
-                continue; /* shapes along a line */
+                continue;
             const struct samples series =
                 recorded ? recording_samples(bench->session->recording[0]->recording)
                          : run_samples(bench, kind, path->curve, line);
@@ -540,8 +544,9 @@ static void every_sample_is_where_the_axes_put_it(void **state)
 {
     static struct alphabet alphabet;
     (void)state;
+    /* built, or running, without cairo */
     if (!learn_alphabet(&alphabet))
-        skip(); /* built, or running, without cairo */
+        skip();
     const unsigned sessions = is_long() ? 200 : 16;
     int drawn[KINDS] = {0}, read[KINDS] = {0};
     for (unsigned seed = 1; seed <= sessions; seed++) {

@@ -463,8 +463,9 @@ static void undo_and_redo_go_through_the_same_states(void **state)
         bench_open(&b, false);
         random_state = 1000 + (uint64_t)i;
         buffer_clear(&typed);
+        /* empty: in the middle of a line */
         for (int s = 0; s <= LINES * 4; s++)
-            buffer_clear(&at[s]); /* empty: in the middle of a line */
+            buffer_clear(&at[s]);
         describe(b.session, parts, &at[0]);
         for (int s = 0; s < LINES; s++) {
             play_statement(&b, &typed);

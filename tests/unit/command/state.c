@@ -92,8 +92,9 @@ static void undo_of_back_and_reset_keeps_bits(void **state)
     for (size_t i = 0; i < COUNT_OF(methods); i++) {
         struct bench b;
         char line[80];
+        /* what its step control remembered on the way is not recorded */
         if (strcmp(methods[i], "dopri5") == 0)
-            continue; /* what its step control remembered on the way is not recorded */
+            continue;
         bench_open(&b, false);
         snprintf(line, sizeof line, "method %s; gamma = 0.1; run 1 s; continue 1 s; step 7",
                  methods[i]);
@@ -117,8 +118,9 @@ static void a_split_run_equals_a_long_one(void **state)
     for (size_t i = 0; i < COUNT_OF(methods); i++) {
         struct bench b;
         char line[80];
+        /* its steps end where it is told to stop */
         if (strcmp(methods[i], "dopri5") == 0)
-            continue; /* its steps end where it is told to stop */
+            continue;
         bench_open(&b, false);
         snprintf(line, sizeof line, "method %s; gamma = 0.1; run 3 s", methods[i]);
         type_ok(&b, line);
@@ -352,8 +354,8 @@ static void undo_of_every_setting_does_what_it_says(void **state)
     (void)state;
     for (size_t i = 0; i < setting_catalog.count; i++) {
         const struct setting *setting = setting_at(i);
-        const bool is_format =
-            setting->choices == &format_choice_catalog; /* it is set back to read the answers */
+        /* it is set back to read the answers */
+        const bool is_format = setting->choices == &format_choice_catalog;
         struct bench b;
         bench_open(&b, false);
         type_ok(&b, "k = 20");

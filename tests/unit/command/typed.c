@@ -336,9 +336,8 @@ static void hostile_lines_are_refused_quickly(void **state)
     (void)state;
     enum { MANY = 1000000 };
     const char *config = getenv("CONFIG");
-    const int64_t limit = config && strcmp(config, "asan") == 0
-                              ? 20000000000
-                              : 2000000000; /* [ns] of work: ten times what it takes */
+    /* [ns] of work: ten times what it takes */
+    const int64_t limit = config && strcmp(config, "asan") == 0 ? 20000000000 : 2000000000;
     static const struct {
         const char *before, *repeated, *after;
     } hostile[] = {{"x' = ", "(", ""},

@@ -84,8 +84,8 @@ static double beats(double t)
 static const struct shape {
     const char *name;
     double (*at)(double t);
-    double from, to; /* [s] of the truth, 0 and LAST: all of it; NAN: anything, as long as all say
-                        the same */
+    /* [s] of the truth, 0 and LAST: all of it; NAN: anything, as long as all say the same */
+    double from, to;
 } shapes[] = {
     {"free", free_swing, 0, LAST},
     {"held first", held_first, 4, LAST},
@@ -136,8 +136,8 @@ static bool announced(const char *text, const char *word, double window[2])
     char first[32] = "";
     if (!dots || dots - at - (ptrdiff_t)strlen(word) >= (ptrdiff_t)sizeof first)
         return false;
-    memcpy(first, at + strlen(word),
-           (size_t)(dots - at) - strlen(word)); /* "0..20": strtod takes the first dot */
+    /* "0..20": strtod takes the first dot */
+    memcpy(first, at + strlen(word), (size_t)(dots - at) - strlen(word));
     window[0] = strtod(first, NULL);
     window[1] = strtod(dots + 2, NULL);
     return true;

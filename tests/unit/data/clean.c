@@ -215,8 +215,9 @@ static void steps_gaps_and_empty_cells_are_said(void **state)
     m = (struct made){
         .n = 1500, .rate = 50, .amplitude = 5.2, .gamma = 0.02, .noise = 0.02, .seed = 9};
     make(&m);
+    /* it went on meanwhile */
     for (size_t i = 500; i < m.n; i++)
-        m.t[i] += 0.4; /* it went on meanwhile */
+        m.t[i] += 0.4;
     m.y[100] = m.y[101] = m.y[900] = NAN;
     for (size_t i = 0; i < m.n; i++)
         if (!isnan(m.y[i]))

@@ -77,8 +77,8 @@ static void a_container_that_is_cut_is_refused(void **state)
     buffer_clear(&bytes);
     put_workbook(&bytes, sheet.data);
     cut_everywhere(&bytes);
-    const struct buffer document = {.data = (char[sizeof cmbl]){0},
-                                    .len = sizeof cmbl - 2}; /* without its last \n */
+    /* without its last \n */
+    const struct buffer document = {.data = (char[sizeof cmbl]){0}, .len = sizeof cmbl - 2};
     memcpy(document.data, cmbl, sizeof cmbl);
     cut_everywhere(&document);
     const struct buffer other = {.data = (char[sizeof labx]){0}, .len = sizeof labx - 2};
@@ -183,8 +183,8 @@ static void workbooks_that_grow_without_bound_are_refused(void **state)
     };
     put_zip(&bytes, files, COUNT_OF(files));
     assert_true(refused(load_bytes(&bytes, "", &error), &error, "times their size"));
-    assert_true(peak() - before < 200 * 1024 ||
-                runs_under_sanitizer()); /* 3 GB of words, 60 MB of blanks */
+    /* 3 GB of words, 60 MB of blanks */
+    assert_true(peak() - before < 200 * 1024 || runs_under_sanitizer());
     buffer_free(&sheet);
     buffer_free(&word);
     buffer_free(&words);

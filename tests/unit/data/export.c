@@ -132,8 +132,8 @@ static void exported_tables_read_back(void **state)
                          r->column[1].value[i], r->column[2].value[i]);
         assert_true(same_bits(r->y[0], -0.0) && same_bits(r->y[2], y[2]));
         recording_destroy(r);
-        assert_false(table_write(&table, format, path, (struct write_policy){0},
-                                 &error)); /* never over a file unasked */
+        /* never over a file unasked */
+        assert_false(table_write(&table, format, path, (struct write_policy){0}, &error));
     }
     free(t);
     free(y);

@@ -11,8 +11,8 @@
 static const struct {
     const char *file, *options, *format, *value;
     size_t rows;
-    double t0, amplitude,
-        precision; /* [s] [cm] of the first displacement; [cm] to which it is printed */
+    /* [s] [cm] of the first displacement; [cm] to which it is printed */
+    double t0, amplitude, precision;
     int runs;
 } cases[] = {
     {"motion-sensor", "", "motion-sensor", "Distance", 60, 0, 5.2, 5e-4, 0},

@@ -74,8 +74,8 @@ static void dry_friction_rests(void **state)
     for (size_t j = 0; j < 4; j++)
         for (uint64_t seed = 0; seed < SEEDS; seed++) {
             uint64_t s = seed;
-            const double half = 0.5 / floor(8 + 40 * uniform_from(&s)),
-                         rate = 50; /* of the amplitude, each half swing */
+            /* of the amplitude, each half swing */
+            const double half = 0.5 / floor(8 + 40 * uniform_from(&s)), rate = 50;
             for (size_t i = 0; i < ROWS; i++) {
                 t[i] = (double)i / rate;
                 const double k = floor(2 * t[i]), a = 1 - half - 2 * k * half;

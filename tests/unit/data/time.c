@@ -289,8 +289,8 @@ static void warnings_are_few(void **state)
         buffer_put(&text, TEXT(",1"));
     buffer_char(&text, '\n');
     struct recording *r = fixture_good(text.data, "");
-    assert_int_equal(r->warnings,
-                     11); /* of 30 columns with a word, two units and a value missing */
+    /* of 30 columns with a word, two units and a value missing */
+    assert_int_equal(r->warnings, 11);
     assert_int_equal(r->unsaid, 23);
     assert_string_equal(r->warning[10], "and 23 more kinds");
     recording_destroy(r);

@@ -63,8 +63,8 @@ static void test_colors(void **state)
     (void)state;
     assert_true(canvas_init(&canvas, 8, 3));
     canvas_text(&canvas, 0, 0, TEXT("ab"), STYLE_CURVE_1);
-    canvas_text(&canvas, 3, 0, TEXT("c"),
-                STYLE_CURVE_1); /* a blank between does not end the colour */
+    /* a blank between does not end the colour */
+    canvas_text(&canvas, 3, 0, TEXT("c"), STYLE_CURVE_1);
     canvas_text(&canvas, 4, 0, TEXT("d"), STYLE_PLAIN);
     canvas_text(&canvas, 0, 1, TEXT("e"), STYLE_DIM);
     canvas_text(&canvas, 1, 1, TEXT("f"), STYLE_ALERT);

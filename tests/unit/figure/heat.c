@@ -141,8 +141,10 @@ static void test_any_size(void **state)
             assert_true(heat_print(&heat, width, height, CHARSET_ASCII, &out));
             int lines = 0;
             for (const char *at = strchr(out.data, '\n') + 1, *end; (end = strchr(at, '\n'));
-                 at = end + 1, lines++)
-                assert_true(end - at <= width + 20); /* the note behind the legend */
+                 /* the note behind the legend */
+                 at = end + 1,
+                            lines++)
+                assert_true(end - at <= width + 20);
             assert_true(lines >= 4);
             buffer_free(&out);
         }

@@ -366,8 +366,8 @@ static void test_many_samples_stay_small_and_keep_peaks(void **state)
     y[654321] = 2.1;
     y[123456] = -2.1;
     draw(&figure, PICTURE_SVG, &out);
-    assert_true(heard.highest < highest - 5 &&
-                heard.lowest == lowest); /* ticks of x are lower than the frame */
+    /* ticks of x are lower than the frame */
+    assert_true(heard.highest < highest - 5 && heard.lowest == lowest);
     figure.x = (struct axis){.fixed = true, .from = 200, .to = 300};
     draw(&figure, PICTURE_SVG, &out);
     assert_true(heard.highest == highest);

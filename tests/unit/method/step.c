@@ -123,8 +123,8 @@ static void test_costs(void **state)
         struct error error;
         assert_true(method_applies(method, &system, &drag, &error));
         double y[2] = {0.05, 0};
-        double h =
-            method->flags & METHOD_MULTISTEP ? 1. / 64 : 0.25; /* the others are stable there */
+        /* the others are stable there */
+        double h = method->flags & METHOD_MULTISTEP ? 1. / 64 : 0.25;
         struct step step = step_begin(&system, drag, 2, h, y, work);
         assert_int_equal(method_step(method, &step), STEP_OK);
         assert_true(step.warm && step.t == 2 + h);
@@ -320,8 +320,8 @@ static void test_no_solution(void **state)
     assert_near("root", v, 0.3 * exp(v), 1e-15);
     memset(y, 0, sizeof y);
     step = step_begin(&system, DRAG_DEFAULT, 0, 0.4, y, work);
-    assert_int_equal(method_step(method_named("backward-euler"), &step),
-                     STEP_NO_SOLUTION); /* 0.4 > 1/e */
+    /* 0.4 > 1/e */
+    assert_int_equal(method_step(method_named("backward-euler"), &step), STEP_NO_SOLUTION);
     assert_true(y[0] == 0 && y[1] == 0 && step.t == 0);
 
     /* In closed form: an unstable spring at the step where the matrix is singular, and drag with

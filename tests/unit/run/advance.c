@@ -22,8 +22,9 @@ static void test_split_is_bit_equal(void **state)
         struct run_settings settings = {.dt = 0.01};
         struct error error;
         struct run *whole = run_create(&scene, method_named(name), &settings, 3, &error);
+        /* not for this scene */
         if (!whole)
-            continue; /* not for this scene */
+            continue;
         struct run *split = start(&scene, name, settings, 3),
                    *sliced = start(&scene, name, settings, 3);
         go_to(whole, 3);
@@ -292,13 +293,13 @@ static void test_budget(void **state)
     slow.add = slow_add;
     run->system.term[0].row = &slow;
     struct run_target target = FOREVER;
+    /* learns that a step takes 80 us now */
     for (int i = 0; i < 8; i++)
-        assert_true(
-            run_advance(run, &target, 2000000, NULL)); /* learns that a step takes 80 us now */
+        assert_true(run_advance(run, &target, 2000000, NULL));
     const int64_t before = run->steps;
     assert_true(run_advance(run, &target, 2000000, NULL));
-    assert_true(run->steps - before <
-                300); /* 25 fit into the 2 ms of the budget; counted, not timed */
+    /* 25 fit into the 2 ms of the budget; counted, not timed */
+    assert_true(run->steps - before < 300);
     assert_true(run->seconds > 0.01);
     run_destroy(run);
 }

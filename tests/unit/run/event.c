@@ -112,9 +112,8 @@ static void test_times(void **state)
                                            : h->event == 2 ? -1
                                            : (int)n % 2    ? 1
                                                            : -1);
-            assert_true(fabs(h->event == 0   ? y[0]
-                             : h->event == 1 ? y[1]
-                                             : y[0] - 0.5) < 1e-14); /* to rounding */
+            /* to rounding */
+            assert_true(fabs(h->event == 0 ? y[0] : h->event == 1 ? y[1] : y[0] - 0.5) < 1e-14);
             last = h->t;
         }
         assert_int_equal(count[0], 6);
@@ -518,8 +517,9 @@ static void test_conditions_are_met(void **state)
             start(f, by[m].method, by[m].dt, by[m].tol);
             const bool tangent = strstr(rows[i].text, "<= -1") || strstr(rows[i].text, ">= 1");
             const double off = tangent ? 2e-4 : by[m].off;
+            /* a fixed step knows no error within which it touches */
             if (tangent && by[m].tol == 0)
-                continue; /* a fixed step knows no error within which it touches */
+                continue;
             const bool met = until(f, rows[i].text, 12);
             if (met != !isnan(rows[i].at) || (met && !(fabs(f->run->t - rows[i].at) <= off)))
                 fail_msg("%s, %s: %d at t = %.10g", by[m].method, rows[i].text, met, f->run->t);

@@ -232,9 +232,8 @@ static void test_breaks_away_on_time(void **state)
             go_to(run, leaves - 1e-3);
             assert_true(run->y[0] == 0 && run->y[1] == 0);
             assert_true(run_rest(run) == 0);
-            go_to(run,
-                  leaves +
-                      1e-3); /* then m q'' = 0.2 cos(leaves) s: q = 0.2 cos(leaves) s^3 / (6 m) */
+            /* then m q'' = 0.2 cos(leaves) s: q = 0.2 cos(leaves) s^3 / (6 m) */
+            go_to(run, leaves + 1e-3);
             const double wanted = 0.2 * cos(leaves) * 1e-9 / (6 * 0.2);
             assert_true(run->y[1] > 0 && isnan(run_rest(run)));
             if (method_named(names[i])->order != 2)

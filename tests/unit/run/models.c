@@ -150,8 +150,8 @@ static void test_kepler(void **state)
     size_t used;
     assert_true(run_scope(run, &scope));
     const struct expr *expr = expr_compile(TEXT("x*vy - y*vx"), &scope, &arena, &used, &error);
-    assert_non_null(
-        expr); /* y is the variable, not the first coordinate; verlet keeps angular momentum */
+    /* y is the variable, not the first coordinate; verlet keeps angular momentum */
+    assert_non_null(expr);
     assert_close(expr_value(expr, &scope), sqrt(0.75), 1e-12);
     arena_reset(&arena);
 
@@ -287,8 +287,8 @@ static void test_failures_are_explained(void **state)
     explains(run, "or an implicit method");
     run_destroy(run);
 
-    scene =
-        preset_named("duffing"); /* a softening spring: the motion itself escapes in finite time */
+    /* a softening spring: the motion itself escapes in finite time */
+    scene = preset_named("duffing");
     put(&scene, "k3", -1);
     put(&scene, "y0", 2);
     run = start(&scene, "dopri5", (struct run_settings){.dt = 0.01, .tol = 1e-8}, 10);

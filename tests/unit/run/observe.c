@@ -48,8 +48,8 @@ static void test_formulas(void **state)
                  (now(run, "energy") - energy0 - now(run, "work")) / energy0, 1e-15);
     assert_close(now(run, "energy-error"), 0, 1e-10);
     assert_true(now(run, "dissipated") > 0);
-    assert_true(isnan(now(run, "exact")) &&
-                isnan(now(run, "error"))); /* quadratic drag: no closed form */
+    /* quadratic drag: no closed form */
+    assert_true(isnan(now(run, "exact")) && isnan(now(run, "error")));
 
     /* A column is the same function of each row. */
     size_t rows = trace_count(run->trace);
@@ -85,8 +85,8 @@ static void test_errors_of_symplectic_euler(void **state)
     go_to(run, span);
     struct run_errors errors;
     run_errors(run, &errors);
-    double phase =
-        omega0 * span * (2 / x * asin(x / 2) - 1); /* the exact angle of a step is 2 asin(x/2) */
+    /* the exact angle of a step is 2 asin(x/2) */
+    double phase = omega0 * span * (2 / x * asin(x / 2) - 1);
     assert_close(errors.phase, phase, 0.05 * fabs(phase));
     assert_close(now(run, "phase-error"), errors.phase, 1e-12);
     assert_true(fabs(errors.amplitude) < x);

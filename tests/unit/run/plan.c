@@ -291,8 +291,8 @@ static void test_what_is_left_out_is_not_computed(void **state)
     assert_int_equal(potentials, 102);
     assert_int_equal(powers, 0);
     assert_true(run_column(run, observable_named("dissipated"), out, &error));
-    assert_int_equal(powers,
-                     100 * 3 + 1); /* three nodes a step, and one where a block of them begins */
+    /* three nodes a step, and one where a block of them begins */
+    assert_int_equal(powers, 100 * 3 + 1);
     /* Asked again at the present, only what is new is integrated. */
     run_observable(run, observable_named("work"));
     powers = 0;

@@ -121,8 +121,8 @@ static void compositions(void **state)
 {
     (void)state;
     static const double at[NAMES] = {1.3, -0.7, 0.4, 2.1, 0.9, -1.1, 0.3, 0.8, 1.7, 0.2, 0.6, 1.9};
-    check("a*exp(-c*d)*cos(e*d + f)/(1 + g*h^2) - i*j*k*l",
-          at); /* more names than one pass holds */
+    /* more names than one pass holds */
+    check("a*exp(-c*d)*cos(e*d + f)/(1 + g*h^2) - i*j*k*l", at);
     check("-b^2 + b^3 - 2^b + a^c^d", at);
     check("if(b, a*c, d/a) + max(a, b)*min(c, d) + abs(b)", at);
     check("atan2(b, a) - hypot(a, b)*pow(a, 2.5) + sqrt(exp(sin(a*b)))", at);

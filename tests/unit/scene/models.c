@@ -57,7 +57,7 @@ static void test_tables(void **state)
             assert_true(param->row.brief[0]);
             assert_string_equal(param->row.unit, quantity_unit(param->quantity));
             assert_true(param->min_excluded ? param->initial > param->min
-                                              : param->initial >= param->min);
+                                            : param->initial >= param->min);
             for (int v = 0; v < model->n; v++) /* a name in an expression means one thing */
                 assert_string_not_equal(param->row.name, model->variable[v].name);
             static const char *const observables[] = {
@@ -291,8 +291,9 @@ static void test_models_keep_their_claims(void **state)
     (void)state;
     for (size_t i = 0; i < preset_catalog.count; i++) {
         const struct preset *preset = preset_at(i);
+        /* energies are out of range there: that is what they are for */
         if (strncmp(preset->row.name, "extreme-", 8) == 0 && !preset->model)
-            continue; /* energies are out of range there: that is what they are for */
+            continue;
         for (size_t check = 0; check < COUNT_OF(checks); check++)
             if (!check_preset(preset, check, NULL))
                 fail_msg("%s fails check %zu", preset->row.name, check);
@@ -378,8 +379,8 @@ static void test_starts(void **state)
         for (int k = 0; k < system.n; k++) {
             assert_true(isfinite(system.start[k]) && system.scale[k] > 0 &&
                         isfinite(system.scale[k]));
-            assert_true(fabs(system.start[k]) <=
-                        2e4 * system.scale[k]); /* a comet at the sun is the fastest */
+            /* a comet at the sun is the fastest */
+            assert_true(fabs(system.start[k]) <= 2e4 * system.scale[k]);
             assert_string_equal(system_variable(&system, k).name, scene.model->variable[k].name);
         }
         for (size_t p = 0; p < scene_params(&scene)->count; p++) {
@@ -416,8 +417,8 @@ static void test_derived(void **state)
     struct error error;
     static const double pi = 3.14159265358979323846;
     scene.value[scene_param(&scene, "g")] = 1;
-    assert_true(fabs(derive(&scene, "period").value - 7.41629870920548767) <
-                2e-15 * 7); /* references.csv */
+    /* references.csv */
+    assert_true(fabs(derive(&scene, "period").value - 7.41629870920548767) < 2e-15 * 7);
     assert_true(fabs(derive(&scene, "T0").value - 2 * pi) < 1e-15);
     assert_true(fabs(derive(&scene, "E0").value - 0.2) < 1e-15);
     assert_true(

@@ -115,7 +115,8 @@ static void test_set_and_unset(void **state)
     set(&scene, "gamma", 3, 0.1);
     assert_true(scene.value[gamma] == 3 && scene.chosen[gamma] && scene.uncertainty[gamma] == 0.1);
     scene_unset(&scene, gamma);
-    assert_true(scene.value[gamma] == 0.25 && !scene.chosen[gamma] && scene.uncertainty[gamma] == 0);
+    assert_true(scene.value[gamma] == 0.25 && !scene.chosen[gamma] &&
+                scene.uncertainty[gamma] == 0);
     scene_init(&scene, NULL);
     assert_string_equal(scene.preset->row.name, "spring");
 }

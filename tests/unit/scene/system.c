@@ -107,8 +107,8 @@ static void test_parts_add_up(void **state)
         double drive = 2 * cos(8 * t + 0.5) * y[1];
         assert_true(fabs(system_dissipation(&all, t, y) - (power - drive)) <
                     1e-14 * (1 + fabs(power)));
-        assert_true(system_dissipation(&all, t, y) < 0 &&
-                    fabs(y[0]) < 1); /* 0.3 1/s damp more than 0.2 drive */
+        /* 0.3 1/s damp more than 0.2 drive */
+        assert_true(system_dissipation(&all, t, y) < 0 && fabs(y[0]) < 1);
     }
 }
 
@@ -180,8 +180,8 @@ static void test_scale(void **state)
     expect_scale(BOUND({"y0", 0}, {"F0", 0.02}, {"omega", omega}), 0.1 / 7.5, 0.1 / 7.5 * omega);
     expect_scale(BOUND({"k", -20}, {"k3", 80}, {"y0", 0.01}), 0.5, 5); /* a well */
     expect_scale(BOUND({"k", 0}, {"k3", 0.4}, {"y0", 0.2}), 0.2, 0.04 * sqrt(2));
-    expect_scale(BOUND({"k", 0}, {"k3", 0.4}, {"y0", 0}, {"v0", 1}), 1,
-                 sqrt(2));                                      /* 2 y^4/4 = v^2/2 */
+    /* 2 y^4/4 = v^2/2 */
+    expect_scale(BOUND({"k", 0}, {"k3", 0.4}, {"y0", 0}, {"v0", 1}), 1, sqrt(2));
     expect_scale(BOUND({"mu", 0.1}, {"width", 0.5}), 1, omega); /* the limit cycle */
     expect_scale(BOUND({"mu", 750}, {"width", 0.5}), 1, 0.1);   /* creeps as k y/(m mu) */
     expect_scale(BOUND({"mu", -2}), 0.05, 0.05 * omega);
@@ -212,8 +212,8 @@ static void test_overflow_is_refused(void **state)
     REFUSED("k/m overflows", {"m", 1e-310}, {"k", 1e-10}); /* finite, but with few digits */
     REFUSED("k/m overflows", {"k", 1e300}, {"m", 1e-20});
     REFUSED("the spring force overflows at y = 1e9 m", {"k", 1e300}, {"y0", 1e9});
-    REFUSED("the spring force overflows", {"k", 1e300},
-            {"v0", 1e159}); /* at full swing, not at the start */
+    /* at full swing, not at the start */
+    REFUSED("the spring force overflows", {"k", 1e300}, {"v0", 1e159});
     REFUSED("a coefficient of the drag term overflows", {"C", 1e300}, {"m", 1e-20}, {"k", 0});
     REFUSED("a coefficient of the drive term overflows", {"F0", 1e300}, {"m", 1e-10}, {"k", 0});
     REFUSED("the drag force overflows", {"C", 0.5}, {"v0", 1e160});

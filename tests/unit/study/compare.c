@@ -61,8 +61,8 @@ static void test_the_labs_comparison(void **state)
     assert_null(strstr(row[0].verdict, "NOT"));
     assert_non_null(strstr(row[1].verdict, "as predicted"));
     assert_non_null(strstr(row[2].verdict, "bounded, as predicted"));
-    assert_true(row[2].ledger.error_max >
-                0.04); /* it does swing: the ellipse allows 0.09, far above rounding */
+    /* it does swing: the ellipse allows 0.09, far above rounding */
+    assert_true(row[2].ledger.error_max > 0.04);
     assert_true(isnan(row[0].time.minimum)); /* TIMING_OFF: nothing is timed */
     for (int i = 0; i < count; i++) {
         assert_int_equal(row[i].run->steps, 1000);
@@ -203,8 +203,8 @@ static void test_refusals_come_first(void **state)
     assert_int_equal(error.code, ERROR_COMMAND);
 
     request = request_for(&scene, choice, names, 2);
-    assert_true(scene_set(&scene, param_index("C"), (struct measured){1, 0},
-                          &error)); /* no closed form: `exact` is refused */
+    /* no closed form: `exact` is refused */
+    assert_true(scene_set(&scene, param_index("C"), (struct measured){1, 0}, &error));
     assert_true(scene_set(&scene, param_index("area"), (struct measured){0.01, 0}, &error));
     assert_false(study_compare(&request, row, &count, &error));
     assert_int_equal(count, 0);

@@ -220,8 +220,8 @@ static void a_held_start_must_come_first(void **state)
     struct fitted fixed = fit_to(&late, &r.series, "k gamma", false);
     assert_false(fixed.ok);
     assert_int_equal(fixed.error.code, ERROR_COMMAND);
-    struct fitted moved =
-        fit_to(&late, &r.series, "k gamma y0 v0", false); /* t0 goes to the first sample */
+    /* t0 goes to the first sample */
+    struct fitted moved = fit_to(&late, &r.series, "k gamma y0 v0", false);
     assert_converged(&moved);
     close_to(moved.fit.scene.value[scene_param(&late, "t0")], r.t[0], 0);
     struct fitted whole = fit_to(&truth, &r.series, "k gamma", false); /* the true start is held */
@@ -246,8 +246,8 @@ static void the_usual_parameters(void **state)
     assert_int_equal(scene_fit_usual(&scene, index, fixed, &fixed_count), 4);
     assert_int_equal(fixed_count, 1);
     assert_int_equal(fixed[0], k);
-    assert_true(
-        scene_set(&scene, k, (struct measured){15, 0.1}, &error)); /* an estimate: fitted again */
+    /* an estimate: fitted again */
+    assert_true(scene_set(&scene, k, (struct measured){15, 0.1}, &error));
     assert_int_equal(scene_fit_usual(&scene, index, fixed, &fixed_count), 5);
 }
 

@@ -98,8 +98,8 @@ static void test_ranges_meet_the_grid(void **state)
     request.dt[0] = 1e-3;
     request.dt[1] = 20e-3;
     run_study(&request, &precision);
-    assert_int_equal(precision.points,
-                     4); /* 2 s / 128, 256, 512, 1024: with dt given the method takes fixed steps */
+    /* 2 s / 128, 256, 512, 1024: with dt given the method takes fixed steps */
+    assert_int_equal(precision.points, 4);
     assert_true(precision.point[0].dt == 2.0 / 128 && precision.point[3].dt == 2.0 / 1024);
     assert_int_equal(precision.point[3].steps, 1024);
     precision_free(&precision);
@@ -141,8 +141,8 @@ static void test_known_errors(void **state)
     const double omega = sqrt(75), x = omega * 2 / 256;
     const struct study_errors *verlet = &precision.point[0].errors,
                               *heun = &precision.point[1].errors;
-    const double turn =
-        256 * (2 * asin(x / 2) - x); /* y = cos(n theta): numerical minus exact phase */
+    /* y = cos(n theta): numerical minus exact phase */
+    const double turn = 256 * (2 * asin(x / 2) - x);
     double max = 0;
     for (int n = 0; n <= 256; n++)
         max = fmax(max, fabs(cos(2 * n * asin(x / 2)) - cos(n * x)));
@@ -164,8 +164,8 @@ static void test_failures_are_results(void **state)
     const struct method_choice choice[] = {{method_named("euler"), DRAG_DEFAULT},
                                            {method_named("rk4"), DRAG_DEFAULT}};
     scene_init(&scene, NULL);
-    assert_true(scene_set(&scene, scene_param(&scene, "k"), (struct measured){1.5e7, 0},
-                          &error)); /* omega = 8660 */
+    /* omega = 8660 */
+    assert_true(scene_set(&scene, scene_param(&scene, "k"), (struct measured){1.5e7, 0}, &error));
     struct precision_request request = request_for(&scene, choice, 2);
     request.dt[0] = request.dt[1] = 2.0 / 256;
     run_study(&request, &precision);
@@ -406,8 +406,8 @@ static void test_paths_are_not_ranked_against_each_other(void **state)
     int others = -1;
     assert_int_equal(precision_fastest(&precision, 1e-5, cost, &others), 3);
     assert_int_equal(others, 1);
-    static const int first_general[] = {2, 0, 3,
-                                        1}; /* gauss4 is ahead though general, radau5 is not */
+    /* gauss4 is ahead though general, radau5 is not */
+    static const int first_general[] = {2, 0, 3, 1};
     for (int i = 0; i < 4; i++)
         assert_int_equal(cost[i].curve, first_general[i]);
     point[2].time.minimum = 2.5;

@@ -25,7 +25,8 @@ static void test_every_row(void **state)
                          row.check[c].wanted);
         assert_true(row.passed);
         assert_true(row.check[SELFTEST_ORDER].applies || method->order == 0);
-        assert_int_equal(row.check[SELFTEST_AREA].applies, (method->flags & METHOD_SYMPLECTIC) != 0);
+        assert_int_equal(row.check[SELFTEST_AREA].applies,
+                         (method->flags & METHOD_SYMPLECTIC) != 0);
         assert_int_equal(row.check[SELFTEST_REVERSAL].applies,
                          (method->flags & METHOD_SYMMETRIC) != 0);
     }

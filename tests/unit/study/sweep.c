@@ -335,8 +335,9 @@ static void test_columns(void **state)
     request.axes = 1;
     sweep = sweep_of(&request);
     const double wanted[] = {0.05 + 0.3 * 2.5, 0.05 + 0.3 * 2.5, 0.3, 0.05 + 0.3 * 3, 0.15};
+    /* the window opens at a step */
     for (size_t m = 0; m < COUNT_OF(wanted); m++)
-        close_to(sweep.value[m], wanted[m], 1e-2 * 0.3); /* the window opens at a step */
+        close_to(sweep.value[m], wanted[m], 1e-2 * 0.3);
     sweep_free(&sweep);
 }
 

@@ -30,8 +30,8 @@ static void say(struct trial *s, const char *line)
     reply_init(&reply, (struct sink){take, take, &s->session->log});
     size_t used = strlen(s->told);
     snprintf(s->told + used, sizeof s->told - used, "%s\n", line);
-    command_exec(s->session, text_of(line), NULL,
-                 &reply); /* some are refused: it is as random as people are */
+    /* some are refused: it is as random as people are */
+    command_exec(s->session, text_of(line), NULL, &reply);
     reply_free(&reply);
 }
 
@@ -137,8 +137,8 @@ static void add_panels(struct panes *p, const struct placed_pane *placed,
     const int panels = figure_panels(figure, placed->at.width, pane_drawn_height(placed),
                                      p->screen.charset, panel);
     for (int i = 0; i < panels; i++) {
-        const bool covered =
-            i + 1 < panels && !figure->plane; /* the next one has the axis of both */
+        /* the next one has the axis of both */
+        const bool covered = i + 1 < panels && !figure->plane;
         const int seen = covered         ? panel[i + 1].y - panel[i].y
                          : figure->plane ? panel[i].height
                                          : placed->at.height - panel[i].y;
@@ -218,8 +218,8 @@ static void check_samples(const struct trial *s, struct panes *p, int placed)
         return;
     for (int c = 0; c < figure->curves; c++) {
         const struct curve *curve = &figure->curve[c];
-        const double widest = curve->n ? (curve->x[curve->n - 1] - curve->x[0]) / 8
-                                       : 0; /* a gap is wider, a step not */
+        /* a gap is wider, a step not */
+        const double widest = curve->n ? (curve->x[curve->n - 1] - curve->x[0]) / 8 : 0;
         for (size_t i = 0; i < curve->n; i++) {
             const double t = curve->x[i], y = curve->y[i];
             bool own = false, known = false;

@@ -182,8 +182,8 @@ static void the_vertical_range_of_the_focus_can_be_fixed(void **state)
     assert_shows(session, 80, 24, " 40+");
     view_focus_on(&session->view, PLOT_ENERGY);
     assert_hides(session, 80, 24, " 40+");
-    tell(session, "focus phase; range x -60 cm:60 cm; range y auto"); /* no time: the other panes
-                                                                         stay as they are */
+    /* no time: the other panes stay as they are */
+    tell(session, "focus phase; range x -60 cm:60 cm; range y auto");
     assert_shows(session, 80, 24, "|  60+");
     assert_shows(session, 80, 24, " 10 |");
     tell(session, "focus position; range x 2 s:4 s");
@@ -411,8 +411,8 @@ static void a_residual_is_what_is_left_of_the_recording(void **state)
     assert_true(largest(figure.curve[0].y, figure.curve[0].n) < 1e-4);
     view_focus_on(&session->view, PLOT_RESIDUAL);
     assert_shows(session, 80, 24, "o data - fit");
-    assert_shows(session, 80, 24,
-                 "-- verlet"); /* of the pane below: a run has its name somewhere */
+    /* of the pane below: a run has its name somewhere */
+    assert_shows(session, 80, 24, "-- verlet");
     arena_reset(&arena);
     session_destroy(session);
 }

@@ -213,8 +213,8 @@ static void the_log_scrolls(void **state)
     assert_shows(session, 80, 24,
                  "line 20. is one that is longer than the eighty columns that the screen has, and\n"
                  "  so it goes on\n");
-    assert_shows(session, 40, 12,
-                 "line 20. is one that is longer than the\xE2\x80\xA6"); /* one row only */
+    /* one row only */
+    assert_shows(session, 40, 12, "line 20. is one that is longer than the\xE2\x80\xA6");
     session->view.scroll = 1;
     assert_hides(session, 80, 24, "so it goes on");
     assert_shows(session, 80, 24, "line 20. is one");
@@ -226,8 +226,8 @@ static void the_log_scrolls(void **state)
     session->view.scroll = 1000; /* the oldest stays at the top */
     assert_shows(session, 80, 24, "line 1.");
     assert_shows(session, 80, 24, "line 6.");
-    assert_int_equal(screen_log_max(session, 80, 24),
-                     21 - screen_log_rows(session, 80, 24)); /* one line has two rows */
+    /* one line has two rows */
+    assert_int_equal(screen_log_max(session, 80, 24), 21 - screen_log_rows(session, 80, 24));
     session->view.scroll = screen_log_max(session, 80, 24);
     assert_shows(session, 80, 24, "line 1.");
     session->view.scroll--;

@@ -310,8 +310,9 @@ static void write_code(struct emitter *e, bool calls)
         with_address(e, DOUBLE, STORE, reg, e->output, i);
     }
     write_leading(e);
+    /* pop r15; pop r14; pop rbp; pop rbx; pop rcx */
     if (calls)
-        word(e, 0x595B5D5E415F41, 7); /* pop r15; pop r14; pop rbp; pop rbx; pop rcx */
+        word(e, 0x595B5D5E415F41, 7);
     byte(e, 0xC3);
 }
 

@@ -159,7 +159,8 @@ static bool schedule(struct program *p, const int *retained)
     if (fine)
         memcpy(s.node, p->node, nodes * sizeof *s.node);
     for (int i = 0; fine && i < p->keeps; i++)
-        s.node[retained[i]] = (struct node){.kind = NODE_NAME, .operand = {p->names - p->keeps + i}};
+        s.node[retained[i]] =
+            (struct node){.kind = NODE_NAME, .operand = {p->names - p->keeps + i}};
     fine = fine && prepare(&s);
     for (int i = 0; fine && i < p->nodes; i++)
         if (s.usage[i].uses > 0 && !s.usage[i].fused && s.node[i].kind > NODE_NAME)
@@ -235,7 +236,7 @@ static int find_retained(const struct program *p, int *retained)
 
 /* The program of what is kept, unless that is too large. False: no memory. */
 static bool make_retained(struct program *p, const struct steady_names *steady, const int *retained,
-                      int count)
+                          int count)
 {
     struct program *keep = calloc(1, sizeof *keep);
     if (!keep)
@@ -292,9 +293,9 @@ void program_keep(const struct program *p, double *steady)
 /* ---- making and destroying ---- */
 
 struct program *program_create_keeping(const struct equations *e, int first, int count,
-                                     const bool *bound, const double *value,
-                                     const struct steady_names *steady, bool native,
-                                     struct error *error)
+                                       const bool *bound, const double *value,
+                                       const struct steady_names *steady, bool native,
+                                       struct error *error)
 {
     struct program *p = calloc(1, sizeof *p);
     if (!p) {

@@ -52,8 +52,8 @@ struct graph {
     int count, capacity;
     int *table; /* hashed nodes, 0: free; `slots` is a power of two */
     unsigned slots;
-    bool binds;  /* known names are numbers: powers become multiplications, products with 0 are
-                    absent */
+    /* known names are numbers: powers become multiplications, products with 0 are absent */
+    bool binds;
     bool limits; /* in derivatives a factor of 0 beside an infinite one gives 0 */
     enum { GRAPH_FINE, GRAPH_NO_MEMORY, GRAPH_FULL } failed;
 };
@@ -61,12 +61,12 @@ struct graph {
 void graph_init(struct graph *graph, struct arena *arena, bool binds);
 int graph_number(struct graph *graph, double number);
 int graph_name(struct graph *graph, int name);
-int graph_apply(struct graph *graph, enum node_kind kind, int a, int b,
-                int c); /* NODE_NEG … NODE_IF */
+/* NODE_NEG … NODE_IF */
+int graph_apply(struct graph *graph, enum node_kind kind, int a, int b, int c);
 int graph_one(struct graph *graph, double (*one)(double), int a);
 int graph_two(struct graph *graph, double (*two)(double, double), int a, int b);
-int graph_copy(struct graph *graph, const struct node *node,
-               const int *map); /* the operation, on the map's nodes */
+/* the operation, on the map's nodes */
+int graph_copy(struct graph *graph, const struct node *node, const int *map);
 bool graph_check(const struct graph *graph, struct error *error);
 /* Marks [count] what the marked nodes need. */
 void graph_reach(const struct node *node, int count, bool *mark);
@@ -165,8 +165,8 @@ struct switches {
     int name;   /* the first of LIMIT_TYPED_SWITCHES names for branches */
     int moving; /* the first names are t and the state: so many */
     int count;
-    int argument[LIMIT_TYPED_SWITCHES]; /* nodes, themselves frozen; each depends on the branches
-                                           before only */
+    /* nodes, themselves frozen; each depends on the branches before only */
+    int argument[LIMIT_TYPED_SWITCHES];
     enum switch_kind kind[LIMIT_TYPED_SWITCHES];
     bool full; /* there are more */
 };
@@ -222,9 +222,9 @@ struct steady_names {
 #define PROGRAM_KEEP 4096
 
 struct program *program_create_keeping(const struct equations *e, int first, int count,
-                                     const bool *bound, const double *value,
-                                     const struct steady_names *steady, bool native,
-                                     struct error *error);
+                                       const bool *bound, const double *value,
+                                       const struct steady_names *steady, bool native,
+                                       struct error *error);
 /* As program_depends(), on any of these names? */
 bool program_depends_on(const struct program *p, int first, int count, int name, int names);
 /* Once for each set of given values. */

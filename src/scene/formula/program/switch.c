@@ -82,7 +82,7 @@ static int freeze_two(struct freezing *f, const struct node *node, int a, int b)
     if (node->two == function_min || node->two == function_max) {
         const int less = branch(f, apply(f, NODE_SUB, b, a, 0), SWITCH_SIGN);
         return node->two == function_min ? apply(f, NODE_IF, less, a, b)
-                                           : apply(f, NODE_IF, less, b, a);
+                                         : apply(f, NODE_IF, less, b, a);
     }
     if (node->two == function_mod)
         return apply(f, NODE_SUB, a,
