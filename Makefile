@@ -288,7 +288,8 @@ COMPLETION = $(DESTDIR)$(PREFIX)/share/bash-completion/completions/hooke
 install: all ## install program, library, headers, manual, examples and completion under PREFIX
 	install -D -m 755 $(TOP)/hooke $(DESTDIR)$(PREFIX)/bin/hooke
 	install -D -m 644 $(TOP)/libhooke.a $(DESTDIR)$(PREFIX)/lib/libhooke.a
-	cd include && find hooke -name '*.h' -exec install -D -m 644 {} $(DESTDIR)$(PREFIX)/include/{} \;
+	cd include && for header in hooke/hooke.h $(foreach l,$(LIBRARY_LAYERS),hooke/$l.h $(patsubst include/%,%,$(wildcard include/hooke/$l/*.h))); do \
+	  install -D -m 644 $$header $(DESTDIR)$(PREFIX)/include/$$header || exit; done
 	for page in $(PAGES); do install -D -m 644 $$page $(MANUAL)/man$${page##*.}/$${page##*/} || exit; done
 	install -D -m 644 $(TOP)/pages/hooke.bash $(COMPLETION)
 	for example in $(EXAMPLES); do install -D -m 644 $$example $(SHARED)/$$example || exit; done

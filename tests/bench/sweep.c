@@ -228,11 +228,11 @@ static void typed_topic(void)
         bench_die("sweep", "they go in lanes");
     table_begin("Typed forces side by side, rk4", "ns a trajectory-step");
     typed_rows("y'' = -k*y - c*y^3", &duffing, 3);
-    typed_rows("y'' = -k*y - c*y'*abs(y)", &duffing, 3);
+    typed_rows("y'' = -k*y - c*y'*y^2", &duffing, 3);
     typed_rows("y'' = -k*y - c*y' + cos(w*t)", &driven, 3);
     typed_rows("y'' = -k*y - c*y'*abs(y')", &drag, 3);
-    table_note("the last ones step to each turning point, 2.8 in 100 steps here; the second is the "
-               "same without");
+    table_note("the last ones step to each turning point, 2.8 in 100 steps here; the second has "
+               "as many operations without");
     lanes_destroy(duffing.lanes);
     lanes_destroy(driven.lanes);
     lanes_destroy(drag.lanes);

@@ -32,8 +32,10 @@ for file in bin/hooke lib/libhooke.a include/hooke/hooke.h share/bash-completion
     [ -s "$there/$file" ] || missing+="$file "
 done
 shopt -s globstar
-for file in include/hooke/**/*.h; do
-    cmp -s "$file" "$there/$file" || missing+="$file "
+for layer in base result scene method run data analysis figure study; do
+    for file in include/hooke/$layer.h include/hooke/$layer/*.h; do
+        [ ! -e "$file" ] || cmp -s "$file" "$there/$file" || missing+="$file "
+    done
 done
 for file in examples/**; do
     [ -d "$file" ] || cmp -s "$file" "$there/share/hooke/$file" || missing+="$file "
@@ -44,8 +46,19 @@ closed=$(find "$there" ! -perm -o=r)
 [ -z "$closed" ]
 ok "and everyone can read it, whatever the umask" $? "$closed"
 
-# Elsewhere, with nothing of the source tree in reach, by the installed program.
+# Elsewhere, with nothing of the source tree in reach, by the installed program; the library's headers need nothing else.
 mkdir "$work/elsewhere"
+cat >"$work/elsewhere/user.c" <<'C'
+#include <hooke/hooke.h>
+#include <stdio.h>
+
+int main(void)
+{
+    return printf("%zu methods\n", method_catalog.count) < 0;
+}
+C
+said=$(cd "$work/elsewhere" && ${CC:-gcc} -std=c11 -I"$there/include" user.c -c -o user.o 2>&1)
+ok "a program compiles with the installed headers" $? "$said"
 export PATH=$there/bin:$PATH
 failed=
 for example in lab/lab tour typed/return-map typed/vanderpol; do
