@@ -46,6 +46,7 @@ struct result_row {
     /* `export FILE table` alone writes it, until there is another run */
     bool study;
     const char *type; /* what makes one */
+    bool sceneless;   /* no scene had a part in it */
 };
 
 extern const struct catalog result_catalog; /* of struct result_row */

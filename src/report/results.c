@@ -69,6 +69,9 @@ static const struct result_row rows[] = {
     FOUND("clean", "what is wrong with a recording", "data clean"),
     FOUND("adopt", "what was taken from a fit", "adopt"),
     FOUND("cursor", "what the cursors stand on", "cursor A 0"),
+    {.row = {"list", "", "what the last list had", "", NULL},
+     .type = "list methods",
+     .sceneless = true},
     FOUND("loaded", "a table read from a file", "load FILE"),
 };
 
@@ -155,7 +158,7 @@ static bool keep(void *context, struct stored_table *stored)
     struct error ignored;
     if (!row || row->table || stored->table.rows == 0)
         return false;
-    if (!stored->table.key && export_scene_keys(session, &export, &ignored))
+    if (!stored->table.key && !row->sceneless && export_scene_keys(session, &export, &ignored))
         stored->table = export.table;
     if (row->study) {
         session->studied = row->row.name;
@@ -170,9 +173,15 @@ const struct row *session_keep_results(struct session *session, struct table_sto
     const struct row *of = catalog_find(&result_catalog, text_of(command));
     for (int i = 0; i < said->count; i++) {
         const struct result_row *row = row_of(text_of(said->of[i]->kind));
+        if (!row && of && said->count == 1) /* rows of a catalog have the kind that it has */
+            said->of[i]->kind = of->name;
         if (row && (!of || !table_store_find(said, text_of(of->name))))
             of = &row->row;
     }
+    /* What was found by another statement is none of this one's. */
+    const struct result_row *row = (const struct result_row *)(const void *)of;
+    if (row && !row->table && !row->say && !table_store_find(said, text_of(of->name)))
+        of = NULL;
     table_store_take(&session->found, said, keep, session);
     return of;
 }
