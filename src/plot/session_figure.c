@@ -312,6 +312,71 @@ static double seen_period(const struct drawing *d, const struct run *run)
     return run_period(run, d->arena, &period) ? period.value : NAN;
 }
 
+/* The curves: of the runs, bands, of the recording. */
+static bool gather_curves(struct drawing *d, const struct plot_row *row)
+{
+    const struct figure_request *request = d->request;
+    const struct session *session = d->session;
+    struct error *error = d->error;
+    if (request->runs > 0 && !find_model(d))
+        return false;
+    if (request->runs > 0) {
+        const struct run *run = session->run[request->run[0]]->run;
+        const double stiffness = run->system.oscillator.stiffness; /* now in force */
+        d->period = request->at.len ? NAN : run_rhythm(run);
+        if (row->scaled && session->setup.settings.phase_axes == PHASE_SCALED && stiffness > 0)
+            d->omega0 = sqrt(stiffness);
+    }
+    const struct recording *recording = recording_of(d);
+    if (recording && drawing_needs_motion(d, recording) && !find_motion(d, recording))
+        return false;
+    drawing_window(d);
+    /* No law says how fast it goes: as it was seen to. */
+    if (row->across == ACROSS_FREQUENCY && request->runs > 0 && isnan(d->period) &&
+        !request->follow)
+        d->period = seen_period(d, session->run[request->run[0]]->run);
+    if (row->residual && !recording)
+        return error_set(error, ERROR_COMMAND, "a residual needs a recording");
+    for (int i = 0; i < request->runs && !row->residual; i++)
+        if (!(request->at.len ? drawing_event_records(d, session->run[request->run[i]])
+                              : add_run(d, session->run[request->run[i]]->run)))
+            return false;
+    if (request->band.len ? !drawing_band(d) : request->stored_band && !drawing_stored_band(d))
+        return false;
+    if (recording && !(row->residual ? drawing_residual : drawing_recording)(d, recording))
+        return false;
+    size_t points = 0;
+    for (int i = 0; i < d->curves; i++)
+        points += d->curve[i].n;
+    return points > 0 || request->follow ||
+           error_set(error, ERROR_COMMAND, "nothing was recorded in this window of time");
+}
+
+/* Both axes with their names, and what is the same on both. */
+static bool label_axes(const struct drawing *d, const struct plot_row *row,
+                       const struct variable *across, struct figure *figure)
+{
+    const struct figure_request *request = d->request;
+    const char *x_name = arena_text(d->arena, text_of(across->name));
+    if (!x_name)
+        return error_memory(d->error);
+    figure->x = figure->plane ? quantity_axis(x_name, across->quantity, size_of(d, true))
+                : row->across == ACROSS_FREQUENCY ? spectrum_axis(d)
+                                                  : quantity_axis("t", QUANTITY_TIME, d->window[1]);
+    figure->y = quantity_axis(drawing_y_label(d, 0), y_quantity(d), size_of(d, false));
+    if (!figure->y.label)
+        return error_memory(d->error);
+    if (request->columns && figure->y.unit[0] == 0)
+        figure->y.unit = chosen_unit(&d->session->run[request->run[0]]->run->system, &d->column[0]);
+    if (figure->equal) {
+        figure->y.factor = figure->x.factor;
+        figure->y.unit = figure->x.unit;
+    }
+    if (request->follow && plot_is_timed(request->kind))
+        figure->x = request->shared ? request->shared->axis : time_axis(d->window);
+    return true;
+}
+
 bool session_figure(const struct session *session, const struct figure_request *request,
                     struct arena *arena, struct figure *figure, struct error *error)
 {
@@ -330,48 +395,15 @@ bool session_figure(const struct session *session, const struct figure_request *
         return drawing_table(&d, figure);
     if (row->figure)
         return row->figure(&d, figure);
-    if (request->runs > 0 && !find_model(&d))
+    if (!gather_curves(&d, row))
         return false;
-    const bool plane = plot_is_plane(request->kind), spectrum = row->across == ACROSS_FREQUENCY;
-    if (request->runs > 0) {
-        const struct run *run = session->run[request->run[0]]->run;
-        const double stiffness = run->system.oscillator.stiffness; /* now in force */
-        d.period = request->at.len ? NAN : run_rhythm(run);
-        if (row->scaled && session->setup.settings.phase_axes == PHASE_SCALED && stiffness > 0)
-            d.omega0 = sqrt(stiffness);
-    }
-    const struct recording *recording = recording_of(&d);
-    if (recording && drawing_needs_motion(&d, recording) && !find_motion(&d, recording))
-        return false;
-    drawing_window(&d);
-    /* No law says how fast it goes: as it was seen to. */
-    if (spectrum && request->runs > 0 && isnan(d.period) && !request->follow)
-        d.period = seen_period(&d, session->run[request->run[0]]->run);
-    if (row->residual && !recording)
-        return error_set(error, ERROR_COMMAND, "a residual needs a recording");
-    for (int i = 0; i < request->runs && !row->residual; i++)
-        if (!(request->at.len ? drawing_event_records(&d, session->run[request->run[i]])
-                              : add_run(&d, session->run[request->run[i]]->run)))
-            return false;
-    if (request->band.len ? !drawing_band(&d) : request->stored_band && !drawing_stored_band(&d))
-        return false;
-    if (recording && !(row->residual ? drawing_residual : drawing_recording)(&d, recording))
-        return false;
-    size_t points = 0;
-    for (int i = 0; i < d.curves; i++)
-        points += d.curve[i].n;
-    if (points == 0 && !request->follow)
-        return error_set(error, ERROR_COMMAND, "nothing was recorded in this window of time");
-
+    const bool plane = plot_is_plane(request->kind);
     const bool values = request->columns || (d.model && d.model->order == 1 && row->coordinates);
     struct variable across = {.quantity = QUANTITY_NUMBER};
     if (plane && request->columns)
         across = chosen_variable(&session->run[request->run[0]]->run->system, &d.against);
     else if (plane)
         across = d.model->variable[0];
-    const char *x_name = arena_text(arena, text_of(across.name));
-    if (!x_name)
-        return error_memory(error);
     *figure = (struct figure){.title = values           ? "values"
                                        : is_kinetic(&d) ? "kinetic"
                                                         : row->row.name,
@@ -382,25 +414,13 @@ bool session_figure(const struct session *session, const struct figure_request *
                               .equal = (row->scaled && d.omega0 != 1) ||
                                        (row->equal && !request->columns),
                               .note = make_note(&d)};
-    figure->x = plane      ? quantity_axis(x_name, across.quantity, size_of(&d, true))
-                : spectrum ? spectrum_axis(&d)
-                           : quantity_axis("t", QUANTITY_TIME, d.window[1]);
-    figure->y = quantity_axis(drawing_y_label(&d, 0), y_quantity(&d), size_of(&d, false));
-    if (!figure->y.label)
-        return error_memory(error);
-    if (request->columns && figure->y.unit[0] == 0)
-        figure->y.unit = chosen_unit(&session->run[request->run[0]]->run->system, &d.column[0]);
-    if (figure->equal) {
-        figure->y.factor = figure->x.factor;
-        figure->y.unit = figure->x.unit;
-    }
-    if (request->follow && plot_is_timed(request->kind))
-        figure->x = request->shared ? request->shared->axis : time_axis(d.window);
+    if (!label_axes(&d, row, &across, figure))
+        return false;
     if (!row->residual && !row->run_curve && !request->at.len)
         mark_present(&d, figure);
-    const enum quantity quantities[2] = {plane      ? across.quantity
-                                         : spectrum ? QUANTITY_FREQUENCY
-                                                    : QUANTITY_TIME,
+    const enum quantity quantities[2] = {plane                             ? across.quantity
+                                         : row->across == ACROSS_FREQUENCY ? QUANTITY_FREQUENCY
+                                                                           : QUANTITY_TIME,
                                          y_quantity(&d)};
     return drawing_scales(&d, figure, quantities);
 }
