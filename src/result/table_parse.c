@@ -156,7 +156,7 @@ static bool read_separated(struct table_reading *r, struct table *table)
     size_t cells = 0;
     if (!read_keys(r, table))
         return false;
-    const char *line = memchr(r->rest.at, '\n', r->rest.len);
+    const char *line = r->rest.len ? memchr(r->rest.at, '\n', r->rest.len) : NULL;
     const char separator =
         line && memchr(r->rest.at, '\t', (size_t)(line - r->rest.at)) ? '\t' : ',';
     for (bool last = false; !last; table->columns++) {

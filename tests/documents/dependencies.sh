@@ -32,7 +32,7 @@ END
 printf '#!/bin/sh\ncase "$*" in --version) echo "gcc (another) 99.1" ;; *) exec gcc "$@" ;; esac\n' >"$work/bin/newer-gcc"
 chmod +x "$work"/bin/*
 export ANSWERS=$work PATH=$work/bin:$PATH
-unset MAKEFLAGS MAKEOVERRIDES MFLAGS
+unset MAKEFLAGS MAKEOVERRIDES MFLAGS TOP CONFIG OPTIONAL WERROR CC CFLAGS_EXTRA
 cd "$work/tree" || exit 2
 
 # What would be built, by name; from then on it is taken for built.

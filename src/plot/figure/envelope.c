@@ -9,6 +9,7 @@
 
 #define ENVELOPE_MAX 120
 #define ENVELOPE_MIN 3
+#define ENVELOPE_SAMPLES 8
 
 /* Windows of two periods, or more where there are many; fewer and longer ones where a gap leaves
  * one empty. */
@@ -17,6 +18,9 @@ bool drawing_data_envelope(struct drawing *d, const struct series *series, struc
     struct overview overview;
     struct reading reading[ENVELOPE_MAX];
     double at[ENVELOPE_MAX];
+    curve->n = 0;
+    if (series->n < ENVELOPE_SAMPLES) /* a window of time in which there is next to nothing */
+        return true;
     series_overview(series, d->arena, &overview);
     int count =
         overview.oscillates ? (int)fmin(fmax(overview.periods / 2, ENVELOPE_MIN), ENVELOPE_MAX) : 1;

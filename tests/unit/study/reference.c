@@ -213,10 +213,11 @@ static void test_too_much_to_do(void **state)
     struct system system;
     struct reference reference;
     struct error error = {0};
-    struct typed_models *models = typed_create(&error);
+    struct typed_models *models;
     const char *lines[] = {"var x = 0", "x' = sin(1e4*t) + 1e6*exp(-((t - 5.123)/1e-6)^2)", NULL};
     if (!is_long()) /* some seconds */
         skip();
+    models = typed_create(&error);
     scene_init(&scene, NULL);
     assert_true(type_scene(models, &scene, lines));
     assert_true(scene_bind(&scene, &system, &error));
