@@ -29,6 +29,20 @@ static bool unescape(struct parser *parser, struct text inside, struct text *out
     return true;
 }
 
+/* A copy without the backslashes that stand before blanks. */
+static bool join(struct parser *parser, struct text word, struct text *out, struct error *error)
+{
+    char *copy = arena_alloc(parser->arena, word.len + 1);
+    if (!copy)
+        return error_memory(error);
+    size_t n = 0;
+    for (size_t i = 0; i < word.len; i++)
+        if (word.at[i] != '\\' || i + 1 == word.len || word.at[i + 1] != ' ')
+            copy[n++] = word.at[i];
+    *out = (struct text){copy, n};
+    return true;
+}
+
 bool parse_word(struct parser *parser, const char *stops, struct item *item, struct error *error)
 {
     struct text *rest = &parser->rest;
@@ -47,7 +61,14 @@ bool parse_word(struct parser *parser, const char *stops, struct item *item, str
         *rest = (struct text){rest->at + used, rest->len - used};
         return true;
     }
-    item->text = peek_word(*rest, stops);
-    *rest = (struct text){rest->at + item->text.len, rest->len - item->text.len};
-    return true;
+    size_t used = peek_word(*rest, stops).len, blanks = 0;
+    /* As in a shell: a backslash takes the blank behind it into the word. */
+    while (used > 0 && used < rest->len && rest->at[used - 1] == '\\' && rest->at[used] == ' ') {
+        const struct text behind = {rest->at + used + 1, rest->len - used - 1};
+        used += 1 + peek_word(behind, stops).len;
+        blanks++;
+    }
+    item->text = (struct text){rest->at, used};
+    *rest = (struct text){rest->at + used, rest->len - used};
+    return blanks == 0 || join(parser, item->text, &item->text, error);
 }

@@ -80,8 +80,11 @@ HANDLER(save)
     struct buffer shown = {0};
     safe_text(&shown, file->text, false);
     if (ok)
-        reply_line(reply, "set-up saved in %s ('source %s' brings it back)", buffer_view(&shown),
-                   buffer_view(&shown));
+        reply_line(reply,
+                   memchr(file->text.at, ' ', file->text.len)
+                       ? "set-up saved in %s (source \"%s\" brings it back)"
+                       : "set-up saved in %s ('source %s' brings it back)",
+                   buffer_view(&shown), buffer_view(&shown));
     buffer_free(&shown);
     return ok;
 }
