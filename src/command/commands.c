@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* All commands in one table: the rows at the bottom of every cmd_*.c. */
+/* All commands in one table: the rows at the bottom of every file in commands.def. */
 #define COMMAND_ROWS
 #define COMMAND(id, ...) bool command_##id(HANDLER_PARAMETERS);
 #include <hooke/plot.h>

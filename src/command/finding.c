@@ -6,6 +6,7 @@
 #include <hooke/plot.h>
 
 #include <string.h>
+#include <strings.h>
 
 /* ---- words that are no names here ---- */
 
@@ -125,20 +126,11 @@ static bool put_uses(struct text name, const char *kind, bool guessed, struct bu
     return count > 0;
 }
 
-static char lower(char c)
-{
-    return c >= 'A' && c <= 'Z' ? (char)(c - 'A' + 'a') : c;
-}
-
 bool mentions(const char *where, struct text word)
 {
-    for (const char *at = where; at && *at; at++) {
-        size_t i = 0;
-        while (i < word.len && at[i] && lower(at[i]) == lower(word.at[i]))
-            i++;
-        if (i == word.len)
+    for (const char *at = where; at && *at; at++)
+        if (strncasecmp(at, word.at, word.len) == 0)
             return true;
-    }
     return false;
 }
 

@@ -9,7 +9,7 @@
 
 /* ---- how a command is written ----
  *
- * A file cmd_*.c holds, inside `#ifndef COMMAND_ROWS`, functions that begin with HANDLER(name), and
+ * A file holds, inside `#ifndef COMMAND_ROWS`, functions that begin with HANDLER(name), and
  * below it their rows, COMMAND(name, …). commands.c includes all of them again through commands.def
  * to collect the rows.
  */
@@ -47,7 +47,7 @@
 #define COMMAND(...)
 #endif
 
-/* The argument VALUE of a statement NAME = VALUE, to be read with read_value() (cmd_scene.c). */
+/* The argument VALUE of a statement NAME = VALUE, to be read with read_value() (scene/scene.c). */
 struct parser value_parser(struct session *session, const struct arguments *args);
 bool read_value(struct parser *parser, const char *what, enum quantity quantity, struct item *item,
                 struct error *error);

@@ -82,6 +82,14 @@ int log_rows(struct text line, int width)
     return rows;
 }
 
+int log_rows_newest(const struct log *log, int lines, int width)
+{
+    int rows = 0;
+    for (int i = 0; i < lines && i < log->count; i++)
+        rows += log_rows(text_of(log_line(log, i)), width);
+    return rows;
+}
+
 void log_clear(struct log *log)
 {
     for (int i = 0; i < log->count; i++)

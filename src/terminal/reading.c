@@ -8,10 +8,7 @@
 void reading_prompt(const struct session *session, struct text notice, struct buffer *text)
 {
     const int width = session->front.width;
-    int rows = 0;
-    for (int i = 0; i < session->log.count; i++) {
-        rows += log_rows(text_of(log_line(&session->log, i)), width);
-    }
+    const int rows = log_rows_newest(&session->log, session->log.count, width);
     const int left = session->view.scroll;
     if (notice.len > 0) {
         buffer_put(text, notice);
@@ -31,10 +28,7 @@ void reading_command(const struct panes *panes, uint64_t said_before, struct buf
     const uint64_t said = session->log.said - said_before;
     const int lines = said < (uint64_t)session->log.count ? (int)said : session->log.count;
     const int height = session->front.height, width = session->front.width;
-    int rows = 0;
-    for (int i = 0; i < lines; i++) {
-        rows += log_rows(text_of(log_line(&session->log, i)), width);
-    }
+    const int rows = log_rows_newest(&session->log, lines, width);
     if (rows <= screen_log_rows(session, width, height) || rows < READING_ROWS ||
         height < READING_ROWS || panes->running || keys_on_plot() || input_pending(&panes->input) ||
         panes_over(panes)) {

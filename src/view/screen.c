@@ -59,9 +59,7 @@ int screen_log_rows(const struct session *session, int width, int height)
 
 int screen_log_max(const struct session *session, int width, int height)
 {
-    int rows = 0;
-    for (int i = 0; i < session->log.count; i++)
-        rows += log_rows(text_of(log_line(&session->log, i)), width);
+    const int rows = log_rows_newest(&session->log, session->log.count, width);
     /* The table of the cursors gives way once the log is scrolled. */
     return larger(rows - screen_log_rows(session, width, height), session->view.cursors.shown);
 }

@@ -96,6 +96,7 @@ const char *log_line(const struct log *log, int i); /* i = 0: the newest */
  */
 struct text log_row(struct text line, size_t *from, int width, int *indent);
 int log_rows(struct text line, int width); /* how many the line takes: 1 at least */
+int log_rows_newest(const struct log *log, int lines, int width); /* of so many newest lines */
 void log_clear(struct log *log);
 
 #endif

@@ -37,11 +37,8 @@ void complete_set(struct completion *c, struct text name, struct text before)
 
 void complete_topics(struct completion *c)
 {
-    static const struct catalog *const topics[] = {
-        &command_catalog, &setting_catalog, &method_catalog, &observable_catalog,
-        &preset_catalog,  &unit_catalog,    &guide_catalog};
-    for (size_t i = 0; i < COUNT_OF(topics); i++)
-        complete_catalog(c, topics[i]);
+    for (int i = 0; help_catalog(i); i++)
+        complete_catalog(c, help_catalog(i));
     for (const struct model *const *model = scene_models; *model; model++) {
         const struct catalog *const own[] = {(*model)->params, (*model)->derived};
         for (size_t i = 0; i < COUNT_OF(own); i++)

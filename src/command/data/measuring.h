@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A measurement while it is made: what cmd_measure.c and the larger quantities share. */
+/* A measurement while it is made: what measure.c and the larger quantities share. */
 #ifndef HOOKE_COMMAND_DATA_MEASURING_H
 #define HOOKE_COMMAND_DATA_MEASURING_H
 
@@ -35,7 +35,7 @@ bool measure_spring(struct measuring *m);
 /* A quantity of several recordings, or of windows of one: mean, scatter, what to quote. */
 bool measure_repeat(struct measuring *m);
 
-/* The lines of spectra in words and as records (cmd_plot.c); with names where there are several
+/* The lines of spectra in words and as records (plot.c); with names where there are several
  * curves. */
 void spectrum_report(const struct figure_peaks *peaks, int curves, struct reply *reply);
 

@@ -15,20 +15,11 @@ static int width_of(const struct session *session)
     return session->front.width ? session->front.width : WIDTH;
 }
 
-/* [row] of the newest `lines` lines. */
-static int rows_of(const struct session *session, int lines)
-{
-    int rows = 0;
-    for (int i = 0; i < lines; i++)
-        rows += log_rows(text_of(log_line(&session->log, i)), width_of(session));
-    return rows;
-}
-
 /* Line i, counted from the newest, comes to the top of the page. */
 static void show_line(struct session *session, int i)
 {
     const int height = session->front.height ? session->front.height : HEIGHT,
-              scroll = rows_of(session, i + 1) - (height - 1);
+              scroll = log_rows_newest(&session->log, i + 1, width_of(session)) - (height - 1);
     session->view.scroll = scroll > 0 ? scroll : 0;
     session->view.found = i;
 }
@@ -75,7 +66,7 @@ HANDLER(scroll)
             show_line(session, lines - 1);
         return true;
     }
-    int max = rows_of(session, session->log.count);
+    int max = log_rows_newest(&session->log, session->log.count, width_of(session));
     max -= max > 0;
     double scroll = has_argument(args, "home") ? max : has_argument(args, "end") ? 0 : view->scroll;
     if (rows->count)

@@ -267,6 +267,11 @@ static const struct topic {
     {&word_catalog, NULL},
 };
 
+const struct catalog *help_catalog(int i)
+{
+    return i >= 0 && i < (int)COUNT_OF(topics) ? topics[i].catalog : NULL;
+}
+
 static void help_topic(const struct topic *topic, const struct row *row, struct buffer *text)
 {
     buffer_put(text, text->len ? TEXT("\n\n") : TEXT(""));

@@ -13,4 +13,7 @@ struct guide_topic {
 
 extern const struct catalog guide_catalog; /* struct guide_topic */
 
+/* The catalogs that `help` explains rows of, one after the other; NULL: there are no more. */
+const struct catalog *help_catalog(int i);
+
 #endif

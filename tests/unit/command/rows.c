@@ -10,6 +10,9 @@
 #include "unit/command/testing.h"
 
 #include <hooke/plot.h>
+
+#include "command/finding.h"
+#include "command/session/topics.h"
 #include <hooke/report.h>
 #include <hooke/scene/formula.h>
 #include <hooke/study/sweep.h>
@@ -114,19 +117,14 @@ static const struct {
     const struct catalog *catalog;
     const char *before;
 } places[] = {
-    {&command_catalog, ""},
-    {&setting_catalog, "set "},
-    {&method_catalog, "method "},
-    {&method_catalog, "compare "},
-    {&preset_catalog, "scene "},
-    {&plot_catalog, "plot "},
-    {&plot_catalog, "focus "},
-    {&layout_catalog, "layout "},
-    {&param_catalog, "set "},
-    {&fit_catalog, "fit "},
-    {&quantity_catalog, "measure "},
-    {&snap_catalog, "cursor snap "},
-    {&result_catalog, "export x.csv table of "},
+    {&command_catalog, ""},          {&setting_catalog, "set "},
+    {&method_catalog, "method "},    {&method_catalog, "compare "},
+    {&preset_catalog, "scene "},     {&plot_catalog, "plot "},
+    {&plot_catalog, "focus "},       {&layout_catalog, "layout "},
+    {&param_catalog, "set "},        {&plot_catalog, "help "},
+    {&guide_catalog, "help "},       {&word_catalog, "help "},
+    {&fit_catalog, "fit "},          {&quantity_catalog, "measure "},
+    {&snap_catalog, "cursor snap "}, {&result_catalog, "export x.csv table of "},
 };
 
 static void every_name_is_completed(void **state)
