@@ -57,7 +57,7 @@ if command -v xmllint >/dev/null; then
     xmllint --noout ./*.svg 2>err.txt
     ok "the SVGs are XML" $? "$(head -n 5 err.txt)"
 else
-    n=$((n + 1)); echo "ok $n - the SVGs are XML # SKIP no xmllint"
+    n=$((n + 1)); echo "ok $n - the SVGs are XML # SKIP xmllint is not installed"
 fi
 if command -v pdftotext >/dev/null; then
     said=$(pdftotext -layout position.pdf -)
@@ -68,7 +68,7 @@ if command -v pdftotext >/dev/null; then
     [ -z "$missing" ]
     ok "the PDF says title, names, units and ticks" $? "missing:$missing"
 else
-    n=$((n + 1)); echo "ok $n - the PDF says title, names, units and ticks # SKIP no pdftotext"
+    n=$((n + 1)); echo "ok $n - the PDF says title, names, units and ticks # SKIP pdftotext is not installed"
 fi
 
 mkdir again
@@ -104,7 +104,7 @@ if command -v readelf >/dev/null; then
     ! readelf -d "$hooke" | grep -q 'NEEDED.*cairo'
     ok "the program is not linked with cairo" $?
 else
-    n=$((n + 1)); echo "ok $n - the program is not linked with cairo # SKIP no readelf"
+    n=$((n + 1)); echo "ok $n - the program is not linked with cairo # SKIP readelf is not installed"
 fi
 
 echo "1..$n"

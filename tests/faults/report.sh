@@ -55,7 +55,7 @@ if command -v xmllint >/dev/null; then
         ok "the pictures are XML" $? "$(head -n 3 err.txt)"
     fi
 else
-    n=$((n + 1)); echo "ok $n - the HTML is well formed # SKIP no xmllint"
+    n=$((n + 1)); echo "ok $n - the HTML is well formed # SKIP xmllint is not installed"
 fi
 missing=
 for file in $(grep -o '\(href\|src\)="[^"]*"' expected/report.html | sed 's/.*="//; s/"//'); do

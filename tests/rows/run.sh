@@ -24,6 +24,20 @@ skip() { echo "1..0 # SKIP $1"; echo "ok 1 - rows # SKIP $1"; exit 0; }
 command -v patch >/dev/null || skip "patch is not installed"
 [ -d "build/$config/base" ] || skip "there are no objects in build/$config"
 
+# The program that is tested says which build it is; what make was told about it stays with that make.
+unset MAKEFLAGS MAKEOVERRIDES MFLAGS MAKELEVEL TOP OPTIONAL WERROR CFLAGS_EXTRA
+building=(CONFIG="$config" WERROR=1)
+programs=build/$config
+program=build/hooke
+[ "$config" = release ] || program=build/$config/hooke
+case ${HOOKE:-} in
+    build/plain*)
+        building+=(OPTIONAL=no)
+        programs=$(dirname "$HOOKE")
+        program=$HOOKE
+        ;;
+esac
+
 folder=$(mktemp -d) || exit 2
 trap 'rm -rf "$folder"' EXIT
 mkdir "$folder/bin" "$folder/work"
@@ -33,23 +47,20 @@ chmod +x "$folder/bin/cc"
 # The sources, and the objects as they are, with their times: only what a row touches is built again.
 copy_tree() {
     rm -rf "$folder/tree"
-    mkdir -p "$folder/tree/build/$config"
     cp -a Makefile src include scripts tests examples "$folder/tree"
-    for part in "build/$config"/*; do
+    for part in $(printf '%s\n' "build/$config"/* "$programs"/* | sort -u); do
+        mkdir -p "$folder/tree/$(dirname "$part")"
         case $part in
-            */tests) [ -n "${LONG:-}" ] && cp -a "$part" "$folder/tree/build/$config" ;;
+            */tests) [ -n "${LONG:-}" ] && cp -a "$part" "$folder/tree/$part" ;;
             */pages | */hooke | *.a) ;;
-            *) cp -a "$part" "$folder/tree/build/$config" ;;
+            *) cp -a "$part" "$folder/tree/$part" ;;
         esac
     done
 }
-program=build/hooke
-[ "$config" = release ] || program=build/$config/hooke
 
 head_of() { sed -n "s/^$2: //p" "$here/$1.patch"; } # patch key
 build() { # goals...
-    (cd "$folder/tree" && env -u MAKEFLAGS -u MFLAGS -u MAKELEVEL make -j2 CC="$folder/bin/cc" \
-        CONFIG="$config" WERROR=1 "$@" 2>&1) >"$folder/log"
+    (cd "$folder/tree" && make -j2 CC="$folder/bin/cc" "${building[@]}" "$@" 2>&1) >"$folder/log"
 }
 say() { # program say|json commands: what it says, and its status
     (cd "$folder/work" && timeout 60 "$1" $([ "$2" = json ] && echo --format json) -c "$3" 2>&1)
@@ -101,16 +112,16 @@ for file in "$here"/*.patch; do
     [[ " $kinds " == *" $(basename "$file" .patch) "* ]]
     ok "$(basename "$file") is known" $?
 done
-build "$program" "build/$config/tests/unit/command/rows"
+build "$program" "$programs/tests/unit/command/rows"
 ok "all rows are built together" $? "$(grep -E 'error|warning|\*\*\*' "$folder/log" || tail -5 "$folder/log")"
 if [ "$bad" -eq 0 ]; then
     for patch in $kinds; do asked "$patch"; done
-    said=$(CMOCKA_MESSAGE_OUTPUT=TAP "$folder/tree/build/$config/tests/unit/command/rows" 2>&1)
+    said=$(CMOCKA_MESSAGE_OUTPUT=TAP "$folder/tree/$programs/tests/unit/command/rows" 2>&1)
     ok "each name has one meaning, is explained and completed" $? "$said"
     for patch in ${LONG:+$kinds}; do
         copy_tree
         patch -p1 -s -N -d "$folder/tree" <"$here/$patch.patch"
-        tests=$(head_of "$patch" test | sed "s|[^ ]*|build/$config/tests/&|g")
+        tests=$(head_of "$patch" test | sed "s|[^ ]*|$programs/tests/&|g")
         build "$program" $tests
         ok "$patch is built alone" $? "$(tail -5 "$folder/log")"
         for test in $tests; do
