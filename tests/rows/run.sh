@@ -47,6 +47,7 @@ chmod +x "$folder/bin/cc"
 # The sources, and the objects as they are, with their times: only what a row touches is built again.
 copy_tree() {
     rm -rf "$folder/tree"
+    mkdir "$folder/tree"
     cp -a Makefile src include scripts tests examples "$folder/tree"
     for part in $(printf '%s\n' "build/$config"/* "$programs"/* | sort -u); do
         mkdir -p "$folder/tree/$(dirname "$part")"
