@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Pictures as files: their catalog, and the way to cairo. */
 #include "figure/cairo_api.h"
+#include "figure/surface.h"
+
+#include <math.h>
 
 static const struct row picture_rows[] = {
     [PICTURE_SVG] = {"svg", "", "a picture for the web and for documents", "", NULL},
@@ -30,8 +33,7 @@ bool cairo_load(struct cairo_api *api, const char *library, struct error *error)
                          library, missing);
     error_set(error, ERROR_COMMAND, "pictures are drawn by cairo, but %s cannot be loaded",
               library);
-    return error_hint(error,
-                      "install libcairo2, or write a text figure into a file that ends in .txt");
+    return error_hint(error, "install libcairo2, or write a picture into a file that ends in .svg");
 }
 
 void cairo_unload(struct cairo_api *api)
@@ -39,26 +41,54 @@ void cairo_unload(struct cairo_api *api)
     library_unload(&api->library);
 }
 
-bool figure_picture(const struct figure *figure, enum picture kind, double width, double height,
-                    struct buffer *out, struct error *error)
+static bool through_cairo(const struct figure *figure, enum picture kind, double width,
+                          double height, struct buffer *out, struct error *error)
 {
     struct cairo_api api;
     if (!cairo_load(&api, LIBRARY, error))
         return false;
-    bool done = picture_with(&api, figure, kind, width, height, out, error);
+    bool done = cairo_picture(&api, figure, kind, width, height, out, error);
     cairo_unload(&api);
     return done;
 }
 #else
-bool figure_picture(const struct figure *figure, enum picture kind, double width, double height,
-                    struct buffer *out, struct error *error)
+static bool through_cairo(const struct figure *figure, enum picture kind, double width,
+                          double height, struct buffer *out, struct error *error)
 {
     (void)figure, (void)width, (void)height, (void)out;
     error_set(error, ERROR_COMMAND, "this hooke was built without cairo, which draws %s files",
               picture_rows[kind].name);
     return error_hint(
-        error,
-        "install libcairo2-dev and build it again, or write a text figure into a file that ends "
-        "in .txt");
+        error, "install libcairo2-dev and build it again, or write a picture into a file that ends "
+               "in .svg");
 }
 #endif
+
+static bool as_svg(const struct figure *figure, double width, double height, struct buffer *out,
+                   struct error *error)
+{
+    struct svg_surface svg;
+    svg_begin(&svg, width, height, picture_style(width, height).font, figure->title, out);
+    const bool drawn = picture_draw(&svg.surface, figure, width, height);
+    svg_end(&svg);
+    const bool failed = !drawn || svg.surface.failed;
+    surface_free(&svg.surface);
+    return !failed || error_memory(error);
+}
+
+#define LENGTH_MIN 60 /* [pt] of a page */
+#define LENGTH_MAX 5000
+
+static double page_length(double wanted, double usual)
+{
+    return !(wanted > 0) ? usual : fmin(fmax(wanted, LENGTH_MIN), LENGTH_MAX);
+}
+
+bool figure_picture(const struct figure *figure, enum picture kind, double width, double height,
+                    struct buffer *out, struct error *error)
+{
+    width = page_length(width, PICTURE_WIDTH);
+    height = page_length(height, PICTURE_HEIGHT);
+    return kind == PICTURE_SVG ? as_svg(figure, width, height, out, error)
+                               : through_cairo(figure, kind, width, height, out, error);
+}

@@ -14,11 +14,9 @@
 
 #ifdef HAVE_CAIRO
 #include <cairo-pdf.h>
-#include <cairo-svg.h>
 #include <cairo.h>
 
 #define CAIRO_FUNCTIONS(X)                                                                         \
-    X(svg_surface_create_for_stream)                                                               \
     X(pdf_surface_create_for_stream)                                                               \
     X(pdf_surface_set_metadata)                                                                    \
     X(image_surface_create)                                                                        \
@@ -42,8 +40,6 @@
     X(new_path)                                                                                    \
     X(new_sub_path)                                                                                \
     X(close_path)                                                                                  \
-    X(copy_path)                                                                                   \
-    X(path_destroy)                                                                                \
     X(set_source_rgb)                                                                              \
     X(set_source_rgba)                                                                             \
     X(set_line_width)                                                                              \
@@ -51,7 +47,6 @@
     X(set_line_join)                                                                               \
     X(set_dash)                                                                                    \
     X(stroke)                                                                                      \
-    X(fill)                                                                                        \
     X(fill_preserve)                                                                               \
     X(paint)                                                                                       \
     X(select_font_face)                                                                            \
@@ -70,9 +65,9 @@ struct cairo_api {
 bool cairo_load(struct cairo_api *api, const char *library, struct error *error);
 void cairo_unload(struct cairo_api *api);
 
-/* figure_picture with a table that is there. */
-bool picture_with(const struct cairo_api *api, const struct figure *figure, enum picture kind,
-                  double width, double height, struct buffer *out, struct error *error);
+/* PDF or PNG; a table that is there. */
+bool cairo_picture(const struct cairo_api *api, const struct figure *figure, enum picture kind,
+                   double width, double height, struct buffer *out, struct error *error);
 #endif
 
 #endif

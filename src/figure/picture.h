@@ -4,25 +4,21 @@
 #ifndef HOOKE_FIGURE_PICTURE_H
 #define HOOKE_FIGURE_PICTURE_H
 
-#include "figure/cairo_api.h"
 #include "figure/internal.h"
-
-#ifdef HAVE_CAIRO
-#define FONT_SIZE 10 /* [pt] */
+#include "figure/surface.h"
 
 struct page {
-    const struct cairo_api *api;
-    cairo_t *cairo;
+    struct surface *surface;
+    struct picture_style style;
     const struct figure *figure;
-    struct figure_layout layout; /* its columns and rows are cells of CELL_WIDTH x CELL_HEIGHT */
+    struct figure_layout layout; /* its columns and rows are cells of style.digit x style.row */
     double width, height;        /* of the page */
     double from_x, from_y, to_x, to_y; /* of the page: this panel, with its labels */
     bool x_labels;                     /* below the plot */
     double gutter; /* least width of the y labels: panels over each other are aligned */
     double left, top, right, bottom; /* of the plot */
-    uint8_t *ink;       /* scratch: which grains of the plot a curve has passed through */
-    int grains;         /* along a point: GRAINS, or a half or a quarter of it */
-    struct buffer text; /* scratch */
+    uint8_t *ink; /* scratch: which grains of the plot a curve has passed through */
+    int grains;   /* along a point: GRAINS, or a half or a quarter of it */
 };
 
 #define GRAINS 4
@@ -32,7 +28,7 @@ size_t page_ink_size(const struct page *page, int grains);
 void page_ink_clear(struct page *page, int grains);
 /* Whether a line in the plot passes where there was no ink; then there is. */
 bool page_ink_line(const struct page *page, double x0, double y0, double x1, double y1);
-/* Makes the path of a curve the current one; NAN is a gap. */
+/* Makes the path of a curve that of the surface; NAN is a gap. */
 void page_path(struct page *page, const struct curve *curve);
 
 static inline double page_x(const struct page *page, double x)
@@ -45,10 +41,24 @@ static inline double page_y(const struct page *page, double y)
     return page->bottom - fraction_of(&page->layout.y, y) * (page->bottom - page->top);
 }
 
-/* At (x, y): the baseline, `align` of the width (0: starts there, 1: ends there). Returns the
+/* Text of the usual size whose middle is at height y; `align` as of surface_text. Returns the
  * width. */
-double page_text(struct page *page, double x, double y, double align, const char *text);
-double page_text_width(struct page *page, const char *text);
+static inline double page_text(const struct page *page, double x, double y, double align,
+                               const double *color, const char *text)
+{
+    const double size = page->style.font; /* half of a digit's height above the baseline */
+    return surface_put_text(page->surface, &(struct surface_text){.x = x,
+                                                                  .y = y + 0.36 * size,
+                                                                  .align = align,
+                                                                  .size = size,
+                                                                  .color = color,
+                                                                  .text = text});
+}
+
+static inline double page_text_width(const struct page *page, const char *text)
+{
+    return surface_text_width(page->surface, page->style.font, text);
+}
 
 void page_curves(struct page *page);
 /* What stands for a curve in the legend, its middle at height y. Returns its width; only that
@@ -56,6 +66,4 @@ void page_curves(struct page *page);
 double page_sample(struct page *page, int curve, double x, double y, bool draw);
 /* Likewise for the band of a curve. */
 double page_band_sample(struct page *page, int curve, double x, double y, bool draw);
-#endif
-
 #endif

@@ -3,26 +3,9 @@
  * leaves. */
 #include "figure/picture.h"
 
-#ifdef HAVE_CAIRO
-#include <string.h>
-
-/* [pt] of dense data; one for each such square, or for a larger one if there are more than DOTS */
-#define DOT 2.0
-#define DOTS 20000
+#define DOTS 20000 /* of dense data: more of them are drawn as larger squares */
 #define SPARSE 150 /* points that still get a shape */
 #define MARKS 9    /* along a line */
-#define RADIUS 2.6 /* [pt] of a mark */
-#define LINE_WIDTH 1.2
-
-/* Okabe and Ito, Color Universal Design (2008); without the yellow, which paper swallows. */
-static const double colors[][3] = {
-    {0, 0.447, 0.698}, {0.835, 0.369, 0},     {0, 0.62, 0.451}, {0.8, 0.475, 0.655},
-    {0.902, 0.624, 0}, {0.337, 0.706, 0.914}, {0, 0, 0}};
-/* [pt] ink and gaps between round ends. */
-static const struct {
-    double length[6];
-    int n;
-} dashes[] = {{{0}, 0}, {{6, 4}, 2}, {{0, 3.4}, 2}, {{7, 3.5, 0, 3.5}, 4}, {{3, 4}, 2}};
 
 /* Corners on the unit circle; the circle itself has none. */
 static const struct {
@@ -51,17 +34,18 @@ static int line_count(const struct figure *figure)
     return lines;
 }
 
-static void choose_color(const struct page *page, int curve)
+static const double *color_of(int curve)
 {
-    const double *color = colors[(size_t)curve % COUNT_OF(colors)];
-    page->api->set_source_rgb(page->cairo, color[0], color[1], color[2]);
+    return style_palette[(size_t)curve % style_palette_count];
 }
 
-static void choose_line(const struct page *page, int curve, double width)
+static struct brush line_ink(const struct page *page, int curve, double width)
 {
-    size_t dash = kind_of(page->figure, curve) % COUNT_OF(dashes);
-    page->api->set_line_width(page->cairo, width);
-    page->api->set_dash(page->cairo, dashes[dash].length, dashes[dash].n, 0);
+    const size_t dashes = kind_of(page->figure, curve) % style_dashes_count;
+    return (struct brush){.color = color_of(curve),
+                          .width = width,
+                          .dashes = &style_dashes[dashes],
+                          .dash = page->style.dash};
 }
 
 /* A letter is the curve's name on the sheet; every other mark is a shape, which can be told apart
@@ -75,93 +59,100 @@ static bool has_letter(const struct curve *curve)
 
 static void add_shape(const struct page *page, size_t shape, double x, double y)
 {
-    const struct cairo_api *api = page->api;
+    const double radius = page->style.mark;
     int corners = shapes[shape % COUNT_OF(shapes)].corners;
     const double(*corner)[2] = shapes[shape % COUNT_OF(shapes)].corner;
 
-    api->new_sub_path(page->cairo);
     if (!corners)
-        api->arc(page->cairo, x, y, RADIUS, 0, 6.283185307179586);
+        surface_circle(page->surface, x, y, radius);
     for (int i = 0; i < corners; i++)
-        api->line_to(page->cairo, x + RADIUS * corner[i][0], y + RADIUS * corner[i][1]);
-    api->close_path(page->cairo);
+        (i ? surface_line : surface_move)(page->surface, x + radius * corner[i][0],
+                                          y + radius * corner[i][1]);
+    if (corners)
+        surface_close(page->surface);
 }
 
-/* Paints the marks that were added: those of a line are full, so that dashes do not show in them.
- */
-static void end_points(const struct page *page, const struct curve *curve, bool dense)
+/* Paints the marks that were added: those of a line are full. */
+static void paint_points(const struct page *page, int index, bool dense)
 {
-    page->api->set_dash(page->cairo, NULL, 0, 0);
-    page->api->set_line_width(page->cairo, !dense                     ? 0.9
-                                           : line_count(page->figure) ? 1.7 * DOT
-                                                                      : 1.1 * DOT);
-    if (!curve->points)
-        page->api->fill_preserve(page->cairo);
-    page->api->stroke(page->cairo);
+    const struct picture_style *style = &page->style;
+    const double dot = line_count(page->figure) ? 1.7 * style->dot : 1.1 * style->dot;
+    surface_paint(page->surface, &(struct brush){.color = color_of(index),
+                                                 .width = dense ? dot : style->mark_line,
+                                                 .fill = !page->figure->curve[index].points});
 }
 
 /* ---- lines ---- */
 
-/* Marks at equal distances along the path, each curve's between those of the others; only its
- * length if `every` is 0.
- */
-static double follow_path(const struct page *page, const cairo_path_t *path, int curve,
-                          double every)
-{
-    double length = 0, x = 0, y = 0;
-    double next = every * (0.5 + (double)kind_of(page->figure, curve) / page->figure->curves);
+struct spot {
+    double x, y;
+};
 
-    for (int i = 0; i < path->num_data; i += path->data[i].header.length) {
-        const cairo_path_data_t *to = &path->data[i + 1];
-        double distance = hypot(to->point.x - x, to->point.y - y);
-        if (path->data[i].header.type == CAIRO_PATH_LINE_TO) {
-            for (; every > 0 && next <= length + distance; next += every) {
-                double part = (next - length) / distance, at_x = x + part * (to->point.x - x),
-                       at_y = y + part * (to->point.y - y);
-                if (at_x >= page->left && at_x <= page->right && at_y >= page->top &&
-                    at_y <= page->bottom)
-                    add_shape(page, kind_of(page->figure, curve), at_x, at_y);
-            }
-            length += distance;
+/* Places in the plot at equal distances along the path, each curve's between those of the others;
+ * returns how many. */
+static int places_along(const struct page *page, int curve, double every, struct spot *place,
+                        int max)
+{
+    const struct path_point *path = page->surface->path;
+    double length = 0,
+           next = every * (0.5 + (double)kind_of(page->figure, curve) / page->figure->curves);
+    int n = 0;
+    for (size_t i = 1; i < page->surface->points; i++) {
+        const double dx = path[i].x - path[i - 1].x, dy = path[i].y - path[i - 1].y,
+                     distance = hypot(dx, dy);
+        if (path[i].kind != PATH_LINE)
+            continue;
+        for (; n < max && next <= length + distance; next += every) {
+            const double part = (next - length) / distance, x = path[i - 1].x + part * dx,
+                         y = path[i - 1].y + part * dy;
+            if (x >= page->left && x <= page->right && y >= page->top && y <= page->bottom)
+                place[n++] = (struct spot){x, y};
         }
-        x = to->point.x;
-        y = to->point.y;
+        length += distance;
     }
+    return n;
+}
+
+static double path_length(const struct surface *surface)
+{
+    double length = 0;
+    for (size_t i = 1; i < surface->points; i++)
+        if (surface->path[i].kind == PATH_LINE)
+            length += hypot(surface->path[i].x - surface->path[i - 1].x,
+                            surface->path[i].y - surface->path[i - 1].y);
     return length;
 }
 
 static void draw_line(struct page *page, int curve, bool marked)
 {
-    const struct cairo_api *api = page->api;
-
-    double width = page->right - page->left;
-    api->save(page->cairo);
-    api->rectangle(page->cairo, page->left, page->top, width, page->bottom - page->top);
-    api->clip(page->cairo);
+    struct spot place[MARKS + 1];
+    const double width = page->right - page->left;
     page_path(page, &page->figure->curve[curve]);
-    cairo_path_t *path = api->copy_path(page->cairo);
-    double length = follow_path(page, path, curve, 0);
+    const double length = path_length(page->surface);
+    const int marks = marked && length > 0
+                          ? places_along(page, curve, fmax(length / MARKS, page->style.mark_apart),
+                                         place, MARKS + 1)
+                          : 0;
     /* Many turns need thin lines; a plot that they fill, none thinner than its grains. */
-    choose_line(page, curve,
-                length < 40 * width || page->grains == 1 ? LINE_WIDTH : LINE_WIDTH / 2);
-    api->stroke(page->cairo);
-    api->restore(page->cairo);
-    if (marked && length > 0) {
-        follow_path(page, path, curve, fmax(length / MARKS, 12));
-        end_points(page, &page->figure->curve[curve], false);
-    }
-    api->path_destroy(path);
+    const struct brush brush = line_ink(
+        page, curve,
+        length < 40 * width || page->grains == 1 ? page->style.curve_line : page->style.thin_line);
+    surface_clip(page->surface, page->left, page->top, page->right, page->bottom);
+    surface_paint(page->surface, &brush);
+    surface_unclip(page->surface);
+    for (int i = 0; i < marks; i++)
+        add_shape(page, kind_of(page->figure, curve), place[i].x, place[i].y);
+    paint_points(page, curve, false);
 }
 
 /* ---- bands ---- */
 
-#define SHARE 0.25 /* of ink in a band */
-#define BIN 0.5    /* [pt] points that lie in one such width are one corner of the band's edge */
+#define BIN 0.5 /* [pt] points that lie in one such width are one corner of the band's edge */
 
-static void choose_tint(const struct page *page, int curve)
+static void paint_band(const struct page *page, int curve)
 {
-    const double *color = colors[(size_t)curve % COUNT_OF(colors)];
-    page->api->set_source_rgba(page->cairo, color[0], color[1], color[2], SHARE);
+    surface_paint(page->surface,
+                  &(struct brush){.color = color_of(curve), .opacity = STYLE_BAND, .fill = true});
 }
 
 /* One edge of the band, forwards (side 1, the upper one) or backwards. */
@@ -175,39 +166,33 @@ static void add_edge(const struct page *page, const struct curve *curve, int sid
         if (!isfinite(x + y))
             continue;
         if (floor(x / BIN) != bin && isfinite(edge))
-            page->api->line_to(page->cairo, at, edge);
+            surface_line(page->surface, at, edge);
         edge = floor(x / BIN) != bin ? y : side > 0 ? fmin(edge, y) : fmax(edge, y);
         bin = floor(x / BIN);
         at = x;
     }
     if (isfinite(edge))
-        page->api->line_to(page->cairo, at, edge);
+        surface_line(page->surface, at, edge);
 }
 
 static void draw_band(struct page *page, int index)
 {
-    const struct cairo_api *api = page->api;
     const struct curve *curve = &page->figure->curve[index];
-    api->save(page->cairo);
-    api->rectangle(page->cairo, page->left, page->top, page->right - page->left,
-                   page->bottom - page->top);
-    api->clip(page->cairo);
-    api->new_path(page->cairo);
+    surface_clip(page->surface, page->left, page->top, page->right, page->bottom);
+    surface_new_path(page->surface);
     add_edge(page, curve, 1);
     add_edge(page, curve, -1);
-    api->close_path(page->cairo);
-    choose_tint(page, index);
-    api->fill(page->cairo);
-    api->restore(page->cairo);
+    surface_close(page->surface);
+    paint_band(page, index);
+    surface_unclip(page->surface);
 }
 
 double page_band_sample(struct page *page, int index, double x, double y, bool draw)
 {
-    const double width = 30, height = 8;
+    const double width = page->style.sample, half = page->style.band_sample / 2;
     if (draw) {
-        choose_tint(page, index);
-        page->api->rectangle(page->cairo, x, y - height / 2, width, height);
-        page->api->fill(page->cairo);
+        surface_box(page->surface, x, y - half, x + width, y + half);
+        paint_band(page, index);
     }
     return width;
 }
@@ -234,21 +219,20 @@ static bool is_dense(const struct page *page, const struct curve *curve)
     return inside > SPARSE;
 }
 
-static void put_letter(struct page *page, char letter, double x, double y)
+static void put_letter(const struct page *page, int curve, double x, double y)
 {
-    page_text(page, x, y + 0.36 * FONT_SIZE, 0.5, (char[]){letter, '\0'});
+    page_text(page, x, y, 0.5, color_of(curve), (char[]){page->figure->curve[curve].mark, '\0'});
 }
 
 /* Points as a path of shapes, or of lines without length that their round ends turn into dots: one
  * for each square of that size. Returns how many. */
 static long add_points(struct page *page, int index, bool dense, double square)
 {
-    const struct cairo_api *api = page->api;
     const struct curve *curve = &page->figure->curve[index];
     double x, y;
     long points = 0;
 
-    api->new_path(page->cairo);
+    surface_new_path(page->surface);
     page_ink_clear(page, 1);
     for (size_t i = 0; i < curve->n; i++) {
         if (!point_position(page, curve, i, &x, &y))
@@ -259,10 +243,10 @@ static long add_points(struct page *page, int index, bool dense, double square)
             continue;
         points++;
         if (has_letter(curve)) {
-            put_letter(page, curve->mark, x, y);
+            put_letter(page, index, x, y);
         } else if (dense) {
-            api->move_to(page->cairo, x, y);
-            api->line_to(page->cairo, x, y);
+            surface_move(page->surface, x, y);
+            surface_line(page->surface, x, y);
         } else {
             add_shape(page, kind_of(page->figure, index), x, y);
         }
@@ -272,41 +256,42 @@ static long add_points(struct page *page, int index, bool dense, double square)
 
 static void draw_points(struct page *page, int index, bool dense)
 {
-    if (add_points(page, index, dense, DOT) > DOTS && !has_letter(&page->figure->curve[index]))
-        add_points(page, index, dense, 1.5 * DOT);
-    end_points(page, &page->figure->curve[index], dense);
+    const double dot = page->style.dot;
+    if (add_points(page, index, dense, dot) > DOTS && !has_letter(&page->figure->curve[index]))
+        add_points(page, index, dense, 1.5 * dot);
+    paint_points(page, index, dense);
 }
 
 double page_sample(struct page *page, int index, double x, double y, bool draw)
 {
-    const struct cairo_api *api = page->api;
+    const struct picture_style *style = &page->style;
     const struct curve *curve = &page->figure->curve[index];
-    double width = !curve->points      ? 30
-                   : has_letter(curve) ? FONT_SIZE * 0.7
-                                       : 12,
-           middle = x + width / 2;
-    bool dense = curve->points && is_dense(page, curve);
+    const double width = !curve->points      ? style->sample
+                         : has_letter(curve) ? 0.7 * style->font
+                                             : style->mark_sample,
+                 middle = x + width / 2;
+    const bool dense = curve->points && is_dense(page, curve);
 
     if (!draw)
         return width;
-    choose_color(page, index);
     if (has_letter(curve)) {
-        put_letter(page, curve->mark, middle, y);
+        put_letter(page, index, middle, y);
         return width;
     }
     if (!curve->points) {
-        api->move_to(page->cairo, x, y);
-        api->line_to(page->cairo, x + width, y);
-        choose_line(page, index, LINE_WIDTH);
-        api->stroke(page->cairo);
+        const struct brush brush = line_ink(page, index, style->curve_line);
+        surface_move(page->surface, x, y);
+        surface_line(page->surface, x + width, y);
+        surface_paint(page->surface, &brush);
     }
     for (int i = -1; i <= 1 && dense; i++) {
-        api->move_to(page->cairo, middle + 5 * i, y + (i ? 1 : -1));
-        api->line_to(page->cairo, middle + 5 * i, y + (i ? 1 : -1));
+        const double at = middle + 2.5 * style->dot * i, height = y + style->dot * (i ? 0.5 : -0.5);
+        surface_move(page->surface, at, height);
+        surface_line(page->surface, at, height);
     }
     if (!dense && (curve->points || line_count(page->figure) > 1))
         add_shape(page, kind_of(page->figure, index), middle, y);
-    end_points(page, curve, dense);
+    paint_points(page, index, dense);
     return width;
 }
 
@@ -315,22 +300,21 @@ double page_sample(struct page *page, int index, double x, double y, bool draw)
 static void draw_exits(struct page *page, int index)
 {
     static const double ahead[4][2] = {{-1, 0}, {1, 0}, {0, 1}, {0, -1}};
-    const struct cairo_api *api = page->api;
+    const double length = page->style.arrow, half = page->style.arrow_half;
     struct curve_exit exits[4];
 
     if (!curve_exits(page->figure, &page->layout, index, exits))
         return;
-    choose_color(page, index);
     for (int side = 0; side < 4; side++) {
         double x = page->left + exits[side].x * (page->right - page->left), dx = ahead[side][0];
         double y = page->bottom - exits[side].y * (page->bottom - page->top), dy = ahead[side][1];
         if (!exits[side].left)
             continue;
-        api->move_to(page->cairo, x, y);
-        api->line_to(page->cairo, x - 9 * dx + 4.5 * dy, y - 9 * dy + 4.5 * dx);
-        api->line_to(page->cairo, x - 9 * dx - 4.5 * dy, y - 9 * dy - 4.5 * dx);
-        api->close_path(page->cairo);
-        api->fill(page->cairo);
+        surface_move(page->surface, x, y);
+        surface_line(page->surface, x - length * dx + half * dy, y - length * dy + half * dx);
+        surface_line(page->surface, x - length * dx - half * dy, y - length * dy - half * dx);
+        surface_close(page->surface);
+        surface_paint(page->surface, &(struct brush){.color = color_of(index), .fill = true});
     }
 }
 
@@ -348,7 +332,6 @@ void page_curves(struct page *page)
             bool dense = curve->points && is_dense(page, curve);
             if (!curve_drawn(figure, i) || pass != (!curve->points ? 1 : dense ? 0 : 2))
                 continue;
-            choose_color(page, i);
             if (curve->points)
                 draw_points(page, i, dense);
             else
@@ -359,4 +342,3 @@ void page_curves(struct page *page)
         if (curve_drawn(figure, i))
             draw_exits(page, i);
 }
-#endif

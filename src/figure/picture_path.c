@@ -10,7 +10,6 @@
  */
 #include "figure/picture.h"
 
-#ifdef HAVE_CAIRO
 #include <string.h>
 
 #define MARGIN 3.0  /* [pt] lines go on behind the frame, where they are cut off */
@@ -113,10 +112,10 @@ static void trace_line(struct tracer *tracer, double x, double y)
                          ? (fabs(x0 - tracer->end[0]) + fabs(y0 - tracer->end[1])) * page->grains
                          : INFINITY;
     if (skipped > 5)
-        page->api->move_to(page->cairo, x0, y0);
+        surface_move(page->surface, x0, y0);
     else if (skipped > 1.5)
-        page->api->line_to(page->cairo, x0, y0);
-    page->api->line_to(page->cairo, x1, y1);
+        surface_line(page->surface, x0, y0);
+    surface_line(page->surface, x1, y1);
     tracer->lines++;
     tracer->begun = true;
     tracer->end[0] = x1;
@@ -155,7 +154,7 @@ static long trace_curve(struct page *page, const struct curve *curve, int grains
 {
     struct tracer tracer = {.page = page};
 
-    page->api->new_path(page->cairo);
+    surface_new_path(page->surface);
     page_ink_clear(page, grains);
     for (size_t i = 0; i < curve->n; i++) {
         struct spot spot = {page_x(page, curve->x[i]), page_y(page, curve->y[i]), i};
@@ -188,4 +187,3 @@ void page_path(struct page *page, const struct curve *curve)
     for (int grains = GRAINS; trace_curve(page, curve, grains) > LINES && grains > 1;)
         grains /= 2;
 }
-#endif

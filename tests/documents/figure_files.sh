@@ -28,11 +28,14 @@ grep -q 'ends in .svg, .pdf or .png, or text in .txt' err.txt
 ok "and told what there is" $? "$(cat err.txt)"
 status_is "a name that is only an end is refused" 1 "$hooke" -c 'run 1 s; plot position > svg'
 
-"$hooke" -c 'run 1 s; plot position > try.svg' >out.txt 2>err.txt
+status_is "an SVG needs no library" 0 "$hooke" -c 'run 1 s; plot position > try.svg'
+grep -q '>position</text>' try.svg && grep -q '>t \[s\]</text>' try.svg
+ok "its text is text" $?
+"$hooke" -c 'run 1 s; plot position > try.pdf' >out.txt 2>err.txt
 if grep -q 'built without cairo' err.txt; then
     grep -q 'install libcairo2-dev' err.txt
     ok "a build without cairo says what to install" $? "$(cat err.txt)"
-    [ ! -e try.svg ]
+    [ ! -e try.pdf ]
     ok "and leaves no file" $?
     n=$((n + 1)); echo "ok $n - pictures # SKIP built without cairo"
     echo "1..$n"; exit "$bad"
@@ -99,7 +102,7 @@ grep -q 'libcairo.so.2 cannot be loaded' err.txt && grep -q 'install libcairo2' 
 ok "and told what to install" $? "$(cat err.txt)"
 [ ! -e none.png ]
 ok "no file is left" $?
-status_is "all else works" 0 env LD_LIBRARY_PATH="$work/library" "$hooke" -c 'run 1 s; plot position; plot position > none.txt'
+status_is "all else works" 0 env LD_LIBRARY_PATH="$work/library" "$hooke" -c 'run 1 s; plot position; plot position > none.txt; plot position > none.svg'
 if command -v readelf >/dev/null; then
     ! readelf -d "$hooke" | grep -q 'NEEDED.*cairo'
     ok "the program is not linked with cairo" $?

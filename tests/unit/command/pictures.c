@@ -4,9 +4,6 @@
  * and the unit in the title of an axis. Every line of a curve lies on the samples of its run, every
  * mark on one of its recording, every sample lies on the line or under a mark: against time and in
  * the phase plane, forwards and backwards, on linear and on logarithmic axes.
- *
- * cairo writes text as outlines of glyphs: a figure with known text says which outline is which
- * character.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -18,9 +15,9 @@
 #include "long_form.h"
 #include "unit/axes_testing.h"
 #include "unit/command/testing.h"
+#include "unit/svg_testing.h"
 #include "plot/figure/drawing.h"
 
-#define GLYPHS 400
 #define POINTS 60000
 /* [pt] a point of a path to the samples: ends of coarse lines are rounded to 1/8 */
 #define NEAR 0.5
@@ -29,89 +26,6 @@
 /* [pt] a sample to the path: what passes where ink is already is left out, in grains of up to 1
  * pt */
 #define INK 1.2
-
-/* ---- text ---- */
-
-static const char characters[] = "0123456789-+.e[]/ cmunsJkradtyvE";
-
-struct glyph {
-    char outline[1500];
-    char c;
-};
-
-struct alphabet {
-    struct glyph glyph[GLYPHS];
-    int n;
-};
-
-static const char *attribute(const char *at, const char *end, const char *name)
-{
-    const char *value = strstr(at, name);
-    return value && value < end ? value + strlen(name) : NULL;
-}
-
-/* The outline of the glyph that "#name" refers to; false: it is not defined. */
-static bool outline_of(const char *svg, const char *name, size_t length, char out[1500])
-{
-    char id[60];
-    snprintf(id, sizeof id, "id=\"%.*s\"", (int)length, name);
-    const char *at = strstr(svg, id), *d = at ? strstr(at, " d=\"") : NULL;
-    const char *end = d ? strchr(d + 4, '"') : NULL;
-    if (!end)
-        return false;
-    snprintf(out, 1500, "%.*s", (int)(end - d - 4), d + 4);
-    return true;
-}
-
-/* One <g> of glyphs as characters; what is unknown is '?'. Learns them if `known` is the text. */
-static void read_text(const char *svg, const char *at, const char *end, struct alphabet *alphabet,
-                      const char *known, char out[120])
-{
-    int n = 0;
-    for (; (at = strstr(at, "<use")) && at < end && n < 119; at++, n++) {
-        const char *name = attribute(at, end, "href=\"#");
-        char outline[1500];
-        out[n] = '?';
-        if (!name || !outline_of(svg, name, strcspn(name, "\""), outline))
-            continue;
-        if (known && known[n] && alphabet->n < GLYPHS) {
-            struct glyph *glyph = &alphabet->glyph[alphabet->n++];
-            memcpy(glyph->outline, outline, sizeof outline);
-            glyph->c = known[n];
-        }
-        for (int i = 0; i < alphabet->n; i++)
-            if (strcmp(alphabet->glyph[i].outline, outline) == 0)
-                out[n] = alphabet->glyph[i].c;
-    }
-    out[n] = '\0';
-}
-
-/* False: there is no cairo. */
-static bool learn_alphabet(struct alphabet *alphabet)
-{
-    const double x[] = {0, 1}, y[] = {0, 1};
-    const struct curve curve = {.x = x, .y = y, .n = 2};
-    const struct figure figure = {
-        .x = {.label = characters}, .y = {.label = characters}, .curve = &curve, .curves = 1};
-    struct buffer svg = {0};
-    struct error error = {0};
-    alphabet->n = 0;
-    if (figure_picture(&figure, PICTURE_SVG, 1500, 1500, &svg, &error)) {
-        buffer_put(&svg, (struct text){"", 1});
-        for (const char *at = svg.data; (at = strstr(at, "<g style")); at++) {
-            const char *end = strstr(at, "</g>");
-            char text[120];
-            int glyphs = 0;
-            for (const char *use = at; (use = strstr(use, "<use")) && use < end; use++)
-                glyphs++;
-            if (glyphs == (int)sizeof characters - 1)
-                read_text(svg.data, at, end, alphabet, characters, text);
-        }
-        assert_true(alphabet->n >= 2 * (int)(sizeof characters - 1)); /* upright and turned */
-    }
-    buffer_free(&svg);
-    return alphabet->n > 0;
-}
 
 /* ---- axes and paths ---- */
 
@@ -138,56 +52,22 @@ struct sheet {
     int panels;
 };
 
-static int curve_of_color(const char *at, const char *end)
+static int curve_of_color(const char *stroke)
 {
-    static const char *const colors[] = {"stroke:rgb(0%,44.", "stroke:rgb(83.", "stroke:rgb(0%,62",
-                                         "stroke:rgb(80%,47."};
+    static const char *const colors[] = {"#0072b2", "#d55e00", "#009e73", "#cc79a7"};
     for (int i = 0; i < (int)COUNT_OF(colors); i++)
-        if (attribute(at, end, colors[i]))
+        if (strcmp(stroke, colors[i]) == 0)
             return i;
     return -1;
 }
 
-/* The middle of a circle that begins at its right end, after the first of its two curves; the rest
- * of it is passed. */
-static char *read_circle(char *at, struct path *path)
+/* Marks: circles, or lines without length. */
+static bool are_marks(const struct svg_path *path)
 {
-    double number[6];
-    for (int i = 0; i < 6; i++)
-        number[i] = strtod(at, &at);
-    path->x[path->n - 1] = (path->x[path->n - 1] + number[4]) / 2;
-    path->marks = true;
-    return at + strcspn(at, "M\"");
-}
-
-static bool read_path(const char *d, struct path *path)
-{
-    bool joined = false;
-    int circles = 0;
-    path->n = 0;
-    path->marks = true;
-    for (char *at = (char *)(uintptr_t)d; *at != '"' && path->n < POINTS;) {
-        if (*at == 'C') {
-            if (path->n == 0)
-                return false;
-            at = read_circle(at + 1, path);
-            circles++;
-            continue;
-        }
-        if (*at == 'M' || *at == 'L' || *at == ' ' || *at == 'Z') {
-            joined = *at == 'M' ? false : *at == 'L' ? true : joined;
-            at++;
-            continue;
-        }
-        const int n = path->n;
-        path->x[n] = strtod(at, &at);
-        path->y[n] = strtod(at, &at);
-        path->joined[path->n++] = joined;
-        path->marks &= !joined || (path->x[n] == path->x[n - 1] && path->y[n] == path->y[n - 1]);
-    }
-    /* the pen goes back to where the last one began */
-    path->n -= circles > 0 && path->n == circles + 1;
-    return path->n > 0;
+    for (int i = 0; i < path->n; i++)
+        if (path->joined[i] && (path->x[i] != path->x[i - 1] || path->y[i] != path->y[i - 1]))
+            return false;
+    return true;
 }
 
 /* "y - 2.2 cm [1e-3 cm]": the unit with its power, and the offset in it. */
@@ -234,37 +114,36 @@ static void add_tick(struct read_axis *axis, double at, const char *label)
 
 /* Everything between two frames of a file: grid and curves, then the frame, then ticks and titles.
  */
-static void read_sheet(const char *svg, struct alphabet *alphabet, struct sheet *sheet)
+static void read_sheet(const char *svg, struct sheet *sheet)
 {
-    static struct path path;
+    static struct svg_path path;
+    struct svg_element element;
     struct panel *panel = NULL;
     struct read_axis *tick = NULL; /* whose label comes next */
     double at_tick = 0;
-    int titles = 0;
+    int titles = 0, begun = 0;
     sheet->paths = sheet->panels = 0;
-    int begun = 0;
-    for (const char *at = strstr(svg, "</defs>"); at && (at = strchr(at + 1, '<'));) {
-        const char *end = strchr(at, '>'), *d = attribute(at, end, " d=\"");
-        char text[120];
-        if (strncmp(at, "<g style", 8) == 0) {
-            const char *close = strstr(at, "</g>");
-            read_text(svg, at, close, alphabet, NULL, text);
+    for (const char *at = NULL; svg_next(svg, &at, &element, &path);) {
+        const bool black = strcmp(element.stroke, "#000000") == 0 && !element.filled;
+        if (element.is_text) {
             if (tick)
-                add_tick(tick, at_tick, text);
+                add_tick(tick, at_tick, element.text);
             else if (panel && titles < 2)
-                read_title(text, titles++ == 0 ? &panel->y : &panel->x);
+                read_title(element.text, titles++ == 0 ? &panel->y : &panel->x);
             tick = NULL;
-            at = close;
             continue;
         }
-        if (!d || !attribute(at, end, "fill:none") || !read_path(d, &path))
-            continue;
         tick = NULL;
-        path.curve = curve_of_color(at, end);
-        if (path.curve >= 0) {
-            if (sheet->paths < PATHS)
-                sheet->path[sheet->paths++] = path;
-        } else if (attribute(at, end, "stroke:rgb(0%,0%,0%)") && path.n >= 4 && sheet->panels < 3) {
+        if (curve_of_color(element.stroke) >= 0 && !element.filled && sheet->paths < PATHS) {
+            struct path *kept = &sheet->path[sheet->paths++];
+            assert_true(path.n <= POINTS);
+            memcpy(kept->x, path.x, sizeof kept->x);
+            memcpy(kept->y, path.y, sizeof kept->y);
+            memcpy(kept->joined, path.joined, sizeof kept->joined);
+            kept->n = path.n;
+            kept->marks = are_marks(&path);
+            kept->curve = curve_of_color(element.stroke);
+        } else if (black && path.n >= 4 && sheet->panels < 3) {
             panel = &sheet->panel[sheet->panels++];
             *panel = (struct panel){.left = path.x[0],
                                     .right = path.x[1],
@@ -274,7 +153,7 @@ static void read_sheet(const char *svg, struct alphabet *alphabet, struct sheet 
                                     .paths = sheet->paths - begun};
             begun = sheet->paths;
             titles = 0;
-        } else if (attribute(at, end, "stroke:rgb(0%,0%,0%)") && panel && path.n == 2) {
+        } else if (black && panel && path.n == 2) {
             const bool vertical = path.y[0] == path.y[1];
             struct read_axis *axis = vertical ? &panel->y : &panel->x;
             const double length = fabs(vertical ? path.x[1] - path.x[0] : path.y[1] - path.y[0]);
@@ -321,7 +200,7 @@ static bool in_panel(const struct panel *panel, const double at[2])
            at[1] <= panel->bottom;
 }
 
-/* Places are known to the 1e-6 pt that cairo writes: within the outermost ticks and a little
+/* Places are known to half of 0.01 pt: within the outermost ticks and a little
  * beyond. */
 static bool agrees(const struct panel *panel, const struct path *path, const struct samples *series,
                    char problem[200])
@@ -486,8 +365,8 @@ static struct samples run_samples(const struct bench *bench, enum kind kind, int
 }
 
 /* Curves read off the picture. */
-static int check_picture(struct bench *bench, struct alphabet *alphabet, enum kind kind,
-                         const struct made *made, const char *line)
+static int check_picture(struct bench *bench, enum kind kind, const struct made *made,
+                         const char *line)
 {
     static struct sheet sheet;
     FILE *file = fopen("figure.svg", "rb");
@@ -498,7 +377,7 @@ static int check_picture(struct bench *bench, struct alphabet *alphabet, enum ki
     assert_non_null(file);
     assert_true(getdelim(&svg, &size, '\0', file) > 0);
     assert_int_equal(fclose(file), 0);
-    read_sheet(svg, alphabet, &sheet);
+    read_sheet(svg, &sheet);
     if (sheet.panels < 1)
         fail_msg("%sthere is no frame", made->told);
     for (int p = 0; p < sheet.panels; p++) {
@@ -542,11 +421,7 @@ static int check_picture(struct bench *bench, struct alphabet *alphabet, enum ki
 
 static void every_sample_is_where_the_axes_put_it(void **state)
 {
-    static struct alphabet alphabet;
     (void)state;
-    /* built, or running, without cairo */
-    if (!learn_alphabet(&alphabet))
-        skip();
     const unsigned sessions = is_long() ? 200 : 16;
     int drawn[KINDS] = {0}, read[KINDS] = {0};
     for (unsigned seed = 1; seed <= sessions; seed++) {
@@ -563,7 +438,7 @@ static void every_sample_is_where_the_axes_put_it(void **state)
             made.told[before] = '\0';
             plot_line(&dice, &made, kind, line);
             say(&bench, made.told, line);
-            read[kind] += check_picture(&bench, &alphabet, kind, &made, line);
+            read[kind] += check_picture(&bench, kind, &made, line);
             drawn[kind] += made.runs + (made.recorded && kind == POSITION);
         }
         bench_close(&bench);

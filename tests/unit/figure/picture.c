@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Pictures: what is drawn (by a table of functions that listens), and the files that come of it. */
+/* Pictures: what the SVG says, read back, and the files that come of it. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -8,6 +8,7 @@
 #include <cmocka.h>
 
 #include "figure/cairo_api.h"
+#include "unit/svg_testing.h"
 
 #include <dlfcn.h>
 #include <math.h>
@@ -17,95 +18,52 @@
 
 #define MANY 1000000
 
-#ifdef HAVE_CAIRO
-static const struct picture_size {
+static struct picture_size {
     double width, height;
 } page = {PICTURE_WIDTH, PICTURE_HEIGHT};
 
-/* ---- a table that listens ---- */
-
-struct box {
-    char text[80];
-    double left, right, top, bottom;
-};
+/* ---- what an SVG says ---- */
 
 static struct {
-    struct cairo_api cairo; /* the real one */
-    struct box box[400];
+    struct svg_element box[400];
     int boxes;
-    long lines, fills, strange;
-    double at[2], lowest, highest; /* of lines */
-    bool turned;
+    long lines, fills;
+    double lowest, highest; /* of the first curve */
 } heard;
 
-static void hear_move_to(cairo_t *cairo, double x, double y)
+static void read_picture(const char *svg)
 {
-    heard.at[0] = x;
-    heard.at[1] = y;
-    heard.strange += !(fabs(x) < 1e4 && fabs(y) < 1e4);
-    heard.cairo.move_to(cairo, x, y);
-}
-
-static void hear_line_to(cairo_t *cairo, double x, double y)
-{
-    heard.lines++;
-    heard.lowest = fmax(heard.lowest, y);
-    heard.highest = fmin(heard.highest, y);
-    heard.strange += !(fabs(x) < 1e4 && fabs(y) < 1e4);
-    heard.cairo.line_to(cairo, x, y);
-}
-
-static void hear_fill(cairo_t *cairo)
-{
-    heard.fills++;
-    heard.cairo.fill(cairo);
-}
-
-static void hear_rotate(cairo_t *cairo, double angle)
-{
-    heard.turned = true;
-    heard.cairo.rotate(cairo, angle);
-}
-
-static void hear_restore(cairo_t *cairo)
-{
-    heard.turned = false;
-    heard.cairo.restore(cairo);
-}
-
-static void hear_text(cairo_t *cairo, const char *text)
-{
-    cairo_text_extents_t extents;
-    if (!*text)
-        return;
-    heard.cairo.text_extents(cairo, text, &extents);
-    assert_in_range(heard.boxes, 0, COUNT_OF(heard.box) - 1);
-    struct box *box = &heard.box[heard.boxes++];
-    snprintf(box->text, sizeof box->text, "%s", text);
-    /* What is turned stands alone in the left margin: only its text counts. */
-    box->left = heard.turned ? 1 : heard.at[0] + extents.x_bearing;
-    box->right = heard.turned ? 1 : box->left + extents.width;
-    box->top = heard.turned ? 1 : heard.at[1] + extents.y_bearing;
-    box->bottom = heard.turned ? 1 : box->top + extents.height;
-    heard.cairo.show_text(cairo, text);
+    static struct svg_path path;
+    struct svg_element element;
+    memset(&heard, 0, sizeof heard);
+    heard.highest = INFINITY;
+    for (const char *at = NULL; svg_next(svg, &at, &element, &path);) {
+        if (element.is_text) {
+            assert_in_range(heard.boxes, 0, COUNT_OF(heard.box) - 1);
+            heard.box[heard.boxes++] = element;
+            continue;
+        }
+        heard.fills += element.filled && !element.stroke[0];
+        for (int i = 0; i < path.n; i++) {
+            assert_true(fabs(path.x[i]) < 1e4 && fabs(path.y[i]) < 1e4);
+            if (!path.joined[i])
+                continue;
+            heard.lines++;
+            if (strcmp(element.stroke, "#0072b2") != 0)
+                continue;
+            heard.lowest = fmax(heard.lowest, path.y[i]);
+            heard.highest = fmin(heard.highest, path.y[i]);
+        }
+    }
 }
 
 static void draw(const struct figure *figure, enum picture kind, struct buffer *out)
 {
     struct error error = {0};
-    memset(&heard, 0, sizeof heard);
-    heard.highest = INFINITY;
-    assert_true(cairo_load(&heard.cairo, "libcairo.so.2", &error));
-    struct cairo_api api = heard.cairo;
-    api.move_to = hear_move_to;
-    api.line_to = hear_line_to;
-    api.fill = hear_fill;
-    api.rotate = hear_rotate;
-    api.restore = hear_restore;
-    api.show_text = hear_text;
-    assert_true(picture_with(&api, figure, kind, page.width, page.height, out, &error));
-    cairo_unload(&heard.cairo);
-    assert_int_equal(heard.strange, 0);
+    const size_t before = out->len;
+    assert_true(figure_picture(figure, kind, page.width, page.height, out, &error));
+    if (kind == PICTURE_SVG)
+        read_picture(out->data + before);
 }
 
 static bool said(const char *text)
@@ -125,11 +83,11 @@ static void expect_said(const char *text)
 static void expect_apart(void)
 {
     for (int i = 0; i < heard.boxes; i++) {
-        const struct box *a = &heard.box[i];
+        const struct svg_element *a = &heard.box[i];
         if (a->left < 0 || a->right > page.width || a->top < 0 || a->bottom > page.height)
             fail_msg("'%s' leaves the page", a->text);
         for (int j = 0; j < i; j++) {
-            const struct box *b = &heard.box[j];
+            const struct svg_element *b = &heard.box[j];
             if (a->left < b->right && b->left < a->right && a->top < b->bottom &&
                 b->top < a->bottom)
                 fail_msg("'%s' lies on '%s'", a->text, b->text);
@@ -183,9 +141,13 @@ static void expect_svg(const struct buffer *out)
     assert_true(holds(svg, "<svg "));
     assert_true(holds(svg, "width=\"640pt\" height=\"400pt\" viewBox=\"0 0 640 400\""));
     static const char *const strange[] = {"nan", "NaN", "inf", "1e+", "e-3"};
-    for (size_t i = 0; i < COUNT_OF(strange); i++)
-        if (holds(svg, strange[i]))
-            fail_msg("the file holds %s", strange[i]);
+    bool inside = false; /* of a tag */
+    for (size_t i = 0; i < svg.len; i++) {
+        inside = svg.at[i] == '<' || (inside && svg.at[i] != '>');
+        for (size_t s = 0; inside && s < COUNT_OF(strange); s++)
+            if (strncmp(svg.at + i, strange[s], strlen(strange[s])) == 0)
+                fail_msg("the file holds %s", strange[s]);
+    }
     expect_xml(svg);
 }
 
@@ -297,6 +259,7 @@ static void test_many_names_fit(void **state)
     drawing_free(&s);
 }
 
+#ifdef HAVE_CAIRO
 static void test_png_and_pdf(void **state)
 {
     static const uint8_t head[24] = {0x89, 'P', 'N', 'G', '\r', '\n', 26,  '\n',
@@ -323,6 +286,8 @@ static void test_png_and_pdf(void **state)
     buffer_free(&again);
     drawing_free(&s);
 }
+
+#endif
 
 static size_t svg_size(const double *x, const double *y, bool points, struct axis axis)
 {
@@ -355,7 +320,7 @@ static void test_many_samples_stay_small_and_keep_peaks(void **state)
     assert_in_range(svg_size(t, y, true, axis), 10000, 1000000);
     for (size_t i = 0; i < MANY; i++)
         y[i] = 0;
-    /* Of a million samples two: no grid line and no legend comes as near to the frame. */
+    /* Of a million samples two. */
     struct curve curve = {.x = t, .y = y, .n = MANY};
     struct figure figure = {
         .x = axis, .y = {.fixed = true, .from = -2.2, .to = 2.2}, .curve = &curve, .curves = 1};
@@ -366,11 +331,10 @@ static void test_many_samples_stay_small_and_keep_peaks(void **state)
     y[654321] = 2.1;
     y[123456] = -2.1;
     draw(&figure, PICTURE_SVG, &out);
-    /* ticks of x are lower than the frame */
-    assert_true(heard.highest < highest - 5 && heard.lowest == lowest);
+    assert_true(heard.highest < highest - 5 && heard.lowest > lowest + 5);
     figure.x = (struct axis){.fixed = true, .from = 200, .to = 300};
     draw(&figure, PICTURE_SVG, &out);
-    assert_true(heard.highest == highest);
+    assert_true(isinf(heard.highest));
     buffer_free(&out);
     free(t);
     free(y);
@@ -481,6 +445,8 @@ static void test_any_size(void **state)
 
 /* ---- what fails ---- */
 
+#ifdef HAVE_CAIRO
+
 static cairo_status_t no_memory(cairo_t *cairo)
 {
     (void)cairo;
@@ -503,22 +469,22 @@ static void test_without_memory(void **state)
     (void)state;
     drawing_init(&s);
     assert_true(cairo_load(&api, "libcairo.so.2", &error));
-    for (enum picture kind = PICTURE_SVG; kind <= PICTURE_PNG; kind++) {
+    for (enum picture kind = PICTURE_PDF; kind <= PICTURE_PNG; kind++) {
         struct buffer out = {0};
         failing = api;
         failing.status = no_memory;
-        assert_false(picture_with(&failing, &s.figure, kind, 0, 0, &out, &error));
+        assert_false(cairo_picture(&failing, &s.figure, kind, 600, 400, &out, &error));
         assert_non_null(strstr(error.text, "memory"));
         buffer_free(&out);
         out = (struct buffer){.failed = true}; /* no room for what cairo writes */
-        assert_false(picture_with(&api, &s.figure, kind, 0, 0, &out, &error));
+        assert_false(cairo_picture(&api, &s.figure, kind, 600, 400, &out, &error));
         assert_non_null(strstr(error.text, "memory"));
         buffer_free(&out);
     }
     struct buffer out = {0};
     failing = api;
     failing.surface_write_to_png_stream = no_bytes;
-    assert_false(picture_with(&failing, &s.figure, PICTURE_PNG, 0, 0, &out, &error));
+    assert_false(cairo_picture(&failing, &s.figure, PICTURE_PNG, 600, 400, &out, &error));
     buffer_free(&out);
     cairo_unload(&api);
     drawing_free(&s);
@@ -559,23 +525,13 @@ static int forget_fonts(void **state)
     return 0;
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_says_what_the_text_figure_says),
-        cmocka_unit_test(test_many_names_fit),
-        cmocka_unit_test(test_png_and_pdf),
-        cmocka_unit_test(test_many_samples_stay_small_and_keep_peaks),
-        cmocka_unit_test(test_gaps_and_lone_samples),
-        cmocka_unit_test(test_a_growing_run_leaves_with_arrows),
-        cmocka_unit_test(test_any_values),
-        cmocka_unit_test(test_any_size),
-        cmocka_unit_test(test_without_memory),
-        cmocka_unit_test(test_without_the_library),
-    };
-    return cmocka_run_group_tests(tests, NULL, forget_fonts);
-}
 #else
+static int forget_fonts(void **state)
+{
+    (void)state;
+    return 0;
+}
+
 static void test_built_without_cairo(void **state)
 {
     const struct figure figure = {.title = "nothing"};
@@ -588,10 +544,25 @@ static void test_built_without_cairo(void **state)
     assert_non_null(strstr(error.hint, "install libcairo2-dev"));
     assert_int_equal(out.len, 0);
 }
+#endif
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_built_without_cairo)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_says_what_the_text_figure_says),
+        cmocka_unit_test(test_many_names_fit),
+        cmocka_unit_test(test_many_samples_stay_small_and_keep_peaks),
+        cmocka_unit_test(test_gaps_and_lone_samples),
+        cmocka_unit_test(test_a_growing_run_leaves_with_arrows),
+        cmocka_unit_test(test_any_values),
+        cmocka_unit_test(test_any_size),
+#ifdef HAVE_CAIRO
+        cmocka_unit_test(test_png_and_pdf),
+        cmocka_unit_test(test_without_memory),
+        cmocka_unit_test(test_without_the_library),
+#else
+        cmocka_unit_test(test_built_without_cairo),
 #endif
+    };
+    return cmocka_run_group_tests(tests, NULL, forget_fonts);
+}
