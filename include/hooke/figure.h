@@ -88,6 +88,7 @@ struct figure {
     int curves;
     bool equal; /* same length for a unit on both axes (phase plot) */
     bool zero_line;
+    bool grid;      /* of a picture: lines at the labels of both axes */
     bool has_point; /* the current point is marked */
     double point[2];
     double aspect;    /* height over width of a cell; 0 counts as 2 */

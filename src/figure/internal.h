@@ -14,6 +14,9 @@ struct ticks ticks_search(double from, double to, int want, int max, bool loose)
 double tick_value(const struct ticks *ticks, int i, bool log);
 int tick_text(const struct ticks *ticks, int i, bool log, char out[TICK_TEXT_SIZE]); /* length */
 
+/* Parts of a step for ticks without labels: 5 of 1, 2.5 and 5, 4 of 2 and 4, 3 of 3. */
+int tick_parts(const struct ticks *ticks);
+
 /* what a title takes off: "- 2.2326" */
 int offset_text(const struct ticks *ticks, char out[TICK_TEXT_SIZE]);
 

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Pictures: the page, its axes, titles and legend. */
 #include "figure/picture.h"
+#include "figure/symbols.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -113,19 +114,61 @@ static void draw_tick(struct page *page, bool vertical, double at, double length
         draw_straight(page, at, page->bottom, at, page->bottom + length, style_black, width);
 }
 
+static const char *symbols(const struct page *page,
+                           void (*put)(struct buffer *out, struct text text), const char *text)
+{
+    buffer_clear(page->text);
+    put(page->text, text_of(text));
+    page->surface->failed |= page->text->failed;
+    return buffer_view(page->text);
+}
+
+static const char *tick_label(const struct page *page, bool vertical, int i)
+{
+    char text[TICK_TEXT_SIZE];
+    tick_text(vertical ? &page->layout.y_ticks : &page->layout.x_ticks, i,
+              vertical ? page->layout.y_decades : page->layout.x_decades, text);
+    return symbols(page, put_number_symbols, text);
+}
+
+/* Where there is no label, if there is room: unlabelled decades, or 2, 3 … 9 in each, or parts of a
+ * step that are whole in its digit. */
+static void draw_minor_ticks(struct page *page, bool vertical)
+{
+    const struct ticks *ticks = vertical ? &page->layout.y_ticks : &page->layout.x_ticks;
+    const bool decades = vertical ? page->layout.y_decades : page->layout.x_decades;
+    const double from = vertical ? page->top : page->left,
+                 to = vertical ? page->bottom : page->right, apart = 1.5 * page->style.minor_tick;
+    const int parts = decades ? (ticks->step > 1 ? (int)ticks->step : 9) : tick_parts(ticks);
+    const double length = fabs(tick_position(page, vertical, tick_value(ticks, 1, decades)) -
+                               tick_position(page, vertical, tick_value(ticks, 0, decades)));
+    if (ticks->count < 2 || length < apart * parts * (decades && ticks->step == 1 ? 2 : 1))
+        return;
+    for (int i = -1; i < ticks->count; i++) {
+        for (int part = 1; part < parts; part++) {
+            const double power = ticks->first + i * ticks->step;
+            const double value = !decades          ? power + part * ticks->step / parts
+                                 : ticks->step > 1 ? pow(10, power + part)
+                                                   : (part + 1) * pow(10, power);
+            const double at = tick_position(page, vertical, value);
+            if (at >= from && at <= to)
+                draw_tick(page, vertical, at, page->style.minor_tick);
+        }
+    }
+}
+
 /* At the frame, with their labels. */
 static void draw_ticks(struct page *page, bool vertical)
 {
     const struct picture_style *style = &page->style;
     const struct ticks *ticks = vertical ? &page->layout.y_ticks : &page->layout.x_ticks;
     const bool decades = vertical ? page->layout.y_decades : page->layout.x_decades;
-    char text[TICK_TEXT_SIZE];
 
     for (int i = 0; i < ticks->count; i++) {
         const double at = tick_position(page, vertical, tick_value(ticks, i, decades)),
                      below = page->bottom + style->tick + style->tick_gap + style->font / 2;
+        const char *text = tick_label(page, vertical, i);
         draw_tick(page, vertical, at, style->tick);
-        tick_text(ticks, i, decades, text);
         if (vertical) {
             page_text(page, page->left - style->tick - style->tick_gap, at, 1, style_black, text);
         } else if (page->x_labels) {
@@ -134,44 +177,61 @@ static void draw_ticks(struct page *page, bool vertical)
                       style_black, text);
         }
     }
-    /* Between single decades: 2, 3 … 9. */
-    for (int i = -1; decades && ticks->step == 1 && i < ticks->count; i++) {
-        for (int digit = 2; digit < 10; digit++) {
-            const double at = tick_position(page, vertical, digit * tick_value(ticks, i, true));
-            if (vertical ? at >= page->top && at <= page->bottom
-                         : at >= page->left && at <= page->right)
-                draw_tick(page, vertical, at, style->minor_tick);
-        }
+    draw_minor_ticks(page, vertical);
+}
+
+/* "v/ω₀ [m·s⁻¹]"; with a power and an offset "y − 2.2326 m [10⁻⁶ m]". */
+static const char *axis_text(const struct page *page, bool vertical)
+{
+    const struct axis *axis = vertical ? &page->figure->y : &page->figure->x;
+    const struct ticks *ticks = vertical ? &page->layout.y_ticks : &page->layout.x_ticks;
+    const struct text unit = text_of(axis->unit);
+    struct buffer *out = page->text;
+    char offset[TICK_TEXT_SIZE], power[16];
+
+    buffer_clear(out);
+    put_name_symbols(out, text_of(axis->label));
+    if (ticks->offset != 0) {
+        offset_text(ticks, offset);
+        buffer_put(out, TEXT(" "));
+        put_number_symbols(out, text_of(offset));
+        buffer_put(out, TEXT(" "));
+        put_unit_symbols(out, unit);
     }
+    if (unit.len || ticks->exponent) {
+        buffer_put(out, out->len ? TEXT(" [") : TEXT("["));
+        snprintf(power, sizeof power, "1e%d", ticks->exponent);
+        put_number_symbols(out, ticks->exponent ? text_of(power) : TEXT(""));
+        buffer_put(out, unit.len && ticks->exponent ? TEXT(" ") : TEXT(""));
+        put_unit_symbols(out, unit);
+        buffer_char(out, ']');
+    }
+    page->surface->failed |= out->failed;
+    return buffer_view(out);
 }
 
 static void draw_axis_titles(struct page *page)
 {
     const struct picture_style *style = &page->style;
-    char text[256];
 
-    axis_title(&page->figure->y, &page->layout.y_ticks, "", text, sizeof text);
     surface_put_text(page->surface, &(struct surface_text){.x = page->from_x + style->font,
                                                            .y = (page->top + page->bottom) / 2,
                                                            .align = 0.5,
                                                            .turned = true,
                                                            .size = style->font,
                                                            .color = style_black,
-                                                           .text = text});
-    axis_title(&page->figure->x, &page->layout.x_ticks, "", text, sizeof text);
+                                                           .text = axis_text(page, true)});
     if (page->x_labels)
         page_text(page, (page->left + page->right) / 2,
-                  page->bottom + labels_height(style) - style->font / 2, 0.5, style_black, text);
+                  page->bottom + labels_height(style) - style->font / 2, 0.5, style_black,
+                  axis_text(page, false));
 }
 
 static double widest_label(struct page *page)
 {
-    char text[TICK_TEXT_SIZE];
     double width = 0;
-    for (int i = 0; i < page->layout.y_ticks.count; i++) {
-        tick_text(&page->layout.y_ticks, i, page->layout.y_decades, text);
-        width = fmax(width, page_text_width(page, text));
-    }
+    for (int i = 0; i < page->layout.y_ticks.count; i++)
+        width = fmax(width, page_text_width(page, tick_label(page, true, i)));
     return width;
 }
 
@@ -275,8 +335,8 @@ static void draw_panel(struct page *page)
     const struct figure *figure = page->figure;
     double zero = fraction_of(&page->layout.y, 0), point[2];
 
-    draw_grid(page, false);
-    draw_grid(page, true);
+    for (int vertical = 0; vertical < 2 && figure->grid; vertical++)
+        draw_grid(page, vertical);
     if (figure->zero_line && zero > 0 && zero < 1) {
         const double at = tick_position(page, true, 0);
         draw_straight(page, page->left, at, page->right, at, style_gray, style->zero_line);
@@ -325,7 +385,7 @@ static bool draw_sheet(struct picture_sheet *sheet, struct arena *arena)
             draw_panel(&page[i]);
     }
     page_text(&heading, 1.5 * style->edge, foot - style->font / 3, 0, style_gray,
-              note.len && !note.failed ? note.data : "");
+              symbols(page, put_number_symbols, buffer_view(&note)));
     page_text(&heading, page->right, foot - style->font / 3, 1, style_gray, caption);
     drawn &= !note.failed;
     buffer_free(&note);
@@ -334,7 +394,9 @@ static bool draw_sheet(struct picture_sheet *sheet, struct arena *arena)
 
 bool picture_draw(struct surface *surface, const struct figure *figure, double width, double height)
 {
+    struct buffer text = {0};
     const struct page page = {.surface = surface,
+                              .text = &text,
                               .style = picture_style(width, height),
                               .width = width,
                               .height = height};
@@ -343,5 +405,6 @@ bool picture_draw(struct surface *surface, const struct figure *figure, double w
     sheet.parts = figure_parts(figure, sheet.part);
     const bool drawn = draw_sheet(&sheet, &arena) && !surface->failed;
     arena_reset(&arena);
+    buffer_free(&text);
     return drawn;
 }

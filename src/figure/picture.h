@@ -9,6 +9,7 @@
 
 struct page {
     struct surface *surface;
+    struct buffer *text; /* scratch */
     struct picture_style style;
     const struct figure *figure;
     struct figure_layout layout; /* its columns and rows are cells of style.digit x style.row */

@@ -108,6 +108,14 @@ static void take_offset(struct ticks *ticks)
         ticks->decimals++;
 }
 
+int tick_parts(const struct ticks *ticks)
+{
+    const double digit = ticks->step > 0 ? ticks->step / pow(10, power_below(ticks->step)) : 0;
+    return digit > 2.6 && digit < 3.4                                     ? 3
+           : (digit > 1.6 && digit < 2.4) || (digit > 3.6 && digit < 4.4) ? 4
+                                                                          : 5;
+}
+
 struct ticks ticks_linear(double from, double to, int want, int max)
 {
     struct ticks ticks = ticks_search(from, to, want, max, false);

@@ -114,6 +114,33 @@ static inline void svg_read_text(const char *at, const char *end, double usual,
     out->bottom = out->turned ? y + before : y + descent;
 }
 
+/* The value of a number as it is printed: "−2.5", "10⁻³", "2×10⁵". */
+static inline double svg_value(const char *text)
+{
+    static const char *const superscript[] = {"⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"};
+    const bool minus = strncmp(text, "−", strlen("−")) == 0;
+    char *at;
+    double value = strtod(text + (minus ? strlen("−") : 0), &at);
+    if (strncmp(at, "×10", strlen("×10")) == 0)
+        at += strlen("×10");
+    else if (value == 10)
+        value = 1;
+    else
+        return minus ? -value : value;
+    const bool small = strncmp(at, "⁻", strlen("⁻")) == 0;
+    const char *digits = at + (small ? strlen("⁻") : 0);
+    int power = 0;
+    bool any = false;
+    for (int d = 0; d < 10; d++)
+        if (strncmp(digits, superscript[d], strlen(superscript[d])) == 0) {
+            power = 10 * power + d;
+            digits += strlen(superscript[d]);
+            any = true;
+            d = -1;
+        }
+    return (minus ? -1 : 1) * (any ? value * pow(10, small ? -power : power) : 10);
+}
+
 /* The next text or path, and of a path its points; false at the end. */
 static inline bool svg_next(const char *svg, const char **at, struct svg_element *out,
                             struct svg_path *path)

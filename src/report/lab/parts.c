@@ -283,11 +283,13 @@ static bool write_figure(struct report *report, const struct figure_request *req
     const char *kind = plot_row(request->kind)->row.name;
     char picture_file[64], text_file[64];
     struct buffer text = {0}, picture = {0};
+    struct figure untitled = *figure; /* the caption says it */
+    untitled.title = NULL;
     snprintf(picture_file, sizeof picture_file, "figure-%02d-%s.svg", report->figures, kind);
     snprintf(text_file, sizeof text_file, "figure-%02d-%s.txt", report->figures, kind);
     bool ok = figure_print(figure, TEXT_WIDTH, TEXT_HEIGHT, CHARSET_ASCII, false, &text) ||
               error_memory(error);
-    ok = ok && figure_picture(figure, PICTURE_SVG, 0, 0, &picture, error) &&
+    ok = ok && figure_picture(&untitled, PICTURE_SVG, 0, 0, &picture, error) &&
          report_put(report, picture_file, &picture, error) &&
          report_put(report, text_file, &text, error);
     document_figure(&report->document, picture_file, kind, buffer_text(&text));

@@ -70,24 +70,24 @@ static bool are_marks(const struct svg_path *path)
     return true;
 }
 
-/* "y - 2.2 cm [1e-3 cm]": the unit with its power, and the offset in it. */
+/* "y − 2.2 cm [10⁻³ cm]": the unit with its power, and the offset in it. */
 static void read_title(const char *title, struct read_axis *axis)
 {
     static const struct {
         const char *name;
         double value;
-    } units[] = {{"m", 1},     {"cm", 1e-2},   {"mm", 1e-3},   {"um", 1e-6},
-                 {"nm", 1e-9}, {"s", 1},       {"ms", 1e-3},   {"J", 1},
-                 {"mJ", 1e-3}, {"uJ", 1e-6},   {"nJ", 1e-9},   {"kJ", 1e3},
-                 {"m/s", 1},   {"cm/s", 1e-2}, {"mm/s", 1e-3}, {"um/s", 1e-6}};
+    } units[] = {{"m", 1},     {"cm", 1e-2},     {"mm", 1e-3},     {"µm", 1e-6},
+                 {"nm", 1e-9}, {"s", 1},         {"ms", 1e-3},     {"J", 1},
+                 {"mJ", 1e-3}, {"µJ", 1e-6},     {"nJ", 1e-9},     {"kJ", 1e3},
+                 {"m·s⁻¹", 1}, {"cm·s⁻¹", 1e-2}, {"mm·s⁻¹", 1e-3}, {"µm·s⁻¹", 1e-6}};
     const char *bracket = strrchr(title, '['), *unit = bracket ? bracket + 1 : "";
     double power = 1;
     axis->unit = 1;
     axis->offset = 0;
-    if (strncmp(unit, "1e", 2) == 0) {
-        char *after;
-        power = strtod(unit, &after);
-        unit = after + (*after == ' ');
+    if (strncmp(unit, "10", 2) == 0) {
+        power = svg_value(unit);
+        unit += strcspn(unit, " ]");
+        unit += *unit == ' ';
     }
     bool known = !bracket;
     for (size_t i = 0; i < COUNT_OF(units); i++)
@@ -99,9 +99,10 @@ static void read_title(const char *title, struct read_axis *axis)
     /* not read */
     if (!known)
         axis->n = 0;
-    for (const char *at = title; (at = strpbrk(at + 1, "-+")) && (!bracket || at < bracket);)
-        if (at[-1] == ' ' && at[1] == ' ')
-            axis->offset = strtod(at + 2, NULL) * (*at == '-' ? 1 : -1) / power;
+    const char *minus = strstr(title, " − "), *plus = strstr(title, " + ");
+    if (minus || plus)
+        axis->offset =
+            strtod(minus ? minus + strlen(" − ") : plus + 3, NULL) * (minus ? 1 : -1) / power;
 }
 
 static void add_tick(struct read_axis *axis, double at, const char *label)
@@ -109,7 +110,24 @@ static void add_tick(struct read_axis *axis, double at, const char *label)
     if (axis->n == TICKS_MAX)
         return;
     axis->at[axis->n] = at;
-    axis->value[axis->n++] = strtod(label, NULL);
+    axis->value[axis->n++] = svg_value(label);
+}
+
+/* The labels in the middle stand where logarithms put them; of two, both are powers of ten. */
+static bool is_log(const struct read_axis *axis)
+{
+    struct read_axis log = *axis;
+    const int last = axis->n - 1, middle = axis->n / 2;
+    double reach;
+    if (axis->n < 2 || !(axis->value[0] > 0) || !(axis->value[last] > 0) || axis->offset != 0)
+        return false;
+    const double decades = log10(axis->value[last] / axis->value[0]);
+    if (last == 1)
+        return fabs(decades) > 0.5 && fabs(decades - round(decades)) < 1e-6;
+    log.log = true;
+    const double value = axis->value[middle] * axis->unit;
+    return fabs(read_place(&log, value, &reach) - axis->at[middle]) <
+           fabs(read_place(axis, value, &reach) - axis->at[middle]);
 }
 
 /* Everything between two frames of a file: grid and curves, then the frame, then ticks and titles.
@@ -157,10 +175,13 @@ static void read_sheet(const char *svg, struct sheet *sheet)
             const bool vertical = path.y[0] == path.y[1];
             struct read_axis *axis = vertical ? &panel->y : &panel->x;
             const double length = fabs(vertical ? path.x[1] - path.x[0] : path.y[1] - path.y[0]);
-            axis->log |= length < 3; /* ticks between decades are half as long */
             tick = length < 3 ? NULL : axis;
             at_tick = vertical ? path.y[0] : path.x[0];
         }
+    }
+    for (int i = 0; i < sheet->panels; i++) {
+        sheet->panel[i].x.log = is_log(&sheet->panel[i].x);
+        sheet->panel[i].y.log = is_log(&sheet->panel[i].y);
     }
     for (int i = sheet->panels - 2; i >= 0; i--)
         if (sheet->panel[i].x.n == 0) /* labels of a common axis stand below the lower panel */

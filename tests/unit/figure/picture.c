@@ -211,7 +211,7 @@ static void test_says_what_the_text_figure_says(void **state)
 {
     static const char *const texts[] = {"position", "verlet", "euler", "data <&>\\x1b",
                                         "y [cm]",   "t [s]",  "0",     "6",
-                                        "-6",       "-2",     "10",    "equal axes"};
+                                        "−6",       "−2",     "10",    "equal axes"};
     struct drawing s;
     struct buffer out = {0};
     (void)state;
