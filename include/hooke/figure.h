@@ -209,6 +209,9 @@ extern const struct catalog picture_catalog;
 
 #define PICTURE_WIDTH 640 /* [pt] 1/72 inch: with the height below about A5 */
 #define PICTURE_HEIGHT 400
+#define PICTURE_MIN 0.03 /* [m] a side of a page, as users choose it */
+#define PICTURE_MAX 1.0
+#define POINTS_PER_METRE (72 / 0.0254)
 /* [cell] of a text figure that shows as much: for callers that choose what is drawn */
 #define PICTURE_COLUMNS 250
 

@@ -57,7 +57,7 @@ struct argument {
     int group;        /* those of the same group (not 0) exclude each other */
 };
 
-#define ARGUMENTS_MAX 16
+#define ARGUMENTS_MAX 24
 
 struct parser;
 struct item;

@@ -249,6 +249,63 @@ void spectrum_report(const struct figure_peaks *peaks, int curves, struct reply 
     }
 }
 
+/* Words of the user's in place of those that the figure has. */
+static bool choose_words(const struct arguments *args, struct figure *figure, struct error *error)
+{
+    const struct argument_value *title = argument_value(args, "title"),
+                                *x = argument_value(args, "xlabel"),
+                                *y = argument_value(args, "ylabel"),
+                                *label = argument_value(args, "label");
+    struct curve *curve = arena_array(args->arena, (size_t)figure->curves + 1, sizeof *curve);
+    struct axis *second = arena_array(args->arena, 2, sizeof *second);
+    if (!curve || !second)
+        return error_memory(error);
+    if (label->count > figure->curves)
+        return error_at(error, label->where, "the figure has %d curve%s, got %d labels",
+                        figure->curves, figure->curves == 1 ? "" : "s", label->count);
+    if (label->count) {
+        memcpy(curve, figure->curve, (size_t)figure->curves * sizeof *curve);
+        figure->curve = curve;
+    }
+    if (figure->second && (x->count || y->count)) {
+        memcpy(second, figure->second, 2 * sizeof *second);
+        figure->second = second;
+    }
+    bool ok = true;
+    const struct {
+        const struct argument_value *value;
+        const char **to, **also;
+    } words[] = {{title, &figure->title, NULL},
+                 {x, &figure->x.label, &second[0].label},
+                 {y, &figure->y.label, &second[1].label}};
+    for (size_t i = 0; i < COUNT_OF(words); i++) {
+        if (!words[i].value->count)
+            continue;
+        *words[i].to = arena_text(args->arena, words[i].value->item->text);
+        if (words[i].also)
+            *words[i].also = *words[i].to;
+        ok &= *words[i].to != NULL;
+    }
+    for (int i = 0; i < label->count; i++) {
+        curve[i].label = arena_text(args->arena, label->item[i].text);
+        ok &= curve[i].label != NULL;
+    }
+    figure->grid = has_argument(args, "grid");
+    return ok || error_memory(error);
+}
+
+/* What only a picture has: its size, a grid. */
+static bool refuse_in_text(const struct arguments *args, struct error *error)
+{
+    static const char *const names[] = {"size", "grid"};
+    for (size_t i = 0; i < COUNT_OF(names); i++)
+        if (argument_value(args, names[i])->count) {
+            error_at(error, argument_value(args, names[i])->where, "%s is for a picture", names[i]);
+            return error_hint(error, "for example: plot position size=12x8 --grid > figure.svg");
+        }
+    return true;
+}
+
 HANDLER(plot)
 {
     const struct argument_value *window = argument_value(args, "window"),
@@ -266,6 +323,8 @@ HANDLER(plot)
     if (!choose_kind(args, &request, error))
         return false;
     if (file->count && !choose_picture(file->item->text, request.kind, &as_text, &picture, error))
+        return false;
+    if (as_text && !refuse_in_text(args, error))
         return false;
     session_size(session, &width, &height);
     const bool in_log = session->front.watched && !file->count;
@@ -294,7 +353,13 @@ HANDLER(plot)
             error->where = window->where;
         return false;
     }
+    if (!choose_words(args, &figure, error))
+        return false;
     if (file->count) {
+        const struct argument_value *size = argument_value(args, "size");
+        double page[2] = {0, 0};
+        for (int i = 0; i < 2 && size->count; i++)
+            page[i] = size->item->range[i] * POINTS_PER_METRE;
         struct buffer content = {0};
         bool ok = as_text || !plot_row(request.kind)->study ||
                   label_methods(session->precision, args->arena, &figure, error);
@@ -302,7 +367,7 @@ HANDLER(plot)
             ok = figure_print(&figure, width, height, request.charset, false, &content) ||
                  error_memory(error);
         else if (ok)
-            ok = figure_picture(&figure, picture, 0, 0, &content, error);
+            ok = figure_picture(&figure, picture, page[0], page[1], &content, error);
         ok = ok && write_file(session, args, &content, reply, error);
         if (ok)
             spectrum_report(&peaks, request.runs + (request.recording >= 0), reply);
@@ -361,13 +426,23 @@ COMMAND(
         "energy that\n"
         "hardly varies is drawn from zero otherwise. A file that ends in .svg, .pdf or .png "
         "becomes a picture,\n"
-        "one in .txt holds the text. --band draws a run of what 'adopt' took with the 95 % band "
+        "one in .txt holds the text. size=12x8 is a picture's page in cm (22.6x14.1 unless told), "
+        "text "
+        "and lines\n"
+        "go with it; --grid adds lines at its ticks. title=, xlabel=, ylabel= and label=A,B, for "
+        "the "
+        "curves in turn,\n"
+        "are words in place of those that are drawn (title=\"\": none); names of Greek letters are "
+        "letters in a\n"
+        "picture, the unit stays behind the label. --band draws a run of what 'adopt' took with "
+        "the 95 % band "
         "of\n"
         "that fit's uncertainty, to first order in its parameters, of position or velocity; it is\n"
         "computed only then. 'set band on' shows it in panes, 'export FILE --band' writes it.",
     .examples =
         "compare euler symplectic-euler; plot energy run all y=0:40mJ; plot momentum against y\n"
-        "load bare.txt; m = 200 g; fit drag; adopt; run; plot position --band",
+        "load bare.txt; m = 200 g; fit drag; adopt; run; plot position --band size=12x8 title=\"\" "
+        "> band.svg",
     .see = "set export measure", .flags = COMMAND_ANYTIME,
     ARGUMENTS(PLACE("WHAT", TYPE_COLUMN, .flags = ARG_REQUIRED | ARG_MANY | ARG_OF,
                     .choices = &plot_catalog),
@@ -378,4 +453,6 @@ COMMAND(
               KEY("x", TYPE_RANGE, .quantity = QUANTITY_OTHER),
               KEY("y", TYPE_RANGE, .quantity = QUANTITY_OTHER), OPTION("full", TYPE_NONE),
               OPTION("log", TYPE_NONE), OPTION("band", TYPE_NONE), OPTION("next", TYPE_NONE),
-              WORD(">", TYPE_FILE), OPTION("force", TYPE_NONE)))
+              KEY("size", TYPE_SIZE), KEY("title", TYPE_TEXT), KEY("xlabel", TYPE_TEXT),
+              KEY("ylabel", TYPE_TEXT), KEY("label", TYPE_TEXT, .flags = ARG_MANY),
+              OPTION("grid", TYPE_NONE), WORD(">", TYPE_FILE), OPTION("force", TYPE_NONE)))
