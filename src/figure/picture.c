@@ -333,7 +333,7 @@ static void draw_panel(struct page *page)
 {
     const struct picture_style *style = &page->style;
     const struct figure *figure = page->figure;
-    double zero = fraction_of(&page->layout.y, 0), point[2];
+    double zero = fraction_of(&page->layout.y, 0);
 
     for (int vertical = 0; vertical < 2 && figure->grid; vertical++)
         draw_grid(page, vertical);
@@ -342,13 +342,6 @@ static void draw_panel(struct page *page)
         draw_straight(page, page->left, at, page->right, at, style_gray, style->zero_line);
     }
     page_curves(page);
-    point[0] = figure->has_point ? fraction_of(&page->layout.x, figure->point[0]) : NAN;
-    point[1] = figure->has_point ? fraction_of(&page->layout.y, figure->point[1]) : NAN;
-    if (point[0] >= 0 && point[0] <= 1 && point[1] >= 0 && point[1] <= 1) {
-        surface_circle(page->surface, page_x(page, figure->point[0]),
-                       page_y(page, figure->point[1]), style->point);
-        surface_paint(page->surface, &(struct brush){.color = style_black, .fill = true});
-    }
     surface_box(page->surface, page->left, page->top, page->right, page->bottom);
     surface_paint(page->surface, &(struct brush){.color = style_black, .width = style->frame_line});
     draw_ticks(page, false);
@@ -379,10 +372,10 @@ static bool draw_sheet(struct picture_sheet *sheet, struct arena *arena)
     heading.bottom = page->bottom;
     draw_heading(&heading, page->height / 3, true);
     for (int i = 0; i < sheet->parts && drawn; i++) {
-        page[i].ink = arena_alloc(arena, page_ink_size(&page[i], GRAINS));
-        drawn = page[i].ink != NULL;
+        drawn = page_trace(&page[i], arena);
         if (drawn)
             draw_panel(&page[i]);
+        page_free_paths(&page[i]);
     }
     page_text(&heading, 1.5 * style->edge, foot - style->font / 3, 0, style_gray,
               symbols(page, put_number_symbols, buffer_view(&note)));

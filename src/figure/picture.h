@@ -4,7 +4,7 @@
 #ifndef HOOKE_FIGURE_PICTURE_H
 #define HOOKE_FIGURE_PICTURE_H
 
-#include "figure/internal.h"
+#include "figure/path.h"
 #include "figure/surface.h"
 
 struct page {
@@ -18,28 +18,25 @@ struct page {
     bool x_labels;                     /* below the plot */
     double gutter; /* least width of the y labels: panels over each other are aligned */
     double left, top, right, bottom; /* of the plot */
-    uint8_t *ink; /* scratch: which grains of the plot a curve has passed through */
-    int grains;   /* along a point: GRAINS, or a half or a quarter of it */
+    struct path *path;               /* [curves] of those of this panel */
 };
 
-#define GRAINS 4
-
-/* [byte] that `ink` needs for the plot, with so many grains along a point. */
-size_t page_ink_size(const struct page *page, int grains);
-void page_ink_clear(struct page *page, int grains);
-/* Whether a line in the plot passes where there was no ink; then there is. */
-bool page_ink_line(const struct page *page, double x0, double y0, double x1, double y1);
-/* Makes the path of a curve that of the surface; NAN is a gap. */
-void page_path(struct page *page, const struct curve *curve);
+static inline struct plot_area page_area(const struct page *page)
+{
+    return (struct plot_area){&page->layout.x, &page->layout.y, page->left,
+                              page->top,       page->right,     page->bottom};
+}
 
 static inline double page_x(const struct page *page, double x)
 {
-    return page->left + fraction_of(&page->layout.x, x) * (page->right - page->left);
+    const struct plot_area area = page_area(page);
+    return plot_x(&area, x);
 }
 
 static inline double page_y(const struct page *page, double y)
 {
-    return page->bottom - fraction_of(&page->layout.y, y) * (page->bottom - page->top);
+    const struct plot_area area = page_area(page);
+    return plot_y(&area, y);
 }
 
 /* Text of the usual size whose middle is at height y; `align` as of surface_text. Returns the
@@ -61,6 +58,9 @@ static inline double page_text_width(const struct page *page, const char *text)
     return surface_text_width(page->surface, page->style.font, text);
 }
 
+/* Fills in `path`, from `arena`; page_free_paths frees what they hold. False: no memory. */
+bool page_trace(struct page *page, struct arena *arena);
+void page_free_paths(struct page *page);
 void page_curves(struct page *page);
 /* What stands for a curve in the legend, its middle at height y. Returns its width; only that
  * unless `draw`. */

@@ -3,7 +3,10 @@
  * leaves. */
 #include "figure/picture.h"
 
-#define DOTS 20000 /* of dense data: more of them are drawn as larger squares */
+#include <string.h>
+
+#define CORNERS 18000 /* that all curves have together: 9 bytes of an SVG each */
+#define CORNERS_LEAST 1000
 #define SPARSE 150 /* points that still get a shape */
 #define MARKS 9    /* along a line */
 
@@ -72,14 +75,70 @@ static void add_shape(const struct page *page, size_t shape, double x, double y)
         surface_close(page->surface);
 }
 
+/* Data that lines can be seen on. */
+static double dot_size(const struct page *page)
+{
+    return line_count(page->figure) ? page->style.dot_below : page->style.dot;
+}
+
 /* Paints the marks that were added: those of a line are full. */
 static void paint_points(const struct page *page, int index, bool dense)
 {
-    const struct picture_style *style = &page->style;
-    const double dot = line_count(page->figure) ? 1.7 * style->dot : 1.1 * style->dot;
+    const double width = dense ? dot_size(page) : page->style.mark_line;
     surface_paint(page->surface, &(struct brush){.color = color_of(index),
-                                                 .width = dense ? dot : style->mark_line,
+                                                 .width = width,
                                                  .fill = !page->figure->curve[index].points});
+}
+
+/* ---- paths ---- */
+
+/* With up to so many corners. */
+static bool trace(const struct page *page, int index, double corners)
+{
+    const struct curve *curve = &page->figure->curve[index];
+    const struct plot_area area = page_area(page);
+    const struct pen pen = {curve->points ? dot_size(page) : page->style.thin_line,
+                            (size_t)fmax(corners, CORNERS_LEAST)};
+    path_free(&page->path[index]);
+    page->path[index] = (struct path){0};
+    return (curve->points ? path_of_dots : path_of_line)(curve, &area, &pen, &page->path[index]);
+}
+
+bool page_trace(struct page *page, struct arena *arena)
+{
+    const struct figure *figure = page->figure;
+    const size_t n = (size_t)figure->curves;
+    size_t corners = 0, most;
+    bool ok = true;
+    page->path = arena_array(arena, n + 1, sizeof *page->path);
+    if (!page->path)
+        return false;
+    memset(page->path, 0, (n + 1) * sizeof *page->path);
+    for (int i = 0; i < figure->curves && ok; i++) {
+        ok = !curve_drawn(figure, i) || trace(page, i, CORNERS);
+        corners += path_count(&page->path[i]);
+    }
+    most = CORNERS / (n + 1);
+    for (int i = 0; i < figure->curves && ok && corners > CORNERS; i++)
+        ok = path_count(&page->path[i]) <= most || trace(page, i, (double)most);
+    return ok;
+}
+
+void page_free_paths(struct page *page)
+{
+    for (int i = 0; i < page->figure->curves && page->path; i++)
+        path_free(&page->path[i]);
+}
+
+static void add_path(const struct page *page, const struct path *path)
+{
+    const struct corner *corner = path_corners(path);
+    const size_t n = path_count(path);
+    for (size_t i = 0; i < n; i++) {
+        (corner[i].begins ? surface_move : surface_line)(page->surface, corner[i].x, corner[i].y);
+        if (path->region && (i + 1 == n || corner[i + 1].begins))
+            surface_close(page->surface);
+    }
 }
 
 /* ---- lines ---- */
@@ -88,61 +147,79 @@ struct spot {
     double x, y;
 };
 
-/* Places in the plot at equal distances along the path, each curve's between those of the others;
- * returns how many. */
-static int places_along(const struct page *page, int curve, double every, struct spot *place,
-                        int max)
+static bool put_spot(const struct page *page, double x, double y, struct spot *spot)
 {
-    const struct path_point *path = page->surface->path;
-    double length = 0,
-           next = every * (0.5 + (double)kind_of(page->figure, curve) / page->figure->curves);
+    *spot = (struct spot){x, y};
+    return x >= page->left && x <= page->right && y >= page->top && y <= page->bottom;
+}
+
+/* The first of such steps: each curve's lie between those of the others. */
+static double first_step(const struct page *page, int curve)
+{
+    return 0.5 + (double)kind_of(page->figure, curve) / page->figure->curves;
+}
+
+/* Places in the plot at equal distances along a line. Returns how many. */
+static int places_along(const struct page *page, int curve, struct spot *place, int max)
+{
+    const struct path *path = &page->path[curve];
+    const struct corner *corner = path_corners(path);
+    const double every = fmax(path->length / MARKS, page->style.mark_apart);
+    double length = 0, next = every * first_step(page, curve);
     int n = 0;
-    for (size_t i = 1; i < page->surface->points; i++) {
-        const double dx = path[i].x - path[i - 1].x, dy = path[i].y - path[i - 1].y,
+    for (size_t i = 1; i < path_count(path); i++) {
+        const struct corner *from = &corner[i - 1];
+        const double dx = corner[i].x - from->x, dy = corner[i].y - from->y,
                      distance = hypot(dx, dy);
-        if (path[i].kind != PATH_LINE)
+        if (corner[i].begins)
             continue;
         for (; n < max && next <= length + distance; next += every) {
-            const double part = (next - length) / distance, x = path[i - 1].x + part * dx,
-                         y = path[i - 1].y + part * dy;
-            if (x >= page->left && x <= page->right && y >= page->top && y <= page->bottom)
-                place[n++] = (struct spot){x, y};
+            const double part = (next - length) / distance;
+            n += put_spot(page, from->x + part * dx, from->y + part * dy, &place[n]);
         }
         length += distance;
     }
     return n;
 }
 
-static double path_length(const struct surface *surface)
+/* Of a region: at samples. */
+static int places_inside(const struct page *page, int index, struct spot *place, int max)
 {
-    double length = 0;
-    for (size_t i = 1; i < surface->points; i++)
-        if (surface->path[i].kind == PATH_LINE)
-            length += hypot(surface->path[i].x - surface->path[i - 1].x,
-                            surface->path[i].y - surface->path[i - 1].y);
-    return length;
+    const struct curve *curve = &page->figure->curve[index];
+    const double every = (double)curve->n / MARKS;
+    int n = 0;
+    for (double next = every * first_step(page, index); n < max && next < (double)curve->n;
+         next += every)
+        n += put_spot(page, page_x(page, curve->x[(size_t)next]),
+                      page_y(page, curve->y[(size_t)next]), &place[n]);
+    return n;
 }
 
 static void draw_line(struct page *page, int curve, bool marked)
 {
+    const struct path *path = &page->path[curve];
+    const struct picture_style *style = &page->style;
     struct spot place[MARKS + 1];
-    const double width = page->right - page->left;
-    page_path(page, &page->figure->curve[curve]);
-    const double length = path_length(page->surface);
-    const int marks = marked && length > 0
-                          ? places_along(page, curve, fmax(length / MARKS, page->style.mark_apart),
-                                         place, MARKS + 1)
-                          : 0;
-    /* Many turns need thin lines; a plot that they fill, none thinner than its grains. */
-    const struct brush brush = line_ink(
-        page, curve,
-        length < 40 * width || page->grains == 1 ? page->style.curve_line : page->style.thin_line);
+    /* Many turns need thin lines. */
+    const bool many = path->length > 40 * (page->right - page->left);
+    const struct brush line = line_ink(page, curve, many ? style->thin_line : style->curve_line),
+                       inside = {.color = color_of(curve), .fill = true},
+                       halo = {.color = style_white, .width = 3 * style->mark_line, .fill = true};
+    const int marks =
+        marked ? (path->region ? places_inside : places_along)(page, curve, place, MARKS + 1) : 0;
+
     surface_clip(page->surface, page->left, page->top, page->right, page->bottom);
-    surface_paint(page->surface, &brush);
+    add_path(page, path);
+    surface_paint(page->surface, path->region ? &inside : &line);
     surface_unclip(page->surface);
-    for (int i = 0; i < marks; i++)
-        add_shape(page, kind_of(page->figure, curve), place[i].x, place[i].y);
-    paint_points(page, curve, false);
+    for (int around = path->region; around >= 0; around--) {
+        for (int i = 0; i < marks; i++)
+            add_shape(page, kind_of(page->figure, curve), place[i].x, place[i].y);
+        if (around)
+            surface_paint(page->surface, &halo);
+        else
+            paint_points(page, curve, false);
+    }
 }
 
 /* ---- bands ---- */
@@ -214,7 +291,7 @@ static bool is_dense(const struct page *page, const struct curve *curve)
 {
     size_t inside = 0;
     double x, y;
-    for (size_t i = 0; i < curve->n && inside <= SPARSE; i++)
+    for (size_t i = 0; i < curve->n && inside <= SPARSE && !has_letter(curve); i++)
         inside += point_position(page, curve, i, &x, &y);
     return inside > SPARSE;
 }
@@ -224,41 +301,32 @@ static void put_letter(const struct page *page, int curve, double x, double y)
     page_text(page, x, y, 0.5, color_of(curve), (char[]){page->figure->curve[curve].mark, '\0'});
 }
 
-/* Points as a path of shapes, or of lines without length that their round ends turn into dots: one
- * for each square of that size. Returns how many. */
-static long add_points(struct page *page, int index, bool dense, double square)
-{
-    const struct curve *curve = &page->figure->curve[index];
-    double x, y;
-    long points = 0;
-
-    surface_new_path(page->surface);
-    page_ink_clear(page, 1);
-    for (size_t i = 0; i < curve->n; i++) {
-        if (!point_position(page, curve, i, &x, &y))
-            continue;
-        double column = page->left + floor((x - page->left) / square) * square,
-               row = page->top + floor((y - page->top) / square) * square;
-        if (dense && !page_ink_line(page, column, row, column, row))
-            continue;
-        points++;
-        if (has_letter(curve)) {
-            put_letter(page, index, x, y);
-        } else if (dense) {
-            surface_move(page->surface, x, y);
-            surface_line(page->surface, x, y);
-        } else {
-            add_shape(page, kind_of(page->figure, index), x, y);
-        }
-    }
-    return points;
-}
-
+/* Points as shapes or letters; dense ones as dots, that round ends turn lines without length into.
+ */
 static void draw_points(struct page *page, int index, bool dense)
 {
-    const double dot = page->style.dot;
-    if (add_points(page, index, dense, dot) > DOTS && !has_letter(&page->figure->curve[index]))
-        add_points(page, index, dense, 1.5 * dot);
+    const struct curve *curve = &page->figure->curve[index];
+    const struct path *path = &page->path[index];
+    const struct corner *corner = path_corners(path);
+    double x, y;
+
+    if (dense && path->region) {
+        add_path(page, path);
+        surface_paint(page->surface, &(struct brush){.color = color_of(index), .fill = true});
+        return;
+    }
+    for (size_t i = 0; dense && i < path_count(path); i++) {
+        surface_move(page->surface, corner[i].x, corner[i].y);
+        surface_line(page->surface, corner[i].x, corner[i].y);
+    }
+    for (size_t i = 0; !dense && i < curve->n; i++) {
+        if (!point_position(page, curve, i, &x, &y))
+            continue;
+        if (has_letter(curve))
+            put_letter(page, index, x, y);
+        else
+            add_shape(page, kind_of(page->figure, index), x, y);
+    }
     paint_points(page, index, dense);
 }
 

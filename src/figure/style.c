@@ -6,8 +6,8 @@
 
 #include <math.h>
 
-const double style_black[3] = {0, 0, 0}, style_gray[3] = {0.35, 0.35, 0.35},
-             style_grid[3] = {0.85, 0.85, 0.85};
+const double style_black[3] = {0, 0, 0}, style_white[3] = {1, 1, 1},
+             style_gray[3] = {0.35, 0.35, 0.35}, style_grid[3] = {0.85, 0.85, 0.85};
 
 /* Okabe and Ito, Color Universal Design (2008); without the yellow, which paper swallows. */
 const double style_palette[][3] = {

@@ -28,7 +28,8 @@
     X(mark, 2.6, "radius of a mark")                                                               \
     X(mark_line, 0.9, "outline of a mark")                                                         \
     X(mark_apart, 12, "from one mark on a line to the next, at least")                             \
-    X(dot, 2, "of dense data there is one for each such square, or for a larger one")              \
+    X(dot, 2.2, "of dense data")                                                                   \
+    X(dot_below, 3.4, "likewise, with a line above")                                               \
     X(sample, 30, "of a line in the legend")                                                       \
     X(mark_sample, 12, "of a mark in the legend")                                                  \
     X(sample_gap, 5, "from it to its name")                                                        \
@@ -36,7 +37,6 @@
     X(entry_gap, 16, "between entries of the legend")                                              \
     X(arrow, 9, "where a run leaves the frame: length")                                            \
     X(arrow_half, 4.5, "half its width")                                                           \
-    X(point, 3, "radius of the present state")                                                     \
     X(dash, 1, "unit of dashes")
 
 struct picture_style {
@@ -52,7 +52,7 @@ struct picture_style {
 struct picture_style picture_style(double width, double height);
 
 /* red, green, blue of 0..1 */
-extern const double style_black[3], style_gray[3], style_grid[3];
+extern const double style_black[3], style_white[3], style_gray[3], style_grid[3];
 /* Colours of curves, told apart by colour-blind readers. */
 extern const double style_palette[][3];
 extern const size_t style_palette_count;

@@ -88,6 +88,9 @@ static void put_point(struct path_writer *state, const struct path_point *point)
         state->start[0] = x;
         state->start[1] = y;
         state->command = '\0'; /* what follows without a letter would be a line */
+    } else if (point->kind == PATH_LINE && x == state->x && y == state->y) { /* a dot */
+        buffer_put(state->out, TEXT("h0"));
+        state->command = 'h';
     } else if (point->kind == PATH_LINE) {
         put_pair(state, 'l', x - state->x, y - state->y);
     } else if (point->kind == PATH_CIRCLE) {

@@ -49,7 +49,7 @@ static inline void svg_read_path(const char *d, struct svg_path *path)
     char command = 0;
     *path = (struct svg_path){.n = 0, .circles = 0};
     for (char *at = (char *)(uintptr_t)d; *at != '"';) {
-        if (strchr("Mlaz", *at)) {
+        if (strchr("Mlhaz", *at)) {
             command = *at++;
             path->closed |= command == 'z';
             continue;
@@ -58,7 +58,7 @@ static inline void svg_read_path(const char *d, struct svg_path *path)
             at++;
             continue;
         }
-        const int want = command == 'a' ? 7 : 2;
+        const int want = command == 'a' ? 7 : command == 'h' ? 1 : 2;
         for (int i = 0; i < want; i++) {
             char *after;
             number[i] = strtod(at, &after);
@@ -72,12 +72,12 @@ static inline void svg_read_path(const char *d, struct svg_path *path)
             }
             continue;
         }
-        x = number[0] + (command == 'l' ? x : 0);
-        y = number[1] + (command == 'l' ? y : 0);
+        x = number[0] + (command != 'M' ? x : 0);
+        y = command == 'h' ? y : number[1] + (command != 'M' ? y : 0);
         assert_true(path->n < SVG_POINTS);
         path->x[path->n] = x;
         path->y[path->n] = y;
-        path->joined[path->n++] = command == 'l';
+        path->joined[path->n++] = command != 'M';
     }
 }
 

@@ -19,13 +19,13 @@
 #include "plot/figure/drawing.h"
 
 #define POINTS 60000
-/* [pt] a point of a path to the samples: ends of coarse lines are rounded to 1/8 */
-#define NEAR 0.5
-/* [pt] a sample to a mark: of dense data there is one for each square of 2 or 3 pt */
-#define MARKED 3
-/* [pt] a sample to the path: what passes where ink is already is left out, in grains of up to 1
- * pt */
-#define INK 1.2
+/* [pt] a point of a path to the samples */
+#define NEAR 0.1
+/* [pt] a sample to a mark: of dense data there is one for each eighth of a point */
+#define MARKED 0.2
+/* [pt] a sample to the path: what passes beside ink is left out, in grains of a twelfth of a point
+ */
+#define INK 0.225
 
 /* ---- axes and paths ---- */
 
