@@ -131,6 +131,7 @@ static int run(const struct options *options)
                           .progress = isatty(STDERR_FILENO) ? progress_print : NULL};
     front_probe(&front, options, STDOUT_FILENO);
     screenshot_offer(&front);
+    pixels_offer(&front, &streams);
     struct session *session = session_create(&front);
     if (!session) {
         fputs("hooke: error: out of memory\n", stderr);

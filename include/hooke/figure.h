@@ -202,7 +202,8 @@ bool heat_print(const struct heat *heat, int width, int height, enum charset cha
 
 /* ---- pictures ---- */
 
-enum picture { PICTURE_SVG, PICTURE_PDF, PICTURE_PNG };
+/* What comes behind PICTURE_PNG is for terminals: no file ends in it. */
+enum picture { PICTURE_SVG, PICTURE_PDF, PICTURE_PNG, PICTURE_SIXEL };
 
 /* struct row at the enum's place; the names are what files end in */
 extern const struct catalog picture_catalog;
@@ -216,12 +217,12 @@ extern const struct catalog picture_catalog;
 #define PICTURE_COLUMNS 250
 
 /*
- * Appends the figure as a picture file of width x height points (0: the sizes above; PNG: 2 pixels
- * a point), with the ranges, ticks, units and legend that figure_draw would choose for that room.
- * Curves are told apart by dashes and marks as well as by colour. Of long curves only what can be
- * seen is kept (a quarter of a point, or one where they fill the plot). The same figure gives the
- * same picture. Draws through cairo, which is loaded for it; ERROR_COMMAND where it is not there.
- * After false `out` is not to be used.
+ * Appends the figure as a picture file of width x height points (0: the sizes above; PNG and sixel:
+ * 2 pixels a point), with the ranges, ticks, units and legend that figure_draw would choose for
+ * that room. Curves are told apart by dashes and marks as well as by colour. Of long curves only
+ * what can be seen is kept (a quarter of a point, or one where they fill the plot). The same figure
+ * gives the same picture. Draws through cairo, which is loaded for it; ERROR_COMMAND where it is
+ * not there. After false `out` is not to be used.
  */
 bool figure_picture(const struct figure *figure, enum picture kind, double width, double height,
                     struct buffer *out, struct error *error);

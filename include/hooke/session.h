@@ -187,6 +187,10 @@ struct front {
                    struct error *error);
     /* [s] from, to of the time axis on that screen; false: it has none. */
     bool (*time_shown)(void *context, const struct session *session, double span[2]);
+    /* Shows a figure as pixels, width x height cells; figure NULL: only asks whether that can be.
+     * False: it cannot, for the reason in `error`. NULL: never here. */
+    bool (*pixels)(const struct front *front, const struct figure *figure, int width, int height,
+                   struct error *error);
     /* Changes of the front end itself; false: not possible here, with the reason. */
     bool (*change)(void *context, enum front_change change, struct error *error);
 };

@@ -56,8 +56,8 @@ static bool through_cairo(const struct figure *figure, enum picture kind, double
                           double height, struct buffer *out, struct error *error)
 {
     (void)figure, (void)width, (void)height, (void)out;
-    error_set(error, ERROR_COMMAND, "this hooke was built without cairo, which draws %s files",
-              picture_rows[kind].name);
+    error_set(error, ERROR_COMMAND, "this hooke was built without cairo, which draws %s",
+              kind == PICTURE_PDF ? "pdf files" : "pixels");
     return error_hint(
         error, "install libcairo2-dev and build it again, or write a picture into a file that ends "
                "in .svg");

@@ -20,6 +20,9 @@
     X(pdf_surface_create_for_stream)                                                               \
     X(pdf_surface_set_metadata)                                                                    \
     X(image_surface_create)                                                                        \
+    X(image_surface_get_data)                                                                      \
+    X(image_surface_get_stride)                                                                    \
+    X(surface_flush)                                                                               \
     X(surface_write_to_png_stream)                                                                 \
     X(surface_finish)                                                                              \
     X(surface_status)                                                                              \
@@ -65,7 +68,7 @@ struct cairo_api {
 bool cairo_load(struct cairo_api *api, const char *library, struct error *error);
 void cairo_unload(struct cairo_api *api);
 
-/* PDF or PNG; a table that is there. */
+/* All but SVG; a table that is there. */
 bool cairo_picture(const struct cairo_api *api, const struct figure *figure, enum picture kind,
                    double width, double height, struct buffer *out, struct error *error);
 #endif

@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Pictures through cairo: PDF pages and PNG pixels. */
 #include "figure/cairo_api.h"
+#include "figure/sixel.h"
 #include "figure/surface.h"
 
 #ifdef HAVE_CAIRO
 
-#define PIXELS 2 /* a point, of a PNG */
+#define PIXELS 2 /* a point, of a PNG and of sixels */
 #define FONT "DejaVu Sans"
 
 struct cairo_surface {
@@ -97,7 +98,7 @@ static cairo_status_t take_bytes(void *out, const unsigned char *data, unsigned 
 static cairo_surface_t *make_surface(const struct cairo_api *api, enum picture kind, double width,
                                      double height, struct buffer *out)
 {
-    if (kind == PICTURE_PNG)
+    if (kind != PICTURE_PDF)
         return api->image_surface_create(CAIRO_FORMAT_RGB24, (int)(PIXELS * width),
                                          (int)(PIXELS * height));
     cairo_surface_t *surface = api->pdf_surface_create_for_stream(take_bytes, out, width, height);
@@ -112,7 +113,7 @@ bool cairo_picture(const struct cairo_api *api, const struct figure *figure, enu
     static const struct surface_kind surface_kind = {paint, clip, put_text, advance};
     cairo_surface_t *surface = make_surface(api, kind, width, height, out);
     struct cairo_surface on = {{.kind = &surface_kind}, api, api->create(surface)};
-    if (kind == PICTURE_PNG)
+    if (kind != PICTURE_PDF)
         api->scale(on.cairo, PIXELS, PIXELS);
     api->set_source_rgb(on.cairo, 1, 1, 1);
     api->paint(on.cairo);
@@ -123,9 +124,14 @@ bool cairo_picture(const struct cairo_api *api, const struct figure *figure, enu
                  api->status(on.cairo) == CAIRO_STATUS_SUCCESS;
     surface_free(&on.surface);
     api->destroy(on.cairo);
-    if (kind == PICTURE_PNG)
-        drawn = drawn &&
-                api->surface_write_to_png_stream(surface, take_bytes, out) == CAIRO_STATUS_SUCCESS;
+    if (drawn && kind == PICTURE_PNG)
+        drawn = api->surface_write_to_png_stream(surface, take_bytes, out) == CAIRO_STATUS_SUCCESS;
+    if (drawn && kind == PICTURE_SIXEL) {
+        api->surface_flush(surface);
+        drawn = sixel_write(api->image_surface_get_data(surface),
+                            (size_t)api->image_surface_get_stride(surface), (int)(PIXELS * width),
+                            (int)(PIXELS * height), out);
+    }
     api->surface_finish(surface);
     drawn = drawn && api->surface_status(surface) == CAIRO_STATUS_SUCCESS && !out->failed;
     api->surface_destroy(surface);

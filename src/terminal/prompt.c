@@ -63,7 +63,10 @@ static int get_key(FILE *stream)
         if (count < 0 || ready[1].revents) {
             heed_signals();
         } else {
-            return rl_getc(stream);
+            const int key = pixels_skip_answer(rl_getc(stream));
+            if (key != PIXELS_NO_KEY) {
+                return key;
+            }
         }
     }
     return EOF;
@@ -162,6 +165,7 @@ static void set_front(struct front_program *program)
     front->clear = clear_screen;
     front->change = change;
     screenshot_offer(front);
+    pixels_offer(front, program->streams);
     front->context = program;
 }
 

@@ -139,6 +139,14 @@ bool screenshot_file(const struct session *session, const struct prompt_line *pr
 /* The callbacks of front ends without a screen. */
 void screenshot_offer(struct front *front);
 
+/* ---- figures as pixels, in terminals that say that they show them (pixels.c)
+ * ---------------------------------------------------- */
+
+void pixels_offer(struct front *front, struct streams *streams);
+/* An answer that came too late is still to come: what was typed is looked through for it. */
+int pixels_skip_answer(int key); /* PIXELS_NO_KEY: this was one */
+#define PIXELS_NO_KEY (-2)
+
 /* ---- progress.c: of what takes long ---- */
 
 bool progress_due(double fraction, bool *over);

@@ -306,6 +306,22 @@ static bool refuse_in_text(const struct arguments *args, struct error *error)
     return true;
 }
 
+/* Asked for pixels: can they be shown? If not, the figure is drawn in text, and why is said. */
+static bool shows_pixels(const struct session *session, const struct arguments *args,
+                         struct reply *reply)
+{
+    struct error error = {0};
+    const struct front *front = &session->front;
+    if (!has_argument(args, "pixels") || reply->format != FORMAT_TEXT)
+        return false;
+    if (!front->pixels)
+        error_set(&error, ERROR_COMMAND, "pixels are not shown among panes; 'plain' leaves them");
+    else if (front->pixels(front, NULL, 0, 0, &error))
+        return true;
+    reply_note(reply, "%s%s%s", error.text, *error.hint ? "; " : "", error.hint);
+    return false;
+}
+
 HANDLER(plot)
 {
     const struct argument_value *window = argument_value(args, "window"),
@@ -330,6 +346,8 @@ HANDLER(plot)
     const bool in_log = session->front.watched && !file->count;
     if (in_log && !session->setup.settings.height)
         height = height > MIN_ROWS + OTHER_ROWS ? height - OTHER_ROWS : MIN_ROWS;
+    const bool pixels = !file->count && shows_pixels(session, args, reply);
+    as_text = as_text && !pixels;
     request.width = as_text ? width : PICTURE_COLUMNS;
     request.charset = as_text ? request.charset : CHARSET_BRAILLE;
     request.peaks = &peaks;
@@ -380,11 +398,16 @@ HANDLER(plot)
                        (session->setup.settings.color == COLOR_AUTO && session->front.color &&
                         !session->front.watched);
     struct buffer text = {0};
-    const bool ok = figure_print(&figure, width, height, request.charset,
-                                 color && reply->format == FORMAT_TEXT, &text);
-    if (ok && plot_row(request.kind)->study)
+    const bool ok = pixels
+                        ? (!plot_row(request.kind)->study ||
+                           label_methods(session->precision, args->arena, &figure, error)) &&
+                              session->front.pixels(&session->front, &figure, width, height, error)
+                        : figure_print(&figure, width, height, request.charset,
+                                       color && reply->format == FORMAT_TEXT, &text) ||
+                              error_memory(error);
+    if (ok && !pixels && plot_row(request.kind)->study)
         precision_legend(session->precision, width, &text);
-    if (ok)
+    if (ok && !pixels)
         reply_text(reply, buffer_text(&text));
     buffer_free(&text);
     if (ok)
@@ -393,7 +416,7 @@ HANDLER(plot)
         report_band(&figure, reply);
     if (ok && in_log)
         reply_where(session, &request, reply);
-    return ok || error_memory(error);
+    return ok;
 }
 #endif
 
@@ -438,7 +461,10 @@ COMMAND(
         "the 95 % band "
         "of\n"
         "that fit's uncertainty, to first order in its parameters, of position or velocity; it is\n"
-        "computed only then. 'set band on' shows it in panes, 'export FILE --band' writes it.",
+        "computed only then. 'set band on' shows it in panes, 'export FILE --band' writes it. "
+        "--pixels shows a\n"
+        "picture in terminals that say that they can (kitty, iTerm2, sixel; not among panes), "
+        "text in others.",
     .examples =
         "compare euler symplectic-euler; plot energy run all y=0:40mJ; plot momentum against y\n"
         "load bare.txt; m = 200 g; fit drag; adopt; run; plot position --band size=12x8 title=\"\" "
@@ -453,6 +479,7 @@ COMMAND(
               KEY("x", TYPE_RANGE, .quantity = QUANTITY_OTHER),
               KEY("y", TYPE_RANGE, .quantity = QUANTITY_OTHER), OPTION("full", TYPE_NONE),
               OPTION("log", TYPE_NONE), OPTION("band", TYPE_NONE), OPTION("next", TYPE_NONE),
-              KEY("size", TYPE_SIZE), KEY("title", TYPE_TEXT), KEY("xlabel", TYPE_TEXT),
-              KEY("ylabel", TYPE_TEXT), KEY("label", TYPE_TEXT, .flags = ARG_MANY),
-              OPTION("grid", TYPE_NONE), WORD(">", TYPE_FILE), OPTION("force", TYPE_NONE)))
+              OPTION("pixels", TYPE_NONE), KEY("size", TYPE_SIZE), KEY("title", TYPE_TEXT),
+              KEY("xlabel", TYPE_TEXT), KEY("ylabel", TYPE_TEXT),
+              KEY("label", TYPE_TEXT, .flags = ARG_MANY), OPTION("grid", TYPE_NONE),
+              WORD(">", TYPE_FILE), OPTION("force", TYPE_NONE)))
