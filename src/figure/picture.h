@@ -5,7 +5,7 @@
 #define HOOKE_FIGURE_PICTURE_H
 
 #include "figure/path.h"
-#include "figure/surface.h"
+#include "figure/surface/surface.h"
 
 struct page {
     struct surface *surface;

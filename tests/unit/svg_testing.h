@@ -6,7 +6,7 @@
 #ifndef SVG_TESTING_H
 #define SVG_TESTING_H
 
-#include "figure/surface.h"
+#include "figure/surface/surface.h"
 
 #include <math.h>
 #include <stdio.h>

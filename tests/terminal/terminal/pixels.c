@@ -18,7 +18,7 @@
 #include <unistd.h>
 #include <utmp.h>
 
-#include "figure/sixel.h"
+#include "figure/surface/sixel.h"
 #include "terminal/folder.h"
 
 #include <hooke/figure.h>

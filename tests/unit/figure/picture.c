@@ -7,7 +7,7 @@
 
 #include <cmocka.h>
 
-#include "figure/cairo_api.h"
+#include "figure/surface/cairo_api.h"
 #include "unit/svg_testing.h"
 
 #include <dlfcn.h>

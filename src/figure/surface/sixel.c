@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "figure/sixel.h"
+#include "figure/surface/sixel.h"
 
 #include <stdlib.h>
 #include <string.h>

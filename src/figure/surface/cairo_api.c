@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Pictures as files: their catalog, and the way to cairo. */
-#include "figure/cairo_api.h"
-#include "figure/surface.h"
+#include "figure/surface/cairo_api.h"
+#include "figure/surface/surface.h"
 
 #include <math.h>
 

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Pictures through cairo: PDF pages and PNG pixels. */
-#include "figure/cairo_api.h"
-#include "figure/sixel.h"
-#include "figure/surface.h"
+#include "figure/surface/cairo_api.h"
+#include "figure/surface/sixel.h"
+#include "figure/surface/surface.h"
 
 #ifdef HAVE_CAIRO
 

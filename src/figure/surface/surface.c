@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Paths and texts of a picture, whatever it is drawn on. */
-#include "figure/surface.h"
+#include "figure/surface/surface.h"
 
 #include <stdlib.h>
 

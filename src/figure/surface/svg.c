@@ -3,7 +3,7 @@
  * Pictures as SVG 1.1: text stays text, places are hundredths of a point, relative to the place
  * before (rounded before the difference is taken, so that nothing adds up).
  */
-#include "figure/surface.h"
+#include "figure/surface/surface.h"
 
 #include <math.h>
 #include <stdlib.h>
