@@ -416,9 +416,7 @@ bool path_meets(const struct path *path, double left, double top, double right, 
     for (size_t i = 0; i < n; i++) {
         const bool last = i + 1 == n || corner[i + 1].begins;
         first = corner[i].begins ? i : first;
-        if (last && !path->region)
-            continue;
-        const struct corner *a = &corner[i], *b = &corner[last ? first : i + 1];
+        const struct corner *a = &corner[i], *b = &corner[!last ? i + 1 : path->region ? first : i];
         double from = 0, to = 1;
         cut(a->x, b->x - a->x, left, right, &from, &to);
         cut(a->y, b->y - a->y, top, bottom, &from, &to);

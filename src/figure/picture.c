@@ -14,66 +14,6 @@ static void draw_straight(const struct page *page, double x0, double y0, double 
     surface_paint(page->surface, &(struct brush){.color = color, .width = width});
 }
 
-/* ---- title and legend ---- */
-
-static const char *entry_label(const struct curve *curve, bool band)
-{
-    return band ? (curve->spread ? curve->spread_label : NULL) : curve->label;
-}
-
-/*
- * The title, and after it the legend in as many lines as it needs, but no further down than
- * `limit`: then it says how many are left out. Returns the height at which it ends. Only measures
- * unless `draw`.
- */
-static double draw_heading(struct page *page, double limit, bool draw)
-{
-    const struct figure *figure = page->figure;
-    const struct picture_style *style = &page->style;
-    double start = 1.5 * style->edge, x = start, y = style->edge + style->title / 2,
-           end = page->width - style->edge;
-    int first = 0, hidden = 0;
-
-    if (figure->title && *figure->title) {
-        const struct surface_text title = {.x = x,
-                                           .y = y + 0.36 * style->title,
-                                           .size = style->title,
-                                           .color = style_black,
-                                           .text = figure->title};
-        x += style->entry_gap + (draw ? surface_put_text(page->surface, &title)
-                                      : surface_text_width(page->surface, title.size, title.text));
-    }
-    for (int e = 0; e < 2 * figure->curves; e++) { /* curves, then bands */
-        const int i = e % figure->curves;
-        double (*const put_sample)(struct page *, int, double, double, bool) =
-            e < figure->curves ? page_sample : page_band_sample;
-        const char *label = entry_label(&figure->curve[i], e >= figure->curves);
-        if (!label || !*label)
-            continue;
-        double sample = put_sample(page, i, 0, 0, false) + style->sample_gap,
-               width = sample + page_text_width(page, label);
-        if (first++ && x + width > end && y + style->leading > limit - style->edge) {
-            hidden++;
-            continue;
-        }
-        if (x > start && x + width > end) {
-            x = start;
-            y += style->leading;
-        }
-        if (draw) {
-            put_sample(page, i, x, y, true);
-            page_text(page, x + sample, y, 0, style_black, label);
-        }
-        x += width + style->entry_gap;
-    }
-    if (hidden && draw) {
-        char more[48];
-        snprintf(more, sizeof more, "and %d more", hidden);
-        page_text(page, end, limit - style->font / 2, 1, style_gray, more);
-    }
-    return hidden ? limit + style->edge : y + style->edge + style->font / 2;
-}
-
 /* ---- axes ---- */
 
 static double tick_position(const struct page *page, bool vertical, double shown)
@@ -349,37 +289,66 @@ static void draw_panel(struct page *page)
     draw_axis_titles(page);
 }
 
+/* Divides what is below `top`, notes at the foot left out. */
+static void place(struct picture_sheet *sheet, double top, struct buffer *note)
+{
+    const struct page *page = sheet->page;
+    const char *caption = sheet->figure->caption;
+    const double foot = page->height - page->style.edge;
+    buffer_clear(note);
+    place_panels(sheet, top, foot);
+    put_notes(sheet, note);
+    if (note->len || (caption && *caption))
+        place_panels(sheet, top, foot - page->style.leading);
+}
+
+static bool trace_panels(struct picture_sheet *sheet, struct arena *arena)
+{
+    bool traced = true;
+    for (int i = 0; i < sheet->parts && traced; i++)
+        traced = page_trace(&sheet->page[i], arena);
+    return traced;
+}
+
+static void free_paths(struct picture_sheet *sheet)
+{
+    for (int i = 0; i < sheet->parts; i++)
+        page_free_paths(&sheet->page[i]);
+}
+
+/* The legend stands in the plot where it covers nothing, else above. */
 static bool draw_sheet(struct picture_sheet *sheet, struct arena *arena)
 {
     struct page *page = sheet->page;
     const struct picture_style *style = &page->style;
     struct page heading = *page; /* title and legend are those of all panels */
     struct buffer note = {0};
-    const char *caption = sheet->figure->caption;
-    double foot = page->height - style->edge;
-    bool drawn = true;
+    double spot[2];
 
     heading.figure = sheet->figure;
-    double top = draw_heading(&heading, page->height / 3, false);
-    place_panels(sheet, top, foot);
-    put_notes(sheet, &note);
-    if (note.len || (caption && *caption))
-        place_panels(sheet, top, foot - style->leading);
+    place(sheet, page_heading(&heading, false, false), &note);
+    bool drawn = trace_panels(sheet, arena);
+    const bool inside = drawn && sheet->parts == 1 && legend_place(page, spot);
+    if (!inside) {
+        free_paths(sheet);
+        place(sheet, page_heading(&heading, true, false), &note);
+        drawn = drawn && trace_panels(sheet, arena);
+    }
     heading.layout = page->layout;
     heading.left = page->left;
     heading.right = page->right;
     heading.top = page->top;
     heading.bottom = page->bottom;
-    draw_heading(&heading, page->height / 3, true);
-    for (int i = 0; i < sheet->parts && drawn; i++) {
-        drawn = page_trace(&page[i], arena);
-        if (drawn)
-            draw_panel(&page[i]);
-        page_free_paths(&page[i]);
-    }
-    page_text(&heading, 1.5 * style->edge, foot - style->font / 3, 0, style_gray,
+    page_heading(&heading, !inside, true);
+    for (int i = 0; i < sheet->parts && drawn; i++)
+        draw_panel(&page[i]);
+    if (inside)
+        legend_draw(page, spot);
+    free_paths(sheet);
+    const double foot = page->height - style->edge - style->font / 3;
+    page_text(&heading, 1.5 * style->edge, foot, 0, style_gray,
               symbols(page, put_number_symbols, buffer_view(&note)));
-    page_text(&heading, page->right, foot - style->font / 3, 1, style_gray, caption);
+    page_text(&heading, page->right, foot, 1, style_gray, sheet->figure->caption);
     drawn &= !note.failed;
     buffer_free(&note);
     return drawn;

@@ -67,4 +67,13 @@ void page_curves(struct page *page);
 double page_sample(struct page *page, int curve, double x, double y, bool draw);
 /* Likewise for the band of a curve. */
 double page_band_sample(struct page *page, int curve, double x, double y, bool draw);
+
+/* The title, and after it the legend, if that stands there, in as many lines as it needs, but no
+ * further down than a third of the page: then it says how many are left out. Returns the height at
+ * which it ends. Only measures unless `draw`. */
+double page_heading(struct page *page, bool legend, bool draw);
+/* Where in the plot, whose paths are known, the legend covers neither ink nor the line of zero: its
+ * upper left corner; false: nowhere. */
+bool legend_place(struct page *page, double spot[2]);
+void legend_draw(struct page *page, const double spot[2]);
 #endif

@@ -11,12 +11,12 @@ const double style_black[3] = {0, 0, 0}, style_white[3] = {1, 1, 1},
 
 /*
  * Okabe and Ito, Color Universal Design (2008), without the yellow, which paper swallows: blue,
- * black, orange, green, sky blue, vermilion, purple, so that those beside each other differ in
- * grey, too. Data over a run are black on blue.
+ * nearly black, orange, green, sky blue, vermilion, purple, so that those beside each other differ
+ * in grey, too. Data over a run are black on blue.
  */
-const double style_palette[][3] = {
-    {0, 0.447, 0.698},     {0, 0, 0},         {0.902, 0.624, 0},  {0, 0.62, 0.451},
-    {0.337, 0.706, 0.914}, {0.835, 0.369, 0}, {0.8, 0.475, 0.655}};
+const double style_palette[][3] = {{0, 0.447, 0.698},  {0.1, 0.1, 0.1},       {0.902, 0.624, 0},
+                                   {0, 0.62, 0.451},   {0.337, 0.706, 0.914}, {0.835, 0.369, 0},
+                                   {0.8, 0.475, 0.655}};
 const size_t style_palette_count = COUNT_OF(style_palette);
 
 const struct style_dashes style_dashes[] = {

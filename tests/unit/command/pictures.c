@@ -54,7 +54,7 @@ struct sheet {
 
 static int curve_of_color(const char *stroke)
 {
-    static const char *const colors[] = {"#0072b2", "#d55e00", "#009e73", "#cc79a7"};
+    static const char *const colors[] = {"#0072b2", "#1a1a1a", "#e69f00", "#009e73"};
     for (int i = 0; i < (int)COUNT_OF(colors); i++)
         if (strcmp(stroke, colors[i]) == 0)
             return i;

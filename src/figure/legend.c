@@ -1,0 +1,157 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Title and legend of a picture: which curve is which, in the plot where that covers nothing, or
+ * above. */
+#include "figure/picture.h"
+
+#include <stdio.h>
+
+#define INSIDE 8 /* entries of a legend in the plot, at most */
+
+struct entry {
+    int curve;
+    bool band;
+    const char *label;
+    double sample, width; /* [pt] of what stands before the label, and of all */
+};
+
+/* Curves, then bands; false: that one says nothing. */
+static bool entry_at(struct page *page, int e, struct entry *entry)
+{
+    const int i = e % page->figure->curves;
+    const struct curve *curve = &page->figure->curve[i];
+    *entry = (struct entry){.curve = i, .band = e >= page->figure->curves};
+    entry->label = !entry->band ? curve->label : curve->spread ? curve->spread_label : NULL;
+    if (!entry->label || !*entry->label || !curve_drawn(page->figure, i))
+        return false;
+    entry->sample = (entry->band ? page_band_sample : page_sample)(page, i, 0, 0, false) +
+                    page->style.sample_gap;
+    entry->width = entry->sample + page_text_width(page, entry->label);
+    return true;
+}
+
+static void put_entry(struct page *page, const struct entry *entry, double x, double y)
+{
+    (entry->band ? page_band_sample : page_sample)(page, entry->curve, x, y, true);
+    page_text(page, x + entry->sample, y, 0, style_black, entry->label);
+}
+
+double page_heading(struct page *page, bool legend, bool draw)
+{
+    const struct figure *figure = page->figure;
+    const struct picture_style *style = &page->style;
+    const double limit = page->height / 3, start = 1.5 * style->edge,
+                 end = page->width - style->edge;
+    double x = start, y = style->edge + style->title / 2;
+    int first = 0, hidden = 0;
+    struct entry entry;
+
+    if (figure->title && *figure->title) {
+        const struct surface_text title = {.x = x,
+                                           .y = y + 0.36 * style->title,
+                                           .size = style->title,
+                                           .color = style_black,
+                                           .text = figure->title};
+        x += style->entry_gap + (draw ? surface_put_text(page->surface, &title)
+                                      : surface_text_width(page->surface, title.size, title.text));
+    } else if (!legend) {
+        return style->edge + style->font / 2; /* half a label of the axis */
+    }
+    for (int e = 0; e < 2 * figure->curves && legend; e++) {
+        if (!entry_at(page, e, &entry))
+            continue;
+        if (first++ && x + entry.width > end && y + style->leading > limit - style->edge) {
+            hidden++;
+            continue;
+        }
+        if (x > start && x + entry.width > end) {
+            x = start;
+            y += style->leading;
+        }
+        if (draw)
+            put_entry(page, &entry, x, y);
+        x += entry.width + style->entry_gap;
+    }
+    if (hidden && draw) {
+        char more[48];
+        snprintf(more, sizeof more, "and %d more", hidden);
+        page_text(page, end, limit - style->font / 2, 1, style_gray, more);
+    }
+    return hidden ? limit + style->edge : y + style->edge + style->font / 2;
+}
+
+/* ---- in the plot ---- */
+
+/* What lies between y - spread and y + spread. */
+static bool band_meets(const struct page *page, const struct curve *curve, const double box[4])
+{
+    for (size_t i = 1; i < curve->n; i++) {
+        const double x[2] = {page_x(page, curve->x[i - 1]), page_x(page, curve->x[i])};
+        double high = HUGE_VAL, low = -HUGE_VAL;
+        for (size_t k = i - 1; k <= i; k++) {
+            high = fmin(high, page_y(page, curve->y[k] + curve->spread[k]));
+            low = fmax(low, page_y(page, curve->y[k] - curve->spread[k]));
+        }
+        if (fmin(x[0], x[1]) <= box[2] && fmax(x[0], x[1]) >= box[0] && high <= box[3] &&
+            low >= box[1])
+            return true;
+    }
+    return false;
+}
+
+static bool is_free(const struct page *page, const double box[4])
+{
+    const struct figure *figure = page->figure;
+    const double zero = page_y(page, 0);
+    if (figure->zero_line && zero >= box[1] && zero <= box[3])
+        return false;
+    for (int i = 0; i < figure->curves; i++) {
+        if (!curve_drawn(figure, i))
+            continue;
+        if (path_meets(&page->path[i], box[0], box[1], box[2], box[3]) ||
+            (figure->curve[i].spread && band_meets(page, &figure->curve[i], box)))
+            return false;
+    }
+    return true;
+}
+
+bool legend_place(struct page *page, double spot[2])
+{
+    static const double places[][2] = {{1, 0}, {0, 0}, {1, 1}, {0, 1}, {0.5, 0}, {0.5, 1}};
+    const struct picture_style *style = &page->style;
+    double width = 0, height = 0;
+    int entries = 0;
+    struct entry entry;
+    for (int e = 0; e < 2 * page->figure->curves; e++) {
+        if (!entry_at(page, e, &entry))
+            continue;
+        width = fmax(width, entry.width);
+        height += style->leading;
+        entries++;
+    }
+    const double gap = style->edge, from_x = page->left + gap, from_y = page->top + gap,
+                 room_x = page->right - gap - width - from_x,
+                 room_y = page->bottom - gap - height - from_y;
+    if (entries > INSIDE || room_x < width || room_y < height)
+        return false;
+    for (size_t i = 0; i < COUNT_OF(places); i++) {
+        const double x = from_x + places[i][0] * room_x, y = from_y + places[i][1] * room_y;
+        if (!is_free(page, (double[]){x - gap, y - gap, x + width + gap, y + height + gap}))
+            continue;
+        spot[0] = x;
+        spot[1] = y;
+        return true;
+    }
+    return false;
+}
+
+void legend_draw(struct page *page, const double spot[2])
+{
+    double y = spot[1] + page->style.leading / 2;
+    struct entry entry;
+    for (int e = 0; e < 2 * page->figure->curves; e++) {
+        if (!entry_at(page, e, &entry))
+            continue;
+        put_entry(page, &entry, spot[0], y);
+        y += page->style.leading;
+    }
+}
