@@ -46,13 +46,16 @@ double page_heading(struct page *page, bool legend, bool draw)
     struct entry entry;
 
     if (figure->title && *figure->title) {
+        buffer_clear(page->text);
+        buffer_put(page->text, text_of(figure->title));
+        const double size = page_fit(page, page->text, "", style->title, end - start);
         const struct surface_text title = {.x = x,
                                            .y = y + 0.36 * style->title,
-                                           .size = style->title,
+                                           .size = size,
                                            .color = style_black,
-                                           .text = figure->title};
+                                           .text = buffer_view(page->text)};
         x += style->entry_gap + (draw ? surface_put_text(page->surface, &title)
-                                      : surface_text_width(page->surface, title.size, title.text));
+                                      : surface_text_width(page->surface, size, title.text));
     } else if (!legend) {
         return style->edge + style->font / 2; /* half a label of the axis */
     }

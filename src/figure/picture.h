@@ -61,6 +61,24 @@ static inline double page_text_width(const struct page *page, const char *text)
 /* Fills in `path`, from `arena`; page_free_paths frees what they hold. False: no memory. */
 bool page_trace(struct page *page, struct arena *arena);
 void page_free_paths(struct page *page);
+
+/* A straight line of its own. */
+void page_straight(const struct page *page, double x0, double y0, double x1, double y1,
+                   const double color[3], double width);
+/* Of what stands below a plot: labels and title of its axis. */
+double page_labels_height(const struct picture_style *style);
+/* Chooses the plot of the panel, its ranges and its ticks. */
+void page_lay_out(struct page *page);
+/* Where a number of an axis stands on the page. */
+double page_tick(const struct page *page, bool vertical, double shown);
+void page_grid(struct page *page, bool vertical);
+/* Ticks, labels and titles. */
+void page_axes(struct page *page);
+/* Appends `end` to the text, which is made no wider than `room`: in a smaller size, which is
+ * returned, if need be without its last letters. */
+double page_fit(const struct page *page, struct buffer *text, const char *end, double size,
+                double room);
+
 void page_curves(struct page *page);
 /* What stands for a curve in the legend, its middle at height y. Returns its width; only that
  * unless `draw`. */

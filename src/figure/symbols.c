@@ -91,7 +91,7 @@ static size_t put_arithmetic(struct buffer *out, struct text text, size_t i)
     if (is_digit(rest.at[0]) && !is_letter(before))
         return put_number(out, rest);
     if (rest.at[0] == '-' && apart &&
-        (rest.len > 1 && (is_digit(rest.at[1]) || (rest.at[1] == ' ' && i > 0)))) {
+        (rest.len > 1 && (is_digit(rest.at[1]) || rest.at[1] == ' '))) {
         buffer_codepoint(out, MINUS);
         return 1;
     }

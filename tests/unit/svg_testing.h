@@ -27,7 +27,7 @@ struct svg_element {
     char stroke[8]; /* "#0072b2", or "" */
     double width;   /* of the line */
     double size;    /* of text */
-    char text[200];
+    char text[400];
     double left, right, top, bottom; /* of text, from the widths of a font */
 };
 

@@ -336,6 +336,9 @@ static void plot_line(struct dice *dice, const struct made *made, enum kind kind
         n += snprintf(line + n, 200 - (size_t)n, " --log");
     if (dice_below(dice, 6) == 0)
         n += snprintf(line + n, 200 - (size_t)n, " --full");
+    if (dice_below(dice, 2))
+        n += snprintf(line + n, 200 - (size_t)n, " size=%.1fx%.1f", dice_between(dice, 8, 40),
+                      dice_between(dice, 6, 30));
     snprintf(line + n, 200 - (size_t)n, " > figure.svg --force");
 }
 

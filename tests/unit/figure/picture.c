@@ -85,12 +85,13 @@ static void expect_apart(void)
     for (int i = 0; i < heard.boxes; i++) {
         const struct svg_element *a = &heard.box[i];
         if (a->left < 0 || a->right > page.width || a->top < 0 || a->bottom > page.height)
-            fail_msg("'%s' leaves the page", a->text);
+            fail_msg("%g x %g pt: '%s' leaves the page", page.width, page.height, a->text);
         for (int j = 0; j < i; j++) {
             const struct svg_element *b = &heard.box[j];
             if (a->left < b->right && b->left < a->right && a->top < b->bottom &&
                 b->top < a->bottom)
-                fail_msg("'%s' lies on '%s'", a->text, b->text);
+                fail_msg("%g x %g pt: '%s' lies on '%s'", page.width, page.height, a->text,
+                         b->text);
         }
     }
 }
@@ -443,6 +444,83 @@ static void test_any_size(void **state)
     drawing_free(&s);
 }
 
+/* ---- any page ---- */
+
+static double between(uint32_t *random, double from, double to)
+{
+    *random = *random * 1664525 + 1013904223;
+    return from + (to - from) * (*random >> 8) * 0x1p-24;
+}
+
+static double chosen_end(uint32_t *random)
+{
+    const double kind = between(random, 0, 4);
+    const double size = pow(10, between(random, kind < 1 ? -12 : -3, kind < 1 ? 12 : 3));
+    return between(random, 0, 1) < 0.3 ? -size : size;
+}
+
+static void chosen_axis(uint32_t *random, struct axis *axis)
+{
+    static const char *const units[] = {"s", "m/s^2", "", "kg m/s"};
+    static const char *const labels[] = {"y", "v/omega0", "", "a name that is rather long"};
+    const double from = chosen_end(random), narrow = between(random, 0, 1);
+    *axis = (struct axis){.label = labels[(size_t)between(random, 0, 3.999)],
+                          .unit = units[(size_t)between(random, 0, 3.999)],
+                          .fixed = true,
+                          .from = from,
+                          .to = from + fabs(narrow < 0.3 ? from * pow(10, between(random, -9, 0))
+                                                         : chosen_end(random))};
+    if (between(random, 0, 1) < 0.25)
+        *axis = (struct axis){.label = axis->label,
+                              .unit = axis->unit,
+                              .fixed = true,
+                              .log = true,
+                              .from = fabs(from),
+                              .to = fabs(from) * pow(10, between(random, 0.2, 30))};
+}
+
+/* Of several pages, pieces of text do not meet and do not leave; ticks are where the axis puts
+ * their numbers, which the test of pictures in tests/unit/command reads. */
+static void test_texts_are_apart_on_any_page(void **state)
+{
+    static const struct picture_size sizes[] = {{170, 113}, {227, 170}, {340, 227}, {1134, 850},
+                                                {255, 397}, {640, 400}, {340, 113}};
+    static const char *const names[] = {"rk4", "symplectic-euler", "a recording of mine (2)"};
+    const double x[2] = {0, 1}, y[2] = {0, 1};
+    uint32_t random = 5;
+    (void)state;
+    for (int trial = 0; trial < 700; trial++) {
+        struct curve curve[3];
+        for (size_t i = 0; i < COUNT_OF(curve); i++)
+            curve[i] = (struct curve){.label = names[i], .x = x, .y = y, .n = 2, .panel = i == 1};
+        struct axis second[2];
+        struct figure figure = {.title = trial % 3 ? "position" : NULL,
+                                .curve = curve,
+                                .curves = 1 + trial % 3,
+                                .grid = true,
+                                .caption = trial % 2 ? "equal axes" : NULL,
+                                .note = trial % 5 ? NULL : "first 10 of 20 s",
+                                .plane = trial % 4 == 1};
+        struct buffer out = {0};
+        chosen_axis(&random, &figure.x);
+        chosen_axis(&random, &figure.y);
+        second[0] = figure.x;
+        chosen_axis(&random, &second[1]);
+        figure.second = trial % 4 == 1 || trial % 4 == 2 ? second : NULL;
+        page = sizes[trial % (int)COUNT_OF(sizes)];
+        draw(&figure, PICTURE_SVG, &out);
+        expect_apart();
+        int numbers = 0;
+        for (int i = 0; i < heard.boxes; i++)
+            numbers +=
+                strspn(heard.box[i].text, "0123456789−.⁻⁰¹²³⁴⁵⁶⁷⁸⁹") == strlen(heard.box[i].text);
+        if (numbers < 4)
+            fail_msg("trial %d, %g x %g pt: %d labels", trial, page.width, page.height, numbers);
+        buffer_free(&out);
+    }
+    page = (struct picture_size){PICTURE_WIDTH, PICTURE_HEIGHT};
+}
+
 /* ---- what fails ---- */
 
 #ifdef HAVE_CAIRO
@@ -556,6 +634,7 @@ int main(void)
         cmocka_unit_test(test_a_growing_run_leaves_with_arrows),
         cmocka_unit_test(test_any_values),
         cmocka_unit_test(test_any_size),
+        cmocka_unit_test(test_texts_are_apart_on_any_page),
 #ifdef HAVE_CAIRO
         cmocka_unit_test(test_png_and_pdf),
         cmocka_unit_test(test_without_memory),

@@ -36,6 +36,7 @@ static void test_numbers(void **state)
     expect(put_number_symbols, "rk4 dt=1e-3 s", "rk4 dt=10⁻³ s");
     expect(put_number_symbols, "1easy 2em", "1easy 2em");
     expect(put_number_symbols, "x -", "x -");
+    expect(put_number_symbols, "- 2.2", "− 2.2");
     expect(put_number_symbols, "1e", "1e");
     expect(put_number_symbols, "", "");
 }
