@@ -2,8 +2,10 @@
 /* Title and legend of a picture: which curve is which, in the plot where that covers nothing, or
  * above. */
 #include "figure/picture.h"
+#include "figure/symbols.h"
 
 #include <stdio.h>
+#include <string.h>
 
 #define INSIDE 8 /* entries of a legend in the plot, at most */
 
@@ -13,6 +15,17 @@ struct entry {
     const char *label;
     double sample, width; /* [pt] of what stands before the label, and of all */
 };
+
+/* A name that stands in the label of the axis is printed as there: theta1 as θ₁. */
+static const char *shown_label(struct page *page, const char *label)
+{
+    const char *axis = page->figure->y.label;
+    if (!axis || !strstr(axis, label))
+        return label;
+    buffer_clear(page->text);
+    put_name_symbols(page->text, text_of(label));
+    return buffer_view(page->text);
+}
 
 /* Curves, then bands; false: that one says nothing. */
 static bool entry_at(struct page *page, int e, struct entry *entry)
@@ -25,14 +38,14 @@ static bool entry_at(struct page *page, int e, struct entry *entry)
         return false;
     entry->sample = (entry->band ? page_band_sample : page_sample)(page, i, 0, 0, false) +
                     page->style.sample_gap;
-    entry->width = entry->sample + page_text_width(page, entry->label);
+    entry->width = entry->sample + page_text_width(page, shown_label(page, entry->label));
     return true;
 }
 
 static void put_entry(struct page *page, const struct entry *entry, double x, double y)
 {
     (entry->band ? page_band_sample : page_sample)(page, entry->curve, x, y, true);
-    page_text(page, x + entry->sample, y, 0, style_black, entry->label);
+    page_text(page, x + entry->sample, y, 0, style_black, shown_label(page, entry->label));
 }
 
 double page_heading(struct page *page, bool legend, bool draw)

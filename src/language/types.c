@@ -139,7 +139,14 @@ static bool is_of_table(struct text rest)
         word = peek_word(rest, "");
         if (text_is(word, "of"))
             return true;
-        const size_t used = word.len ? word.len : 1;
+        /* a string has no words: title="period of a spring" */
+        size_t used = 0;
+        while (used < word.len && !strchr("'\"", rest.at[used]))
+            used++;
+        const struct text string = {rest.at + used, rest.len - used};
+        if (string.len && strchr("'\"", string.at[0]))
+            used += text_quoted(string);
+        used = used ? used : 1;
         rest = (struct text){rest.at + used, rest.len - used};
     }
     return false;
