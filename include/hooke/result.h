@@ -141,6 +141,8 @@ void reply_free(struct reply *reply);
 /* one or more lines, without the last newline */
 void reply_line(struct reply *reply, const char *format, ...) PRINTF_LIKE(2, 3);
 void reply_text(struct reply *reply, struct text text); /* the same, ready-made */
+/* the same, broken between words into lines of at most `width` columns */
+void reply_paragraph(struct reply *reply, struct text text, int width);
 /* What was asked for as it is: also when quiet, and among records in CSV. */
 void reply_data(struct reply *reply, struct text text);
 void reply_warning(struct reply *reply, const char *format, ...) PRINTF_LIKE(2, 3);

@@ -5,6 +5,7 @@
 #include <hooke/plot.h>
 #include <hooke/report.h>
 #include "command/internal.h"
+#include "command/output/figure_arguments.h"
 
 #include "command/commands.def"
 #undef COMMAND

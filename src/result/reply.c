@@ -56,6 +56,22 @@ void reply_text(struct reply *reply, struct text text)
         flush_out(reply, &reply->lines);
 }
 
+void reply_paragraph(struct reply *reply, struct text text, int width)
+{
+    struct buffer lines = {0};
+    struct text word;
+    int column = 0;
+    while (text_split(&text, ' ', &word)) {
+        const int columns = text_width(word);
+        if (column > 0)
+            buffer_char(&lines, column + 1 + columns > width ? '\n' : ' ');
+        column = column > 0 && column + 1 + columns <= width ? column + 1 + columns : columns;
+        buffer_put(&lines, word);
+    }
+    reply_text(reply, buffer_text(&lines));
+    buffer_free(&lines);
+}
+
 void reply_data(struct reply *reply, struct text text)
 {
     reply->recorded = true; /* no second time at the command's end */

@@ -5,6 +5,7 @@
 #include <hooke/plot.h>
 #include "command/internal.h"
 #include "command/data/measuring.h"
+#include "command/output/figure_arguments.h"
 
 #include <math.h>
 #include <string.h>
@@ -17,119 +18,6 @@ static bool ends_with(struct text text, const char *end)
 {
     const size_t len = strlen(end);
     return text.len > len && text_is((struct text){text.at + text.len - len, len}, end);
-}
-
-/* Which runs: those named, every one, or the current one unless only a recording was named. */
-static bool choose_runs(struct session *session, const struct arguments *args,
-                        struct figure_request *request, struct error *error)
-{
-    const struct argument_value *runs = argument_value(args, "run"),
-                                *data = argument_value(args, "data");
-    int *index = arena_array(args->arena, LIMIT_RUNS + (size_t)runs->count + 1, sizeof *index);
-    if (!index)
-        return error_memory(error);
-    request->run = index;
-    for (int i = 0; i < runs->count; i++) {
-        const bool all = runs->item[i].index < 0;
-        for (int r = 0; r < session->runs; r++) {
-            bool listed = false;
-            for (int j = 0; j < request->runs; j++)
-                listed |= index[j] == r;
-            if ((all || runs->item[i].index == r) && !listed)
-                index[request->runs++] = r;
-        }
-    }
-    if (runs->count == 0 && data->count == 0 && session->current_run >= 0)
-        index[request->runs++] = session->current_run;
-    request->recording = data->count ? data->item->index
-                         : (runs->count && !plot_row(request->kind)->residual) || request->columns
-                             ? -1
-                             : figure_recording(session, request->kind);
-    if (request->runs == 0 && request->recording >= 0 && !plot_of_recordings(request->kind))
-        return error_at(error, data->where, "of a recording there is no plot of %s",
-                        plot_row(request->kind)->row.name);
-    if (request->runs > 0 || request->recording >= 0)
-        return true;
-    if (session_recording(session)) {
-        error_at(error, argument_value(args, "WHAT")->where,
-                 "this needs a run, or a recording of positions");
-        return error_hint(error, "type: run");
-    }
-    error_set(error, ERROR_COMMAND, "there is nothing to plot: no run and no recording");
-    return error_hint(error, "type: run, or: load FILE");
-}
-
-/* A kind of plot, or columns of runs: over time, or against another. */
-static bool choose_kind(const struct arguments *args, struct figure_request *request,
-                        struct error *error)
-{
-    const struct argument_value *what = argument_value(args, "WHAT"),
-                                *against = argument_value(args, "against"),
-                                *at = argument_value(args, "at"), *of = argument_value(args, "of"),
-                                *data = argument_value(args, "data");
-    if (of->count && (!against->count || at->count || data->count || has_argument(args, "run"))) {
-        error_at(error, of->where, "of a table one column is drawn against another");
-        return error_hint(error, "plot COLUMN against COLUMN of %s", of->item->row->name);
-    }
-    if (what->count == 1 && what->item->index >= 0 && !against->count && !at->count) {
-        request->kind = (enum plot_kind)what->item->index;
-        return true;
-    }
-    struct text *name = arena_array(args->arena, (size_t)what->count, sizeof *name);
-    if (!name)
-        return error_memory(error);
-    for (int i = 0; i < what->count; i++)
-        name[i] = what->item[i].text;
-    request->kind = against->count ? PLOT_ORBIT : PLOT_POSITION;
-    request->column = name;
-    request->columns = what->count;
-    if (at->count)
-        request->at = at->item->text;
-    request->next = has_argument(args, "next");
-    if (request->next && !(against->count && at->count)) {
-        error_at(error, argument_value(args, "next")->where,
-                 "--next is for a column against another at an event");
-        return error_hint(error, "for example: plot y against y at top --next");
-    }
-    if (against->count) {
-        request->against = against->item->text;
-        request->trail = HUGE_VAL;
-    }
-    return !data->count ||
-           error_at(error, data->where, "a recording has no columns of that name beside it");
-}
-
-/* Of a plot against time the range of x is a window, too. */
-static bool choose_ranges(const struct arguments *args, struct figure_request *request,
-                          struct error *error)
-{
-    const struct argument_value *axis[2] = {argument_value(args, "x"), argument_value(args, "y")};
-    struct figure_range *range = arena_array(args->arena, 2, sizeof *range);
-    if (!range)
-        return error_memory(error);
-    for (int i = 0; i < 2; i++) {
-        if (axis[i]->count == 0)
-            continue;
-        if (plot_row(request->kind)->study)
-            return error_at(error, axis[i]->where,
-                            "the axes of 'precision' hold all of its points");
-        const struct item *item = axis[i]->item;
-        range[i] = (struct figure_range){{item->range[0], item->range[1]},
-                                         item->unit ? item->unit->quantity : QUANTITY_OTHER,
-                                         axis[i]->where};
-        *(i ? &request->y : &request->x) = &range[i];
-    }
-    if (request->x && plot_is_timed(request->kind) && !has_argument(args, "window"))
-        memcpy(request->window, request->x->end, sizeof request->window);
-    return true;
-}
-
-static bool has_study(const struct session *session, struct error *error)
-{
-    if (session->precision)
-        return true;
-    error_set(error, ERROR_COMMAND, "there is no precision study to plot");
-    return error_hint(error, "type: precision");
 }
 
 /* By what the name ends in: text, or a row of the picture catalog. */
@@ -151,22 +39,6 @@ static bool choose_picture(struct text path, enum plot_kind kind, bool *text, en
         return error_hint(error, "plot %s > figure.svg", plot_row(kind)->row.name);
     }
     *picture = (enum picture)catalog_index(&picture_catalog, row);
-    return true;
-}
-
-/* A picture has room for the legend that stands below a text figure. */
-static bool label_methods(const struct precision *precision, struct arena *arena,
-                          struct figure *figure, struct error *error)
-{
-    struct curve *curve = arena_array(arena, (size_t)figure->curves, sizeof *curve);
-    if (!curve)
-        return error_memory(error);
-    memcpy(curve, figure->curve, (size_t)figure->curves * sizeof *curve);
-    for (int i = 0; i < precision->curves; i++)
-        for (int c = 0; c < figure->curves; c++)
-            if (curve[c].points && curve[c].mark == precision_letter(i))
-                curve[c].label = precision->curve[i].by.method->row.name;
-    figure->curve = curve;
     return true;
 }
 
@@ -322,101 +194,93 @@ static bool shows_pixels(const struct session *session, const struct arguments *
     return false;
 }
 
+/* Behind the figure: what it holds in numbers. */
+static void reply_numbers(const struct figure_request *request, const struct figure *figure,
+                          struct reply *reply)
+{
+    spectrum_report(request->peaks, request->runs + (request->recording >= 0), reply);
+    report_band(figure, reply);
+}
+
+/* picture NULL: as text. */
+static bool into_file(const struct session *session, const struct arguments *args,
+                      const struct figure_request *request, const enum picture *picture,
+                      struct figure *figure, struct reply *reply, struct error *error)
+{
+    const struct argument_value *size = argument_value(args, "size");
+    double page[2] = {0, 0};
+    int width, height;
+    struct buffer content = {0};
+    for (int i = 0; i < 2 && size->count; i++)
+        page[i] = size->item->range[i] * POINTS_PER_METRE;
+    session_size(session, &width, &height);
+    bool ok = true;
+    if (!picture)
+        ok = figure_print(figure, width, height, request->charset, false, &content) ||
+             error_memory(error);
+    else
+        ok = label_methods(session, request, args->arena, figure, error) &&
+             figure_picture(figure, *picture, page[0], page[1], &content, error);
+    ok = ok && write_file(session, args, &content, reply, error);
+    if (ok)
+        reply_numbers(request, figure, reply);
+    buffer_free(&content);
+    return ok;
+}
+
+static bool as_text(const struct session *session, const struct figure_request *request,
+                    const struct figure *figure, int height, struct reply *reply,
+                    struct error *error)
+{
+    const struct front *front = &session->front;
+    const enum color_choice choice = (enum color_choice)session->setup.settings.color;
+    const bool color =
+        choice == COLOR_ALWAYS || (choice == COLOR_AUTO && front->color && !front->watched);
+    struct buffer text = {0};
+    const bool ok = figure_print(figure, request->width, height, request->charset,
+                                 color && reply->format == FORMAT_TEXT, &text) ||
+                    error_memory(error);
+    if (ok && plot_row(request->kind)->study)
+        precision_legend(session->precision, request->width, &text);
+    if (ok)
+        reply_text(reply, buffer_text(&text));
+    buffer_free(&text);
+    return ok;
+}
+
 HANDLER(plot)
 {
-    const struct argument_value *window = argument_value(args, "window"),
-                                *file = argument_value(args, ">");
-    struct figure_request request = {.window = {NAN, NAN},
-                                     .charset = session_charset(session),
-                                     .trail = session->view.trail,
-                                     .log = has_argument(args, "log"),
-                                     .full = has_argument(args, "full")};
+    const struct argument_value *file = argument_value(args, ">");
     struct figure_peaks peaks = {0};
+    struct figure_request request = {.peaks = &peaks};
     struct figure figure;
     int width, height;
-    bool as_text = true;
+    bool text = true;
     enum picture picture = PICTURE_SVG;
-    if (!choose_kind(args, &request, error))
-        return false;
-    if (file->count && !choose_picture(file->item->text, request.kind, &as_text, &picture, error))
-        return false;
-    if (as_text && !refuse_in_text(args, error))
+    if (!choose_figure(args, &request, error) ||
+        (file->count && !choose_picture(file->item->text, request.kind, &text, &picture, error)) ||
+        (text && !refuse_in_text(args, error)))
         return false;
     session_size(session, &width, &height);
     const bool in_log = session->front.watched && !file->count;
     if (in_log && !session->setup.settings.height)
         height = height > MIN_ROWS + OTHER_ROWS ? height - OTHER_ROWS : MIN_ROWS;
-    const bool pixels = !file->count && shows_pixels(session, args, reply);
-    as_text = as_text && !pixels;
-    request.width = as_text ? width : PICTURE_COLUMNS;
-    request.charset = as_text ? request.charset : CHARSET_BRAILLE;
-    request.peaks = &peaks;
-    if (has_argument(args, "band"))
-        request.band = argument_value(args, "band")->where;
-    if (window->count)
-        memcpy(request.window, window->item->range, sizeof request.window);
-    if (!choose_ranges(args, &request, error))
+    const bool pixels = !file->count && shows_pixels(session, args, reply), drawn = !text || pixels;
+    request.width = drawn ? PICTURE_COLUMNS : width;
+    request.charset = drawn ? CHARSET_BRAILLE : session_charset(session);
+    if (!make_figure(session, args, &request, &figure, error) ||
+        !choose_words(args, &figure, error))
         return false;
-    const struct argument_value *of = argument_value(args, "of");
-    struct export export = {.arena = args->arena};
-    if (of->count                       ? !export_result(session, of->item->row, &export, error)
-        : plot_row(request.kind)->study ? !has_study(session, error)
-                                        : !choose_runs(session, args, &request, error))
+    if (file->count)
+        return into_file(session, args, &request, text ? NULL : &picture, &figure, reply, error);
+    if (pixels ? !label_methods(session, &request, args->arena, &figure, error) ||
+                     !session->front.pixels(&session->front, &figure, width, height, error)
+               : !as_text(session, &request, &figure, height, reply, error))
         return false;
-    request.table = of->count ? &export.table : NULL;
-    request.title = of->count ? of->item->row->name : NULL;
-    if (!session_figure(session, &request, args->arena, &figure, error)) {
-        /* nothing there, unless it is memory */
-        if (!error->where.at)
-            error->where = window->where;
-        return false;
-    }
-    if (!choose_words(args, &figure, error))
-        return false;
-    if (file->count) {
-        const struct argument_value *size = argument_value(args, "size");
-        double page[2] = {0, 0};
-        for (int i = 0; i < 2 && size->count; i++)
-            page[i] = size->item->range[i] * POINTS_PER_METRE;
-        struct buffer content = {0};
-        bool ok = as_text || !plot_row(request.kind)->study ||
-                  label_methods(session->precision, args->arena, &figure, error);
-        if (ok && as_text)
-            ok = figure_print(&figure, width, height, request.charset, false, &content) ||
-                 error_memory(error);
-        else if (ok)
-            ok = figure_picture(&figure, picture, page[0], page[1], &content, error);
-        ok = ok && write_file(session, args, &content, reply, error);
-        if (ok)
-            spectrum_report(&peaks, request.runs + (request.recording >= 0), reply);
-        if (ok)
-            report_band(&figure, reply);
-        buffer_free(&content);
-        return ok;
-    }
-    const bool color = session->setup.settings.color == COLOR_ALWAYS ||
-                       (session->setup.settings.color == COLOR_AUTO && session->front.color &&
-                        !session->front.watched);
-    struct buffer text = {0};
-    const bool ok = pixels
-                        ? (!plot_row(request.kind)->study ||
-                           label_methods(session->precision, args->arena, &figure, error)) &&
-                              session->front.pixels(&session->front, &figure, width, height, error)
-                        : figure_print(&figure, width, height, request.charset,
-                                       color && reply->format == FORMAT_TEXT, &text) ||
-                              error_memory(error);
-    if (ok && !pixels && plot_row(request.kind)->study)
-        precision_legend(session->precision, width, &text);
-    if (ok && !pixels)
-        reply_text(reply, buffer_text(&text));
-    buffer_free(&text);
-    if (ok)
-        spectrum_report(&peaks, request.runs + (request.recording >= 0), reply);
-    if (ok)
-        report_band(&figure, reply);
-    if (ok && in_log)
+    reply_numbers(&request, &figure, reply);
+    if (in_log)
         reply_where(session, &request, reply);
-    return ok;
+    return true;
 }
 #endif
 
@@ -472,14 +336,7 @@ COMMAND(
     .see = "set export measure", .flags = COMMAND_ANYTIME,
     ARGUMENTS(PLACE("WHAT", TYPE_COLUMN, .flags = ARG_REQUIRED | ARG_MANY | ARG_OF,
                     .choices = &plot_catalog),
-              WORD("against", TYPE_COLUMN, .flags = ARG_OF), WORD("at", TYPE_EVENT),
-              WORD("of", TYPE_CHOICE, .choices = &result_catalog),
-              WORD("run", TYPE_RUN, .flags = ARG_MANY | ARG_ALL), WORD("data", TYPE_RECORDING),
-              KEY("window", TYPE_RANGE, .quantity = QUANTITY_TIME),
-              KEY("x", TYPE_RANGE, .quantity = QUANTITY_OTHER),
-              KEY("y", TYPE_RANGE, .quantity = QUANTITY_OTHER), OPTION("full", TYPE_NONE),
-              OPTION("log", TYPE_NONE), OPTION("band", TYPE_NONE), OPTION("next", TYPE_NONE),
-              OPTION("pixels", TYPE_NONE), KEY("size", TYPE_SIZE), KEY("title", TYPE_TEXT),
-              KEY("xlabel", TYPE_TEXT), KEY("ylabel", TYPE_TEXT),
+              FIGURE_ARGUMENTS, OPTION("pixels", TYPE_NONE), KEY("size", TYPE_SIZE),
+              KEY("title", TYPE_TEXT), KEY("xlabel", TYPE_TEXT), KEY("ylabel", TYPE_TEXT),
               KEY("label", TYPE_TEXT, .flags = ARG_MANY), OPTION("grid", TYPE_NONE),
               WORD(">", TYPE_FILE), OPTION("force", TYPE_NONE)))

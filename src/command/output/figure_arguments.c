@@ -1,0 +1,174 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Which figure is meant: the arguments that plot and describe share. */
+#include "command/output/figure_arguments.h"
+
+#include <hooke/report.h>
+
+#include <math.h>
+#include <string.h>
+
+/* Which runs: those named, every one, or the current one unless only a recording was named. */
+static bool choose_runs(struct session *session, const struct arguments *args,
+                        struct figure_request *request, struct error *error)
+{
+    const struct argument_value *runs = argument_value(args, "run"),
+                                *data = argument_value(args, "data");
+    int *index = arena_array(args->arena, LIMIT_RUNS + (size_t)runs->count + 1, sizeof *index);
+    if (!index)
+        return error_memory(error);
+    request->run = index;
+    for (int i = 0; i < runs->count; i++) {
+        const bool all = runs->item[i].index < 0;
+        for (int r = 0; r < session->runs; r++) {
+            bool listed = false;
+            for (int j = 0; j < request->runs; j++)
+                listed |= index[j] == r;
+            if ((all || runs->item[i].index == r) && !listed)
+                index[request->runs++] = r;
+        }
+    }
+    if (runs->count == 0 && data->count == 0 && session->current_run >= 0)
+        index[request->runs++] = session->current_run;
+    request->recording = data->count ? data->item->index
+                         : (runs->count && !plot_row(request->kind)->residual) || request->columns
+                             ? -1
+                             : figure_recording(session, request->kind);
+    if (request->runs == 0 && request->recording >= 0 && !plot_of_recordings(request->kind))
+        return error_at(error, data->where, "of a recording there is no plot of %s",
+                        plot_row(request->kind)->row.name);
+    if (request->runs > 0 || request->recording >= 0)
+        return true;
+    if (session_recording(session)) {
+        error_at(error, argument_value(args, "WHAT")->where,
+                 "this needs a run, or a recording of positions");
+        return error_hint(error, "type: run");
+    }
+    error_set(error, ERROR_COMMAND, "there is nothing to plot: no run and no recording");
+    return error_hint(error, "type: run, or: load FILE");
+}
+
+/* A kind of plot, or columns of runs: over time, or against another. */
+bool choose_figure(const struct arguments *args, struct figure_request *request,
+                   struct error *error)
+{
+    const struct argument_value *what = argument_value(args, "WHAT"),
+                                *against = argument_value(args, "against"),
+                                *at = argument_value(args, "at"), *of = argument_value(args, "of"),
+                                *data = argument_value(args, "data");
+    if (of->count && (!against->count || at->count || data->count || has_argument(args, "run"))) {
+        error_at(error, of->where, "of a table one column is drawn against another");
+        return error_hint(error, "plot COLUMN against COLUMN of %s", of->item->row->name);
+    }
+    if (what->count == 1 && what->item->index >= 0 && !against->count && !at->count) {
+        request->kind = (enum plot_kind)what->item->index;
+        return true;
+    }
+    struct text *name = arena_array(args->arena, (size_t)what->count, sizeof *name);
+    if (!name)
+        return error_memory(error);
+    for (int i = 0; i < what->count; i++)
+        name[i] = what->item[i].text;
+    request->kind = against->count ? PLOT_ORBIT : PLOT_POSITION;
+    request->column = name;
+    request->columns = what->count;
+    if (at->count)
+        request->at = at->item->text;
+    request->next = has_argument(args, "next");
+    if (request->next && !(against->count && at->count)) {
+        error_at(error, argument_value(args, "next")->where,
+                 "--next is for a column against another at an event");
+        return error_hint(error, "for example: plot y against y at top --next");
+    }
+    if (against->count) {
+        request->against = against->item->text;
+        request->trail = HUGE_VAL;
+    }
+    return !data->count ||
+           error_at(error, data->where, "a recording has no columns of that name beside it");
+}
+
+/* Of a plot against time the range of x is a window, too. */
+static bool choose_ranges(const struct arguments *args, struct figure_request *request,
+                          struct error *error)
+{
+    const struct argument_value *axis[2] = {argument_value(args, "x"), argument_value(args, "y")};
+    struct figure_range *range = arena_array(args->arena, 2, sizeof *range);
+    if (!range)
+        return error_memory(error);
+    for (int i = 0; i < 2; i++) {
+        if (axis[i]->count == 0)
+            continue;
+        if (plot_row(request->kind)->study)
+            return error_at(error, axis[i]->where,
+                            "the axes of 'precision' hold all of its points");
+        const struct item *item = axis[i]->item;
+        range[i] = (struct figure_range){{item->range[0], item->range[1]},
+                                         item->unit ? item->unit->quantity : QUANTITY_OTHER,
+                                         axis[i]->where};
+        *(i ? &request->y : &request->x) = &range[i];
+    }
+    if (request->x && plot_is_timed(request->kind) && !has_argument(args, "window"))
+        memcpy(request->window, request->x->end, sizeof request->window);
+    return true;
+}
+
+static bool has_study(const struct session *session, struct error *error)
+{
+    if (session->precision)
+        return true;
+    error_set(error, ERROR_COMMAND, "there is no precision study to plot");
+    return error_hint(error, "type: precision");
+}
+
+bool make_figure(struct session *session, const struct arguments *args,
+                 struct figure_request *request, struct figure *figure, struct error *error)
+{
+    const struct argument_value *window = argument_value(args, "window"),
+                                *of = argument_value(args, "of");
+    struct export export = {.arena = args->arena};
+    request->trail = request->trail > 0 ? request->trail : session->view.trail;
+    request->log = has_argument(args, "log");
+    request->full = has_argument(args, "full");
+    request->window[0] = request->window[1] = NAN;
+    if (has_argument(args, "band"))
+        request->band = argument_value(args, "band")->where;
+    if (window->count)
+        memcpy(request->window, window->item->range, sizeof request->window);
+    if (!choose_ranges(args, request, error))
+        return false;
+    if (of->count                        ? !export_result(session, of->item->row, &export, error)
+        : plot_row(request->kind)->study ? !has_study(session, error)
+                                         : !choose_runs(session, args, request, error))
+        return false;
+    if (of->count) {
+        struct table *table = arena_alloc(args->arena, sizeof *table);
+        if (!table)
+            return error_memory(error);
+        *table = export.table;
+        request->table = table;
+        request->title = of->item->row->name;
+    }
+    if (session_figure(session, request, args->arena, figure, error))
+        return true;
+    if (!error->where.at) /* nothing there, unless it is memory */
+        error->where = window->where;
+    return false;
+}
+
+bool label_methods(const struct session *session, const struct figure_request *request,
+                   struct arena *arena, struct figure *figure, struct error *error)
+{
+    const struct precision *precision = session->precision;
+    if (!plot_row(request->kind)->study)
+        return true;
+    struct curve *curve = arena_array(arena, (size_t)figure->curves, sizeof *curve);
+    if (!curve)
+        return error_memory(error);
+    memcpy(curve, figure->curve, (size_t)figure->curves * sizeof *curve);
+    for (int i = 0; i < precision->curves; i++)
+        for (int c = 0; c < figure->curves; c++)
+            if (curve[c].points && curve[c].mark == precision_letter(i))
+                curve[c].label = precision->curve[i].by.method->row.name;
+    figure->curve = curve;
+    return true;
+}

@@ -1,0 +1,22 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Readings of curves: what their files share. */
+#ifndef HOOKE_FIGURE_DESCRIBE_INTERNAL_H
+#define HOOKE_FIGURE_DESCRIBE_INTERNAL_H
+
+#include <hooke/figure/describe.h>
+
+/* The points of a curve that have a place, by ascending x but for those of a plane. */
+struct points {
+    const struct curve_point *at; /* [n] */
+    size_t n;
+    double noise; /* standard deviation of y, of what was measured; 0: a line */
+};
+
+/* Turns, crossings, period, amplitudes; over something else than time no crossings. */
+bool read_turns(const struct points *points, bool timed, struct arena *arena,
+                struct curve_reading *reading);
+/* Around what, how often, how far from there. half: of what the curve spans, by which both
+ * directions are measured; equal: by the same. */
+void read_winding(const struct points *points, bool equal, struct curve_reading *reading);
+
+#endif

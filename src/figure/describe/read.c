@@ -1,0 +1,339 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* A figure read curve by curve: ends, extremes, trends, distances, order. */
+#include "figure/describe/internal.h"
+#include "figure/internal.h"
+
+#include <hooke/analysis.h>
+
+#include <stdlib.h>
+
+#define STEADY 1e-13 /* of its size: rounding */
+#define LINE 0.05    /* how far a logarithm may be off its line, of what it changes by */
+
+const struct axis *curve_axis(const struct figure *figure, const struct curve *curve, bool vertical)
+{
+    if (curve->panel > 0 && figure->second)
+        return &figure->second[vertical];
+    return vertical ? &figure->y : &figure->x;
+}
+
+static bool is_timed(const struct figure *figure, const struct curve *curve)
+{
+    const struct axis *x = curve_axis(figure, curve, false);
+    const struct unit *unit = x->unit ? unit_find(text_of(x->unit)) : NULL;
+    return !figure->plane && !x->log && unit && unit->quantity == QUANTITY_TIME;
+}
+
+/* ---- points ---- */
+
+static bool axis_shows(const struct axis *axis, double value, bool window)
+{
+    return isfinite(value) && (!axis->log || value > 0) &&
+           (!window || !axis->fixed || (value >= axis->from && value <= axis->to));
+}
+
+static int by_x(const void *a, const void *b)
+{
+    const struct curve_point *p = a, *q = b;
+    return (p->x > q->x) - (p->x < q->x);
+}
+
+/* What a window of time leaves out is no gap. */
+static bool gather(const struct figure *figure, const struct curve *curve, struct arena *arena,
+                   struct points *points, struct curve_reading *reading)
+{
+    const struct axis *x = curve_axis(figure, curve, false), *y = curve_axis(figure, curve, true);
+    struct curve_point *at = arena_array(arena, curve->n + 1, sizeof *at);
+    bool ascending = true;
+    size_t n = 0;
+    if (!at)
+        return false;
+    for (size_t i = 0; i < curve->n; i++) {
+        const bool wanted = isnan(curve->x[i]) || axis_shows(x, curve->x[i], !figure->plane);
+        if (wanted && isfinite(curve->x[i]) && axis_shows(y, curve->y[i], false)) {
+            at[n] = (struct curve_point){curve->x[i], curve->y[i]};
+            ascending &= n == 0 || at[n].x > at[n - 1].x;
+            n++;
+        } else {
+            reading->gaps += wanted;
+        }
+    }
+    reading->n = n;
+    if (n > 0) {
+        reading->start = at[0];
+        reading->end = at[n - 1];
+    }
+    if (!ascending && !figure->plane)
+        qsort(at, n, sizeof *at, by_x);
+    *points = (struct points){.at = at, .n = n};
+    return true;
+}
+
+/* Of what was measured. */
+static void find_noise(const struct curve *curve, struct arena *arena, struct points *points)
+{
+    double *t = arena_array(arena, points->n + 1, sizeof *t),
+           *y = arena_array(arena, points->n + 1, sizeof *y);
+    if (!curve->points || !t || !y)
+        return;
+    for (size_t i = 0; i < points->n; i++) {
+        t[i] = points->at[i].x;
+        y[i] = points->at[i].y;
+    }
+    const struct series series = {t, y, points->n, QUANTITY_OTHER};
+    const double noise = series_noise(&series, arena);
+    points->noise = noise > 0 ? noise : 0;
+}
+
+/* ---- trends ---- */
+
+/* Slope of ln|y| over x, or over ln x; NAN: that is no line. */
+static double slope_of_logarithm(const struct points *p, bool over_logarithm)
+{
+    double n = 0, sx = 0, sy = 0, sxx = 0, sxy = 0, far = 0, low = HUGE_VAL, high = -HUGE_VAL;
+    for (int pass = 0; pass < 2; pass++) {
+        const double slope = (n * sxy - sx * sy) / (n * sxx - sx * sx), at = (sy - slope * sx) / n;
+        for (size_t i = 0; i < p->n; i++) {
+            const double x = over_logarithm ? log(p->at[i].x) : p->at[i].x - p->at[0].x,
+                         y = log(fabs(p->at[i].y));
+            if (pass) {
+                far = fmax(far, fabs(y - at - slope * x));
+                continue;
+            }
+            n++;
+            sx += x;
+            sy += y;
+            sxx += x * x;
+            sxy += x * y;
+            low = fmin(low, y);
+            high = fmax(high, y);
+        }
+        if (pass)
+            return far <= LINE * (high - low) ? slope : NAN;
+    }
+    return NAN;
+}
+
+static void read_trend(const struct figure *figure, const struct curve *curve,
+                       const struct points *p, struct curve_reading *reading)
+{
+    const struct axis *x = curve_axis(figure, curve, false), *y = curve_axis(figure, curve, true);
+    const double first = p->at[0].y, last = p->at[p->n - 1].y, least = reading->low.y,
+                 most = reading->high.y;
+    const bool one_sign = least > 0 || most < 0;
+    if (reading->turns == 0)
+        reading->course = last > first ? COURSE_RISES : COURSE_FALLS;
+    if (one_sign && reading->turns == 0)
+        reading->factor = reading->end.y / reading->start.y;
+    if (p->n < 3)
+        return;
+    if (x->log && y->log)
+        reading->power = slope_of_logarithm(p, true);
+    else if (one_sign && reading->turns == 0)
+        reading->rate = slope_of_logarithm(p, false);
+}
+
+static void read_band(const struct curve *curve, struct curve_reading *reading)
+{
+    for (size_t i = 0; curve->spread && i < curve->n; i++)
+        if (!(curve->spread[i] <= reading->widest.y))
+            reading->widest = (struct curve_point){curve->x[i], curve->spread[i]};
+}
+
+static const char *name_of(const struct figure *figure, int i, struct arena *arena)
+{
+    const char mark[2] = {figure_mark(figure, i), '\0'};
+    if (figure->curve[i].label && *figure->curve[i].label)
+        return figure->curve[i].label;
+    return *mark ? arena_text(arena, text_of(mark)) : "the curve";
+}
+
+static bool read_curve(const struct figure *figure, int i, struct arena *arena,
+                       struct points *points, struct curve_reading *reading)
+{
+    const struct curve *curve = &figure->curve[i];
+    *reading = (struct curve_reading){.label = name_of(figure, i, arena),
+                                      .factor = NAN,
+                                      .rate = NAN,
+                                      .power = NAN,
+                                      .period = NAN,
+                                      .spread = NAN,
+                                      .level = {NAN, NAN},
+                                      .amplitude = {NAN, NAN},
+                                      .growth = NAN,
+                                      .winds = NAN,
+                                      .distance = {NAN, NAN},
+                                      .widest = {NAN, NAN}};
+    if (!reading->label || !gather(figure, curve, arena, points, reading))
+        return false;
+    read_band(curve, reading);
+    if (points->n == 0)
+        return true;
+    reading->low = reading->high = points->at[0];
+    for (size_t k = 1; k < points->n; k++) {
+        const struct curve_point at = points->at[k];
+        reading->low = at.y < reading->low.y ? at : reading->low;
+        reading->high = at.y > reading->high.y ? at : reading->high;
+    }
+    if (points->n < 2)
+        return true;
+    const double swing = reading->high.y - reading->low.y;
+    reading->course = COURSE_CONSTANT;
+    if (!(swing > STEADY * fmax(fabs(reading->low.y), fabs(reading->high.y))))
+        return true;
+    reading->course = COURSE_TURNS;
+    if (figure->plane) {
+        read_winding(points, figure->equal, reading);
+        return true;
+    }
+    find_noise(curve, arena, points);
+    if (!read_turns(points, is_timed(figure, curve), arena, reading))
+        return false;
+    read_trend(figure, curve, points, reading);
+    if (isfinite(reading->period))
+        reading->course = COURSE_OSCILLATES;
+    return true;
+}
+
+/* ---- curves beside each other ---- */
+
+static double value_at(const struct points *p, double x)
+{
+    size_t low = 0, high = p->n;
+    if (p->n == 0 || !(x >= p->at[0].x && x <= p->at[p->n - 1].x))
+        return NAN;
+    while (high - low > 1) {
+        const size_t i = low + (high - low) / 2;
+        if (p->at[i].x <= x)
+            low = i;
+        else
+            high = i;
+    }
+    if (low + 1 == p->n || p->at[low].x == x)
+        return p->at[low].y;
+    const struct curve_point a = p->at[low], b = p->at[low + 1];
+    return a.y + (b.y - a.y) * (x - a.x) / (b.x - a.x);
+}
+
+/* At the places of the one whose samples are measured, or lie closer. */
+static struct curve_distance distance_between(const struct points *from, const struct points *to,
+                                              bool at_from)
+{
+    const struct points *here = at_from ? from : to, *there = at_from ? to : from;
+    struct curve_distance distance = {.largest = NAN, .at = NAN, .rms = NAN};
+    double sum = 0;
+    size_t n = 0;
+    for (size_t i = 0; i < here->n; i++) {
+        const double off = fabs(here->at[i].y - value_at(there, here->at[i].x));
+        if (!isfinite(off))
+            continue;
+        if (!(off <= distance.largest)) {
+            distance.largest = off;
+            distance.at = here->at[i].x;
+        }
+        sum += off * off;
+        n++;
+    }
+    distance.rms = n ? sqrt(sum / (double)n) : NAN;
+    return distance;
+}
+
+static bool read_distances(const struct figure *figure, const struct points *points,
+                           struct arena *arena, struct figure_reading *reading)
+{
+    int reference = -1;
+    for (int i = 0; i < figure->curves; i++) {
+        const bool data = figure->curve[i].points, has = reading->curve[i].n > 1;
+        if (has && (reference < 0 || (data && !figure->curve[reference].points)))
+            reference = i;
+    }
+    reading->reference = -1;
+    reading->distance = arena_array(arena, (size_t)figure->curves + 1, sizeof *reading->distance);
+    if (!reading->distance)
+        return false;
+    for (int i = 0; i < figure->curves && reference >= 0 && !figure->plane; i++) {
+        if (i == reference || reading->curve[i].n < 2 || figure->x.log)
+            continue;
+        struct curve_distance distance =
+            distance_between(&points[reference], &points[i],
+                             figure->curve[reference].points || points[i].n < points[reference].n);
+        distance.curve = i;
+        if (isfinite(distance.largest))
+            reading->distance[reading->distances++] = distance;
+    }
+    if (reading->distances > 0)
+        reading->reference = reference;
+    return true;
+}
+
+static bool read_order(const struct figure *figure, struct arena *arena,
+                       struct figure_reading *reading)
+{
+    reading->order = arena_array(arena, (size_t)figure->curves + 1, sizeof *reading->order);
+    if (!reading->order)
+        return false;
+    for (int i = 0; i < figure->curves; i++) {
+        if (reading->curve[i].n == 0)
+            continue;
+        int place = reading->ordered++;
+        for (;
+             place > 0 && reading->curve[reading->order[place - 1]].end.y < reading->curve[i].end.y;
+             place--)
+            reading->order[place] = reading->order[place - 1];
+        reading->order[place] = i;
+    }
+    return true;
+}
+
+/* ---- what the axes hold ---- */
+
+static void extend(double range[2], double low, double high)
+{
+    range[0] = low < range[0] ? low : range[0];
+    range[1] = high > range[1] ? high : range[1];
+}
+
+static void read_ranges(const struct figure *figure, const struct points *points,
+                        struct figure_reading *reading)
+{
+    double x[2][2] = {{HUGE_VAL, -HUGE_VAL}, {HUGE_VAL, -HUGE_VAL}};
+    double y[2][2] = {{HUGE_VAL, -HUGE_VAL}, {HUGE_VAL, -HUGE_VAL}};
+    for (int i = 0; i < figure->curves; i++) {
+        const int panel = figure->second && figure->curve[i].panel > 0;
+        for (size_t k = 0; k < points[i].n; k++) {
+            const double at = points[i].at[k].x;
+            extend(x[panel], at, at);
+            if (!figure->plane && panel)
+                extend(x[0], at, at);
+        }
+        if (points[i].n > 0)
+            extend(y[panel], reading->curve[i].low.y, reading->curve[i].high.y);
+    }
+    const struct axis *axis[2][2] = {{&figure->x, &figure->y},
+                                     {figure->second ? &figure->second[0] : &figure->x,
+                                      figure->second ? &figure->second[1] : &figure->y}};
+    for (int end = 0; end < 2; end++)
+        for (int panel = 0; panel < 2; panel++) {
+            const struct axis *across = axis[panel][0], *up = axis[panel][1];
+            const double fixed_x = end ? across->to : across->from,
+                         fixed_y = end ? up->to : up->from;
+            const double seen_x = across->fixed ? fixed_x : x[panel][end];
+            *(panel ? &reading->second_x[end] : &reading->x[end]) = seen_x;
+            reading->y[panel][end] = up->fixed ? fixed_y : y[panel][end];
+        }
+}
+
+bool figure_read(const struct figure *figure, struct arena *arena, struct figure_reading *reading)
+{
+    const size_t n = (size_t)figure->curves;
+    struct points *points = arena_array(arena, n + 1, sizeof *points);
+    *reading = (struct figure_reading){.figure = figure};
+    reading->curve = arena_array(arena, n + 1, sizeof *reading->curve);
+    if (!points || !reading->curve)
+        return false;
+    for (int i = 0; i < figure->curves; i++)
+        if (!read_curve(figure, i, arena, &points[i], &reading->curve[i]))
+            return false;
+    read_ranges(figure, points, reading);
+    return read_distances(figure, points, arena, reading) && read_order(figure, arena, reading);
+}

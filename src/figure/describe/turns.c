@@ -1,0 +1,195 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Where a curve turns, and from that its crossings, its period and how its swing changes. */
+#include "figure/describe/internal.h"
+
+#include <stdlib.h>
+
+#define BACK 0.05  /* of the swing before: less is no turn */
+#define NOISES 8.0 /* standard deviations: noise does not turn */
+#define ROUNDING 1e-9
+#define REGULAR 0.25 /* periods differ from their median by less than this part of it, */
+#define OUTLIER 7.4  /* and by less than this many median differences: 5 standard deviations */
+#define MOST 0.75    /* of them at least */
+#define LINE 0.05    /* how far a logarithm may be off its line */
+
+struct turn {
+    double x, y;
+    size_t index; /* of the point */
+};
+
+/* Vertex of the parabola through the point and its neighbours. */
+static struct turn refined(const struct points *p, size_t i)
+{
+    const struct turn plain = {p->at[i].x, p->at[i].y, i};
+    if (i == 0 || i + 1 >= p->n || p->noise > 0)
+        return plain;
+    const double a = p->at[i - 1].x - plain.x, b = p->at[i + 1].x - plain.x;
+    const double fa = (p->at[i - 1].y - plain.y) / a, fb = (p->at[i + 1].y - plain.y) / b;
+    const double curvature = (fb - fa) / (b - a), slope = fa - curvature * a;
+    const double dx = -slope / (2 * curvature);
+    if (!(dx >= a && dx <= b))
+        return plain;
+    return (struct turn){plain.x + dx, plain.y + dx * (slope + curvature * dx), i};
+}
+
+/* Points from which the curve goes back by more than a part of its swing. turn NULL: only counts.
+ */
+static size_t find_turns(const struct points *p, double least, struct turn *turn)
+{
+    size_t count = 0, high = 0, low = 0;
+    int way = 0;
+    double swing = 0;
+    for (size_t i = 1; i < p->n; i++) {
+        const double y = p->at[i].y;
+        high = y > p->at[high].y ? i : high;
+        low = y < p->at[low].y ? i : low;
+        const double now = p->at[high].y - p->at[low].y,
+                     back = fmax(least, BACK * fmax(swing, now));
+        const bool falls = way >= 0 && p->at[high].y - y > back,
+                   rises = way <= 0 && y - p->at[low].y > back;
+        if (!falls && !rises)
+            continue;
+        const size_t from = falls ? high : low;
+        if (way != 0 || fabs(p->at[from].y - p->at[0].y) > back) {
+            if (turn)
+                turn[count] = refined(p, from);
+            count++;
+        }
+        swing = now;
+        way = falls ? -1 : 1;
+        high = low = i;
+    }
+    return count;
+}
+
+/* The middle about a turn: of it and its neighbours, so that what grows or decays has it in the
+ * same place of every period. */
+static double middle(const struct turn *turn, size_t count, size_t i)
+{
+    if (count < 3)
+        return 0.5 * (turn[0].y + turn[count - 1].y);
+    i = i < 1 ? 1 : i + 2 > count ? count - 2 : i;
+    return 0.25 * (turn[i - 1].y + 2 * turn[i].y + turn[i + 1].y);
+}
+
+/* x where the curve crosses the level between two points; NAN: nowhere. From both ends, since noise
+ * crosses it several times. */
+static double crossing(const struct points *p, size_t from, size_t to, double level)
+{
+    size_t first = 0, last = 0;
+    for (size_t i = from + 1; i <= to; i++)
+        if ((p->at[i].y >= level) != (p->at[i - 1].y >= level)) {
+            first = first ? first : i;
+            last = i;
+        }
+    if (first == 0 || (last - first) % 2 == 1)
+        return NAN;
+    double sum = 0;
+    for (int end = 0; end < 2; end++) {
+        const struct curve_point a = p->at[(end ? last : first) - 1], b = p->at[end ? last : first];
+        sum += 0.5 * (a.x + (b.x - a.x) * (level - a.y) / (b.y - a.y));
+    }
+    return sum;
+}
+
+static int by_value(const void *a, const void *b)
+{
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+/* at: ascending crossings; those two further on have the same direction. */
+static bool read_period(const double *at, size_t crossings, struct arena *arena,
+                        struct curve_reading *reading)
+{
+    const size_t count = crossings < 3 ? 0 : crossings - 2;
+    double *length = arena_array(arena, count + 1, sizeof *length),
+           *off = arena_array(arena, count + 1, sizeof *off), sum = 0, square = 0;
+    size_t used = 0;
+    if (!length || !off)
+        return false;
+    for (size_t i = 0; i < count; i++)
+        length[i] = at[i + 2] - at[i];
+    qsort(length, count, sizeof *length, by_value);
+    const double median = count ? length[count / 2] : NAN;
+    for (size_t i = 0; i < count; i++)
+        off[i] = fabs(length[i] - median);
+    qsort(off, count, sizeof *off, by_value);
+    const double far =
+        fmin(REGULAR * median, fmax(count ? OUTLIER * off[count / 2] : 0, ROUNDING * median));
+    for (size_t i = 0; i < count; i++)
+        if (fabs(length[i] - median) <= far) {
+            sum += length[i];
+            used++;
+        }
+    if (used == 0 || (double)used < MOST * (double)count)
+        return true;
+    reading->period = sum / (double)used;
+    reading->periods = (used + 1) / 2;
+    for (size_t i = 0; i < count; i++)
+        if (fabs(length[i] - median) <= far)
+            square += (length[i] - reading->period) * (length[i] - reading->period);
+    reading->spread = used > 1 ? sqrt(square / (double)(used - 1)) : NAN;
+    return true;
+}
+
+/* Half the swings between turns: first and last, and the slope of their logarithm. */
+static void read_amplitudes(const struct turn *turn, size_t count, struct curve_reading *reading)
+{
+    const size_t swings = count - 1;
+    double n = 0, sx = 0, sy = 0, sxx = 0, sxy = 0, far = 0;
+    for (size_t i = 0; i < swings; i++) {
+        const double amplitude = 0.5 * fabs(turn[i + 1].y - turn[i].y),
+                     x = 0.5 * (turn[i].x + turn[i + 1].x) - turn[0].x;
+        if (i == 0)
+            reading->amplitude[0] = amplitude;
+        reading->amplitude[1] = amplitude;
+        n++;
+        sx += x;
+        sy += log(amplitude);
+        sxx += x * x;
+        sxy += x * log(amplitude);
+    }
+    reading->level[0] = middle(turn, count, 0);
+    reading->level[1] = middle(turn, count, count - 1);
+    if (swings < 2)
+        return;
+    const double slope = (n * sxy - sx * sy) / (n * sxx - sx * sx), at = (sy - slope * sx) / n;
+    for (size_t i = 0; i < swings; i++) {
+        const double x = 0.5 * (turn[i].x + turn[i + 1].x) - turn[0].x;
+        far = fmax(far, fabs(log(0.5 * fabs(turn[i + 1].y - turn[i].y)) - at - slope * x));
+    }
+    if (far < LINE)
+        reading->growth = slope;
+}
+
+bool read_turns(const struct points *points, bool timed, struct arena *arena,
+                struct curve_reading *reading)
+{
+    const double least =
+        fmax(NOISES * points->noise, ROUNDING * (reading->high.y - reading->low.y));
+    const size_t count = find_turns(points, least, NULL);
+    struct turn *turn = arena_array(arena, count + 1, sizeof *turn);
+    double *at = arena_array(arena, count + 2, sizeof *at);
+    size_t crossings = 0;
+    if (!turn || !at)
+        return false;
+    find_turns(points, least, turn);
+    reading->turns = count;
+    if (count < 2 || !timed)
+        return true;
+    for (size_t i = 0; i <= count; i++) {
+        const size_t from = i ? turn[i - 1].index : 0,
+                     to = i < count ? turn[i].index : points->n - 1;
+        const double level = i == 0 ? middle(turn, count, 0)
+                             : i == count
+                                 ? middle(turn, count, count - 1)
+                                 : 0.5 * (middle(turn, count, i - 1) + middle(turn, count, i));
+        const double x = crossing(points, from, to, level);
+        if (isfinite(x))
+            at[crossings++] = x;
+    }
+    reading->crossings = crossings;
+    read_amplitudes(turn, count, reading);
+    return read_period(at, crossings, arena, reading);
+}
