@@ -112,6 +112,14 @@ void recording_restore(struct recording *recording); /* whole file, every sample
  * `min` samples or an error. */
 bool recording_series(const struct recording *recording, struct arena *arena, size_t min,
                       struct series *series, struct error *error);
+/*
+ * The uncertainties of these samples, all of the recording: of the file's column of errors of the
+ * value, by its name (error, yerr, uncertainty, sigma, sd …) and unit. NULL without one, and where
+ * 100 samples or more have the same: that is a calibration, no scatter (the lab's sensor writes
+ * 0.239 cm on every row). Array from `arena`; false: no memory.
+ */
+bool recording_errors(const struct recording *recording, const struct series *series,
+                      struct arena *arena, const double **half);
 
 /* ---- what is wrong with a recording ---- */
 

@@ -72,6 +72,9 @@ struct curve {
     const double *t;      /* [n] [s] of a plane, where it is known; NULL: not */
     const double *spread; /* [n] half the width of a band about a line, below everything; or NULL */
     const char *spread_label; /* of the band, in the legend */
+    /* [n] of points in a picture: half the length of an error bar; NAN: without one; NULL: none
+       has one. Text figures have no room for them. */
+    const double *bar;
 };
 
 struct figure {
@@ -219,10 +222,11 @@ extern const struct catalog picture_catalog;
 /*
  * Appends the figure as a picture file of width x height points (0: the sizes above; PNG and sixel:
  * 2 pixels a point), with the ranges, ticks, units and legend that figure_draw would choose for
- * that room. Curves are told apart by dashes and marks as well as by colour. Of long curves only
- * what can be seen is kept (a quarter of a point, or one where they fill the plot). The same figure
- * gives the same picture. Draws through cairo, which is loaded for it; ERROR_COMMAND where it is
- * not there. After false `out` is not to be used.
+ * that room. Curves are told apart by dashes and marks as well as by colour. The
+ * legend stands where it covers nothing. Of long curves only what can be seen is kept, within 0.3
+ * px: no SVG of a curve is larger than 200 kB. The same figure gives the same picture. Draws
+ * through cairo, which is loaded for it; ERROR_COMMAND where it is not there. After false `out` is
+ * not to be used.
  */
 bool figure_picture(const struct figure *figure, enum picture kind, double width, double height,
                     struct buffer *out, struct error *error);

@@ -304,3 +304,45 @@ bool recording_series(const struct recording *recording, struct arena *arena, si
     *series = (struct series){t, y, n, recording->column[recording->value].quantity};
     return true;
 }
+
+/* ---- uncertainties ---- */
+
+#define SAME_MIN 100 /* samples that do not all scatter by the same */
+
+/* The nearest one behind the value, else the first. */
+static const struct column *error_column(const struct recording *recording)
+{
+    const struct column *value = &recording->column[recording->value], *found = NULL;
+    for (int i = recording->columns - 1; i >= 0; i--) {
+        const struct column *column = &recording->column[i];
+        if (i != recording->value && i != recording->time && column->run == value->run &&
+            column->quantity == value->quantity && name_has_word(column->name, ERROR_WORDS) &&
+            !name_has_word(column->name, ERROR_WORDS_ACROSS) &&
+            (i > recording->value || !found || found < value))
+            found = column;
+    }
+    return found;
+}
+
+bool recording_errors(const struct recording *recording, const struct series *series,
+                      struct arena *arena, const double **half)
+{
+    const struct column *column = error_column(recording);
+    double low = HUGE_VAL, high = -HUGE_VAL;
+    *half = NULL;
+    if (!column)
+        return true;
+    double *out = arena_array(arena, series->n + 1, sizeof *out);
+    if (!out)
+        return false;
+    for (size_t i = 0, row = 0; i < series->n; i++) {
+        while (row + 1 < recording->rows && !(recording->t[row] >= series->t[i]))
+            row++;
+        out[i] = column->value[row] >= 0 ? column->value[row] * column->factor : NAN;
+        low = fmin(low, out[i]);
+        high = fmax(high, out[i]);
+    }
+    if (high > 0 && (high > low || series->n < SAME_MIN))
+        *half = out;
+    return true;
+}

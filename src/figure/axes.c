@@ -244,6 +244,35 @@ static bool labels_apart(const struct page *page, bool vertical)
     return true;
 }
 
+/* So that error bars are seen whole. */
+static void widen_by_bars(const struct figure *figure, struct extent *extent)
+{
+    for (int c = 0; c < figure->curves && !figure->y.log; c++) {
+        const struct curve *curve = &figure->curve[c];
+        for (size_t i = 0; i < curve->n && curve->bar && curve_drawn(figure, c); i++) {
+            const bool beside =
+                figure->x.fixed && !(curve->x[i] >= figure->x.from && curve->x[i] <= figure->x.to);
+            if (beside || !isfinite(curve->x[i]) || !isfinite(curve->y[i] + curve->bar[i]))
+                continue;
+            extent->low = fmin(extent->low, curve->y[i] - curve->bar[i]);
+            extent->high = fmax(extent->high, curve->y[i] + curve->bar[i]);
+        }
+    }
+}
+
+/* Points of a plane do not lie on its frame. */
+static void widen_plane(const struct figure *figure, struct extent *extent)
+{
+    bool points = figure->plane && !figure->x.fixed && !figure->x.log && !figure->equal;
+    for (int c = 0; c < figure->curves; c++)
+        points &= figure->curve[c].points || !curve_drawn(figure, c);
+    const double air = 0.03 * (extent->high - extent->low);
+    if (points && air > 0 && isfinite(air)) {
+        extent->low -= air;
+        extent->high += air;
+    }
+}
+
 /* The room for the plot; ranges and ticks as for a text figure whose cells are digit x row. */
 void page_lay_out(struct page *page)
 {
@@ -254,6 +283,8 @@ void page_lay_out(struct page *page)
     double gutter = page->gutter, density = 1; /* of ticks */
     bool fits;
 
+    widen_by_bars(&figure, &y);
+    widen_plane(&figure, &x);
     page->layout = (struct figure_layout){
         .charset = CHARSET_BRAILLE, .frame = true, .hidden = x.hidden + y.hidden};
     page->top = page->from_y;

@@ -124,13 +124,14 @@ static bool is_free(const struct page *page, const double box[4])
         if (!curve_drawn(figure, i))
             continue;
         if (path_meets(&page->path[i], box[0], box[1], box[2], box[3]) ||
+            path_meets(&page->path[figure->curves + i], box[0], box[1], box[2], box[3]) ||
             (figure->curve[i].spread && band_meets(page, &figure->curve[i], box)))
             return false;
     }
     return true;
 }
 
-bool legend_place(struct page *page, double spot[2])
+bool legend_place(struct page *page, double box[4])
 {
     static const double places[][2] = {{1, 0}, {0, 0}, {1, 1}, {0, 1}, {0.5, 0}, {0.5, 1}};
     const struct picture_style *style = &page->style;
@@ -153,21 +154,24 @@ bool legend_place(struct page *page, double spot[2])
         const double x = from_x + places[i][0] * room_x, y = from_y + places[i][1] * room_y;
         if (!is_free(page, (double[]){x - gap, y - gap, x + width + gap, y + height + gap}))
             continue;
-        spot[0] = x;
-        spot[1] = y;
+        memcpy(box, (double[]){x, y, x + width, y + height}, 4 * sizeof *box);
         return true;
     }
     return false;
 }
 
-void legend_draw(struct page *page, const double spot[2])
+void legend_draw(struct page *page, const double box[4])
 {
-    double y = spot[1] + page->style.leading / 2;
+    const double edge = page->style.edge / 2;
+    double y = box[1] + page->style.leading / 2;
     struct entry entry;
+    surface_box(page->surface, box[0] - edge, box[1] - edge / 2, box[2] + edge, box[3] + edge / 2);
+    surface_paint(page->surface,
+                  &(struct brush){.color = style_grid, .width = page->style.grid_line});
     for (int e = 0; e < 2 * page->figure->curves; e++) {
         if (!entry_at(page, e, &entry))
             continue;
-        put_entry(page, &entry, spot[0], y);
+        put_entry(page, &entry, box[0], y);
         y += page->style.leading;
     }
 }

@@ -167,12 +167,12 @@ static bool draw_sheet(struct picture_sheet *sheet, struct arena *arena)
     struct page *page = sheet->page;
     struct page heading = *page; /* title and legend are those of all panels */
     struct foot foot = {.lines = 0};
-    double spot[2];
+    double legend[4];
 
     heading.figure = sheet->figure;
     place(sheet, page_heading(&heading, false, false), &foot);
     bool drawn = trace_panels(sheet, arena);
-    const bool inside = drawn && sheet->parts == 1 && legend_place(page, spot);
+    const bool inside = drawn && sheet->parts == 1 && legend_place(page, legend);
     if (!inside) {
         free_paths(sheet);
         place(sheet, page_heading(&heading, true, false), &foot);
@@ -187,7 +187,7 @@ static bool draw_sheet(struct picture_sheet *sheet, struct arena *arena)
     for (int i = 0; i < sheet->parts && drawn; i++)
         draw_panel(&page[i]);
     if (inside)
-        legend_draw(page, spot);
+        legend_draw(page, legend);
     free_paths(sheet);
     draw_foot(sheet, &foot);
     return drawn;

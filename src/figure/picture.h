@@ -18,7 +18,7 @@ struct page {
     bool x_labels;                     /* below the plot */
     double gutter; /* least width of the y labels: panels over each other are aligned */
     double left, top, right, bottom; /* of the plot */
-    struct path *path;               /* [curves] of those of this panel */
+    struct path *path;               /* [curves] of those of this panel, then their error bars */
 };
 
 static inline struct plot_area page_area(const struct page *page)
@@ -90,8 +90,8 @@ double page_band_sample(struct page *page, int curve, double x, double y, bool d
  * further down than a third of the page: then it says how many are left out. Returns the height at
  * which it ends. Only measures unless `draw`. */
 double page_heading(struct page *page, bool legend, bool draw);
-/* Where in the plot, whose paths are known, the legend covers neither ink nor the line of zero: its
- * upper left corner; false: nowhere. */
-bool legend_place(struct page *page, double spot[2]);
-void legend_draw(struct page *page, const double spot[2]);
+/* Where in the plot, whose paths are known, the legend covers neither ink nor the line of zero:
+ * left, top, right, bottom; false: nowhere. */
+bool legend_place(struct page *page, double box[4]);
+void legend_draw(struct page *page, const double box[4]);
 #endif

@@ -92,41 +92,69 @@ static void paint_points(const struct page *page, int index, bool dense)
 
 /* ---- paths ---- */
 
-/* With up to so many corners. */
-static bool trace(const struct page *page, int index, double corners)
+/* Error bars as a curve with gaps between them. False: no memory. */
+static bool bar_curve(const struct page *page, const struct curve *curve, struct arena *arena,
+                      struct curve *bars)
+{
+    const bool log = page->figure->y.log;
+    double *x = arena_array(arena, 3 * curve->n + 1, sizeof *x),
+           *y = arena_array(arena, 3 * curve->n + 1, sizeof *y);
+    if (!x || !y)
+        return false;
+    for (size_t i = 0; i < curve->n; i++) {
+        const double low = curve->y[i] - curve->bar[i];
+        x[3 * i] = x[3 * i + 1] = x[3 * i + 2] = curve->x[i];
+        y[3 * i] = log && low <= 0 ? page->layout.y.from : low;
+        y[3 * i + 1] = curve->y[i] + curve->bar[i];
+        y[3 * i + 2] = NAN;
+    }
+    *bars = (struct curve){.x = x, .y = y, .n = 3 * curve->n};
+    return true;
+}
+
+/* A path, and that of its error bars, with up to so many corners each. */
+static bool trace(const struct page *page, int index, double corners, struct arena *arena)
 {
     const struct curve *curve = &page->figure->curve[index];
     const struct plot_area area = page_area(page);
     const struct pen pen = {curve->points ? dot_size(page) : page->style.thin_line,
-                            (size_t)fmax(corners, CORNERS_LEAST)};
-    path_free(&page->path[index]);
-    page->path[index] = (struct path){0};
-    return (curve->points ? path_of_dots : path_of_line)(curve, &area, &pen, &page->path[index]);
+                            (size_t)fmax(corners, CORNERS_LEAST)},
+                     thin = {page->style.thin_line, pen.most};
+    struct path *path = &page->path[index], *bar = path + page->figure->curves;
+    struct curve bars;
+    path_free(path);
+    path_free(bar);
+    *path = *bar = (struct path){0};
+    return (curve->points ? path_of_dots : path_of_line)(curve, &area, &pen, path) &&
+           (!curve->bar ||
+            (bar_curve(page, curve, arena, &bars) && path_of_line(&bars, &area, &thin, bar)));
 }
 
 bool page_trace(struct page *page, struct arena *arena)
 {
     const struct figure *figure = page->figure;
-    const size_t n = (size_t)figure->curves;
+    const size_t n = 2 * (size_t)figure->curves;
     size_t corners = 0, most;
     bool ok = true;
     page->path = arena_array(arena, n + 1, sizeof *page->path);
     if (!page->path)
         return false;
     memset(page->path, 0, (n + 1) * sizeof *page->path);
-    for (int i = 0; i < figure->curves && ok; i++) {
-        ok = !curve_drawn(figure, i) || trace(page, i, CORNERS);
+    for (int i = 0; i < figure->curves && ok; i++)
+        ok = !curve_drawn(figure, i) || trace(page, i, CORNERS, arena);
+    for (size_t i = 0; i < n; i++)
         corners += path_count(&page->path[i]);
-    }
-    most = CORNERS / (n + 1);
+    most = CORNERS / (n / 2 + 1);
     for (int i = 0; i < figure->curves && ok && corners > CORNERS; i++)
-        ok = path_count(&page->path[i]) <= most || trace(page, i, (double)most);
+        ok = (path_count(&page->path[i]) <= most &&
+              path_count(&page->path[figure->curves + i]) <= most) ||
+             trace(page, i, (double)most, arena);
     return ok;
 }
 
 void page_free_paths(struct page *page)
 {
-    for (int i = 0; i < page->figure->curves && page->path; i++)
+    for (int i = 0; i < 2 * page->figure->curves && page->path; i++)
         path_free(&page->path[i]);
 }
 
@@ -301,6 +329,37 @@ static void put_letter(const struct page *page, int curve, double x, double y)
     page_text(page, x, y, 0.5, color_of(curve), (char[]){page->figure->curve[curve].mark, '\0'});
 }
 
+/* Bars, with caps where there are few, and paper in the marks that will stand on them. */
+static void draw_bars(struct page *page, int index, bool dense)
+{
+    const struct curve *curve = &page->figure->curve[index];
+    const struct picture_style *style = &page->style;
+    const struct path *path = &page->path[page->figure->curves + index];
+    const struct brush line = {.color = color_of(index),
+                               .width = dense ? style->thin_line : style->mark_line,
+                               .fill = path->region},
+                       paper = {.color = style_white, .fill = true};
+    double x, y;
+    surface_clip(page->surface, page->left, page->top, page->right, page->bottom);
+    add_path(page, path);
+    for (size_t i = 0; !dense && i < curve->n; i++) {
+        for (int side = -1; side <= 1 && curve->bar[i] > 0; side += 2) {
+            x = page_x(page, curve->x[i]);
+            y = page_y(page, curve->y[i] + side * curve->bar[i]);
+            if (!isfinite(x + y))
+                continue;
+            surface_move(page->surface, x - style->cap, y);
+            surface_line(page->surface, x + style->cap, y);
+        }
+    }
+    surface_paint(page->surface, &line);
+    surface_unclip(page->surface);
+    for (size_t i = 0; !dense && !has_letter(curve) && i < curve->n; i++)
+        if (point_position(page, curve, i, &x, &y))
+            add_shape(page, kind_of(page->figure, index), x, y);
+    surface_paint(page->surface, &paper);
+}
+
 /* Points as shapes or letters; dense ones as dots, that round ends turn lines without length into.
  */
 static void draw_points(struct page *page, int index, bool dense)
@@ -310,6 +369,8 @@ static void draw_points(struct page *page, int index, bool dense)
     const struct corner *corner = path_corners(path);
     double x, y;
 
+    if (curve->bar)
+        draw_bars(page, index, dense);
     if (dense && path->region) {
         add_path(page, path);
         surface_paint(page->surface, &(struct brush){.color = color_of(index), .fill = true});

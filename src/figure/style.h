@@ -27,6 +27,7 @@
     X(thin_line, 0.6, "a curve of very many turns")                                                \
     X(mark, 2.6, "radius of a mark")                                                               \
     X(mark_line, 0.9, "outline of a mark")                                                         \
+    X(cap, 2, "half the width of the end of an error bar")                                         \
     X(mark_apart, 12, "from one mark on a line to the next, at least")                             \
     X(dot, 2.2, "of dense data")                                                                   \
     X(dot_below, 3.4, "likewise, with a line above")                                               \

@@ -328,7 +328,12 @@ COMMAND(
         "computed only then. 'set band on' shows it in panes, 'export FILE --band' writes it. "
         "--pixels shows a\n"
         "picture in terminals that say that they can (kitty, iTerm2, sixel; not among panes), "
-        "text in others.",
+        "text in others.\n"
+        "In pictures points have error bars: amplitudes and periods those of their fits, "
+        "recordings those of a\n"
+        "column named error, yerr, sigma .. in the unit of the values. One that is the same in "
+        "100 samples or more\n"
+        "is a calibration, as 0.239 cm of the lab's sensor, and is not drawn.",
     .examples =
         "compare euler symplectic-euler; plot energy run all y=0:40mJ; plot momentum against y\n"
         "load bare.txt; m = 200 g; fit drag; adopt; run; plot position --band size=12x8 title=\"\" "

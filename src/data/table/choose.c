@@ -17,8 +17,7 @@
     "posicion posición "                                                                          \
     "desplazamiento posizione spostamento distanza elongation hauteur"
 #define SIZE_WORDS "absolute magnitude total" /* of a vector: it hides the sign */
-#define ERROR_WORDS "error err xerr yerr uncertainty unc sigma sd"
-#define MOSTLY 0.9 /* of the steps of a time column go up */
+#define MOSTLY 0.9                            /* of the steps of a time column go up */
 
 /* What the numbers of a column say. */
 struct profile {

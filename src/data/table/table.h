@@ -92,6 +92,9 @@ bool table_columns(const struct table_layout *layout, struct recording *recordin
 void column_unit(struct column *column, struct text unit); /* as a file spells it */
 /* one of the blank-separated words, any case */
 bool name_has_word(const char *name, const char *words);
+/* Names of columns of uncertainties; those of another axis than the value's. */
+#define ERROR_WORDS "error err xerr yerr uncertainty unc sigma sd"
+#define ERROR_WORDS_ACROSS "xerr terr time t x"
 
 /* rate.c: the sampling rate [Hz] that a line above the table says ("# Sample rate: 50 Hz"); 0: none
  * does. */

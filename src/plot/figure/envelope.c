@@ -34,13 +34,16 @@ bool drawing_data_envelope(struct drawing *d, const struct series *series, struc
             return false;
     }
     double *x = arena_array(d->arena, (size_t)count, sizeof *x),
-           *y = arena_array(d->arena, (size_t)count, sizeof *y);
-    if (!x || !y)
+           *y = arena_array(d->arena, (size_t)count, sizeof *y),
+           *bar = arena_array(d->arena, (size_t)count, sizeof *bar);
+    if (!x || !y || !bar)
         return error_memory(d->error);
     for (int i = 0; i < count; i++) {
         x[i] = reading[i].t;
         y[i] = reading[i].amplitude.value;
+        bar[i] = reading[i].amplitude.uncertainty;
     }
+    curve->bar = bar;
     curve->x = x;
     curve->y = y;
     curve->n = (size_t)count;

@@ -24,13 +24,16 @@ static bool read_windows(struct drawing *d, const struct series *series, struct 
         count = count / 2 > WINDOWS_MIN ? count / 2 : WINDOWS_MIN;
     }
     double *x = arena_array(d->arena, (size_t)count, sizeof *x),
-           *y = arena_array(d->arena, (size_t)count, sizeof *y);
-    if (!x || !y)
+           *y = arena_array(d->arena, (size_t)count, sizeof *y),
+           *bar = arena_array(d->arena, (size_t)count, sizeof *bar);
+    if (!x || !y || !bar)
         return error_memory(d->error);
     for (int i = 0; i < count; i++) {
         x[i] = reading[i].amplitude.value;
         y[i] = reading[i].period.value;
+        bar[i] = reading[i].period.uncertainty;
     }
+    curve->bar = bar;
     curve->x = x;
     curve->y = y;
     curve->n = (size_t)count;

@@ -102,20 +102,27 @@ bool drawing_recording(struct drawing *d, const struct recording *recording)
 {
     struct series series;
     struct curve *curve = &d->curve[d->curves];
+    const double *bar = NULL;
     if (!recorded_values(d, recording, &series))
         return false;
+    if ((kind_of(d)->recorded || kind_of(d)->residual) && !kind_of(d)->data_curve &&
+        !drawing_needs_motion(d, recording) &&
+        !recording_errors(recording, &series, d->arena, &bar))
+        return error_memory(d->error);
     if (d->request->runs > 0 && kind_of(d)->recorded == RECORDED_POSITION &&
         quantity_is_scaled(recording->column[recording->value].quantity)) {
         if (!scale_values(d, &series))
             return false;
         if (series.n == 0)
             return true;
+        bar = NULL; /* of another quantity */
     }
     *curve = (struct curve){.label = d->request->runs ? "data" : recording->name,
                             .x = series.t,
                             .y = series.y,
                             .n = series.n,
-                            .points = true};
+                            .points = true,
+                            .bar = bar};
     d->curves++;
     return !kind_of(d)->data_curve || kind_of(d)->data_curve(d, &series, curve);
 }
