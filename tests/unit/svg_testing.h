@@ -47,7 +47,8 @@ static inline void svg_read_path(const char *d, struct svg_path *path)
 {
     double x = 0, y = 0, number[7];
     char command = 0;
-    *path = (struct svg_path){.n = 0, .circles = 0};
+    path->n = path->circles = 0;
+    path->closed = false;
     for (char *at = (char *)(uintptr_t)d; *at != '"';) {
         if (strchr("Mlhaz", *at)) {
             command = *at++;

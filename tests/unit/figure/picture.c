@@ -8,6 +8,7 @@
 #include <cmocka.h>
 
 #include "figure/surface/cairo_api.h"
+#include "long_form.h"
 #include "unit/svg_testing.h"
 
 #include <dlfcn.h>
@@ -16,7 +17,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define MANY 1000000
+#define MANY ((size_t)(is_long() ? 1000000 : 150000))
 
 static struct picture_size {
     double width, height;
@@ -326,11 +327,11 @@ static void test_many_samples_stay_small_and_keep_peaks(void **state)
     struct figure figure = {
         .x = axis, .y = {.fixed = true, .from = -2.2, .to = 2.2}, .curve = &curve, .curves = 1};
     struct buffer out = {0};
-    y[654321] = y[123456] = 1e-3;
+    y[MANY * 2 / 3] = y[MANY / 8] = 1e-3;
     draw(&figure, PICTURE_SVG, &out);
     const double highest = heard.highest, lowest = heard.lowest;
-    y[654321] = 2.1;
-    y[123456] = -2.1;
+    y[MANY * 2 / 3] = 2.1;
+    y[MANY / 8] = -2.1;
     draw(&figure, PICTURE_SVG, &out);
     assert_true(heard.highest < highest - 5 && heard.lowest > lowest + 5);
     figure.x = (struct axis){.fixed = true, .from = 200, .to = 300};
