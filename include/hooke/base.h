@@ -328,6 +328,8 @@ uint32_t text_codepoint(struct text text, size_t *used);
 /* columns on a terminal: 0, 1 or 2; a table of its own, no locale */
 int codepoint_width(uint32_t codepoint);
 int text_width(struct text text); /* columns */
+/* Appends the words of a text in lines of at most `width` columns, without the last newline. */
+void buffer_folded(struct buffer *buffer, struct text text, int width);
 
 /* ---- files ----
  *

@@ -43,7 +43,16 @@ int canvas_text(struct canvas *canvas, int x, int y, struct text text, enum styl
 /* Lines without trailing blanks; colour escapes only when `color`. */
 void canvas_print(const struct canvas *canvas, bool color, struct buffer *out);
 
-enum charset { CHARSET_ASCII, CHARSET_BLOCK, CHARSET_BRAILLE };
+/* CHARSET_WORDS: figures as sentences and tables, for those who are read to. */
+enum charset { CHARSET_ASCII, CHARSET_BLOCK, CHARSET_BRAILLE, CHARSET_WORDS };
+
+/* Columns enough for a figure in words: no oscillation is drawn as its envelope. */
+#define WORDS_COLUMNS 4000
+
+static inline bool charset_is_plain(enum charset charset) /* lines of '-' and '|' */
+{
+    return charset == CHARSET_ASCII || charset == CHARSET_WORDS;
+}
 
 /* ---- figures ---- */
 

@@ -38,3 +38,17 @@ int text_width(struct text text)
         width += codepoint_width(text_codepoint(text, &used));
     return width;
 }
+
+void buffer_folded(struct buffer *buffer, struct text text, int width)
+{
+    struct text word;
+    int column = 0;
+    while (text_split(&text, ' ', &word)) {
+        const int columns = text_width(word);
+        const bool fits = column > 0 && column + 1 + columns <= width;
+        if (column > 0)
+            buffer_char(buffer, fits ? ' ' : '\n');
+        column = fits ? column + 1 + columns : columns;
+        buffer_put(buffer, word);
+    }
+}

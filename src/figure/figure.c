@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Figures: frame, axes, titles, legend and curves in a rectangle of cells. */
 #include "figure/internal.h"
+#include "figure/describe/internal.h"
 
 #include <stdio.h>
 
@@ -17,7 +18,7 @@ static const struct strokes *strokes_of(enum charset charset)
                                          '+', '+', '+', '-', '@', ':'};
     static const struct strokes box = {0x250C, 0x2510, 0x2514, 0x2518, 0x2500, 0x2502,
                                        0x252C, 0x2524, 0x2514, 0x2508, 0x25CF, 0x2591};
-    return charset == CHARSET_ASCII ? &plain : &box;
+    return charset_is_plain(charset) ? &plain : &box;
 }
 
 struct text_sheet {
@@ -345,11 +346,13 @@ bool figure_draw(const struct figure *figure, struct canvas *canvas, int x, int 
 
     if (width < 1 || height < 1)
         return true;
+    if (charset == CHARSET_WORDS)
+        return words_draw(figure, canvas, x, y, width, height);
     int panels = figure_panels(figure, width, height, charset, panel);
     for (int i = 0; i < panels; i++) {
         draw_panel(&panel[i], canvas, x, y, charset);
         if (i && !figure->plane &&
-            charset != CHARSET_ASCII) { /* one frame: corners become branches */
+            !charset_is_plain(charset)) { /* one frame: corners become branches */
             canvas_put(canvas, x + panel[i].x, y + panel[i].y, 0x251C, STYLE_DIM);
             canvas_put(canvas, x + panel[i].x + panel[i].width - 1, y + panel[i].y, 0x2524,
                        STYLE_DIM);
@@ -363,6 +366,8 @@ bool figure_print(const struct figure *figure, int width, int height, enum chars
 {
     struct canvas canvas;
 
+    if (charset == CHARSET_WORDS)
+        return words_print(figure, width, out);
     if (!canvas_init(&canvas, width, height))
         return false;
     bool done = figure_draw(figure, &canvas, 0, 0, width, height, charset);

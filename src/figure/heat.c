@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A heat map in text: shades that are told apart without colour, labelled axes, a legend of the
  * shades. */
+#include "figure/describe/internal.h"
 #include "figure/internal.h"
 
 #include <stdlib.h>
@@ -27,9 +28,9 @@ static int shade_of(const struct shades *shades, double value)
 
 static struct shades shades_of(const struct heat *heat, enum charset charset)
 {
-    struct shades shades = {.shade = charset == CHARSET_ASCII ? ascii_shades : block_shades,
-                            .count = charset == CHARSET_ASCII ? (int)COUNT_OF(ascii_shades)
-                                                              : (int)COUNT_OF(block_shades),
+    struct shades shades = {.shade = charset_is_plain(charset) ? ascii_shades : block_shades,
+                            .count = charset_is_plain(charset) ? (int)COUNT_OF(ascii_shades)
+                                                               : (int)COUNT_OF(block_shades),
                             .low = HUGE_VAL,
                             .high = -HUGE_VAL};
     for (size_t i = 0; i < (size_t)heat->x.count * (size_t)heat->y.count; i++)
@@ -138,6 +139,8 @@ static void put_legend(const struct heat *heat, const struct shades *shades, boo
 bool heat_print(const struct heat *heat, int width, int height, enum charset charset,
                 struct buffer *out)
 {
+    if (charset == CHARSET_WORDS)
+        return words_heat(heat, width, out);
     const struct shades shades = shades_of(heat, charset);
     char text[LABEL_SIZE];
     int gutter = 0;

@@ -13,8 +13,10 @@
 
 struct dot_grid charset_grid(enum charset charset)
 {
-    static const struct dot_grid grids[] = {
-        [CHARSET_ASCII] = {1, 4}, [CHARSET_BLOCK] = {2, 2}, [CHARSET_BRAILLE] = {2, 4}};
+    static const struct dot_grid grids[] = {[CHARSET_ASCII] = {1, 4},
+                                            [CHARSET_BLOCK] = {2, 2},
+                                            [CHARSET_BRAILLE] = {2, 4},
+                                            [CHARSET_WORDS] = {1, 4}};
     return grids[charset];
 }
 

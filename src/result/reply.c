@@ -59,15 +59,7 @@ void reply_text(struct reply *reply, struct text text)
 void reply_paragraph(struct reply *reply, struct text text, int width)
 {
     struct buffer lines = {0};
-    struct text word;
-    int column = 0;
-    while (text_split(&text, ' ', &word)) {
-        const int columns = text_width(word);
-        if (column > 0)
-            buffer_char(&lines, column + 1 + columns > width ? '\n' : ' ');
-        column = column > 0 && column + 1 + columns <= width ? column + 1 + columns : columns;
-        buffer_put(&lines, word);
-    }
+    buffer_folded(&lines, text, width);
     reply_text(reply, buffer_text(&lines));
     buffer_free(&lines);
 }

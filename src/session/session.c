@@ -277,6 +277,8 @@ enum charset session_charset(const struct session *session)
         return CHARSET_BLOCK;
     case CHOOSE_BRAILLE:
         return CHARSET_BRAILLE;
+    case CHOOSE_WORDS:
+        return CHARSET_WORDS;
     case CHOOSE_AUTO:
         break;
     }

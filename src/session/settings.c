@@ -18,6 +18,8 @@ static const struct row charset_rows[] = {
     [CHOOSE_ASCII] = {"ascii", "", "plain ASCII", "", NULL},
     [CHOOSE_BLOCK] = {"block", "", "block characters", "", NULL},
     [CHOOSE_BRAILLE] = {"braille", "", "braille dots, 2x4 a cell", "", NULL},
+    [CHOOSE_WORDS] = {"words", "", "sentences and tables in place of plots, to be read aloud", "",
+                      NULL},
 };
 const struct catalog charset_choice_catalog = CATALOG("charset", charset_rows);
 

@@ -54,8 +54,10 @@ static void say_step(const struct session *session, int count, struct buffer *li
 static void say_charset(const struct session *session, int count, struct buffer *line)
 {
     (void)count;
-    static const char *const after[] = {
-        [CHARSET_BRAILLE] = "block", [CHARSET_BLOCK] = "ascii", [CHARSET_ASCII] = "braille"};
+    static const char *const after[] = {[CHARSET_BRAILLE] = "block",
+                                        [CHARSET_BLOCK] = "ascii",
+                                        [CHARSET_ASCII] = "braille",
+                                        [CHARSET_WORDS] = "auto"};
     buffer_format(line, "set charset %s", after[session_charset(session)]);
 }
 

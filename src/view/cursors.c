@@ -14,14 +14,14 @@
 static bool is_bare_frame(const struct screen *screen, const struct canvas *canvas, int x, int y)
 {
     return canvas->cell[(size_t)y * (size_t)canvas->width + (size_t)x].codepoint ==
-           (screen->charset == CHARSET_ASCII ? '-' : 0x2500);
+           (charset_is_plain(screen->charset) ? '-' : 0x2500);
 }
 
 void cursors_draw(const struct screen *screen, const struct figure_layout *layout,
                   struct canvas *canvas, struct rectangle at, bool letters)
 {
     const struct cursors *cursors = &screen->session->view.cursors;
-    uint32_t line = screen->charset == CHARSET_ASCII ? ':' : 0x250A;
+    uint32_t line = charset_is_plain(screen->charset) ? ':' : 0x250A;
     int column, row;
 
     for (int i = 0; i < 2 && cursors->shown; i++) {

@@ -140,6 +140,14 @@ int screen_panes(const struct session *session, struct rectangle area, int heigh
         rights = choose_panes(session, a->right, a->rights, right);
     if (!lefts && !rights)
         left[lefts++] = PLOT_POSITION;
+    if (session_charset(session) == CHARSET_WORDS) { /* read line by line: one at a time */
+        const bool offered = plot_offered(session, view_focus(view));
+        placed[0] = (struct placed_pane){.pane = offered ? view_focus(view)
+                                                 : lefts ? left[0]
+                                                         : right[0],
+                                         .at = area};
+        return 1;
+    }
     /* The focused one stands in the first place if the layout does not have it. */
     if (plot_offered(session, view_focus(view)) && !holds(left, lefts, view_focus(view)) &&
         !holds(right, rights, view_focus(view)))

@@ -23,7 +23,7 @@ void line_draw(const struct screen *screen, int x, int y, int width, struct text
         text.len -= used;
     }
     if (cut)
-        canvas_put(screen->canvas, end, y, screen->charset == CHARSET_ASCII ? '>' : 0x2026,
+        canvas_put(screen->canvas, end, y, charset_is_plain(screen->charset) ? '>' : 0x2026,
                    STYLE_DIM);
 }
 

@@ -85,7 +85,9 @@ void numbers_draw(const struct screen *screen, struct text hint, int y)
     static const char long_keys[] = "F1 help  F5 run/pause  F6 layout  F7 cursors  PgUp log",
                       keys[] = "F1 help  F5 run  F7 cursors";
     int width = screen->canvas->width;
-    uint32_t across = screen->charset == CHARSET_ASCII ? '-' : 0x2500;
+    const uint32_t across = screen->charset == CHARSET_WORDS    ? ' '
+                            : charset_is_plain(screen->charset) ? '-'
+                                                                : 0x2500;
 
     for (int x = 0; x < width; x++)
         canvas_put(screen->canvas, x, y, across, STYLE_DIM);

@@ -113,6 +113,8 @@ static const char *numbered_title(struct screen *screen, const struct placed_pan
 {
     char text[64];
     const char *own = plot_row(placed->pane)->title, *title = own ? own : "";
+    if (screen->charset == CHARSET_WORDS)
+        return plot_row(placed->pane)->row.name;
     if (!placed->number)
         return title;
     snprintf(text, sizeof text, "%d%s%s", placed->number, *title ? " " : "", title);
@@ -138,6 +140,8 @@ static struct shared_time share_time(struct screen *screen, const struct placed_
                                      int placed_count)
 {
     struct shared_time time = {.width = placed[0].at.width, .alone = placed_count == 1};
+    if (screen->charset == CHARSET_WORDS)
+        time.width = WORDS_COLUMNS;
     int runs[1 + LIMIT_OVERLAY], first = 0;
     while (first < placed_count - 1 && !plot_is_timed(placed[first].pane))
         first++;
@@ -181,6 +185,8 @@ static bool make_figure(struct screen *screen, const struct placed_pane *placed,
         figure->note = NULL;
     }
     /* The curves are those of the first pane, unless that has none of a run. */
+    if (screen->charset == CHARSET_WORDS)
+        return figure->title != NULL;
     if (plot_is_plane(placed->pane) || (placed->joined && !plot_row(placed[-1].pane)->residual)) {
         struct curve *plain =
             arena_array(&screen->arena, (size_t)figure->curves + 1, sizeof *plain);
@@ -201,7 +207,7 @@ static void draw_marks(const struct screen *screen, const struct figure_layout *
                        struct canvas *canvas, struct rectangle at)
 {
     const struct live *live = &screen->session->live;
-    uint32_t mark = screen->charset == CHARSET_ASCII ? '^' : 0x25B2;
+    uint32_t mark = charset_is_plain(screen->charset) ? '^' : 0x25B2;
     int column, row;
     for (int i = 0; i < live->mark_count && layout->x_labels; i++)
         if (figure_cell(layout, live->marks[i], layout->y.from, &column, &row))
@@ -212,7 +218,7 @@ static void draw_marks(const struct screen *screen, const struct figure_layout *
 /* Corners become branches where a pane continues the frame above. */
 static void draw_branches(const struct screen *screen, struct rectangle at)
 {
-    if (screen->charset == CHARSET_ASCII)
+    if (charset_is_plain(screen->charset))
         return;
     canvas_put(screen->canvas, at.x, at.y, 0x251C, STYLE_DIM);
     canvas_put(screen->canvas, at.x + at.width - 1, at.y, 0x2524, STYLE_DIM);
@@ -226,10 +232,26 @@ static void copy_rows(const struct canvas *from, struct canvas *to, struct recta
                 from->cell[(size_t)y * (size_t)from->width + (size_t)x];
 }
 
+/* While a run goes on only where it stands is said: in the state line. */
+static void words_pane(struct screen *screen, const struct placed_pane *placed,
+                       const struct figure *figure)
+{
+    const struct rectangle at = placed->at;
+    const int width = at.x + at.width < screen->canvas->width ? at.width - 1 : at.width;
+    if (screen->session->live.state == LIVE_RUNNING)
+        canvas_text(screen->canvas, at.x, at.y, text_of(figure->title), STYLE_PLAIN);
+    else
+        figure_draw(figure, screen->canvas, at.x, at.y, width, at.height, screen->charset);
+}
+
 static bool draw_pane(struct screen *screen, const struct placed_pane *placed,
                       const struct figure *figure)
 {
     struct rectangle at = {0, 0, placed->at.width, pane_drawn_height(placed)};
+    if (screen->charset == CHARSET_WORDS) {
+        words_pane(screen, placed, figure);
+        return true;
+    }
     struct canvas sheet = {
         at.width, at.height,
         arena_array(&screen->arena, (size_t)at.width * (size_t)at.height, sizeof *sheet.cell)};

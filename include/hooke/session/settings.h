@@ -8,7 +8,7 @@
 
 /* ---- settings ---- */
 
-enum charset_choice { CHOOSE_AUTO, CHOOSE_ASCII, CHOOSE_BLOCK, CHOOSE_BRAILLE };
+enum charset_choice { CHOOSE_AUTO, CHOOSE_ASCII, CHOOSE_BLOCK, CHOOSE_BRAILLE, CHOOSE_WORDS };
 enum color_choice { COLOR_AUTO, COLOR_ALWAYS, COLOR_NEVER };
 enum phase_axes { PHASE_SCALED, PHASE_RAW };
 enum sync_choice {

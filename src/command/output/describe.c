@@ -5,12 +5,9 @@
 
 #include <hooke/figure/describe.h>
 
-/* No envelope takes the place of oscillations that a picture could not show. */
-#define ALL_COLUMNS 1000000
-
 HANDLER(describe)
 {
-    struct figure_request request = {.charset = CHARSET_BRAILLE, .width = ALL_COLUMNS};
+    struct figure_request request = {.charset = CHARSET_BRAILLE, .width = WORDS_COLUMNS};
     struct figure figure;
     struct buffer text = {0};
     int width, height;

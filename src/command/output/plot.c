@@ -229,7 +229,7 @@ static bool into_file(const struct session *session, const struct arguments *arg
 }
 
 static bool as_text(const struct session *session, const struct figure_request *request,
-                    const struct figure *figure, int height, struct reply *reply,
+                    const struct figure *figure, int width, int height, struct reply *reply,
                     struct error *error)
 {
     const struct front *front = &session->front;
@@ -237,11 +237,11 @@ static bool as_text(const struct session *session, const struct figure_request *
     const bool color =
         choice == COLOR_ALWAYS || (choice == COLOR_AUTO && front->color && !front->watched);
     struct buffer text = {0};
-    const bool ok = figure_print(figure, request->width, height, request->charset,
+    const bool ok = figure_print(figure, width, height, request->charset,
                                  color && reply->format == FORMAT_TEXT, &text) ||
                     error_memory(error);
-    if (ok && plot_row(request->kind)->study)
-        precision_legend(session->precision, request->width, &text);
+    if (ok && plot_row(request->kind)->study && request->charset != CHARSET_WORDS)
+        precision_legend(session->precision, width, &text);
     if (ok)
         reply_text(reply, buffer_text(&text));
     buffer_free(&text);
@@ -266,16 +266,20 @@ HANDLER(plot)
     if (in_log && !session->setup.settings.height)
         height = height > MIN_ROWS + OTHER_ROWS ? height - OTHER_ROWS : MIN_ROWS;
     const bool pixels = !file->count && shows_pixels(session, args, reply), drawn = !text || pixels;
-    request.width = drawn ? PICTURE_COLUMNS : width;
     request.charset = drawn ? CHARSET_BRAILLE : session_charset(session);
+    request.width = drawn                              ? PICTURE_COLUMNS
+                    : request.charset == CHARSET_WORDS ? WORDS_COLUMNS
+                                                       : width;
     if (!make_figure(session, args, &request, &figure, error) ||
         !choose_words(args, &figure, error))
         return false;
     if (file->count)
         return into_file(session, args, &request, text ? NULL : &picture, &figure, reply, error);
-    if (pixels ? !label_methods(session, &request, args->arena, &figure, error) ||
-                     !session->front.pixels(&session->front, &figure, width, height, error)
-               : !as_text(session, &request, &figure, height, reply, error))
+    if ((pixels || request.charset == CHARSET_WORDS) &&
+        !label_methods(session, &request, args->arena, &figure, error))
+        return false;
+    if (pixels ? !session->front.pixels(&session->front, &figure, width, height, error)
+               : !as_text(session, &request, &figure, width, height, reply, error))
         return false;
     reply_numbers(&request, &figure, reply);
     if (in_log)

@@ -19,4 +19,12 @@ bool read_turns(const struct points *points, bool timed, struct arena *arena,
  * directions are measured; equal: by the same. */
 void read_winding(const struct points *points, bool equal, struct curve_reading *reading);
 
+/* Under CHARSET_WORDS: the description and a table; as many whole sentences as there is room for.
+ */
+bool words_print(const struct figure *figure, int width, struct buffer *out);
+/* Without a table. */
+bool words_heat(const struct heat *heat, int width, struct buffer *out);
+bool words_draw(const struct figure *figure, struct canvas *canvas, int x, int y, int width,
+                int height);
+
 #endif

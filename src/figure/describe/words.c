@@ -156,7 +156,7 @@ static void put_amplitudes(const struct subject *s, struct buffer *out)
         buffer_put(out, TEXT("; its amplitude stays at "));
         put_value(s->y, c->amplitude[0], NULL, out);
         buffer_put(out, TEXT(" (the last differs from the first by "));
-        put_number(100 * part, out);
+        put_digits(100 * part, 2, out);
         buffer_put(out, TEXT(" %)"));
         return;
     }
@@ -180,7 +180,7 @@ static void put_oscillation(const struct subject *s, struct buffer *out)
     put_value(s->x, c->period, NULL, out);
     if (isfinite(c->spread) && c->spread > 1e-6 * c->period) {
         buffer_put(out, TEXT(" +- "));
-        put_number(c->spread / factor_of(s->x), out);
+        put_digits(c->spread / factor_of(s->x), 2, out);
     }
     buffer_format(out, " and crosses the middle %zu time%s", c->crossings,
                   c->crossings == 1 ? "" : "s");

@@ -64,7 +64,8 @@ static double short_number(double length)
 static double longest_window(const struct drawing *d)
 {
     const struct figure_request *request = d->request;
-    const int each = request->charset == CHARSET_ASCII ? PERIOD_COLUMNS_ASCII : PERIOD_COLUMNS_DOTS;
+    const int each =
+        charset_is_plain(request->charset) ? PERIOD_COLUMNS_ASCII : PERIOD_COLUMNS_DOTS;
     const int columns =
         request->width > 2 * FRAME_COLUMNS ? request->width - FRAME_COLUMNS : FRAME_COLUMNS;
     const double max = kind_of(d)->periods || !request->alone ? d->period * columns / each : NAN;

@@ -1,0 +1,171 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Figures for those who are read to: sentences, and some rows of numbers in columns. */
+#include "figure/describe/internal.h"
+#include "figure/internal.h"
+
+#include <math.h>
+
+#define ROWS 11 /* of a table: ten equal parts */
+#define COLUMN 14
+#define CURVES_MAX 12 /* of a table */
+
+/* ---- a table of equally spaced places ---- */
+
+static bool is_ascending(const struct curve *curve)
+{
+    for (size_t i = 1; i < curve->n; i++)
+        if (!(curve->x[i] >= curve->x[i - 1]))
+            return false;
+    return curve->n > 1;
+}
+
+/* Linear between samples; NAN outside. */
+static double curve_at(const struct curve *curve, double x)
+{
+    size_t low = 0, high = curve->n - 1;
+    if (!(x >= curve->x[0] && x <= curve->x[high]))
+        return NAN;
+    while (high - low > 1) {
+        const size_t i = low + (high - low) / 2;
+        *(curve->x[i] <= x ? &low : &high) = i;
+    }
+    const double part =
+        curve->x[high] > curve->x[low] ? (x - curve->x[low]) / (curve->x[high] - curve->x[low]) : 0;
+    return part <= 0 ? curve->y[low] : curve->y[low] + part * (curve->y[high] - curve->y[low]);
+}
+
+static void put_cell(struct text text, int width, struct buffer *out)
+{
+    for (int i = text_width(text); i < width; i++)
+        buffer_char(out, ' ');
+    buffer_put(out, text);
+}
+
+/* Returns how wide its column is. */
+static int put_heading(const char *name, const struct axis *axis, struct buffer *out)
+{
+    struct buffer text = {0};
+    buffer_format(&text, axis->unit && *axis->unit ? " %s [%s]" : " %s", name,
+                  axis->unit ? axis->unit : "");
+    const int needed = text_width(buffer_text(&text)), width = needed > COLUMN ? needed : COLUMN;
+    put_cell(buffer_text(&text), width, out);
+    buffer_free(&text);
+    return width;
+}
+
+static void put_number(double value, const struct axis *axis, int width, struct buffer *out)
+{
+    struct buffer text = {0};
+    const double shown = value / (axis->factor > 0 ? axis->factor : 1);
+    buffer_format(&text, " %.5g", shown == 0 ? 0 : shown);
+    put_cell(isnan(value) ? TEXT(" -") : buffer_text(&text), width, out);
+    buffer_free(&text);
+}
+
+static void put_table(const struct figure *figure, int width, struct buffer *out)
+{
+    double from = HUGE_VAL, to = -HUGE_VAL;
+    int columns = 0, wide[CURVES_MAX + 1], used;
+    for (int i = 0; i < figure->curves; i++) {
+        const struct curve *curve = &figure->curve[i];
+        if (curve->n > 0 && !is_ascending(curve))
+            return; /* no function of x */
+        if (curve->n > 0) {
+            from = fmin(from, curve->x[0]);
+            to = fmax(to, curve->x[curve->n - 1]);
+        }
+    }
+    if (figure->x.fixed) {
+        from = fmax(from, figure->x.from);
+        to = fmin(to, figure->x.to);
+    }
+    if (figure->plane || !(to > from) || (figure->x.log && !(from > 0)))
+        return;
+    used = wide[0] = put_heading(figure->x.label, &figure->x, out);
+    while (columns < figure->curves && columns < CURVES_MAX && used + COLUMN <= width) {
+        const struct curve *curve = &figure->curve[columns];
+        used += wide[++columns] =
+            put_heading(curve->label && *curve->label ? curve->label : figure->y.label,
+                        curve_axis(figure, curve, true), out);
+    }
+    buffer_char(out, '\n');
+    for (int row = 0; row < ROWS; row++) {
+        const double part = (double)row / (ROWS - 1);
+        const double x = row + 1 == ROWS ? to
+                         : figure->x.log ? from * pow(to / from, part)
+                                         : from + part * (to - from);
+        put_number(x, &figure->x, wide[0], out);
+        for (int i = 0; i < columns; i++) {
+            const struct curve *curve = &figure->curve[i];
+            put_number(curve->n ? curve_at(curve, x) : NAN, curve_axis(figure, curve, true),
+                       wide[i + 1], out);
+        }
+        buffer_char(out, '\n');
+    }
+}
+
+bool words_print(const struct figure *figure, int width, struct buffer *out)
+{
+    struct buffer text = {0};
+    const bool ok = describe_figure(figure, &text);
+    buffer_folded(out, buffer_text(&text), width);
+    buffer_char(out, '\n');
+    put_table(figure, width, out);
+    buffer_free(&text);
+    return ok && !out->failed;
+}
+
+bool words_heat(const struct heat *heat, int width, struct buffer *out)
+{
+    struct buffer text = {0};
+    const bool ok = describe_heat(heat, &text);
+    buffer_folded(out, buffer_text(&text), width);
+    buffer_char(out, '\n');
+    buffer_free(&text);
+    return ok && !out->failed;
+}
+
+/* ---- in a rectangle of cells ---- */
+
+static int lines_of(const struct buffer *folded)
+{
+    int lines = 1;
+    for (size_t i = 0; i < folded->len; i++)
+        lines += folded->data[i] == '\n';
+    return lines;
+}
+
+/* Without the last sentence; false: there is one only. */
+static bool drop_sentence(struct buffer *text)
+{
+    size_t end = text->len > 1 ? text->len - 1 : 0;
+    while (end > 1 && !(text->data[end - 1] == '.' && text->data[end] == ' '))
+        end--;
+    if (end <= 1)
+        return false;
+    text->len = end;
+    text->data[end] = '\0';
+    return true;
+}
+
+bool words_draw(const struct figure *figure, struct canvas *canvas, int x, int y, int width,
+                int height)
+{
+    struct buffer text = {0}, folded = {0};
+    struct text rest, line;
+    const bool ok = describe_figure(figure, &text);
+    do {
+        buffer_clear(&folded);
+        buffer_folded(&folded, buffer_text(&text), width);
+    } while (lines_of(&folded) > height && drop_sentence(&text));
+    rest = buffer_text(&folded);
+    for (int row = 0; row < height; row++) {
+        for (int column = 0; column < width; column++)
+            canvas_put(canvas, x + column, y + row, ' ', STYLE_PLAIN);
+        if (text_split(&rest, '\n', &line))
+            canvas_text(canvas, x, y + row, line, STYLE_PLAIN);
+    }
+    buffer_free(&folded);
+    buffer_free(&text);
+    return ok;
+}
