@@ -43,6 +43,8 @@ struct setup {
     struct settings settings;
     struct named_value let[LIMIT_LET];
     int lets;
+    /* which statement of the log gave each parameter its value, counted from 1; 0: the scene */
+    uint32_t origin[PARAM_MAX];
 };
 
 /* private: one thing that was asked of a run (go there, change a parameter, go back) */
@@ -58,6 +60,8 @@ struct run_slot {
     struct request *last;
     struct run_mark *mark;       /* private to undo.c: as the latest entry has it, NULL: none */
     const struct events *events; /* as they were when it began; NULL: none */
+    size_t statement;            /* of the log that made it, counted from 1 */
+    uint32_t origin[PARAM_MAX];  /* that of the set-up when it began */
 };
 
 struct run_row { /* a run in the list of them */
@@ -87,6 +91,7 @@ struct measurement {
     double periods;           /* NAN: does not apply */
     double at;                /* [s] of an amplitude; NAN */
     bool energy;              /* of the energy */
+    size_t statement;         /* of the log that made it, counted from 1 */
     char of[LIMIT_NAME + 16]; /* "run 1", "data swing3" */
 };
 
@@ -98,6 +103,7 @@ struct stored_fit {
     enum quantity quantity; /* of what was fitted */
     struct measured k;      /* NAN: nobody had said what the mass is */
     struct exact_names exact;
+    size_t statement; /* of the log that made it, counted from 1: session_store_fit() says so */
     char of[LIMIT_NAME + 16];
 };
 
@@ -324,6 +330,8 @@ enum charset session_charset(const struct session *session);
 
 /* ---- the session ---- */
 
+/* What differs from the scene `before` got its value by that statement. */
+void session_trace(struct session *session, const struct scene *before, size_t statement);
 void session_changed(struct session *session);
 /* Takes the run over (also when it fails: then it is destroyed) and makes it the current one. */
 bool session_add_run(struct session *session, struct run *run, struct error *error);

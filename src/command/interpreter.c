@@ -184,7 +184,10 @@ static bool exec_statement(struct session *session, struct text line, size_t log
     if (!session->reacting && !history_begin(session, log_line, line, typed, &entry, error))
         return false;
     session->confirmed = false;
+    const struct scene before = session->setup.scene;
     const bool ok = run_collected(session, arguments, entry, &redirect, reply, error);
+    if (!session->reacting && !(arguments->command->flags & COMMAND_NESTS))
+        session_trace(session, &before, entry + 1);
     const unsigned flags = (ok ? ENTRY_DONE : 0) |
                            (session->changes != changes ? ENTRY_CHANGED : 0) |
                            (running ? ENTRY_WITHIN : 0);

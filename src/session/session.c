@@ -106,7 +106,8 @@ bool session_add_run(struct session *session, struct run *run, struct error *err
     } else if (!(slot = calloc(1, sizeof *slot))) {
         error_memory(error);
     } else {
-        *slot = (struct run_slot){.run = run, .references = 1};
+        *slot = (struct run_slot){.run = run, .references = 1, .statement = session->history.count};
+        memcpy(slot->origin, session->setup.origin, sizeof slot->origin);
         /* A run that comes from a study has been somewhere already. */
         const double t0 = run->system.t0,
                      t = run->stop == STOP_END ? run->t : copysign(FAR, run->t - t0);
@@ -238,6 +239,17 @@ void session_store_fit(struct session *session, const struct stored_fit *fit)
         stored = &larger[session->stored_fits++];
     }
     *stored = *fit;
+    stored->statement = session->history.count;
+}
+
+void session_trace(struct session *session, const struct scene *before, size_t statement)
+{
+    const struct scene *scene = &session->setup.scene;
+    for (int i = 0; i < (int)scene_params(scene)->count; i++)
+        if (scene->model != before->model || scene->chosen[i] != before->chosen[i] ||
+            memcmp(&scene->value[i], &before->value[i], sizeof scene->value[i]) != 0 ||
+            scene->uncertainty[i] != before->uncertainty[i])
+            session->setup.origin[i] = (uint32_t)statement;
 }
 
 /* ---- what follows from the settings and the front end ---- */

@@ -55,7 +55,11 @@ bool session_add_measurement(struct session *session, const char *name, const ch
         session->measurement = larger;
     }
     struct measurement *row = &session->measurement[session->measurements++];
-    *row = (struct measurement){.value = value, .unit = unit, .periods = periods, .at = NAN};
+    *row = (struct measurement){.value = value,
+                                .unit = unit,
+                                .periods = periods,
+                                .at = NAN,
+                                .statement = session->history.count};
     snprintf(row->quantity, sizeof row->quantity, "%s", name);
     snprintf(row->of, sizeof row->of, "%s", of);
     char result[LIMIT_NAME + 1];

@@ -18,6 +18,7 @@ struct report_value {
     const char *of;     /* "run 1", "data disk": the second word is a user's */
     const char *source; /* "measured", "fit damped" */
     double at;          /* [s] of an amplitude; NAN */
+    size_t statement;   /* of the log that gave it, counted from 1; 0: the scene's own */
 };
 
 /* Numbered like those of the lab sheet; what is left is of no lab. */
@@ -36,6 +37,8 @@ enum section {
 #define REPORT_FIGURES 128
 #define REPORT_OVERLAY 4 /* runs in one figure: as many as have marks of their own */
 
+struct material; /* private: material.h */
+
 struct report {
     const struct session *session;
     struct session *view; /* a copy in which other runs and recordings are the current ones */
@@ -50,7 +53,8 @@ struct report {
         enum section section;
     } figure[REPORT_FIGURES];
     bool run_shown[LIMIT_RUNS], recording_shown[LIMIT_RECORDINGS]; /* in a figure */
-    bool rested[SECTION_COUNT];                                    /* sections that are there */
+    const struct material *material;                               /* sorted by what it is for */
+    int head; /* lines of session.hk before the first statement */
     int files;
 };
 
@@ -64,11 +68,20 @@ bool report_owns(const char *name);
 bool report_put(struct report *report, const char *name, const struct buffer *content,
                 struct error *error);
 bool collect_values(struct report *report, struct error *error);
+/* After the values: report->material. */
+bool sort_material(struct report *report, struct error *error);
 /* Values of a run or a recording, all or the measured and fitted ones; nothing where there are
  * none. */
 void put_values(struct report *report, const char *of, bool parameters);
-const struct report_value *find_value(const struct report *report, const char *name);
-void say_measured(struct document *document, struct measured value, enum quantity quantity);
+/* All values, with the line of session.hk that each comes from. */
+void put_all_values(struct report *report);
+/* One that was found, of that ("data disk"); of NULL: of anything. */
+const struct report_value *find_value(const struct report *report, const char *name,
+                                      const char *of);
+/* As many digits as its uncertainty gives it; 3 of what has none and was not stated. */
+void say_value(struct document *document, const struct report_value *value);
+void say_measured(struct document *document, struct measured value, enum quantity quantity,
+                  int digits);
 /* Of these runs (places) and this recording (place, -1: none), with its caption; nothing without
  * such a plot. */
 bool put_figure(struct report *report, enum section section, enum plot_kind kind, const int *run,
@@ -81,12 +94,13 @@ bool write_tables(struct report *report, struct error *error);
 
 /* ---- sections ---- */
 
-/* Those of a section that the session has something for. first: the run that the sections on
- * simulation begin with. */
-void put_questions(struct report *report, enum section section, const struct run *first);
+/* Those of a section. */
+void put_questions(struct report *report, enum section section);
 bool write_sections(struct report *report, struct error *error);
-/* Sections that are not there, with what to type. */
-void report_missing(const struct report *report, void (*say)(void *context, const char *what),
-                    void *context);
+/* The session has something of the lab. */
+bool report_of_lab(const struct report *report);
+/* What the headings lack, each with what to type for it. */
+void report_missing(const struct report *report,
+                    void (*say)(void *context, const char *what, const char *type), void *context);
 
 #endif

@@ -125,6 +125,9 @@ enum history_reading {
 /* Appends those from `first` on that are read so, a line each. */
 void history_put(const struct session *session, size_t first, enum history_reading reading,
                  struct buffer *text);
+/* Line of the script on which a statement stands (both counted from 1), with its first line; 0: it
+ * is not there. */
+int history_script_line(const struct session *session, size_t statement, struct text *line);
 /* One of the script's statements ends in an error, as it did. */
 bool history_fails(const struct session *session);
 /* What `undo` calls a statement: as it was typed, as much of it as fits. */

@@ -8,7 +8,8 @@
 #include <stdio.h>
 #include <string.h>
 
-static void put_script(const struct session *session, struct buffer *out)
+/* *head: how many lines come before the first statement. */
+static void put_script(const struct session *session, int *head, struct buffer *out)
 {
     buffer_put(out, TEXT("# The session of this report, by hooke " HOOKE_VERSION
                          ". Run where the names of its "
@@ -17,6 +18,8 @@ static void put_script(const struct session *session, struct buffer *out)
     buffer_format(out, "#   hooke %s-f session.hk -c 'report NEW'\n", fails ? "--keep-going " : "");
     buffer_put(out,
                fails ? TEXT("# One of its commands ends in an error, as it did.\n") : TEXT(""));
+    for (size_t i = 0; i < out->len; i++)
+        *head += out->data[i] == '\n';
     history_put(session, 0, HISTORY_SCRIPT, out);
 }
 
@@ -62,15 +65,18 @@ bool report_write(struct report *report, struct error *error)
 {
     struct document *document = &report->document;
     struct buffer script = {0};
-    put_script(report->session, &script);
-    document_begin(document, report->session->recordings ||
-                                     report->session->setup.scene.model == &oscillator_model
-                                 ? "Numerical integration of a spring and mass"
-                                 : "Numerical integration");
+    put_script(report->session, &report->head, &script);
+    if (!collect_values(report, error) || !sort_material(report, error)) {
+        buffer_free(&script);
+        return false;
+    }
+    document_begin(document, report_of_lab(report) ? "Numerical integration of a spring and mass"
+                                                   : "Numerical integration");
     document_put(document, BLOCK_PARAGRAPH, "Name:");
     document_put(document, BLOCK_PARAGRAPH, "Date:");
-    bool ok = collect_values(report, error) && write_sections(report, error) &&
-              write_tables(report, error);
+    bool ok = write_sections(report, error) && write_tables(report, error);
+    if (ok)
+        put_all_values(report);
     if (ok)
         put_end(report, &script);
     ok = ok && report_put(report, "session.hk", &script, error) &&
@@ -80,20 +86,21 @@ bool report_write(struct report *report, struct error *error)
     return ok;
 }
 
-static void say_missing(void *context, const char *what)
+static void say_missing(void *context, const char *what, const char *type)
 {
     struct reply *reply = context;
+    struct buffer text = {0};
+    buffer_format(&text, "%s (%s)", what, type);
     if (reply->depth > 0)
-        reply_string(reply, NULL, what);
+        reply_string(reply, NULL, buffer_view(&text));
     else
-        reply_line(reply, "  not in it: %s", what);
+        reply_line(reply, "  not in it: %s", buffer_view(&text));
+    buffer_free(&text);
 }
 
 static void tell(const struct report *report, const struct item *folder, const char *path,
                  struct reply *reply)
 {
-    const struct session *session = report->session;
-    const bool lab = session->recordings || session->setup.scene.model == &oscillator_model;
     struct buffer shown = {0};
     safe_text(&shown, folder->text, false);
     reply_line(
@@ -101,8 +108,7 @@ static void tell(const struct report *report, const struct item *folder, const c
         "report written to %s: %d figure%s, %d values, %d files; open report.html or report.md",
         buffer_view(&shown), report->figures, report->figures == 1 ? "" : "s", report->values,
         report->files);
-    if (lab)
-        report_missing(report, say_missing, reply);
+    report_missing(report, say_missing, reply);
     reply_begin(reply, "report");
     reply_string(reply, "folder", path);
     reply_int(reply, "figures", report->figures);
@@ -110,8 +116,7 @@ static void tell(const struct report *report, const struct item *folder, const c
     reply_int(reply, "files", report->files);
     reply_bool(reply, "pictures", true);
     reply_array(reply, "missing");
-    if (lab)
-        report_missing(report, say_missing, reply);
+    report_missing(report, say_missing, reply);
     reply_close(reply);
     reply_end(reply);
     buffer_free(&shown);

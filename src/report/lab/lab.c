@@ -4,6 +4,7 @@
 #include <hooke/report/lab.h>
 
 #include <hooke/report.h>
+#include <hooke/session/log.h>
 
 #include <stdio.h>
 #include <string.h>
@@ -72,14 +73,15 @@ static struct measured decay_time(struct measured gamma)
 static void add_measurement(struct report *report, const struct measurement *m)
 {
     const bool decay = strcmp(m->quantity, "decay") == 0;
-    struct report_value value = {m->quantity, m->value, m->unit, m->of, "measured", m->at};
+    struct report_value value = {m->quantity, m->value, m->unit,     m->of,
+                                 "measured",  m->at,    m->statement};
     if (decay)
         value.name = "gamma";
     value.source = m->energy && m->unit != QUANTITY_ENERGY ? "measured, energy" : value.source;
     add(report, value);
     if (decay && !m->energy)
         add(report, (struct report_value){"tau", decay_time(m->value), QUANTITY_TIME, m->of,
-                                          "2/gamma, measured", NAN});
+                                          "2/gamma, measured", NAN, m->statement});
 }
 
 static void add_fit(struct report *report, const struct stored_fit *stored, const char *source)
@@ -106,11 +108,12 @@ static void add_fit(struct report *report, const struct stored_fit *stored, cons
     };
     for (size_t i = 0; i < COUNT_OF(rows) && rows[i].name; i++)
         add(report, (struct report_value){rows[i].name, rows[i].value, rows[i].quantity, stored->of,
-                                          source, NAN});
+                                          source, NAN, stored->statement});
 }
 
-static void add_run(struct report *report, const struct run *run, const char *of)
+static void add_run(struct report *report, const struct run_slot *slot, const char *of)
 {
+    const struct run *run = slot->run;
     struct ledger ledger;
     struct run_errors errors;
     const struct scene *scene = &run->scene;
@@ -123,7 +126,8 @@ static void add_run(struct report *report, const struct run *run, const char *of
                                               param_at(scene, i)->quantity,
                                               of,
                                               "parameter",
-                                              NAN});
+                                              NAN,
+                                              slot->origin[i]});
     const struct {
         const char *name;
         double value;
@@ -139,9 +143,13 @@ static void add_run(struct report *report, const struct run *run, const char *of
         {"largest error of the motion", errors.max, QUANTITY_NUMBER, "run"},
     };
     for (size_t i = 0; i < COUNT_OF(rows); i++)
-        add(report,
-            (struct report_value){
-                rows[i].name, {rows[i].value, 0}, rows[i].quantity, of, rows[i].source, NAN});
+        add(report, (struct report_value){rows[i].name,
+                                          {rows[i].value, 0},
+                                          rows[i].quantity,
+                                          of,
+                                          rows[i].source,
+                                          NAN,
+                                          slot->statement});
 }
 
 bool collect_values(struct report *report, struct error *error)
@@ -171,15 +179,16 @@ bool collect_values(struct report *report, struct error *error)
         const char *stored = arena_text(report->arena, text_of(of));
         if (!stored)
             return error_memory(error);
-        add_run(report, session->run[i]->run, stored);
+        add_run(report, session->run[i], stored);
     }
     return true;
 }
 
-const struct report_value *find_value(const struct report *report, const char *name)
+const struct report_value *find_value(const struct report *report, const char *name, const char *of)
 {
     for (int i = 0; i < report->values; i++)
         if (strcmp(report->value[i].name, name) == 0 &&
+            (!of || strcmp(report->value[i].of, of) == 0) &&
             strcmp(report->value[i].source, "parameter") != 0)
             return &report->value[i];
     return NULL;
@@ -199,7 +208,7 @@ static bool put_table(struct report *report, const char *name, const struct tabl
 
 static bool write_values(struct report *report, struct error *error)
 {
-    enum { NAME, UNIT, OF, SOURCE, TEXTS, VALUE = 0, UNCERTAINTY, AT, NUMBERS };
+    enum { NAME, UNIT, OF, SOURCE, STATEMENT, TEXTS, VALUE = 0, UNCERTAINTY, AT, LINE, NUMBERS };
     const size_t n = (size_t)report->values;
     const char **text[TEXTS];
     double *number[NUMBERS];
@@ -219,6 +228,12 @@ static bool write_values(struct report *report, struct error *error)
         number[VALUE][i] = v->value.value;
         number[UNCERTAINTY][i] = v->value.uncertainty;
         number[AT][i] = v->at;
+        struct text statement = TEXT("");
+        const int line = history_script_line(report->session, v->statement, &statement);
+        text[STATEMENT][i] = arena_text(report->arena, statement);
+        number[LINE][i] = line ? report->head + line : NAN;
+        if (!text[STATEMENT][i])
+            return error_memory(error);
     }
     const struct table_column columns[] = {
         {.name = "name", .unit = "", .text = text[NAME]},
@@ -228,6 +243,8 @@ static bool write_values(struct report *report, struct error *error)
         {.name = "t", .unit = "s", .value = number[AT]},
         {.name = "of", .unit = "", .text = text[OF]},
         {.name = "source", .unit = "", .text = text[SOURCE]},
+        {.name = "line", .unit = "", .value = number[LINE]},
+        {.name = "statement", .unit = "", .text = text[STATEMENT]},
     };
     return put_table(report, "values.csv",
                      &(struct table){.column = columns, .columns = COUNT_OF(columns), .rows = n},

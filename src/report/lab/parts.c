@@ -2,7 +2,11 @@
 /* What the sections of a report are made of: figures, tables of values, tables of runs. */
 #include <hooke/report/lab.h>
 
+#include "report/lab/material.h"
+
+#include <hooke/figure/describe.h>
 #include <hooke/report.h>
+#include <hooke/session/log.h>
 
 #include <stdio.h>
 #include <string.h>
@@ -10,16 +14,33 @@
 #define TEXT_WIDTH 100 /* [cell] of a figure as text */
 #define TEXT_HEIGHT 28
 #define DIGITS 6
+#define ALL_DIGITS 15
+#define FEW_DIGITS 4 /* of what has no uncertainty and was not stated */
 
-void say_measured(struct document *document, struct measured value, enum quantity quantity)
+void say_measured(struct document *document, struct measured value, enum quantity quantity,
+                  int digits)
 {
     struct buffer text = {0};
-    buffer_measured(&text, value, quantity, DIGITS);
+    buffer_measured(&text, value, quantity, digits);
     document_say(document, "%s", buffer_view(&text));
     buffer_free(&text);
 }
 
 /* ---- values ---- */
+
+static bool is_stated(const struct report_value *value)
+{
+    return strcmp(value->source, "parameter") == 0 || strcmp(value->source, "setting") == 0;
+}
+
+void say_value(struct document *document, const struct report_value *value)
+{
+    /* Of a simulation an uncertainty of rounding says nothing. */
+    const bool recorded = text_starts(text_of(value->of), TEXT("data "));
+    const int digits = value->value.uncertainty > 0 ? (recorded ? ALL_DIGITS : DIGITS)
+                                                    : (is_stated(value) ? DIGITS : FEW_DIGITS);
+    say_measured(document, value->value, value->quantity, digits);
+}
 
 static const char *label_of(const char *name)
 {
@@ -44,11 +65,6 @@ static const char *label_of(const char *name)
     return name;
 }
 
-static bool is_parameter(const struct report_value *value)
-{
-    return strcmp(value->source, "parameter") == 0 || strcmp(value->source, "setting") == 0;
-}
-
 static void put_heading(struct document *document, const char *const *heads, int count)
 {
     document_open(document, BLOCK_TABLE);
@@ -58,6 +74,52 @@ static void put_heading(struct document *document, const char *const *heads, int
     document_heading_ends(document);
 }
 
+/* Two cells. */
+static void put_name_and_value(struct document *document, const struct report_value *v)
+{
+    document_open(document, BLOCK_CELL);
+    document_say(document, "%s", label_of(v->name));
+    if (isfinite(v->at)) {
+        document_say(document, " at t = ");
+        say_measured(document, (struct measured){v->at, 0}, QUANTITY_TIME, DIGITS);
+    }
+    document_close(document, BLOCK_CELL);
+    document_open(document, BLOCK_CELL);
+    say_value(document, v);
+    document_close(document, BLOCK_CELL);
+}
+
+void put_all_values(struct report *report)
+{
+    static const char *const heads[] = {"quantity", "value", "of", "from", "by line of session.hk"};
+    struct document *document = &report->document;
+    if (report->values == 0)
+        return;
+    document_put(document, BLOCK_PART, "All values");
+    put_heading(document, heads, COUNT_OF(heads));
+    for (int i = 0; i < report->values; i++) {
+        const struct report_value *v = &report->value[i];
+        struct text statement;
+        const int line = history_script_line(report->session, v->statement, &statement);
+        document_open(document, BLOCK_ROW);
+        put_name_and_value(document, v);
+        document_open(document, BLOCK_CELL);
+        document_name(document, text_of(v->of));
+        document_close(document, BLOCK_CELL);
+        document_put(document, BLOCK_CELL, v->source);
+        document_open(document, BLOCK_CELL);
+        if (line > 0) {
+            document_say(document, "%d: ", report->head + line);
+            document_name(document, statement);
+        } else {
+            document_say(document, v->statement ? "-" : "the scene itself");
+        }
+        document_close(document, BLOCK_CELL);
+        document_close(document, BLOCK_ROW);
+    }
+    document_close(document, BLOCK_TABLE);
+}
+
 void put_values(struct report *report, const char *of, bool parameters)
 {
     static const char *const heads[] = {"quantity", "value", "from"};
@@ -65,23 +127,13 @@ void put_values(struct report *report, const char *of, bool parameters)
     bool begun = false;
     for (int i = 0; i < report->values; i++) {
         const struct report_value *v = &report->value[i];
-        if (strcmp(v->of, of) != 0 || is_parameter(v) != parameters ||
-            strcmp(v->source, "run") == 0)
+        if (strcmp(v->of, of) != 0 || is_stated(v) != parameters || strcmp(v->source, "run") == 0)
             continue;
         if (!begun)
             put_heading(document, heads, COUNT_OF(heads));
         begun = true;
         document_open(document, BLOCK_ROW);
-        document_open(document, BLOCK_CELL);
-        document_say(document, "%s", label_of(v->name));
-        if (isfinite(v->at)) {
-            document_say(document, " at t = ");
-            say_measured(document, (struct measured){v->at, 0}, QUANTITY_TIME);
-        }
-        document_close(document, BLOCK_CELL);
-        document_open(document, BLOCK_CELL);
-        say_measured(document, v->value, v->quantity);
-        document_close(document, BLOCK_CELL);
+        put_name_and_value(document, v);
         document_put(document, BLOCK_CELL, v->source);
         document_close(document, BLOCK_ROW);
     }
@@ -130,7 +182,7 @@ static void put_run_cell(struct document *document, const struct run *run, enum 
         break;
     case RUN_ENERGY:
         run_ledger(run, &ledger);
-        buffer_short(&text, ledger.final / ledger.initial, DIGITS);
+        buffer_short(&text, ledger.final / ledger.initial, FEW_DIGITS);
         break;
     case RUN_BALANCE:
         run_ledger(run, &ledger);
@@ -193,7 +245,7 @@ void put_runs(struct report *report, const int *run, int runs, bool distance)
             struct recording *recording = report->session->recording[data]->recording;
             document_open(document, BLOCK_CELL);
             const struct data_distance apart = run_data_distance(one, recording);
-            say_measured(document, (struct measured){apart.rms, 0}, apart.quantity);
+            say_measured(document, (struct measured){apart.rms, 0}, apart.quantity, 3);
             document_say(document, ", ");
             document_name(document, text_of(recording->name));
             document_close(document, BLOCK_CELL);
@@ -218,7 +270,10 @@ int recording_beside(struct report *report, int run, enum plot_kind kind)
     const struct session *session = report->session;
     int nearest = -1;
     double min = HUGE_VAL;
+    const int own = recording_of(report, session->run[run]->run);
     for (int i = 0; i < session->recordings; i++) {
+        if (own >= 0 && i != own)
+            continue;
         report->view->current_run = run;
         report->view->current_recording = i;
         const struct data_distance data =

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The questions of the lab sheet, each with what it rests on and an empty place for the answer. */
-#include <hooke/report/lab.h>
+#include "report/lab/material.h"
 
 #include <hooke/report.h>
 
@@ -12,69 +12,43 @@ static const struct question {
     int number;
     enum section section;
     const char *words;
-    const char *method;    /* of a run that it is about; NULL: any */
-    const char *needs;     /* a value without which it has nothing to rest on; NULL: none */
-    unsigned figures;      /* kinds, of its section and those before it */
+    unsigned figures;      /* kinds, of its section and those before it; 0: it is derived */
     const char *values[4]; /* that it rests on */
 } questions[] = {
     {1,
      SECTION_RECORDING,
      "From Hooke's law to the equation of motion, and the approximations on the way",
-     NULL,
-     NULL,
-     KIND(POSITION),
+     0,
      {NULL}},
-    {3, SECTION_RECORDING, "The spring constant", NULL, "period", KIND(POSITION), {"period", "k"}},
-    {2, SECTION_SIMULATION, "The scheme of forward Euler, derived", "euler", NULL, 0, {NULL}},
+    {3, SECTION_RECORDING, "The spring constant", KIND(POSITION), {"period", "k"}},
+    {2, SECTION_SIMULATION, "The scheme of forward Euler, derived", 0, {NULL}},
     {4,
      SECTION_SIMULATION,
      "What forward Euler shows, and whether that was to be expected",
-     "euler",
-     NULL,
      KIND(POSITION) | KIND(VELOCITY) | KIND(PHASE),
      {NULL}},
-    {5,
-     SECTION_ENERGY,
-     "What the energy suggests",
-     "euler",
-     NULL,
-     KIND(ENERGY),
-     {"energy", "drift"}},
+    {5, SECTION_ENERGY, "What the energy suggests", KIND(ENERGY), {"energy", "drift"}},
     {6,
      SECTION_ENERGY,
      "Why the phase plot should be an ellipse, and why it is not one",
-     "euler",
-     NULL,
      KIND(PHASE),
      {NULL}},
     {7,
      SECTION_ENERGY,
      "The leading error of the method, from the Taylor expansion of y(t + dt)",
-     "euler",
-     NULL,
-     KIND(POSITION) | KIND(ENERGY),
+     0,
      {NULL}},
     {8,
      SECTION_SCHEMES,
      "What the other schemes change in energy and phase plot",
-     "euler",
-     NULL,
      KIND(ENERGY) | KIND(PHASE),
      {NULL}},
     {9,
      SECTION_DRAG,
      "The Reynolds number of this system, and what it says of the drag",
-     NULL,
-     "reynolds",
      0,
      {"reynolds"}},
-    {10,
-     SECTION_DAMPED_SIMULATION,
-     "What damping does to the energy",
-     NULL,
-     NULL,
-     KIND(ENERGY),
-     {"gamma"}},
+    {10, SECTION_DAMPED_SIMULATION, "What damping does to the energy", KIND(ENERGY), {"gamma"}},
 };
 
 static void put_rests(struct report *report, const struct question *q)
@@ -101,14 +75,15 @@ static void put_rests(struct report *report, const struct question *q)
     for (int i = 0; i < report->values; i++)
         for (size_t k = 0; k < COUNT_OF(q->values) && q->values[k]; k++) {
             const struct report_value *v = &report->value[i];
-            if (strcmp(v->name, q->values[k]) != 0 || strcmp(v->source, "parameter") == 0)
+            if (strcmp(v->name, q->values[k]) != 0 || strcmp(v->source, "parameter") == 0 ||
+                (q->number != 9 && of_second_session(report, v->of) != damped))
                 continue;
             if (!begun)
                 document_open(document, BLOCK_LIST);
             begun = true;
             document_open(document, BLOCK_ITEM);
             document_say(document, "%s = ", v->name);
-            say_measured(document, v->value, v->quantity);
+            say_value(document, v);
             document_say(document, " (%s, ", v->source);
             document_name(document, text_of(v->of));
             document_say(document, ")");
@@ -118,15 +93,11 @@ static void put_rests(struct report *report, const struct question *q)
         document_close(document, BLOCK_LIST);
 }
 
-void put_questions(struct report *report, enum section section, const struct run *first)
+void put_questions(struct report *report, enum section section)
 {
     for (size_t i = 0; i < COUNT_OF(questions); i++) {
         const struct question *q = &questions[i];
-        bool offered = q->section == section && (!q->needs || find_value(report, q->needs));
-        if (offered && q->method)
-            offered =
-                first && catalog_find(&method_catalog, text_of(q->method)) == &first->method->row;
-        if (!offered)
+        if (q->section != section)
             continue;
         document_open(&report->document, BLOCK_TOGETHER);
         document_open(&report->document, BLOCK_QUESTION);

@@ -1,87 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The sections of a report, in the order of the lab sheet; each is there only if the session has
- * something for it. */
-#include <hooke/report/lab.h>
+/* The sections of a report, in the order of the lab sheet. */
+#include "report/lab/material.h"
 
 #include <hooke/report.h>
 
 #include <stdio.h>
 #include <string.h>
 
-/* What the session has, sorted by what it is for. */
-struct material {
-    int plain[LIMIT_RUNS], plains;       /* runs of a spring without drag and drive */
-    int damped[LIMIT_RUNS], dampeds;     /* with them */
-    int other[LIMIT_RUNS], others;       /* of something else */
-    int scheme[REPORT_OVERLAY], schemes; /* of the plain ones: one a method, same step */
-    bool decays[LIMIT_RECORDINGS];       /* recordings whose decay was measured */
-};
-
-static const struct run *run_at(const struct report *report, int index)
-{
-    return report->session->run[index]->run;
-}
-
-static bool is_method(const struct run *run, const char *name)
-{
-    return catalog_find(&method_catalog, text_of(name)) == &run->method->row;
-}
-
-/* ---- sorting ---- */
-
-static void take_scheme(const struct report *report, struct material *m, int index)
-{
-    const struct run *run = run_at(report, index);
-    if (m->schemes == REPORT_OVERLAY)
-        return;
-    for (int i = 0; i < m->schemes; i++)
-        if (run_at(report, m->scheme[i])->method == run->method)
-            return;
-    const struct run *first = m->schemes ? run_at(report, m->scheme[0]) : run;
-    if (run->plan.adaptive || first->plan.adaptive || run->settings.dt == first->settings.dt)
-        m->scheme[m->schemes++] = index;
-}
-
-/* The lab's own methods first. */
-static void choose_schemes(const struct report *report, struct material *m)
-{
-    static const char *const names[] = {"euler", "symplectic-euler", "backward-euler"};
-    for (size_t k = 0; k < COUNT_OF(names); k++)
-        for (int i = 0; i < m->plains; i++)
-            if (is_method(run_at(report, m->plain[i]), names[k]))
-                take_scheme(report, m, m->plain[i]);
-    for (int i = 0; i < m->plains; i++)
-        take_scheme(report, m, m->plain[i]);
-}
-
-static void sort_material(const struct report *report, struct material *m)
-{
-    const struct session *session = report->session;
-    *m = (struct material){.plains = 0};
-    for (int i = 0; i < session->runs; i++) {
-        const struct run *run = run_at(report, i);
-        if (trace_count(run->trace) < 2)
-            continue;
-        if (run->system.model != &oscillator_model)
-            m->other[m->others++] = i;
-        else if (run->plan.ledger)
-            m->damped[m->dampeds++] = i;
-        else
-            m->plain[m->plains++] = i;
-    }
-    choose_schemes(report, m);
-    for (int i = 0; i < session->recordings; i++) {
-        int readings = 0;
-        char of[LIMIT_NAME + 16];
-        snprintf(of, sizeof of, "data %s", session->recording[i]->recording->name);
-        for (int k = 0; k < report->values; k++) {
-            const struct report_value *v = &report->value[k];
-            if (strcmp(v->of, of) == 0 && strcmp(v->source, "measured") == 0)
-                readings += strcmp(v->name, "gamma") == 0 ? 2 : isfinite(v->at);
-        }
-        m->decays[i] = readings >= 2;
-    }
-}
+#define DIGITS 6
 
 /* ---- sections ---- */
 
@@ -94,7 +20,7 @@ static void put_laws(struct document *document, const struct fit *fit)
     document_open(document, BLOCK_PARAGRAPH);
     document_say(document, "Law of damping (fit %s, integrated): %s; BIC", fit->model, law);
     for (int i = 0; i < fit->drag.candidates; i++)
-        document_say(document, "%s %s %.6g", i ? "," : "",
+        document_say(document, "%s %s %.1f", i ? "," : "",
                      drag_law_name(fit->drag.candidate[i].law), fit->drag.candidate[i].bic);
     document_say(document, ".");
     document_close(document, BLOCK_PARAGRAPH);
@@ -124,6 +50,19 @@ static void put_exact(struct report *report, const char *of)
     document_close(document, BLOCK_PARAGRAPH);
 }
 
+/* It is the offset of a fit, which is as uncertain, or was stated. */
+static void say_zero(struct report *report, const struct recording *recording, const char *of)
+{
+    struct measured zero = {recording->zero, 0};
+    for (int i = 0; i < report->session->stored_fits; i++) {
+        const struct stored_fit *stored = &report->session->stored_fit[i];
+        if (strcmp(stored->of, of) == 0 &&
+            fabs(stored->fit.offset.value - zero.value) < stored->fit.offset.uncertainty)
+            zero.uncertainty = stored->fit.offset.uncertainty;
+    }
+    say_measured(&report->document, zero, recording->column[recording->value].quantity, DIGITS);
+}
+
 static bool put_recording(struct report *report, int index, enum section section,
                           struct error *error)
 {
@@ -139,8 +78,7 @@ static bool put_recording(struct report *report, int index, enum section section
     document_name(document, text_of(recording->name));
     document_say(document, ", of which %.6g to %.6g s are used, with the zero at ",
                  recording->window[0], recording->window[1]);
-    say_measured(document, (struct measured){recording->zero, 0},
-                 recording->column[recording->value].quantity);
+    say_zero(report, recording, of);
     document_say(document, ":");
     document_close(document, BLOCK_PARAGRAPH);
     document_open(document, BLOCK_LIST);
@@ -208,42 +146,63 @@ static void put_measured(struct report *report, const int *run, int runs)
 static bool simulation(struct report *report, const struct material *m, struct error *error)
 {
     static const enum plot_kind kinds[] = {PLOT_POSITION, PLOT_VELOCITY, PLOT_PHASE};
-    put_parameters(report, m->scheme[0]);
+    if (m->euler < 0)
+        return true;
+    put_parameters(report, m->euler);
     for (size_t i = 0; i < COUNT_OF(kinds); i++)
-        if (!put_figure(report, SECTION_SIMULATION, kinds[i], m->scheme, 1, -1, error))
+        if (!put_figure(report, SECTION_SIMULATION, kinds[i], &m->euler, 1, -1, error))
             return false;
     return true;
 }
 
 static bool energy(struct report *report, const struct material *m, struct error *error)
 {
-    if (!put_figure(report, SECTION_ENERGY, PLOT_ENERGY, m->scheme, 1, -1, error))
+    const int *run = m->run[SECTION_SIMULATION], runs = m->runs[SECTION_SIMULATION];
+    if (m->euler < 0)
+        return true;
+    if (!put_figure(report, SECTION_ENERGY, PLOT_ENERGY, &m->euler, 1, -1, error))
         return false;
-    put_runs(report, m->scheme, 1, false);
-    put_measured(report, m->plain, m->plains);
+    put_runs(report, run, runs, false);
+    put_measured(report, run, runs);
     return true;
 }
 
+/* Of all methods, forward Euler too. */
 static bool schemes(struct report *report, const struct material *m, struct error *error)
 {
+    static const enum plot_kind alone[] = {PLOT_POSITION, PLOT_ENERGY, PLOT_PHASE};
     const enum section here = SECTION_SCHEMES;
-    for (int i = 1; i < m->schemes; i++)
-        if (is_method(run_at(report, m->scheme[i]), "symplectic-euler") &&
-            (!put_figure(report, here, PLOT_POSITION, &m->scheme[i], 1, -1, error) ||
-             !put_figure(report, here, PLOT_PHASE, &m->scheme[i], 1, -1, error)))
-            return false;
-    if (!put_figure(report, here, PLOT_ENERGY, m->scheme, m->schemes, -1, error) ||
-        !put_figure(report, here, PLOT_PHASE, m->scheme, m->schemes, -1, error))
+    int *all = arena_array(report->arena, LIMIT_RUNS, sizeof *all), runs = 0;
+    if (!all)
+        return error_memory(error);
+    if (m->runs[here] == 0)
+        return true;
+    for (int i = 0; i < m->schemes; i++)
+        for (size_t k = 0; k < COUNT_OF(alone); k++)
+            if ((is_method(run_at(report, m->scheme[i]), "symplectic-euler") || m->schemes == 1) &&
+                !put_figure(report, here, alone[k], &m->scheme[i], 1, -1, error))
+                return false;
+    if (m->schemes > 1 &&
+        (!put_figure(report, here, PLOT_ENERGY, m->scheme, m->schemes, -1, error) ||
+         !put_figure(report, here, PLOT_PHASE, m->scheme, m->schemes, -1, error)))
         return false;
-    put_runs(report, m->plain, m->plains, false);
+    for (int i = 0; i < report->session->runs; i++)
+        for (int s = SECTION_SIMULATION; s <= SECTION_SCHEMES; s++)
+            for (int k = 0; k < m->runs[s]; k++)
+                if (m->run[s][k] == i)
+                    all[runs++] = i;
+    if (m->euler < 0)
+        put_parameters(report, m->scheme[0]);
+    put_runs(report, all, runs, false);
+    put_measured(report, m->run[here], m->runs[here]);
     return true;
 }
 
-static bool drag(struct report *report, const struct material *m, struct error *error)
+static void put_reynolds(struct report *report)
 {
     struct document *document = &report->document;
-    (void)m;
-    (void)error;
+    if (!find_value(report, "reynolds", NULL))
+        return;
     document_open(document, BLOCK_LIST);
     for (int i = 0; i < report->values; i++) {
         const struct report_value *v = &report->value[i];
@@ -251,16 +210,63 @@ static bool drag(struct report *report, const struct material *m, struct error *
             continue;
         document_open(document, BLOCK_ITEM);
         document_say(document, "Re = ");
-        say_measured(document, v->value, v->quantity);
+        say_value(document, v);
         document_say(document, ", %s, at the largest speed of ", reynolds_regime(v->value.value));
         document_name(document, text_of(v->of));
         document_close(document, BLOCK_ITEM);
     }
     document_close(document, BLOCK_LIST);
+}
+
+/* Several runs, each with what it started from, its figures and then all on the same axes. */
+static bool put_each(struct report *report, enum section here, const int *run, int runs,
+                     bool beside, struct error *error)
+{
+    static const enum plot_kind kinds[] = {PLOT_POSITION, PLOT_ENERGY};
+    const int shown = runs < REPORT_OVERLAY ? runs : REPORT_OVERLAY;
+    for (int i = 0; i < shown; i++) {
+        put_parameters(report, run[i]);
+        for (size_t k = 0; k < COUNT_OF(kinds); k++)
+            if (!put_figure(report, here, kinds[k], &run[i], 1,
+                            beside ? recording_beside(report, run[i], kinds[k]) : -1, error))
+                return false;
+    }
+    return shown < 2 || put_figure(report, here, PLOT_ENERGY, run, shown, -1, error);
+}
+
+static bool drag(struct report *report, const struct material *m, struct error *error)
+{
+    const int *run = m->run[SECTION_DRAG], runs = m->runs[SECTION_DRAG];
+    put_reynolds(report);
+    if (runs == 0)
+        return true;
+    if (!put_each(report, SECTION_DRAG, run, runs, false, error))
+        return false;
+    put_runs(report, run, runs, false);
+    put_measured(report, run, runs);
     return true;
 }
 
-/* The damping by everything that says it. */
+bool of_second_session(const struct report *report, const char *of)
+{
+    const struct material *m = report->material;
+    const struct text name = text_of(of);
+    if (text_starts(name, TEXT("data "))) {
+        const int index =
+            session_find_recording(report->session, (struct text){name.at + 5, name.len - 5});
+        return index >= 0 && m->decays[index];
+    }
+    for (int i = 0; i < m->runs[SECTION_DAMPED_SIMULATION]; i++) {
+        char run[32];
+        snprintf(run, sizeof run, "run %d",
+                 run_at(report, m->run[SECTION_DAMPED_SIMULATION][i])->number);
+        if (text_is(name, run))
+            return true;
+    }
+    return false;
+}
+
+/* The damping by everything of the second session that says it. */
 static void put_side_by_side(struct report *report)
 {
     static const char *const heads[] = {"damping gamma", "of", "from"};
@@ -272,11 +278,11 @@ static void put_side_by_side(struct report *report)
     document_heading_ends(document);
     for (int i = 0; i < report->values; i++) {
         const struct report_value *v = &report->value[i];
-        if (strcmp(v->name, "gamma") != 0)
+        if (strcmp(v->name, "gamma") != 0 || !of_second_session(report, v->of))
             continue;
         document_open(document, BLOCK_ROW);
         document_open(document, BLOCK_CELL);
-        say_measured(document, v->value, v->quantity);
+        say_value(document, v);
         document_close(document, BLOCK_CELL);
         document_open(document, BLOCK_CELL);
         document_name(document, text_of(v->of));
@@ -289,39 +295,34 @@ static void put_side_by_side(struct report *report)
 
 static bool damped_simulation(struct report *report, const struct material *m, struct error *error)
 {
-    static const enum plot_kind kinds[] = {PLOT_POSITION, PLOT_ENERGY};
-    const int shown = m->dampeds < REPORT_OVERLAY ? m->dampeds : REPORT_OVERLAY;
-    put_parameters(report, m->damped[0]);
-    for (int i = 0; i < shown; i++)
-        for (size_t k = 0; k < COUNT_OF(kinds); k++)
-            if (!put_figure(report, SECTION_DAMPED_SIMULATION, kinds[k], &m->damped[i], 1,
-                            recording_beside(report, m->damped[i], kinds[k]), error))
-                return false;
-    if (shown > 1 &&
-        !put_figure(report, SECTION_DAMPED_SIMULATION, PLOT_ENERGY, m->damped, shown, -1, error))
+    const enum section here = SECTION_DAMPED_SIMULATION;
+    if (m->runs[here] == 0)
+        return true;
+    if (!put_each(report, here, m->run[here], m->runs[here], true, error))
         return false;
-    put_runs(report, m->damped, m->dampeds, true);
+    put_runs(report, m->run[here], m->runs[here], true);
     put_side_by_side(report);
-    put_measured(report, m->damped, m->dampeds);
+    put_measured(report, m->run[here], m->runs[here]);
     return true;
 }
 
 static bool others(struct report *report, const struct material *m, struct error *error)
 {
     static const enum plot_kind kinds[] = {PLOT_POSITION, PLOT_ENERGY};
-    const int shown = m->others < REPORT_OVERLAY ? m->others : REPORT_OVERLAY;
+    const int *run = m->run[SECTION_OTHER], runs = m->runs[SECTION_OTHER];
+    const int shown = runs < REPORT_OVERLAY ? runs : REPORT_OVERLAY;
     for (int i = 0; i < shown; i++) {
-        const bool plane = plot_fits(PLOT_ORBIT, run_at(report, m->other[i])->system.model);
-        put_parameters(report, m->other[i]);
+        const bool plane = plot_fits(PLOT_ORBIT, run_at(report, run[i])->system.model);
+        put_parameters(report, run[i]);
         for (size_t k = 0; k < COUNT_OF(kinds); k++)
-            if (!put_figure(report, SECTION_OTHER, kinds[k], &m->other[i], 1, -1, error))
+            if (!put_figure(report, SECTION_OTHER, kinds[k], &run[i], 1, -1, error))
                 return false;
-        if (!put_figure(report, SECTION_OTHER, plane ? PLOT_ORBIT : PLOT_PHASE, &m->other[i], 1, -1,
+        if (!put_figure(report, SECTION_OTHER, plane ? PLOT_ORBIT : PLOT_PHASE, &run[i], 1, -1,
                         error))
             return false;
     }
-    put_runs(report, m->other, m->others, false);
-    put_measured(report, m->other, m->others);
+    put_runs(report, run, runs, false);
+    put_measured(report, run, runs);
     return true;
 }
 
@@ -341,9 +342,9 @@ static const struct {
     bool (*put)(struct report *report, const struct material *m, struct error *error);
 } sections[SECTION_COUNT] = {
     [SECTION_RECORDING] = {"First session: no damping", "1. The recording", first_recordings},
-    [SECTION_SIMULATION] = {"First session: no damping", "2. The simulation", simulation},
+    [SECTION_SIMULATION] = {"First session: no damping", "2. Forward Euler", simulation},
     [SECTION_ENERGY] = {"First session: no damping", "3. Energy", energy},
-    [SECTION_SCHEMES] = {"First session: no damping", "4. Methods compared", schemes},
+    [SECTION_SCHEMES] = {"First session: no damping", "4. Better schemes", schemes},
     [SECTION_DRAG] = {"Second session: damping", "5. Drag", drag},
     [SECTION_DAMPED_RECORDING] = {"Second session: damping", "6. The damped recording",
                                   damped_recordings},
@@ -352,27 +353,15 @@ static const struct {
     [SECTION_OTHER] = {"Other systems", "Runs", others},
 };
 
-static void find_sections(struct report *report, const struct material *m)
-{
-    for (int i = 0; i < report->session->recordings; i++)
-        report->rested[m->decays[i] ? SECTION_DAMPED_RECORDING : SECTION_RECORDING] = true;
-    report->rested[SECTION_SIMULATION] = report->rested[SECTION_ENERGY] = m->schemes > 0;
-    report->rested[SECTION_SCHEMES] = m->schemes > 1;
-    report->rested[SECTION_DRAG] = find_value(report, "reynolds") != NULL;
-    report->rested[SECTION_DAMPED_SIMULATION] = m->dampeds > 0;
-    report->rested[SECTION_OTHER] = m->others > 0;
-}
+/* ---- all of them ---- */
 
 bool write_sections(struct report *report, struct error *error)
 {
-    struct material *m = arena_alloc(report->arena, sizeof *m);
+    const struct material *m = report->material;
+    const bool lab = report_of_lab(report);
     const char *part = "";
-    if (!m)
-        return error_memory(error);
-    sort_material(report, m);
-    find_sections(report, m);
     for (int i = SECTION_RECORDING; i < SECTION_COUNT; i++) {
-        if (!report->rested[i])
+        if (i == SECTION_OTHER ? m->runs[SECTION_OTHER] == 0 : !lab)
             continue;
         if (strcmp(part, sections[i].part) != 0)
             document_put(&report->document, BLOCK_PART, sections[i].part);
@@ -380,32 +369,9 @@ bool write_sections(struct report *report, struct error *error)
         document_put(&report->document, BLOCK_SECTION, sections[i].title);
         if (!sections[i].put(report, m, error))
             return false;
-        put_questions(report, (enum section)i, m->schemes ? run_at(report, m->scheme[0]) : NULL);
+        if (i != SECTION_OTHER)
+            put_lacks(report, (enum section)i);
+        put_questions(report, (enum section)i);
     }
     return true;
-}
-
-/* ---- what is missing ---- */
-
-void report_missing(const struct report *report, void (*say)(void *context, const char *what),
-                    void *context)
-{
-    static const struct {
-        enum section section; /* 0: a value */
-        const char *value, *what;
-    } rows[] = {
-        {SECTION_RECORDING, NULL, "the recording without damping (load FILE)"},
-        {0, "period", "the period (measure period, or fit damped)"},
-        {0, "k", "the spring constant (m = 200 g; fit damped)"},
-        {SECTION_SIMULATION, NULL,
-         "a simulation without damping (gamma = 0; method euler; run 10 s)"},
-        {SECTION_SCHEMES, NULL, "methods compared (compare euler symplectic-euler)"},
-        {SECTION_DRAG, NULL, "the Reynolds number (measure reynolds)"},
-        {SECTION_DAMPED_RECORDING, NULL,
-         "a damped recording with its decay (measure amplitude windows=6; measure decay)"},
-        {SECTION_DAMPED_SIMULATION, NULL, "the damped simulation (fit damped; adopt; run)"},
-    };
-    for (size_t i = 0; i < COUNT_OF(rows); i++)
-        if (rows[i].section ? !report->rested[rows[i].section] : !find_value(report, rows[i].value))
-            say(context, rows[i].what);
 }

@@ -128,6 +128,30 @@ static bool is_read(const struct entry *entry, enum history_reading reading)
            (entry->flags & (ENTRY_DONE | ENTRY_CHANGED));
 }
 
+static struct text script_text(const struct session *session, const struct entry *entry)
+{
+    struct text full = full_text(session, entry);
+    full.len -= entry->output;
+    return text_trim(full);
+}
+
+int history_script_line(const struct session *session, size_t statement, struct text *line)
+{
+    const struct history *log = &session->history;
+    int number = 1;
+    if (statement == 0 || statement > log->count ||
+        !is_read(&log->entry[statement - 1], HISTORY_SCRIPT))
+        return 0;
+    for (size_t i = 0; i + 1 < statement; i++) {
+        struct text rest = script_text(session, &log->entry[i]), ignored;
+        while (is_read(&log->entry[i], HISTORY_SCRIPT) && text_split(&rest, '\n', &ignored))
+            number++;
+    }
+    struct text rest = script_text(session, &log->entry[statement - 1]);
+    text_split(&rest, '\n', line);
+    return number;
+}
+
 void history_put(const struct session *session, size_t first, enum history_reading reading,
                  struct buffer *text)
 {
@@ -135,10 +159,8 @@ void history_put(const struct session *session, size_t first, enum history_readi
         const struct entry *entry = &session->history.entry[i];
         if (!is_read(entry, reading))
             continue;
-        struct text full = full_text(session, entry);
-        if (reading == HISTORY_SCRIPT)
-            full.len -= entry->output;
-        buffer_put(text, text_trim(full));
+        buffer_put(text, reading == HISTORY_SCRIPT ? script_text(session, entry)
+                                                   : text_trim(full_text(session, entry)));
         buffer_char(text, '\n');
         text->failed |= (entry->flags & ENTRY_LOST) != 0;
     }

@@ -106,6 +106,16 @@ static void has_not(const struct buffer *content, const char *unwanted)
         fail_msg("'%s' is there", unwanted);
 }
 
+/* Where the runs stand: which figures of the report come before and after a heading. */
+static void stands_under(const struct buffer *report, const char *what, const char *heading,
+                         const char *next)
+{
+    const char *from = strstr(report->data, heading), *to = from ? strstr(from, next) : NULL;
+    const char *at = from ? strstr(from, what) : NULL;
+    if (!from || !to || !at || at > to)
+        fail_msg("'%s' is not between '%s' and '%s'", what, heading, next);
+}
+
 static void the_lab_comes_back_bit_for_bit(void **state)
 {
     (void)state;
@@ -164,14 +174,16 @@ static void the_lab_comes_back_bit_for_bit(void **state)
     }
     says(&content, "| amplitude A at t = 25 s |");
     read_whole("first", "values.csv", &content);
-    says(&content, "name,value,uncertainty,unit,t [s],of,source\n");
+    says(&content, "name,value,uncertainty,unit,t [s],of,source,line,statement\n");
     buffer_free(&content);
     remove_folder("first");
     remove_folder("again");
     remove_folder("second");
 }
 
-static void what_is_not_there_is_left_out(void **state)
+/* A heading without anything says what makes it; a session without a spring has no such headings.
+ */
+static void what_is_missing_is_said(void **state)
 {
     (void)state;
     struct bench bench;
@@ -181,10 +193,11 @@ static void what_is_not_there_is_left_out(void **state)
     type_ok(&bench, "report small");
     assert_says(&bench.out, "not in it: the Reynolds number (measure reynolds)");
     read_whole("small", "report.md", &content);
-    says(&content, "### 2. The simulation");
-    has_not(&content, "#### Q");
-    has_not(&content, "Second session");
-    has_not(&content, "### 1.");
+    says(&content, "### 2. Forward Euler\n\nMissing: forward Euler without damping. What makes it: "
+                   "`gamma = 0; method euler dt=10ms; run 10 s`\n");
+    stands_under(&content, "position of run 1 (rk4)", "### 4.", "Missing: forward and symplectic");
+    says(&content, "Missing: the recording without damping. What makes it: `load FILE`");
+    says(&content, "Missing: the spring constant. What makes it: `m = 200 g; fit damped`");
     type_ok(&bench, "scene kepler; run 10 s");
     assert_false(type(&bench, "report small"));
     assert_says(&bench.err, "small exists; add --force");
@@ -192,6 +205,11 @@ static void what_is_not_there_is_left_out(void **state)
     read_whole("small", "report.md", &content);
     says(&content, "## Other systems");
     says(&content, ": orbit of run 2");
+    type_ok(&bench, "drop 1; report orbits");
+    read_whole("orbits", "report.md", &content);
+    has_not(&content, "First session");
+    has_not(&content, "Missing");
+    remove_folder("orbits");
     /* What somebody put there is not lost. */
     write_file("small/answers.odt", "x", 1);
     assert_false(type(&bench, "report small --force"));
@@ -199,6 +217,61 @@ static void what_is_not_there_is_left_out(void **state)
     buffer_free(&content);
     bench_close(&bench);
     remove_folder("small");
+}
+
+/* The bare bob is damped, too: its fit is adopted with that, and its runs answer the questions of
+ * the first session. */
+static void runs_stand_under_their_questions(void **state)
+{
+    (void)state;
+    struct bench bench;
+    struct buffer content = {0};
+    write_recording("bare.txt", 0.01, 10);
+    write_recording("disk.txt", 0.06, 60);
+    bench_open(&bench, false);
+    type_ok(&bench, "load disk.txt as=disk; load bare.txt as=bare; m = 200 g");
+    type_ok(&bench, "fit damped to bare; adopt; method euler dt=10ms; run 8 s; method verlet; run");
+    type_ok(&bench, "fit damped to disk; adopt; method symplectic-euler; run 20 s");
+    type_ok(&bench, "method euler; run 20 s; scene drag; method rk4; run 5 s; F0 = 0.1 N; run 5 s");
+    type_ok(&bench, "report placed");
+    read_whole("placed", "report.md", &content);
+    stands_under(&content, "position of run 1 (euler)", "### 2.", "### 3.");
+    stands_under(&content, "| 2 | verlet |", "### 4.", "## Second");
+    stands_under(&content, "position of run 3 (symplectic-euler) and recording `disk`", "### 7.",
+                 "## Other");
+    stands_under(&content, "position of run 4 (euler) and recording `disk`", "### 7.", "## Other");
+    stands_under(&content, "position of run 5 (rk4)", "### 5.", "### 6.");
+    stands_under(&content, "position of run 6 (rk4)", "## Other systems", "## All values");
+    stands_under(&content, "position of recording `disk`", "### 6.", "### 7.");
+    stands_under(&content, "position of recording `bare`", "### 1.", "### 2.");
+    has_not(&content, "Missing: the damped simulation");
+    buffer_free(&content);
+    bench_close(&bench);
+    remove_folder("placed");
+}
+
+/* What a report says that makes what it lacks does so. */
+static void what_it_says_to_type_is_enough(void **state)
+{
+    (void)state;
+    struct bench bench;
+    write_recording("bare.txt", 0.01, 10);
+    write_recording("disk.txt", 0.06, 60);
+    bench_open(&bench, false);
+    type_ok(&bench, "load bare.txt as=bob");
+    for (int i = 0;; i++) {
+        type_ok(&bench, "report lacking --force");
+        const char *lack = strstr(said(&bench.out), "not in it: "), *open = NULL;
+        if (!lack)
+            break;
+        assert_true(i < 12);
+        open = strchr(lack, '(');
+        char line[200];
+        snprintf(line, sizeof line, "%.*s", (int)(strstr(open, ")\n") - open - 1), open + 1);
+        type_ok(&bench, strcmp(line, "load FILE") == 0 ? "load disk.txt as=disk" : line);
+    }
+    bench_close(&bench);
+    remove_folder("lacking");
 }
 
 /* Once for all numbers of a recording; what was stated is not among them. */
@@ -303,7 +376,9 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_lab_comes_back_bit_for_bit),
-        cmocka_unit_test(what_is_not_there_is_left_out),
+        cmocka_unit_test(what_is_missing_is_said),
+        cmocka_unit_test(runs_stand_under_their_questions),
+        cmocka_unit_test(what_it_says_to_type_is_enough),
         cmocka_unit_test(what_counts_as_exact_is_said_once),
         cmocka_unit_test(a_run_that_diverged_comes_back),
         cmocka_unit_test(what_is_not_known_is_no_number),
