@@ -133,7 +133,9 @@ static bool is_free(const struct page *page, const double box[4])
 
 bool legend_place(struct page *page, double box[4])
 {
-    static const double places[][2] = {{1, 0}, {0, 0}, {1, 1}, {0, 1}, {0.5, 0}, {0.5, 1}};
+    static const double places[][2] = {
+        {1, 0},    {0, 0},    {1, 1},   {0, 1},   {0.5, 0}, {0.5, 1},  {1, 0.2},  {1, 0.8},
+        {1, 0.35}, {1, 0.65}, {1, 0.5}, {0, 0.2}, {0, 0.8}, {0, 0.35}, {0, 0.65}, {0, 0.5}};
     const struct picture_style *style = &page->style;
     double width = 0, height = 0;
     int entries = 0;

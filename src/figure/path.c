@@ -13,8 +13,9 @@
 
 #define COLUMNS 8 /* of a point, in each of which samples are summed up */
 #define WAY                                                                                        \
-    12 /* grains along a point, of a line's way: what passes those of before is not drawn          \
-        */
+    12          /* grains along a point, of a line's way: what passes those of before is not drawn \
+                 */
+#define ROUGH 1 /* likewise, only to see what it meets */
 #define LONG 6000     /* corners of a line that may be shorter as a region */
 #define DENSITY 8     /* grains along a point */
 #define STRAIGHT 0.05 /* [pt] */
@@ -214,10 +215,12 @@ struct follower {
     struct path *path;
     struct grains *grains;
     size_t most;
-    double width;     /* of the pen, where all of it is inked */
-    double at[2];     /* the pen */
-    double end[2];    /* of what was drawn */
-    bool begun, full; /* something was drawn since the pen was put down; too much */
+    double width;         /* of the pen, where all of it is inked */
+    double at[2];         /* the pen */
+    double end[2];        /* of what was drawn */
+    bool begun, full;     /* something was drawn since the pen was put down; too much */
+    double until;         /* [pt] of the way: up to here it was not */
+    double drawn, enough; /* [pt] of lines; so many fill the plot */
 };
 
 static void follow(void *out, double x, double y, bool begins)
@@ -243,14 +246,15 @@ static void follow(void *out, double x, double y, bool begins)
     f->begun = true;
     f->end[0] = x;
     f->end[1] = y;
-    f->full = path_count(f->path) > f->most;
+    f->drawn += hypot(x - x0, y - y0);
+    f->full = path_count(f->path) > f->most || f->drawn > f->enough;
+    f->until = f->path->length;
 }
 
 static void ink(void *out, double x, double y, bool begins)
 {
     struct follower *f = out;
-    if (!begins)
-        grains_stroke(f->grains, f->at[0], f->at[1], x, y, f->width);
+    grains_stroke(f->grains, begins ? x : f->at[0], begins ? y : f->at[1], x, y, f->width);
     f->at[0] = x;
     f->at[1] = y;
 }
@@ -303,43 +307,62 @@ static void draw_line(const struct curve *curve, struct follower *f, const struc
     trace_curve(curve, area, STRAIGHT, ink, f);
 }
 
-/* As a line; false if it has too many corners. */
-static bool single_line(const struct curve *curve, const struct plot_area *area,
-                        const struct pen *pen, double tolerance, struct grains *grains,
-                        struct path *path)
+/* As a line. Returns which part of it could be drawn with so many corners: 1: all. */
+static double single_line(const struct curve *curve, const struct plot_area *area,
+                          const struct pen *pen, double tolerance, struct grains *grains,
+                          struct path *path)
 {
-    struct follower f = {.path = path, .grains = grains, .most = pen->most};
+    const double size = (area->right - area->left) * (area->bottom - area->top);
+    struct follower f = {.path = path,
+                         .grains = grains,
+                         .most = pen->rough ? SIZE_MAX : pen->most,
+                         .enough = pen->rough ? HUGE_VAL : 2 * size / pen->width};
     grains_clear(grains);
     buffer_clear(&path->corners);
     path->length = 0;
     path->region = false;
     trace_curve(curve, area, tolerance, follow, &f);
-    return !f.full;
+    return !f.full ? 1 : path->length > 0 ? f.until / path->length * (1 - 1e-9) : 0;
+}
+
+/* Instead of a line of many corners the region, where it has half as many. */
+static bool shorten(const struct curve *curve, const struct plot_area *area, double width,
+                    struct arena *arena, struct path *path)
+{
+    struct path region = {.length = path->length};
+    const struct pen half = {.width = width, .most = path_count(path) / 2};
+    if (!outline(curve, area, &half, draw_line, (size_t[]){0, 1}, arena, &region)) {
+        path_free(&region);
+        return false;
+    }
+    if (region.region && path_count(&region) <= half.most) {
+        path_free(path);
+        *path = region;
+    } else {
+        path_free(&region);
+    }
+    return true;
 }
 
 bool path_of_line(const struct curve *curve, const struct plot_area *area, const struct pen *pen,
                   struct path *path)
 {
-    static const size_t fine[2] = {0, FINE}, rest[2] = {FINE, COUNT_OF(ways)}, finest[2] = {0, 1};
-    struct grains grains = {.wide = true};
+    static const size_t fine[2] = {0, FINE}, rest[2] = {FINE, COUNT_OF(ways)};
+    struct grains grains = {.wide = !pen->rough};
     struct arena arena = {0};
-    bool ok = grains_init(&grains, area, WAY, &arena);
-    if (ok && (single_line(curve, area, pen, STRAIGHT, &grains, path) ||
-               single_line(curve, area, pen, 2 * STRAIGHT, &grains, path))) {
-        struct path region = {.length = path->length};
-        const struct pen half = {pen->width, path_count(path) / 2};
-        ok = path_count(path) < LONG ||
-             outline(curve, area, &half, draw_line, finest, &arena, &region);
-        if (region.region && path_count(&region) <= half.most) {
-            path_free(path);
-            *path = region;
-        } else {
-            path_free(&region);
-        }
+    bool ok = grains_init(&grains, area, pen->rough ? ROUGH : WAY, &arena);
+    if (ok && pen->rough) {
+        single_line(curve, area, pen, 0.5 / ROUGH, &grains, path);
     } else if (ok) {
-        ok = outline(curve, area, pen, draw_line, fine, &arena, path);
+        double part = single_line(curve, area, pen, STRAIGHT, &grains, path);
+        if (part < 1 && part > 0.5) /* corners go with the root of the tolerance */
+            part = single_line(curve, area, pen, 2 * STRAIGHT, &grains, path);
+        if (part == 1)
+            ok = path_count(path) < LONG || shorten(curve, area, pen->width, &arena, path);
+        else
+            ok = outline(curve, area, pen, draw_line, fine, &arena, path);
         if (ok && path_count(path) > pen->most &&
-            !single_line(curve, area, pen, 4 * STRAIGHT, &grains, path))
+            single_line(curve, area, pen, 4 * STRAIGHT, &grains, path) < 1)
             ok = outline(curve, area, pen, draw_line, rest, &arena, path);
     }
     arena_reset(&arena);
@@ -395,7 +418,9 @@ bool path_of_dots(const struct curve *curve, const struct plot_area *area, const
     const size_t most = (size_t)((double)pen->most / A_DOT);
     struct arena arena = {0};
     bool ok = true;
-    for (size_t i = 0; i < COUNT_OF(squares) && ok; i++) {
+    if (pen->rough)
+        ok = single_dots(curve, area, 1, SIZE_MAX, &arena, path);
+    for (size_t i = 0; i < COUNT_OF(squares) && ok && !pen->rough; i++) {
         const bool last = i + 1 == COUNT_OF(squares), ink = squares[i] == 0;
         ok = ink ? outline(curve, area, pen, draw_dots, fine, &arena, path)
                  : single_dots(curve, area, squares[i], last ? SIZE_MAX : most, &arena, path);

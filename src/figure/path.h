@@ -89,7 +89,7 @@ bool grains_init(struct grains *grains, const struct plot_area *area, int densit
 void grains_clear(struct grains *grains);
 /* Whether a line passes where there was no ink; then there is. */
 bool grains_pass(struct grains *grains, double x0, double y0, double x1, double y1);
-/* The ink of a round pen of this width. */
+/* The ink of a round pen of this width that comes from (x0, y0), where it was put down before. */
 void grains_stroke(struct grains *grains, double x0, double y0, double x1, double y1, double width);
 /* Adds the outlines of the ink, within `tolerance` [pt]; holes smaller than `hole` [pt^2] are
  * filled. No more than `most` corners: false if it has more. */
@@ -101,6 +101,7 @@ bool grains_outline(const struct grains *grains, struct grains *scratch, double 
 struct pen {
     double width; /* [pt] */
     size_t most;  /* corners */
+    bool rough;   /* within a point: only to see what the ink meets */
 };
 
 /*

@@ -147,11 +147,11 @@ static void place(struct picture_sheet *sheet, double top, struct foot *foot)
         place_panels(sheet, top, end - foot->lines * page->style.leading);
 }
 
-static bool trace_panels(struct picture_sheet *sheet, struct arena *arena)
+static bool trace_panels(struct picture_sheet *sheet, bool rough, struct arena *arena)
 {
     bool traced = true;
     for (int i = 0; i < sheet->parts && traced; i++)
-        traced = page_trace(&sheet->page[i], arena);
+        traced = page_trace(&sheet->page[i], rough, arena);
     return traced;
 }
 
@@ -171,13 +171,12 @@ static bool draw_sheet(struct picture_sheet *sheet, struct arena *arena)
 
     heading.figure = sheet->figure;
     place(sheet, page_heading(&heading, false, false), &foot);
-    bool drawn = trace_panels(sheet, arena);
+    bool drawn = sheet->parts > 1 || trace_panels(sheet, true, arena);
     const bool inside = drawn && sheet->parts == 1 && legend_place(page, legend);
-    if (!inside) {
-        free_paths(sheet);
+    free_paths(sheet);
+    if (!inside)
         place(sheet, page_heading(&heading, true, false), &foot);
-        drawn = drawn && trace_panels(sheet, arena);
-    }
+    drawn = drawn && trace_panels(sheet, false, arena);
     heading.layout = page->layout;
     heading.left = page->left;
     heading.right = page->right;

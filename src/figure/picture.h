@@ -58,8 +58,9 @@ static inline double page_text_width(const struct page *page, const char *text)
     return surface_text_width(page->surface, page->style.font, text);
 }
 
-/* Fills in `path`, from `arena`; page_free_paths frees what they hold. False: no memory. */
-bool page_trace(struct page *page, struct arena *arena);
+/* Fills in `path`, from `arena`, or roughly, within a point; page_free_paths frees what they hold.
+ * False: no memory. */
+bool page_trace(struct page *page, bool rough, struct arena *arena);
 void page_free_paths(struct page *page);
 
 /* A straight line of its own. */

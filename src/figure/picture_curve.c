@@ -112,43 +112,47 @@ static bool bar_curve(const struct page *page, const struct curve *curve, struct
     return true;
 }
 
-/* A path, and that of its error bars, with up to so many corners each. */
-static bool trace(const struct page *page, int index, double corners, struct arena *arena)
+/* A path, and that of its error bars, with up to so many corners each; 0: roughly. */
+static bool trace(const struct page *page, int index, size_t corners)
 {
     const struct curve *curve = &page->figure->curve[index];
     const struct plot_area area = page_area(page);
-    const struct pen pen = {curve->points ? dot_size(page) : page->style.thin_line,
-                            (size_t)fmax(corners, CORNERS_LEAST)},
-                     thin = {page->style.thin_line, pen.most};
+    const struct pen thin = {.width = page->style.thin_line,
+                             .most = corners < CORNERS_LEAST ? CORNERS_LEAST : corners,
+                             .rough = corners == 0},
+                     dot = {.width = dot_size(page), .most = thin.most, .rough = thin.rough};
     struct path *path = &page->path[index], *bar = path + page->figure->curves;
+    struct arena arena = {0};
     struct curve bars;
     path_free(path);
     path_free(bar);
     *path = *bar = (struct path){0};
-    return (curve->points ? path_of_dots : path_of_line)(curve, &area, &pen, path) &&
-           (!curve->bar ||
-            (bar_curve(page, curve, arena, &bars) && path_of_line(&bars, &area, &thin, bar)));
+    bool ok = curve->points ? path_of_dots(curve, &area, &dot, path)
+                            : path_of_line(curve, &area, &thin, path);
+    if (ok && curve->bar)
+        ok = bar_curve(page, curve, &arena, &bars) && path_of_line(&bars, &area, &thin, bar);
+    arena_reset(&arena);
+    return ok;
 }
 
-bool page_trace(struct page *page, struct arena *arena)
+bool page_trace(struct page *page, bool rough, struct arena *arena)
 {
     const struct figure *figure = page->figure;
-    const size_t n = 2 * (size_t)figure->curves;
-    size_t corners = 0, most;
+    const size_t n = 2 * (size_t)figure->curves, most = CORNERS / (n / 2 + 1);
+    size_t corners = 0;
     bool ok = true;
     page->path = arena_array(arena, n + 1, sizeof *page->path);
     if (!page->path)
         return false;
     memset(page->path, 0, (n + 1) * sizeof *page->path);
     for (int i = 0; i < figure->curves && ok; i++)
-        ok = !curve_drawn(figure, i) || trace(page, i, CORNERS, arena);
-    for (size_t i = 0; i < n; i++)
+        ok = !curve_drawn(figure, i) || trace(page, i, rough ? 0 : CORNERS);
+    for (size_t i = 0; i < n && !rough; i++)
         corners += path_count(&page->path[i]);
-    most = CORNERS / (n / 2 + 1);
     for (int i = 0; i < figure->curves && ok && corners > CORNERS; i++)
         ok = (path_count(&page->path[i]) <= most &&
               path_count(&page->path[figure->curves + i]) <= most) ||
-             trace(page, i, (double)most, arena);
+             trace(page, i, most);
     return ok;
 }
 
@@ -447,6 +451,42 @@ static void draw_exits(struct page *page, int index)
     }
 }
 
+/* [pt^2] 0 of a line. */
+static double ink_area(const struct path *path)
+{
+    const struct corner *corner = path_corners(path);
+    double area = 0;
+    for (size_t i = 1; i < path_count(path) && path->region; i++)
+        if (!corner[i].begins)
+            area += (corner[i - 1].x * corner[i].y - corner[i].x * corner[i - 1].y) / 2;
+    return area;
+}
+
+/* Lines: the largest regions below, then from the last to the first. */
+static void draw_lines(struct page *page)
+{
+    const struct figure *figure = page->figure;
+    const bool marked = line_count(figure) > 1;
+    double below = HUGE_VAL;
+    for (int last = figure->curves;;) { /* the next one after area `below` and place `last` */
+        int next = -1;
+        double size = -1;
+        for (int i = figure->curves - 1; i >= 0; i--) {
+            const double area = ink_area(&page->path[i]);
+            if (figure->curve[i].points || !curve_drawn(figure, i) || area > below ||
+                (area == below && i >= last) || area <= size)
+                continue;
+            next = i;
+            size = area;
+        }
+        if (next < 0)
+            return;
+        draw_line(page, next, marked);
+        below = size;
+        last = next;
+    }
+}
+
 void page_curves(struct page *page)
 {
     const struct figure *figure = page->figure;
@@ -455,17 +495,13 @@ void page_curves(struct page *page)
         if (curve_drawn(figure, i) && figure->curve[i].spread)
             draw_band(page, i);
     /* Dense data, lines with the first above, data that lines can be seen through. */
-    for (int pass = 0; pass < 3; pass++) {
-        for (int i = figure->curves - 1; i >= 0; i--) {
-            const struct curve *curve = &figure->curve[i];
-            bool dense = curve->points && is_dense(page, curve);
-            if (!curve_drawn(figure, i) || pass != (!curve->points ? 1 : dense ? 0 : 2))
-                continue;
-            if (curve->points)
+    for (int dense = 1; dense >= 0; dense--) {
+        for (int i = figure->curves - 1; i >= 0; i--)
+            if (curve_drawn(figure, i) && figure->curve[i].points &&
+                is_dense(page, &figure->curve[i]) == dense)
                 draw_points(page, i, dense);
-            else
-                draw_line(page, i, line_count(figure) > 1);
-        }
+        if (dense)
+            draw_lines(page);
     }
     for (int i = 0; i < figure->curves; i++)
         if (curve_drawn(figure, i))

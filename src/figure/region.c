@@ -49,6 +49,7 @@ bool grains_pass(struct grains *grains, double x0, double y0, double x1, double 
     const double x = grain_x(grains, x0), y = grain_y(grains, y0);
     double dx = (x1 - x0) * grains->density, dy = (y1 - y0) * grains->density;
     const int steps = (int)ceil(fmax(fabs(dx), fabs(dy)));
+    const bool steep = fabs(dy) > fabs(dx);
     bool fresh = false;
 
     dx /= steps ? steps : 1;
@@ -59,10 +60,8 @@ bool grains_pass(struct grains *grains, double x0, double y0, double x1, double 
         const int column = (int)(x + i * dx), row = (int)(y + i * dy);
         mark(grains, column, row);
         if (grains->wide) {
-            mark(grains, column - 1, row);
-            mark(grains, column + 1, row);
-            mark(grains, column, row - 1);
-            mark(grains, column, row + 1);
+            mark(grains, column - steep, row - !steep);
+            mark(grains, column + steep, row + !steep);
         }
     }
     return fresh;
@@ -111,7 +110,6 @@ void grains_stroke(struct grains *grains, double x0, double y0, double x1, doubl
     fill_disc(grains, bx, by, radius);
     if (length < 0.5)
         return;
-    fill_disc(grains, ax, ay, radius);
     /* The rows of a band whose corners are `radius` aside of the ends. */
     const double side_x = fabs(dy) / length * radius, side_y = fabs(dx) / length * radius,
                  low = fmin(ax, bx), high = fmax(ax, bx);

@@ -21,7 +21,7 @@
 #define PIXEL 0.75 /* [pt] 1/96 inch */
 #define NEAR (0.3 * PIXEL)
 
-static const struct pen pen = {WIDTH, MOST};
+static const struct pen pen = {.width = WIDTH, .most = MOST};
 
 struct sheet {
     double *x, *y;
