@@ -62,6 +62,8 @@ static inline double page_text_width(const struct page *page, const char *text)
  * False: no memory. */
 bool page_trace(struct page *page, bool rough, struct arena *arena);
 void page_free_paths(struct page *page);
+/* [pt] of a dot of dense data: larger where lines have to be seen on it. */
+double page_dot(const struct page *page);
 
 /* A straight line of its own. */
 void page_straight(const struct page *page, double x0, double y0, double x1, double y1,
