@@ -143,10 +143,20 @@ static int run(const struct options *options)
     struct reply reply;
     reply_init(&reply, streams_sink(&streams));
     reply.quiet = options->quiet;
+    struct split split = {.open = false};
+    struct error error = {0};
+    bool ready = true;
+    if (options->split) {
+        ready = kind == FRONT_END
+                    ? split_begin(&split, options->split, options->safe, &error)
+                    : error_set(&error, ERROR_USAGE, "--split is for results without a prompt");
+        streams.split = &split;
+        reply.part = split_part;
+    }
 
     int status = ERROR_USAGE;
     struct buffer messages = {0};
-    if (begin_session(&session, options, &messages)) {
+    if (ready && begin_session(&session, options, &messages)) {
         streams.log = &session->log;
         if (kind == FRONT_IS_PANES) {
             reply.sink = panes_sink(session); /* what is said from now on stands in the log */
@@ -172,6 +182,10 @@ static int run(const struct options *options)
         }
     }
     buffer_free(&messages);
+    if (!ready || !split_end(&split, &error)) {
+        fprintf(stderr, "hooke: error: %s%s%s\n", error.text, *error.hint ? "; " : "", error.hint);
+        status = ready ? ERROR_IO : ERROR_USAGE;
+    }
     bool written = streams_flush(&streams);
     if (!written) {
         fprintf(stderr, "hooke: error: cannot write standard output: %s\n",

@@ -124,6 +124,11 @@ struct reply {
     struct buffer header, row; /* its CSV form */
     struct buffer lines;       /* lines of a command that may yet make a record */
     struct buffer last_header; /* what stands above the last CSV row */
+    const char *kind;          /* of the record */
+    bool begun;                /* there was a table in CSV */
+    /* Told, with the sink's context, that another table in CSV begins; NULL: a blank line and a
+     * comment with its kind stand before it. */
+    void (*part)(void *context, const char *kind);
     bool recorded;             /* this command made a record */
     bool muted;                /* lines and records are not written, only collected */
     struct table_store *store; /* records are rows of its tables, too; NULL: they are not */
@@ -144,7 +149,7 @@ void reply_text(struct reply *reply, struct text text); /* the same, ready-made 
 /* the same, broken between words into lines of at most `width` columns */
 void reply_paragraph(struct reply *reply, struct text text, int width);
 /* What was asked for as it is: also when quiet, and among records in CSV. */
-void reply_data(struct reply *reply, struct text text);
+void reply_data(struct reply *reply, const char *kind, struct text text);
 void reply_warning(struct reply *reply, const char *format, ...) PRINTF_LIKE(2, 3);
 /* a message on the error stream, as it is */
 void reply_note(struct reply *reply, const char *format, ...) PRINTF_LIKE(2, 3);

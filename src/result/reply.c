@@ -64,15 +64,27 @@ void reply_paragraph(struct reply *reply, struct text text, int width)
     buffer_free(&lines);
 }
 
-void reply_data(struct reply *reply, struct text text)
+/* Another table in CSV. */
+static void begin_part(struct reply *reply, const char *kind)
+{
+    struct buffer between = {0};
+    if (reply->part) {
+        reply->part(reply->sink.context, kind);
+    } else if (reply->begun) {
+        buffer_format(&between, "\n# %s\n", kind);
+        flush_out(reply, &between);
+    }
+    reply->begun = true;
+    buffer_free(&between);
+}
+
+void reply_data(struct reply *reply, const char *kind, struct text text)
 {
     reply->recorded = true; /* no second time at the command's end */
-    if (reply->format == FORMAT_JSON) {
-        put_text_record(reply, "data", text);
-        return;
-    }
-    if (reply->format == FORMAT_CSV)
+    if (reply->format == FORMAT_CSV) {
         buffer_clear(&reply->last_header);
+        begin_part(reply, kind);
+    }
     write_out(reply, text);
 }
 
@@ -272,6 +284,7 @@ void reply_begin(struct reply *reply, const char *kind)
     buffer_clear(&reply->header);
     buffer_clear(&reply->row);
     reply->depth = 0;
+    reply->kind = kind;
     open_level(reply, NULL, false);
     reply_string(reply, "kind", kind);
     if (reply->store)
@@ -403,6 +416,7 @@ void reply_end(struct reply *reply)
         if (!text_equal(buffer_text(&reply->header), buffer_text(&reply->last_header))) {
             buffer_clear(&reply->last_header);
             buffer_put(&reply->last_header, buffer_text(&reply->header));
+            begin_part(reply, reply->kind);
             flush_out(reply, &reply->header);
         }
         flush_out(reply, &reply->row);

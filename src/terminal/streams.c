@@ -50,6 +50,8 @@ static bool out(void *context, struct text text)
 {
     struct streams *streams = context;
     keep(streams, text);
+    if (streams->split && split_takes(streams->split, text))
+        return true;
     buffer_put(&streams->out, text);
     return streams->out.len < GATHER ? !streams->broken : streams_flush(streams);
 }

@@ -21,9 +21,9 @@ struct options {
     int tasks;
     bool interactive, batch, plain, keep_going, norc, rc, safe, quiet, verbose, help, version;
     bool resume;
-    int width, height;                    /* 0: not given */
-    const char *charset, *color, *format; /* NULL: not given */
-    const char *resume_name;              /* NULL: the newest */
+    int width, height;                            /* 0: not given */
+    const char *charset, *color, *format, *split; /* NULL: not given */
+    const char *resume_name;                      /* NULL: the newest */
 };
 
 /* False: a message has been written to standard error; exit status 2. */
@@ -36,10 +36,26 @@ void options_help(struct buffer *text);
 
 struct streams {
     struct buffer out;
-    bool broken;     /* standard output cannot be written; remembered until exit */
-    int failure;     /* errno of that */
-    struct log *log; /* where what is said is kept for the screen as well; NULL: nowhere */
+    bool broken;         /* standard output cannot be written; remembered until exit */
+    int failure;         /* errno of that */
+    struct log *log;     /* where what is said is kept for the screen as well; NULL: nowhere */
+    struct split *split; /* takes the tables; NULL: they go to standard output */
 };
+
+/* --split DIR: each table of results in CSV as a file, DIR/001-run.csv and so on (split.c). */
+struct split {
+    struct folder folder;
+    struct buffer content; /* of the present one */
+    char name[64];
+    int count;
+    bool open, failed;
+    struct error error;
+};
+
+bool split_begin(struct split *split, const char *path, bool safe, struct error *error);
+void split_part(void *streams, const char *kind); /* another begins */
+bool split_takes(struct split *split, struct text text);
+bool split_end(struct split *split, struct error *error); /* all files appear, or none */
 
 /* Results are gathered and written in large pieces, always before a message; messages are written
  * at once. */

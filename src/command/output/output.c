@@ -70,6 +70,23 @@ void reply_exported(struct reply *reply, struct text file, const struct table *t
     buffer_free(&path);
 }
 
+/* Each row as an object. */
+static void reply_rows(struct reply *reply, const char *kind, const struct table *table)
+{
+    struct table_store *const store = reply->store;
+    reply->store = NULL; /* it is in the session already */
+    for (size_t row = 0; row < table->rows && !reply->failed; row++) {
+        reply_begin(reply, kind);
+        for (const struct table_column *c = table->column; c < table->column + table->columns; c++)
+            if (c->value)
+                reply_real(reply, c->name, c->value[row]);
+            else
+                reply_string(reply, c->name, c->text[row]);
+        reply_end(reply);
+    }
+    reply->store = store;
+}
+
 HANDLER(export)
 {
     const struct item *file = argument_value(args, "FILE")->item;
@@ -79,6 +96,10 @@ HANDLER(export)
         return error_memory(error);
     if (!fill_table(session, args, &export, error))
         return false;
+    if (text_is(file->text, "-") && reply->format == FORMAT_JSON) {
+        reply_rows(reply, "row", &export.table);
+        return true;
+    }
     if (text_is(file->text, "-")) {
         struct buffer text = {0};
         table_format(&export.table, choose_format(args, file->text), &text);
@@ -86,7 +107,7 @@ HANDLER(export)
         if (text.len > 0 && text.data[text.len - 1] != '\n')
             buffer_char(&text, '\n');
         if (ok)
-            reply_data(reply, buffer_text(&text));
+            reply_data(reply, "export", buffer_text(&text));
         buffer_free(&text);
         return ok;
     }
