@@ -173,10 +173,10 @@ static int run(const struct options *options)
         /* what is typed at the prompt afterwards has been answered there */
         status = session->status;
         if (kind != FRONT_END && !session->quit && !signals_ending()) {
-            talk(
-                &(struct front_program){
-                    .session = session, .options = options, .streams = &streams, .reply = &reply},
-                kind);
+            struct front_program program = {
+                .session = session, .options = options, .streams = &streams, .reply = &reply};
+            talk(&program, kind);
+            buffer_free(&program.offer);
         } else if (kind == FRONT_IS_PANES) {
             print_log(session, &streams); /* a file left before the panes came */
         }

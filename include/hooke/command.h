@@ -65,6 +65,15 @@ bool command_complete(struct session *session, struct text line, size_t cursor, 
                       void (*offer)(void *context, const char *candidate, const char *brief),
                       void *context);
 
+/* ---- what a student does next ---- */
+
+/*
+ * Appends the line that the lab does next with the recording that was loaded last, by what was done
+ * with it since: measure it, fit it, take the fit into the scene, run, plot, compare. Nothing: no
+ * recording was loaded, or all is done. Only offered: an empty Enter at the prompt executes it.
+ */
+void command_next(const struct session *session, struct buffer *line);
+
 /* ---- the catalog of commands: the man page and the README are made from it ---- */
 
 extern const struct catalog command_catalog;

@@ -69,6 +69,9 @@ static void on_line(char *typed)
     struct panes *panes = panes_active;
     struct error error;
     panes->echo_stale = true;
+    if (typed && !panes->running && !panes_session(panes)->view.reading) {
+        typed = offer_take(panes->program, typed);
+    }
     if (!typed) {
         panes_enqueue(panes, TEXT("quit"), LINE_KEY);
     } else if (panes_session(panes)->view.reading &&

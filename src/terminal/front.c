@@ -84,3 +84,36 @@ void rc_run(struct session *session, struct reply *reply)
     }
     free(path);
 }
+
+#define OFFER "next (Enter): "
+
+void offer_next(struct front_program *program, int room)
+{
+    struct buffer *offer = &program->offer;
+    buffer_clear(offer);
+    const struct session *session = program->session;
+    if (session->quit || program->reply->quiet || session->setup.settings.format != FORMAT_TEXT) {
+        return;
+    }
+    command_next(session, offer);
+    if (offer->failed || text_width(TEXT(OFFER)) + text_width(buffer_text(offer)) > room) {
+        buffer_clear(offer);
+    }
+    if (offer->len > 0) {
+        reply_line(program->reply, OFFER "%s", buffer_view(offer));
+    }
+}
+
+char *offer_take(struct front_program *program, char *typed)
+{
+    struct buffer *offer = &program->offer;
+    if (offer->len > 0 && text_trim(text_of(typed)).len == 0) {
+        char *taken = strdup(buffer_view(offer));
+        if (taken) {
+            free(typed);
+            typed = taken;
+        }
+    }
+    buffer_clear(offer);
+    return typed;
+}

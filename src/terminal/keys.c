@@ -229,6 +229,22 @@ static void say_next(const struct session *session, int count, struct buffer *li
         leave_reading("n", line);
 }
 
+#define NEXT_ROW "scroll -1"
+
+/* At the end, where the offer stands, it is taken. */
+static void say_enter(const struct session *session, int count, struct buffer *line)
+{
+    (void)count;
+    if (session->view.scroll > 0 || panes_active->program->offer.len == 0) {
+        buffer_put(line, TEXT(NEXT_ROW));
+        return;
+    }
+    struct error ignored;
+    buffer_put(line, buffer_text(&panes_active->program->offer));
+    history_append(buffer_view(line), &ignored);
+    buffer_clear(&panes_active->program->offer);
+}
+
 /* ---- the table
  * -------------------------------------------------------------------------------------------- */
 
@@ -287,7 +303,8 @@ static const struct key cursor_keys[] = {
 static const struct key reading_keys[] = {
     {{" "}, NULL, NULL, say_page_down, true},
     {{"\033[A", "\033OA"}, "kcuu1", "scroll 1", NULL, true},
-    {{"\033[B", "\033OB", "\r", "\n"}, "kcud1", "scroll -1", NULL, true},
+    {{"\033[B", "\033OB"}, "kcud1", NEXT_ROW, NULL, true},
+    {{"\r", "\n"}, NULL, NULL, say_enter, true},
     {{"\033[H", "\033OH", "\033[1~"}, "khome", "scroll home", NULL, true},
     {{"\033[F", "\033OF", "\033[4~"}, "kend", "scroll end", NULL, true},
     {{"/"}, NULL, NULL, type_find, true},
@@ -375,7 +392,11 @@ static int on_key(int count, int last)
         key->make(panes_active->program->session, count, &line);
     }
     if (line.len > 0) {
-        panes_enqueue(panes_active, buffer_text(&line), key->silent ? LINE_SILENT : LINE_KEY);
+        const bool offered = key->make == say_enter && !text_is(buffer_text(&line), NEXT_ROW);
+        panes_enqueue(panes_active, buffer_text(&line),
+                      offered       ? LINE_TYPED
+                      : key->silent ? LINE_SILENT
+                                    : LINE_KEY);
     }
     buffer_free(&line);
     return 0;

@@ -281,6 +281,14 @@ void panes_wait(struct panes *panes, int64_t until)
 /* ---- executing
  * -------------------------------------------------------------------------------------------- */
 
+/* [cell] of the log; lines are broken at words, which leaves up to a quarter of a row empty. */
+static int room_for_offer(const struct session *session)
+{
+    const int width = session->front.width;
+    const int rows = screen_log_rows(session, width, session->front.height);
+    return rows > 1 ? rows * width * 3 / 4 : rows * width;
+}
+
 /* A line typed during a run is executed inside the command that runs: it speaks through a reply of
  * its own. */
 static void execute_line(struct panes *panes)
@@ -308,12 +316,23 @@ static void execute_line(struct panes *panes)
     }
     buffer_clear(&panes->notice);
     const bool busy = signals_busy(true);
+    bool ok = true;
     if (from == LINE_SILENT) {
         execute_silently(panes, buffer_text(&line));
     } else {
-        typed_run(session, buffer_text(&line), program->reply);
+        ok = typed_run(session, buffer_text(&line), program->reply);
     }
     signals_busy(busy);
+    if (from != LINE_SILENT) {
+        buffer_clear(&program->offer); /* what is offered is the last thing that was said */
+    }
+    if (ok && !nested && from == LINE_TYPED) {
+        struct pollfd ahead = {.fd = STDIN_FILENO, .events = POLLIN};
+        if (poll(&ahead, 1, 0) > 0) {
+            input_read(&panes->input, (ahead.revents & GONE) != 0);
+        }
+        offer_next(program, input_pending(&panes->input) ? 0 : room_for_offer(session));
+    }
     if (nested) {
         program->reply = outer;
         reply_free(&own);

@@ -3,6 +3,7 @@
  * command_exec(). */
 #include "terminal/terminal.h"
 
+#include <limits.h>
 #include <poll.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -109,7 +110,7 @@ static bool change(void *context, enum front_change change, struct error *error)
 /* ---- the loop
  * --------------------------------------------------------------------------------------------- */
 
-void typed_run(struct session *session, struct text typed, struct reply *reply)
+bool typed_run(struct session *session, struct text typed, struct reply *reply)
 {
     const bool pasted = typed.len > 0 && memchr(typed.at, '\n', typed.len) != NULL;
     struct script script;
@@ -118,7 +119,7 @@ void typed_run(struct session *session, struct text typed, struct reply *reply)
     while (typed.len > 0 && text_split(&typed, '\n', &line) &&
            script_feed(&script, session, line, reply)) {
     }
-    script_end(&script, session, reply);
+    return script_end(&script, session, reply);
 }
 
 /* Whatever came before: the next alarm rings when the autosave is due. */
@@ -151,8 +152,12 @@ static void execute(struct front_program *program, const char *typed)
         warned = true;
         reply_warning(program->reply, "%s", error.text);
     }
-    typed_run(program->session, text_of(typed), program->reply);
+    const bool ok = typed_run(program->session, text_of(typed), program->reply);
     atomic_store(&interrupt.requested, signals_ending() != 0);
+    struct pollfd ahead = {.fd = STDIN_FILENO, .events = POLLIN};
+    if (ok) {
+        offer_next(program, poll(&ahead, 1, 0) > 0 ? 0 : INT_MAX);
+    }
     save_when_due();
 }
 
@@ -199,6 +204,7 @@ void prompt_run(struct front_program *program)
             }
             break;
         }
+        typed = offer_take(program, typed);
         execute(program, typed);
         free(typed);
     }

@@ -126,6 +126,7 @@ struct front_program {
     struct reply *reply;
     struct autosave *autosave;
     enum front_kind next; /* set by `plain` and `panes`: who takes over */
+    struct buffer offer;  /* the line that an empty Enter takes: it is shown */
 };
 
 /* What this output can show: charset from the locale, colour, size. `fd`: where figures go. */
@@ -138,6 +139,13 @@ void batch_run(struct session *session, const struct options *options, bool inpu
  */
 void prompt_run(struct front_program *program);
 void panes_run(struct front_program *program);
+/* After a typed line: says what command_next() says, which an empty Enter then takes; `room`: for
+ * so many cells of it, as less than all must not be seen; 0 also where something was typed before
+ * it could be seen. */
+void offer_next(struct front_program *program, int room);
+/* The line to be executed: the offer where nothing was typed; there is none any more. `typed` is
+ * malloc()ed, and so is the result, in its place. */
+char *offer_take(struct front_program *program, char *typed);
 /* Can panes be shown here? If not, why. */
 bool panes_possible(struct error *error);
 /* What is said before the panes are there, and in them. */
@@ -145,8 +153,8 @@ struct sink panes_sink(struct session *session);
 /* $XDG_CONFIG_HOME/hooke/rc.hk, if it is the user's own and nobody else can write it. */
 void rc_run(struct session *session, struct reply *reply);
 /* A typed or pasted text: several lines are a small script named "paste" that stops at its first
- * error. */
-void typed_run(struct session *session, struct text typed, struct reply *reply);
+ * error. False: it did. */
+bool typed_run(struct session *session, struct text typed, struct reply *reply);
 /* The screen as text lines, and the same in a file. */
 bool screenshot_text(const struct session *session, const struct prompt_line *prompt, int width,
                      int height, struct buffer *text, struct error *error);

@@ -1,0 +1,240 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What is offered at the prompt: the lab in few keys, counted, with its results; an Enter that was
+ * typed before it could be seen takes nothing. */
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include <limits.h>
+
+#include "terminal/person.h"
+
+#define KEYS_WANTED 320
+#define PROMPT "hooke> "
+
+static char home[PATH_MAX]; /* the source tree */
+
+static void copy(const char *name)
+{
+    char from[PATH_MAX + 64];
+    struct buffer text = {0};
+    struct error error;
+    snprintf(from, sizeof from, "%s/examples/lab/%s", home, name);
+    assert_true(file_read(from, 1u << 22, &text, &error));
+    FILE *file = fopen(name, "w");
+    assert_non_null(file);
+    assert_int_equal(fwrite(text.data, 1, text.len, file), text.len);
+    fclose(file);
+    buffer_free(&text);
+}
+
+static void in_folder(char *folder)
+{
+    static char hooke[2 * PATH_MAX];
+    if (!*home) {
+        assert_non_null(getcwd(home, sizeof home));
+        const char *path = getenv("HOOKE") ? getenv("HOOKE") : "build/hooke";
+        snprintf(hooke, sizeof hooke, "%s%s%s", *path == '/' ? "" : home, *path == '/' ? "" : "/",
+                 path);
+        setenv("HOOKE", hooke, 1);
+    }
+    assert_non_null(make_folder(folder));
+    assert_int_equal(chdir(folder), 0);
+    copy("bare.txt");
+    copy("disk.txt");
+}
+
+/* Waits until the prompt stands at the end of what was sent since `from`. */
+static void await_prompt(struct person *p, size_t from)
+{
+    const int64_t deadline = clock_ns() + PATIENCE_NS;
+    const size_t len = strlen(PROMPT);
+    for (;;) {
+        const char *sent = p->raw.data ? p->raw.data : "";
+        const char *line = p->raw.len > from ? strchr(sent + from, '\n') : NULL;
+        if ((line || from == 0) && p->raw.len >= from + len &&
+            memcmp(sent + p->raw.len - len, PROMPT, len) == 0) {
+            return;
+        }
+        if (clock_ns() > deadline || p->hung_up) {
+            show_screen(p);
+            fail_msg("no prompt");
+        }
+        pump(p, 200);
+    }
+}
+
+/* A line of a file of keys, with its keys as the terminal sends them; returns how many. */
+static int keys_of(struct text line, struct buffer *keys)
+{
+    int count = 0;
+    for (buffer_clear(keys); line.len > 0; count++) {
+        size_t len = 1;
+        if (text_starts(line, TEXT("<Tab>"))) {
+            len = 5;
+            buffer_char(keys, '\t');
+        } else if (text_starts(line, TEXT("<Enter>"))) {
+            len = 7;
+            buffer_char(keys, '\r');
+        } else {
+            buffer_char(keys, line.at[0]);
+        }
+        line = (struct text){line.at + len, line.len - len};
+    }
+    return count;
+}
+
+static void test_lab(void **state)
+{
+    (void)state;
+    static char folder[] = "/tmp/hooke-keys-XXXXXX";
+    struct person p;
+    struct buffer script = {0}, keys = {0};
+    struct error error;
+    int part = 0, all = 0;
+    size_t begun = 0;
+    assert_true(file_read("tests/terminal/lab.keys", 1u << 16, &script, &error));
+    in_folder(folder);
+    begin(&p,
+          (struct start){.argument = {"--plain", "--color", "never"}, .width = 120, .height = 40});
+    await_prompt(&p, 0);
+    struct text rest = buffer_text(&script), line;
+    while (rest.len > 0 && text_split(&rest, '\n', &line)) {
+        char wanted[200];
+        snprintf(wanted, sizeof wanted, "%.*s", line.len > 2 ? (int)line.len - 2 : 0, line.at + 2);
+        if (line.len == 0 || line.at[0] == '#') {
+            begun = p.raw.len;
+            part = 0;
+        } else if (line.at[0] == '?') {
+            if (!strstr(p.raw.data + begun, wanted)) {
+                fail_msg("'%s' is not in %s", wanted, p.raw.data + begun);
+            }
+        } else if (line.at[0] == '!') {
+            assert_int_equal(access(wanted, F_OK), 0);
+        } else {
+            const size_t before = p.raw.len;
+            part += keys_of(line, &keys);
+            all += keys_of(line, &keys);
+            type(&p, buffer_view(&keys));
+            await_prompt(&p, before);
+        }
+    }
+    assert_null(strstr(p.raw.data, "error: "));
+    print_message("# the lab takes %d keys\n", all);
+    assert_true(all <= KEYS_WANTED);
+    quit(&p);
+    buffer_free(&script);
+    buffer_free(&keys);
+    assert_int_equal(chdir(home), 0);
+}
+
+/* Of what was not seen nothing is executed: lines pasted into a terminal that does not mark pastes
+ * may be empty; after another line, and after an error, there is another offer or none. */
+static void test_unseen(void **state)
+{
+    (void)state;
+    static char folder[] = "/tmp/hooke-keys-XXXXXX";
+    struct person p;
+    in_folder(folder);
+    begin(&p,
+          (struct start){.argument = {"--plain", "--color", "never"}, .width = 120, .height = 40});
+    await_prompt(&p, 0);
+    type(&p, "\r\rload bare.txt\r\r\rprint 7*13\r");
+    while (!p.raw.data || !strstr(p.raw.data, "91\r")) {
+        assert_true(pump(&p, 20000));
+    }
+    await_prompt(&p, 1);
+    assert_null(strstr(p.raw.data, "T = "));
+    assert_null(strstr(p.raw.data, "position data bare;")
+                    ? strstr(strstr(p.raw.data, "position data bare;") + 1, "autocorrelation")
+                    : NULL);
+    size_t before = p.raw.len;
+    type(&p, "nonsense\r");
+    await_prompt(&p, before);
+    before = p.raw.len;
+    type(&p, "\r");
+    await_prompt(&p, before);
+    assert_null(strstr(p.raw.data + before, "T = "));
+    before = p.raw.len;
+    type(&p, "set format json\r");
+    await_prompt(&p, before);
+    assert_null(strstr(p.raw.data + before, "next (Enter)"));
+    before = p.raw.len;
+    type(&p, "\r");
+    await_prompt(&p, before);
+    assert_null(strstr(p.raw.data + before, "period"));
+    quit(&p);
+    assert_int_equal(chdir(home), 0);
+}
+
+/* What is long is read on the whole screen: to its end, where the offer stands. */
+static void await_offer(struct person *p, const char *offer)
+{
+    const int64_t deadline = clock_ns() + PATIENCE_NS;
+    struct buffer row = {0};
+    while (!shows(p, offer) && clock_ns() < deadline) {
+        pump(p, 200);
+        prompt_row(p, &row);
+        if (strstr(row.data, "% (space")) {
+            type(p, " ");
+        }
+    }
+    buffer_free(&row);
+    expect(p, offer);
+}
+
+static void test_panes(void **state)
+{
+    (void)state;
+    static char folder[] = "/tmp/hooke-keys-XXXXXX";
+    struct person p;
+    in_folder(folder);
+    start_panes(&p, (struct start){.width = 80, .height = 24});
+    enter(&p, "load bare.txt");
+    await_offer(&p, "next (Enter): plot position");
+    type(&p, "\r");
+    await_offer(&p, "next (Enter): fit damped");
+    type(&p, "m = 200.0(1) g\r");
+    await_offer(&p, "next (Enter): fit damped; measure k");
+    type(&p, "\r");
+    await_offer(&p, "next (Enter): adopt");
+    type(&p, "\r");
+    await_offer(&p, "next (Enter): method euler dt=10 ms; run 10 s");
+    type(&p, "abc\x03"); /* leaves nothing behind */
+    expect_prompt(&p, EMPTY_PROMPT);
+    type(&p, "print 7*13\r");
+    expect(&p, "91");
+    assert_false(shows(&p, "1000 steps"));
+    quit(&p);
+    assert_int_equal(chdir(home), 0);
+}
+
+/* A row of the log, where most is cut: what cannot be read is not offered. */
+static void test_small(void **state)
+{
+    (void)state;
+    static char folder[] = "/tmp/hooke-keys-XXXXXX";
+    struct person p;
+    in_folder(folder);
+    start_panes(&p, (struct start){.width = 40, .height = 12});
+    enter(&p, "load bare.txt");
+    type(&p, "\r");
+    enter(&p, "print 7*13");
+    expect(&p, "91");
+    assert_false(shows(&p, "next (Enter)"));
+    quit(&p);
+    assert_int_equal(chdir(home), 0);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_lab),
+        cmocka_unit_test(test_unseen),
+        cmocka_unit_test(test_panes),
+        cmocka_unit_test(test_small),
+    };
+    return make_folder(state_folder) ? cmocka_run_group_tests(tests, NULL, NULL) : 1;
+}
