@@ -70,6 +70,7 @@ void buffer_char(struct buffer *buffer, char c);
 void buffer_codepoint(struct buffer *buffer, uint32_t codepoint); /* as UTF-8 */
 void buffer_format(struct buffer *buffer, const char *format, ...) PRINTF_LIKE(2, 3);
 void buffer_vformat(struct buffer *buffer, const char *format, va_list args) PRINTF_LIKE(2, 0);
+void buffer_base64(struct buffer *buffer, struct text bytes); /* RFC 4648, on one line */
 void buffer_clear(struct buffer *buffer);
 void buffer_free(struct buffer *buffer);
 struct text buffer_text(const struct buffer *buffer);

@@ -314,9 +314,10 @@ void columns_text(const struct result_columns *columns, const void *rows, size_t
 
 /* ---- documents ----
  *
- * A document written twice at once, as Markdown (CommonMark with tables) and as HTML5. Own words
- * are escaped; what came from users or files (names, notes, paths) goes through document_name() and
- * can become nothing but code.
+ * A document written three times at once, as Markdown (CommonMark with tables), as HTML5 that loads
+ * nothing from outside, and as LaTeX (pdflatex with siunitx, version 2 or 3). Own words are
+ * escaped; what came from users or files (names, notes, paths) goes through document_name() and can
+ * become nothing but code.
  */
 
 enum block {
@@ -335,8 +336,10 @@ enum block {
 };
 
 struct document {
-    struct buffer md, html;
+    struct buffer md, html, tex;
+    size_t table;  /* where that of the LaTeX began */
     int heads;     /* cells of the heading under construction */
+    int cells;     /* of the row under construction */
     bool in_table; /* where a bar ends a cell */
 };
 
@@ -347,14 +350,22 @@ void document_open(struct document *document, enum block block);
 void document_close(struct document *document, enum block block);
 /* Own words; "+-" becomes the sign. */
 void document_say(struct document *document, const char *format, ...) PRINTF_LIKE(2, 3);
+/* A value with its unit, as buffer_measured() writes it; LaTeX sets it by siunitx. */
+void document_measured(struct document *document, struct measured value, enum quantity quantity,
+                       int digits);
 void document_name(struct document *document, struct text name);
 void document_link(struct document *document, const char *file, const char *words);
 /* A block of own words. */
 void document_put(struct document *document, enum block block, const char *words);
 void document_heading_ends(struct document *document);
-/* A picture from a file, NULL: there is none, the text stands for it. */
-void document_figure(struct document *document, const char *picture, const char *alternative,
-                     struct text text);
+struct document_picture {
+    const char *name;        /* of its files, which end in .svg, .txt and .pdf */
+    const char *alternative; /* in words; own ones */
+    struct text svg, text;
+    bool pdf; /* there is such a file; else LaTeX has the text */
+};
+/* Markdown names the files, HTML has them in itself, LaTeX includes the PDF. */
+void document_figure(struct document *document, const struct document_picture *picture);
 void document_code(struct document *document, struct text code);
 void document_answer(struct document *document); /* an empty place */
 

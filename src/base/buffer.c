@@ -103,3 +103,16 @@ const char *buffer_view(const struct buffer *buffer)
 {
     return buffer->failed ? "(out of memory)" : buffer->data ? buffer->data : "";
 }
+
+void buffer_base64(struct buffer *out, struct text bytes)
+{
+    static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    const unsigned char *at = (const unsigned char *)bytes.at;
+    for (size_t i = 0; i < bytes.len; i += 3) {
+        const size_t n = bytes.len - i < 3 ? bytes.len - i : 3;
+        const unsigned word = (unsigned)at[i] << 16 | (n > 1 ? (unsigned)at[i + 1] << 8 : 0) |
+                              (n > 2 ? (unsigned)at[i + 2] : 0);
+        for (size_t k = 0; k < 4; k++)
+            buffer_char(out, k <= n ? digits[word >> (18 - 6 * k) & 63] : '=');
+    }
+}

@@ -1,23 +1,25 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "result/document.h"
 #include "result/outlet.h"
 
 #include <string.h>
 
 static const struct {
-    const char *md, *md_end, *html, *html_end;
+    const char *md, *md_end, *html, *html_end, *tex, *tex_end;
 } blocks[] = {
-    [BLOCK_TITLE] = {"# ", "\n\n", "<h1>", "</h1>\n"},
-    [BLOCK_PART] = {"## ", "\n\n", "<h2>", "</h2>\n"},
-    [BLOCK_SECTION] = {"### ", "\n\n", "<h3>", "</h3>\n"},
-    [BLOCK_QUESTION] = {"#### ", "\n\n", "<h4>", "</h4>\n"},
-    [BLOCK_TOGETHER] = {"", "", "<section>\n", "</section>\n"},
-    [BLOCK_PARAGRAPH] = {"", "\n\n", "<p>", "</p>\n"},
-    [BLOCK_LIST] = {"", "\n", "<ul>\n", "</ul>\n"},
-    [BLOCK_ITEM] = {"- ", "\n", "<li>", "</li>\n"},
-    [BLOCK_TABLE] = {"", "\n", "<table>\n<thead>\n", "</tbody>\n</table>\n"},
-    [BLOCK_ROW] = {"|", "\n", "<tr>", "</tr>\n"},
-    [BLOCK_CELL] = {" ", " |", "<td>", "</td>"},
-    [BLOCK_HEAD] = {" ", " |", "<th>", "</th>"},
+    [BLOCK_TITLE] = {"# ", "\n\n", "<h1>", "</h1>\n", "\\begin{center}\\LARGE ", "\\end{center}\n"},
+    [BLOCK_PART] = {"## ", "\n\n", "<h2>", "</h2>\n", "\n\\section*{", "}\n"},
+    [BLOCK_SECTION] = {"### ", "\n\n", "<h3>", "</h3>\n", "\n\\subsection*{", "}\n"},
+    [BLOCK_QUESTION] = {"#### ", "\n\n", "<h4>", "</h4>\n", "\n\\subsubsection*{", "}\n"},
+    [BLOCK_TOGETHER] = {"", "", "<section>\n", "</section>\n", "", ""},
+    [BLOCK_PARAGRAPH] = {"", "\n\n", "<p>", "</p>\n", "\n", "\n\n"},
+    [BLOCK_LIST] = {"", "\n", "<ul>\n", "</ul>\n", "\\begin{itemize}\n", "\\end{itemize}\n"},
+    [BLOCK_ITEM] = {"- ", "\n", "<li>", "</li>\n", "\\item ", "\n"},
+    [BLOCK_TABLE] = {"", "\n", "<table>\n<thead>\n", "</tbody>\n</table>\n", "",
+                     "\\bottomrule\n\\end{longtable}\n}\n"},
+    [BLOCK_ROW] = {"|", "\n", "<tr>", "</tr>\n", "", "\\\\\n"},
+    [BLOCK_CELL] = {" ", " |", "<td>", "</td>", "", ""},
+    [BLOCK_HEAD] = {" ", " |", "<th>", "</th>", "", ""},
 };
 
 static const char style[] =
@@ -29,16 +31,18 @@ static const char style[] =
     "margin-top: 1.6em }\n"
     "h1, h2, h3, h4 { line-height: 1.25; break-after: avoid }\n"
     "table { border-collapse: collapse; margin: 1em 0; font-size: 0.9em }\n"
+    "@media screen { table { display: block; max-width: 100%; overflow-x: auto } }\n"
     "th, td { border-bottom: 1px solid #ccc; padding: 0.2em 0.9em 0.2em 0; text-align: left; "
     "vertical-align: top }\n"
     "thead th { border-bottom: 1px solid #333 } tr { break-inside: avoid }\n"
     "section { break-inside: avoid } figure { margin: 1.2em 0 0.2em; break-after: avoid; "
     "break-inside: avoid } img { "
     "width: 100%; max-width: 40em; height: auto }\n"
-    "pre { font: 8pt/1.15 monospace; overflow: auto }\n"
+    "pre { font: 8pt/1.15 monospace; overflow: auto } summary { font-size: 0.8em; color: #555 }\n"
     "code { font-family: monospace; overflow-wrap: anywhere }\n"
     ".answer { border: 1px solid #bbb; min-height: 7em; margin: 0.5em 0 1.5em}\n"
-    "@media print { pre { white-space: pre-wrap } body { margin: 0; padding: 0; max-width: none; "
+    "@media print { details { display: none } pre { white-space: pre-wrap } body { margin: 0; "
+    "padding: 0; max-width: none; "
     "font-size: 10pt } }\n";
 
 /* ---- escaping ---- */
@@ -92,23 +96,27 @@ void document_begin(struct document *document, const char *title)
 {
     buffer_put(
         &document->html,
-        TEXT("<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<title>"));
+        TEXT("<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
+             "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>"));
     buffer_html(&document->html, text_of(title));
     buffer_put(&document->html, TEXT("</title>\n<style>\n"));
     buffer_put(&document->html, TEXT(style));
     buffer_put(&document->html, TEXT("</style>\n</head>\n<body>\n"));
+    buffer_put(&document->tex, text_of(preamble));
     document_put(document, BLOCK_TITLE, title);
 }
 
 void document_end(struct document *document)
 {
     buffer_put(&document->html, TEXT("</body>\n</html>\n"));
+    buffer_put(&document->tex, TEXT("\\end{document}\n"));
 }
 
 void document_free(struct document *document)
 {
     buffer_free(&document->md);
     buffer_free(&document->html);
+    buffer_free(&document->tex);
 }
 
 void document_open(struct document *document, enum block block)
@@ -117,6 +125,12 @@ void document_open(struct document *document, enum block block)
     document->heads = block == BLOCK_TABLE ? 0 : document->heads + (block == BLOCK_HEAD);
     buffer_put(&document->md, text_of(blocks[block].md));
     buffer_put(&document->html, text_of(blocks[block].html));
+    const bool cell = block == BLOCK_CELL || block == BLOCK_HEAD;
+    document->cells = block == BLOCK_ROW ? 0 : document->cells + cell;
+    buffer_put(&document->tex, cell && document->cells > 1 ? TEXT(" & ") : TEXT(""));
+    buffer_put(&document->tex, text_of(blocks[block].tex));
+    if (block == BLOCK_TABLE)
+        document->table = document->tex.len;
 }
 
 void document_close(struct document *document, enum block block)
@@ -124,25 +138,47 @@ void document_close(struct document *document, enum block block)
     document->in_table &= block != BLOCK_TABLE;
     buffer_put(&document->md, text_of(blocks[block].md_end));
     buffer_put(&document->html, text_of(blocks[block].html_end));
+    buffer_put(&document->tex, text_of(blocks[block].tex_end));
+}
+
+/* Own words with signs, into the buffers that are there. */
+static void say(struct document *document, struct text words, bool tex)
+{
+    struct buffer text = {0};
+    for (size_t i = 0; i < words.len; i++)
+        if (words.at[i] == '+' && i + 1 < words.len && words.at[i + 1] == '-')
+            buffer_codepoint(&text, 0xB1), i++;
+        else
+            buffer_char(&text, words.at[i]);
+    put_md(&document->md, buffer_text(&text));
+    buffer_html(&document->html, buffer_text(&text));
+    if (tex)
+        buffer_tex(&document->tex, buffer_text(&text));
+    document->md.failed |= text.failed;
+    buffer_free(&text);
 }
 
 void document_say(struct document *document, const char *format, ...)
 {
-    struct buffer words = {0}, text = {0};
+    struct buffer words = {0};
     va_list args;
     va_start(args, format);
     buffer_vformat(&words, format, args);
     va_end(args);
-    for (size_t i = 0; i < words.len; i++)
-        if (words.data[i] == '+' && words.data[i + 1] == '-') /* the text ends in NUL */
-            buffer_codepoint(&text, 0xB1), i++;
-        else
-            buffer_char(&text, words.data[i]);
-    put_md(&document->md, buffer_text(&text));
-    buffer_html(&document->html, buffer_text(&text));
-    document->md.failed |= words.failed || text.failed;
+    say(document, buffer_text(&words), true);
+    document->md.failed |= words.failed;
     buffer_free(&words);
-    buffer_free(&text);
+}
+
+void document_measured(struct document *document, struct measured value, enum quantity quantity,
+                       int digits)
+{
+    struct buffer words = {0};
+    buffer_measured(&words, value, quantity, digits);
+    say(document, buffer_text(&words), false);
+    buffer_siunitx(&document->tex, buffer_text(&words));
+    document->md.failed |= words.failed;
+    buffer_free(&words);
 }
 
 /*
@@ -166,6 +202,9 @@ void document_name(struct document *document, struct text name)
     buffer_put(&document->html, TEXT("<code>"));
     buffer_html(&document->html, text);
     buffer_put(&document->html, TEXT("</code>"));
+    buffer_put(&document->tex, TEXT("\\texttt{"));
+    buffer_tex(&document->tex, text);
+    buffer_char(&document->tex, '}');
     document->md.failed |= safe.failed;
     buffer_free(&safe);
 }
@@ -174,6 +213,9 @@ void document_link(struct document *document, const char *file, const char *word
 {
     buffer_format(&document->md, "[%s](%s)", words, file);
     buffer_format(&document->html, "<a href=\"%s\">%s</a>", file, words);
+    buffer_put(&document->tex, TEXT("\\texttt{"));
+    buffer_tex(&document->tex, text_of(words));
+    buffer_char(&document->tex, '}');
 }
 
 void document_put(struct document *document, enum block block, const char *words)
@@ -191,18 +233,30 @@ void document_heading_ends(struct document *document)
         buffer_put(&document->md, TEXT("---|"));
     buffer_char(&document->md, '\n');
     buffer_put(&document->html, TEXT("</thead>\n<tbody>\n"));
+    document->tex.failed |= !begin_longtable(&document->tex, document->table, document->heads);
 }
 
-void document_figure(struct document *document, const char *picture, const char *alternative,
-                     struct text text)
+void document_figure(struct document *document, const struct document_picture *picture)
 {
-    if (!picture) {
-        document_code(document, text);
-        return;
-    }
-    buffer_format(&document->md, "![%s](%s)\n\n", alternative, picture);
-    buffer_format(&document->html, "<figure><img src=\"%s\" alt=\"%s\"></figure>\n", picture,
-                  alternative);
+    buffer_put(&document->md, TEXT("!["));
+    put_md(&document->md, text_of(picture->alternative));
+    buffer_format(&document->md, "](%s.svg)\n\n[The same as text](%s.txt)\n\n", picture->name,
+                  picture->name);
+    buffer_put(&document->html, TEXT("<figure><img alt=\""));
+    buffer_html(&document->html, text_of(picture->alternative));
+    buffer_put(&document->html, TEXT("\" src=\"data:image/svg+xml;base64,"));
+    buffer_base64(&document->html, picture->svg);
+    buffer_put(&document->html,
+               TEXT("\"></figure>\n<details><summary>The same as text</summary>\n<pre>"));
+    buffer_html(&document->html, picture->text);
+    buffer_put(&document->html, TEXT("</pre>\n</details>\n"));
+    if (picture->pdf)
+        buffer_format(&document->tex,
+                      "\n\\begin{center}\n\\includegraphics[width=0.8\\linewidth]{%s.pdf}\n"
+                      "\\end{center}\n",
+                      picture->name);
+    else
+        put_tex_code(&document->tex, picture->text);
 }
 
 void document_code(struct document *document, struct text code)
@@ -218,10 +272,12 @@ void document_code(struct document *document, struct text code)
     buffer_put(&document->html, TEXT("<pre>"));
     buffer_html(&document->html, code);
     buffer_put(&document->html, TEXT("</pre>\n"));
+    put_tex_code(&document->tex, code);
 }
 
 void document_answer(struct document *document)
 {
     buffer_put(&document->md, TEXT("Answer:\n\n&nbsp;\n\n"));
     buffer_put(&document->html, TEXT("<div class=\"answer\"></div>\n"));
+    buffer_put(&document->tex, TEXT("\n\\noindent Answer:\\par\\vspace{3cm}\n"));
 }

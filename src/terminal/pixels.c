@@ -167,19 +167,6 @@ int pixels_skip_answer(int key)
 
 /* ---- pictures ---- */
 
-static void put_base64(struct text bytes, struct buffer *out)
-{
-    static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    const unsigned char *at = (const unsigned char *)bytes.at;
-    for (size_t i = 0; i < bytes.len; i += 3) {
-        const size_t n = bytes.len - i < 3 ? bytes.len - i : 3;
-        const unsigned word = (unsigned)at[i] << 16 | (n > 1 ? (unsigned)at[i + 1] << 8 : 0) |
-                              (n > 2 ? (unsigned)at[i + 2] : 0);
-        for (size_t k = 0; k < 4; k++)
-            buffer_char(out, k <= n ? digits[word >> (18 - 6 * k) & 63] : '=');
-    }
-}
-
 /* https://sw.kovidgoyal.net/kitty/graphics-protocol: transmit and display, without an answer. */
 static void put_kitty(struct text code, int columns, struct buffer *out)
 {
@@ -226,7 +213,7 @@ static bool show(const struct figure *figure, int width, int height, struct erro
     choose_page(width, height, page);
     bool ok = figure_picture(figure, kind, page[0], page[1], &picture, error);
     if (ok && kind == PICTURE_PNG)
-        put_base64(buffer_text(&picture), &code);
+        buffer_base64(&code, buffer_text(&picture));
     if (ok && protocol == PROTOCOL_KITTY)
         put_kitty(buffer_text(&code), width, &out);
     else if (ok && protocol == PROTOCOL_ITERM)

@@ -56,6 +56,8 @@ struct report {
     const struct material *material;                               /* sorted by what it is for */
     int head; /* lines of session.hk before the first statement */
     int files;
+    bool latex;       /* also report.tex, with the figures as PDF */
+    char no_pdf[600]; /* why these are text there; "": they are not */
 };
 
 /* Writes all files into the folder, which is open. */
@@ -80,8 +82,6 @@ const struct report_value *find_value(const struct report *report, const char *n
                                       const char *of);
 /* As many digits as its uncertainty gives it; 3 of what has none and was not stated. */
 void say_value(struct document *document, const struct report_value *value);
-void say_measured(struct document *document, struct measured value, enum quantity quantity,
-                  int digits);
 /* Of these runs (places) and this recording (place, -1: none), with its caption; nothing without
  * such a plot. */
 bool put_figure(struct report *report, enum section section, enum plot_kind kind, const int *run,

@@ -81,7 +81,8 @@ bool report_write(struct report *report, struct error *error)
         put_end(report, &script);
     ok = ok && report_put(report, "session.hk", &script, error) &&
          report_put(report, "report.md", &document->md, error) &&
-         report_put(report, "report.html", &document->html, error);
+         report_put(report, "report.html", &document->html, error) &&
+         (!report->latex || report_put(report, "report.tex", &document->tex, error));
     buffer_free(&script);
     return ok;
 }
@@ -103,11 +104,10 @@ static void tell(const struct report *report, const struct item *folder, const c
 {
     struct buffer shown = {0};
     safe_text(&shown, folder->text, false);
-    reply_line(
-        reply,
-        "report written to %s: %d figure%s, %d values, %d files; open report.html or report.md",
-        buffer_view(&shown), report->figures, report->figures == 1 ? "" : "s", report->values,
-        report->files);
+    reply_line(reply, "report written to %s: %d figure%s, %d values, %d files; open report.html%s",
+               buffer_view(&shown), report->figures, report->figures == 1 ? "" : "s",
+               report->values, report->files,
+               report->latex ? ", or type: pdflatex report.tex" : " or report.md");
     report_missing(report, say_missing, reply);
     reply_begin(reply, "report");
     reply_string(reply, "folder", path);
@@ -119,6 +119,8 @@ static void tell(const struct report *report, const struct item *folder, const c
     report_missing(report, say_missing, reply);
     reply_close(reply);
     reply_end(reply);
+    if (report->no_pdf[0])
+        reply_warning(reply, "the figures of report.tex are text only: %s", report->no_pdf);
     buffer_free(&shown);
 }
 
@@ -136,8 +138,11 @@ HANDLER(report)
         return error_hint(error, "type: run, or: load FILE");
     }
     *view = *session;
-    *report =
-        (struct report){.session = session, .view = view, .arena = args->arena, .folder = &folder};
+    *report = (struct report){.session = session,
+                              .view = view,
+                              .arena = args->arena,
+                              .folder = &folder,
+                              .latex = has_argument(args, "latex")};
     bool ok = folder_open(&folder, path, session_policy(session, has_argument(args, "force")),
                           report_owns, error);
     if (ok && !report_write(report, error)) {
@@ -154,18 +159,20 @@ HANDLER(report)
 }
 #endif
 
-COMMAND(report,
-        .row = {"report", "", "write what the lab asks to hand in into a new folder", "", NULL},
-        .group = "OUTPUT",
-        .text = "Figures, values with their uncertainties, methods compared, the data as CSV and "
-                "the session as a "
-                "script that gives the same\n"
-                "numbers again, as report.html and report.md with a place for the answer to each "
-                "question. It holds "
-                "what the session has, and\n"
-                "says what is missing. --force replaces an older report; what was written into "
-                "that one is lost, so "
-                "answer under another name.",
-        .examples = "load bare.txt; m = 200 g; fit damped; report first\nreport second --force",
-        .see = "plot measure fit export save",
-        ARGUMENTS(PLACE("DIR", TYPE_FILE, .flags = ARG_REQUIRED), OPTION("force", TYPE_NONE)))
+COMMAND(
+    report, .row = {"report", "", "write what the lab asks to hand in into a new folder", "", NULL},
+    .group = "OUTPUT",
+    .text =
+        "Figures, values with their uncertainties, methods compared, the data as CSV and "
+        "the session as a "
+        "script that gives the same\n"
+        "numbers again, as report.html and report.md with a place for the answer to each "
+        "question. It holds "
+        "what the session has, and\n"
+        "says what is missing. --force replaces an older report; what was written into "
+        "that one is lost, so "
+        "answer under another name. --latex writes\nreport.tex, too, for pdflatex with siunitx.",
+    .examples = "load bare.txt; m = 200 g; fit damped; report first\nreport second --latex --force",
+    .see = "plot measure fit export save",
+    ARGUMENTS(PLACE("DIR", TYPE_FILE, .flags = ARG_REQUIRED), OPTION("force", TYPE_NONE),
+              OPTION("latex", TYPE_NONE)))

@@ -14,8 +14,8 @@
 
 bool report_owns(const char *name)
 {
-    static const char *const names[] = {"report.md", "report.html", "session.hk", "values.csv",
-                                        "runs.csv"};
+    static const char *const names[] = {"report.md",  "report.html", "report.tex",
+                                        "session.hk", "values.csv",  "runs.csv"};
     static const char *const starts[] = {"figure-", "run-", "recording-"};
     for (size_t i = 0; i < COUNT_OF(names); i++)
         if (strcmp(name, names[i]) == 0)

@@ -13,18 +13,10 @@
 
 #define TEXT_WIDTH 100 /* [cell] of a figure as text */
 #define TEXT_HEIGHT 28
+#define ALL_COLUMNS 1000000 /* [cell] so wide that no envelope is drawn */
 #define DIGITS 6
 #define ALL_DIGITS 15
 #define FEW_DIGITS 4 /* of what has no uncertainty and was not stated */
-
-void say_measured(struct document *document, struct measured value, enum quantity quantity,
-                  int digits)
-{
-    struct buffer text = {0};
-    buffer_measured(&text, value, quantity, digits);
-    document_say(document, "%s", buffer_view(&text));
-    buffer_free(&text);
-}
 
 /* ---- values ---- */
 
@@ -39,7 +31,7 @@ void say_value(struct document *document, const struct report_value *value)
     const bool recorded = text_starts(text_of(value->of), TEXT("data "));
     const int digits = value->value.uncertainty > 0 ? (recorded ? ALL_DIGITS : DIGITS)
                                                     : (is_stated(value) ? DIGITS : FEW_DIGITS);
-    say_measured(document, value->value, value->quantity, digits);
+    document_measured(document, value->value, value->quantity, digits);
 }
 
 static const char *label_of(const char *name)
@@ -81,7 +73,7 @@ static void put_name_and_value(struct document *document, const struct report_va
     document_say(document, "%s", label_of(v->name));
     if (isfinite(v->at)) {
         document_say(document, " at t = ");
-        say_measured(document, (struct measured){v->at, 0}, QUANTITY_TIME, DIGITS);
+        document_measured(document, (struct measured){v->at, 0}, QUANTITY_TIME, DIGITS);
     }
     document_close(document, BLOCK_CELL);
     document_open(document, BLOCK_CELL);
@@ -245,7 +237,7 @@ void put_runs(struct report *report, const int *run, int runs, bool distance)
             struct recording *recording = report->session->recording[data]->recording;
             document_open(document, BLOCK_CELL);
             const struct data_distance apart = run_data_distance(one, recording);
-            say_measured(document, (struct measured){apart.rms, 0}, apart.quantity, 3);
+            document_measured(document, (struct measured){apart.rms, 0}, apart.quantity, 3);
             document_say(document, ", ");
             document_name(document, text_of(recording->name));
             document_close(document, BLOCK_CELL);
@@ -310,8 +302,7 @@ static void choose_window(const struct session *session, struct figure_request *
     }
 }
 
-static void put_caption(struct report *report, const struct figure_request *request,
-                        const char *text_file)
+static void put_caption(struct report *report, const struct figure_request *request)
 {
     struct document *document = &report->document;
     const struct session *session = report->session;
@@ -325,32 +316,58 @@ static void put_caption(struct report *report, const struct figure_request *requ
         document_say(document, "%srecording ", request->runs ? " and " : "");
         document_name(document, text_of(session->recording[request->recording]->recording->name));
     }
-    document_say(document, " (");
-    document_link(document, text_file, "as text");
-    document_say(document, ").");
+    document_say(document, ".");
     document_close(document, BLOCK_PARAGRAPH);
 }
 
-/* As picture and as text. */
+/* What it shows in words: of all the samples, not of the envelope that a long one is drawn as. */
+static bool put_words(struct report *report, struct figure_request request, struct buffer *words,
+                      struct error *error)
+{
+    struct figure figure;
+    request.width = ALL_COLUMNS;
+    return session_figure(report->session, &request, report->arena, &figure, error) &&
+           (describe_figure(&figure, words) || error_memory(error));
+}
+
+static bool put_file(struct report *report, const char *name, const char *end,
+                     const struct buffer *content, struct error *error)
+{
+    char file[64];
+    snprintf(file, sizeof file, "%s.%s", name, end);
+    return report_put(report, file, content, error);
+}
+
+/* As picture, as text and in words. */
 static bool write_figure(struct report *report, const struct figure_request *request,
                          const struct figure *figure, struct error *error)
 {
-    const char *kind = plot_row(request->kind)->row.name;
-    char picture_file[64], text_file[64];
-    struct buffer text = {0}, picture = {0};
+    char name[48];
+    struct buffer text = {0}, svg = {0}, pdf = {0}, words = {0};
+    struct error why = {0};
     struct figure untitled = *figure; /* the caption says it */
     untitled.title = NULL;
-    snprintf(picture_file, sizeof picture_file, "figure-%02d-%s.svg", report->figures, kind);
-    snprintf(text_file, sizeof text_file, "figure-%02d-%s.txt", report->figures, kind);
+    snprintf(name, sizeof name, "figure-%02d-%s", report->figures,
+             plot_row(request->kind)->row.name);
     bool ok = figure_print(figure, TEXT_WIDTH, TEXT_HEIGHT, CHARSET_ASCII, false, &text) ||
               error_memory(error);
-    ok = ok && figure_picture(&untitled, PICTURE_SVG, 0, 0, &picture, error) &&
-         report_put(report, picture_file, &picture, error) &&
-         report_put(report, text_file, &text, error);
-    document_figure(&report->document, picture_file, kind, buffer_text(&text));
-    put_caption(report, request, text_file);
+    ok = ok && figure_picture(&untitled, PICTURE_SVG, 0, 0, &svg, error) &&
+         put_words(report, *request, &words, error) && put_file(report, name, "svg", &svg, error) &&
+         put_file(report, name, "txt", &text, error);
+    bool drawn = ok && report->latex && !report->no_pdf[0];
+    if (drawn && !figure_picture(&untitled, PICTURE_PDF, 0, 0, &pdf, &why)) {
+        snprintf(report->no_pdf, sizeof report->no_pdf, "%s", why.text);
+        drawn = false;
+    }
+    ok = ok && (!drawn || put_file(report, name, "pdf", &pdf, error));
+    document_figure(&report->document,
+                    &(struct document_picture){name, buffer_view(&words), buffer_text(&svg),
+                                               buffer_text(&text), drawn});
+    put_caption(report, request);
     buffer_free(&text);
-    buffer_free(&picture);
+    buffer_free(&svg);
+    buffer_free(&pdf);
+    buffer_free(&words);
     return ok;
 }
 

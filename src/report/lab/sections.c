@@ -60,7 +60,8 @@ static void say_zero(struct report *report, const struct recording *recording, c
             fabs(stored->fit.offset.value - zero.value) < stored->fit.offset.uncertainty)
             zero.uncertainty = stored->fit.offset.uncertainty;
     }
-    say_measured(&report->document, zero, recording->column[recording->value].quantity, DIGITS);
+    document_measured(&report->document, zero, recording->column[recording->value].quantity,
+                      DIGITS);
 }
 
 static bool put_recording(struct report *report, int index, enum section section,
