@@ -62,6 +62,7 @@ struct run_slot {
     const struct events *events; /* as they were when it began; NULL: none */
     size_t statement;            /* of the log that made it, counted from 1 */
     uint32_t origin[PARAM_MAX];  /* that of the set-up when it began */
+    uint64_t id;                 /* in the session's file: no other slot has it */
 };
 
 struct run_row { /* a run in the list of them */
@@ -75,6 +76,8 @@ struct recording_slot {
     struct recording *recording;
     int references;
     char *options; /* as they have to stand after the file name to load it again */
+    uint64_t sum;  /* of the file's bytes, as the session's file has it; 0: nobody has looked */
+    struct buffer content; /* the file's bytes, where it may be gone; empty: it is read again */
 };
 
 /* Values that a result took as exact, since nobody stated an uncertainty; "": no more. */
@@ -122,8 +125,9 @@ struct live {
     double fraction;  /* of the way to the target, < 0: unknown */
     double marks[32]; /* [s] the latest times at which parameters were changed during the run */
     int mark_count;
-    bool pausing;  /* asked to pause at the next look */
-    bool changing; /* private: the present command changes the current run */
+    bool pausing;   /* asked to pause at the next look */
+    bool changing;  /* private: the present command changes the current run */
+    bool advancing; /* the current run is on its way: what it stopped at is not yet known */
 };
 
 /* ---- the log of what was typed (history.c) ---- */
@@ -230,6 +234,7 @@ struct session {
     struct run_slot *run[LIMIT_RUNS];
     int runs, current_run; /* index, -1: none */
     int next_run;          /* number of the next run */
+    uint64_t next_id;      /* of its slot */
     bool said_method;      /* that nobody has chosen one */
     bool said_assumed;     /* which duration and tolerance this scene gets */
     struct recording_slot *recording[LIMIT_RECORDINGS];

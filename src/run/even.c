@@ -88,6 +88,7 @@ void even_drop(struct trace *trace, double t)
             return;
         trace->due -= trace->ahead;
         trace->next -= trace->every;
+        trace->stored = trace->count - 1 < trace->stored ? trace->count - 1 : trace->stored;
     }
 }
 

@@ -3,6 +3,7 @@
 #ifndef HOOKE_RUN_PRIVATE_H
 #define HOOKE_RUN_PRIVATE_H
 
+#include <hooke/base/fields.h>
 #include <hooke/base/numeric.h>
 #include <hooke/run.h>
 #include <string.h>
@@ -87,6 +88,7 @@ struct trace {
     double **chunk;
     int64_t **index; /* [indices] steps of the rows in each chunk, once decimated */
     size_t chunks, indices, capacity, count;
+    size_t stored; /* rows before it are as they were when somebody last stored them */
     double **mark; /* [marks] the balance at each row, where there are steps between rows */
     size_t marks, mark_width;
     struct pool pool, mark_pool; /* of rows and their steps; of marks */
@@ -125,6 +127,10 @@ static inline int64_t trace_row_step(const struct trace *trace, size_t i)
                                 : (int64_t)i * trace->every;
 }
 
+/* One that was recorded before, with its mark, whatever the rule; false: no memory. */
+void trace_clear_rows(struct trace *trace);
+bool trace_put_row(struct trace *trace, int64_t step, const double *row,
+                   const struct energy_tally *mark);
 /* Another row, which the rule has asked for; false: full or no memory. */
 bool trace_append(struct trace *trace, int64_t step, double t, const double *y);
 /* NULL: no memory */
@@ -183,6 +189,7 @@ struct epoch {
     struct system system;
     struct plan plan;
     enum drag drag;
+    double value[PARAM_MAX]; /* SI: of the scene's parameters */
 };
 
 /* The energy balance up to a state of the run. */
@@ -371,6 +378,15 @@ typedef uint64_t four_bits __attribute__((vector_size(32), aligned(8), may_alias
 /* NULL: no memory, or a step that fails */
 struct propagator *propagator_create(const struct run *run, double h);
 double propagator_step(const struct propagator *propagator); /* [s] the h it is made for */
+/* Where it is: all that does not follow from the scene and the method. */
+struct propagator_place {
+    double h;         /* [s] */
+    double anchor[2]; /* state at the beginning of its block */
+    int64_t anchored; /* step of the grid there, -1: none */
+};
+
+struct propagator_place propagator_place(const struct propagator *propagator);
+void propagator_set_place(struct propagator *propagator, const struct propagator_place *place);
 /* The step of the grid where the block of `step` begins, whether its state is known, and that
  * state. */
 int64_t propagator_block(int64_t step);
@@ -406,6 +422,10 @@ bool run_solve(const struct system *system, double t, const double *y, double en
 void run_check_step(struct run *run, size_t i);
 
 void opinion_forget(struct run *run); /* it starts anew */
+
+/* run.c: one more epoch, false: no memory; system and plan of the last one come into force. */
+bool run_push_epoch(struct run *run, const struct epoch *epoch);
+void run_use_epoch(struct run *run);
 
 /* The epoch that led to the state at `step`: where one ends, the state still belongs to it. */
 const struct epoch *run_epoch(const struct run *run, int64_t step);

@@ -159,6 +159,16 @@ void propagator_anchor(struct propagator *p, int64_t step, const double *y)
     memcpy(p->anchor, y, sizeof p->anchor);
 }
 
+struct propagator_place propagator_place(const struct propagator *p)
+{
+    return (struct propagator_place){p->h, {p->anchor[0], p->anchor[1]}, p->anchored};
+}
+
+void propagator_set_place(struct propagator *p, const struct propagator_place *place)
+{
+    propagator_anchor(p, place->anchored, place->anchor);
+}
+
 int64_t propagate(struct propagator *p, int64_t first, int64_t count, double *y, double *row)
 {
     double within[BLOCK * N];

@@ -57,7 +57,7 @@ static double energy_factor(const struct system *system)
     return ldexp(1, exponent < -1000 ? 1000 : -exponent);
 }
 
-static bool push_epoch(struct run *run, const struct system *system, const double *start)
+bool run_push_epoch(struct run *run, const struct epoch *epoch)
 {
     struct run_private *p = run->private_state;
     if (p->epochs == p->epoch_capacity) {
@@ -68,14 +68,21 @@ static bool push_epoch(struct run *run, const struct system *system, const doubl
         p->epoch = more;
         p->epoch_capacity = capacity;
     }
-    struct epoch *epoch = &p->epoch[p->epochs++];
-    *epoch = (struct epoch){.first = run->steps,
-                            .t = run->t,
-                            .system = *system,
-                            .plan = run->plan,
-                            .drag = run->settings.drag};
-    memcpy(epoch->start, start, (size_t)system->n * sizeof *start);
+    p->epoch[p->epochs++] = *epoch;
     return true;
+}
+
+static bool push_epoch(struct run *run, const struct scene *scene, const struct system *system,
+                       const double *start)
+{
+    struct epoch epoch = {.first = run->steps,
+                          .t = run->t,
+                          .system = *system,
+                          .plan = run->plan,
+                          .drag = run->settings.drag};
+    memcpy(epoch.start, start, (size_t)system->n * sizeof *start);
+    memcpy(epoch.value, scene->value, sizeof epoch.value);
+    return run_push_epoch(run, &epoch);
 }
 
 const struct system *run_system_to(const struct run *run, size_t row)
@@ -109,7 +116,8 @@ static bool allocate(struct run *run)
      * turns. */
     const bool side = run->plan.adaptive ? !run->method->dense : run->system.pieces;
     p->work = calloc((side ? 2 : 1) * work + 4 * n, sizeof *p->work);
-    if (!p->work || !push_epoch(run, &run->system, run->y) || !trace_reserve_grids(run->trace, 1))
+    if (!p->work || !push_epoch(run, &run->scene, &run->system, run->y) ||
+        !trace_reserve_grids(run->trace, 1))
         return false;
     p->before = p->work + work;
     p->bound = p->before + n;
@@ -202,7 +210,7 @@ void run_destroy(struct run *run)
 }
 
 /* System and plan of the last epoch are in force. */
-static void use_epoch(struct run *run)
+void run_use_epoch(struct run *run)
 {
     struct run_private *p = run->private_state;
     const struct epoch *epoch = &p->epoch[p->epochs - 1];
@@ -265,7 +273,7 @@ bool run_back(struct run *run, int64_t rows)
         p->kicks--;
     while (p->epochs > 1 && p->epoch[p->epochs - 1].first > run->steps)
         p->epochs--;
-    use_epoch(run);
+    run_use_epoch(run);
     ledger_back(run);
     opinion_forget(run);
     return enough;
@@ -304,11 +312,12 @@ bool run_rebind(struct run *run, const struct scene *scene, struct error *error)
     if (last->first != run->steps) {
         if (exact)
             system_exact(&last->system, last->t, last->start, run->t, start, NULL);
-        if (!push_epoch(run, &system, start))
+        if (!push_epoch(run, scene, &system, start))
             return error_memory(error);
         last = &p->epoch[p->epochs - 1];
     }
     last->system = system;
+    memcpy(last->value, scene->value, sizeof last->value);
     last->drag = drag;
     last->plan.exact_known = exact;
     last->plan.ledger = true; /* changing a parameter does work */
@@ -318,7 +327,7 @@ bool run_rebind(struct run *run, const struct scene *scene, struct error *error)
     ledger_rescale(run, 1);
     if (run->steps == 0)
         ledger_back(run);
-    use_epoch(run);
+    run_use_epoch(run);
     return true;
 }
 
@@ -335,7 +344,7 @@ void run_unbind(struct run *run)
     /* The balance has not entered what begins here; the present step need not be a row to go back
      * to. */
     p->epochs--;
-    use_epoch(run);
+    run_use_epoch(run);
 }
 
 static bool reserve_kick(struct run_private *p)

@@ -87,8 +87,15 @@ struct energy_tally trace_mark(const struct trace *trace, size_t i)
     return tally;
 }
 
+/* Row i changes. */
+static inline void touch(struct trace *trace, size_t i)
+{
+    trace->stored = i < trace->stored ? i : trace->stored;
+}
+
 void trace_set_mark(struct trace *trace, size_t i, const struct energy_tally *tally)
 {
+    touch(trace, i);
     if (trace->mark_width == MARK_WORK)
         memcpy(mark_at(trace, i), tally, MARK_WORK * sizeof(double));
     else
@@ -135,6 +142,7 @@ bool trace_mark_rows(struct trace *trace, bool work)
     }
     free_marks(trace);
     *trace = made;
+    touch(trace, 0);
     return true;
 }
 
@@ -168,6 +176,7 @@ static void write_row(struct trace *trace, size_t i, int64_t step, double t, con
                       const struct energy_tally *mark)
 {
     double *row = trace_row(trace, i);
+    touch(trace, i);
     copy_state(row, y, trace->n);
     if (trace_indexed(trace))
         trace->index[i >> CHUNK_SHIFT][i & (CHUNK_ROWS - 1)] = step;
@@ -184,6 +193,19 @@ static bool append(struct trace *trace, int64_t step, double t, const double *y,
         return false;
     write_row(trace, trace->count++, step, t, y, mark);
     return true;
+}
+
+void trace_clear_rows(struct trace *trace)
+{
+    pool_release(&trace->pool);
+    pool_release(&trace->mark_pool);
+    trace->chunks = trace->indices = trace->marks = trace->count = trace->stored = 0;
+}
+
+bool trace_put_row(struct trace *trace, int64_t step, const double *row,
+                   const struct energy_tally *mark)
+{
+    return append(trace, step, row[trace->width - 1], row, mark);
 }
 
 /* ---- decimation ----
@@ -284,6 +306,7 @@ bool trace_thin(struct trace *trace)
     const size_t count = trace->count;
     size_t staying, row[3], end;
     int64_t bucket = 2;
+    touch(trace, 0);
     if (!grow_index(trace))
         return false;
     do {
@@ -325,6 +348,7 @@ static bool coarsen(struct trace *trace)
         trace_thinned(trace);
         return true;
     }
+    touch(trace, 0);
     do {
         const size_t count = trace->count;
         size_t row[3], end;
@@ -450,6 +474,7 @@ void trace_truncate(struct trace *trace, size_t i)
         trace->now_step = trace_row_step(trace, i);
         memcpy(trace->now, trace_row(trace, i), (size_t)trace->n * sizeof(double));
         trace->count = i + 1;
+        touch(trace, trace->count);
         trace->next = (int64_t)trace->count * trace->every;
     }
     /* as it began */

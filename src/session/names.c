@@ -315,26 +315,34 @@ enum quantity name_quantity(const struct expr_scope *scope, struct text name)
                : QUANTITY_OTHER;
 }
 
-bool name_is_taken(const struct session *session, struct text name, const char **kind)
+bool scene_has_name(const struct scene *scene, struct text name, const char **kind)
 {
-    const struct scene *scene = &session->setup.scene;
-    const struct catalog *const catalogs[] = {scene_params(scene), scene_derived(scene),
-                                              &setting_catalog, &observable_catalog,
-                                              &function_catalog};
+    const struct catalog *const catalogs[] = {scene_params(scene), scene_derived(scene)};
     for (size_t i = 0; i < COUNT_OF(catalogs); i++)
         if (catalog_find(catalogs[i], name)) {
             *kind = catalogs[i]->kind;
             return true;
         }
     int index;
-    if (in_state(scene->model, name, &index)) {
-        *kind = "state variable";
+    *kind = "state variable";
+    if (in_state(scene->model, name, &index))
         return true;
-    }
-    if (model_observation(scene->model, name) >= 0) {
-        *kind = "observed quantity";
+    *kind = "observed quantity";
+    return model_observation(scene->model, name) >= 0;
+}
+
+bool name_is_taken(const struct session *session, struct text name, const char **kind)
+{
+    const struct catalog *const catalogs[] = {&setting_catalog, &observable_catalog,
+                                              &function_catalog};
+    int index;
+    if (scene_has_name(&session->setup.scene, name, kind))
         return true;
-    }
+    for (size_t i = 0; i < COUNT_OF(catalogs); i++)
+        if (catalog_find(catalogs[i], name)) {
+            *kind = catalogs[i]->kind;
+            return true;
+        }
     *kind = in_values(session->result, session->results, name, &index) ? "result" : "constant";
     return text_is(name, "pi") || in_values(session->result, session->results, name, &index);
 }

@@ -94,6 +94,7 @@ void recording_slot_release(struct recording_slot *slot)
         return;
     recording_destroy(slot->recording);
     free(slot->options);
+    buffer_free(&slot->content);
     free(slot);
 }
 
@@ -106,7 +107,10 @@ bool session_add_run(struct session *session, struct run *run, struct error *err
     } else if (!(slot = calloc(1, sizeof *slot))) {
         error_memory(error);
     } else {
-        *slot = (struct run_slot){.run = run, .references = 1, .statement = session->history.count};
+        *slot = (struct run_slot){.run = run,
+                                  .references = 1,
+                                  .statement = session->history.count,
+                                  .id = session->next_id++};
         memcpy(slot->origin, session->setup.origin, sizeof slot->origin);
         /* A run that comes from a study has been somewhere already. */
         const double t0 = run->system.t0,
@@ -148,7 +152,7 @@ bool session_add_recording(struct session *session, struct recording *recording,
         recording_destroy(recording);
         return false;
     }
-    *slot = (struct recording_slot){recording, 1, copy};
+    *slot = (struct recording_slot){.recording = recording, .references = 1, .options = copy};
     session->recording[session->recordings] = slot;
     session->current_recording = session->recordings++;
     session->data_is_latest = true;

@@ -8,6 +8,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/time.h>
 #include <unistd.h>
 
 #include <readline/readline.h>
@@ -107,6 +108,14 @@ static bool change(void *context, enum front_change change, struct error *error)
     return true;
 }
 
+/* A run that goes on is saved, too. */
+static void progress(void *context, const struct run *run, double fraction)
+{
+    progress_print(context, run, fraction);
+    if (fraction <= 1)
+        save_when_due();
+}
+
 /* ---- the loop
  * --------------------------------------------------------------------------------------------- */
 
@@ -126,7 +135,10 @@ bool typed_run(struct session *session, struct text typed, struct reply *reply)
 static void set_alarm(struct autosave *autosave)
 {
     const int64_t due = autosave_due(autosave), now = clock_ns();
-    alarm(due == INT64_MAX ? 0 : due <= now ? 1 : (unsigned)((due - now) / 1000000000) + 1);
+    const int64_t left = due == INT64_MAX ? 0 : due <= now ? 1000000 : due - now + 1000000;
+    const struct itimerval timer = {
+        .it_value = {.tv_sec = left / 1000000000, .tv_usec = left % 1000000000 / 1000}};
+    setitimer(ITIMER_REAL, &timer, NULL);
 }
 
 static char *read_line(struct front_program *program)
@@ -166,7 +178,7 @@ static void set_front(struct front_program *program)
     struct front *front = &program->session->front;
     front->interactive = true;
     front->confirm = confirm;
-    front->progress = progress_print;
+    front->progress = progress;
     front->clear = clear_screen;
     front->change = change;
     screenshot_offer(front);

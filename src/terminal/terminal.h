@@ -4,7 +4,10 @@
 #ifndef HOOKE_TERMINAL_TERMINAL_H
 #define HOOKE_TERMINAL_TERMINAL_H
 
+#include <hooke/session/store.h>
 #include <hooke/view.h>
+
+#include <pthread.h>
 
 /* ---- what the command line of the program asks for
  * -------------------------------------------------------- */
@@ -198,29 +201,53 @@ void history_load(void); /* readline's history from the file, the last HISTORY_L
 /* To readline and, under a lock, to the file. False: it cannot be kept there. */
 bool history_append(const char *line, struct error *error);
 
-/* ---- autosave: session-DATE-TIME-PID.hk
- * ------------------------------------------------------------------- */
+/* ---- autosave: session-DATE-TIME-PID.hks, a file of hooke/session/store.h ---- */
 
 #define AUTOSAVE_PREFIX "session-"
-#define AUTOSAVE_SECONDS 30 /* unless HOOKE_AUTOSAVE says otherwise */
+#define AUTOSAVE_ENDING ".hks"
+#define AUTOSAVE_SECONDS 0.5 /* unless HOOKE_AUTOSAVE says otherwise */
 #define AUTOSAVE_KEPT 5
 
-struct autosave {
-    const struct session *session;
-    char *path;       /* NULL: no place for it */
-    int64_t interval; /* [ns] */
-    uint64_t saved;   /* session->changes then */
-    int64_t due;      /* [clock_ns] 0: nothing to save */
-    bool warned;      /* that it cannot be written: said once */
+struct autosaved {
+    char name[64];
+    time_t time;
+    bool old;    /* of a version that saved commands */
+    bool living; /* the session is still there */
 };
 
-/* Chooses the name and clears away what dead sessions left: temporaries, and all but the last
- * AUTOSAVE_KEPT files. */
-void autosave_begin(struct autosave *autosave, const struct session *session);
+struct saved_list {
+    struct autosaved *item; /* the newest first */
+    int count;
+};
+
+/* Caller frees item. sweep: stale temporaries are removed on the way. */
+struct saved_list saved_list(const char *folder, bool sweep);
+/* So that others see that this session lives; false: the file system cannot say so. */
+bool saved_lock(int fd);
+
+struct autosave {
+    struct session *session;
+    char *path;           /* NULL: not yet */
+    int fd;               /* -1: not yet */
+    struct stored stored; /* what the file has */
+    int64_t interval;     /* [ns] */
+    int64_t spent;        /* [ns] the last time */
+    uint64_t saved;       /* session->changes then */
+    int64_t due;          /* [clock_ns] 0: nothing to save */
+    bool warned;          /* that it cannot be written: said once */
+    pthread_t thread;     /* where `syncing`: puts the file on the disk */
+    bool syncing;
+    atomic_bool synced;
+    int64_t sync_due; /* [clock_ns] not before */
+};
+
+/* Clears away what dead sessions left: temporaries, and all but the last AUTOSAVE_KEPT files. */
+void autosave_begin(struct autosave *autosave, struct session *session);
 void autosave_end(struct autosave *autosave);
 /* When autosave_write is wanted [clock_ns]; INT64_MAX: nothing has changed. */
 int64_t autosave_due(struct autosave *autosave);
-/* Writes now if anything changed. False, once a session: it cannot be written, and why. */
+/* Writes now if anything changed. False: something is not in the file, and why; that it cannot be
+ * written at all is said once a session. */
 bool autosave_write(struct autosave *autosave, struct error *error);
 /* Replaces the session by a saved one; unchanged unless all of it could be restored. name NULL: the
  * newest. told: what was done. */

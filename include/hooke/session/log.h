@@ -138,6 +138,9 @@ void record_close(struct session *session);
  * the recording. */
 bool record_append(struct session *session, size_t first, struct error *error);
 
+/* The commands that choose a scene's preset and type its lines; no parameters. */
+void scene_kind_script(const struct scene *scene, struct buffer *text);
+
 /* ---- what a user changes of a recording (save.c): undo brings it back ---- */
 
 #define RECORDING_FIELDS 5

@@ -68,5 +68,7 @@ enum quantity name_quantity(const struct expr_scope *scope, struct text name);
 void names_each(const struct session *session,
                 void (*offer)(void *context, const char *name, const char *brief), void *context);
 bool name_is_taken(const struct session *session, struct text name, const char **kind);
+/* By the scene alone: a parameter, a derived quantity, a variable, what is observed. */
+bool scene_has_name(const struct scene *scene, struct text name, const char **kind);
 
 #endif

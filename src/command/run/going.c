@@ -134,7 +134,7 @@ static bool goes_on(struct session *session, const struct run *run, struct advan
     return advance->force = allow_long(session, advance->left, more, false, &ignored);
 }
 
-static void travel(struct session *session, struct run *run, struct advance *advance, bool clocked)
+static void go(struct session *session, struct run *run, struct advance *advance, bool clocked)
 {
     const struct front *front = &session->front;
     const struct run_target *target = &advance->target;
@@ -158,6 +158,13 @@ static void travel(struct session *session, struct run *run, struct advance *adv
     }
     if (front->progress)
         front->progress(front->context, run, 2);
+}
+
+static void travel(struct session *session, struct run *run, struct advance *advance, bool clocked)
+{
+    session->live.advancing = true;
+    go(session, run, advance, clocked);
+    session->live.advancing = false;
 }
 
 /* What the log of the session has to say where the statement alone does not

@@ -13,14 +13,20 @@
 /* [s] of computing: what takes longer is not done again when a session is resumed */
 #define SECONDS_MAX 2.0
 
+void scene_kind_script(const struct scene *scene, struct buffer *text)
+{
+    buffer_format(text, "scene %s%s\n", typed_base(scene->model) ? "" : "new ",
+                  scene->preset->row.name);
+    scene_script(scene, "\n", text);
+}
+
 static void save_scene(const struct scene *scene, bool always, struct buffer *text)
 {
     const struct row *first = catalog_row(&preset_catalog, 0);
-    if (!typed_base(scene->model))
-        buffer_format(text, "scene new %s\n", scene->preset->row.name);
-    else if (always || &scene->preset->row != first)
-        buffer_format(text, "scene %s\n", scene->preset->row.name);
-    scene_script(scene, "\n", text);
+    if (always || &scene->preset->row != first)
+        scene_kind_script(scene, text);
+    else
+        scene_script(scene, "\n", text);
     for (size_t i = 0; i < scene_params(scene)->count; i++) {
         const struct param_row *param = param_at(scene, (int)i);
         if (!scene->chosen[i])
@@ -75,14 +81,36 @@ static void save_settings(const struct settings *settings, bool always, struct b
     }
 }
 
-static void save_let(const struct setup *setup, struct buffer *text)
+/* A scene that has nothing of that name: in it a variable may have it. */
+static const struct row *scene_without(struct text name)
 {
+    const char *kind;
+    for (size_t i = 0; i < preset_catalog.count; i++) {
+        struct scene scene;
+        const struct row *row = catalog_row(&preset_catalog, i);
+        scene_init(&scene, (const struct preset *)(const void *)row);
+        if (!scene_has_name(&scene, name, &kind))
+            return row;
+    }
+    return NULL;
+}
+
+/* Before the scene, which may have something of such a name; each where it can be made. True: the
+ * scene is another now. */
+static bool save_let(const struct setup *setup, struct buffer *text)
+{
+    const struct row *now = catalog_row(&preset_catalog, 0), *first = now;
     for (int i = 0; i < setup->lets; i++) {
         const struct named_value *let = &setup->let[i];
+        const struct row *scene = scene_without(text_of(let->name));
+        if (scene && scene != now)
+            buffer_format(text, "scene %s\n", scene->name);
+        now = scene ? scene : now;
         buffer_format(text, "let %s = ", let->name);
         buffer_exact(text, (struct measured){let->value, let->uncertainty}, let->quantity);
         buffer_char(text, '\n');
     }
+    return now != first;
 }
 
 /* ---- recordings ---- */
@@ -210,8 +238,8 @@ static void save_current_recording(const struct session *session, bool always, s
 void session_save(const struct session *session, struct buffer *text)
 {
     buffer_put(text, TEXT("# set-up saved by hooke " HOOKE_VERSION "\n"));
-    save_let(&session->setup, text); /* the scene may have a parameter of that name */
-    save_scene(&session->setup.scene, false, text);
+    const bool elsewhere = save_let(&session->setup, text);
+    save_scene(&session->setup.scene, elsewhere, text);
     events_save(session->setup.events, false, text);
     save_method(&session->setup, false, text);
     save_settings(&session->setup.settings, false, text);

@@ -1,0 +1,43 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * Bytes with names: what a file keeps of a struct, so that a program whose struct has grown, or has
+ * its members in another order, still reads it. A field is one byte length of the name, the name,
+ * four bytes length of the value, the value; numbers in the byte order of the machine.
+ */
+#ifndef HOOKE_BASE_FIELDS_H
+#define HOOKE_BASE_FIELDS_H
+
+#include <hooke/base.h>
+
+/* A member of a struct that has no pointers in it. */
+struct field {
+    const char *name;
+    size_t offset, bytes;
+};
+
+#define FIELD_OF(type, member)                                                                     \
+    {                                                                                              \
+#member, offsetof(type, member), sizeof(((type *)0)->member)                               \
+    }
+
+void field_put(struct buffer *to, const char *name, const void *value, size_t bytes);
+void field_text(struct buffer *to, const char *name, struct text value);
+/* One that holds fields: what is put between begin and end. Returns what end wants. */
+size_t field_begin(struct buffer *to, const char *name);
+void field_end(struct buffer *to, size_t begun);
+void fields_put(struct buffer *to, const struct field *field, size_t count, const void *of);
+
+/* Points into `in`; false: not there, or damaged. */
+bool field_find(struct text in, const char *name, struct text *value);
+/* The next of the fields, which is taken off them. False: no more. */
+bool field_next(struct text *in, struct text *name, struct text *value);
+/* Exactly so many bytes, else false and *to as it was. */
+bool field_get(struct text in, const char *name, void *to, size_t bytes);
+/* All of them, or false. */
+bool fields_get(struct text in, const struct field *field, size_t count, void *of);
+
+/* A checksum of bytes: differs with all but 2^-64 of what chance makes of them. Not against malice.
+ */
+uint64_t bytes_sum(struct text bytes);
+
+#endif

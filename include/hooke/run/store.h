@@ -1,0 +1,29 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* A run as bytes: what a session file keeps of it. */
+#ifndef HOOKE_RUN_STORE_H
+#define HOOKE_RUN_STORE_H
+
+#include <hooke/run.h>
+
+struct stored_rows { /* consecutive rows, as run_store_rows() gives them */
+    size_t first, count, row_bytes;
+    const char *at;
+};
+
+/* All but scene, method and rows, as fields (hooke/base/fields.h). */
+void run_store(const struct run *run, struct buffer *to);
+size_t run_recorded(const struct run *run); /* that are recorded, as they are stored */
+size_t run_row_bytes(const struct run *run);
+void run_store_rows(const struct run *run, size_t first, size_t count, struct buffer *to);
+/* Rows that have not changed since somebody said that so many are stored; 0 at first. */
+size_t run_rows_stored(const struct run *run);
+void run_set_stored(struct run *run, size_t rows);
+/*
+ * The run again, bit for bit, and it goes on as it would have (an external solver, which keeps what
+ * it knows to itself, begins anew there); nothing of it is computed. scene: as it was at the start;
+ * piece [pieces]: all its rows, in order. NULL: not so, and why.
+ */
+struct run *run_restore(const struct scene *scene, const struct method *method, struct text fields,
+                        const struct stored_rows *piece, size_t pieces, struct error *error);
+
+#endif

@@ -1,0 +1,85 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * The session as it is, as records of a file that only grows, and back. Nothing that was computed
+ * is computed again: rows of runs, results, fits and tables are there as bits.
+ *
+ * The file, version 1. Numbers are in the byte order of the machine that wrote it.
+ *
+ *     16 bytes     "hooke session 1\n"
+ *     records, one after the other:
+ *         4 bytes  "\xF0HR\n"
+ *         4        kind, a letter
+ *         8        bytes of content that follow the head
+ *         8        checksum of the content (bytes_sum())
+ *         8        checksum of the 24 bytes above
+ *         content
+ *
+ * Where a head does not fit its checksum, reading goes on at the next one that does; a record whose
+ * content does not fit its own, or of a kind that is not known, is skipped and named. Kinds:
+ *
+ *     D  the bytes of a recording's file, once: fields sum, content
+ *     R  a run without its rows: fields id, number, method, scene, events, note, asked (what was
+ *        asked of it), state (hooke/run/store.h). The last one of an id counts.
+ *     W  rows of a run: 4 numbers of 8 bytes (id, the first row, how many, bytes of a row), rows.
+ *        All of that run's from the first on are replaced.
+ *     L  what was typed since: fields from (the first entry), text_from, entries, text
+ *     T  what was said since, for the log pane: lines
+ *     S  all the rest, as fields, in a few thousand bytes. Records count once an S follows them:
+ *        what stands after the last one was being written when the program ended.
+ *
+ * Fields are those of hooke/base/fields.h: one that is missing, or has another size than this
+ * program's, is left out, and what needs it is named.
+ */
+#ifndef HOOKE_SESSION_STORE_H
+#define HOOKE_SESSION_STORE_H
+
+#include <hooke/session.h>
+
+#define STORE_HEADER "hooke session 1\n"
+/* [byte] rows of runs beyond it are not kept: those of the oldest run go first */
+#define STORE_ROW_BYTES ((size_t)512 << 20)
+/* [byte] recordings that are larger are read from where they were */
+#define STORE_RECORDING_BYTES ((size_t)64 << 20)
+
+struct store_sink {
+    void *context;
+    bool (*write)(void *context, struct text record, struct error *error);
+};
+
+/* What a file has of a session. All zeros: nothing yet. */
+struct stored {
+    struct stored_run *run;
+    int runs, run_capacity;
+    uint64_t recording[LIMIT_RECORDINGS]; /* sums, the latest */
+    int recordings;
+    size_t entries, text; /* of session->history */
+    uint64_t said;        /* of session->log */
+    uint64_t state;       /* sum of the last S */
+    uint64_t bytes;       /* written, and */
+    uint64_t live;        /* those of them that are still read */
+    int left_out;         /* runs whose rows found no room */
+};
+
+void stored_free(struct stored *stored); /* and forgets: all is written again, to another file */
+/* Writes what has changed since the last time. False: it cannot be written, or no memory. */
+bool session_store(struct session *session, struct stored *stored, const struct store_sink *sink,
+                   struct error *error);
+
+/* What a session is restored with that stands to the right of it. */
+struct restorer {
+    void *context;
+    const struct catalog *panes, *results; /* names of the pane in focus, of the last study */
+    /* Executes commands in the session, a line each; false: the first that fails. */
+    bool (*execute)(void *context, struct session *session, struct text commands,
+                    struct error *error);
+};
+
+bool store_recognise(struct text content);
+/*
+ * Into a new session. notes: a line for each part that could not be restored, and why. False: there
+ * is nothing that could be restored.
+ */
+bool session_restore(struct session *session, struct text content, const struct restorer *restorer,
+                     struct buffer *notes, struct error *error);
+
+#endif

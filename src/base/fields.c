@@ -1,0 +1,120 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include <hooke/base/fields.h>
+
+#include <string.h>
+
+/* ---- writing ---- */
+
+size_t field_begin(struct buffer *to, const char *name)
+{
+    const uint32_t none = 0;
+    buffer_char(to, (char)strlen(name));
+    buffer_put(to, text_of(name));
+    const size_t begun = to->len;
+    buffer_put(to, (struct text){(const char *)&none, sizeof none});
+    return begun;
+}
+
+void field_end(struct buffer *to, size_t begun)
+{
+    if (to->failed)
+        return;
+    const size_t bytes = to->len - begun - sizeof(uint32_t);
+    const uint32_t len = (uint32_t)bytes;
+    to->failed = bytes > UINT32_MAX;
+    memcpy(to->data + begun, &len, sizeof len);
+}
+
+void field_text(struct buffer *to, const char *name, struct text value)
+{
+    const size_t begun = field_begin(to, name);
+    buffer_put(to, value);
+    field_end(to, begun);
+}
+
+void field_put(struct buffer *to, const char *name, const void *value, size_t bytes)
+{
+    field_text(to, name, (struct text){value, bytes});
+}
+
+void fields_put(struct buffer *to, const struct field *field, size_t count, const void *of)
+{
+    for (size_t i = 0; i < count; i++)
+        field_put(to, field[i].name, (const char *)of + field[i].offset, field[i].bytes);
+}
+
+/* ---- reading ---- */
+
+bool field_next(struct text *in, struct text *name, struct text *value)
+{
+    uint32_t len;
+    if (in->len == 0)
+        return false;
+    const size_t named = (unsigned char)in->at[0], before = 1 + named + sizeof len;
+    if (in->len < before)
+        return false;
+    memcpy(&len, in->at + 1 + named, sizeof len);
+    if (in->len - before < len)
+        return false;
+    *name = (struct text){in->at + 1, named};
+    *value = (struct text){in->at + before, len};
+    *in = (struct text){in->at + before + len, in->len - before - len};
+    return true;
+}
+
+bool field_find(struct text in, const char *name, struct text *value)
+{
+    struct text found;
+    while (field_next(&in, &found, value))
+        if (text_is(found, name))
+            return true;
+    return false;
+}
+
+bool field_get(struct text in, const char *name, void *to, size_t bytes)
+{
+    struct text value;
+    if (!field_find(in, name, &value) || value.len != bytes)
+        return false;
+    if (bytes > 0)
+        memcpy(to, value.at, bytes);
+    return true;
+}
+
+bool fields_get(struct text in, const struct field *field, size_t count, void *of)
+{
+    bool all = true;
+    for (size_t i = 0; i < count && all; i++)
+        all = field_get(in, field[i].name, (char *)of + field[i].offset, field[i].bytes);
+    return all;
+}
+
+/* ---- checksums ---- */
+
+/* Two odd constants with no pattern in their bits: the golden ratio's, and one of splitmix64
+ * (Steele, Lea, Flood 2014). */
+#define SPREAD_A 0x9E3779B97F4A7C15u
+#define SPREAD_B 0xBF58476D1CE4E5B9u
+
+static uint64_t stir(uint64_t sum, uint64_t word)
+{
+    sum = (sum ^ word) * SPREAD_B;
+    return sum ^ (sum >> 29);
+}
+
+uint64_t bytes_sum(struct text bytes)
+{
+    uint64_t lane[4] = {1 * SPREAD_A, 2 * SPREAD_A, 3 * SPREAD_A, bytes.len * SPREAD_A}, word[4];
+    for (; bytes.len >= sizeof word; bytes.at += sizeof word, bytes.len -= sizeof word) {
+        memcpy(word, bytes.at, sizeof word);
+        for (int i = 0; i < 4; i++)
+            lane[i] = stir(lane[i], word[i]);
+    }
+    memset(word, 0, sizeof word);
+    if (bytes.len > 0)
+        memcpy(word, bytes.at, bytes.len);
+    uint64_t sum = 0;
+    for (int i = 0; i < 4; i++)
+        sum = stir(sum, stir(lane[i], word[i]));
+    return stir(sum, SPREAD_A);
+}

@@ -1,0 +1,275 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * A run as bytes, and back: rows apart from everything else, as they are many and come one after
+ * the other. What follows from the scene and the method (systems, kernels, powers of the one-step
+ * matrix) is made anew, the same bits by the same operations; all that was computed is there. What
+ * somebody else's library remembers, nobody can keep.
+ */
+#include <hooke/run/store.h>
+#include "run/private.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#define OF_RUN(member) FIELD_OF(struct run, member)
+static const struct field run_fields[] = {
+    OF_RUN(number),
+    OF_RUN(name),
+    OF_RUN(settings),
+    OF_RUN(plan),
+    OF_RUN(steps),
+    OF_RUN(t),
+    OF_RUN(y),
+    OF_RUN(cost),
+    OF_RUN(seconds),
+    OF_RUN(stop),
+    OF_RUN(singular),
+    OF_RUN(unsound),
+    OF_RUN(warned_growth),
+    OF_RUN(warned_sliding),
+    OF_RUN(warned_piling),
+    OF_RUN(warned_unsound),
+    OF_RUN(warned_doubt),
+    OF_RUN(warned_error),
+    OF_RUN(warned_burst),
+    OF_RUN(missed),
+    OF_RUN(controller),
+    OF_RUN(opinion),
+};
+
+#define OF_PRIVATE(member) FIELD_OF(struct run_private, member)
+static const struct field private_fields[] = {
+    OF_PRIVATE(step.warm), OF_PRIVATE(step.t),      OF_PRIVATE(step.h),    OF_PRIVATE(step.again),
+    OF_PRIVATE(step.tol),  OF_PRIVATE(step.square), OF_PRIVATE(step.cost), OF_PRIVATE(look),
+    OF_PRIVATE(looked),    OF_PRIVATE(across),      OF_PRIVATE(unchecked), OF_PRIVATE(checks),
+    OF_PRIVATE(searched),  OF_PRIVATE(factor),      OF_PRIVATE(balance),   OF_PRIVATE(doubt),
+};
+
+#define OF_TRACE(member) FIELD_OF(struct trace, member)
+static const struct field trace_fields[] = {
+    OF_TRACE(every),  OF_TRACE(next),     OF_TRACE(bucket),     OF_TRACE(tail_end),
+    OF_TRACE(tail),   OF_TRACE(low),      OF_TRACE(high),       OF_TRACE(interval),
+    OF_TRACE(origin), OF_TRACE(due),      OF_TRACE(ahead),      OF_TRACE(now),
+    OF_TRACE(now_t),  OF_TRACE(now_step), OF_TRACE(mark_width), OF_TRACE(count),
+};
+
+#define OF_EPOCH(member) FIELD_OF(struct epoch, member)
+static const struct field epoch_fields[] = {
+    OF_EPOCH(first), OF_EPOCH(t), OF_EPOCH(start), OF_EPOCH(plan), OF_EPOCH(drag), OF_EPOCH(value),
+};
+
+/* ---- writing ---- */
+
+/* All of the method's memory, and what run.c has put behind it. */
+static size_t work_size(const struct run *run)
+{
+    const size_t n = (size_t)run->system.n, work = method_work_size(run->method, run->system.n);
+    return (run->private_state->side ? 2 : 1) * work + 4 * n;
+}
+
+static void put_array(struct buffer *to, const char *name, const void *array, size_t count,
+                      size_t bytes)
+{
+    field_put(to, name, count > 0 ? array : NULL, count * bytes);
+}
+
+void run_store(const struct run *run, struct buffer *to)
+{
+    const struct run_private *p = run->private_state;
+    const struct event_records *records = &p->event_records;
+    const struct trace *trace = run->trace;
+    const size_t n = (size_t)run->system.n;
+    fields_put(to, run_fields, COUNT_OF(run_fields), run);
+    field_text(to, "opinion_by", text_of(run->opinion.by ? run->opinion.by->row.name : ""));
+    fields_put(to, private_fields, COUNT_OF(private_fields), p);
+    put_array(to, "work", p->work, work_size(run), sizeof *p->work);
+    for (size_t i = 0; i < p->epochs; i++) {
+        const size_t begun = field_begin(to, "epoch");
+        fields_put(to, epoch_fields, COUNT_OF(epoch_fields), &p->epoch[i]);
+        field_end(to, begun);
+    }
+    put_array(to, "saved", p->saved, p->saves, sizeof *p->saved);
+    put_array(to, "events", records->at, records->count, sizeof *records->at);
+    put_array(to, "event_states", records->state, records->count * n, sizeof *records->state);
+    put_array(to, "kicks", p->kick, p->kicks, sizeof *p->kick);
+    if (p->propagator) {
+        const struct propagator_place place = propagator_place(p->propagator);
+        field_put(to, "propagator", &place, sizeof place);
+    }
+    fields_put(to, trace_fields, COUNT_OF(trace_fields), trace);
+    put_array(to, "grids", trace->grid, trace->grids, sizeof *trace->grid);
+}
+
+size_t run_row_bytes(const struct run *run)
+{
+    const struct trace *trace = run->trace;
+    return (trace->width + trace->mark_width) * sizeof(double) + sizeof(int64_t);
+}
+
+size_t run_recorded(const struct run *run)
+{
+    return run->trace->count;
+}
+
+size_t run_rows_stored(const struct run *run)
+{
+    return run->trace->stored;
+}
+
+void run_set_stored(struct run *run, size_t rows)
+{
+    run->trace->stored = rows;
+}
+
+void run_store_rows(const struct run *run, size_t first, size_t count, struct buffer *to)
+{
+    const struct trace *trace = run->trace;
+    for (size_t i = first; i < first + count; i++) {
+        const int64_t step = trace_row_step(trace, i);
+        const struct energy_tally mark = trace_mark(trace, i);
+        buffer_put(to, (struct text){(const char *)&step, sizeof step});
+        buffer_put(to,
+                   (struct text){(const char *)trace_row(trace, i), trace->width * sizeof(double)});
+        buffer_put(to, (struct text){(const char *)&mark, trace->mark_width * sizeof(double)});
+    }
+}
+
+/* ---- reading ---- */
+
+/* A list into memory of its own. */
+static bool get_array(struct text in, const char *name, size_t bytes, void *array, size_t *count)
+{
+    struct text value;
+    void *made = NULL;
+    if (!field_find(in, name, &value) || value.len % bytes != 0 ||
+        (value.len > 0 && !(made = malloc(value.len))))
+        return false;
+    if (made)
+        memcpy(made, value.at, value.len);
+    free(*(void **)array);
+    *(void **)array = made;
+    *count = value.len / bytes;
+    return true;
+}
+
+static bool get_epoch(struct run *run, struct text in)
+{
+    struct epoch epoch = {0};
+    struct scene scene = run->scene;
+    struct error ignored;
+    if (!fields_get(in, epoch_fields, COUNT_OF(epoch_fields), &epoch))
+        return false;
+    memcpy(scene.value, epoch.value, sizeof scene.value);
+    return scene_bind(&scene, &epoch.system, &ignored) && run_push_epoch(run, &epoch);
+}
+
+static bool get_epochs(struct run *run, struct text in)
+{
+    struct run_private *p = run->private_state;
+    struct text name, value;
+    bool ok = true;
+    p->epochs = 0;
+    while (ok && field_next(&in, &name, &value))
+        if (text_is(name, "epoch"))
+            ok = get_epoch(run, value);
+    return ok && p->epochs > 0;
+}
+
+static bool get_trace(struct trace *trace, int n, struct text in)
+{
+    size_t grids = 0;
+    const bool ok = fields_get(in, trace_fields, COUNT_OF(trace_fields), trace) &&
+                    get_array(in, "grids", sizeof *trace->grid, &trace->grid, &grids) &&
+                    grids > 0 && trace->now_step >= 0 && trace->every > 0 && trace->bucket > 0 &&
+                    trace->mark_width <= sizeof(struct energy_tally) / sizeof(double) && n > 0;
+    if (grids > 0)
+        trace->grids = trace->grid_capacity = grids;
+    return ok;
+}
+
+/* `count` rows in pieces, which have to be all of them. */
+static bool get_rows(struct run *run, const struct stored_rows *piece, size_t pieces)
+{
+    struct trace *trace = run->trace;
+    const size_t bytes = run_row_bytes(run), count = trace->count;
+    trace_clear_rows(trace);
+    for (size_t i = 0; i < pieces && trace->count < count; i++) {
+        if (piece[i].first != trace->count || piece[i].row_bytes != bytes)
+            return false;
+        for (size_t k = 0; k < piece[i].count && trace->count < count; k++) {
+            double row[LIMIT_VARIABLES + 1];
+            struct energy_tally mark = {0};
+            int64_t step;
+            const char *at = piece[i].at + k * bytes;
+            memcpy(&step, at, sizeof step);
+            memcpy(row, at + sizeof step, trace->width * sizeof *row);
+            memcpy(&mark, at + sizeof step + trace->width * sizeof *row,
+                   trace->mark_width * sizeof(double));
+            if (!trace_put_row(trace, step, row, &mark))
+                return false;
+        }
+    }
+    return trace->count == count && count > 0;
+}
+
+/* What the run has beside its rows, whose arrays have to fit each other. */
+static bool get_private(struct run *run, struct text in)
+{
+    struct run_private *p = run->private_state;
+    struct event_records *records = &p->event_records;
+    size_t states = 0;
+    const bool ok =
+        fields_get(in, private_fields, COUNT_OF(private_fields), p) &&
+        get_array(in, "saved", sizeof *p->saved, &p->saved, &p->saves) &&
+        get_array(in, "events", sizeof *records->at, &records->at, &records->count) &&
+        get_array(in, "event_states", sizeof *records->state, &records->state, &states) &&
+        get_array(in, "kicks", sizeof *p->kick, &p->kick, &p->kicks) &&
+        states == records->count * (size_t)run->system.n;
+    p->save_capacity = p->saves;
+    p->kick_capacity = p->kicks;
+    records->capacity = records->count;
+    return ok;
+}
+
+/* The scene that is in force last, and what the method knows of its way: use_epoch() has it begin
+ * anew. */
+static bool get_work(struct run *run, struct text in)
+{
+    struct run_private *p = run->private_state;
+    const struct plan plan = run->plan;
+    struct propagator_place place;
+    struct text by, work;
+    if (!field_find(in, "work", &work) || !field_find(in, "opinion_by", &by) ||
+        work.len != work_size(run) * sizeof *p->work)
+        return false;
+    run_use_epoch(run);
+    run->plan = plan;
+    fields_get(in, private_fields, COUNT_OF(private_fields), p);
+    memcpy(p->work, work.at, work.len);
+    p->step.warm &= !(run->method->flags & METHOD_EXTERNAL);
+    const struct row *method = by.len > 0 ? catalog_find(&method_catalog, by) : NULL;
+    run->opinion.by = (const struct method *)(const void *)method;
+    if (field_get(in, "propagator", &place, sizeof place) &&
+        (p->propagator = propagator_create(run, place.h)))
+        propagator_set_place(p->propagator, &place);
+    return true;
+}
+
+struct run *run_restore(const struct scene *scene, const struct method *method, struct text in,
+                        const struct stored_rows *piece, size_t pieces, struct error *error)
+{
+    struct run_settings settings;
+    if (!field_get(in, "settings", &settings, sizeof settings)) {
+        error_set(error, ERROR_IO, "it was written by another version");
+        return NULL;
+    }
+    struct run *run = run_create(scene, method, &settings, HUGE_VAL, error);
+    if (run && fields_get(in, run_fields, COUNT_OF(run_fields), run) && get_epochs(run, in) &&
+        get_private(run, in) && get_trace(run->trace, run->system.n, in) &&
+        get_rows(run, piece, pieces) && get_work(run, in))
+        return run;
+    run_destroy(run);
+    if (run)
+        error_set(error, ERROR_IO, "some of it is damaged, or was written by another version");
+    return NULL;
+}

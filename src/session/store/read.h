@@ -1,0 +1,61 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* A session file while it is read. */
+#ifndef HOOKE_SESSION_STORE_READ_H
+#define HOOKE_SESSION_STORE_READ_H
+
+#include <hooke/run/store.h>
+#include "session/store/store.h"
+
+struct read_run {
+    uint64_t id;
+    struct text content; /* of its last R; empty: damaged */
+    struct stored_rows *piece;
+    size_t pieces, piece_capacity;
+};
+
+struct read_record {
+    enum record_kind kind;
+    struct text content;
+};
+
+/* Scenes and events that were made already: what reads the same is the same. */
+struct made {
+    struct text script;
+    const struct model *model;
+    const struct preset *preset;
+    const struct events *events;
+    bool is_events;
+};
+
+struct reader {
+    struct session *session;
+    const struct restorer *restorer;
+    struct buffer *notes;
+    struct arena arena;
+    struct read_record *record; /* that count, in order */
+    size_t records, record_capacity;
+    struct read_run *run;
+    size_t runs, run_capacity;
+    struct text state; /* the last S */
+    struct made *made;
+    size_t mades, made_capacity;
+    size_t damaged, unknown;
+};
+
+/* A line of the notes. */
+void reader_note(struct reader *reader, const char *format, ...) PRINTF_LIKE(2, 3);
+
+/* scan.c: all records that count, rows and runs by id. False: no memory, or no S. */
+bool reader_scan(struct reader *reader, struct text content, struct error *error);
+struct read_run *reader_run(struct reader *reader, uint64_t id); /* NULL: not there */
+
+/* pieces.c */
+bool reader_scene(struct reader *reader, struct text in, const char *name, struct scene *scene,
+                  struct error *error);
+/* So that the next one that reads the same is this one. */
+void reader_made(struct reader *reader, struct text script, const struct scene *scene);
+bool reader_events(struct reader *reader, struct text in, const struct events **events,
+                   struct error *error);
+void reader_runs(struct reader *reader, struct text ids);
+void reader_recordings(struct reader *reader);
+#endif

@@ -1,0 +1,357 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* A session from its file. */
+#include <hooke/session/events.h>
+#include <hooke/session/log.h>
+#include "session/store/read.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+void reader_note(struct reader *reader, const char *format, ...)
+{
+    va_list args;
+    struct buffer line = {0};
+    va_start(args, format);
+    buffer_vformat(&line, format, args);
+    va_end(args);
+    safe_text(reader->notes, buffer_text(&line), false);
+    buffer_char(reader->notes, '\n');
+    buffer_free(&line);
+}
+
+/* ---- values ---- */
+
+static void read_setting(const struct setting *setting, struct text in, struct settings *settings)
+{
+    struct text choice;
+    bool chosen = false;
+    if (setting->choices && field_find(in, "choice", &choice)) {
+        for (size_t i = 0; i < setting->choices->count; i++)
+            if (text_is(choice, catalog_row(setting->choices, i)->name))
+                *(int *)(void *)((char *)settings + setting->offset) = (int)i;
+    } else {
+        field_get(in, "value", (char *)settings + setting->offset, setting->bytes);
+    }
+    if (field_get(in, "chosen", &chosen, sizeof chosen))
+        setting_choose(setting, chosen, settings);
+}
+
+static void read_settings(struct text in, struct settings *settings)
+{
+    struct text of, value;
+    if (!field_find(in, "settings", &of))
+        return;
+    for (size_t i = 0; i < setting_catalog.count; i++)
+        if (field_find(of, setting_at(i)->row.name, &value))
+            read_setting(setting_at(i), value, settings);
+}
+
+static void read_array(struct reader *reader, const struct store_array *array)
+{
+    struct session *session = reader->session;
+    struct text in, items;
+    char *at = (char *)session + array->offset, *made = NULL;
+    size_t item;
+    if (!field_find(reader->state, array->name, &in) || !field_find(in, "items", &items))
+        return;
+    const size_t count = items.len / array->item;
+    if (!field_get(in, "item", &item, sizeof item) || item != array->item ||
+        (array->max > 0 && count > (size_t)array->max)) {
+        reader_note(reader, "%s: left out, another version wrote it", array->name);
+        return;
+    }
+    if (array->max == 0 && count > 0 && !(made = malloc(count * item)))
+        return;
+    if (array->max == 0) {
+        free(*(void **)(void *)at);
+        *(void **)(void *)at = made;
+        at = made;
+    }
+    if (count > 0)
+        memcpy(at, items.at, count * item);
+    *(int *)(void *)((char *)session + array->count) = (int)count;
+}
+
+/* ---- fits ---- */
+
+/* Names of models are constants of the program. */
+static const char *model_name(struct text name)
+{
+    static const char *const others[] = {"scene", "modes", "formula"};
+    const struct row *row = catalog_find(&fit_catalog, name);
+    for (size_t i = 0; i < COUNT_OF(others) && !row; i++)
+        if (text_is(name, others[i]))
+            return others[i];
+    return row ? row->name : "fit";
+}
+
+static void read_curve(struct session *session, struct text in)
+{
+    struct text times, values;
+    if (!field_find(in, "fit_times", &times) || !field_find(in, "fit_values", &values) ||
+        times.len != values.len)
+        return;
+    double *t = malloc(times.len + 1), *y = malloc(values.len + 1);
+    if (!t || !y) {
+        free(t);
+        free(y);
+        return;
+    }
+    memcpy(t, times.at, times.len);
+    memcpy(y, values.at, values.len);
+    session->fit_curve[0] = t;
+    session->fit_curve[1] = y;
+    session->fit_samples = times.len / sizeof *t;
+}
+
+static void read_fits(struct reader *reader)
+{
+    struct session *session = reader->session;
+    struct text in = reader->state, name, value;
+    struct error why = {0};
+    int stored = 0;
+    session->fit.model = NULL;
+    if (session->has_fit)
+        session->fit.model = model_name(field_find(in, "fit_model", &value) ? value : TEXT(""));
+    for (int i = 0; i < session->stored_fits; i++)
+        session->stored_fit[i].fit.model = "fit";
+    while (field_next(&in, &name, &value))
+        if (text_is(name, "stored_model") && stored < session->stored_fits)
+            session->stored_fit[stored++].fit.model = model_name(value);
+    read_curve(session, reader->state);
+    struct setup setup;
+    memcpy(&setup, &session->setup, sizeof setup);
+    if ((field_find(reader->state, "fit_scene", &value) &&
+         !reader_scene(reader, reader->state, "fit_scene", &session->fit_scene, &why)) ||
+        (field_find(reader->state, "adopted_scene", &value) &&
+         !reader_scene(reader, reader->state, "adopted_scene", &session->adopted.scene, &why)))
+        reader_note(reader, "the scene of the last fit is left out: %s", why.text);
+    memcpy(&session->setup, &setup, sizeof setup);
+}
+
+static void read_table(struct reader *reader, struct text in)
+{
+    struct text kind, csv;
+    struct arena arena = {0};
+    struct table table;
+    struct error ignored;
+    const char *name = field_find(in, "kind", &kind) ? arena_text(&arena, kind) : NULL;
+    if (!name || !field_find(in, "csv", &csv) || !table_parse(csv, &arena, &table, &ignored) ||
+        !table_store_put(&reader->session->found, name, &arena, &table))
+        reader_note(reader, "the table of the last %.*s is left out", (int)kind.len, kind.at);
+    arena_reset(&arena);
+}
+
+static void read_tables(struct reader *reader)
+{
+    struct text in = reader->state, name, value;
+    table_store_free(&reader->session->found); /* of the commands that made scenes and recordings */
+    reader->session->found = (struct table_store){.of = NULL};
+    while (field_next(&in, &name, &value))
+        if (text_is(name, "table"))
+            read_table(reader, value);
+    reader->session->studied = NULL;
+    if (field_find(reader->state, "studied", &value)) {
+        const struct row *row = catalog_find(reader->restorer->results, value);
+        reader->session->studied = row ? row->name : NULL;
+    }
+}
+
+/* ---- what was typed and said ---- */
+
+static void read_lines(struct history *history, struct text in)
+{
+    struct text entries, text;
+    size_t from, text_from;
+    if (!field_get(in, "from", &from, sizeof from) ||
+        !field_get(in, "text_from", &text_from, sizeof text_from) ||
+        !field_find(in, "entries", &entries) || !field_find(in, "text", &text) ||
+        from > history->count || text_from > history->text.len)
+        return;
+    const size_t more = entries.len / sizeof *history->entry, count = from + more;
+    if (count > history->capacity) {
+        struct entry *larger = realloc(history->entry, 2 * count * sizeof *larger);
+        if (!larger)
+            return;
+        history->entry = larger;
+        history->capacity = 2 * count;
+    }
+    if (more > 0)
+        memcpy(history->entry + from, entries.at, more * sizeof *history->entry);
+    history->text.len = text_from;
+    buffer_put(&history->text, text);
+    history->count = count;
+}
+
+static bool inside(const struct history *history, size_t at, size_t len)
+{
+    return at <= history->text.len && len <= history->text.len - at;
+}
+
+static void read_history(struct reader *reader)
+{
+    struct history *history = &reader->session->history;
+    buffer_free(&history->text);
+    free(history->entry);
+    *history = (struct history){.entry = NULL};
+    log_clear(&reader->session->log);
+    for (size_t i = 0; i < reader->records; i++) {
+        const struct read_record *record = &reader->record[i];
+        if (record->kind == RECORD_LINES)
+            read_lines(history, record->content);
+        else if (record->kind == RECORD_SAID)
+            log_add(&reader->session->log, record->content);
+    }
+    for (size_t i = 0; i < history->count; i++) {
+        struct entry *entry = &history->entry[i];
+        if (!inside(history, entry->text, entry->len) ||
+            !inside(history, entry->full, entry->full_len) ||
+            entry->output > (entry->full_len ? entry->full_len : entry->len)) {
+            history->count = i;
+            break;
+        }
+        const struct text text = text_trim(history_text(reader->session, entry));
+        history->lines +=
+            (entry->flags & ENTRY_LINE) && !(entry->flags & ENTRY_SOURCED) && text.len > 0;
+        history->done += (entry->flags & ENTRY_DONE) != 0;
+    }
+}
+
+/* ---- the whole ---- */
+
+static void read_owns(struct reader *reader)
+{
+    struct text in = reader->state, name, value;
+    struct scene scene;
+    while (field_next(&in, &name, &value)) {
+        struct error why = {0};
+        struct text script;
+        if (text_is(name, "own") && field_find(value, "script", &script) &&
+            !reader->restorer->execute(reader->restorer->context, reader->session, script, &why))
+            reader_note(reader, "a scene is left out: %s", why.text);
+        scene = reader->session->setup.scene;
+        if (text_is(name, "own") && scene.preset)
+            reader_made(reader, script, &scene);
+    }
+}
+
+static void read_setup(struct reader *reader)
+{
+    struct session *session = reader->session;
+    struct setup *setup = &session->setup;
+    struct error why = {0};
+    struct scene scene;
+    struct text name;
+    if (!reader_scene(reader, reader->state, "scene", &scene, &why)) {
+        reader_note(reader, "the scene is left out: %s", why.text);
+        scene = setup->scene;
+    }
+    const struct preset *own[LIMIT_OWN];
+    const int owns = setup->owns;
+    memcpy(own, setup->own, sizeof own);
+    setup->scene = scene;
+    const struct events *events = NULL;
+    if (!reader_events(reader, reader->state, &events, &why))
+        reader_note(reader, "the events are left out: %s", why.text);
+    struct text ids;
+    if (field_find(reader->state, "runs", &ids))
+        reader_runs(reader, ids);
+    /* these have had their scenes in its place */
+    setup->scene = scene;
+    setup->events = events;
+    setup->owns = owns;
+    memcpy(setup->own, own, sizeof own);
+    const struct row *method =
+        field_find(reader->state, "method", &name) ? catalog_find(&method_catalog, name) : NULL;
+    if (method)
+        setup->method = (const struct method *)(const void *)method;
+    read_settings(reader->state, &setup->settings);
+}
+
+static void read_view(struct reader *reader)
+{
+    struct session *session = reader->session;
+    struct text in, focus;
+    if (!field_find(reader->state, "view", &in))
+        return;
+    struct view view = session->view;
+    view.focus =
+        field_find(in, "focus", &focus) ? catalog_find(reader->restorer->panes, focus) : NULL;
+    if (fields_get(in, store_view, store_view_count, &view) && view.layout <= LAYOUT_LOG &&
+        view.overlays >= 0 && view.overlays <= LIMIT_OVERLAY)
+        session->view = view;
+}
+
+/* Places in lists that are as long as they could be made. */
+static void settle(struct session *session, int at, uint64_t run_id)
+{
+    session->current_run = at < 0 ? -1 : session->runs - 1;
+    for (int i = 0; i < session->runs && at >= 0; i++)
+        if (session->run[i]->id == run_id)
+            session->current_run = i;
+    if (session->current_recording >= session->recordings)
+        session->current_recording = session->recordings - 1;
+    for (int i = 0; i < session->runs; i++) {
+        session->next_run = session->next_run > session->run[i]->run->number
+                                ? session->next_run
+                                : session->run[i]->run->number + 1;
+        session->next_id =
+            session->next_id > session->run[i]->id ? session->next_id : session->run[i]->id + 1;
+    }
+}
+
+/* Places and numbers change while runs and recordings are added: what the file has of them is read
+ * after that. */
+static void read_all(struct reader *reader)
+{
+    struct session *session = reader->session;
+    struct text ids;
+    uint64_t current = UINT64_MAX;
+    read_array(reader, &store_arrays[0]); /* variables may stand in formulas */
+    reader_recordings(reader);
+    read_owns(reader);
+    for (size_t i = 1; i < store_array_count; i++)
+        read_array(reader, &store_arrays[i]);
+    read_setup(reader);
+    if (!fields_get(reader->state, store_session, store_session_count, session))
+        reader_note(reader, "some values are left out: another version wrote them");
+    read_fits(reader);
+    const int at = session->current_run;
+    if (field_find(reader->state, "runs", &ids) && at >= 0 &&
+        ((size_t)at + 1) * sizeof current <= ids.len)
+        memcpy(&current, ids.at + (size_t)at * sizeof current, sizeof current);
+    settle(session, at, current);
+    read_tables(reader);
+    read_view(reader);
+    undo_clear(session);
+    read_history(reader);
+    session_changed(session);
+}
+
+bool store_recognise(struct text content)
+{
+    return text_starts(content, text_of(STORE_HEADER));
+}
+
+bool session_restore(struct session *session, struct text content, const struct restorer *restorer,
+                     struct buffer *notes, struct error *error)
+{
+    struct reader reader = {.session = session, .restorer = restorer, .notes = notes};
+    const bool ok = reader_scan(&reader, content, error);
+    if (ok) {
+        session->restoring = true;
+        read_all(&reader);
+        session->restoring = false;
+        if (reader.damaged + reader.unknown > 0)
+            reader_note(&reader, "%zu record%s skipped: %zu damaged, %zu of an unknown kind",
+                        reader.damaged + reader.unknown,
+                        reader.damaged + reader.unknown == 1 ? " was" : "s were", reader.damaged,
+                        reader.unknown);
+    }
+    for (size_t i = 0; i < reader.runs; i++)
+        free(reader.run[i].piece);
+    free(reader.run);
+    free(reader.record);
+    free(reader.made);
+    return ok;
+}

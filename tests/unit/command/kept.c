@@ -1,0 +1,313 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The file of a session: random sessions come back from it bit for bit, as they were when it was
+ * last written whole, wherever it is torn or damaged. */
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include "unit/command/random_session.h"
+
+#include <hooke/base/fields.h>
+#include <hooke/report.h>
+#include <hooke/run/store.h>
+#include <hooke/session/store.h>
+
+static bool add(void *context, struct text record, struct error *error)
+{
+    (void)error;
+    buffer_put(context, record);
+    return true;
+}
+
+static void store(struct session *session, struct stored *stored, struct buffer *file)
+{
+    struct error error = {0};
+    if (file->len == 0)
+        buffer_put(file, TEXT(STORE_HEADER));
+    if (!session_store(session, stored, &(struct store_sink){file, add}, &error))
+        fail_msg("it is not stored: %s", error.text);
+    assert_false(file->failed);
+}
+
+static bool execute(void *context, struct session *session, struct text commands,
+                    struct error *error)
+{
+    struct bench *b = context;
+    struct text line;
+    while (text_split(&commands, '\n', &line))
+        if (!command_exec(session, line, NULL, &b->reply))
+            return error_set(error, ERROR_COMMAND, "%.*s: %s", (int)line.len, line.at,
+                             said(&b->err));
+    return true;
+}
+
+static bool restore(struct bench *again, struct text file, struct buffer *notes)
+{
+    struct error error;
+    bench_open(again, false);
+    const struct restorer restorer = {again, &plot_catalog, &result_catalog, execute};
+    return store_recognise(file) && session_restore(again->session, file, &restorer, notes, &error);
+}
+
+/* ---- all there is, as text ---- */
+
+static void put_bits(struct buffer *text, const char *name, const void *bytes, size_t count)
+{
+    buffer_format(text, "%s %016llx\n", name,
+                  (unsigned long long)bytes_sum((struct text){bytes, count}));
+}
+
+static void put_computed(const struct run_slot *slot, struct buffer *text)
+{
+    const struct run *run = slot->run;
+    struct buffer rows = {0};
+    struct ledger ledger;
+    const struct request **list;
+    int count;
+    run_store_rows(run, 0, run_recorded(run), &rows);
+    buffer_format(text, "%zu rows of %d\n", run_recorded(run), run->number);
+    put_bits(text, "rows", rows.data, rows.len);
+    for (size_t i = 0; i < run_event_records(run); i++)
+        put_bits(text, "event", run_event_record(run, i), sizeof *run_event_record(run, i));
+    put_bits(text, "cost", &run->cost, sizeof run->cost);
+    buffer_format(text, "stop %d seconds %a opinion %a %a %a\n", (int)run->stop, run->seconds,
+                  run->opinion.error, run->opinion.max, run->opinion.lost);
+    assert_true(journal_list(slot->last, 0, &list, &count));
+    for (int i = 0; i < count; i++)
+        buffer_format(text, "%d from %lld at %a to %a end %lld '%s' met %lld back %lld\n",
+                      (int)list[i]->kind, (long long)list[i]->from, list[i]->from_t, list[i]->t,
+                      (long long)list[i]->end, list[i]->condition ? list[i]->condition : "",
+                      (long long)list[i]->met, (long long)list[i]->rows);
+    free(list);
+    run_ledger(run, &ledger);
+    put_bits(text, "ledger", &ledger, sizeof ledger);
+    buffer_free(&rows);
+}
+
+static void put_results(const struct session *session, struct buffer *text)
+{
+    for (int i = 0; i < session->results; i++)
+        buffer_format(text, "%s = %a +- %a\n", session->result[i].name, session->result[i].value,
+                      session->result[i].uncertainty);
+    for (int i = 0; i < session->measurements; i++)
+        buffer_format(text, "%s of %s: %a\n", session->measurement[i].quantity,
+                      session->measurement[i].of, session->measurement[i].value.value);
+    for (int i = 0; i < session->stored_fits; i++)
+        buffer_format(text, "fit %s of %s: %a\n", session->stored_fit[i].fit.model,
+                      session->stored_fit[i].of, session->stored_fit[i].fit.period.value);
+    if (session->has_fit)
+        buffer_format(text, "last fit %s of %s: %a, %zu samples\n", session->fit.model,
+                      session->fit_of, session->fit.rms, session->fit_samples);
+    for (int i = 0; i < session->found.count; i++) {
+        buffer_format(text, "table %s\n", session->found.of[i]->kind);
+        table_format(&session->found.of[i]->table, TABLE_CSV, text);
+    }
+}
+
+static void put_recorded(const struct recording *recording, struct buffer *text)
+{
+    put_bits(text, "t", recording->t, recording->rows * sizeof *recording->t);
+    put_bits(text, "y", recording->y, recording->rows * sizeof *recording->y);
+    const char *slash = strrchr(recording->path, '/');
+    buffer_format(text, "'%s' %s\n", slash ? slash + 1 : recording->path, recording->format);
+}
+
+static void describe_all(const struct session *session, struct buffer *text)
+{
+    describe(session, (unsigned)-1, text);
+    for (int i = 0; i < session->runs; i++)
+        put_computed(session->run[i], text);
+    for (int i = 0; i < session->recordings; i++)
+        put_recorded(session->recording[i]->recording, text);
+    put_results(session, text);
+    buffer_format(text, "next run %d\n", session->next_run);
+    history_put(session, 0, HISTORY_RECORD, text);
+    assert_false(text->failed);
+}
+
+/* ---- sessions ---- */
+
+static const char *study_or_result(void)
+{
+    return ONE_OF("measure period", "fit damped", "measure amplitude", "fit sine", "order rk4",
+                  "print 2*y", "fit scene k", "note good", "run until v > 0", "undo", "redo",
+                  "checkpoint a", "restore a", "measure period; adopt");
+}
+
+struct kept {
+    struct bench b;
+    struct stored stored;
+    struct buffer file, typed;
+};
+
+static void begin(struct kept *kept, uint64_t seed)
+{
+    *kept = (struct kept){.file = {0}};
+    bench_open(&kept->b, false);
+    random_state = seed;
+    if (dice(2))
+        type_ok(&kept->b, "load swing.txt as=one; load speed.txt as=two");
+}
+
+static void play_one(struct kept *kept)
+{
+    if (dice(6) == 0) {
+        const char *line = study_or_result();
+        const bool ok = type(&kept->b, line);
+        buffer_format(&kept->typed, "%s%s\n", line, ok ? "" : " # fails");
+    } else {
+        play_statement(&kept->b, &kept->typed);
+    }
+}
+
+static void end(struct kept *kept)
+{
+    bench_close(&kept->b);
+    stored_free(&kept->stored);
+    buffer_free(&kept->file);
+    buffer_free(&kept->typed);
+}
+
+static int long_or(int many, int few)
+{
+    return getenv("LONG") ? many : few;
+}
+
+/* And it goes on from there as the other does. */
+static void assert_goes_on(struct kept *kept, struct bench *again)
+{
+    static const char *const lines[] = {"continue 0.4 s", "step 3",         "change k 17",
+                                        "back 2",         "continue 0.3 s", "run 0.2 s"};
+    struct buffer wanted = {0}, got = {0};
+    for (size_t i = 0; i < COUNT_OF(lines); i++) {
+        const bool ok = type(&kept->b, lines[i]);
+        if (type(again, lines[i]) != ok)
+            fail_msg("%s'%s': %s%s", said(&kept->typed), lines[i], said(&kept->b.err),
+                     said(&again->err));
+        buffer_clear(&wanted);
+        buffer_clear(&got);
+        for (int r = 0; r < kept->b.session->runs; r++)
+            put_run(kept->b.session->run[r], PART_STOPS, &wanted);
+        for (int r = 0; r < again->session->runs; r++)
+            put_run(again->session->run[r], PART_STOPS, &got);
+        assert_same(&wanted, &got, lines[i], &kept->typed);
+    }
+    buffer_free(&wanted);
+    buffer_free(&got);
+}
+
+static void a_session_comes_back_bit_for_bit(void **state)
+{
+    (void)state;
+    struct buffer wanted = {0}, got = {0}, notes = {0};
+    write_recordings();
+    for (int i = 0; i < long_or(1000, 12); i++) {
+        struct kept kept;
+        struct bench again;
+        begin(&kept, 5000 + (uint64_t)i);
+        for (int k = 0; k < LINES; k++) {
+            play_one(&kept);
+            if (dice(4) == 0)
+                store(kept.b.session, &kept.stored, &kept.file);
+        }
+        describe_all(kept.b.session, &wanted);
+        store(kept.b.session, &kept.stored, &kept.file);
+        buffer_clear(&notes);
+        if (!restore(&again, buffer_text(&kept.file), &notes) || notes.len > 0)
+            fail_msg("session %d: %s%s", i, said(&kept.typed), said(&notes));
+        describe_all(again.session, &got);
+        assert_same(&wanted, &got, "kept", &kept.typed);
+        assert_goes_on(&kept, &again);
+        bench_close(&again);
+        end(&kept);
+    }
+    buffer_free(&wanted);
+    buffer_free(&got);
+    buffer_free(&notes);
+}
+
+/* ---- what is torn ---- */
+
+#define STORES 8
+
+static void a_torn_file_is_as_it_was_last_whole(void **state)
+{
+    (void)state;
+    static struct buffer at[STORES];
+    struct buffer got = {0}, notes = {0};
+    size_t whole[STORES];
+    write_recordings();
+    for (int i = 0; i < long_or(500, 6); i++) {
+        struct kept kept;
+        begin(&kept, 7000 + (uint64_t)i);
+        for (int s = 0; s < STORES; s++) {
+            for (int k = 0; k < LINES / STORES; k++)
+                play_one(&kept);
+            describe_all(kept.b.session, &at[s]);
+            store(kept.b.session, &kept.stored, &kept.file);
+            whole[s] = kept.file.len;
+        }
+        for (int cut = 0; cut < 4; cut++) {
+            struct bench again;
+            const size_t len = whole[0] + (size_t)dice((int)(kept.file.len - whole[0] + 1));
+            int last = 0;
+            while (last + 1 < STORES && whole[last + 1] <= len)
+                last++;
+            buffer_clear(&notes);
+            if (!restore(&again, (struct text){kept.file.data, len}, &notes) || notes.len > 0)
+                fail_msg("session %d cut at %zu: %s", i, len, said(&notes));
+            describe_all(again.session, &got);
+            assert_same(&at[last], &got, "torn", &kept.typed);
+            bench_close(&again);
+        }
+        end(&kept);
+    }
+    for (int s = 0; s < STORES; s++)
+        buffer_free(&at[s]);
+    buffer_free(&got);
+    buffer_free(&notes);
+}
+
+/* Whatever is changed in it: it comes back, and what does not is named; nothing is refused whole
+ * but what has no whole part. */
+static void damage_is_named(void **state)
+{
+    (void)state;
+    struct buffer notes = {0};
+    int named = 0;
+    write_recordings();
+    for (int i = 0; i < long_or(500, 6); i++) {
+        struct kept kept;
+        begin(&kept, 9000 + (uint64_t)i);
+        for (int s = 0; s < STORES; s++) {
+            for (int k = 0; k < LINES / STORES; k++)
+                play_one(&kept);
+            store(kept.b.session, &kept.stored, &kept.file);
+        }
+        for (int hit = 0; hit < 4; hit++) {
+            struct bench again;
+            const size_t where =
+                strlen(STORE_HEADER) + (size_t)dice((int)(kept.file.len - strlen(STORE_HEADER)));
+            kept.file.data[where] ^= (char)(1 << dice(8));
+            buffer_clear(&notes);
+            assert_true(restore(&again, buffer_text(&kept.file), &notes));
+            named += notes.len > 0;
+            bench_close(&again);
+        }
+        end(&kept);
+    }
+    assert_true(named > 0);
+    buffer_free(&notes);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_session_comes_back_bit_for_bit),
+        cmocka_unit_test(a_torn_file_is_as_it_was_last_whole),
+        cmocka_unit_test(damage_is_named),
+    };
+    return cmocka_run_group_tests(tests, enter_folder, leave_folder);
+}
