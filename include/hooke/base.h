@@ -329,6 +329,10 @@ uint32_t text_codepoint(struct text text, size_t *used);
 /* columns on a terminal: 0, 1 or 2; a table of its own, no locale */
 int codepoint_width(uint32_t codepoint);
 int text_width(struct text text); /* columns */
+/* What of a line is shown where there is room for `width` columns: whole items (between commas,
+ * colons, bars, double blanks), or, where those would leave less than half, whole words; `cut`:
+ * then the sentence goes on, and there is room for a blank and a mark. */
+struct text text_in_room(struct text text, int width, bool *cut);
 /* Appends the words of a text in lines of at most `width` columns, without the last newline. */
 void buffer_folded(struct buffer *buffer, struct text text, int width);
 

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include <hooke/base.h>
 
+#include <string.h>
+
 uint32_t text_codepoint(struct text text, size_t *used)
 {
     static const uint32_t smallest[] = {0, 0, 0x80, 0x800, 0x10000};
@@ -51,4 +53,41 @@ void buffer_folded(struct buffer *buffer, struct text text, int width)
         column = fits ? column + 1 + columns : columns;
         buffer_put(buffer, word);
     }
+}
+
+/* [byte] of the separator of items that begins there; 0: none. */
+static size_t separator(struct text rest, int depth)
+{
+    static const char *const between[] = {"  ", ", ", "; ", ": ", " | ", " ("};
+    for (size_t i = 0; i < COUNT_OF(between) && depth == 0; i++)
+        if (text_starts(rest, text_of(between[i])))
+            return strlen(between[i]);
+    return 0;
+}
+
+struct text text_in_room(struct text text, int width, bool *cut)
+{
+    size_t items = 0, words = 0, letters = 0;
+    int column = 0, depth = 0, item_columns = 0;
+    *cut = false;
+    if (text_width(text) <= width)
+        return text;
+    for (size_t at = 0, used; at < text.len && column <= width; at += used) {
+        const struct text rest = {text.at + at, text.len - at};
+        if (at > 0 && rest.at[-1] != ' ' && separator(rest, depth)) {
+            items = at;
+            item_columns = column;
+        }
+        if (at > 0 && rest.at[0] == ' ' && column <= width - 2)
+            words = at;
+        if (column <= width - 1)
+            letters = at;
+        depth += rest.at[0] == '(' || rest.at[0] == '[';
+        depth -= depth > 0 && (rest.at[0] == ')' || rest.at[0] == ']');
+        column += codepoint_width(text_codepoint(rest, &used));
+    }
+    if (items > 0 && 2 * item_columns >= width)
+        return (struct text){text.at, items};
+    *cut = true;
+    return (struct text){text.at, words ? words : letters};
 }

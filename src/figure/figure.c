@@ -80,16 +80,8 @@ static int frame_text(const struct text_sheet *sheet, int x, int end, int y, str
     if (!text.len || end - x < 3)
         return x;
     canvas_put(sheet->canvas, x++, y, ' ', STYLE_PLAIN);
-    struct text rest = text;
-    size_t used;
-    while (rest.len) { /* cut to what fits */
-        int width = codepoint_width(text_codepoint(rest, &used));
-        if (x + width >= end)
-            break;
-        x = canvas_text(sheet->canvas, x, y, (struct text){rest.at, used}, style);
-        rest.at += used;
-        rest.len -= used;
-    }
+    bool cut;
+    x = canvas_text(sheet->canvas, x, y, text_in_room(text, end - x - 1, &cut), style);
     canvas_put(sheet->canvas, x++, y, ' ', STYLE_PLAIN);
     return x;
 }
@@ -206,7 +198,10 @@ static void draw_titles(const struct text_sheet *sheet)
     if (figure->part && text_width(text_of(text)) + legend_width(figure) + 10 >
                             sheet->width) /* both share a frame */
         axis_title(&figure->y, &sheet->layout->y_ticks, "", text, sizeof text);
-    buffer_put(&title, text_of(text));
+    bool cut;
+    const struct text fits = text_in_room(text_of(text), right - left - 2, &cut);
+    buffer_put(&title,
+               cut && figure->title && fits.at[fits.len] != ' ' ? text_of(figure->title) : fits);
     if (figure->part &&
         sheet->layout->y_ticks.count < 2) { /* a single row: no labels that say it */
         const struct scale *y = &sheet->layout->y;

@@ -11,19 +11,12 @@ void line_draw(const struct screen *screen, int x, int y, int width, struct text
 {
     if (width < 1)
         return;
-    bool cut = text_width(text) > width;
-    int end = x + width - cut;
-    while (text.len) {
-        size_t used;
-        int columns = codepoint_width(text_codepoint(text, &used));
-        if (x + columns > end)
-            break;
-        x = canvas_text(screen->canvas, x, y, (struct text){text.at, used}, style);
-        text.at += used;
-        text.len -= used;
-    }
+    bool cut;
+    const struct text shown = text_in_room(text, width, &cut);
+    const int end = canvas_text(screen->canvas, x, y, shown, style);
+    const bool word = cut && shown.len < text.len && text.at[shown.len] == ' ';
     if (cut)
-        canvas_put(screen->canvas, end, y, charset_is_plain(screen->charset) ? '>' : 0x2026,
+        canvas_put(screen->canvas, end + word, y, charset_is_plain(screen->charset) ? '>' : 0x2026,
                    STYLE_DIM);
 }
 

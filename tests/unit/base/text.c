@@ -314,6 +314,38 @@ static void cancellation_is_seen(void **state)
     assert_true(cancelled(&cancel));
 }
 
+/* What is left out are whole items; else whole words, and it is said that something follows. */
+static void test_lines_are_cut_between_items(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *text;
+        int width;
+        const char *shown;
+        bool cut;
+    } cases[] = {
+        {"t = 10 s, 1000 steps", 20, "t = 10 s, 1000 steps", false},
+        {"t = 10 s, 1000 steps, verlet", 24, "t = 10 s, 1000 steps", false},
+        {"B-A = 2.9 s   T = 0.7252930 s   f = 1.3787 Hz", 30, "B-A = 2.9 s   T = 0.7252930 s",
+         false},
+        {"B-A = 2.9012 s   T = 0.725 s", 22, "B-A = 2.9012 s", false},
+        {"warning: the energy has grown", 20, "warning: the", true},
+        {"a list (of one, two, three) and more", 30, "a list (of one, two, three)", true},
+        {"unbreakable", 5, "unbr", true},
+        {"\xcf\x89\xcf\x89 \xcf\x89\xcf\x89\xcf\x89", 5, "\xcf\x89\xcf\x89", true},
+        {"", 0, "", false},
+        {"a", 0, "", true},
+    };
+    for (size_t i = 0; i < COUNT_OF(cases); i++) {
+        bool cut;
+        const struct text shown = text_in_room(text_of(cases[i].text), cases[i].width, &cut);
+        if (!text_is(shown, cases[i].shown) || cut != cases[i].cut)
+            fail_msg("'%s' in %d: '%.*s' %d", cases[i].text, cases[i].width, (int)shown.len,
+                     shown.at, cut);
+        assert_true(text_width(shown) <= cases[i].width);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -330,6 +362,7 @@ int main(void)
         cmocka_unit_test(limits_are_named_once),
         cmocka_unit_test(the_clock_goes_forward),
         cmocka_unit_test(cancellation_is_seen),
+        cmocka_unit_test(test_lines_are_cut_between_items),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
