@@ -51,7 +51,8 @@ static enum front_kind choose_front(const struct options *options)
 {
     struct error error = {0};
     const bool terminal = isatty(STDIN_FILENO) && isatty(STDOUT_FILENO);
-    if (options->batch || !terminal || (options->tasks > 0 && !options->interactive)) {
+    if (options->batch || options->check || !terminal ||
+        (options->tasks > 0 && !options->interactive)) {
         return FRONT_END;
     }
     if (options->plain) {
@@ -169,7 +170,11 @@ static int run(const struct options *options)
             /* a mistake in the rc file has been told; it does not make this run a failure */
             session->status = 0;
         }
-        batch_run(session, options, kind == FRONT_END && options->tasks == 0, &reply, &streams);
+        if (options->check) {
+            session->status = command_check(session, options->check, &reply);
+        } else {
+            batch_run(session, options, kind == FRONT_END && options->tasks == 0, &reply, &streams);
+        }
         /* what is typed at the prompt afterwards has been answered there */
         status = session->status;
         if (kind != FRONT_END && !session->quit && !signals_ending()) {

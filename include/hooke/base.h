@@ -377,6 +377,7 @@ struct writer {
 struct write_policy {
     bool force;   /* replace an existing regular file */
     bool confine; /* only below the current directory (--safe) */
+    bool refuse;  /* nothing at all */
 };
 
 bool writer_open(struct writer *writer, const char *path, struct write_policy policy,

@@ -74,6 +74,17 @@ bool command_complete(struct session *session, struct text line, size_t cursor, 
  */
 void command_next(const struct session *session, struct buffer *line);
 
+/* ---- a hand-in, run again ---- */
+
+/*
+ * Runs session.hk of a folder that `report` wrote, writing nothing, and says which values, figures
+ * and files of the folder are not what it gives: values within their uncertainty, what has none in
+ * six digits; figures and data byte by byte; of what is read the lines with digits. The record
+ * `check`: differences [{file, what, detail}], folder, agrees, values, figures, files. Returns the
+ * exit status: 0 all agree, ERROR_COMMAND some differ, ERROR_USAGE there is no session to run.
+ */
+int command_check(struct session *session, const char *folder, struct reply *reply);
+
 /* ---- the catalog of commands: the man page and the README are made from it ---- */
 
 extern const struct catalog command_catalog;

@@ -278,6 +278,7 @@ struct session {
     bool keep_going;  /* option -k */
     bool verbose;     /* option -v: lines of scripts are shown before they are executed */
     bool safe;        /* option --safe: write only below the current directory */
+    bool checking;    /* a hand-in is run again: nothing is written */
     bool quit;        /* the user asked to leave */
     int status;       /* exit status so far */
     uint64_t changes; /* counts changes: autosave compares it */

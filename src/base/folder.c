@@ -146,7 +146,9 @@ bool folder_open(struct folder *folder, const char *path, struct write_policy po
     *folder = (struct folder){
         .at = {.fd = -1, .folder = -1, .force = policy.force}, .fd = -1, .own = own};
     folder->at.path = strdup(path);
-    if (open_all(folder, policy.confine, error))
+    if (policy.refuse && folder->at.path)
+        writer_refuse(&folder->at, error, WRITER_REFUSED);
+    else if (open_all(folder, policy.confine, error))
         return true;
     folder_abandon(folder);
     return false;

@@ -20,6 +20,7 @@ const char *system_message(int number);
 #define NAME_ATTEMPTS 100 /* at a temporary name that nobody has taken */
 
 /* false, always */
+#define WRITER_REFUSED "nothing is written while a hand-in is checked"
 bool writer_refuse(const struct writer *writer, struct error *error, const char *why);
 bool writer_refuse_existing(const struct writer *writer, struct error *error);
 /* Opens the folder of writer->path and points at the last component. confine: it has to be below

@@ -164,7 +164,9 @@ bool writer_open(struct writer *writer, const char *path, struct write_policy po
     *writer = (struct writer){.fd = -1, .folder = -1, .force = policy.force};
     writer->path = strdup(path);
     writer->chunk = malloc(CHUNK);
-    if (open_all(writer, policy.confine, error))
+    if (policy.refuse && writer->path)
+        writer_refuse(writer, error, WRITER_REFUSED);
+    else if (open_all(writer, policy.confine, error))
         return true;
     writer_abandon(writer);
     return false;

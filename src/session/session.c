@@ -260,7 +260,8 @@ void session_trace(struct session *session, const struct scene *before, size_t s
 
 struct write_policy session_policy(const struct session *session, bool force)
 {
-    return (struct write_policy){.force = force, .confine = session->safe};
+    return (struct write_policy){
+        .force = force, .confine = session->safe, .refuse = session->checking};
 }
 
 double session_first_step(const struct session *session)

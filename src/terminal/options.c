@@ -39,6 +39,8 @@ static const struct option_row {
     {0, "color", VALUE_WORD, " WHEN", offsetof(struct options, color), "auto, always or never"},
     {0, "format", VALUE_WORD, " FORM", offsetof(struct options, format),
      "text, csv or json: form of results"},
+    {0, "check", VALUE_WORD, " DIR", offsetof(struct options, check),
+     "run session.hk of a hand-in again: which values and figures agree"},
     {0, "split", VALUE_WORD, " DIR", offsetof(struct options, split),
      "with --format csv: each table as a file in a new folder"},
     FLAG('q', "quiet", quiet, "only records, warnings and errors"),

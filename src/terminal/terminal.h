@@ -25,7 +25,7 @@ struct options {
     bool interactive, batch, plain, keep_going, norc, rc, safe, quiet, verbose, help, version;
     bool resume;
     int width, height;                            /* 0: not given */
-    const char *charset, *color, *format, *split; /* NULL: not given */
+    const char *charset, *color, *format, *split, *check; /* NULL: not given */
     const char *resume_name;                      /* NULL: the newest */
 };
 

@@ -44,6 +44,9 @@ struct report {
     struct session *view; /* a copy in which other runs and recordings are the current ones */
     struct arena *arena;
     struct folder *folder;
+    /* takes the files, with `context`; NULL: they go into the folder */
+    bool (*put)(void *context, const char *name, struct text content, struct error *error);
+    void *context;
     struct document document;
     struct report_value *value;
     int values;

@@ -31,8 +31,10 @@ bool report_put(struct report *report, const char *name, const struct buffer *co
                 struct error *error)
 {
     report->files++;
-    return content->failed ? error_memory(error)
-                           : folder_put(report->folder, name, buffer_text(content), error);
+    if (content->failed)
+        return error_memory(error);
+    return report->put ? report->put(report->context, name, buffer_text(content), error)
+                       : folder_put(report->folder, name, buffer_text(content), error);
 }
 
 /* ---- values ---- */

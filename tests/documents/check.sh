@@ -1,0 +1,107 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: GPL-3.0-or-later
+# hooke --check DIR: a hand-in that is what its session gives, and ones that were changed.
+set -u
+hooke=$PWD/${HOOKE:-build/hooke} examples=$PWD/examples/lab
+n=0 bad=0
+folder=$(mktemp -d) || exit 2
+trap 'rm -rf "$folder"' EXIT
+cd "$folder" || exit 2
+ok() { # name status
+    n=$((n + 1))
+    if [ "$2" -eq 0 ]; then echo "ok $n - $1"; else echo "not ok $n - $1"; sed 's/^/# /' out; bad=1; fi
+}
+# checks DIR STATUS [PATTERN]: that status, and a line like that
+checks() {
+    "$hooke" -n --check "$1" >out 2>&1
+    local status=$?
+    [ $status -eq "$2" ] && { [ $# -lt 3 ] || grep -q -- "$3" out; }
+}
+changed() { # a fresh copy of the hand-in
+    rm -rf bad
+    cp -r good bad
+}
+
+cp "$examples/bare.txt" .
+"$hooke" -n -c 'load bare.txt; m = 200.0(1) g; measure period; measure amplitude; fit damped; measure k
+    adopt amplitude; gamma = 0; method euler dt=10ms; run 5 s; plot position; compare euler symplectic-euler; report good' >out 2>&1
+ok "a hand-in" $?
+ls -R >before
+checks good 0 'they agree with session.hk'
+ok "as it was written it agrees" $?
+ls -R | cmp -s - before
+ok "nothing is written" $?
+changed
+sed -i '0,/^Answer:/s//Answer: 0.7 s, since 2 pi sqrt(m\/k) is that./; s/^Name:/Name: N. N./' bad/report.md
+checks bad 0
+ok "answers change nothing" $?
+changed
+awk -F, -v OFS=, '/^period,/ && !done {$2 += 0.001; done = 1} {print}' good/values.csv >bad/values.csv
+checks bad 1 'values.csv: a value: period of data bare (measured): it says 0.7241.*the session gives 0.7231' && [ "$(grep -c differs out)" -eq 1 ]
+ok "a value" $?
+awk -F, -v OFS=, '/^period,/ && !done {$2 += $3 / 2; done = 1} {print}' good/values.csv >bad/values.csv
+checks bad 0
+ok "a value within its uncertainty agrees" $?
+awk -F, -v OFS=, '/^period,/ && !done {$3 /= 3; done = 1} {print}' good/values.csv >bad/values.csv
+checks bad 1 'values.csv: a value: period'
+ok "an uncertainty that is too small" $?
+sed '/^amplitude,/d' good/values.csv >bad/values.csv
+checks bad 1 'values.csv: it lacks: amplitude of data bare'
+ok "a value that is not there" $?
+sed 's/^amplitude,/width,/' good/values.csv >bad/values.csv
+checks bad 1 'values.csv: the session does not give: width of data bare'
+ok "a value of its own" $?
+echo 'no table' >bad/values.csv
+checks bad 1 'values.csv: it is no table of values'
+ok "no table" $?
+changed
+line=$(grep -n '^| period T' bad/report.md | head -1)
+sed -i "${line%%:*}s/0\.723/0.733/" bad/report.md
+checks bad 1 'report.md: this line is not there: | period T'
+ok "a number in the report" $?
+changed
+figure=$(cd good && ls figure-*.svg | head -1) other=$(cd good && ls figure-*.svg | tail -1)
+cp "good/$other" "bad/$figure"
+checks bad 1 "$figure: it is not the figure that the session gives" && [ "$(grep -c differs out)" -eq 1 ]
+ok "a figure" $?
+rm "bad/$figure"
+checks bad 1 "$figure: it is not there"
+ok "no figure" $?
+changed
+sed -i '100s/[0-9]$/0/; 101s/[0-9]$/1/' bad/recording-1.csv
+checks bad 1 'recording-1.csv: it is not the data that the session gives'
+ok "data" $?
+changed
+sed -i 's/dt=10ms/dt=20ms/' bad/session.hk
+checks bad 1 'values.csv: a value: energy at the end of run 1'
+ok "the session" $?
+changed
+sed -i 's/^fit damped/fit dampd/' bad/session.hk
+checks bad 1 'session.hk: it ends in an error'
+ok "a session with an error" $?
+changed
+printf 'run 1 s\nplot position > evil.svg\nexport evil.csv\nrecord evil.hk\nreport evil\nsave evil.hk\nset format json\nquit\nrun 2 s\n' >>bad/session.hk
+checks bad 1
+! ls evil* >/dev/null 2>&1
+ok "one that writes writes nothing" $?
+changed
+rm bad/session.hk
+checks bad 2 'cannot read bad/session.hk'
+ok "no session: exit status 2" $?
+checks nowhere 2
+ok "no folder: exit status 2" $?
+(mkdir away && cd away && "$hooke" -n --check ../good >../out 2>&1)
+[ $? -eq 1 ] && grep -q 'session.hk: it ends in an error: .*bare.txt' out
+ok "where the recording is not it says so" $?
+cp bare.txt good && (cd away && "$hooke" -n --check ../good >../out 2>&1)
+ok "a recording beside session.hk is found" $?
+changed
+cp "good/$other" "bad/$figure"
+"$hooke" -n --format json --check bad >out
+[ $? -eq 1 ] && python3 -c 'import json, sys
+[r] = [json.loads(line) for line in open("out")]
+[d] = r["differences"]
+sys.exit(not (r["kind"] == "check" and r["agrees"] is False and d["file"] == sys.argv[1] and r["values"] > 20))' "$figure"
+ok "as JSON" $?
+echo "1..$n"
+exit $bad
