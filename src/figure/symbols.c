@@ -64,7 +64,7 @@ static size_t put_number(struct buffer *out, struct text text)
 {
     size_t len = digits_of(text, false);
     struct text power;
-    bool negative;
+    bool negative = false;
     if (len < text.len && text.at[len] == '.')
         len += 1 + digits_of(rest_of(text, len + 1), false);
     const size_t exponent = exponent_of(rest_of(text, len), &power, &negative);
