@@ -175,7 +175,8 @@ static void put_oscillation(const struct subject *s, struct buffer *out)
     const struct curve_reading *c = s->curve;
     buffer_put(out, TEXT("oscillates about "));
     const double level = 0.5 * (c->level[0] + c->level[1]);
-    put_value(s->y, fabs(level) < SAME * c->amplitude[0] ? 0 : level, s->up, out);
+    put_value(s->y, fabs(level) < SAME * fmax(c->amplitude[0], c->amplitude[1]) ? 0 : level, s->up,
+              out);
     buffer_put(out, TEXT(" with a period of "));
     put_value(s->x, c->period, NULL, out);
     if (isfinite(c->spread) && c->spread > 1e-6 * c->period) {
