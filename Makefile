@@ -43,6 +43,8 @@ OPT_asan     := -O1 -g -fsanitize=address,undefined -fno-sanitize-recover=undefi
 OPT_coverage := -O0 -g --coverage
 OPT_clang    := $(OPT_release)
 OPT_debug    := -O0 -g
+# Ends where 50 ms pass without a look at the flag of Ctrl-C.
+OPT_watch    := -O2 -g -DHOOKE_WATCH -fno-omit-frame-pointer $(FORTIFY)
 
 PKG := pkg-config
 GSL_CFLAGS  := $(shell $(PKG) --cflags gsl 2>/dev/null)
@@ -103,7 +105,8 @@ $(shell mkdir -p build && printf '#include "../%s"\n' $(FORMATS) >build/formats.
   { cmp -s build/formats.new build/formats.def || cp build/formats.new build/formats.def; }; rm -f build/formats.new)
 
 LIBRARY_OBJECTS := $(foreach l,$(LIBRARY_LAYERS),$(call objects,$(l)))
-PROGRAM_OBJECTS := $(foreach l,$(PROGRAM_LAYERS),$(call objects,$(l))) $(B)/main.o
+PROGRAM_OBJECTS := $(foreach l,$(PROGRAM_LAYERS),$(call objects,$(l))) $(B)/main.o \
+  $(if $(filter watch,$(CONFIG)),$(B)/tests/cancel/watch.o)
 
 TEST_SOURCES := $(sort $(wildcard $(foreach kind,unit numerics data faults growth terminal,tests/$(kind)/*/*.c) tests/fuzz/*.c))
 TEST_PROGRAMS := $(patsubst tests/%.c,$(D)/tests/%,$(TEST_SOURCES))

@@ -409,14 +409,25 @@ void folder_abandon(struct folder *folder);
 
 /* ---- cancellation ----
  *
- * Set from a signal handler or another thread; long work asks between slices.
+ * Set from a signal handler or another thread; long work asks between slices of at most 50 ms:
+ * make CONFIG=watch builds a program that ends where it does not.
  */
 struct cancel {
     atomic_int requested;
 };
 
+#ifdef HOOKE_WATCH
+void watch_look(void);
+#else
+#define watch_look() ((void)0)
+#endif
+
+#define LOOK_EACH_ROWS 65536 /* rows between two looks, of what takes some 100 ns a row at most */
+
 static inline bool cancelled(const struct cancel *cancel)
 {
+    if (cancel)
+        watch_look();
     return cancel && atomic_load_explicit(&((struct cancel *)(uintptr_t)cancel)->requested,
                                           memory_order_relaxed) != 0;
 }

@@ -13,7 +13,8 @@ struct series {
     const double *t; /* [s] increasing */
     const double *y; /* SI; no NaN */
     size_t n;
-    enum quantity quantity; /* of y */
+    enum quantity quantity;      /* of y */
+    const struct cancel *cancel; /* ends what is done with it; NULL: nobody can */
 };
 
 /* ---- recordings ---- */
@@ -72,9 +73,10 @@ struct recording {
     const struct findings *findings; /* NULL: nobody has looked yet */
     bool cleaned;                    /* what the findings mask is left out */
     double *t;                       /* [rows] time [s], rising; NAN never */
-    double *y;          /* [rows] chosen value in SI, zero not yet subtracted; NAN: missing */
-    uint32_t *line;     /* [rows] line of the file, counted from 1 */
-    struct arena arena; /* owns all but the arrays of rows: column[].value, t, y, line */
+    double *y;      /* [rows] chosen value in SI, zero not yet subtracted; NAN: missing */
+    uint32_t *line; /* [rows] line of the file, counted from 1 */
+    const struct cancel *cancel; /* as when it was loaded */
+    struct arena arena;          /* owns all but the arrays of rows: column[].value, t, y, line */
 };
 
 struct load_options {
@@ -83,6 +85,7 @@ struct load_options {
     double rate;                         /* [Hz] 0: not given */
     char decimal, separator;             /* 0: find out */
     struct text name;                    /* as=NAME; empty: from the file name */
+    const struct cancel *cancel;         /* NULL: nobody ends it */
     struct text run;                     /* run=NAME or number; empty: the first with data in it */
 };
 

@@ -37,6 +37,7 @@ struct table {
     const struct table_column *column;
     int columns;
     size_t rows;
+    const struct cancel *cancel; /* ends its writing; NULL: nobody can */
 };
 
 /* struct row at the enum's place: csv, tsv, json, md, html, tex */

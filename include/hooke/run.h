@@ -191,7 +191,8 @@ struct run {
     bool warned_burst;
     struct burst missed; /* the first that run_missed_burst() found; from == to: none */
     struct controller controller;
-    struct opinion opinion; /* by run_second_opinion() */
+    struct opinion opinion;      /* by run_second_opinion() */
+    const struct cancel *cancel; /* ends what is read off it; NULL: nobody can */
 
     struct run_private *private_state; /* work memory */
 };

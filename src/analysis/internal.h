@@ -168,6 +168,14 @@ bool censor_clipped(struct motion *motion, struct arena *arena);
 /* More than parameters, or the reason. */
 bool enough_samples(const struct series *series, int parameters, struct error *error);
 
+/* ---- transform.c ---- */
+
+/*
+ * As gsl_fft_real_radix2_transform leaves it: real parts from 0 up, imaginary parts from n down.
+ * n: a power of two; scratch [n], NULL where n <= 2^17. False: cancelled.
+ */
+bool transform_real(double *data, size_t n, double *scratch, const struct cancel *cancel);
+
 /* ---- spectrum.c ---- */
 
 /* Angular frequency of the highest peak [rad/s], NAN: none inside the band. *memory becomes false

@@ -58,6 +58,7 @@ static bool decompose(const struct problem *p, const double *residual, struct li
     bool memory = a && b && tau && work;
     for (size_t k = 0; k < m; k++) {
         l->norm[k] = 0;
+        memory = memory && !cancelled(p->cancel);
         for (size_t i = 0; i < p->n; i++) {
             double d = p->derivative[i * (size_t)p->curve->parameters + (size_t)l->at[k]] /
                        fmax(p->largest[l->at[k]], 1e-300);
@@ -66,6 +67,8 @@ static bool decompose(const struct problem *p, const double *residual, struct li
         l->norm[k] = l->norm[k] > 0 ? sqrt(l->norm[k]) * p->largest[l->at[k]] : 1;
     }
     for (size_t i = 0; i < p->n && memory; i += ROWS) {
+        if (i % (LOOK_EACH_ROWS / 8) == 0 && cancelled(p->cancel))
+            memory = false;
         size_t rows = p->n - i < ROWS ? p->n - i : ROWS;
         for (size_t k = 0; k < rows; k++)
             fill_row(p, residual, l, i + k, a, b, m + k);
@@ -152,7 +155,8 @@ static bool is_determined(struct problem *p, const double *x, int j, double devi
     memcpy(trial, x, (size_t)p->curve->parameters * sizeof *x);
     for (int side = -1; side <= 1; side += 2) {
         trial[j] = x[j] + side * deviation;
-        if ((p->low && trial[j] < p->low[j]) || (p->high && trial[j] > p->high[j]) ||
+        if (cancelled(p->cancel) || (p->low && trial[j] < p->low[j]) ||
+            (p->high && trial[j] > p->high[j]) ||
             !p->curve->evaluate(p->curve->context, trial, p->t, p->n, p->value, NULL))
             continue;
         double sum = 0;
@@ -187,6 +191,8 @@ bool judge(struct problem *p, const double *x, bool probe, struct curve_fit *fit
         if (!fit->bound[j])
             l.at[l.count++] = j;
     }
+    if (cancelled(p->cancel))
+        return false;
     memset(p->largest, 0, sizeof p->largest);
     for (size_t i = 0; i < p->n * (size_t)count && there; i++) {
         double d = p->derivative[i], *largest = &p->largest[i % (size_t)count];

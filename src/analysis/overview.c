@@ -332,9 +332,12 @@ bool motion_init(struct motion *m, const struct series *series, struct arena *ar
     if (!m->residual || !m->scratch || !samples_init(&m->samples, series, arena)) {
         return false;
     }
-    m->samples.cancel = cancel;
+    m->samples.cancel = cancel ? cancel : series->cancel;
     struct overview *o = &m->overview;
     extremes(m);
+    if (cancelled(m->samples.cancel)) {
+        return false;
+    }
     if (series->n < 8 || !(m->samples.dt > 0)) {
         refuse(o, "it has only %zu samples", series->n);
         return true;
@@ -345,10 +348,13 @@ bool motion_init(struct motion *m, const struct series *series, struct arena *ar
         return true;
     }
     m->quantum = find_quantum(&m->samples);
+    if (cancelled(m->samples.cancel)) {
+        return false;
+    }
     o->noise = fmax(samples_noise(&m->samples, m->scratch), m->quantum / sqrt(12.0));
     samples_flag_spikes(&m->samples, m->scratch);
     unsigned char *use = arena_alloc(arena, m->samples.n + 1);
-    if (!use) {
+    if (!use || cancelled(m->samples.cancel)) {
         return false;
     }
     memcpy(use, m->samples.use, m->samples.n);
@@ -357,15 +363,15 @@ bool motion_init(struct motion *m, const struct series *series, struct arena *ar
     if (!memory || !fit_whole(m, omega, arena)) {
         return false;
     }
-    return o->oscillates || cancelled(cancel) || look_closer(m, use, arena);
+    return o->oscillates || cancelled(m->samples.cancel) || look_closer(m, use, arena);
 }
 
 bool motion_require(struct motion *m, const struct series *series, struct arena *arena,
                     const struct cancel *cancel, struct error *error)
 {
     bool memory = motion_init(m, series, arena, cancel);
-    if (cancelled(cancel)) {
-        return error_set(error, ERROR_CANCELLED, "the fit was stopped");
+    if (cancelled(m->samples.cancel)) {
+        return error_set(error, ERROR_CANCELLED, "stopped");
     }
     if (!memory) {
         return error_memory(error);
@@ -388,10 +394,10 @@ bool motion_require(struct motion *m, const struct series *series, struct arena 
 void series_overview(const struct series *series, struct arena *arena, struct overview *overview)
 {
     struct motion motion;
-    if (!motion_init(&motion, series, arena, NULL)) {
+    if (!motion_init(&motion, series, arena, NULL) || cancelled(series->cancel)) {
         motion.overview = (struct overview){
             .mean = NAN, .low = NAN, .high = NAN, .noise = NAN, .period = NAN, .periods = NAN};
-        refuse(&motion.overview, "out of memory");
+        refuse(&motion.overview, cancelled(series->cancel) ? "stopped" : "out of memory");
     }
     *overview = motion.overview;
 }

@@ -34,7 +34,8 @@ static bool rounded_grid(const struct series *series, double dt, double deviatio
 
 bool samples_init(struct samples *samples, const struct series *series, struct arena *arena)
 {
-    *samples = (struct samples){.t = series->t, .y = series->y, .n = series->n};
+    *samples =
+        (struct samples){.t = series->t, .y = series->y, .n = series->n, .cancel = series->cancel};
     samples->use = arena_alloc(arena, series->n + 1);
     if (!samples->use) {
         return false;

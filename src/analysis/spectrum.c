@@ -3,7 +3,6 @@
  * (Lomb–Scargle) on the true times. */
 #include "analysis/internal.h"
 
-#include <gsl/gsl_fft_real.h>
 #include <math.h>
 
 #define LOWEST_PERIODS 1.3 /* a peak below so many periods in the record is drift */
@@ -59,8 +58,8 @@ static struct transform transform(const struct samples *x, struct arena *arena)
     while (length < x->n || (length < 2 * x->n && length < 16384)) {
         length *= 2;
     }
-    double *data = arena_array(arena, length, sizeof *data);
-    if (!data) {
+    double *data = arena_array(arena, 2 * length, sizeof *data);
+    if (!data || cancelled(x->cancel)) {
         result.memory = false;
         return result;
     }
@@ -75,7 +74,10 @@ static struct transform transform(const struct samples *x, struct arena *arena)
         im = re * s + im * c;
         re = next;
     }
-    gsl_fft_real_radix2_transform(data, 1, length); /* cannot fail: the length is a power of two */
+    if (!transform_real(data, length, data + length, x->cancel)) {
+        result.memory = false;
+        return result;
+    }
     result.bins = length / 2 + 1;
     result.step = (double)(x->n - 1) / (x->t[x->n - 1] - x->t[0]) / (double)length;
     for (size_t k = 1; k < length / 2;

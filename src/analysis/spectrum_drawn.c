@@ -9,7 +9,6 @@
  */
 #include "analysis/internal.h"
 
-#include <gsl/gsl_fft_real.h>
 #include <math.h>
 
 #define GAP 8            /* times the usual step: nothing was recorded there */
@@ -92,6 +91,8 @@ static double spread_all(const struct samples *x, double *weight, double spacing
     double line[2], gain = 0;
     line_of(x, weight, middle, line);
     for (size_t i = 0; i < x->n; i++) {
+        if (i % LOOK_EACH_ROWS == 0 && cancelled(x->cancel))
+            break;
         const double s = x->t[i] - middle;
         const double w = weight[i] * 0.5 * (1 + cos(TWO_PI * s / span));
         gain += w;
@@ -149,7 +150,7 @@ bool samples_spectrum(const struct samples *all, struct arena *arena, struct spe
     struct samples x;
     double gap, *weight = arena_array(arena, all->n + 1, sizeof *weight);
     *out = (struct spectrum){.amplitude = NULL};
-    if (!weight || !take_used(all, arena, &x))
+    if (!weight || !take_used(all, arena, &x) || cancelled(all->cancel))
         return false;
     const double step = x.n < 8 ? 0 : usual_step(&x, weight, &gap);
     if (!(step > 0))
@@ -158,12 +159,14 @@ bool samples_spectrum(const struct samples *all, struct arena *arena, struct spe
     const size_t finer = x.uniform ? 1 : 2, length = bins_of(span / step + 4, x.n);
     /* Where a gap is so long that the grid would not end, a coarser one. */
     const double apart = fmax(step, span / ((double)length - 4));
-    double *grid = arena_array(arena, finer * length, sizeof *grid);
-    if (!grid)
+    double *grid = arena_array(arena, 2 * finer * length, sizeof *grid);
+    if (!grid || cancelled(x.cancel))
         return false;
     durations(&x, gap, step, weight);
     const double gain = spread_all(&x, weight, apart / (double)finer, step, grid);
-    gsl_fft_real_radix2_transform(grid, 1, finer * length); /* a power of two: it cannot fail */
+    if (cancelled(x.cancel) ||
+        !transform_real(grid, finer * length, grid + finer * length, x.cancel))
+        return false;
     for (size_t k = 0; k <= length / 2; k++) {
         const bool real = k == 0 || 2 * k == finer * length;
         grid[k] = (real ? fabs(grid[k]) : 2 * hypot(grid[k], grid[finer * length - k])) / gain;

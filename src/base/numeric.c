@@ -1,11 +1,41 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include <hooke/base/numeric.h>
 
+#include <gsl/gsl_sort_double.h>
 #include <gsl/gsl_statistics_double.h>
+#include <string.h>
 
 double quantile(double *values, size_t n, double share)
 {
     return n ? gsl_stats_select(values, 1, n, (size_t)(share * (double)(n - 1) + 0.5)) : NAN;
+}
+
+/* Two sorted runs, [0, middle) and [middle, n), into `out`. */
+static bool merge(const double *in, size_t middle, size_t n, double *out,
+                  const struct cancel *cancel)
+{
+    for (size_t i = 0, a = 0, b = middle; i < n; i++) {
+        if (i % LOOK_EACH_ROWS == 0 && cancelled(cancel))
+            return false;
+        out[i] = b == n || (a < middle && in[a] <= in[b]) ? in[a++] : in[b++];
+    }
+    return true;
+}
+
+bool sort_values(double *values, size_t n, double *scratch, const struct cancel *cancel)
+{
+    const size_t middle = n / 2;
+    if (cancelled(cancel))
+        return false;
+    if (n <= LOOK_EACH_ROWS) {
+        gsl_sort(values, 1, n);
+        return true;
+    }
+    if (!sort_values(values, middle, scratch, cancel) ||
+        !sort_values(values + middle, n - middle, scratch, cancel))
+        return false;
+    memcpy(scratch, values, n * sizeof *values);
+    return merge(scratch, middle, n, values, cancel);
 }
 
 size_t first_from(const double *ascending, size_t n, double x)

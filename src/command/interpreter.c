@@ -81,6 +81,9 @@ static bool run_handler(struct session *session, const struct arguments *argumen
         return error_memory(error);
     const uint64_t changes = session->changes;
     const bool ok = command->handler(session, arguments, reply, error);
+    /* What was ended where it could say no more than that it failed. */
+    if (!ok && cancelled(session->front.cancel) && error->code != ERROR_CANCELLED)
+        error_set(error, ERROR_CANCELLED, "stopped");
     session_store_band(session);
     /* A run that diverged is an error, and a change all the same. */
     if (before && session->changes != changes && undo_matters(session, before))

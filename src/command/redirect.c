@@ -99,6 +99,7 @@ bool redirect_finish(struct session *session, struct redirect *redirect, const s
     struct export export = {.arena = &arena};
     bool ok = of ? export_result(session, of, &export, error)
                  : error_at(error, redirect->file, "this found nothing that is a table");
+    export.table.cancel = session->front.cancel;
     if (ok)
         ok = table_send(&export.table, redirect->format, &redirect->writer, error);
     else

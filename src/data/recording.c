@@ -235,6 +235,7 @@ struct recording *recording_load(const char *path, const struct load_options *op
         error_memory(error);
         return NULL;
     }
+    recording->cancel = options ? options->cancel : NULL;
     if (!load(path, options ? options : &none, recording, error)) {
         recording_destroy(recording);
         return NULL;
@@ -301,7 +302,8 @@ bool recording_series(const struct recording *recording, struct arena *arena, si
         return error_set(error, ERROR_COMMAND,
                          "%s has %zu samples in the window %.6g:%.6g; at least %zu are needed",
                          recording->name, n, recording->window[0], recording->window[1], min);
-    *series = (struct series){t, y, n, recording->column[recording->value].quantity};
+    *series =
+        (struct series){t, y, n, recording->column[recording->value].quantity, recording->cancel};
     return true;
 }
 

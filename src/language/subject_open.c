@@ -31,7 +31,8 @@ bool run_series(const struct run *run, bool energy, struct arena *arena, struct 
         }
     *series = (struct series){t, y, n,
                               energy ? observable_quantity(energy_of, &run->system)
-                                     : system_variable(&run->system, 0).quantity};
+                                     : system_variable(&run->system, 0).quantity,
+                              run->cancel};
     return true;
 }
 
@@ -147,7 +148,8 @@ bool subject_column(struct subject *subject, const struct argument_value *column
         y[n - 1 - i] = y[i];
         y[i] = last;
     }
-    const struct series whole = {t, y, n, chosen_variable(&run->system, &chosen).quantity};
+    const struct series whole = {t, y, n, chosen_variable(&run->system, &chosen).quantity,
+                                 run->cancel};
     subject->series = in_window(whole, window);
     subject->column = true;
     snprintf(subject->name, sizeof subject->name, "%.*s of run %d", (int)name.len, name.at,

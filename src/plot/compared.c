@@ -47,6 +47,10 @@ static void sum_up(const struct run *run, const struct series *data, int derivat
     run_span(run, span);
     *s = (struct overlap_sums){.n = 0};
     for (size_t i = 0; i < data->n; i++) {
+        if (i % LOOK_EACH_ROWS == 0 && cancelled(data->cancel)) {
+            *s = (struct overlap_sums){.n = 0};
+            return;
+        }
         if (!(data->t[i] >= span[0] && data->t[i] <= span[1]))
             continue;
         const double x = run_motion(run, data->t[i], derivative), y = data->y[i];

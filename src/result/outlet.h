@@ -12,6 +12,16 @@ struct outlet {
     struct writer *writer; /* NULL: everything stays in `text` */
 };
 
+#define OUTLET_ROWS 4096 /* between two looks; fewer are written whatever happens */
+
+/* Before a row. False: the writing is ended, and the text fails. */
+static inline bool outlet_goes_on(struct outlet *sink, const struct table *table, size_t row)
+{
+    if (row % OUTLET_ROWS == OUTLET_ROWS - 1 && cancelled(table->cancel))
+        sink->text->failed = true;
+    return !sink->text->failed;
+}
+
 /* What is more than `max` bytes goes on to the writer, all of it. */
 void outlet_pass(struct outlet *sink, size_t max);
 /* Markdown, HTML, LaTeX (table_markup.c). */

@@ -91,7 +91,7 @@ static void put_separated(const struct table *table, char separator, struct outl
         put_name(out, &table->column[i], separator);
     }
     buffer_char(out, '\n');
-    for (size_t row = 0; row < table->rows; row++) {
+    for (size_t row = 0; row < table->rows && outlet_goes_on(sink, table, row); row++) {
         for (int i = 0; i < table->columns; i++) {
             const struct table_column *column = &table->column[i];
             if (i > 0)
@@ -155,7 +155,7 @@ static void put_json(const struct table *table, struct outlet *sink)
         buffer_put(out, TEXT(",\"unit\":"));
         buffer_json_text(out, text_of(column->unit));
         buffer_put(out, TEXT(",\"values\":["));
-        for (size_t row = 0; row < table->rows; row++) {
+        for (size_t row = 0; row < table->rows && outlet_goes_on(sink, table, row); row++) {
             if (row > 0)
                 buffer_char(out, ',');
             if (column->value)
@@ -201,7 +201,9 @@ bool table_send(const struct table *table, enum table_format format, struct writ
     buffer_free(&text);
     if (failed) {
         writer_abandon(writer);
-        return error_memory(error);
+        return cancelled(table->cancel)
+                   ? error_set(error, ERROR_CANCELLED, "stopped: the file was not written")
+                   : error_memory(error);
     }
     return writer_commit(writer, error);
 }

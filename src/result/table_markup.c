@@ -220,7 +220,7 @@ void table_put_markup(const struct table *table, enum table_format format, struc
         put_key(out, as, &table->key[i]);
     put(out, table->keys ? as->keys_end : NULL);
     put_heading(out, as, table);
-    for (size_t row = 0; row < table->rows; row++) {
+    for (size_t row = 0; row < table->rows && outlet_goes_on(sink, table, row); row++) {
         put_row(out, as, table, row);
         outlet_pass(sink, OUTLET_CHUNK);
     }

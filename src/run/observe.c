@@ -288,8 +288,11 @@ bool run_column(const struct run *run, const struct observable *observable, doub
         return refuse(observable, missing, error);
     struct walk walk;
     walk_begin(&walk, run, observable->needs);
-    while (walk_next(&walk))
+    for (size_t row = 0; walk_next(&walk); row++) {
+        if (row % LOOK_EACH_ROWS == 0 && cancelled(run->cancel))
+            return error_set(error, ERROR_CANCELLED, "stopped");
         *out++ = observable->value(&walk.sample);
+    }
     return true;
 }
 
@@ -334,7 +337,9 @@ void run_errors(const struct run *run, struct run_errors *errors)
     struct walk walk;
     const struct sample *sample = &walk.sample;
     walk_begin(&walk, run, NEED_EXACT);
-    while (walk_next(&walk)) {
+    for (size_t row = 0; walk_next(&walk); row++) {
+        if (row % LOOK_EACH_ROWS == 0 && cancelled(run->cancel))
+            return;
         for (int i = 0; i < judged; i++) {
             distance[i] = fabs(sample->y[i] - sample->exact[i]);
             /* comparisons pass over NAN, as fmax() does */

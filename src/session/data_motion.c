@@ -122,6 +122,7 @@ bool data_motion(const struct session *session, const struct recording *recordin
     motion->t = s->t;
     motion->y = s->y;
     motion->quantity = QUANTITY_VELOCITY;
+    motion->cancel = s->cancel;
     motion->v = arena_array(arena, s->n, sizeof *motion->v);
     motion->energy = energy ? arena_array(arena, s->n, sizeof *motion->energy) : NULL;
     if (!motion->v || (energy && !motion->energy))
@@ -164,6 +165,6 @@ bool motion_series(const struct data_motion *motion, bool energy, double from, d
             t[n] = motion->t[i];
             y[n++] = value[i];
         }
-    *series = (struct series){t, y, n, energy ? QUANTITY_ENERGY : motion->quantity};
+    *series = (struct series){t, y, n, energy ? QUANTITY_ENERGY : motion->quantity, motion->cancel};
     return true;
 }

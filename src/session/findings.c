@@ -29,6 +29,8 @@ bool find_faults(struct recording *recording, struct arena *arena, struct error 
     const bool enough = recording_series(&whole, arena, 8, &series, &ignored);
     if (enough)
         series_overview(&series, arena, &overview);
+    if (cancelled(recording->cancel))
+        return error_set(error, ERROR_CANCELLED, "stopped");
     if (!recording_inspect(recording, overview.period, overview.oscillates ? "" : overview.reason,
                            error))
         return false;
@@ -46,7 +48,8 @@ static const struct findings *run_findings(const struct series *series, struct r
 {
     struct error ignored;
     *column = (struct column){.name = "y", .quantity = series->quantity, .factor = 1};
-    *as = (struct recording){.rows = series->n, .column = column, .columns = 1, .time = -1};
+    *as = (struct recording){
+        .rows = series->n, .column = column, .columns = 1, .time = -1, .cancel = series->cancel};
     column->value = as->y = arena_array(arena, series->n, sizeof *as->y);
     as->t = arena_array(arena, series->n, sizeof *as->t);
     if (!as->y || !as->t)

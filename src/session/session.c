@@ -112,6 +112,7 @@ bool session_add_run(struct session *session, struct run *run, struct error *err
                                   .statement = session->history.count,
                                   .id = session->next_id++};
         memcpy(slot->origin, session->setup.origin, sizeof slot->origin);
+        run->cancel = session->front.cancel;
         /* A run that comes from a study has been somewhere already. */
         const double t0 = run->system.t0,
                      t = run->stop == STOP_END ? run->t : copysign(FAR, run->t - t0);

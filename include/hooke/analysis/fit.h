@@ -101,6 +101,7 @@ struct formula_column {
 
 struct formula {
     const struct expr *expr;
+    const struct cancel *cancel; /* ends its evaluation; NULL: nobody can */
     int parameters;
     const char *name[CURVE_PARAMETERS]; /* in the order in which they first appear */
     bool linear[CURVE_PARAMETERS];      /* the formula is linear in these together */

@@ -22,6 +22,8 @@
 /* The value [n] nearest to that share of the way through their order, of an even number the upper
  * median; reorders them. Without NAN; of none: NAN. */
 double quantile(double *values, size_t n, double share);
+/* Ascending, no NAN; scratch [n]. False: cancelled, and the values are in any order. */
+bool sort_values(double *values, size_t n, double *scratch, const struct cancel *cancel);
 
 double random_fraction(uint64_t *state); /* [0, 1): splitmix64 (Steele, Lea & Flood 2014) */
 

@@ -75,6 +75,7 @@ struct data_motion {
     double middle;          /* [m] equilibrium, in y */
     double omega;           /* [rad/s] of the oscillation; NAN: it has none */
     enum quantity quantity; /* of v */
+    const struct cancel *cancel;
     double gain; /* [1/s] standard deviation of v for positions with independent noise of 1 */
     double loss; /* by which part v comes out too small; 0: of the sensor's own */
     struct measured mass, k; /* of the energy */

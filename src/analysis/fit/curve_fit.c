@@ -4,6 +4,7 @@
  * MINUIT), robust loss by weights that are set anew between the fits (Holland & Welsch 1977).
  */
 #include "analysis/fit/least_squares.h"
+#include "analysis/fit/projection.h"
 
 #include <gsl/gsl_blas.h>
 #include <gsl/gsl_errno.h>
@@ -11,7 +12,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { ITERATIONS = 500, ROBUST_ROUNDS = 40, SOFT_ROUNDS = 5, MANY = 20000 };
+enum { ITERATIONS = 500, ROBUST_ROUNDS = 40, SOFT_ROUNDS = 5, MANY = CURVE_MANY };
 
 #define NO_VALUE 1e140 /* residual where the curve has none: the step is refused */
 #define SOFT_L1 1.345
@@ -283,7 +284,7 @@ static bool settle_on_tangent(struct problem *p, const struct curve_fit *fit, do
         const bool soft = *round < SOFT_ROUNDS;
         if (set_weights(p, left, soft) < WEIGHTS_STAY && !soft)
             break;
-        if (!tangent_step(p, fit, fit->residual, step))
+        if (cancelled(p->cancel) || !tangent_step(p, fit, fit->residual, step))
             return false;
         for (size_t i = 0; i < p->n; i++) {
             left[i] = fit->residual[i];
@@ -409,6 +410,23 @@ bool enough_samples(const struct series *series, int parameters, struct error *e
                      parameters);
 }
 
+bool curve_part(const struct series *series, struct arena *arena, struct series *part)
+{
+    const size_t stride = series->n / MANY + 1, n = series->n / stride;
+    *part = *series;
+    if (stride == 1)
+        return true;
+    double *t = arena_array(arena, n, sizeof *t), *y = arena_array(arena, n, sizeof *y);
+    for (size_t i = 0; i < n && t && y; i++) {
+        t[i] = series->t[i * stride];
+        y[i] = series->y[i * stride];
+    }
+    part->t = t;
+    part->y = y;
+    part->n = n;
+    return t && y;
+}
+
 /*
  * Of very many samples the start comes from a fit of every so manieth. False: an error that ends
  * everything; a part that has no answer leaves the start as it was.
@@ -416,28 +434,21 @@ bool enough_samples(const struct series *series, int parameters, struct error *e
 static bool improve_by_part(const struct fit_curve *curve, const struct series *series, double *x,
                             const struct curve_options *options, struct error *error)
 {
-    const size_t stride = series->n / MANY + 1, n = series->n / stride;
     struct arena scratch = {0};
-    struct series part = {.n = n, .quantity = series->quantity};
+    struct series part;
     struct curve_options plain = *options;
     struct curve_fit fit;
     struct error local = {0};
-    double *t = arena_array(&scratch, 2 * n, sizeof *t), *y = t + n;
+    const bool memory = curve_part(series, &scratch, &part);
     plain.bootstrap = 0;
-    plain.stretch = options->stretch / stride;
-    for (size_t i = 0; i < n && t; i++) {
-        t[i] = series->t[i * stride];
-        y[i] = series->y[i * stride];
-    }
-    part.t = t;
-    part.y = y;
-    const bool ok = t && curve_fit(curve, &part, x, &plain, &scratch, &fit, &local);
+    plain.stretch = options->stretch / (series->n / MANY + 1);
+    const bool ok = memory && curve_fit(curve, &part, x, &plain, &scratch, &fit, &local);
     for (int j = 0; j < curve->parameters && ok; j++)
         x[j] = fit.value[j].value;
     arena_reset(&scratch);
     if (!ok && local.code != ERROR_COMMAND) {
         *error = local;
-        return t || error_memory(error);
+        return memory || error_memory(error);
     }
     return true;
 }

@@ -215,6 +215,8 @@ bool formula_evaluate(void *context, const double *parameter, const double *t, s
     const size_t parameters = (size_t)f->parameters;
     memcpy(p->input + FIRST_PARAMETER, parameter, parameters * sizeof *parameter);
     for (size_t i = 0; i < n; i++) {
+        if (i % LOOK_EACH_ROWS == 0 && cancelled(f->cancel))
+            return false;
         for (int k = 0; k < f->columns; k++)
             p->input[k] = f->column[k].value ? f->column[k].value[i] : t[i];
         p->input[f->columns] = t[i];

@@ -51,7 +51,8 @@ static bool thin_out(struct formula_search *s, const struct series *series, stru
     for (size_t k = 0; k < columns; k++)
         column[k] = (struct formula_column){s->formula.column[k].name, values + k * n};
     s->formula.column = column;
-    s->thin = (struct series){.t = t, .y = y, .n = n, .quantity = series->quantity};
+    s->thin = (struct series){
+        .t = t, .y = y, .n = n, .quantity = series->quantity, .cancel = series->cancel};
     s->curve =
         (struct fit_curve){s->formula.parameters, s->formula.name, &s->formula, formula_evaluate};
     return projection_init(&s->projection, &s->curve, s->formula.linear, &s->thin, arena);
@@ -173,15 +174,17 @@ static bool refine_projected(struct refining *r, const double *x)
     struct curve_options plain = {.iterations = r->options->iterations,
                                   .cancel = r->options->cancel};
     struct formula formula = *r->formula;
+    struct series part; /* of very many samples some: the start of a fit of all */
     const struct fit_curve whole = {formula.parameters, formula.name, &formula, formula_evaluate};
-    if (!projection_init(&projection, &whole, formula.linear, r->series, r->arena))
+    if (!curve_part(r->series, r->arena, &part) ||
+        !projection_init(&projection, &whole, formula.linear, &part, r->arena))
         return error_memory(r->error);
     if (projection.linears == 0 || projection.others == 0)
         return true;
     struct fit_curve curve = {projection.others, projection.name, &projection, projection_evaluate};
     for (int k = 0; k < projection.others; k++)
         start[k] = x[projection.other[k]];
-    if (!curve_fit(&curve, r->series, start, &plain, r->arena, &reduced, &local)) {
+    if (!curve_fit(&curve, &part, start, &plain, r->arena, &reduced, &local)) {
         *r->error = local.code == ERROR_COMMAND ? *r->error : local;
         return local.code == ERROR_COMMAND;
     }
@@ -247,6 +250,7 @@ bool formula_fit(const struct formula *formula, const struct series *series,
                  struct error *error)
 {
     struct formula ready = *formula;
+    ready.cancel = series->cancel;
     if (!enough_samples(series, formula->parameters, error) || !formula_ready(&ready, arena, error))
         return false;
     const bool fitted = fit_ready(&ready, series, options, arena, fit, error);

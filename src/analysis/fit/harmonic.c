@@ -99,6 +99,9 @@ static size_t products(const struct samples *x, int unknowns, const struct harmo
     }
     memset(gram, 0, sizeof(double[COLUMNS][COLUMNS]));
     for (size_t at = 0; at < x->n; at += CHUNK) {
+        if (at % LOOK_EACH_ROWS == 0 && cancelled(x->cancel)) {
+            return 0;
+        }
         int count = x->n - at < CHUNK ? (int)(x->n - at) : CHUNK;
         fill_basis(x, at, count, h, &turn, u, v, &s);
         for (int k = 0; k < count; k++) {

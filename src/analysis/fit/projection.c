@@ -58,7 +58,8 @@ bool project(struct projection *v, double *x, double *value, double *derivative,
     gsl_matrix_view qr = gsl_matrix_view_array(v->basis, n, m ? m : 1);
     for (size_t k = 0; k < m; k++)
         x[v->linear[k]] = 0;
-    if (n <= m || !curve->evaluate(curve->context, x, t, n, v->value, v->derivative))
+    if (n <= m || cancelled(v->series->cancel) ||
+        !curve->evaluate(curve->context, x, t, n, v->value, v->derivative))
         return false;
     for (size_t k = 0; k < m; k++) {
         gsl_vector_view column = gsl_matrix_column(&qr.matrix, k);
@@ -93,6 +94,8 @@ bool project(struct projection *v, double *x, double *value, double *derivative,
     if (!curve->evaluate(curve->context, x, t, n, v->value, v->derivative))
         return false;
     for (int k = 0; k < v->others; k++) {
+        if (cancelled(v->series->cancel))
+            return false;
         column_into(v, v->other[k], &r.vector);
         if (m > 0)
             orthogonalise(&qr.matrix, &tau.vector, &r.vector);
@@ -107,8 +110,9 @@ bool projection_evaluate(void *context, const double *parameter, const double *t
 {
     struct projection *v = context;
     double x[CURVE_PARAMETERS], rss;
-    (void)t; /* always the whole series */
-    (void)n;
+    (void)t;
+    if (n != v->series->n) /* there is room for that series only */
+        return false;
     for (int k = 0; k < v->others; k++)
         x[v->other[k]] = parameter[k];
     return project(v, x, value, derivative, &rss);

@@ -27,4 +27,9 @@ bool project(struct projection *v, double *x, double *value, double *derivative,
 bool projection_evaluate(void *context, const double *parameter, const double *t, size_t n,
                          double *value, double *derivative);
 
+#define CURVE_MANY 20000 /* samples from which on a start comes from a part of them */
+
+/* Every so manieth of more than CURVE_MANY, else all of them. False: no memory. */
+bool curve_part(const struct series *series, struct arena *arena, struct series *part);
+
 #endif

@@ -66,6 +66,8 @@ bool drag_factors(const struct drag_fitting *f, const struct law_fit *fit, struc
         const double end = x->t[0] + span * (double)(k + 1) / (double)count;
         double sum[2] = {0}, norm[2] = {0};
         for (; i < x->n && (x->t[i] <= end || k + 1 >= count); i++) {
+            if (i % LOOK_EACH_ROWS == 0 && cancelled(x->cancel))
+                return false;
             double u[2];
             const double t = x->uniform ? x->t0 + (double)i * x->dt : x->t[i];
             if (!f->use[i])

@@ -152,6 +152,8 @@ static double pass(const struct law_samples *x, struct law_fit *fit, struct norm
     for (size_t k = 0; k < x->baseline.blocks && !cancelled(x->cancel); k++) {
         struct gram_block block = block_of(x, k);
         while (at < x->baseline.edge[k + 1]) {
+            if (cancelled(x->cancel))
+                return NAN;
             const int count = gather(x, &at, x->baseline.edge[k + 1], t, y);
             if (!equation_values(&walk, t, (size_t)count, value, normal ? derivative : NULL))
                 return NAN;
@@ -271,6 +273,8 @@ bool law_residuals(const struct law_samples *x, const struct law_fit *fit, doubl
         struct gram_block block = block_of(x, k);
         struct normal unused = {{{0}}};
         for (size_t at = from; at < to; at += CHUNK) {
+            if (cancelled(x->cancel))
+                return false;
             const size_t count = to - at < CHUNK ? to - at : CHUNK;
             for (size_t i = 0; i < count; i++)
                 t[i] = time_of(samples, at + i);

@@ -39,7 +39,7 @@ static bool used_series(struct modes_fitting *f, struct series *used)
            *y = arena_array(f->arena, f->series->n, sizeof *y);
     if (!t || !y)
         return false;
-    *used = (struct series){.t = t, .y = y, .quantity = f->series->quantity};
+    *used = (struct series){.t = t, .y = y, .quantity = f->series->quantity, .cancel = f->cancel};
     for (size_t i = 0; i < f->series->n; i++)
         if (f->samples.use[i]) {
             t[used->n] = f->series->t[i];
@@ -421,7 +421,7 @@ bool two_lines(const struct samples *x, struct mode_pair *pair)
     if (x->n <= MODES_FIRST + 2 * MODE_PARAMETERS)
         return false;
     const double width = 1 / (x->t[x->n - 1] - x->t[0]);
-    if (modes_search(x, 2, true, NULL, start, &samples) < 2 ||
+    if (modes_search(x, 2, true, x->cancel, start, &samples) < 2 ||
         !(modes_evidence(start, 1, 2, samples) > DECIDES) ||
         !(modes_evidence(start, 2, 2, samples) > DECIDES) ||
         !(start[2].rss < TWO_RATHER * start[1].rss))

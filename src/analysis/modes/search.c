@@ -77,7 +77,7 @@ void mode_curve_init(struct mode_curve *c, int modes, double origin)
 /* [Hz] of the fastest line that stands out, 0: none. */
 static double fastest(const struct samples *x, struct arena *arena)
 {
-    const struct series series = {.t = x->t, .y = x->y, .n = x->n};
+    const struct series series = {.t = x->t, .y = x->y, .n = x->n, .cancel = x->cancel};
     struct spectrum_peak peak[LINES];
     bool memory;
     double omega[LINES], max = 0;
@@ -102,7 +102,7 @@ static bool thin_out(const struct samples *x, size_t wanted, struct arena *arena
            *y = arena_array(arena, x->n / each + 1, sizeof *y);
     if (!t || !y)
         return false;
-    *thin = (struct series){.t = t, .y = y};
+    *thin = (struct series){.t = t, .y = y, .cancel = x->cancel};
     for (size_t i = 0; i < x->n; i += each) {
         double count = 0, at = 0, mean = 0;
         for (size_t k = i; k < i + each && k < x->n; k++) {
@@ -264,7 +264,7 @@ static bool straight_line(struct modes_search *s, struct mode_start *start, doub
 {
     struct curve_fit fit;
     struct error ignored = {0};
-    const struct curve_options options = {.rough = true};
+    const struct curve_options options = {.rough = true, .cancel = s->cancel};
     const double x[MODES_FIRST] = {0, 0};
     mode_curve_init(&s->curve, 0, s->series.t[0]);
     if (!curve_fit(&s->curve.curve, &s->series, x, &options, s->arena, &fit, &ignored))
@@ -285,7 +285,8 @@ int modes_search(const struct samples *x, int modes, bool quick, const struct ca
         .arena = &arena, .quick = quick, .cancel = cancel, .span = x->t[x->n - 1] - x->t[0]};
     int found = -1;
     double *residual = NULL;
-    if (thin_out(x, quick ? THIN_QUICK : THIN, &arena, &s.series) && s.series.n > MODES_FIRST)
+    if (thin_out(x, quick ? THIN_QUICK : THIN, &arena, &s.series) &&
+        curve_part(&s.series, &arena, &s.series) && s.series.n > MODES_FIRST)
         residual = arena_array(&arena, s.series.n, sizeof *residual);
     if (residual && straight_line(&s, start, residual))
         found = 0;

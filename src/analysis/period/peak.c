@@ -32,6 +32,8 @@ double variance_beside(const struct samples *x, const double *residual, double o
         const double w = omega + k * bin;
         double c = 0, s = 0, n = 0;
         for (size_t i = 0; i < x->n && k != 0 && w > 0.5 * bin; i++) {
+            if (i % LOOK_EACH_ROWS == 0 && cancelled(x->cancel))
+                return 0;
             if (!x->use[i])
                 continue;
             c += residual[i] * cos(w * (x->t[i] - x->t[0]));
@@ -81,6 +83,8 @@ static bool fit_together(const struct samples *x, struct harmonic *line, int cou
         struct harmonic *h = &line[k % count];
         const double a = h->a, b = h->b, omega = h->omega, origin = h->origin;
         for (size_t i = 0; i < x->n; i++) {
+            if (i % LOOK_EACH_ROWS == 0 && cancelled(x->cancel))
+                return false;
             const double phase = omega * (x->t[i] - origin);
             work[i] = residual[i] + a * cos(phase) + b * sin(phase);
         }
@@ -127,7 +131,9 @@ int series_peaks(const struct series *series, struct arena *arena, struct spectr
     if (series->n < 8 || !now || !line || !left || !work || !samples_init(&x, series, arena))
         return 0;
     samples_flag_spikes(&x, work);
-    for (; count < max && next_line(&x, arena, line, count, now, left, work); count++)
+    for (;
+         count < max && !cancelled(x.cancel) && next_line(&x, arena, line, count, now, left, work);
+         count++)
         memcpy(peak, now, (size_t)(count + 1) * sizeof *peak);
     return count;
 }

@@ -256,7 +256,8 @@ HANDLER(load)
         .rate = has_argument(args, "rate") ? argument_value(args, "rate")->item->value.value : 0,
         .decimal = letter_of_argument(args, "decimal", decimal_letters),
         .separator = letter_of_argument(args, "sep", separator_letters),
-        .name = text_of_argument(args, "as")};
+        .name = text_of_argument(args, "as"),
+        .cancel = session->front.cancel};
     if (options.name.len > 0 &&
         (options.name.len > LIMIT_NAME || peek_name(options.name).len != options.name.len))
         return error_at(error, options.name,

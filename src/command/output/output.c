@@ -7,6 +7,9 @@
 #include <math.h>
 #include <string.h>
 
+#define ROWS 4096    /* shown between two looks */
+#define PIECE 65536u /* [byte] of what is shown, at least, between two looks */
+
 static enum table_format choose_format(const struct arguments *args, struct text path)
 {
     const struct argument_value *format = argument_value(args, "format");
@@ -71,11 +74,15 @@ void reply_exported(struct reply *reply, struct text file, const struct table *t
 }
 
 /* Each row as an object. */
-static void reply_rows(struct reply *reply, const char *kind, const struct table *table)
+static bool reply_rows(struct reply *reply, const char *kind, const struct table *table,
+                       struct error *error)
 {
     struct table_store *const store = reply->store;
     reply->store = NULL; /* it is in the session already */
-    for (size_t row = 0; row < table->rows && !reply->failed; row++) {
+    size_t row = 0;
+    for (; row < table->rows && !reply->failed; row++) {
+        if (row % ROWS == ROWS - 1 && cancelled(table->cancel))
+            break;
         reply_begin(reply, kind);
         for (const struct table_column *c = table->column; c < table->column + table->columns; c++)
             if (c->value)
@@ -85,6 +92,25 @@ static void reply_rows(struct reply *reply, const char *kind, const struct table
         reply_end(reply);
     }
     reply->store = store;
+    return row == table->rows || reply->failed ||
+           error_set(error, ERROR_CANCELLED, "stopped: %zu of %zu rows were left out",
+                     table->rows - row, table->rows);
+}
+
+/* A slow terminal takes long: what was not yet shown can be left out. */
+static bool say_in_pieces(const struct session *session, struct text text, struct reply *reply,
+                          struct error *error)
+{
+    while (text.len > PIECE) {
+        const char *end = memchr(text.at + PIECE, '\n', text.len - PIECE);
+        const size_t size = end ? (size_t)(end + 1 - text.at) : text.len;
+        if (cancelled(session->front.cancel))
+            return error_set(error, ERROR_CANCELLED, "stopped: %zu bytes were left out", text.len);
+        reply_data(reply, "export", (struct text){text.at, size});
+        text = (struct text){text.at + size, text.len - size};
+    }
+    reply_data(reply, "export", text);
+    return true;
 }
 
 HANDLER(export)
@@ -96,18 +122,17 @@ HANDLER(export)
         return error_memory(error);
     if (!fill_table(session, args, &export, error))
         return false;
-    if (text_is(file->text, "-") && reply->format == FORMAT_JSON) {
-        reply_rows(reply, "row", &export.table);
-        return true;
-    }
+    export.table.cancel = session->front.cancel;
+    if (text_is(file->text, "-") && reply->format == FORMAT_JSON)
+        return reply_rows(reply, "row", &export.table, error);
     if (text_is(file->text, "-")) {
         struct buffer text = {0};
         table_format(&export.table, choose_format(args, file->text), &text);
-        const bool ok = !text.failed || error_memory(error);
+        bool ok = !text.failed || error_memory(error);
         if (text.len > 0 && text.data[text.len - 1] != '\n')
             buffer_char(&text, '\n');
         if (ok)
-            reply_data(reply, "export", buffer_text(&text));
+            ok = say_in_pieces(session, buffer_text(&text), reply, error);
         buffer_free(&text);
         return ok;
     }

@@ -75,7 +75,12 @@ static void find_steps(struct cleaning *c)
         before = now;
         c->sorted[n++] = c->y[i];
     }
-    c->swing = quantile(c->sorted, n, 0.995) - quantile(c->sorted, n, 0.005);
+    const double top = quantile(c->sorted, n, 0.995);
+    if (cancelled(c->cancel))
+        return;
+    c->swing = top - quantile(c->sorted, n, 0.005);
+    if (cancelled(c->cancel))
+        return;
     before = NAN;
     for (size_t i = 0, others = 0; i < c->n; i++) {
         const double multiple = (column->value[i] - before) / quantum;
@@ -355,13 +360,13 @@ static bool inspect_motion(struct cleaning *c)
     clean_clipped(c, true);
     clean_clipped(c, false);
     find_stuck(c);
-    if (!clean_fit(c)) /* without what was found so far */
+    if (cancelled(c->cancel) || !clean_fit(c)) /* without what was found so far */
         return false;
     find_ends(c);
     mark_far_off(c, 1 + FINDING_SPIKES);
     trim_ends(c);
     count_masked(c);
-    return find_sway(c);
+    return !cancelled(c->cancel) && find_sway(c);
 }
 
 static bool inspect(struct recording *recording, double period, struct findings *f,
@@ -375,6 +380,7 @@ static bool inspect(struct recording *recording, double period, struct findings 
                          .t = recording->t,
                          .y = recording->y,
                          .period = period,
+                         .cancel = recording->cancel,
                          .excluded = arena_alloc(scratch, n),
                          .residual = arena_array(scratch, n, sizeof(double)),
                          .model = arena_array(scratch, n, sizeof(double)),
@@ -393,7 +399,11 @@ static bool inspect(struct recording *recording, double period, struct findings 
         return false;
     find_gaps(&c);
     find_missing(&c);
+    if (cancelled(c.cancel))
+        return false;
     find_steps(&c);
+    if (cancelled(c.cancel))
+        return false;
     const bool moves =
         period > 0 && recording->t[n - 1] - recording->t[0] >= 2 * period && c.swing > 0;
     return !moves || inspect_motion(&c);
@@ -408,6 +418,8 @@ bool recording_inspect(struct recording *recording, double period, const char *s
     struct findings *findings = arena_alloc(&recording->arena, sizeof *findings);
     const bool ok = findings && inspect(recording, period, findings, &scratch);
     arena_reset(&scratch);
+    if (cancelled(recording->cancel))
+        return error_set(error, ERROR_CANCELLED, "stopped");
     if (!ok)
         return error_memory(error);
     snprintf(findings->still, sizeof findings->still, "%s", still);

@@ -21,6 +21,7 @@ struct cleaning {
     size_t n;
     const double *t, *y;
     double period;
+    const struct cancel *cancel;
     double step;             /* [s] median */
     double quantum;          /* SI; values are multiples of it; 0: no step is seen */
     double swing;            /* of all but the extreme values */

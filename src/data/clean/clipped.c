@@ -2,7 +2,8 @@
 /* Flat tops: a nearer object echoes first, or the range of the sensor ends. */
 #include "data/clean/clean.h"
 
-#include <gsl/gsl_sort.h>
+#include <hooke/base/numeric.h>
+
 #include <math.h>
 
 #define CLIPPED_MIN 12 /* samples */
@@ -62,7 +63,8 @@ void clean_clipped(struct cleaning *c, bool upper)
     for (size_t i = 0; i < c->n; i++)
         if (!isnan(c->y[i]))
             c->sorted[n++] = c->y[i];
-    gsl_sort(c->sorted, 1, n);
+    if (!sort_values(c->sorted, n, c->residual, c->cancel))
+        return;
     const double thin = fmax(0.01 * c->swing, 2.1 * c->quantum),
                  widths[] = {0, thin, fmax(thin, 6 * c->typical)};
     bool found = false;

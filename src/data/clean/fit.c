@@ -20,6 +20,7 @@ struct clean_samples {
     size_t n;
     double (*term)[TERMS]; /* [n] */
     double *y, *weight, *residual, *size;
+    const struct cancel *cancel;
 };
 
 static bool weighted_fit(const struct clean_samples *s, double parameter[TERMS])
@@ -67,7 +68,7 @@ static bool robust_fit(const struct clean_samples *s, double min, double paramet
     for (size_t i = 0; i < s->n; i++)
         s->weight[i] = 1;
     for (int round = 0; round <= ROUNDS; round++) {
-        if (!weighted_fit(s, parameter))
+        if (cancelled(s->cancel) || !weighted_fit(s, parameter))
             return false;
         *scale = residual_scale(s, parameter);
         const double width = fmax(*scale, min);
@@ -139,7 +140,8 @@ bool clean_fit(struct cleaning *c)
             .to = k + 1 < c->locals ? row_at(c, first + each * (double)(k + 1)) : c->n};
         largest = rows > largest ? rows : largest;
     }
-    struct clean_samples work = {.term = arena_array(c->scratch, largest, sizeof *work.term),
+    struct clean_samples work = {.cancel = c->cancel,
+                                 .term = arena_array(c->scratch, largest, sizeof *work.term),
                                  .y = arena_array(c->scratch, largest, sizeof *work.y),
                                  .weight = arena_array(c->scratch, largest, sizeof *work.weight),
                                  .residual =
@@ -149,6 +151,8 @@ bool clean_fit(struct cleaning *c)
         return false;
     size_t fitted = 0;
     for (size_t k = 0; k < c->locals; k++) {
+        if (cancelled(c->cancel))
+            return false;
         fit_local(c, &c->local[k], &work);
         if (c->local[k].fitted)
             c->sorted[fitted++] = c->local[k].scale;

@@ -131,6 +131,8 @@ bool intake_look(void *context, struct text content, size_t from, uintmax_t size
 {
     struct intake *intake = context;
     const char *name = intake->shown;
+    if (cancelled(intake->options->cancel))
+        return error_set(error, ERROR_CANCELLED, "reading was stopped");
     const bool enough = content.len >= ENOUGH_BYTES && !intake->sought;
     const enum packing packing = from < HEAD ? packing_of(content) : intake->packing;
     intake->packing = packing;

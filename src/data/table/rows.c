@@ -374,6 +374,8 @@ bool table_rows(const struct table_text *text, const struct table_layout *layout
     recording->header_lines = (int)(layout->line - text->header);
     size_t number = layout->line, data = 0;
     for (bool more = true; more && rest.len > 0; number++) {
+        if (number % LOOK_EACH_ROWS == 0 && cancelled(recording->cancel))
+            return error_set(error, ERROR_CANCELLED, "reading was stopped");
         if (is_full(&reader, error))
             return false;
         next = plain_row(&reader, rest.at, end);

@@ -277,7 +277,7 @@ bool run_even_series(const struct run *run, double from, double to, double perio
     double *t = arena_array(arena, n + 1, sizeof *t), *y = arena_array(arena, n + 1, sizeof *y);
     if (!t || !y)
         return error_memory(error);
-    *series = (struct series){t, y, 0, system_variable(&run->system, 0).quantity};
+    *series = (struct series){t, y, 0, system_variable(&run->system, 0).quantity, run->cancel};
     for (size_t i = 0; i < n; i++) {
         t[series->n] = to - (double)(n - i) * step;
         y[series->n] = run_position(run, t[series->n]);
