@@ -80,7 +80,7 @@ static void find_noise(const struct curve *curve, struct arena *arena, struct po
         t[i] = points->at[i].x;
         y[i] = points->at[i].y;
     }
-    const struct series series = {t, y, points->n, QUANTITY_OTHER};
+    const struct series series = {t, y, points->n, QUANTITY_OTHER, NULL};
     const double noise = series_noise(&series, arena);
     points->noise = noise > 0 ? noise : 0;
 }
