@@ -132,8 +132,8 @@ static void describe_all(const struct session *session, struct buffer *text)
 static const char *study_or_result(void)
 {
     return ONE_OF("measure period", "fit damped", "measure amplitude", "fit sine", "order rk4",
-                  "print 2*y", "fit scene k", "note good", "run until v > 0", "undo", "redo",
-                  "checkpoint a", "restore a", "measure period; adopt");
+                  "print 2*y", "fit scene k", "note good", "duration = 3 ms; run until v > 0",
+                  "undo", "redo", "checkpoint a", "restore a", "measure period; adopt");
 }
 
 struct kept {
@@ -147,6 +147,7 @@ static void begin(struct kept *kept, uint64_t seed)
     *kept = (struct kept){.file = {0}};
     bench_open(&kept->b, false);
     random_state = seed;
+    type_ok(&kept->b, "duration = 4 ms"); /* a condition that stays false ends after 1000 of them */
     if (dice(2))
         type_ok(&kept->b, "load swing.txt as=one; load speed.txt as=two");
 }
@@ -302,12 +303,83 @@ static void damage_is_named(void **state)
     buffer_free(&notes);
 }
 
+/* ---- files of every format that there was ---- */
+
+static struct buffer commands, records; /* format 0, format 1 */
+
+static void assert_run(const struct session *session, int number, size_t rows, uint64_t sum)
+{
+    const int index = session_find_run(session, text_of(number == 1 ? "1" : "2"));
+    struct buffer bits = {0};
+    assert_true(index >= 0);
+    const struct run *run = session->run[index]->run;
+    for (size_t i = 0; i < trace_count(run->trace); i++)
+        for (int k = 0; k < run->system.n; k++)
+            buffer_put(&bits,
+                       (struct text){(const char *)&trace_state(run->trace, i)[k], sizeof(double)});
+    assert_int_equal(trace_count(run->trace), rows);
+    if (bytes_sum(buffer_text(&bits)) != sum)
+        fail_msg("run %d: rows have the sum %016llx", number,
+                 (unsigned long long)bytes_sum(buffer_text(&bits)));
+    buffer_free(&bits);
+}
+
+static void commands_of_older_versions_are_read(void **state)
+{
+    (void)state;
+    struct bench b;
+    struct error error = {0};
+    bench_open(&b, false);
+    b.session->restoring = true;
+    if (!execute(&b, b.session, buffer_text(&commands), &error))
+        fail_msg("%s", error.text);
+    b.session->restoring = false;
+    assert_string_equal(b.session->run[0]->run->name, "first");
+    assert_string_equal(b.session->run[0]->note, "kept");
+    type_ok(&b, "print A");
+    bench_close(&b);
+}
+
+static void records_of_format_1_are_read(void **state)
+{
+    (void)state;
+    const uint16_t one = 1;
+    struct bench b;
+    struct buffer notes = {0};
+    if (sizeof(void *) != 8 || *(const char *)&one != 1)
+        skip(); /* written on another kind of machine */
+    if (!restore(&b, buffer_text(&records), &notes))
+        fail_msg("it is not read");
+    assert_int_equal(b.session->runs, 2);
+    assert_string_equal(b.session->run[0]->run->name, "first");
+    assert_string_equal(b.session->run[0]->note, "kept");
+    assert_run(b.session, 1, 51, 0xfe625c0e95245ee3);
+    assert_run(b.session, 2, 193, 0xaecc3548d2d1491c);
+    assert_string_equal(b.session->setup.scene.preset->row.name, "pendulum");
+    assert_int_equal(run_event_records(b.session->run[1]->run), 3);
+    type_ok(&b, "print A + measured_period");
+    type_ok(&b, "continue 1 s");
+    bench_close(&b);
+    buffer_free(&notes);
+}
+
 int main(void)
 {
+    struct error error;
+    if (!file_read("tests/unit/command/formats/0.hk", 1 << 20, &commands, &error) ||
+        !file_read("tests/unit/command/formats/1.hks", 1 << 20, &records, &error)) {
+        fprintf(stderr, "%s\n", error.text);
+        return 1;
+    }
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_session_comes_back_bit_for_bit),
         cmocka_unit_test(a_torn_file_is_as_it_was_last_whole),
         cmocka_unit_test(damage_is_named),
+        cmocka_unit_test(commands_of_older_versions_are_read),
+        cmocka_unit_test(records_of_format_1_are_read),
     };
-    return cmocka_run_group_tests(tests, enter_folder, leave_folder);
+    const int failed = cmocka_run_group_tests(tests, enter_folder, leave_folder);
+    buffer_free(&commands);
+    buffer_free(&records);
+    return failed;
 }
