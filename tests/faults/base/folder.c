@@ -131,7 +131,8 @@ static void prepare(const struct scenario *scenario, enum fault_kind kind, int a
     fault.no_noreplace = false;
     remove_folder("target");
     if (scenario->replace)
-        assert_true(put("target", 'o', (struct write_policy){false, false}, &error));
+        assert_true(
+            put("target", 'o', (struct write_policy){.force = false, .confine = false}, &error));
     fault.at = at;
     fault.number = number;
     fault.calls = 0;
@@ -151,8 +152,9 @@ static void every_call_fails(void **state)
             for (int at = is_long() ? 0 : (int)i % 3;; at += is_long() ? 1 : 3) {
                 struct error error = {0};
                 prepare(&scenarios[s], FAULT_ERRNO, at, numbers[i]);
-                const bool done =
-                    put("target", 'n', (struct write_policy){scenarios[s].replace, true}, &error);
+                const bool done = put(
+                    "target", 'n',
+                    (struct write_policy){.force = scenarios[s].replace, .confine = true}, &error);
                 const bool over = fault.calls <= at;
                 fault.kind = FAULT_NONE;
                 const char now = letter_of("target"), before = scenarios[s].replace ? 'o' : '\0';
@@ -186,8 +188,9 @@ static void every_write_is_cut_short(void **state)
         for (int at = 0, over = 0; !over; at++) {
             struct error error = {0};
             prepare(&scenarios[s], FAULT_SHORT, at, 0);
-            assert_true(
-                put("target", 'n', (struct write_policy){scenarios[s].replace, true}, &error));
+            assert_true(put("target", 'n',
+                            (struct write_policy){.force = scenarios[s].replace, .confine = true},
+                            &error));
             over = fault.calls <= at;
             assert_int_equal(letter_of("target"), 'n');
         }
@@ -206,7 +209,8 @@ static void every_call_is_the_last(void **state)
                 if (child == 0) {
                     struct error error;
                     fault.kind = (enum fault_kind)kind;
-                    _exit(put("target", 'n', (struct write_policy){scenarios[s].replace, true},
+                    _exit(put("target", 'n',
+                              (struct write_policy){.force = scenarios[s].replace, .confine = true},
                               &error)
                               ? 0
                               : 1);
@@ -240,7 +244,7 @@ static void refused(const char *path, struct write_policy policy, const char *wh
 static void what_is_there_stays(void **state)
 {
     (void)state;
-    const struct write_policy plain = {false, false}, force = {true, false};
+    const struct write_policy plain = {.force = false}, force = {.force = true};
     struct error error = {0};
     assert_true(put("target//", 'a', plain, &error));
     refused("target", plain, "target exists; add --force");
@@ -267,7 +271,8 @@ static void what_is_there_stays(void **state)
     refused("", force, "the name is empty");
     refused("no/such", force, "No such file");
     refused("target/one.txt", force, "not a folder");
-    refused("../outside", (struct write_policy){true, true}, "outside the current directory");
+    refused("../outside", (struct write_policy){.force = true, .confine = true},
+            "outside the current directory");
     assert_int_equal(access("../outside", F_OK), -1);
     remove_folder("target");
     assert_int_equal(symlink("/tmp", "target"), 0);

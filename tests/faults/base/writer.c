@@ -148,7 +148,8 @@ static int strike_all(const struct scenario *scenario, enum fault_kind kind, int
         struct error error = {0};
         prepare(scenario, kind, at, number);
         const bool done =
-            put("target", 'n', (struct write_policy){scenario->replace, true}, &error);
+            put("target", 'n', (struct write_policy){.force = scenario->replace, .confine = true},
+                &error);
         const bool over = fault.calls <= at;
         fault.kind = FAULT_NONE;
         const char now = letter_of("target"), before = scenario->replace ? 'o' : '\0';
@@ -212,7 +213,8 @@ static void every_call_is_the_last(void **state)
                 if (child == 0) {
                     struct error error;
                     fault.kind = (enum fault_kind)kind;
-                    _exit(put("target", 'n', (struct write_policy){scenarios[s].replace, true},
+                    _exit(put("target", 'n',
+                              (struct write_policy){.force = scenarios[s].replace, .confine = true},
                               &error)
                               ? 0
                               : 1);
@@ -249,7 +251,8 @@ static void killed_at_random_moments(void **state)
         if (child == 0) {
             struct error error;
             for (char letter = 'a';; letter = letter == 'z' ? 'a' : (char)(letter + 1))
-                if (!put("target", letter, (struct write_policy){true, false}, &error))
+                if (!put("target", letter, (struct write_policy){.force = true, .confine = false},
+                         &error))
                     _exit(1);
         }
         random = random * 1103515245u + 12345u;
@@ -279,7 +282,8 @@ static void a_full_disk_is_told(void **state)
             small = (struct rlimit){sizes[i], old.rlim_max};
             assert_int_equal(setrlimit(RLIMIT_FSIZE, &small), 0);
             const bool done =
-                put("target", 'n', (struct write_policy){scenarios[s].replace, false}, &error);
+                put("target", 'n',
+                    (struct write_policy){.force = scenarios[s].replace, .confine = false}, &error);
             assert_int_equal(setrlimit(RLIMIT_FSIZE, &old), 0);
             assert_false(done);
             assert_int_equal(error.code, ERROR_IO);
@@ -302,10 +306,12 @@ static void a_folder_without_permission_is_told(void **state)
         if (geteuid() == 0 &&
             (setgid(65534) != 0 || setuid(65534) != 0)) /* root may write everywhere */
             _exit(3);
-        if (put("other", 'n', (struct write_policy){false, false}, &error) ||
+        if (put("other", 'n', (struct write_policy){.force = false, .confine = false}, &error) ||
             strcmp(error.text, "cannot write other: Permission denied") != 0)
             _exit(1);
-        _exit(put("target", 'n', (struct write_policy){true, false}, &error) ? 2 : 0);
+        _exit(put("target", 'n', (struct write_policy){.force = true, .confine = false}, &error)
+                  ? 2
+                  : 0);
     }
     int status;
     assert_int_equal(waitpid(child, &status, 0), child);
@@ -388,7 +394,7 @@ static void hostile_names(void **state)
     for (size_t i = 0; i < COUNT_OF(names); i++)
         for (int forced = 0; forced <= 1; forced++) {
             struct error error = {0};
-            const struct write_policy policy = {forced, true};
+            const struct write_policy policy = {.force = forced, .confine = true};
             const bool done = put(names[i], 'n', policy, &error);
             if (done) {
                 assert_int_equal(letter_of(names[i]), 'n');

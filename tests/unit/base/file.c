@@ -56,8 +56,8 @@ static bool put(const char *path, const char *content, struct write_policy polic
     return writer_commit(&writer, error);
 }
 
-static const struct write_policy gentle = {false, false}, force = {true, false},
-                                 confine = {false, true};
+static const struct write_policy gentle = {.force = false}, force = {.force = true},
+                                 confine = {.confine = true};
 
 static void assert_content(const char *path, const char *expected)
 {

@@ -150,7 +150,7 @@ static void what_is_written_reads_back_the_same(void **state)
     static const enum table_format formats[] = {TABLE_CSV, TABLE_TSV, TABLE_JSON};
     for (size_t f = 0; f < COUNT_OF(formats); f++)
         for (size_t rows = 0; rows <= 6; rows += 6) {
-            const struct table written = {keys, 2, column, 3, rows};
+            const struct table written = {keys, 2, column, 3, rows, NULL};
             struct table read;
             struct arena arena = {0};
             struct buffer text = {0};
