@@ -13,7 +13,7 @@ static const char *const notes[] = {"plain", "=1+1", "a,b \"c\"\n"};
 static const struct table_key keys[] = {{"dt", "10 ms"}, {"note", "two\nlines"}};
 static const struct table_column columns[] = {
     {"t", "s", times, NULL}, {"y", "m", indices, NULL}, {"say \"hi\"", "", NULL, notes}};
-static const struct table small = {keys, 2, columns, 3, 3};
+static const struct table small = {keys, 2, columns, 3, 3, NULL};
 
 static void csv_text(void **state)
 {
@@ -68,7 +68,7 @@ static void formulas_are_disarmed(void **state)
     static const char *const wanted[] = {"\"'=1\"", "\"'+1\"",  "\"'-1\"",
                                          "\"'@x\"", "\"'\tx\"", "1-1"};
     const struct table_column column = {"=name", "", NULL, cells};
-    const struct table table = {NULL, 0, &column, 1, COUNT_OF(cells)};
+    const struct table table = {NULL, 0, &column, 1, COUNT_OF(cells), NULL};
     struct buffer text = {0};
     table_format(&table, TABLE_CSV, &text);
     struct text rest = buffer_text(&text), line;
@@ -110,7 +110,7 @@ static void exported_tables_read_back(void **state)
     y[2] = 1.7976931348623157e308;
     const struct table_column column[] = {
         {"t", "s", t, NULL}, {"y", "m", y, NULL}, {"z", "m/s", z, NULL}};
-    const struct table table = {keys, 2, column, 3, rows};
+    const struct table table = {keys, 2, column, 3, rows, NULL};
     for (enum table_format format = TABLE_CSV; format <= TABLE_TSV; format++) {
         struct error error = {0};
         const char *path = fixture_path(format == TABLE_CSV ? "out.csv" : "out.tsv");

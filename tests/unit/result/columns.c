@@ -156,7 +156,7 @@ static void markdown_shows_text_as_text(void **state)
     static const char *const words[] = {"a|b", "<i>"};
     static const struct table_column column[] = {{"y_0", "m", y, NULL}, {"word", "", NULL, words}};
     struct buffer out = {0};
-    table_format(&(struct table){keys, 2, column, 2, 2}, TABLE_MARKDOWN, &out);
+    table_format(&(struct table){keys, 2, column, 2, 2, NULL}, TABLE_MARKDOWN, &out);
     assert_string_equal(buffer_view(&out), "- dt: 10 ms\n- note: a \\*b\\*\\\\x0ac\n\n"
                                            "| y\\_0 (m) | word |\n| ---: | --- |\n"
                                            "| -0.5 | a\\|b |\n|  | \\<i\\> |\n");
@@ -171,7 +171,7 @@ static void html_and_latex_show_text_as_text(void **state)
     static const char *const words[] = {"a&b", "[_{i}^2$", "--\\"};
     static const struct table_column column[] = {{"y_0", "m/s^2", y, NULL},
                                                  {"word", "", NULL, words}};
-    const struct table table = {keys, 1, column, 2, 3};
+    const struct table table = {keys, 1, column, 2, 3, NULL};
     struct buffer out = {0};
     table_format(&table, TABLE_LATEX, &out);
     assert_string_equal(buffer_view(&out),

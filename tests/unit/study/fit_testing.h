@@ -36,7 +36,8 @@ static inline struct recorded record(const struct scene *scene, int variable, do
         r.t[i] = trace_time(run->trace, i);
         r.y[i] = trace_state(run->trace, i)[variable] + offset + noise * random_normal();
     }
-    r.series = (struct series){r.t, r.y, n, system_variable(&run->system, variable).quantity};
+    r.series = (struct series){
+        .t = r.t, .y = r.y, .n = n, .quantity = system_variable(&run->system, variable).quantity};
     run_destroy(run);
     return r;
 }
