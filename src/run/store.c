@@ -78,7 +78,7 @@ void run_store(const struct run *run, struct buffer *to)
     const struct run_private *p = run->private_state;
     const struct event_records *records = &p->event_records;
     const struct trace *trace = run->trace;
-    const size_t n = (size_t)run->system.n;
+    const size_t n = (size_t)run->system.n, params = scene_params(&run->scene)->count;
     fields_put(to, run_fields, COUNT_OF(run_fields), run);
     field_text(to, "opinion_by", text_of(run->opinion.by ? run->opinion.by->row.name : ""));
     fields_put(to, private_fields, COUNT_OF(private_fields), p);
@@ -86,6 +86,8 @@ void run_store(const struct run *run, struct buffer *to)
     for (size_t i = 0; i < p->epochs; i++) {
         const size_t begun = field_begin(to, "epoch");
         fields_put(to, epoch_fields, COUNT_OF(epoch_fields), &p->epoch[i]);
+        put_array(to, "start", p->epoch[i].start, n, sizeof(double));
+        put_array(to, "value", p->epoch[i].value, params, sizeof(double));
         field_end(to, begun);
     }
     put_array(to, "saved", p->saved, p->saves, sizeof *p->saved);
@@ -157,8 +159,14 @@ static bool get_epoch(struct run *run, struct text in)
     struct epoch epoch = {0};
     struct scene scene = run->scene;
     struct error ignored;
-    if (!fields_get(in, epoch_fields, COUNT_OF(epoch_fields), &epoch))
+    struct text start, value;
+    if (!fields_get(in, epoch_fields, COUNT_OF(epoch_fields), &epoch) ||
+        !field_find(in, "start", &start) || start.len > sizeof epoch.start ||
+        !field_find(in, "value", &value) || value.len > sizeof epoch.value)
         return false;
+    memcpy(epoch.start, start.at, start.len);
+    memcpy(epoch.value, scene.value, sizeof epoch.value);
+    memcpy(epoch.value, value.at, value.len);
     memcpy(scene.value, epoch.value, sizeof scene.value);
     return scene_bind(&scene, &epoch.system, &ignored) && run_push_epoch(run, &epoch);
 }

@@ -133,6 +133,29 @@ static void test_killed(void **state)
     expect_resumed(name);
 }
 
+/* Whose session is still there is seen by the lock of its file: no number of a process says it. */
+static void test_living_by_lock(void **state)
+{
+    (void)state;
+    new_state();
+    struct person p, other;
+    char name[256] = "", from[256], to[256];
+    begin_work(&p, "HOOKE_AUTOSAVE=0.2");
+    while (count_saved(name) == 0)
+        assert_true(pump(&p, 2000));
+    begin(&other, (struct start){.argument = {"--resume"}, .width = 160});
+    expect(&other, "no saved session");
+    wait_end(&other);
+    forget(&other);
+    kill(p.program, SIGKILL);
+    wait_end(&p);
+    forget(&p);
+    folder_path(from, name);
+    folder_path(to, "session-20200101-000000-1" AUTOSAVE_ENDING); /* there always is a process 1 */
+    assert_int_equal(rename(from, to), 0);
+    expect_resumed(NULL);
+}
+
 static void test_plain_prompt_saves_too(void **state)
 {
     (void)state;
@@ -277,6 +300,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_closed_terminal),
         cmocka_unit_test(test_killed),
+        cmocka_unit_test(test_living_by_lock),
         cmocka_unit_test(test_plain_prompt_saves_too),
         cmocka_unit_test(test_plain_suspend),
         cmocka_unit_test(test_nothing_changed_nothing_saved),
