@@ -61,7 +61,17 @@ static void on_fatal(int number)
 
 void crash_install(void)
 {
-    static const int fatal[] = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGQUIT, SIGSYS};
+    /* And those that end a program which does not expect them; SIGHUP, SIGTERM and SIGALRM have
+     * handlers of their own. */
+    static const int fatal[] = {SIGSEGV,  SIGBUS,  SIGFPE,  SIGILL,  SIGABRT,   SIGQUIT, SIGSYS,
+                                SIGTRAP,  SIGUSR1, SIGUSR2, SIGXCPU, SIGVTALRM, SIGPROF, SIGIO,
+#ifdef SIGPWR
+                                SIGPWR,
+#endif
+#ifdef SIGSTKFLT
+                                SIGSTKFLT
+#endif
+    };
     stack_t stack = {.ss_sp = rescue.stack, .ss_size = sizeof rescue.stack};
     sigaltstack(&stack, NULL); /* an endless recursion leaves no other */
     struct sigaction action = {.sa_flags = (int)(SA_ONSTACK | SA_RESETHAND | SA_NODEFER)};

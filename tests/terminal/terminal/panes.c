@@ -468,7 +468,8 @@ static void end_by(int number, bool running)
 static void test_signals_give_the_terminal_back(void **state)
 {
     (void)state;
-    static const int numbers[] = {SIGHUP, SIGTERM, SIGSEGV, SIGABRT, SIGFPE, SIGBUS, SIGQUIT};
+    static const int numbers[] = {SIGHUP,  SIGTERM, SIGSEGV, SIGABRT, SIGFPE,  SIGBUS,
+                                  SIGQUIT, SIGXCPU, SIGUSR1, SIGUSR2, SIGPROF, SIGIO};
     for (size_t i = 0; i < COUNT_OF(numbers); i++) {
         end_by(numbers[i], false);
         end_by(numbers[i], true);
