@@ -300,13 +300,6 @@ struct session *session_create(const struct front *front);
 void session_destroy(struct session *session);
 /* Appends the commands that recreate the set-up; sourcing them gives the same state. */
 void session_save(const struct session *session, struct buffer *text);
-/*
- * The same with recordings by absolute path, the runs and the view: sourcing it in a new session
- * gives the same exports. Runs that took 2 s or more of computing, and those that stopped at a
- * condition on names that are not saved, are only mentioned in a comment. Measurements are not
- * kept.
- */
-void session_autosave(const struct session *session, struct buffer *text);
 /* The parameter says where a run starts, and nothing else. */
 bool param_is_start(const struct scene *scene, int index);
 /* A short description of the scene holds it: m and k of an oscillator, of its many others those

@@ -10,9 +10,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* [s] of computing: what takes longer is not done again when a session is resumed */
-#define SECONDS_MAX 2.0
-
 void scene_kind_script(const struct scene *scene, struct buffer *text)
 {
     buffer_format(text, "scene %s%s\n", typed_base(scene->model) ? "" : "new ",
@@ -39,10 +36,8 @@ static void save_scene(const struct scene *scene, bool always, struct buffer *te
     atol_script(scene, "\n", text);
 }
 
-static void save_method(const struct setup *setup, bool always, struct buffer *text)
+static void save_method(const struct setup *setup, struct buffer *text)
 {
-    if (always && !setup->method_chosen)
-        buffer_put(text, TEXT("unset method\n"));
     if (!setup->method_chosen && !setup->fixed && setup->drag == DRAG_DEFAULT)
         return;
     buffer_format(text, "method%s%s", setup->method_chosen ? " " : "",
@@ -66,17 +61,15 @@ static void save_setting(const struct setting *setting, const struct settings *s
     buffer_char(text, '\n');
 }
 
-static void save_settings(const struct settings *settings, bool always, struct buffer *text)
+static void save_settings(const struct settings *settings, struct buffer *text)
 {
     struct settings defaults;
     session_default_settings(&defaults);
     for (size_t i = 0; i < setting_catalog.count; i++) {
         const struct setting *setting = setting_at(i);
         const bool chosen = setting_is_chosen(setting, settings);
-        if (!chosen && always)
-            buffer_format(text, "unset %s\n", setting->row.name);
-        else if (!setting->display && chosen &&
-                 (always || setting->chosen || !setting_same(setting, settings, &defaults)))
+        if (!setting->display && chosen &&
+            (setting->chosen || !setting_same(setting, settings, &defaults)))
             save_setting(setting, settings, text);
     }
 }
@@ -156,13 +149,11 @@ const struct recording_field recording_fields[RECORDING_FIELDS] = {
     {FIELD(mass), save_mass},       {FIELD(velocity), NULL},
 };
 
-static void save_recording(const struct recording_slot *slot, bool absolute, struct buffer *text)
+static void save_recording(const struct recording_slot *slot, struct buffer *text)
 {
     const struct recording *recording = slot->recording;
-    char *path = absolute ? realpath(recording->path, NULL) : NULL;
     buffer_put(text, TEXT("load "));
-    buffer_word(text, text_of(path ? path : recording->path));
-    free(path);
+    buffer_word(text, text_of(recording->path));
     buffer_put(text, text_of(slot->options));
     buffer_char(text, '\n');
     for (int i = 0; i < RECORDING_FIELDS; i++)
@@ -208,10 +199,10 @@ static void save_view(const struct view *view, struct buffer *text)
     }
 }
 
-static void save_recordings(const struct session *session, bool absolute, struct buffer *text)
+static void save_recordings(const struct session *session, struct buffer *text)
 {
     for (int i = 0; i < session->recordings; i++)
-        save_recording(session->recording[i], absolute, text);
+        save_recording(session->recording[i], text);
     for (int i = 0; i < session->recordings; i++) {
         const struct recording *recording = session->recording[i]->recording;
         if (session_find_recording(session, text_of(recording->velocity)) >= 0)
@@ -228,10 +219,10 @@ static bool joins(const struct session *session)
     return false;
 }
 
-static void save_current_recording(const struct session *session, bool always, struct buffer *text)
+static void save_current_recording(const struct session *session, struct buffer *text)
 {
     if (session->current_recording >= 0 &&
-        (always || joins(session) || session->current_recording != session->recordings - 1))
+        (joins(session) || session->current_recording != session->recordings - 1))
         buffer_format(text, "data use %s\n", session_recording(session)->name);
 }
 
@@ -241,91 +232,10 @@ void session_save(const struct session *session, struct buffer *text)
     const bool elsewhere = save_let(&session->setup, text);
     save_scene(&session->setup.scene, elsewhere, text);
     events_save(session->setup.events, false, text);
-    save_method(&session->setup, false, text);
-    save_settings(&session->setup.settings, false, text);
-    save_recordings(session, false, text);
-    save_current_recording(session, false, text);
+    save_method(&session->setup, text);
+    save_settings(&session->setup.settings, text);
+    save_recordings(session, text);
+    save_current_recording(session, text);
     if (!session->view.focus) /* other panes show runs, which are not saved */
-        save_view(&session->view, text);
-}
-
-/* ---- with the runs ---- */
-
-/* The run as commands; a comment where it is left out. True if it is there. */
-static bool save_run(const struct session *session, const struct run_slot *slot,
-                     struct buffer *text)
-{
-    const struct run *run = slot->run;
-    const struct setup setup = {.method = run->method, .drag = run->settings.drag};
-    const size_t before = text->len;
-    save_scene(&run->scene, true, text);
-    buffer_put(text, TEXT("event off\n"));
-    events_save(slot->events, true, text); /* what they execute is in the journal */
-    buffer_format(text, "method %s dt=", setup.method->row.name);
-    buffer_exact(text, (struct measured){run->settings.dt, 0}, QUANTITY_TIME);
-    if (run->plan.adaptive) {
-        buffer_put(text, TEXT(" tol="));
-        buffer_real(text, run->settings.tol);
-    }
-    if (setup.drag != DRAG_DEFAULT)
-        buffer_format(text, " drag=%s", catalog_row(&drag_catalog, (size_t)setup.drag - 1)->name);
-    struct settings settings;
-    session_default_settings(&settings);
-    settings.record = run->settings.record;
-    settings.kernel = (int)run->settings.kernel;
-    settings.sums = run->settings.compensated ? SUMS_COMPENSATED : SUMS_PLAIN;
-    settings.turning = run->scene.across ? TURNING_OFF : TURNING_ON;
-    buffer_char(text, '\n');
-    for (size_t i = 0; i < setting_catalog.count; i++)
-        if (setting_at(i)->of_run)
-            save_setting(setting_at(i), &settings, text);
-    const char *why = NULL;
-    if (run->seconds >= SECONDS_MAX)
-        why = "it took too long to compute";
-    else if (!journal_write(session, slot, 0, -1, run->number, true, text))
-        why = "it stopped at a condition on a variable or a result";
-    if (why) {
-        text->len = before;
-        buffer_format(text, "# run %d (%s, to t = %.6g s) is left out: %s\n", run->number,
-                      run->method->row.name, run->t, why);
-        return false;
-    }
-    if (run->name[0])
-        buffer_format(text, "rename %d %s\n", run->number, run->name);
-    if (slot->note)
-        buffer_format(text, "note %s\n", slot->note);
-    return true;
-}
-
-void session_autosave(const struct session *session, struct buffer *text)
-{
-    bool always_saved = false, current = false;
-    buffer_put(text, TEXT("# session saved by hooke " HOOKE_VERSION "\n"));
-    save_recordings(session, true, text);
-    save_let(&session->setup, text);
-    for (int i = 0; i < session->runs; i++) {
-        const bool there = save_run(session, session->run[i], text);
-        always_saved |= there;
-        current |= there && i == session->current_run;
-    }
-    for (int i = 0; i < session->setup.owns; i++) {
-        buffer_format(text, "scene new %s\n", session->setup.own[i]->row.name);
-        struct scene scene;
-        scene_init(&scene, session->setup.own[i]);
-        scene_script(&scene, "\n", text);
-    }
-    always_saved |= session->setup.owns > 0;
-    save_scene(&session->setup.scene, always_saved, text);
-    buffer_put(text, always_saved ? TEXT("event off\n") : TEXT(""));
-    events_save(session->setup.events, false, text);
-    save_method(&session->setup, always_saved, text);
-    save_settings(&session->setup.settings, always_saved, text);
-    if (!session->data_is_latest)
-        save_current_recording(session, true, text);
-    if (current)
-        buffer_format(text, "use %d\n", session->run[session->current_run]->run->number);
-    if (session->data_is_latest)
-        save_current_recording(session, true, text);
-    if (current || !session->view.focus)
         save_view(&session->view, text);
 }

@@ -10,46 +10,7 @@
 #include "unit/command/random_session.h"
 
 #include <hooke/base/fields.h>
-#include <hooke/report.h>
 #include <hooke/run/store.h>
-#include <hooke/session/store.h>
-
-static bool add(void *context, struct text record, struct error *error)
-{
-    (void)error;
-    buffer_put(context, record);
-    return true;
-}
-
-static void store(struct session *session, struct stored *stored, struct buffer *file)
-{
-    struct error error = {0};
-    if (file->len == 0)
-        buffer_put(file, TEXT(STORE_HEADER));
-    if (!session_store(session, stored, &(struct store_sink){file, add}, &error))
-        fail_msg("it is not stored: %s", error.text);
-    assert_false(file->failed);
-}
-
-static bool execute(void *context, struct session *session, struct text commands,
-                    struct error *error)
-{
-    struct bench *b = context;
-    struct text line;
-    while (text_split(&commands, '\n', &line))
-        if (!command_exec(session, line, NULL, &b->reply))
-            return error_set(error, ERROR_COMMAND, "%.*s: %s", (int)line.len, line.at,
-                             said(&b->err));
-    return true;
-}
-
-static bool restore(struct bench *again, struct text file, struct buffer *notes)
-{
-    struct error error;
-    bench_open(again, false);
-    const struct restorer restorer = {again, &plot_catalog, &result_catalog, execute};
-    return store_recognise(file) && session_restore(again->session, file, &restorer, notes, &error);
-}
 
 /* ---- all there is, as text ---- */
 
@@ -211,12 +172,12 @@ static void a_session_comes_back_bit_for_bit(void **state)
         for (int k = 0; k < LINES; k++) {
             play_one(&kept);
             if (dice(4) == 0)
-                store(kept.b.session, &kept.stored, &kept.file);
+                bench_store(kept.b.session, &kept.stored, &kept.file);
         }
         describe_all(kept.b.session, &wanted);
-        store(kept.b.session, &kept.stored, &kept.file);
+        bench_store(kept.b.session, &kept.stored, &kept.file);
         buffer_clear(&notes);
-        if (!restore(&again, buffer_text(&kept.file), &notes) || notes.len > 0)
+        if (!bench_restore(&again, buffer_text(&kept.file), &notes) || notes.len > 0)
             fail_msg("session %d: %s%s", i, said(&kept.typed), said(&notes));
         describe_all(again.session, &got);
         assert_same(&wanted, &got, "kept", &kept.typed);
@@ -247,7 +208,7 @@ static void a_torn_file_is_as_it_was_last_whole(void **state)
             for (int k = 0; k < LINES / STORES; k++)
                 play_one(&kept);
             describe_all(kept.b.session, &at[s]);
-            store(kept.b.session, &kept.stored, &kept.file);
+            bench_store(kept.b.session, &kept.stored, &kept.file);
             whole[s] = kept.file.len;
         }
         for (int cut = 0; cut < 4; cut++) {
@@ -257,7 +218,7 @@ static void a_torn_file_is_as_it_was_last_whole(void **state)
             while (last + 1 < STORES && whole[last + 1] <= len)
                 last++;
             buffer_clear(&notes);
-            if (!restore(&again, (struct text){kept.file.data, len}, &notes) || notes.len > 0)
+            if (!bench_restore(&again, (struct text){kept.file.data, len}, &notes) || notes.len > 0)
                 fail_msg("session %d cut at %zu: %s", i, len, said(&notes));
             describe_all(again.session, &got);
             assert_same(&at[last], &got, "torn", &kept.typed);
@@ -285,7 +246,7 @@ static void damage_is_named(void **state)
         for (int s = 0; s < STORES; s++) {
             for (int k = 0; k < LINES / STORES; k++)
                 play_one(&kept);
-            store(kept.b.session, &kept.stored, &kept.file);
+            bench_store(kept.b.session, &kept.stored, &kept.file);
         }
         for (int hit = 0; hit < 4; hit++) {
             struct bench again;
@@ -293,7 +254,7 @@ static void damage_is_named(void **state)
                 strlen(STORE_HEADER) + (size_t)dice((int)(kept.file.len - strlen(STORE_HEADER)));
             kept.file.data[where] ^= (char)(1 << dice(8));
             buffer_clear(&notes);
-            assert_true(restore(&again, buffer_text(&kept.file), &notes));
+            assert_true(bench_restore(&again, buffer_text(&kept.file), &notes));
             named += notes.len > 0;
             bench_close(&again);
         }
@@ -331,7 +292,7 @@ static void commands_of_older_versions_are_read(void **state)
     struct error error = {0};
     bench_open(&b, false);
     b.session->restoring = true;
-    if (!execute(&b, b.session, buffer_text(&commands), &error))
+    if (!bench_execute(&b, b.session, buffer_text(&commands), &error))
         fail_msg("%s", error.text);
     b.session->restoring = false;
     assert_string_equal(b.session->run[0]->run->name, "first");
@@ -348,7 +309,7 @@ static void records_of_format_1_are_read(void **state)
     struct buffer notes = {0};
     if (sizeof(void *) != 8 || *(const char *)&one != 1)
         skip(); /* written on another kind of machine */
-    if (!restore(&b, buffer_text(&records), &notes))
+    if (!bench_restore(&b, buffer_text(&records), &notes))
         fail_msg("it is not read");
     assert_int_equal(b.session->runs, 2);
     assert_string_equal(b.session->run[0]->run->name, "first");

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* session_autosave: sourcing what it writes in a new session gives the same exports. */
+/* A session from its file gives the same exports. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
@@ -17,15 +17,6 @@ static void assert_same_files(const char *a, const char *b, const char *what)
         fail_msg("%s: the exports differ", what);
     buffer_free(&one);
     buffer_free(&two);
-}
-
-static void save(const struct bench *b, const char *file)
-{
-    struct buffer text = {0};
-    session_autosave(b->session, &text);
-    assert_false(text.failed);
-    write_file(file, text.data, text.len);
-    buffer_free(&text);
 }
 
 static void write_recording(void)
@@ -105,10 +96,7 @@ static void resumed_sessions_export_the_same(void **state)
             b.session->status = 0;
         }
         export_all(&b, "a");
-        save(&b, "saved.hk");
-        bench_open(&again, false);
-        if (!type(&again, "source saved.hk"))
-            fail_msg("%s: %s", sessions[i], said(&again.err));
+        bench_resume(&b, &again);
         assert_int_equal(again.session->runs, b.session->runs);
         export_all(&again, "b");
         assert_same_files("aruns.csv", "bruns.csv", sessions[i]);
@@ -126,28 +114,9 @@ static void resumed_sessions_export_the_same(void **state)
         assert_int_equal(again.session->view.full, b.session->view.full);
         assert_true(again.session->view.trail == b.session->view.trail &&
                     again.session->view.window == b.session->view.window);
-        /* And it saves the same again. */
-        save(&again, "second.hk");
-        assert_same_files("saved.hk", "second.hk", sessions[i]);
         bench_close(&b);
         bench_close(&again);
     }
-}
-
-static void left_out_is_said(void **state)
-{
-    (void)state;
-    struct bench b;
-    struct buffer text = {0};
-    bench_open(&b, false);
-    type_ok(&b, "let level = 1 cm; run until y < level; run 1 s");
-    b.session->run[1]->run->seconds = 5;
-    session_autosave(b.session, &text);
-    assert_says(&text, "# run 1 (euler, to t = ");
-    assert_says(&text, "is left out: it stopped at a condition on a variable or a result");
-    assert_says(&text, "# run 2 (euler, to t = 1 s) is left out: it took too long to compute");
-    buffer_free(&text);
-    bench_close(&b);
 }
 
 /* `save` is the set-up only, and no view where there is nothing particular. */
@@ -174,7 +143,6 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(resumed_sessions_export_the_same),
-        cmocka_unit_test(left_out_is_said),
         cmocka_unit_test(save_has_no_runs),
     };
     return cmocka_run_group_tests(tests, enter_folder, leave_folder);

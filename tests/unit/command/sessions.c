@@ -16,31 +16,29 @@ static int sessions(void)
 
 /* ---- what has to hold ---- */
 
-static void save(const struct session *session, void (*as)(const struct session *, struct buffer *))
+static void save(const struct session *session)
 {
     struct buffer text = {0};
-    as(session, &text);
+    session_save(session, &text);
     assert_false(text.failed);
     write_file("saved.hk", text.data, text.len);
     buffer_free(&text);
 }
 
-/* In a new session; restoring: as the program does it with one that saved itself. */
-static void read_back(struct bench *again, bool restoring, const struct buffer *typed)
+/* In a new session. */
+static void read_back(struct bench *again, const struct buffer *typed)
 {
     struct buffer content = {0};
     struct error error;
     struct text rest, line;
     assert_true(file_read("saved.hk", 1 << 20, &content, &error));
     bench_open(again, false);
-    again->session->restoring = restoring;
     rest = buffer_text(&content);
     while (text_split(&rest, '\n', &line))
         if (!command_exec(again->session, line, NULL, &again->reply)) {
             fprintf(stderr, "%s\n", said(typed));
             fail_msg("saved.hk: %s", said(&again->err));
         }
-    again->session->restoring = false;
     buffer_free(&content);
 }
 
@@ -54,8 +52,8 @@ static void what_is_saved_comes_back(void **state)
         bench_open(&b, false);
         play(&b, (uint64_t)i, &typed);
         const unsigned view = !b.session->view.focus ? PART_VIEW : 0;
-        save(b.session, session_save);
-        read_back(&again, false, &typed);
+        save(b.session);
+        read_back(&again, &typed);
         describe(b.session, PART_SETUP | PART_RECORDINGS | view, &wanted);
         describe(again.session, PART_SETUP | PART_RECORDINGS | view, &got);
         assert_same(&wanted, &got, "saved", &typed);
@@ -88,8 +86,7 @@ static void a_resumed_session_is_the_same(void **state)
         bench_open(&b, false);
         play(&b, 2000 + (uint64_t)i, &typed);
         const unsigned view = b.session->runs > 0 || !b.session->view.focus ? PART_VIEW : 0;
-        save(b.session, session_autosave);
-        read_back(&again, true, &typed);
+        bench_resume(&b, &again);
         describe(b.session, parts | view, &wanted);
         describe(again.session, parts | view, &got);
         assert_same(&wanted, &got, "resumed", &typed);

@@ -74,7 +74,6 @@ static void autosaves_bring_back_runs(void **state)
 {
     (void)state;
     struct bench b, other;
-    struct buffer saved = {0};
     bench_open(&b, false);
     type_ok(&b, "method dop853 tol=1e-9");
     for (size_t i = 0; i < COUNT_OF(systems); i++) {
@@ -85,10 +84,7 @@ static void autosaves_bring_back_runs(void **state)
     }
     type_ok(&b, "event half when t - 0.5 do 'print t'; event more when t > 0.7 do stop; run 1 s; "
                 "continue; continue");
-    session_autosave(b.session, &saved);
-    write_file("typed.hk", saved.data, saved.len);
-    bench_open(&other, false);
-    type_ok(&other, "source typed.hk");
+    bench_resume(&b, &other);
     assert_int_equal(other.session->runs, b.session->runs);
     for (int r = 0; r < b.session->runs; r++) {
         const struct run *one = b.session->run[r]->run, *two = other.session->run[r]->run;
@@ -101,7 +97,6 @@ static void autosaves_bring_back_runs(void **state)
     }
     bench_close(&b);
     bench_close(&other);
-    buffer_free(&saved);
 }
 
 /* Balls that bounce, cells that fire: with what events do to them, runs come back bit for bit from
@@ -122,7 +117,6 @@ static void jumps_are_done_again(void **state)
     (void)state;
     for (size_t i = 0; i < COUNT_OF(scenes) * COUNT_OF(methods); i++) {
         struct bench b, other, told;
-        struct buffer saved = {0};
         char method[40];
         start(&b, scenes[i % COUNT_OF(scenes)]);
         snprintf(method, sizeof method, "method %s", methods[i / COUNT_OF(scenes)]);
@@ -135,10 +129,7 @@ static void jumps_are_done_again(void **state)
         const int64_t steps = run->steps;
         const double y = run->y[0], t = run->t;
         type_ok(&b, "record off");
-        session_autosave(b.session, &saved);
-        write_file("jumps.hk", saved.data, saved.len);
-        bench_open(&other, false);
-        type_ok(&other, "source jumps.hk");
+        bench_resume(&b, &other);
         bench_open(&told, false);
         type_ok(&told, "source scene.hk; source told.hk");
         for (int r = 0; r < b.session->runs; r++) {
@@ -158,7 +149,6 @@ static void jumps_are_done_again(void **state)
         bench_close(&b);
         bench_close(&other);
         bench_close(&told);
-        buffer_free(&saved);
     }
 }
 
