@@ -171,7 +171,7 @@ static int run(const struct options *options)
             session->status = 0;
         }
         if (options->check) {
-            session->status = command_check(session, options->check, &reply);
+            session->status = hand_in_check(session, options->check, &reply);
         } else {
             batch_run(session, options, kind == FRONT_END && options->tasks == 0, &reply, &streams);
         }

@@ -74,6 +74,9 @@ bool command_complete(struct session *session, struct text line, size_t cursor, 
  */
 void command_next(const struct session *session, struct buffer *line);
 
+/* After a typed line: on to the lesson's next step, if that was what it waited for, and says it. */
+void lesson_follow(struct session *session, struct reply *reply);
+
 /* ---- a hand-in, run again ---- */
 
 /*
@@ -83,7 +86,7 @@ void command_next(const struct session *session, struct buffer *line);
  * `check`: differences [{file, what, detail}], folder, agrees, values, figures, files. Returns the
  * exit status: 0 all agree, ERROR_COMMAND some differ, ERROR_USAGE there is no session to run.
  */
-int command_check(struct session *session, const char *folder, struct reply *reply);
+int hand_in_check(struct session *session, const char *folder, struct reply *reply);
 
 /* ---- the catalog of commands: the man page and the README are made from it ---- */
 

@@ -225,6 +225,14 @@ struct fit_band {
     double *half;      /* [variables][n] half the width */
 };
 
+/* A lesson that waits (`lab`): what it says, and which of its steps is to be done. */
+struct lesson {
+    struct buffer text;
+    int step, steps; /* counted from 0; step == steps: it is over */
+    size_t begun;    /* place in the log at which the step began */
+    long seed;       /* of its recordings */
+};
+
 struct session {
     struct front front;
     struct setup setup;
@@ -290,6 +298,7 @@ struct session {
     bool passing;   /* the run goes on after them: what they set is not told each time */
     bool restoring; /* a session that saved itself is read: nothing but what recreates it */
 
+    struct lesson *lesson; /* NULL: none */
     struct view view;
     struct log log;
     struct live live;

@@ -313,7 +313,7 @@ static void conclude(struct check *check)
     buffer_free(&verdict);
 }
 
-int command_check(struct session *session, const char *folder, struct reply *reply)
+int hand_in_check(struct session *session, const char *folder, struct reply *reply)
 {
     struct check *check = calloc(1, sizeof *check);
     struct session *view = malloc(sizeof *view);

@@ -2,6 +2,7 @@
 /* What a student of the lab does next with the recording that was loaded last: offered at the
  * prompt, where an empty Enter takes it. */
 #include "command/internal.h"
+#include "command/session/lesson.h"
 
 #include <hooke/session/log.h>
 
@@ -142,6 +143,17 @@ static const struct stage stages[] = {
 void command_next(const struct session *session, struct buffer *line)
 {
     struct buffer script = {0};
+    struct lesson_step step;
+    if (session->lesson && session->lesson->step < session->lesson->steps) {
+        /* once: what it has to say is then read, and checked */
+        if (lesson_step(session->lesson, session->lesson->step, &step)) {
+            struct text rest = step.command, first = TEXT("");
+            text_split(&rest, ';', &first);
+            if (first.len > 0 && !lesson_done(session, text_trim(first)))
+                buffer_put(line, step.command);
+        }
+        return;
+    }
     struct done done = {session, session_recording(session), {0}, false};
     history_put(session, 0, HISTORY_RECORD, &script);
     done.script = buffer_text(&script);

@@ -46,6 +46,9 @@ void session_destroy(struct session *session)
     while (session->recordings > 0)
         session_drop_recording(session, session->recordings - 1);
     history_free(session);
+    if (session->lesson)
+        buffer_free(&session->lesson->text);
+    free(session->lesson);
     free(session->measurement);
     free(session->stored_fit);
     free(session->fit_curve[0]);

@@ -91,7 +91,8 @@ void offer_next(struct front_program *program, int room)
 {
     struct buffer *offer = &program->offer;
     buffer_clear(offer);
-    const struct session *session = program->session;
+    struct session *session = program->session;
+    lesson_follow(session, program->reply);
     if (session->quit || program->reply->quiet || session->setup.settings.format != FORMAT_TEXT) {
         return;
     }

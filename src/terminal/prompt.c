@@ -145,7 +145,12 @@ static char *read_line(struct front_program *program)
 {
     set_alarm(program->autosave);
     signals_watch(1u << HAPPENED_SUSPEND | 1u << HAPPENED_ALARM);
-    char *typed = readline("hooke> ");
+    const struct lesson *lesson = program->session->lesson;
+    char prompt[40] = "hooke> ";
+    if (lesson && lesson->step < lesson->steps) {
+        snprintf(prompt, sizeof prompt, "lab %d/%d> ", lesson->step + 1, lesson->steps);
+    }
+    char *typed = readline(prompt);
     if (!signals_ending()) {
         alarm(0);
     }

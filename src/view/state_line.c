@@ -183,9 +183,12 @@ static void tighten(struct buffer *text)
 void state_line_draw(const struct screen *screen, int y)
 {
     struct buffer text = {0};
+    const struct lesson *lesson = screen->session->lesson;
     int width = screen->canvas->width, parameters = PARAM_MAX;
     for (size_t i = 0; i < COUNT_OF(forms);) {
         buffer_clear(&text);
+        if (lesson && lesson->step < lesson->steps)
+            buffer_format(&text, "lab %d/%d waits | ", lesson->step + 1, lesson->steps);
         put_form(&text, screen->session, &forms[i], parameters);
         if (text_width(buffer_text(&text)) > width)
             tighten(&text);

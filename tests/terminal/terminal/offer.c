@@ -228,13 +228,86 @@ static void test_small(void **state)
     assert_int_equal(chdir(home), 0);
 }
 
+/* Types it and waits until that stands at the end of what was sent. */
+static void enter_lesson(struct person *p, const char *keys, const char *prompt)
+{
+    const int64_t deadline = clock_ns() + PATIENCE_NS;
+    const size_t before = p->raw.len + strlen(keys) + 1, len = strlen(prompt);
+    type(p, keys);
+    while (
+        (p->raw.len < before + len || memcmp(p->raw.data + p->raw.len - len, prompt, len) != 0) &&
+        clock_ns() < deadline) {
+        pump(p, 200);
+    }
+    assert_memory_equal(p->raw.data + p->raw.len - len, prompt, len);
+}
+
+/* A lesson at the prompt: it shows that it waits, Enter types what it says, Ctrl-C loses nothing.
+ */
+static void test_lesson(void **state)
+{
+    (void)state;
+    static char folder[] = "/tmp/hooke-keys-XXXXXX";
+    struct person p;
+    in_folder(folder);
+    begin(&p, (struct start){.argument = {"--plain", "--color", "never"}});
+    await_prompt(&p, 0);
+    type(&p, "lab seed=7\r");
+    expect(&p, "lab 1/13>");
+    type(&p, "abc\x03");
+    expect(&p, "^C");
+    enter_lesson(&p, "again\r", "lab 1/13> ");
+    enter_lesson(&p, "\r", "lab 2/13> ");
+    assert_true(shows(&p, "next (Enter): measure period"));
+    enter_lesson(&p, "\r", "lab 2/13> ");
+    assert_true(shows(&p, "13 periods"));
+    type(&p, "check 0.9 s\r");
+    expect(&p, "not that");
+    type(&p, "skip\r");
+    expect(&p, "lab 3/13>");
+    type(&p, "lab off\r");
+    expect(&p, "no lesson");
+    expect(&p, "hooke>");
+    quit(&p);
+    assert_int_equal(chdir(home), 0);
+}
+
+static void test_lesson_in_panes(void **state)
+{
+    (void)state;
+    static const struct start sizes[] = {{.width = 80, .height = 24}, {.width = 40, .height = 12}};
+    static char folder[][24] = {"/tmp/hooke-keys-XXXXXX", "/tmp/hooke-keys-XXXXXX"};
+    for (size_t i = 0; i < COUNT_OF(sizes); i++) {
+        struct person p;
+        in_folder(folder[i]);
+        start_panes(&p, sizes[i]);
+        type(&p, "lab seed=7\r");
+        expect(&p, "lab 1/13 waits");
+        type(&p, "load bare-7.txt\r");
+        const int64_t deadline = clock_ns() + PATIENCE_NS;
+        struct buffer row = {0};
+        while (!shows(&p, "lab 2/13 waits") && clock_ns() < deadline) {
+            pump(&p, 200);
+            prompt_row(&p, &row);
+            if (strstr(row.data, "(space")) {
+                type(&p, "q");
+            }
+        }
+        buffer_free(&row);
+        expect(&p, "lab 2/13 waits");
+        type(&p, "lab off\r");
+        wait_for(&p, "waits", false);
+        quit(&p);
+        assert_int_equal(chdir(home), 0);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_lab),
-        cmocka_unit_test(test_unseen),
-        cmocka_unit_test(test_panes),
-        cmocka_unit_test(test_small),
+        cmocka_unit_test(test_lab),    cmocka_unit_test(test_unseen),
+        cmocka_unit_test(test_panes),  cmocka_unit_test(test_small),
+        cmocka_unit_test(test_lesson), cmocka_unit_test(test_lesson_in_panes),
     };
     return make_folder(state_folder) ? cmocka_run_group_tests(tests, NULL, NULL) : 1;
 }
