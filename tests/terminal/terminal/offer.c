@@ -291,6 +291,7 @@ static void test_lesson_in_panes(void **state)
             prompt_row(&p, &row);
             if (strstr(row.data, "(space")) {
                 type(&p, "q");
+                wait_for(&p, "(space", false);
             }
         }
         buffer_free(&row);
