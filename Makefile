@@ -202,6 +202,9 @@ $(B)/%.o: src/%.c $(FLAGS_STAMP)
 	$(call say,CC,$<)
 	$(Q)$(compile_source)
 
+# The lessons are in the program, too.
+$(B)/command/session/lesson_steps.o: $(wildcard examples/lessons/*.hk)
+
 OPTIONAL_OBJECTS := $(call object,$(OPTIONAL_SOURCES))
 $(OPTIONAL_OBJECTS): CPPFLAGS += $(OPTIONAL_CPPFLAGS)
 $(OPTIONAL_OBJECTS): $(OPTIONAL_STAMP)

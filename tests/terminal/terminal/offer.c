@@ -202,7 +202,9 @@ static void test_panes(void **state)
     await_offer(&p, "next (Enter): adopt");
     type(&p, "\r");
     await_offer(&p, "next (Enter): method euler dt=10 ms; run 10 s");
-    type(&p, "abc\x03"); /* leaves nothing behind */
+    type(&p, "abc");
+    expect_prompt(&p, EMPTY_PROMPT " abc");
+    type(&p, "\x03"); /* leaves nothing behind */
     expect_prompt(&p, EMPTY_PROMPT);
     type(&p, "print 7*13\r");
     expect(&p, "91");
