@@ -124,6 +124,17 @@ static bool begin_session(struct session **session, const struct options *option
            option_setting(*session, "format", options->format);
 }
 
+/* What needs no prompt. */
+static void work(struct session *session, const struct options *options, enum front_kind kind,
+                 struct reply *reply, struct streams *streams)
+{
+    if (options->check) {
+        session->status = hand_in_check(session, options->check, reply);
+    } else {
+        batch_run(session, options, kind == FRONT_END && options->tasks == 0, reply, streams);
+    }
+}
+
 static int run(const struct options *options)
 {
     const enum front_kind kind = choose_front(options);
@@ -170,11 +181,7 @@ static int run(const struct options *options)
             /* a mistake in the rc file has been told; it does not make this run a failure */
             session->status = 0;
         }
-        if (options->check) {
-            session->status = hand_in_check(session, options->check, &reply);
-        } else {
-            batch_run(session, options, kind == FRONT_END && options->tasks == 0, &reply, &streams);
-        }
+        work(session, options, kind, &reply, &streams);
         /* what is typed at the prompt afterwards has been answered there */
         status = session->status;
         if (kind != FRONT_END && !session->quit && !signals_ending()) {
