@@ -141,9 +141,6 @@ $(TOP)/pages/hooke.bash: $(TOP)/hooke scripts/reference
 	@mkdir -p $(@D)
 	$(Q)scripts/reference completion $(TOP)/hooke > $@
 
-# Lessons are in the program.
-$(B)/command/session/lesson_steps.o: $(wildcard examples/lessons/*.hk)
-
 # ---- optimisation, by what is compiled --------------------------------------------------------------------------------
 # -O2 but for these, where the configuration is for speed at all:
 

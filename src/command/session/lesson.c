@@ -40,6 +40,7 @@ static bool go_to(struct session *session, int step, struct reply *reply, struct
     struct lesson *lesson = session->lesson;
     lesson->step = step;
     lesson->begun = session->history.count;
+    session_changed(session);
     if (!lesson_files(session, error))
         return false;
     say_step(session, reply);
@@ -71,6 +72,7 @@ HANDLER(lab)
                                 *seed = argument_value(args, "seed");
     if (name->count && text_is(name->item->text, "off")) {
         lesson_free(session);
+        session_changed(session);
         reply_line(reply, "no lesson");
         return true;
     }

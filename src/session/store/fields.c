@@ -48,3 +48,12 @@ const struct store_array store_arrays[] = {
     ARRAY_OF(stored_fit, stored_fits, 0),
 };
 const size_t store_array_count = COUNT_OF(store_arrays);
+
+#define OF_LESSON(member) FIELD_OF(struct lesson, member)
+const struct field store_lesson[] = {
+    OF_LESSON(step),
+    OF_LESSON(steps),
+    OF_LESSON(begun),
+    OF_LESSON(seed),
+};
+const size_t store_lesson_count = COUNT_OF(store_lesson);

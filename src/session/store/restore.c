@@ -282,6 +282,28 @@ static void read_view(struct reader *reader)
         session->view = view;
 }
 
+static void read_lesson(struct reader *reader)
+{
+    struct text in, text;
+    struct lesson lesson = {.step = 0};
+    if (!field_find(reader->state, "lesson", &in))
+        return;
+    struct lesson *kept = malloc(sizeof *kept);
+    const bool ok = kept && field_find(in, "text", &text) &&
+                    fields_get(in, store_lesson, store_lesson_count, &lesson) && lesson.step >= 0 &&
+                    lesson.step <= lesson.steps;
+    if (ok)
+        buffer_put(&lesson.text, text);
+    if (!ok || lesson.text.failed) {
+        reader_note(reader, "the lesson is left out");
+        buffer_free(&lesson.text);
+        free(kept);
+        return;
+    }
+    *kept = lesson;
+    reader->session->lesson = kept;
+}
+
 /* Places in lists that are as long as they could be made. */
 static void settle(struct session *session, int at, uint64_t run_id)
 {
@@ -323,6 +345,7 @@ static void read_all(struct reader *reader)
     settle(session, at, current);
     read_tables(reader);
     read_view(reader);
+    read_lesson(reader);
     undo_clear(session);
     read_history(reader);
     session_changed(session);

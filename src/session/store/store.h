@@ -35,8 +35,8 @@ struct asked {
     struct measured value;
 };
 
-extern const struct field store_session[], store_view[];
-extern const size_t store_session_count, store_view_count;
+extern const struct field store_session[], store_view[], store_lesson[];
+extern const size_t store_session_count, store_view_count, store_lesson_count;
 
 /* Arrays of the session that have no pointers in them: a field each, and its count. */
 struct store_array {

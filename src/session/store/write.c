@@ -376,6 +376,16 @@ static void put_tables(const struct session *session, struct buffer *to)
         field_text(to, "studied", text_of(session->studied));
 }
 
+static void put_lesson(const struct lesson *lesson, struct buffer *to)
+{
+    if (!lesson)
+        return;
+    const size_t begun = field_begin(to, "lesson");
+    fields_put(to, store_lesson, store_lesson_count, lesson);
+    field_text(to, "text", buffer_text(&lesson->text));
+    field_end(to, begun);
+}
+
 static void put_state(const struct session *session, struct buffer *to)
 {
     const struct setup *setup = &session->setup;
@@ -395,6 +405,7 @@ static void put_state(const struct session *session, struct buffer *to)
     put_arrays(session, to);
     put_fit(session, to);
     put_tables(session, to);
+    put_lesson(session->lesson, to);
     const size_t runs = field_begin(to, "runs");
     for (int i = 0; i < session->runs; i++)
         buffer_put(to,

@@ -265,6 +265,11 @@ static void test_lesson(void **state)
     assert_true(shows(&p, "13 periods"));
     type(&p, "check 0.9 s\r");
     expect(&p, "not that");
+    quit(&p);
+    begin(&p, (struct start){.argument = {"--plain", "--color", "never", "--resume"}});
+    expect(&p, "lab 2/13>"); /* what was measured in that step counts */
+    type(&p, "check 0.9 s\r");
+    expect(&p, "not that");
     type(&p, "skip\r");
     expect(&p, "lab 3/13>");
     type(&p, "lab off\r");
