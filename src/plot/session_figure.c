@@ -226,10 +226,24 @@ static const char *make_note(const struct drawing *d)
     return note;
 }
 
-bool drawing_needs_motion(const struct drawing *d, const struct recording *recording)
+static bool is_shown(const struct drawing *d, const struct recording *recording)
 {
     const struct run *run = d->request->runs > 0 ? d->session->run[d->request->run[0]]->run : NULL;
-    return kind_of(d)->of_motion && !recording_shows(recording, run, d->request->kind);
+    return recording_shows(recording, run, d->request->kind);
+}
+
+bool drawing_needs_motion(const struct drawing *d, const struct recording *recording)
+{
+    return kind_of(d)->of_motion && !is_shown(d, recording);
+}
+
+/* Positions are no accelerations, though both are a column over t. */
+static bool holds_another(const struct drawing *d, const struct recording *recording)
+{
+    const struct plot_row *row = kind_of(d);
+    return row->recorded && !row->any_recording && !row->of_motion && !recorded_bare(recording) &&
+           !quantity_is_scaled(recording->column[recording->value].quantity) &&
+           !is_shown(d, recording);
 }
 
 static enum quantity y_quantity(const struct drawing *d)
@@ -337,6 +351,9 @@ static bool gather_curves(struct drawing *d, const struct plot_row *row)
         d->period = seen_period(d, session->run[request->run[0]]->run);
     if (row->residual && !recording)
         return error_set(error, ERROR_COMMAND, "a residual needs a recording");
+    if (recording && holds_another(d, recording))
+        return error_set(error, ERROR_COMMAND, "no %s is found from what %s holds", row->row.name,
+                         recording->name);
     for (int i = 0; i < request->runs && !row->residual; i++)
         if (!(request->at.len ? drawing_event_records(d, session->run[request->run[i]])
                               : add_run(d, session->run[request->run[i]]->run)))

@@ -9,9 +9,10 @@
 #include <hooke/figure.h>
 
 enum course {
-    COURSE_NONE,     /* fewer than two points */
+    COURSE_NONE,     /* fewer than two points, or too large to be added up */
     COURSE_CONSTANT, /* all the same, to rounding */
-    COURSE_RISES,    /* all along */
+    COURSE_SCATTERS, /* noise about a level */
+    COURSE_RISES,    /* without a turn */
     COURSE_FALLS,
     COURSE_TURNS,      /* up and down without a period */
     COURSE_OSCILLATES, /* over time */
@@ -30,15 +31,17 @@ struct curve_reading {
     struct curve_point low, high;  /* least and largest y */
     enum course course;
     /* Of a curve that rises or falls. */
-    double factor; /* end over start, where both have the same sign */
-    double rate;   /* d ln|y| / dx, the slope of the least-squares line, if it is one within 5 % */
-    double power;  /* d ln y / d ln x, likewise: where both axes are logarithmic */
+    bool all_along; /* not back by more than its noise, or rounding */
+    double factor;  /* end over start, where both have the same sign */
+    double rate;    /* d ln|y| / dx, the slope of the least-squares line, if it is one within 5 % */
+    double power;   /* d ln y / d ln x, likewise: where both axes are logarithmic */
     /* Of one with turns. */
     size_t turns;     /* highest and lowest places on the way */
     size_t crossings; /* of the middle between them */
     size_t periods;   /* between crossings of the same direction: so many were averaged, */
     double period;    /* each; NAN: irregular */
-    double spread;    /* standard deviation of one */
+    double spread;    /* standard deviation of one; of the values, where they scatter */
+    double noise;     /* standard deviation, of what was measured; 0: a line */
     double level[2], amplitude[2]; /* middle and half the swing: of the first and the last one */
     double growth;                 /* d ln amplitude / dx, least squares, if it is a line */
     /* Of one that winds. */

@@ -7,8 +7,9 @@
 
 #include <stdlib.h>
 
-#define STEADY 1e-13 /* of its size: rounding */
-#define LINE 0.05    /* how far a logarithm may be off its line, of what it changes by */
+#define STEADY 1e-13    /* of its size: rounding */
+#define HUGE_SIZE 1e150 /* sums of squares of more may overflow: ends and extremes only */
+#define LINE 0.05       /* how far a logarithm may be off its line, of what it changes by */
 
 const struct axis *curve_axis(const struct figure *figure, const struct curve *curve, bool vertical)
 {
@@ -114,6 +115,41 @@ static double slope_of_logarithm(const struct points *p, bool over_logarithm)
     return NAN;
 }
 
+/* Largest way back of a curve that rises or falls. */
+static double goes_back(const struct points *p, bool rises)
+{
+    double furthest = p->at[0].y, back = 0;
+    for (size_t i = 1; i < p->n; i++) {
+        const double y = p->at[i].y;
+        furthest = rises ? fmax(furthest, y) : fmin(furthest, y);
+        back = fmax(back, fabs(furthest - y));
+    }
+    return back;
+}
+
+/* Noise about a level: the means of the first and the last third do not tell a direction. */
+static bool scatters(const struct points *p, struct curve_reading *reading)
+{
+    const size_t third = p->n / 3;
+    double sum[2] = {0}, mean = 0, square = 0;
+    if (!(p->noise > 0) || third < 3)
+        return false;
+    for (size_t i = 0; i < third; i++) {
+        sum[0] += p->at[i].y;
+        sum[1] += p->at[p->n - 1 - i].y;
+    }
+    const double change = fabs(sum[1] - sum[0]) / (double)third;
+    if (change > p->noise * fmax(1, 5 * sqrt(2 / (double)third)))
+        return false;
+    for (size_t i = 0; i < p->n; i++)
+        mean += p->at[i].y / (double)p->n;
+    for (size_t i = 0; i < p->n; i++)
+        square += (p->at[i].y - mean) * (p->at[i].y - mean) / (double)(p->n - 1);
+    reading->level[0] = reading->level[1] = mean;
+    reading->spread = sqrt(square);
+    return true;
+}
+
 static void read_trend(const struct figure *figure, const struct curve *curve,
                        const struct points *p, struct curve_reading *reading)
 {
@@ -121,9 +157,17 @@ static void read_trend(const struct figure *figure, const struct curve *curve,
     const double first = p->at[0].y, last = p->at[p->n - 1].y, least = reading->low.y,
                  most = reading->high.y;
     const bool one_sign = least > 0 || most < 0;
-    if (reading->turns == 0)
-        reading->course = last > first ? COURSE_RISES : COURSE_FALLS;
-    if (one_sign && reading->turns == 0)
+    if (reading->turns == 0 && scatters(p, reading)) {
+        reading->course = COURSE_SCATTERS;
+        return;
+    }
+    if (reading->turns == 0) {
+        const bool rises = last > first;
+        const double least_back = fmax(NOISES * p->noise, ROUNDING * (most - least));
+        reading->course = rises ? COURSE_RISES : COURSE_FALLS;
+        reading->all_along = goes_back(p, rises) <= least_back;
+    }
+    if (one_sign && reading->turns == 0 && isfinite(last / first) && isfinite(first / last))
         reading->factor = reading->end.y / reading->start.y;
     if (p->n < 3)
         return;
@@ -177,9 +221,12 @@ static bool read_curve(const struct figure *figure, int i, struct arena *arena,
     }
     if (points->n < 2)
         return true;
-    const double swing = reading->high.y - reading->low.y;
+    const double swing = reading->high.y - reading->low.y,
+                 size = fmax(fabs(reading->low.y), fabs(reading->high.y));
+    if (size > HUGE_SIZE)
+        return true;
     reading->course = COURSE_CONSTANT;
-    if (!(swing > STEADY * fmax(fabs(reading->low.y), fabs(reading->high.y))))
+    if (!(swing > STEADY * size))
         return true;
     reading->course = COURSE_TURNS;
     if (figure->plane) {
@@ -187,6 +234,7 @@ static bool read_curve(const struct figure *figure, int i, struct arena *arena,
         return true;
     }
     find_noise(curve, arena, points);
+    reading->noise = points->noise;
     if (!read_turns(points, is_timed(figure, curve), arena, reading))
         return false;
     read_trend(figure, curve, points, reading);
@@ -221,20 +269,21 @@ static struct curve_distance distance_between(const struct points *from, const s
 {
     const struct points *here = at_from ? from : to, *there = at_from ? to : from;
     struct curve_distance distance = {.largest = NAN, .at = NAN, .rms = NAN};
-    double sum = 0;
+    double sum = 0; /* of squares, in units of the largest */
     size_t n = 0;
     for (size_t i = 0; i < here->n; i++) {
         const double off = fabs(here->at[i].y - value_at(there, here->at[i].x));
         if (!isfinite(off))
             continue;
         if (!(off <= distance.largest)) {
+            sum *= off > 0 && n > 0 ? distance.largest / off * (distance.largest / off) : 1;
             distance.largest = off;
             distance.at = here->at[i].x;
         }
-        sum += off * off;
+        sum += off > 0 ? off / distance.largest * (off / distance.largest) : 0;
         n++;
     }
-    distance.rms = n ? sqrt(sum / (double)n) : NAN;
+    distance.rms = n ? distance.largest * sqrt(sum / (double)n) : NAN;
     return distance;
 }
 

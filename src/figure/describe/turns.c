@@ -4,13 +4,13 @@
 
 #include <stdlib.h>
 
-#define BACK 0.05  /* of the swing before: less is no turn */
-#define NOISES 8.0 /* standard deviations: noise does not turn */
-#define ROUNDING 1e-9
+#define BACK 0.05    /* of the swing before: less is no turn */
 #define REGULAR 0.25 /* periods differ from their median by less than this part of it, */
 #define OUTLIER 7.4  /* and by less than this many median differences: 5 standard deviations */
 #define MOST 0.75    /* of them at least */
-#define LINE 0.05    /* how far a logarithm may be off its line */
+#define SHARE 0.4    /* of the time, that has crossings: else a spike, or a start */
+#define LINE 0.05    /* how far a logarithm may be off its line, */
+#define ENDS 0.25    /* and that from end to end, of what it changes by */
 
 struct turn {
     double x, y;
@@ -82,7 +82,7 @@ static double crossing(const struct points *p, size_t from, size_t to, double le
             first = first ? first : i;
             last = i;
         }
-    if (first == 0 || (last - first) % 2 == 1)
+    if (first == 0 || (p->at[first - 1].y >= level) == (p->at[last].y >= level))
         return NAN;
     double sum = 0;
     for (int end = 0; end < 2; end++) {
@@ -98,8 +98,8 @@ static int by_value(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* at: ascending crossings; those two further on have the same direction. */
-static bool read_period(const double *at, size_t crossings, struct arena *arena,
+/* at: ascending crossings; those two further on have the same direction. extent: of the curve. */
+static bool read_period(const double *at, size_t crossings, double extent, struct arena *arena,
                         struct curve_reading *reading)
 {
     const size_t count = crossings < 3 ? 0 : crossings - 2;
@@ -122,7 +122,8 @@ static bool read_period(const double *at, size_t crossings, struct arena *arena,
             sum += length[i];
             used++;
         }
-    if (used == 0 || (double)used < MOST * (double)count)
+    if (used == 0 || (double)used < MOST * (double)count ||
+        at[crossings - 1] - at[0] < SHARE * extent)
         return true;
     reading->period = sum / (double)used;
     reading->periods = (used + 1) / 2;
@@ -159,7 +160,11 @@ static void read_amplitudes(const struct turn *turn, size_t count, struct curve_
         const double x = 0.5 * (turn[i].x + turn[i + 1].x) - turn[0].x;
         far = fmax(far, fabs(log(0.5 * fabs(turn[i + 1].y - turn[i].y)) - at - slope * x));
     }
-    if (far < LINE)
+    /* a line of the logarithm says how something grows where it tells both ends */
+    const double change = log(reading->amplitude[1] / reading->amplitude[0]),
+                 told = slope * (0.5 * (turn[count - 2].x + turn[count - 1].x) -
+                                 0.5 * (turn[0].x + turn[1].x));
+    if (far < LINE && fabs(told - change) < ENDS * fabs(change))
         reading->growth = slope;
 }
 
@@ -191,5 +196,6 @@ bool read_turns(const struct points *points, bool timed, struct arena *arena,
     }
     reading->crossings = crossings;
     read_amplitudes(turn, count, reading);
-    return read_period(at, crossings, arena, reading);
+    return read_period(at, crossings, points->at[points->n - 1].x - points->at[0].x, arena,
+                       reading);
 }

@@ -131,8 +131,9 @@ static void put_trend(const struct subject *s, struct buffer *out)
 {
     const struct curve_reading *c = s->curve;
     const bool rises = c->course == COURSE_RISES;
-    buffer_put(out, rises ? TEXT("rises all along") : TEXT("falls all along"));
-    if (c->factor > 0) {
+    buffer_format(out, "%s %s", rises ? "rises" : "falls",
+                  c->all_along ? "all along" : "on the whole");
+    if (c->factor > 0 && fabs(log(c->factor)) > SAME) {
         buffer_put(out, TEXT(", by a factor of "));
         put_number(c->factor > 1 ? c->factor : 1 / c->factor, out);
     }
@@ -142,8 +143,7 @@ static void put_trend(const struct subject *s, struct buffer *out)
     } else if (isfinite(c->rate) && fabs(log(c->factor)) > SAME) {
         buffer_put(out, TEXT(", exponentially at "));
         put_rate(s->x, c->rate, out);
-        buffer_put(out,
-                   rises == (s->up[0] >= 0) ? TEXT(", doubling every ") : TEXT(", halving every "));
+        buffer_put(out, c->rate > 0 ? TEXT(", doubling every ") : TEXT(", halving every "));
         put_value(s->x, log(2) / fabs(c->rate), NULL, out);
     }
 }
@@ -158,6 +158,12 @@ static void put_amplitudes(const struct subject *s, struct buffer *out)
         buffer_put(out, TEXT(" (the last differs from the first by "));
         put_digits(100 * part, 2, out);
         buffer_put(out, TEXT(" %)"));
+        return;
+    }
+    if (fabs(c->amplitude[1] - c->amplitude[0]) < c->noise) {
+        buffer_put(out, TEXT("; its amplitude, "));
+        put_value(s->y, c->amplitude[0], NULL, out);
+        buffer_put(out, TEXT(", changes by less than the noise"));
         return;
     }
     buffer_format(out, "; its amplitude %s from ", part > 0 ? "grows" : "shrinks");
@@ -227,6 +233,12 @@ static bool put_course(const struct subject *s, struct buffer *out)
         buffer_put(out, TEXT("stays at "));
         put_value(s->y, s->curve->start.y, s->up, out);
         return true;
+    case COURSE_SCATTERS:
+        buffer_put(out, TEXT("scatters about "));
+        put_value(s->y, s->curve->level[0], s->up, out);
+        buffer_put(out, TEXT(" with a standard deviation of "));
+        put_value(s->y, s->curve->spread, NULL, out);
+        return true;
     case COURSE_RISES:
     case COURSE_FALLS:
         put_trend(s, out);
@@ -270,7 +282,7 @@ static void put_alone(const struct subject *s, const char *name, struct buffer *
         put_ends(s, out);
     put_gaps(s, out);
     buffer_put(out, TEXT("."));
-    if (s->curve->course == COURSE_CONSTANT || s->curve->course == COURSE_NONE)
+    if (s->curve->course == COURSE_CONSTANT || s->curve->n < 2)
         return;
     buffer_put(out, TEXT(" It "));
     if (known) {
