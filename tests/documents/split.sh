@@ -37,6 +37,9 @@ ok "--split: the same tables" $?
 "$hooke" -n --format csv --split out -c "$work" >/dev/null 2>err
 [ $? -ne 0 ] && [ "$(ls out | wc -l)" -eq 4 ] && grep -q "out" err
 ok "--split: a folder that is there is not touched" $?
+(trap '' XFSZ; ulimit -f 1; "$hooke" -n --format csv --split full -c "$work" >/dev/null 2>&1)
+[ $? -eq 4 ] && [ -z "$(ls -A | grep full)" ]
+ok "--split: nothing is left where there is no room" $?
 mkdir inside && (cd inside && "$hooke" -n --safe --format csv --split ../beside -c "$work" >/dev/null 2>&1)
 [ $? -ne 0 ] && [ ! -e beside ]
 ok "--split: confined by --safe" $?
