@@ -93,6 +93,9 @@ static void test_directions(void **state)
     }
     words(N, false, false, &out);
     assert_false(strstr(out.data, "shrinks") && strstr(out.data, "exponentially at 0") != NULL);
+    for (int i = 0; i < N; i++) /* the middle of what grows is nothing beside it */
+        y[i] = exp(0.2 * t[i]) * sin(5 * t[i]);
+    assert_non_null(strstr(words(N, false, false, &out), "about 0 m"));
     for (int i = 0; i < N; i++) /* a spike has no period */
         y[i] = i == 600 ? 100 : i == 604 ? 90 : 0;
     assert_null(strstr(words(N, false, false, &out), "period of"));
