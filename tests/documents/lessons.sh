@@ -29,6 +29,8 @@ does "lab seed=7; load bare-7.txt; check; measure period; check $T s" && grep -q
 ok "right: it goes on" $?
 does "lab seed=7; load bare-7.txt; check; measure period; check 1.01*$T s" && grep -q '^not that' out && ! grep -q '^3/' out
 ok "wrong by 1 %: it stays" $?
+does "lab seed=7; load bare-7.txt; check; measure period; check $T kg" && grep -q '^not that' out
+ok "right, but for the unit" $?
 "$hooke" -n -c 'lab seed=7; load bare-7.txt; check; check 0.5 s' >out 2>&1
 [ $? -eq 1 ] && grep -q 'not yet' out
 ok "not measured yet" $?
@@ -63,6 +65,12 @@ ok "its report does not depend on the lesson" $?
 printf '# mine\n#: Set the mass.\n#> m = 100 g\n#! in g\n#? value m\n#: $seed\n' >own.hk
 does 'lab own.hk seed=5; m = 100 g; check 0.1 kg' && grep -q '^2/2: 5' out
 ok "a lesson of one's own, with units" $?
+printf '#: Set it.\r\n#> m = 100 g\r\n#? value m\r\n' >crlf.hk
+does 'lab crlf.hk; m = 100 g; check 0.1 kg' && grep -q '  type: m = 100 g$' out && grep -q 'over' out
+ok "lines that end in CR LF" $?
+printf '#: \033]0;mine\a\n#> print 1\n#! \033[2J\n#? done print\n' >evil.hk
+does 'lab evil.hk; hint; print 1; check' && ! grep -q "$(printf '[\033\a]')" out && grep -q 'mine' out
+ok "a lesson does not command the terminal" $?
 printf 'run 1\n' >none.hk
 ! does 'lab none.hk' && grep -q 'no steps' out && ! does 'lab nowhere' && grep -q 'lab, resonance, stiff' out
 ok "a file without steps, no file" $?

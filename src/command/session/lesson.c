@@ -82,6 +82,13 @@ HANDLER(lab)
            go_to(session, 0, reply, error);
 }
 
+/* A bare number is in the SI unit. */
+static bool fits_unit(const struct item *item, enum quantity quantity)
+{
+    return item->quantity == QUANTITY_OTHER || item->quantity == QUANTITY_NUMBER ||
+           quantity == QUANTITY_OTHER || item->quantity == quantity;
+}
+
 /* Nothing of the value that is wanted is told. */
 HANDLER(check)
 {
@@ -98,7 +105,8 @@ HANDLER(check)
         return error_set(error, ERROR_COMMAND, "check takes the value that you read");
     const double u = isfinite(found.uncertainty) ? 3 * found.uncertainty : 0;
     const double room = fmax(u, LESSON_DIGITS * fabs(found.value));
-    if (!step.done && !(fabs(value->item->value.value - found.value) <= room)) {
+    if (!step.done && (!fits_unit(value->item, found.quantity) ||
+                       !(fabs(value->item->value.value - found.value) <= room))) {
         reply_line(reply, "not that: it is farther off than the uncertainty ('hint' helps, 'again' "
                           "repeats what is to be done)");
         reply_begin(reply, "lesson");

@@ -185,13 +185,20 @@ bool lesson_open(struct session *session, struct text name, long seed, const str
             put_expanded(text_of(lessons[i].text), seed, &text);
     }
     if (!found) {
-        struct buffer raw = {0};
+        struct buffer raw = {0}, safe = {0};
         const char *path = script_path(args->where, name, args->arena);
         if (!path || !file_read(path, LESSON_MAX, &raw, error)) {
             error_hint(error, "the lessons are lab, resonance, stiff, or a FILE.hk");
             return false;
         }
-        put_expanded(buffer_text(&raw), seed, &text);
+        struct text rest = buffer_text(&raw), line;
+        while (rest.len > 0 && text_split(&rest, '\n', &line)) {
+            safe_text(&safe, text_trim(line), true);
+            buffer_char(&safe, '\n');
+        }
+        put_expanded(buffer_text(&safe), seed, &text);
+        text.failed |= safe.failed;
+        buffer_free(&safe);
         buffer_free(&raw);
     }
     struct lesson *lesson = calloc(1, sizeof *lesson);
