@@ -53,9 +53,8 @@ static bool decompose(const struct problem *p, const double *residual, struct li
     enum { ROWS = 128 };
     size_t m = l->count;
     gsl_matrix *a = gsl_matrix_calloc(m + ROWS, m);
-    gsl_vector *b = gsl_vector_calloc(m + ROWS), *tau = gsl_vector_alloc(m),
-               *work = gsl_vector_alloc(m);
-    bool memory = a && b && tau && work;
+    gsl_vector *b = gsl_vector_calloc(m + ROWS), *tau = gsl_vector_alloc(m);
+    bool memory = a && b && tau;
     for (size_t k = 0; k < m; k++) {
         l->norm[k] = 0;
         memory = memory && !cancelled(p->cancel);
@@ -88,12 +87,13 @@ static bool decompose(const struct problem *p, const double *residual, struct li
         gsl_matrix_memcpy(&r.matrix, &top.matrix);
         for (size_t i = 0; i < m; i++)
             l->projected[i] = gsl_vector_get(b, i);
-        gsl_linalg_SV_decomp(&r.matrix, &v.matrix, &s.vector, work);
+        /* by one-sided rotations: the other way allocates inside, and does not look whether it
+         * could */
+        gsl_linalg_SV_decomp_jacobi(&r.matrix, &v.matrix, &s.vector);
     }
     gsl_matrix_free(a);
     gsl_vector_free(b);
     gsl_vector_free(tau);
-    gsl_vector_free(work);
     return memory;
 }
 

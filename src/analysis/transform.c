@@ -5,9 +5,10 @@
 #include <gsl/gsl_fft_real.h>
 #include <math.h>
 
-#define PIECE ((size_t)1 << 17) /* values: some 5 ms, and what comes out is GSL's to the last bit  \
-                                 */
-#define ROTATIONS 64            /* of a phase between two that are computed */
+#define PIECE                                                                                      \
+    ((size_t)1 << 17) /* values: some 5 ms, and what comes out is GSL's to the last bit            \
+                       */
+#define ROTATIONS 64  /* of a phase between two that are computed */
 
 /* Of even and odd values, each half complex, that of all (Cooley and Tukey 1965). */
 static bool combine(const double *even, const double *odd, size_t n, double *out,

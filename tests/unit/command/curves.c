@@ -10,6 +10,7 @@
 
 #include <hooke/language.h>
 #include <hooke/plot.h>
+#include "unit/svg_testing.h"
 #include "unit/command/testing.h"
 
 #define EDGE 0.0111 /* [axis lengths] that a curve may stick out without a word */
@@ -167,26 +168,16 @@ struct extent {
 /* What the longest path of a color covers in an SVG file. */
 static struct extent longest_path(const char *svg, const char *color)
 {
+    static struct svg_path path;
+    struct svg_element element;
     struct extent longest = {0};
-    for (const char *at = svg; (at = strstr(at, "<path")); at++) {
-        const char *end = strchr(at, '>'), *data = strstr(at, " d=\""), *stroke = strstr(at, color);
-        if (!end || !data || data > end || !stroke || stroke > end || !strstr(at, "fill:none") ||
-            strstr(at, "fill:none") > end)
-            continue;
+    for (const char *at = NULL; svg_next(svg, &at, &element, &path);) {
         struct extent all = {1e9, -1e9, 1e9, -1e9};
-        for (char *next = (char *)(uintptr_t)(data + 4); next < end && *next != '"';) {
-            if (*next == 'M' || *next == 'L' || *next == ' ') {
-                next++;
-                continue;
-            }
-            char *after;
-            const double x = strtod(next, &after), y = strtod(after, &after);
-            if (after == next)
-                break;
-            next = after;
-            all = (struct extent){fmin(all.left, x), fmax(all.right, x), fmin(all.top, y),
-                                  fmax(all.bottom, y)};
-        }
+        if (element.is_text || strcmp(element.stroke, color) != 0 || path.circles > 0)
+            continue;
+        for (int i = 0; i < path.n; i++)
+            all = (struct extent){fmin(all.left, path.x[i]), fmax(all.right, path.x[i]),
+                                  fmin(all.top, path.y[i]), fmax(all.bottom, path.y[i])};
         if (all.right - all.left > longest.right - longest.left)
             longest = all;
     }
@@ -195,8 +186,7 @@ static struct extent longest_path(const char *svg, const char *color)
 
 static void both_are_whole_in_pictures(void **state)
 {
-    static const char *const colors[] = {"stroke:rgb(0%,44.7%,69.8%)",
-                                         "stroke:rgb(83.5%,36.9%,0%)"};
+    static const char *const colors[] = {"#0072b2", "#1a1a1a"};
     (void)state;
     struct bench bench;
     bench_open(&bench, false);

@@ -7,6 +7,7 @@
 #include <stdint.h>
 #include <cmocka.h>
 
+#include "long_form.h"
 #include "unit/command/random_session.h"
 
 #include <hooke/base/fields.h>
@@ -134,7 +135,7 @@ static void end(struct kept *kept)
 
 static int long_or(int many, int few)
 {
-    return getenv("LONG") ? many : few;
+    return is_long() ? many : few;
 }
 
 /* And it goes on from there as the other does. */

@@ -7,11 +7,12 @@
 #include <stdint.h>
 #include <cmocka.h>
 
+#include "long_form.h"
 #include "unit/command/random_session.h"
 
 static int sessions(void)
 {
-    return getenv("LONG") ? 300 : 20;
+    return is_long() ? 300 : 20;
 }
 
 /* ---- what has to hold ---- */

@@ -214,7 +214,7 @@ static void the_log_scrolls(void **state)
                  "line 20. is one that is longer than the eighty columns that the screen has, and\n"
                  "  so it goes on\n");
     /* one row only */
-    assert_shows(session, 40, 12, "line 20. is one that is longer than the\xE2\x80\xA6");
+    assert_shows(session, 40, 12, "line 20. is one that is longer than \xE2\x80\xA6");
     session->view.scroll = 1;
     assert_hides(session, 80, 24, "so it goes on");
     assert_shows(session, 80, 24, "line 20. is one");
