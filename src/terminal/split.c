@@ -50,6 +50,10 @@ bool split_end(struct split *split, struct error *error)
 {
     if (!split->open)
         return true;
+    if (signals_ending() && !split->failed) {
+        split->failed = true;
+        error_set(&split->error, ERROR_CANCELLED, "ended by a signal: no table was written");
+    }
     put_part(split);
     buffer_free(&split->content);
     split->open = false;

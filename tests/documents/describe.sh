@@ -5,6 +5,7 @@
 set -u
 hooke=$PWD/${HOOKE:-build/hooke}
 n=0 bad=0
+recordings=$PWD/scripts/make-recordings
 folder=$(mktemp -d) || exit 2
 trap 'rm -rf "$folder"' EXIT
 cd "$folder" || exit 2
@@ -93,6 +94,14 @@ never "is that a small swing?" "2.006"
 
 read_figure "$spring; method rk4 dt=1ms; run 5 s; method euler dt=1ms; run 5 s; describe position run 1 2"
 near "how far is forward Euler from Runge and Kutta?" "euler by " "100 * 0.05 * (exp($w2 * 0.0005 * 4.7) - 1) " 0.06
+
+"$recordings" "$folder" >/dev/null
+read_figure "load disk.txt; describe"
+says "does a recording with missed echoes grow?" "its amplitude shrinks"
+near "from what amplitude?" "shrinks from " 5.08 1e-2
+near "with what period?" "with a period of " 0.7525 1e-3
+read_figure "load bare.txt; describe"
+near "how often does a bob pass its middle in 10 s?" "crosses the middle " 28 1e-9
 
 # the figure and its words cannot disagree: both are of the same curve
 read_figure "$spring; gamma = 0.3 1/s; method rk4 dt=10ms; run 7 s; describe velocity"

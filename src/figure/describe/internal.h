@@ -17,6 +17,8 @@ struct points {
     double noise; /* standard deviation of y, of what was measured; 0: a line */
 };
 
+/* Leaves out single samples far off their neighbours; false: no memory. */
+bool drop_echoes(struct points *points, struct arena *arena);
 /* Turns, crossings, period, amplitudes; over something else than time no crossings. */
 bool read_turns(const struct points *points, bool timed, struct arena *arena,
                 struct curve_reading *reading);

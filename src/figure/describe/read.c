@@ -235,7 +235,9 @@ static bool read_curve(const struct figure *figure, int i, struct arena *arena,
     }
     find_noise(curve, arena, points);
     reading->noise = points->noise;
-    if (!read_turns(points, is_timed(figure, curve), arena, reading))
+    struct points whole = *points;
+    if ((curve->points && !drop_echoes(&whole, arena)) ||
+        !read_turns(&whole, is_timed(figure, curve), arena, reading))
         return false;
     read_trend(figure, curve, points, reading);
     if (isfinite(reading->period))
