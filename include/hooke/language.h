@@ -134,6 +134,7 @@ struct command {
 
 /* "run [DURATION | to T | until COND] [--force]", made from the arguments. */
 void command_usage(const struct command *command, struct buffer *text);
+void argument_usage(const struct argument *argument, struct buffer *text); /* of it: "dt=V" */
 
 /* A row of the command catalog. */
 static inline const struct command *command_at(const struct row *row)

@@ -84,6 +84,8 @@ const struct catalog word_catalog = CATALOG("word", words);
 
 /* ---- names that are known, elsewhere ---- */
 
+#define SETS "'%1 = VALUE', before it, sets it"
+
 /* What to type with a name of it; %1 stands for the name. */
 static const struct use {
     const struct catalog *catalog;
@@ -93,7 +95,7 @@ static const struct use {
     {&preset_catalog, "'scene %1' chooses it"},
     {&plot_catalog, "'plot %1' draws it"},
     {&quantity_catalog, "'measure %1' measures it"},
-    {&setting_catalog, "'%1 = VALUE', before it, sets it"},
+    {&setting_catalog, SETS},
     {&list_catalog, "'list %1' shows them"},
     {&layout_catalog, "'layout %1' shows it"},
     {&observable_catalog, "'print %1' shows it, of a run"},
@@ -126,6 +128,14 @@ static bool put_uses(struct text name, const char *kind, bool guessed, struct bu
     return count > 0;
 }
 
+/* Is it a setting, or a parameter of the scene? */
+static void put_setting(const struct session *session, struct text name, struct buffer *text)
+{
+    if (catalog_find(&setting_catalog, name) ||
+        catalog_find(scene_params(&session->setup.scene), name))
+        put_use(SETS, name, text);
+}
+
 bool mentions(const char *where, struct text word)
 {
     for (const char *at = where; at && *at; at++)
@@ -153,27 +163,81 @@ static struct text whole_word(struct text statement, struct text where)
     return (struct text){where.at, len - (size_t)(where.at - statement.at)};
 }
 
-void explain_unknown(struct text statement, struct error *error)
+#define MEANINGS_SHOWN 3
+#define USAGE_SHORT 48 /* [B] a line of usage that leaves room beside it */
+
+/* How the word was typed. */
+static enum argument_form form_of(struct text statement, struct text where)
+{
+    struct text rest = {where.at + where.len,
+                        (size_t)(statement.at + statement.len - where.at) - where.len};
+    text_skip_blanks(&rest);
+    if (where.at - statement.at >= 2 && where.at[-1] == '-' && where.at[-2] == '-')
+        return FORM_OPTION;
+    return rest.len > 0 && rest.at[0] == '=' ? FORM_KEY : FORM_WORD;
+}
+
+/* What has this name elsewhere, what is meant by it, which commands take it; guessed: something was
+ * suggested. */
+static void put_meanings(const struct session *session, const struct command *command,
+                         struct text statement, struct text where, const char *kind, bool guessed,
+                         struct buffer *text)
+{
+    const struct text word = whole_word(statement, where), names[] = {word, where};
+    for (size_t i = 0; kind && i < COUNT_OF(names) && text->len == 0; i++)
+        if (names[i].len > 0 && !put_uses(names[i], kind, guessed, text)) {
+            const struct row *row = catalog_find(&word_catalog, names[i]);
+            buffer_put(text, row ? text_of(row->brief) : TEXT(""));
+        }
+    if (!command || where.at == statement.at)
+        return;
+    const enum argument_form form = form_of(statement, where);
+    struct buffer takers = {0}, usage = {0};
+    if (form == FORM_KEY && !kind) /* one of the other commands, or of the session */
+        put_setting(session, where, text);
+    if (put_takers(command, form == FORM_WORD ? word : where, form,
+                   MEANINGS_SHOWN - (text->len > 0), &takers) &&
+        (text->len == 0 || form != FORM_WORD)) {
+        command_usage(command, &usage);
+        if (form == FORM_WORD && usage.len < USAGE_SHORT)
+            buffer_format(text, "usage: %s", buffer_view(&usage));
+        buffer_format(text, "%s%s", text->len ? "; " : "", buffer_view(&takers));
+    }
+    buffer_free(&takers);
+    buffer_free(&usage);
+}
+
+/* Is it a hint of its own, more than a guess or the line of usage? */
+static bool advises(const char *hint)
+{
+    return strstr(hint, " is one of: ") ||
+           (*hint && !strstr(hint, "did you mean") && !strstr(hint, "usage: ") &&
+            !text_starts(text_of(hint), TEXT("'help' lists")));
+}
+
+void explain_unknown(const struct session *session, struct text statement, struct error *error)
 {
     static const char unknown[] = "unknown ", absent[] = "there is no help on";
     const struct text says = text_of(error->text), where = error->where;
     const bool helping = text_starts(says, TEXT(absent));
     if (!where.at || where.at < statement.at || where.at > statement.at + statement.len ||
-        !(helping || text_starts(says, TEXT(unknown))))
+        error->code != ERROR_COMMAND)
         return;
-    const char *kind = helping ? "" : error->text + sizeof unknown - 1;
-    const bool guessed = strstr(error->hint, "did you mean") != NULL;
+    const char *kind = helping                            ? ""
+                       : text_starts(says, TEXT(unknown)) ? error->text + sizeof unknown - 1
+                                                          : NULL;
     struct buffer text = {0};
-    const struct text word = whole_word(statement, where), names[] = {word, where};
-    for (size_t i = 0; i < COUNT_OF(names) && text.len == 0; i++)
-        if (names[i].len > 0 && !put_uses(names[i], kind, guessed, &text)) {
-            const struct row *row = catalog_find(&word_catalog, names[i]);
-            buffer_put(&text, row ? text_of(row->brief) : TEXT(""));
-        }
+    text_skip_blanks(&statement);
+    const struct command *command =
+        command_at(helping || advises(error->hint)
+                       ? NULL
+                       : choose(session, &command_catalog, peek_word(statement, "")));
+    put_meanings(session, command, statement, where, kind,
+                 strstr(error->hint, "did you mean") != NULL, &text);
     if (text.len > 0) {
         error->hint[0] = '\0';
         error_hint(error, "%s", buffer_view(&text));
-    } else if ((!*error->hint || text_starts(text_of(error->hint), TEXT("'help' lists"))) &&
+    } else if (kind && (!*error->hint || text_starts(text_of(error->hint), TEXT("'help' lists"))) &&
                where.len > 2 && is_mentioned(where)) {
         error_hint(error, "'apropos %.*s' finds where it is spoken of", (int)where.len, where.at);
     }

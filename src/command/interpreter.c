@@ -253,7 +253,7 @@ static bool exec_line(struct session *session, struct text line, const struct so
         /* An error without a code was reported where it happened: in a sourced file. */
         if (!ok && error.code != ERROR_NONE) {
             reply->format = (enum output_format)session->setup.settings.format;
-            explain_unknown(statement, &error);
+            explain_unknown(session, statement, &error);
             /* which of several it was */
             if (!error.where.at && statement.len < line.len)
                 error.where = statement;

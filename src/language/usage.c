@@ -24,7 +24,7 @@ static void put_item(const struct argument *argument, struct buffer *out)
         buffer_put(out, TEXT("|all"));
 }
 
-static void put_argument(const struct argument *argument, struct buffer *out)
+void argument_usage(const struct argument *argument, struct buffer *out)
 {
     if (argument->form == FORM_OPTION)
         buffer_put(out, TEXT("--"));
@@ -46,11 +46,11 @@ void command_usage(const struct command *command, struct buffer *text)
         buffer_put(text, required ? TEXT(" ") : TEXT(" ["));
         if (argument->lead)
             buffer_format(text, "%s ", argument->lead);
-        put_argument(argument, text);
+        argument_usage(argument, text);
         while (argument->group && i + 1 < command->arguments &&
                command->argument[i + 1].group == argument->group) {
             buffer_char(text, '|');
-            put_argument(&command->argument[++i], text);
+            argument_usage(&command->argument[++i], text);
         }
         if (!required)
             buffer_char(text, ']');
