@@ -4,6 +4,7 @@
 
 #include <stdio.h>
 #include <string.h>
+#include <string.h>
 
 /* What a folder that is given up is emptied of. */
 static bool is_part(const char *name)
@@ -15,9 +16,12 @@ static bool is_part(const char *name)
 bool split_begin(struct split *split, const char *path, bool safe, struct error *error)
 {
     *split = (struct split){.count = 0};
-    return folder_open(&split->folder, path, (struct write_policy){.confine = safe}, is_part,
-                       error) &&
-           (split->open = true);
+    split->open =
+        folder_open(&split->folder, path, (struct write_policy){.confine = safe}, is_part, error);
+    if (split->open || !strstr(error->text, "--force"))
+        return split->open;
+    error_set(error, ERROR_IO, "%s is there already", path);
+    return error_hint(error, "name a folder that is not there yet");
 }
 
 static void put_part(struct split *split)

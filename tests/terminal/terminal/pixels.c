@@ -129,6 +129,8 @@ static void begin_with_run(struct terminal *t, const char *answer)
     await(t, "\033[c");
 }
 
+#ifdef HAVE_CAIRO
+
 static void drop_base64(const char *code, size_t len, struct buffer *out)
 {
     static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
@@ -159,8 +161,6 @@ static void same_as_file(const struct buffer *picture, const char *name)
     free(content);
     fclose(file);
 }
-
-#ifdef HAVE_CAIRO
 
 static void test_kitty(void **state)
 {
