@@ -24,14 +24,22 @@ void grains_clear(struct grains *grains)
     memset(grains->bit, 0, (size_t)grains->bytes * (size_t)grains->down);
 }
 
+/* A way may pass beside the area by a part of a grain. */
+static bool is_within(const struct grains *grains, int x, int y)
+{
+    return x >= 0 && x < grains->across && y >= 0 && y < grains->down;
+}
+
 static bool has(const struct grains *grains, int x, int y)
 {
-    return grains->bit[(size_t)y * (size_t)grains->bytes + (size_t)x / 8] >> x % 8 & 1;
+    return is_within(grains, x, y) &&
+           grains->bit[(size_t)y * (size_t)grains->bytes + (size_t)x / 8] >> x % 8 & 1;
 }
 
 static void mark(struct grains *grains, int x, int y)
 {
-    grains->bit[(size_t)y * (size_t)grains->bytes + (size_t)x / 8] |= (uint8_t)(1U << x % 8);
+    if (is_within(grains, x, y))
+        grains->bit[(size_t)y * (size_t)grains->bytes + (size_t)x / 8] |= (uint8_t)(1U << x % 8);
 }
 
 static double grain_x(const struct grains *grains, double x)
