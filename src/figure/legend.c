@@ -9,7 +9,7 @@
 
 #define INSIDE 8 /* entries of a legend in the plot, at most */
 
-struct entry {
+struct legend_entry {
     int curve;
     bool band;
     const char *label;
@@ -28,11 +28,11 @@ static const char *shown_label(struct page *page, const char *label)
 }
 
 /* Curves, then bands; false: that one says nothing. */
-static bool entry_at(struct page *page, int e, struct entry *entry)
+static bool entry_at(struct page *page, int e, struct legend_entry *entry)
 {
     const int i = e % page->figure->curves;
     const struct curve *curve = &page->figure->curve[i];
-    *entry = (struct entry){.curve = i, .band = e >= page->figure->curves};
+    *entry = (struct legend_entry){.curve = i, .band = e >= page->figure->curves};
     entry->label = !entry->band ? curve->label : curve->spread ? curve->spread_label : NULL;
     if (!entry->label || !*entry->label || !curve_drawn(page->figure, i))
         return false;
@@ -42,7 +42,7 @@ static bool entry_at(struct page *page, int e, struct entry *entry)
     return true;
 }
 
-static void put_entry(struct page *page, const struct entry *entry, double x, double y)
+static void put_entry(struct page *page, const struct legend_entry *entry, double x, double y)
 {
     (entry->band ? page_band_sample : page_sample)(page, entry->curve, x, y, true);
     page_text(page, x + entry->sample, y, 0, style_black, shown_label(page, entry->label));
@@ -56,7 +56,7 @@ double page_heading(struct page *page, bool legend, bool draw)
                  end = page->width - style->edge;
     double x = start, y = style->edge + style->title / 2;
     int first = 0, hidden = 0;
-    struct entry entry;
+    struct legend_entry entry;
 
     if (figure->title && *figure->title) {
         buffer_clear(page->text);
@@ -139,7 +139,7 @@ bool legend_place(struct page *page, double box[4])
     const struct picture_style *style = &page->style;
     double width = 0, height = 0;
     int entries = 0;
-    struct entry entry;
+    struct legend_entry entry;
     for (int e = 0; e < 2 * page->figure->curves; e++) {
         if (!entry_at(page, e, &entry))
             continue;
@@ -166,7 +166,7 @@ void legend_draw(struct page *page, const double box[4])
 {
     const double edge = page->style.edge / 2;
     double y = box[1] + page->style.leading / 2;
-    struct entry entry;
+    struct legend_entry entry;
     surface_box(page->surface, box[0] - edge, box[1] - edge / 2, box[2] + edge, box[3] + edge / 2);
     surface_paint(page->surface,
                   &(struct brush){.color = style_grid, .width = page->style.grid_line});

@@ -39,7 +39,7 @@ static double cross(const double a[2], const double b[2])
     return a[0] * b[1] - a[1] * b[0];
 }
 
-void thin_begin(struct thinning *thinning, double x, double y)
+void thin_begin(struct path_thinning *thinning, double x, double y)
 {
     thin_end(thinning);
     thinning->put(thinning->out, x, y, true);
@@ -51,7 +51,7 @@ void thin_begin(struct thinning *thinning, double x, double y)
 }
 
 /* Whether the point lies in the cone, which is narrowed to those that pass it. */
-static bool narrow(struct thinning *thinning, double x, double y)
+static bool narrow(struct path_thinning *thinning, double x, double y)
 {
     const double dx = x - thinning->x, dy = y - thinning->y, distance = sqrt(dx * dx + dy * dy);
     if (distance < thinning->farthest - thinning->tolerance)
@@ -74,7 +74,7 @@ static bool narrow(struct thinning *thinning, double x, double y)
     return true;
 }
 
-void thin_to(struct thinning *thinning, double x, double y)
+void thin_to(struct path_thinning *thinning, double x, double y)
 {
     if (!narrow(thinning, x, y)) {
         thinning->put(thinning->out, thinning->at[0], thinning->at[1], false);
@@ -89,7 +89,7 @@ void thin_to(struct thinning *thinning, double x, double y)
     thinning->moved = true;
 }
 
-void thin_end(struct thinning *thinning)
+void thin_end(struct path_thinning *thinning)
 {
     if (thinning->down && thinning->moved)
         thinning->put(thinning->out, thinning->at[0], thinning->at[1], false);
@@ -118,7 +118,7 @@ struct spot {
 
 struct tracer {
     const struct plot_area *area;
-    struct thinning thinning;
+    struct path_thinning thinning;
     size_t samples;              /* since the last gap */
     double column;               /* that the last samples are in */
     struct spot low, high, last; /* of them */

@@ -55,7 +55,7 @@ void path_free(struct path *path);
  * the last corner kept that pass all points since then so closely are a cone; a point outside of it
  * makes the one before it a corner (Williams 1978, Sklansky and Gonzalez 1980). So does a way back.
  */
-struct thinning {
+struct path_thinning {
     double tolerance;
     void (*put)(void *out, double x, double y, bool begins);
     void *out;
@@ -66,9 +66,9 @@ struct thinning {
     bool down, moved, cone;
 };
 
-void thin_begin(struct thinning *thinning, double x, double y);
-void thin_to(struct thinning *thinning, double x, double y);
-void thin_end(struct thinning *thinning);
+void thin_begin(struct path_thinning *thinning, double x, double y);
+void thin_to(struct path_thinning *thinning, double x, double y);
+void thin_end(struct path_thinning *thinning);
 
 /* ---- grains: what ink covers, as bits ---- */
 

@@ -95,13 +95,13 @@ static void add_path(const struct page *page, const struct path *path)
 
 /* ---- lines ---- */
 
-struct spot {
+struct mark_place {
     double x, y;
 };
 
-static bool put_spot(const struct page *page, double x, double y, struct spot *spot)
+static bool put_spot(const struct page *page, double x, double y, struct mark_place *spot)
 {
-    *spot = (struct spot){x, y};
+    *spot = (struct mark_place){x, y};
     return x >= page->left && x <= page->right && y >= page->top && y <= page->bottom;
 }
 
@@ -112,7 +112,7 @@ static double first_step(const struct page *page, int curve)
 }
 
 /* Places in the plot at equal distances along a line. Returns how many. */
-static int places_along(const struct page *page, int curve, struct spot *place, int max)
+static int places_along(const struct page *page, int curve, struct mark_place *place, int max)
 {
     const struct path *path = &page->path[curve];
     const struct corner *corner = path_corners(path);
@@ -135,7 +135,7 @@ static int places_along(const struct page *page, int curve, struct spot *place, 
 }
 
 /* Of a region: at samples. */
-static int places_inside(const struct page *page, int index, struct spot *place, int max)
+static int places_inside(const struct page *page, int index, struct mark_place *place, int max)
 {
     const struct curve *curve = &page->figure->curve[index];
     const double every = (double)curve->n / MARKS;
@@ -151,7 +151,7 @@ static void draw_line(struct page *page, int curve, bool marked)
 {
     const struct path *path = &page->path[curve];
     const struct picture_style *style = &page->style;
-    struct spot place[MARKS + 1];
+    struct mark_place place[MARKS + 1];
     /* Many turns need thin lines. */
     const bool many = path->length > 40 * (page->right - page->left);
     const struct brush line = line_ink(page, curve, many ? style->thin_line : style->curve_line),

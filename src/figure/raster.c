@@ -85,7 +85,7 @@ static void put_span(const struct raster *raster, int column, int low, int high,
         put_dot(raster, grid, column, row);
 }
 
-struct pen {
+struct cell_pen {
     const struct raster *raster;
     int columns;       /* dots across */
     bool down, starts; /* on the paper; the curve begins in this column */
@@ -96,13 +96,13 @@ struct pen {
     double x, y;       /* [dot] last point */
 };
 
-static int pen_column(const struct pen *pen, double x)
+static int pen_column(const struct cell_pen *pen, double x)
 {
     return x < -0.5 ? -1 : x >= pen->columns - 0.5 ? pen->columns : (int)(x + 0.5);
 }
 
 /* Leaves the column at height y, or ends there. */
-static void pen_leave(struct pen *pen, double y, bool ends)
+static void pen_leave(struct cell_pen *pen, double y, bool ends)
 {
     double in = pen->starts ? NAN : pen->enter, out = ends ? NAN : y;
     double from = fmin(in, out), to = fmax(in, out); /* of the borders that are crossed */
@@ -120,7 +120,7 @@ static void pen_leave(struct pen *pen, double y, bool ends)
     put_span(pen->raster, pen->column, (int)low, (int)high, slope);
 }
 
-static void pen_enter(struct pen *pen, int column, double y)
+static void pen_enter(struct cell_pen *pen, int column, double y)
 {
     pen->column = column;
     pen->enter = pen->low = pen->high = y;
@@ -128,14 +128,14 @@ static void pen_enter(struct pen *pen, int column, double y)
     pen->down = true;
 }
 
-static void pen_up(struct pen *pen)
+static void pen_up(struct cell_pen *pen)
 {
     if (pen->down)
         pen_leave(pen, pen->y, true);
     pen->down = false;
 }
 
-static void pen_to(struct pen *pen, double x, double y)
+static void pen_to(struct cell_pen *pen, double x, double y)
 {
     if (!pen->down) {
         pen_enter(pen, pen_column(pen, x), y);
@@ -162,7 +162,8 @@ void raster_line(const struct raster *raster, const struct curve *curve)
     const struct figure_layout *layout = raster->layout;
     struct dot_grid grid = charset_grid(layout->charset);
     double across = layout->columns * grid.across - 1, down = layout->rows * grid.down - 1;
-    struct pen pen = {.raster = raster, .columns = layout->columns * grid.across, .heading = 1};
+    struct cell_pen pen = {
+        .raster = raster, .columns = layout->columns * grid.across, .heading = 1};
 
     for (size_t i = 0; i < curve->n; i++) {
         double x = fraction_of(&layout->x, curve->x[i]), y = fraction_of(&layout->y, curve->y[i]);

@@ -137,7 +137,7 @@ void grains_stroke(struct grains *grains, double x0, double y0, double x1, doubl
 struct outline {
     const struct grains *grains;
     struct path *path;
-    struct thinning thinning;
+    struct path_thinning thinning;
     double area; /* [grain^2] twice, positive around ink */
     double hole;
 };

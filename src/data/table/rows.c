@@ -20,7 +20,7 @@ struct row_problem {
     char example[SHORT_NAME];
 };
 
-struct reader {
+struct row_reader {
     struct recording *recording;
     const struct table_layout *layout;
     struct row_problem ragged, extra, *words; /* words: of each column */
@@ -44,7 +44,7 @@ static bool resize(void *array, size_t count, size_t size)
 
 /* Room for `rows` rows. What is not written to takes no memory, so that a generous guess costs
  * nothing. */
-static bool reserve(struct reader *reader, size_t rows, struct error *error)
+static bool reserve(struct row_reader *reader, size_t rows, struct error *error)
 {
     struct recording *recording = reader->recording;
     const size_t each = ((size_t)recording->columns + 2) * sizeof(double) + sizeof(uint32_t),
@@ -121,7 +121,7 @@ static inline const char *plain_number(const char *at, const char *end, char dec
 
 /* A row of nothing but plain numbers that ends in LF or CRLF, nearly every row of an instrument:
  * returns the start of the next line. NULL: the slow way has to look. */
-static const char *plain_row(struct reader *reader, const char *at, const char *end)
+static const char *plain_row(struct row_reader *reader, const char *at, const char *end)
 {
     const struct recording *recording = reader->recording;
     const char separator = reader->layout->separator, decimal = reader->layout->decimal;
@@ -175,7 +175,7 @@ static bool next_cell(struct text *rest, const struct table_layout *layout, stru
     return true;
 }
 
-static void note_words(struct reader *reader, struct text line, size_t number)
+static void note_words(struct row_reader *reader, struct text line, size_t number)
 {
     struct text field;
     double value;
@@ -187,7 +187,7 @@ static void note_words(struct reader *reader, struct text line, size_t number)
 }
 
 /* Reads one line into row recording->rows; false: it is no row of this table. */
-static bool read_row(struct reader *reader, struct text line, size_t number)
+static bool read_row(struct row_reader *reader, struct text line, size_t number)
 {
     struct recording *recording = reader->recording;
     struct text rest = line, field, beyond = {0};
@@ -219,7 +219,7 @@ static bool read_row(struct reader *reader, struct text line, size_t number)
 }
 
 /* The last that is read: what stands behind it may be a separator that ends the row. */
-static struct text last_field(const struct reader *reader, struct text row)
+static struct text last_field(const struct row_reader *reader, struct text row)
 {
     struct text field = {0}, next;
     for (int i = 0;
@@ -243,7 +243,7 @@ static size_t decimals(struct text number, char decimal)
  * the rows before agree on; or, where these do not agree or have none, if its last number is the
  * beginning of the one above (-1 below -120).
  */
-static bool is_cut(const struct reader *reader)
+static bool is_cut(const struct row_reader *reader)
 {
     const struct table_layout *layout = reader->layout;
     const size_t row = reader->recording->rows - 1;
@@ -277,7 +277,7 @@ static void name_columns(struct recording *recording)
     }
 }
 
-static void warn_rows(struct reader *reader)
+static void warn_rows(struct row_reader *reader)
 {
     struct recording *recording = reader->recording;
     if (reader->layout->ambiguous)
@@ -315,7 +315,7 @@ static void warn_rows(struct reader *reader)
                        reader->extra.first, reader->extra.example);
 }
 
-static bool is_full(struct reader *reader, struct error *error)
+static bool is_full(struct row_reader *reader, struct error *error)
 {
     const size_t capacity = reader->capacity;
     return reader->recording->rows == capacity &&
@@ -323,7 +323,7 @@ static bool is_full(struct reader *reader, struct error *error)
 }
 
 /* The line at *rest, whatever it is; `data` counts the lines of the table. */
-static bool read_line(struct reader *reader, struct text *rest, size_t number, size_t *data)
+static bool read_line(struct row_reader *reader, struct text *rest, size_t number, size_t *data)
 {
     struct recording *recording = reader->recording;
     struct text line;
@@ -350,7 +350,7 @@ static bool read_line(struct reader *reader, struct text *rest, size_t number, s
 bool table_rows(const struct table_text *text, const struct table_layout *layout,
                 struct recording *recording, struct error *error)
 {
-    struct reader reader = {.recording = recording, .layout = layout};
+    struct row_reader reader = {.recording = recording, .layout = layout};
     const char *end = text->text.at + text->text.len, *next;
     struct text rest = {layout->begin, (size_t)(end - layout->begin)}, line = rest, first;
     if (!table_columns(layout, recording, error))

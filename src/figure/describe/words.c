@@ -73,34 +73,34 @@ static void put_rate(const struct axis *axis, double rate, struct buffer *out)
 
 /* ---- what a curve does ---- */
 
-struct subject {
+struct described {
     const struct figure_reading *figure;
     const struct curve_reading *curve;
     const struct axis *x, *y;
     const double *across, *up; /* ranges */
 };
 
-static struct subject subject_of(const struct figure_reading *reading, int i)
+static struct described subject_of(const struct figure_reading *reading, int i)
 {
     const struct figure *figure = reading->figure;
     const struct curve *curve = &figure->curve[i];
     const int panel = figure->second && curve->panel > 0;
-    return (struct subject){reading,
-                            &reading->curve[i],
-                            curve_axis(figure, curve, false),
-                            curve_axis(figure, curve, true),
-                            panel && figure->plane ? reading->second_x : reading->x,
-                            reading->y[panel]};
+    return (struct described){reading,
+                              &reading->curve[i],
+                              curve_axis(figure, curve, false),
+                              curve_axis(figure, curve, true),
+                              panel && figure->plane ? reading->second_x : reading->x,
+                              reading->y[panel]};
 }
 
-static void put_place(const struct subject *s, struct curve_point point, struct buffer *out)
+static void put_place(const struct described *s, struct curve_point point, struct buffer *out)
 {
     put_value(s->y, point.y, s->up, out);
     buffer_format(out, " at %s = ", s->x->label);
     put_value(s->x, point.x, s->across, out);
 }
 
-static void put_ends(const struct subject *s, struct buffer *out)
+static void put_ends(const struct described *s, struct buffer *out)
 {
     const struct curve_reading *c = s->curve;
     buffer_put(out, TEXT("starts at "));
@@ -119,7 +119,7 @@ static void put_ends(const struct subject *s, struct buffer *out)
     put_value(s->y, c->end.y, s->up, out);
 }
 
-static void put_extremes(const struct subject *s, struct buffer *out)
+static void put_extremes(const struct described *s, struct buffer *out)
 {
     buffer_put(out, TEXT("lowest "));
     put_place(s, s->curve->low, out);
@@ -127,7 +127,7 @@ static void put_extremes(const struct subject *s, struct buffer *out)
     put_place(s, s->curve->high, out);
 }
 
-static void put_trend(const struct subject *s, struct buffer *out)
+static void put_trend(const struct described *s, struct buffer *out)
 {
     const struct curve_reading *c = s->curve;
     const bool rises = c->course == COURSE_RISES;
@@ -148,7 +148,7 @@ static void put_trend(const struct subject *s, struct buffer *out)
     }
 }
 
-static void put_amplitudes(const struct subject *s, struct buffer *out)
+static void put_amplitudes(const struct described *s, struct buffer *out)
 {
     const struct curve_reading *c = s->curve;
     const double part = c->amplitude[1] / c->amplitude[0] - 1;
@@ -176,7 +176,7 @@ static void put_amplitudes(const struct subject *s, struct buffer *out)
     }
 }
 
-static void put_oscillation(const struct subject *s, struct buffer *out)
+static void put_oscillation(const struct described *s, struct buffer *out)
 {
     const struct curve_reading *c = s->curve;
     buffer_put(out, TEXT("oscillates about "));
@@ -194,7 +194,7 @@ static void put_oscillation(const struct subject *s, struct buffer *out)
     put_amplitudes(s, out);
 }
 
-static void put_winding(const struct subject *s, struct buffer *out)
+static void put_winding(const struct described *s, struct buffer *out)
 {
     const struct curve_reading *c = s->curve;
     const double part = c->distance[1] / c->distance[0] - 1;
@@ -224,7 +224,7 @@ static void put_winding(const struct subject *s, struct buffer *out)
 }
 
 /* Without its subject; false: nothing more than its ends is known. */
-static bool put_course(const struct subject *s, struct buffer *out)
+static bool put_course(const struct described *s, struct buffer *out)
 {
     switch (s->curve->course) {
     case COURSE_NONE:
@@ -266,7 +266,7 @@ static bool put_course(const struct subject *s, struct buffer *out)
 
 /* ---- sentences ---- */
 
-static void put_gaps(const struct subject *s, struct buffer *out)
+static void put_gaps(const struct described *s, struct buffer *out)
 {
     if (s->curve->gaps > 0)
         buffer_format(out, ", with %zu sample%s that %s no place in it", s->curve->gaps,
@@ -274,7 +274,7 @@ static void put_gaps(const struct subject *s, struct buffer *out)
 }
 
 /* What a figure of one curve says in two sentences. */
-static void put_alone(const struct subject *s, const char *name, struct buffer *out)
+static void put_alone(const struct described *s, const char *name, struct buffer *out)
 {
     buffer_format(out, " %s ", name);
     const bool known = put_course(s, out);
@@ -295,7 +295,7 @@ static void put_alone(const struct subject *s, const char *name, struct buffer *
     buffer_put(out, TEXT("."));
 }
 
-static void put_curve(const struct subject *s, bool briefly, struct buffer *out)
+static void put_curve(const struct described *s, bool briefly, struct buffer *out)
 {
     struct buffer course = {0};
     buffer_format(out, "%s ", s->curve->label);
@@ -322,7 +322,7 @@ static void put_curves(const struct figure_reading *reading, struct buffer *out)
 {
     const int curves = reading->figure->curves;
     for (int i = 0; i < curves; i++) {
-        const struct subject s = subject_of(reading, i);
+        const struct described s = subject_of(reading, i);
         buffer_put(out, i == 0 || curves <= APART ? TEXT(" ") : TEXT("; "));
         put_curve(&s, curves > APART, out);
         if (curves <= APART || i + 1 == curves)
@@ -371,7 +371,7 @@ static void put_distances(const struct figure_reading *reading, struct buffer *o
     buffer_format(out, " Farthest from %s: ", reading->curve[reading->reference].label);
     for (int i = 0; i < reading->distances; i++) {
         const struct curve_distance *distance = &reading->distance[i];
-        const struct subject s = subject_of(reading, distance->curve);
+        const struct described s = subject_of(reading, distance->curve);
         buffer_format(out, "%s%s by ", i ? "; " : "", s.curve->label);
         put_value(s.y, distance->largest, NULL, out);
         buffer_format(out, " at %s = ", s.x->label);
@@ -396,7 +396,7 @@ static void put_order(const struct figure_reading *reading, struct buffer *out)
 static void put_bands(const struct figure_reading *reading, struct buffer *out)
 {
     for (int i = 0; i < reading->figure->curves; i++) {
-        const struct subject s = subject_of(reading, i);
+        const struct described s = subject_of(reading, i);
         if (!isfinite(s.curve->widest.y))
             continue;
         buffer_format(out, " The band about %s is widest, +- ", s.curve->label);
@@ -419,7 +419,7 @@ bool describe_reading(const struct figure_reading *reading, struct buffer *out)
     }
     put_intro(reading, out);
     if (figure->curves == 1) {
-        const struct subject s = subject_of(reading, 0);
+        const struct described s = subject_of(reading, 0);
         put_alone(&s, s.curve->label, out);
     } else {
         put_curves(reading, out);
