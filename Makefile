@@ -69,7 +69,7 @@ CONTAINER_CFLAGS := $(foreach l,archive expat freexl,$(shell p=$(if $(filter arc
 endif
 OPTIONAL_CPPFLAGS := $(CONTAINER_CFLAGS) $(CAIRO_CFLAGS) $(if $(SUNDIALS_LIBS),-DHOOKE_SUNDIALS)
 # What is compiled with them.
-OPTIONAL_SOURCES := $(wildcard src/figure/*.c src/figure/*/*.c tests/unit/figure/*.c) src/method/rows/catalog.c src/method/step/cvode.c \
+OPTIONAL_SOURCES := $(wildcard src/figure/surface/*.c tests/unit/figure/*.c) src/method/rows/catalog.c src/method/step/cvode.c \
   $(addprefix src/data/container/,archive.c xml.c workbook_old.c) $(wildcard tests/unit/data/container*.c) \
   tests/terminal/terminal/pixels.c
 # Tests that say something else with them than without.

@@ -15,9 +15,9 @@ is() { # name got wanted
     echo "#   built again: $2; expected: $3"
 }
 
-mkdir -p "$work"/tree/src/{base,figure,terminal,method/rows} "$work/bin"
+mkdir -p "$work"/tree/src/{base,figure/surface,terminal,method/rows} "$work/bin"
 cp Makefile "$work/tree"
-for file in src/main.c src/base/{arena,error}.c src/figure/picture.c src/terminal/screen.c src/method/rows/catalog.c; do
+for file in src/main.c src/base/{arena,error}.c src/figure/surface/cairo_surface.c src/terminal/screen.c src/method/rows/catalog.c; do
     cp "$file" "$work/tree/$file"
 done
 cat >"$work/bin/pkg-config" <<'END'
@@ -39,14 +39,14 @@ cd "$work/tree" || exit 2
 again() { # make's arguments...
     make -t CONFIG=debug "$@" build/debug/hooke | sed -n 's,^touch .*/\(.*\)$,\1,p' | sort | tr '\n' ' '
 }
-all='arena.o catalog.o error.o hooke libhooke.a main.o picture.o screen.o '
+all='arena.o cairo_surface.o catalog.o error.o hooke libhooke.a main.o screen.o '
 again >/dev/null
 touch "$work/cairo"
-is 'a library appears: what uses it' "$(again)" 'catalog.o hooke libhooke.a picture.o '
+is 'a library appears: what uses it' "$(again)" 'cairo_surface.o catalog.o hooke libhooke.a '
 touch Makefile
 is 'and then all is built, whatever else the makefile says' "$(again)" ''
 rm "$work/cairo"
-is 'it goes: the same' "$(again)" 'catalog.o hooke libhooke.a picture.o '
+is 'it goes: the same' "$(again)" 'cairo_surface.o catalog.o hooke libhooke.a '
 echo -I/elsewhere >"$work/line"
 is 'its headers move: who includes them' "$(again)" 'hooke screen.o '
 echo '-lgsl -lm' >"$work/gsl"

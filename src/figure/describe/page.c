@@ -3,6 +3,8 @@
 #include "figure/describe/internal.h"
 #include "figure/internal.h"
 
+#include <hooke/base/numeric.h>
+
 #include <math.h>
 
 #define ROWS 11 /* of a table: ten equal parts */
@@ -19,19 +21,16 @@ static bool is_ascending(const struct curve *curve)
     return curve->n > 1;
 }
 
-/* Linear between samples; NAN outside. */
+/* Linear between samples; NAN outside, and where one beside it is missing. */
 static double curve_at(const struct curve *curve, double x)
 {
-    size_t low = 0, high = curve->n - 1;
-    if (!(x >= curve->x[0] && x <= curve->x[high]))
+    const size_t high = first_from(curve->x, curve->n, x);
+    if (high == curve->n || (high == 0 && curve->x[0] > x))
         return NAN;
-    while (high - low > 1) {
-        const size_t i = low + (high - low) / 2;
-        *(curve->x[i] <= x ? &low : &high) = i;
-    }
-    const double part =
-        curve->x[high] > curve->x[low] ? (x - curve->x[low]) / (curve->x[high] - curve->x[low]) : 0;
-    return part <= 0 ? curve->y[low] : curve->y[low] + part * (curve->y[high] - curve->y[low]);
+    if (curve->x[high] == x)
+        return curve->y[high];
+    const double low = curve->x[high - 1], part = (x - low) / (curve->x[high] - low);
+    return curve->y[high - 1] + part * (curve->y[high] - curve->y[high - 1]);
 }
 
 static void put_cell(struct text text, int width, struct buffer *out)
@@ -41,14 +40,22 @@ static void put_cell(struct text text, int width, struct buffer *out)
     buffer_put(out, text);
 }
 
-/* Returns how wide its column is. */
-static int put_heading(const char *name, const struct axis *axis, struct buffer *out)
+static int column_width(const struct buffer *heading)
+{
+    const int needed = text_width(buffer_text(heading));
+    return needed > COLUMN ? needed : COLUMN;
+}
+
+/* Puts the heading where there is room for its column, and returns how wide that is; 0: there is
+ * none. */
+static int put_heading(const char *name, const struct axis *axis, int room, struct buffer *out)
 {
     struct buffer text = {0};
     buffer_format(&text, axis->unit && *axis->unit ? " %s [%s]" : " %s", name,
                   axis->unit ? axis->unit : "");
-    const int needed = text_width(buffer_text(&text)), width = needed > COLUMN ? needed : COLUMN;
-    put_cell(buffer_text(&text), width, out);
+    const int width = column_width(&text) <= room ? column_width(&text) : 0;
+    if (width)
+        put_cell(buffer_text(&text), width, out);
     buffer_free(&text);
     return width;
 }
@@ -62,10 +69,10 @@ static void put_number(double value, const struct axis *axis, int width, struct 
     buffer_free(&text);
 }
 
-static void put_table(const struct figure *figure, int width, struct buffer *out)
+static void put_table(const struct figure *figure, int room, struct buffer *out)
 {
     double from = HUGE_VAL, to = -HUGE_VAL;
-    int columns = 0, wide[CURVES_MAX + 1], used;
+    int columns = 0, wide[CURVES_MAX + 1];
     for (int i = 0; i < figure->curves; i++) {
         const struct curve *curve = &figure->curve[i];
         if (curve->n > 0 && !is_ascending(curve))
@@ -81,12 +88,15 @@ static void put_table(const struct figure *figure, int width, struct buffer *out
     }
     if (figure->plane || !(to > from) || (figure->x.log && !(from > 0)))
         return;
-    used = wide[0] = put_heading(figure->x.label, &figure->x, out);
-    while (columns < figure->curves && columns < CURVES_MAX && used + COLUMN <= width) {
-        const struct curve *curve = &figure->curve[columns];
-        used += wide[++columns] =
-            put_heading(curve->label && *curve->label ? curve->label : figure->y.label,
-                        curve_axis(figure, curve, true), out);
+    room -= wide[0] = put_heading(figure->x.label, &figure->x, room, out);
+    for (int i = 0; i < figure->curves && i < CURVES_MAX; i++) {
+        const struct curve *curve = &figure->curve[i];
+        wide[i + 1] = put_heading(curve->label && *curve->label ? curve->label : figure->y.label,
+                                  curve_axis(figure, curve, true), room, out);
+        if (wide[i + 1] == 0)
+            break;
+        room -= wide[i + 1];
+        columns++;
     }
     buffer_char(out, '\n');
     for (int row = 0; row < ROWS; row++) {

@@ -2,11 +2,11 @@
 /* Where a curve turns, and from that its crossings, its period and how its swing changes. */
 #include "figure/describe/internal.h"
 
-#include <stdlib.h>
+#include <hooke/base/numeric.h>
 
 #define BACK 0.05    /* of the swing before: less is no turn */
 #define REGULAR 0.25 /* periods differ from their median by less than this part of it, */
-#define OUTLIER 7.4  /* and by less than this many median differences: 5 standard deviations */
+#define OUTLIER 5.0  /* and by less than this many robust standard deviations */
 #define MOST 0.75    /* of them at least */
 #define SHARE 0.4    /* of the time, that has crossings: else a spike, or a start */
 #define LINE 0.05    /* how far a logarithm may be off its line, */
@@ -92,12 +92,6 @@ static double crossing(const struct points *p, size_t from, size_t to, double le
     return sum;
 }
 
-static int by_value(const void *a, const void *b)
-{
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 /* at: ascending crossings; those two further on have the same direction. extent: of the curve. */
 static bool read_period(const double *at, size_t crossings, double extent, struct arena *arena,
                         struct curve_reading *reading)
@@ -110,13 +104,11 @@ static bool read_period(const double *at, size_t crossings, double extent, struc
         return false;
     for (size_t i = 0; i < count; i++)
         length[i] = at[i + 2] - at[i];
-    qsort(length, count, sizeof *length, by_value);
-    const double median = count ? length[count / 2] : NAN;
+    const double median = quantile(length, count, 0.5);
     for (size_t i = 0; i < count; i++)
         off[i] = fabs(length[i] - median);
-    qsort(off, count, sizeof *off, by_value);
-    const double far =
-        fmin(REGULAR * median, fmax(count ? OUTLIER * off[count / 2] : 0, ROUNDING * median));
+    const double sigma = MAD_TO_SIGMA * quantile(off, count, 0.5),
+                 far = fmin(REGULAR * median, fmax(OUTLIER * sigma, ROUNDING * median));
     for (size_t i = 0; i < count; i++)
         if (fabs(length[i] - median) <= far) {
             sum += length[i];

@@ -2,7 +2,8 @@
 /* How a curve in a plane goes around its centre. */
 #include "figure/describe/internal.h"
 
-#define TWO_PI 6.283185307179586
+#include <hooke/base/numeric.h>
+
 #define ALIKE 0.9 /* of the turns about the middle: then the origin is the centre */
 
 struct frame {

@@ -31,11 +31,6 @@ static int digits_for(const double range[2])
     return DIGITS + (int)fmax(more, 0);
 }
 
-static double factor_of(const struct axis *axis)
-{
-    return axis->factor > 0 ? axis->factor : 1;
-}
-
 static void put_unit(const struct axis *axis, struct buffer *out)
 {
     if (axis->unit && *axis->unit)
@@ -48,23 +43,23 @@ static void put_value(const struct axis *axis, double value, const double *range
 {
     if (range && !axis->log && fabs(value) < NOTHING * fmax(fabs(range[0]), fabs(range[1])))
         value = 0;
-    put_digits(value / factor_of(axis), range ? digits_for(range) : DIGITS, out);
+    put_digits(value / axis_factor(axis), range ? digits_for(range) : DIGITS, out);
     put_unit(axis, out);
 }
 
 static void put_range(const struct axis *axis, const double range[2], struct buffer *out)
 {
     buffer_format(out, "%s from ", axis->label && *axis->label ? axis->label : "values");
-    put_digits(range[0] / factor_of(axis), digits_for(range), out);
+    put_digits(range[0] / axis_factor(axis), digits_for(range), out);
     buffer_put(out, TEXT(" to "));
-    put_digits(range[1] / factor_of(axis), digits_for(range), out);
+    put_digits(range[1] / axis_factor(axis), digits_for(range), out);
     put_unit(axis, out);
 }
 
 /* "1/s" of a rate over that axis, in the numbers that it shows. */
 static void put_rate(const struct axis *axis, double rate, struct buffer *out)
 {
-    put_number(rate * factor_of(axis), out);
+    put_number(rate * axis_factor(axis), out);
     if (axis->unit && *axis->unit)
         buffer_format(out, " 1/%s", axis->unit);
     else
@@ -187,7 +182,7 @@ static void put_oscillation(const struct described *s, struct buffer *out)
     put_value(s->x, c->period, NULL, out);
     if (isfinite(c->spread) && c->spread > 1e-6 * c->period) {
         buffer_put(out, TEXT(" +- "));
-        put_digits(c->spread / factor_of(s->x), 2, out);
+        put_digits(c->spread / axis_factor(s->x), 2, out);
     }
     buffer_format(out, " and crosses the middle %zu time%s", c->crossings,
                   c->crossings == 1 ? "" : "s");
@@ -330,11 +325,15 @@ static void put_curves(const struct figure_reading *reading, struct buffer *out)
     }
 }
 
+static const char *title_of(const struct figure *figure)
+{
+    return figure->title && *figure->title ? figure->title : "A figure";
+}
+
 static void put_intro(const struct figure_reading *reading, struct buffer *out)
 {
     const struct figure *figure = reading->figure;
-    const char *title = figure->title && *figure->title ? figure->title : "A figure";
-    buffer_format(out, "%s: ", title);
+    buffer_format(out, "%s: ", title_of(figure));
     put_range(&figure->x, reading->x, out);
     buffer_put(out, TEXT(", "));
     put_range(&figure->y, reading->y[0], out);
@@ -413,8 +412,7 @@ bool describe_reading(const struct figure_reading *reading, struct buffer *out)
     for (int i = 0; i < figure->curves; i++)
         points += reading->curve[i].n;
     if (points == 0) {
-        buffer_format(out, "%s: nothing that can be shown.",
-                      figure->title && *figure->title ? figure->title : "A figure");
+        buffer_format(out, "%s: nothing that can be shown.", title_of(figure));
         return !out->failed;
     }
     put_intro(reading, out);

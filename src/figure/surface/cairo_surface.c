@@ -4,6 +4,8 @@
 #include "figure/surface/sixel.h"
 #include "figure/surface/surface.h"
 
+#include <hooke/base/numeric.h>
+
 #ifdef HAVE_CAIRO
 
 #define PIXELS 2 /* a point, of a PNG and of sixels */
@@ -38,7 +40,7 @@ static void paint(struct surface *surface, const struct brush *brush)
             api->close_path(on->cairo);
         } else {
             api->new_sub_path(on->cairo);
-            api->arc(on->cairo, point->x, point->y, point->radius, 0, 6.283185307179586);
+            api->arc(on->cairo, point->x, point->y, point->radius, 0, TWO_PI);
         }
     }
     if (brush->fill)
@@ -80,7 +82,7 @@ static void put_text(struct surface *surface, const struct surface_text *text)
     api->save(on->cairo);
     api->translate(on->cairo, text->x, text->y);
     if (text->turned)
-        api->rotate(on->cairo, -1.5707963267948966);
+        api->rotate(on->cairo, -PI / 2);
     api->move_to(on->cairo, -text->align * width, 0);
     api->show_text(on->cairo, text->text);
     api->restore(on->cairo);

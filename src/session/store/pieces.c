@@ -266,18 +266,19 @@ static bool find_bytes(const struct reader *reader, uint64_t sum, struct text *c
 }
 
 /* The bytes in a file of the same name, in a folder of its own. */
-static char *put_file(struct text path, struct text content, char folder[32])
+static char *put_file(struct text path, struct text content, struct buffer *folder)
 {
+    const char *temporary = getenv("TMPDIR");
     struct buffer name = {0};
     struct writer writer;
     struct error ignored;
     size_t at = path.len;
     while (at > 0 && path.at[at - 1] != '/')
         at--;
-    snprintf(folder, 32, "/tmp/hooke-XXXXXX");
-    if (!mkdtemp(folder))
+    buffer_format(folder, "%s/hooke-XXXXXX", temporary && *temporary ? temporary : "/tmp");
+    if (folder->failed || !mkdtemp(folder->data))
         return NULL;
-    buffer_format(&name, "%s/%.*s", folder, (int)(path.len - at), path.at + at);
+    buffer_format(&name, "%s/%.*s", folder->data, (int)(path.len - at), path.at + at);
     bool ok = !name.failed &&
               writer_open(&writer, name.data, (struct write_policy){.force = false}, &ignored);
     if (ok) {
@@ -285,7 +286,7 @@ static char *put_file(struct text path, struct text content, char folder[32])
         ok = writer_commit(&writer, &ignored);
     }
     if (!ok) {
-        rmdir(folder);
+        rmdir(folder->data);
         buffer_free(&name);
     }
     return name.data;
@@ -309,7 +310,7 @@ static bool load(struct reader *reader, struct text path, struct text options, s
 static bool load_kept(struct reader *reader, struct text in, struct text path, struct error *error)
 {
     struct text options, content, name;
-    char folder[32];
+    struct buffer folder = {0};
     uint64_t sum = 0;
     if (!field_find(in, "options", &options) || !field_find(in, "name", &name))
         return error_set(error, ERROR_IO, "it is damaged");
@@ -321,14 +322,15 @@ static bool load_kept(struct reader *reader, struct text in, struct text path, s
                     (int)name.len, name.at);
         return true;
     }
-    char *file = put_file(path, content, folder);
+    char *file = put_file(path, content, &folder);
     bool ok = file ? load(reader, text_of(file), options, error)
-                   : error_set(error, ERROR_IO, "there is no room for it in /tmp");
+                   : error_set(error, ERROR_IO, "there is no room for it in the folder TMPDIR");
     if (file) {
         unlink(file);
-        rmdir(folder);
+        rmdir(folder.data);
     }
     free(file);
+    buffer_free(&folder);
     if (!ok)
         return false;
     struct recording_slot *slot = reader->session->recording[reader->session->recordings - 1];
