@@ -19,6 +19,8 @@ struct report_value {
     const char *source; /* "measured", "fit damped" */
     double at;          /* [s] of an amplitude; NAN */
     size_t statement;   /* of the log that gave it, counted from 1; 0: the scene's own */
+    const char
+        *brief; /* what a parameter of another scene than the lab's is; NULL: its name says */
 };
 
 /* Numbered like those of the lab sheet; what is left is of no lab. */
@@ -83,6 +85,8 @@ void put_all_values(struct report *report);
 /* One that was found, of that ("data disk"); of NULL: of anything. */
 const struct report_value *find_value(const struct report *report, const char *name,
                                       const char *of);
+/* "damping gamma", "y0 (y at t0)" */
+void say_label(struct document *document, const struct report_value *value);
 /* As many digits as its uncertainty gives it; 3 of what has none and was not stated. */
 void say_value(struct document *document, const struct report_value *value);
 /* Of these runs (places) and this recording (place, -1: none), with its caption; nothing without

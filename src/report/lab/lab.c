@@ -75,21 +75,24 @@ static struct measured decay_time(struct measured gamma)
 static void add_measurement(struct report *report, const struct measurement *m)
 {
     const bool decay = strcmp(m->quantity, "decay") == 0;
-    struct report_value value = {m->quantity, m->value, m->unit,     m->of,
-                                 "measured",  m->at,    m->statement};
+    struct report_value value = {m->quantity, m->value, m->unit,      m->of,
+                                 "measured",  m->at,    m->statement, NULL};
     if (decay)
         value.name = "gamma";
     value.source = m->energy && m->unit != QUANTITY_ENERGY ? "measured, energy" : value.source;
     add(report, value);
     if (decay && !m->energy)
         add(report, (struct report_value){"tau", decay_time(m->value), QUANTITY_TIME, m->of,
-                                          "2/gamma, measured", NAN, m->statement});
+                                          "2/gamma, measured", NAN, m->statement, NULL});
 }
 
 static void add_fit(struct report *report, const struct stored_fit *stored, const char *source)
 {
     const struct fit *fit = &stored->fit;
     const struct measured rms = {fit->rms, 0};
+    /* The law that was fitted has no such term: no damping was measured, nor is it zero. */
+    const bool linear = fit->drag.candidates == 0 || (fit->drag.best & LAW_LINEAR);
+    const struct measured gamma = linear ? fit->gamma : (struct measured){NAN, NAN};
     const struct {
         const char *name;
         struct measured value;
@@ -102,15 +105,15 @@ static void add_fit(struct report *report, const struct stored_fit *stored, cons
         {"phase", fit->phase, QUANTITY_ANGLE},
         {"offset", fit->offset, stored->quantity},
         {"k", stored->k, QUANTITY_STIFFNESS},
-        {"gamma", fit->gamma, QUANTITY_RATE},
-        {"tau", decay_time(fit->gamma), QUANTITY_TIME},
+        {"gamma", gamma, QUANTITY_RATE},
+        {"tau", decay_time(gamma), QUANTITY_TIME},
         {"gamma of the first half", fit->halves[0], QUANTITY_RATE},
         {"gamma of the second half", fit->halves[1], QUANTITY_RATE},
         {"rms of the residuals", rms, stored->quantity},
     };
     for (size_t i = 0; i < COUNT_OF(rows) && rows[i].name; i++)
         add(report, (struct report_value){rows[i].name, rows[i].value, rows[i].quantity, stored->of,
-                                          source, NAN, stored->statement});
+                                          source, NAN, stored->statement, NULL});
 }
 
 static void add_run(struct report *report, const struct run_slot *slot, const char *of)
@@ -119,6 +122,7 @@ static void add_run(struct report *report, const struct run_slot *slot, const ch
     struct ledger ledger;
     struct run_errors errors;
     const struct scene *scene = &run->scene;
+    const bool lab = is_oscillator(scene);
     run_ledger(run, &ledger);
     run_errors(run, &errors);
     for (int i = 0; i < (int)scene_params(scene)->count; i++)
@@ -129,7 +133,8 @@ static void add_run(struct report *report, const struct run_slot *slot, const ch
                                               of,
                                               "parameter",
                                               NAN,
-                                              slot->origin[i]});
+                                              slot->origin[i],
+                                              lab ? NULL : param_at(scene, i)->row.brief});
     const struct {
         const char *name;
         double value;
@@ -151,7 +156,8 @@ static void add_run(struct report *report, const struct run_slot *slot, const ch
                                           of,
                                           rows[i].source,
                                           NAN,
-                                          slot->statement});
+                                          slot->statement,
+                                          NULL});
 }
 
 bool collect_values(struct report *report, struct error *error)

@@ -22,6 +22,7 @@ struct lack {
     enum section section;
     const char *what, *type; /* %s: of which recording */
     int recording;           /* its place */
+    bool spring;             /* it needs that scene */
 };
 
 #define LACKS 10
@@ -48,28 +49,29 @@ static int find_lacks(const struct report *report, struct lack lack[LACKS])
         bool there;
         struct lack lack;
     } rows[LACKS] = {
-        {first >= 0, {SECTION_RECORDING, "the recording without damping", "load FILE", -1}},
+        {first >= 0, {SECTION_RECORDING, "the recording without damping", "load FILE", -1, false}},
         {has_of(report, "period", first),
-         {SECTION_RECORDING, "the period", "measure period of data %s", first}},
+         {SECTION_RECORDING, "the period", "measure period of data %s", first, false}},
         {has_of(report, "amplitude", first),
-         {SECTION_RECORDING, "the amplitude", "measure amplitude of data %s", first}},
+         {SECTION_RECORDING, "the amplitude", "measure amplitude of data %s", first, false}},
         {has_of(report, "k", first),
-         {SECTION_RECORDING, "the spring constant", "m = 200 g; fit damped to %s", first}},
-        {m->euler >= 0,
+         {SECTION_RECORDING, "the spring constant", "m = 200 g; fit damped to %s", first, true}},
+        {m->euler >= 0 && (recording_of(report, run_at(report, m->euler)) >= 0 ||
+                           !is_damped(run_at(report, m->euler))),
          {SECTION_SIMULATION, "forward Euler without damping",
-          "gamma = 0; method euler dt=10ms; run 10 s", -1}},
+          "gamma = 0; method euler dt=10ms; run 10 s", -1, true}},
         {euler && symplectic,
          {SECTION_SCHEMES, "forward and symplectic Euler with the same step",
-          "gamma = 0; compare euler symplectic-euler dt=10ms", -1}},
+          "gamma = 0; compare euler symplectic-euler dt=10ms", -1, true}},
         {find_value(report, "reynolds", NULL) != NULL,
-         {SECTION_DRAG, "the Reynolds number", "measure reynolds", -1}},
-        {second >= 0, {SECTION_DAMPED_RECORDING, "the damped recording", "load FILE", -1}},
+         {SECTION_DRAG, "the Reynolds number", "measure reynolds", -1, true}},
+        {second >= 0, {SECTION_DAMPED_RECORDING, "the damped recording", "load FILE", -1, false}},
         {has_of(report, "gamma", second) && second >= 0,
          {SECTION_DAMPED_RECORDING, "its decay",
-          "measure amplitude windows=6 of data %s; measure decay of data %s", second}},
+          "measure amplitude windows=6 of data %s; measure decay of data %s", second, false}},
         {m->runs[SECTION_DAMPED_SIMULATION] > 0,
          {SECTION_DAMPED_SIMULATION, "the damped simulation",
-          "fit damped to %s; adopt; method rk4 dt=10ms; run 20 s", second}},
+          "fit damped to %s; adopt; method rk4 dt=10ms; run 20 s", second, true}},
     };
     int lacks = 0;
     for (size_t i = 0; i < LACKS; i++)
@@ -83,6 +85,8 @@ static void put_type(const struct report *report, const struct lack *lack, struc
 {
     static const char *const parts[] = {" of data %s", " to %s"};
     const char *at = lack->type;
+    if (lack->spring && report->session->setup.scene.model != &oscillator_model)
+        buffer_put(out, TEXT("scene spring; "));
     while (*at) {
         bool found = false;
         for (size_t i = 0; i < COUNT_OF(parts) && !found; i++) {

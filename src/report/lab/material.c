@@ -12,6 +12,7 @@
 
 #define FALLS 0.25 /* share of its amplitude that a recording of the second session loses */
 #define PARTS 5    /* of a recording: the amplitude of the last is compared with the first's */
+#define MORE 2     /* times the damping of another recording, and three uncertainties of both */
 
 bool is_method(const struct run *run, const char *name)
 {
@@ -72,10 +73,33 @@ static bool decay_asked(const struct report *report, int index)
     return readings >= 2;
 }
 
+/* The damping that the last fit of a recording found is that many times that of another one's. */
+static bool is_damped_more(const struct report *report, int index)
+{
+    const struct session *session = report->session;
+    struct measured gamma[LIMIT_RECORDINGS];
+    for (int i = 0; i < session->recordings; i++) {
+        gamma[i] = (struct measured){NAN, NAN};
+        for (int k = 0; k < session->stored_fits; k++) {
+            const struct stored_fit *fit = &session->stored_fit[k];
+            const struct text of = text_of(fit->of);
+            if (text_starts(of, TEXT("data ")) && fit->fit.gamma.value > 0 &&
+                text_is((struct text){of.at + 5, of.len - 5},
+                        session->recording[i]->recording->name))
+                gamma[i] = fit->fit.gamma;
+        }
+    }
+    for (int i = 0; i < session->recordings; i++)
+        if (gamma[index].value - 3 * gamma[index].uncertainty >
+            MORE * (gamma[i].value + 3 * gamma[i].uncertainty))
+            return true;
+    return false;
+}
+
 /*
- * A recording is of the second session if much of its amplitude is lost; and if its decay was asked
- * for, unless another one of those falls more. Where all would be, those whose decay nobody asked
- * for are of the first.
+ * A recording is of the second session if much of its amplitude is lost or a fit of it gives far
+ * more damping than that of another one; and if its decay was asked for, unless another one of
+ * those falls more. Where all would be, those whose decay nobody asked for are of the first.
  */
 static void sort_recordings(const struct report *report, struct material *m)
 {
@@ -89,7 +113,8 @@ static void sort_recordings(const struct report *report, struct material *m)
         most = asked[i] ? fmax(most, fall[i]) : most;
     }
     for (int i = 0; i < count; i++) {
-        m->decays[i] = fall[i] > FALLS || (asked[i] && !(fall[i] < most));
+        m->decays[i] =
+            fall[i] > FALLS || (asked[i] && !(fall[i] < most)) || is_damped_more(report, i);
         all &= m->decays[i];
     }
     for (int i = 0; all && any_asked && i < count; i++)
@@ -136,18 +161,32 @@ static bool has_other_drag(const struct run *run)
     return param_value(&run->scene, "C") > 0 || param_value(&run->scene, "friction") > 0;
 }
 
-static bool is_damped(const struct run *run)
+bool is_damped(const struct run *run)
 {
     return fabs(param_value(&run->scene, "gamma")) > 0 || has_other_drag(run);
 }
 
-/* Other methods integrated the same with it, in the same statement. */
-static bool is_compared(const struct session *session, int index)
+bool same_motion(const struct run *a, const struct run *b)
 {
-    for (int i = 0; i < session->runs; i++)
-        if (session->run[i]->statement == session->run[index]->statement &&
-            session->run[i]->run->method != session->run[index]->run->method)
+    if (a->system.model != b->system.model)
+        return false;
+    for (int i = 0; i < (int)scene_params(&a->scene)->count; i++)
+        if (!same_bits(a->scene.value[i], b->scene.value[i]))
+            return false;
+    return true;
+}
+
+/* Other methods integrated the same as it: in the same statement, or one by one. */
+static bool is_compared(const struct session *session, int index, bool one_by_one)
+{
+    const struct run_slot *own = session->run[index];
+    for (int i = 0; i < session->runs; i++) {
+        const struct run_slot *other = session->run[i];
+        if (other->run->method != own->run->method &&
+            (other->statement == own->statement ||
+             (one_by_one && same_motion(other->run, own->run))))
             return true;
+    }
     return false;
 }
 
@@ -160,7 +199,8 @@ static enum section section_of(struct report *report, const struct material *m, 
     const int of = is_spring(run) ? recording_of(report, run) : -1;
     if (!is_spring(run))
         return SECTION_OTHER;
-    if (!is_damped(run) || is_compared(report->session, index) || (euler && m->second < 0))
+    if (!is_damped(run) || is_compared(report->session, index, of < 0 && m->second < 0) ||
+        (euler && m->second < 0))
         return plain;
     if (of >= 0)
         return m->decays[of] ? SECTION_DAMPED_SIMULATION : plain;
@@ -173,20 +213,15 @@ static enum section section_of(struct report *report, const struct material *m, 
 
 /* ---- schemes side by side ---- */
 
-static bool same_motion(const struct run *a, const struct run *b)
+static bool same_step(const struct run *a, const struct run *b)
 {
-    if (a->system.model != b->system.model)
-        return false;
-    for (int i = 0; i < (int)scene_params(&a->scene)->count; i++)
-        if (!same_bits(a->scene.value[i], b->scene.value[i]))
-            return false;
     return a->plan.adaptive || b->plan.adaptive || a->settings.dt == b->settings.dt;
 }
 
 static void take_scheme(const struct report *report, struct material *m, int index)
 {
-    const struct run *run = run_at(report, index);
-    if (m->schemes == REPORT_OVERLAY || !same_motion(run_at(report, m->scheme[0]), run))
+    const struct run *run = run_at(report, index), *first = run_at(report, m->scheme[0]);
+    if (m->schemes == REPORT_OVERLAY || !same_motion(first, run) || !same_step(first, run))
         return;
     for (int i = 0; i < m->schemes; i++)
         if (run_at(report, m->scheme[i])->method == run->method)

@@ -19,9 +19,16 @@ struct material {
 bool of_second_session(const struct report *report, const char *of);
 /* The recording whose fit gave the run its spring; -1: none that is known. */
 int recording_of(const struct report *report, const struct run *run);
+/* A parameter or a setting. */
+bool is_stated(const struct report_value *value);
+/* It is told where what it is of is. */
+bool stands_in_section(const struct report *report, const struct report_value *value);
 /* Says under a heading what it lacks. */
 void put_lacks(struct report *report, enum section section);
 bool is_method(const struct run *run, const char *name);
+bool is_damped(const struct run *run);
+bool same_motion(const struct run *a,
+                 const struct run *b); /* the same scene with the same values */
 
 static inline const struct run *run_at(const struct report *report, int index)
 {

@@ -20,7 +20,7 @@
 
 /* ---- values ---- */
 
-static bool is_stated(const struct report_value *value)
+bool is_stated(const struct report_value *value)
 {
     return strcmp(value->source, "parameter") == 0 || strcmp(value->source, "setting") == 0;
 }
@@ -34,7 +34,7 @@ void say_value(struct document *document, const struct report_value *value)
     document_measured(document, value->value, value->quantity, digits);
 }
 
-static const char *label_of(const char *name)
+void say_label(struct document *document, const struct report_value *value)
 {
     static const char *const labels[][2] = {
         {"k", "spring constant k"},
@@ -50,11 +50,15 @@ static const char *label_of(const char *name)
         {"v0", "initial velocity v0"},
         {"dt", "step dt"},
         {"drift", "error of the energy at the end"},
+        {"energy", "energy, mean and spread"},
     };
-    for (size_t i = 0; i < COUNT_OF(labels); i++)
-        if (strcmp(labels[i][0], name) == 0)
-            return labels[i][1];
-    return name;
+    const char *said = value->name;
+    for (size_t i = 0; i < COUNT_OF(labels) && !value->brief; i++)
+        if (strcmp(labels[i][0], value->name) == 0)
+            said = labels[i][1];
+    document_say(document, "%s", said);
+    if (value->brief)
+        document_say(document, " (%s)", value->brief);
 }
 
 static void put_heading(struct document *document, const char *const *heads, int count)
@@ -70,7 +74,7 @@ static void put_heading(struct document *document, const char *const *heads, int
 static void put_name_and_value(struct document *document, const struct report_value *v)
 {
     document_open(document, BLOCK_CELL);
-    document_say(document, "%s", label_of(v->name));
+    say_label(document, v);
     if (isfinite(v->at)) {
         document_say(document, " at t = ");
         document_measured(document, (struct measured){v->at, 0}, QUANTITY_TIME, DIGITS);
@@ -112,6 +116,13 @@ void put_all_values(struct report *report)
     document_close(document, BLOCK_TABLE);
 }
 
+/* Reynolds numbers stand under the heading of drag, where there is one. */
+bool stands_in_section(const struct report *report, const struct report_value *value)
+{
+    return strcmp(value->source, "run") != 0 &&
+           (strcmp(value->name, "reynolds") != 0 || !report_of_lab(report));
+}
+
 void put_values(struct report *report, const char *of, bool parameters)
 {
     static const char *const heads[] = {"quantity", "value", "from"};
@@ -119,7 +130,7 @@ void put_values(struct report *report, const char *of, bool parameters)
     bool begun = false;
     for (int i = 0; i < report->values; i++) {
         const struct report_value *v = &report->value[i];
-        if (strcmp(v->of, of) != 0 || is_stated(v) != parameters || strcmp(v->source, "run") == 0)
+        if (strcmp(v->of, of) != 0 || is_stated(v) != parameters || !stands_in_section(report, v))
             continue;
         if (!begun)
             put_heading(document, heads, COUNT_OF(heads));

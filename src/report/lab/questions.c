@@ -82,7 +82,8 @@ static void put_rests(struct report *report, const struct question *q)
                 document_open(document, BLOCK_LIST);
             begun = true;
             document_open(document, BLOCK_ITEM);
-            document_say(document, "%s = ", v->name);
+            say_label(document, v);
+            document_say(document, " = ");
             say_value(document, v);
             document_say(document, " (%s, ", v->source);
             document_name(document, text_of(v->of));

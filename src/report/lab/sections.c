@@ -11,9 +11,26 @@
 
 /* ---- sections ---- */
 
-/* The laws that were compared, and what came of it. */
-static void put_laws(struct document *document, const struct fit *fit)
+/* What the best one has: "b = 0.0788 ± 0.0015 1/m". */
+static void put_rates(struct document *document, const struct stored_fit *stored,
+                      const struct drag_candidate *best)
 {
+    document_say(document, "; of %s", drag_law_name(best->law));
+    for (int k = 0; k < DRAG_RATES; k++) {
+        const struct measured rate = best->rate[k];
+        if (!(fabs(rate.value) > 0 || rate.uncertainty > 0))
+            continue;
+        document_say(document, ", %s = ", drag_rates[k].name);
+        document_measured(document, rate, QUANTITY_OTHER, DIGITS);
+        document_say(document, " %s",
+                     stored->quantity == QUANTITY_LENGTH ? drag_rates[k].unit : drag_rates[k].bare);
+    }
+}
+
+/* The laws that were compared, and what came of it. */
+static void put_laws(struct document *document, const struct stored_fit *stored)
+{
+    const struct fit *fit = &stored->fit;
     const char *law = drag_law_name(fit->preferred);
     if (!law)
         return;
@@ -22,6 +39,9 @@ static void put_laws(struct document *document, const struct fit *fit)
     for (int i = 0; i < fit->drag.candidates; i++)
         document_say(document, "%s %s %.1f", i ? "," : "",
                      drag_law_name(fit->drag.candidate[i].law), fit->drag.candidate[i].bic);
+    for (int i = 0; i < fit->drag.candidates; i++)
+        if (fit->drag.candidate[i].law == fit->drag.best)
+            put_rates(document, stored, &fit->drag.candidate[i]);
     document_say(document, ".");
     document_close(document, BLOCK_PARAGRAPH);
 }
@@ -98,7 +118,7 @@ static bool put_recording(struct report *report, int index, enum section section
     for (int i = 0; i < report->session->stored_fits; i++) {
         const struct stored_fit *stored = &report->session->stored_fit[i];
         if (strcmp(stored->of, of) == 0 && section == SECTION_DAMPED_RECORDING)
-            put_laws(document, &stored->fit);
+            put_laws(document, stored);
     }
     put_exact(report, of);
     return ok;
@@ -131,10 +151,8 @@ static void put_measured(struct report *report, const int *run, int runs)
         snprintf(of, sizeof of, "run %d", run_at(report, run[i])->number);
         bool any = false;
         for (int k = 0; k < report->values; k++)
-            any |= strcmp(report->value[k].of, of) == 0 &&
-                   strcmp(report->value[k].source, "parameter") != 0 &&
-                   strcmp(report->value[k].source, "setting") != 0 &&
-                   strcmp(report->value[k].source, "run") != 0;
+            any |= strcmp(report->value[k].of, of) == 0 && !is_stated(&report->value[k]) &&
+                   stands_in_section(report, &report->value[k]);
         if (!any)
             continue;
         document_open(&report->document, BLOCK_PARAGRAPH);
@@ -168,6 +186,19 @@ static bool energy(struct report *report, const struct material *m, struct error
     return true;
 }
 
+/* The parameters of the run that forward Euler is shown by stand above. */
+static bool first_of_its_motion(const struct report *report, const struct material *m,
+                                const int *run, int i)
+{
+    const struct run *own = run_at(report, run[i]);
+    if (m->euler >= 0 && same_motion(run_at(report, m->euler), own))
+        return false;
+    for (int k = 0; k < i; k++)
+        if (same_motion(run_at(report, run[k]), own))
+            return false;
+    return true;
+}
+
 /* Of all methods, forward Euler too. */
 static bool schemes(struct report *report, const struct material *m, struct error *error)
 {
@@ -192,8 +223,9 @@ static bool schemes(struct report *report, const struct material *m, struct erro
             for (int k = 0; k < m->runs[s]; k++)
                 if (m->run[s][k] == i)
                     all[runs++] = i;
-    if (m->euler < 0)
-        put_parameters(report, m->scheme[0]);
+    for (int i = 0; i < runs; i++)
+        if (first_of_its_motion(report, m, all, i))
+            put_parameters(report, all[i]);
     put_runs(report, all, runs, false);
     put_measured(report, m->run[here], m->runs[here]);
     return true;
@@ -210,7 +242,8 @@ static void put_reynolds(struct report *report)
         if (strcmp(v->name, "reynolds") != 0)
             continue;
         document_open(document, BLOCK_ITEM);
-        document_say(document, "Re = ");
+        say_label(document, v);
+        document_say(document, " = ");
         say_value(document, v);
         document_say(document, ", %s, at the largest speed of ", reynolds_regime(v->value.value));
         document_name(document, text_of(v->of));

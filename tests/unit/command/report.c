@@ -250,6 +250,76 @@ static void runs_stand_under_their_questions(void **state)
     remove_folder("placed");
 }
 
+/* Methods run one by one on the same damped motion are a comparison of methods, as those of
+ * 'compare'; without recording there is nothing else they could be. */
+static void methods_one_by_one_are_compared(void **state)
+{
+    (void)state;
+    struct bench bench;
+    struct buffer content = {0};
+    bench_open(&bench, false);
+    type_ok(&bench, "gamma = 0.2 1/s; method euler dt=10ms; run 3 s; method rk4; run 3 s");
+    type_ok(&bench, "method verlet; run 3 s; measure reynolds; k = 16 N/m; run 3 s; report single");
+    assert_says(&bench.out, "not in it: forward Euler without damping");
+    read_whole("single", "report.md", &content);
+    stands_under(&content, "position of run 1 (euler)", "### 2.", "### 3.");
+    stands_under(&content, "energy of run 1 (euler), run 2 (rk4), run 3 (verlet)", "### 4.",
+                 "## Second");
+    stands_under(&content, "- Reynolds number Re = 11", "### 5.", "### 6.");
+    stands_under(&content, "position of run 4 (verlet)", "### 7.", "## All values");
+    const char *measured = strstr(content.data, "Measured on run 3");
+    assert_null(measured); /* its Reynolds number stands under drag */
+    buffer_free(&content);
+    bench_close(&bench);
+    remove_folder("single");
+}
+
+/* Damped by how much, beside another recording: 10 s of a disk lose little of the amplitude. */
+static void two_springs_are_told_apart(void **state)
+{
+    (void)state;
+    struct bench bench;
+    struct buffer content = {0};
+    write_recording("one.txt", 0.008, 10);
+    write_recording("two.txt", 0.01, 12);
+    write_recording("slow.txt", 0.045, 10);
+    bench_open(&bench, false);
+    type_ok(&bench, "m = 200 g; load one.txt; load two.txt; load slow.txt");
+    type_ok(&bench, "fit damped to one; fit damped to two; fit damped to slow; adopt");
+    type_ok(&bench, "method rk4; run 9 s; report springs");
+    read_whole("springs", "report.md", &content);
+    stands_under(&content, "position of recording `one`", "### 1.", "### 2.");
+    stands_under(&content, "position of recording `two`", "### 1.", "### 2.");
+    stands_under(&content, "position of recording `slow`", "### 6.", "### 7.");
+    stands_under(&content, "position of run 1 (rk4) and recording `slow`", "### 7.", "## All");
+    buffer_free(&content);
+    bench_close(&bench);
+    remove_folder("springs");
+}
+
+/* y0, k, gamma of somebody's equations are not those of the lab; what would make a spring's
+ * sections begins with its scene. */
+static void typed_scenes_have_their_own_names(void **state)
+{
+    (void)state;
+    struct bench bench;
+    struct buffer content = {0};
+    write_recording("bare.txt", 0.01, 10);
+    bench_open(&bench, false);
+    type_ok(&bench, "scene new tank; param gamma = 0.5; var y = 2 m; y' = -gamma*sqrt(abs(y))");
+    type_ok(&bench, "method rk4; run 2 s; load bare.txt; report typed");
+    assert_says(&bench.out, "(scene spring; gamma = 0; method euler dt=10ms; run 10 s)");
+    assert_says(&bench.out, "(measure period of data bare)");
+    read_whole("typed", "report.md", &content);
+    says(&content, "| y0 (y at t0) | 2 m | parameter |");
+    says(&content, "| gamma (typed by the user) | 0.5 | parameter |");
+    has_not(&content, "initial position");
+    has_not(&content, "damping gamma");
+    buffer_free(&content);
+    bench_close(&bench);
+    remove_folder("typed");
+}
+
 /* What a report says that makes what it lacks does so. */
 static void what_it_says_to_type_is_enough(void **state)
 {
@@ -378,6 +448,9 @@ int main(void)
         cmocka_unit_test(the_lab_comes_back_bit_for_bit),
         cmocka_unit_test(what_is_missing_is_said),
         cmocka_unit_test(runs_stand_under_their_questions),
+        cmocka_unit_test(methods_one_by_one_are_compared),
+        cmocka_unit_test(two_springs_are_told_apart),
+        cmocka_unit_test(typed_scenes_have_their_own_names),
         cmocka_unit_test(what_it_says_to_type_is_enough),
         cmocka_unit_test(what_counts_as_exact_is_said_once),
         cmocka_unit_test(a_run_that_diverged_comes_back),
