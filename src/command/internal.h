@@ -102,6 +102,6 @@ void reply_coarse(const struct session *session, const struct run *run, struct r
 bool command_set(HANDLER_PARAMETERS);
 /* Where the present scene is all typed: `scene` finds it by its name as it is now. */
 bool keep_own_scene(struct session *session, struct error *error);
-extern const struct catalog cursor_action_catalog, axis_catalog, unset_catalog;
+extern const struct catalog cursor_action_catalog, axis_catalog, unset_catalog, guide_catalog;
 
 #endif

@@ -139,6 +139,29 @@ void edit_clear(struct panes *panes)
     panes->echo_stale = true;
 }
 
+void edit_put_aside(struct panes *panes)
+{
+    const bool reading = panes_session(panes)->view.reading;
+    struct buffer *aside = &panes->aside;
+    if (reading && rl_end > 0 && aside->len == 0) {
+        buffer_put(aside, (struct text){rl_line_buffer, (size_t)rl_end});
+        panes->aside_point = rl_point;
+        if (!aside->failed)
+            rl_replace_line("", 1);
+        else
+            buffer_free(aside);
+    } else if (!reading && aside->len > 0) {
+        char *begun = strndup(rl_line_buffer, (size_t)rl_end); /* with the key that left the page */
+        rl_replace_line(buffer_view(aside), 1);
+        rl_point = panes->aside_point;
+        if (begun)
+            rl_insert_text(begun);
+        free(begun);
+        buffer_clear(aside);
+        panes->echo_stale = true;
+    }
+}
+
 /* ---- beginning and end
  * ------------------------------------------------------------------------------------ */
 

@@ -8,6 +8,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include <readline/history.h>
 #include <readline/readline.h>
 
 #define CX "\030" /* C-x */
@@ -229,6 +230,16 @@ static void say_next(const struct session *session, int count, struct buffer *li
         leave_reading("n", line);
 }
 
+/* Where the page has none it is the beginning of a command. */
+static void say_recipe(const struct session *session, int count, struct buffer *line)
+{
+    (void)count;
+    if (session->view.recipe)
+        buffer_format(line, "recipe %s", session->view.recipe);
+    else
+        leave_reading("!", line);
+}
+
 #define NEXT_ROW "scroll -1"
 
 /* At the end, where the offer stands, it is taken. */
@@ -239,9 +250,7 @@ static void say_enter(const struct session *session, int count, struct buffer *l
         buffer_put(line, TEXT(NEXT_ROW));
         return;
     }
-    struct error ignored;
     buffer_put(line, buffer_text(&panes_active->program->offer));
-    history_append(buffer_view(line), &ignored);
     buffer_clear(&panes_active->program->offer);
 }
 
@@ -309,6 +318,7 @@ static const struct key reading_keys[] = {
     {{"\033[F", "\033OF", "\033[4~"}, "kend", "scroll end", NULL, true},
     {{"/"}, NULL, NULL, type_find, true},
     {{"n"}, NULL, NULL, say_next, true},
+    {{"!"}, NULL, NULL, say_recipe, true},
     {{"q", "\004", "\007"}, NULL, "scroll close", NULL, true},
 };
 
@@ -392,9 +402,16 @@ static int on_key(int count, int last)
         key->make(panes_active->program->session, count, &line);
     }
     if (line.len > 0) {
-        const bool offered = key->make == say_enter && !text_is(buffer_text(&line), NEXT_ROW);
+        /* what is offered on the page, against what looks at it */
+        const bool entered =
+            on_cursors && keys_on_text() && !text_starts(buffer_text(&line), TEXT("scroll "));
+        struct error ignored;
+        if (entered) {
+            history_append(buffer_view(&line), &ignored);
+            using_history(); /* the line being edited is behind it now */
+        }
         panes_enqueue(panes_active, buffer_text(&line),
-                      offered       ? LINE_TYPED
+                      entered       ? LINE_TYPED
                       : key->silent ? LINE_SILENT
                                     : LINE_KEY);
     }

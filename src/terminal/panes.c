@@ -170,9 +170,16 @@ void panes_repaint(struct panes *panes)
 
 static void take_size(struct panes *panes)
 {
-    struct front *front = &panes_session(panes)->front;
+    struct session *session = panes_session(panes);
+    struct front *front = &session->front;
+    const int line = session->view.reading ? reading_line(session) : 0;
     front->width = panes->screen.width;
     front->height = panes->screen.height;
+    if (session->view.reading) { /* the page begins where it did */
+        const int scroll =
+            log_rows_newest(&session->log, line + 1, front->width) - (front->height - 1);
+        session->view.scroll = scroll > 0 ? scroll : 0;
+    }
     rl_set_screen_size(front->height, front->width);
     panes->screen_stale = true;
 }
@@ -234,7 +241,10 @@ static void heed_signals(struct panes *panes, bool forget)
         panes->pacing.requested = 0;
         panes_repaint(panes);
         if (!panes->running && !panes->question) {
-            edit_clear(panes);
+            if (keys_on_text())
+                panes_enqueue(panes, TEXT("scroll close"), LINE_SILENT);
+            else
+                edit_clear(panes);
         }
     }
 }
@@ -302,6 +312,7 @@ static void execute_line(struct panes *panes)
     if (from != LINE_SILENT) {
         session->view.scroll = 0;
         session->view.reading = false;
+        session->view.recipe = NULL;
         log_typed(panes, buffer_text(&line));
     }
     const uint64_t said_before = session->log.said;
@@ -317,7 +328,9 @@ static void execute_line(struct panes *panes)
     buffer_clear(&panes->notice);
     const bool busy = signals_busy(true);
     bool ok = true;
+    int unheeded = 0; /* a Ctrl-C that was not meant for what only looks at the screen */
     if (from == LINE_SILENT) {
+        unheeded = atomic_exchange(&interrupt.requested, 0);
         execute_silently(panes, buffer_text(&line));
     } else {
         ok = typed_run(session, buffer_text(&line), program->reply);
@@ -336,8 +349,10 @@ static void execute_line(struct panes *panes)
     if (nested) {
         program->reply = outer;
         reply_free(&own);
+        if (unheeded)
+            atomic_store(&interrupt.requested, 1);
     } else {
-        atomic_store(&interrupt.requested, signals_ending() != 0);
+        atomic_store(&interrupt.requested, unheeded || signals_ending() != 0);
         panes->interrupted = false;
     }
     panes->screen_stale = true;
@@ -348,6 +363,7 @@ static void execute_line(struct panes *panes)
             execute_silently(panes, buffer_text(&reading));
         buffer_free(&reading);
     }
+    edit_put_aside(panes);
     keys_choose(session);
     if (from != LINE_SILENT && !keys_on_plot()) {
         buffer_clear(&panes->notice); /* the log can be read */
@@ -462,4 +478,5 @@ void panes_run(struct front_program *program)
     input_free(&panes.input);
     buffer_free(&panes.line);
     buffer_free(&panes.notice);
+    buffer_free(&panes.aside);
 }

@@ -124,6 +124,8 @@ struct panes {
     struct buffer line; /* a complete line that waits to be executed */
     enum line_from line_from;
     bool line_waits;
+    struct buffer aside; /* what was half typed when a page came to be read */
+    int aside_point;     /* [byte] of the cursor in it */
     /* what a key could not do: shown instead of the numbers until the next line */
     struct buffer notice;
     bool echo_stale;      /* the prompt has changed */
@@ -168,6 +170,8 @@ void edit_begin(FILE *nowhere); /* what readline wants to write goes nowhere */
 void edit_end(void);
 /* Whatever is being edited: gone, with every state readline may be in. */
 void edit_clear(struct panes *panes);
+/* What is half typed is put aside while a page is read, and comes back with the panes. */
+void edit_put_aside(struct panes *panes);
 /* A paste goes into the line as it is and waits for Enter; in the middle of a search it means
  * nothing. */
 void edit_paste(struct panes *panes, struct text paste);
@@ -180,6 +184,8 @@ void reading_prompt(const struct session *session, struct text notice, struct bu
 /* The command that shows what was said since on the whole screen; none where the log can, or where
  * more was typed already. */
 void reading_command(const struct panes *panes, uint64_t said_before, struct buffer *line);
+/* The line at the top of the page, counted from the newest: what a new size is to begin with. */
+int reading_line(const struct session *session);
 
 /* ---- what the session asks for (watch.c)
  * ------------------------------------------------------------------ */

@@ -2,24 +2,35 @@
 /* What is longer than the log, read on the whole screen. */
 #include "terminal/panes.h"
 
+#include <string.h>
+
 /* What is less long is read in the log, or scrolled there; so is all on a lower screen. */
 #define READING_ROWS 8
 
 void reading_prompt(const struct session *session, struct text notice, struct buffer *text)
 {
-    const int width = session->front.width;
-    const int rows = log_rows_newest(&session->log, session->log.count, width);
-    const int left = session->view.scroll;
-    if (notice.len > 0) {
-        buffer_put(text, notice);
-    } else if (left == 0) {
+    static const char *const keys[2][4] = {
+        {" (space: on, PgUp, / finds, n again, q: panes)> ", " (space, q)> ", " (q)> ", "> "},
+        {" (space: on, PgUp, / finds, n again, ! runs it, q: panes)> ", " (space, ! runs it, q)> ",
+         " (!, q)> ", "> "}};
+    const struct session *const s = session;
+    const int rows = log_rows_newest(&s->log, s->log.count, s->front.width);
+    const int left = s->view.scroll;
+    if (notice.len > 0)
+        buffer_put(text, text_width(notice) + 2 < s->front.width ? notice : TEXT("not found"));
+    else if (left == 0)
         buffer_put(text, TEXT("end"));
-    } else {
+    else
         buffer_format(text, "%d %%", (int)(100.0 * (rows - left) / (rows > 0 ? rows : 1)));
+    /* the most that leaves room for the cursor */
+    const int width = text_width(buffer_text(text));
+    for (size_t i = notice.len > 0; i < COUNT_OF(keys[0]); i++) {
+        const char *shown = keys[s->view.recipe != NULL][i];
+        if (width + (int)strlen(shown) < s->front.width || i + 1 == COUNT_OF(keys[0])) {
+            buffer_put(text, text_of(shown));
+            break;
+        }
     }
-    buffer_put(text, width < 60 || notice.len > 0
-                         ? TEXT(" (space, q)> ")
-                         : TEXT(" (space: on, PgUp, / finds, n again, q: panes)> "));
 }
 
 void reading_command(const struct panes *panes, uint64_t said_before, struct buffer *line)
@@ -35,4 +46,15 @@ void reading_command(const struct panes *panes, uint64_t said_before, struct buf
         return;
     }
     buffer_format(line, "scroll read %d", lines);
+}
+
+int reading_line(const struct session *session)
+{
+    const struct log *log = &session->log;
+    const int width = session->front.width, height = session->front.height;
+    int line = 0;
+    while (line + 1 < log->count &&
+           log_rows_newest(log, line + 1, width) < session->view.scroll + height - 1)
+        line++;
+    return line;
 }

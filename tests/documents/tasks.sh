@@ -75,7 +75,7 @@ TASKS
 "$hooke" -n --size 200x60 -c help | awk '$1 == "help" && /^  / {print $2}' >topics
 [ "$(wc -l <topics)" -ge 10 ] && ok 'ten topics' || { cp topics answer; bad 'ten topics'; }
 while read -r topic; do
-    "$hooke" -n --size 1000x60 -c "help $topic" | tac | awk '/^  / {print; next} {exit}' | tac | grep -v '^  .*panes$' >"$topic.hk"
+    "$hooke" -n --size 1000x60 -c "help $topic" | tac | sed 1d | awk '/^  / {print; next} {exit}' | tac | grep -v '^  .*panes$' >"$topic.hk"
     # A build without cairo writes no pictures.
     sed -i 's/[.]svg/.txt/' "$topic.hk"
     if [ -s "$topic.hk" ] && "$hooke" -n -q --size 80x24 "$topic.hk" >answer 2>&1; then ok "help $topic: its lines run"

@@ -69,6 +69,7 @@ struct view {
     bool reading;      /* the log has the whole screen */
     int found;         /* line that was found last, from the newest */
     char wanted[LIMIT_NAME + 1]; /* what it has */
+    const char *recipe;          /* topic of help that was shown by the last line; NULL: none */
     bool paging; /* the live view sweeps, then pages; otherwise it scrolls by whole cells */
     /* numbers of the runs drawn besides the present one; those that are gone are passed over */
     int overlay[LIMIT_OVERLAY];

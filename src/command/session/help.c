@@ -236,7 +236,7 @@ static void help_guide(const struct row *row, struct buffer *text)
     else
         buffer_format(text, "%s: %s\n%s\n", row->name, row->brief, topic->text);
     put_indented(text, topic->recipe);
-    text->len--; /* the last newline */
+    buffer_format(text, "'recipe %s' runs them", row->name);
 }
 
 static const struct topic {
@@ -404,6 +404,8 @@ HANDLER(help)
     const struct argument_value *word = argument_value(args, "WORD");
     struct suggestion near = {.wanted = word->count ? topic_of(word->item->text) : TEXT("")};
     struct buffer text = {0};
+    const struct row *guide = word->count ? catalog_find(&guide_catalog, near.wanted) : NULL;
+    session->view.recipe = guide ? guide->name : NULL;
     if (word->count == 0 || text_is(near.wanted, "commands")) {
         (word->count ? help_commands : help_all)(&text);
         reply_wrapped(session, buffer_text(&text), reply);

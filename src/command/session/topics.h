@@ -2,7 +2,7 @@
 #ifndef HOOKE_COMMAND_SESSION_TOPICS_H
 #define HOOKE_COMMAND_SESSION_TOPICS_H
 
-#include <hooke/base.h>
+#include "command/internal.h"
 
 /* What a newcomer asks for, and lines that show it; each works after those above it. */
 struct guide_topic {
@@ -10,8 +10,6 @@ struct guide_topic {
     const char *text;   /* a paragraph */
     const char *recipe; /* lines of commands */
 };
-
-extern const struct catalog guide_catalog; /* struct guide_topic */
 
 /* The catalogs that `help` explains rows of, one after the other; NULL: there are no more. */
 const struct catalog *help_catalog(int i);

@@ -1,0 +1,32 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* recipe: the lines of a topic of help, one after another */
+#ifndef COMMAND_ROWS
+#include "command/internal.h"
+#include "command/session/topics.h"
+
+HANDLER(recipe)
+{
+    UNUSED(error);
+    const struct row *row = argument_value(args, "TOPIC")->item->row;
+    const struct guide_topic *topic = (const struct guide_topic *)(const void *)row;
+    static const struct source prompt = {.name = NULL};
+    struct text rest = text_of(topic->recipe), line;
+    struct script script;
+    script_begin(&script, session, row->name, args->where ? args->where : &prompt);
+    while (rest.len > 0 && !script.stopped && text_split(&rest, '\n', &line)) {
+        reply_line(reply, "hooke> %.*s", (int)line.len, line.at);
+        script_feed(&script, session, line, reply);
+    }
+    /* What went wrong was reported where it happened; the error stays without a code. */
+    return script_end(&script, session, reply);
+}
+#endif
+
+COMMAND(recipe, .row = {"recipe", "", "run the lines that a topic of help shows", "", NULL},
+        .group = "SESSION",
+        .text = "One after another, as if typed, until the first error. They change the scene and "
+                "may write files; 'undo' takes back what changed the scene. In panes ! runs those "
+                "of the topic that is being read.",
+        .examples = "recipe start\nhelp sweep; recipe sweep", .see = "help source undo",
+        .flags = COMMAND_NESTS,
+        ARGUMENTS(PLACE("TOPIC", TYPE_CHOICE, .flags = ARG_REQUIRED, .choices = &guide_catalog)))
