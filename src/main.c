@@ -217,6 +217,7 @@ static int run(const struct options *options)
 
 int main(int argc, char **argv)
 {
+    streams_reserve();
     choose_locale();
     signals_install();
     crash_install();

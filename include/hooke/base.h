@@ -387,6 +387,22 @@ void writer_put(struct writer *writer, struct text text);
 bool writer_commit(struct writer *writer, struct error *error); /* closes in every case */
 void writer_abandon(struct writer *writer);
 
+/* All of it, going on after signals and after a part; 0 or an errno, *text: what is left. */
+int file_put(int fd, struct text *text);
+/* The whole file for this program, until it is closed. wait: for another one, 0.2 s at most; a
+ * signal ends it. */
+bool file_lock(int fd, bool wait);
+void file_unlock(int fd);
+
+/*
+ * A file that grows by whole lines. It is opened in the folder that was looked at, never through a
+ * link, a pipe or a device; `mode` is for a new one. -1: the error says why.
+ */
+int append_open(const char *path, struct write_policy policy, unsigned mode, struct error *error);
+/* At the end; sync: and on the disk. False: the file ends as before, and the error says why,
+ * without the file's name. */
+bool append_lines(int fd, struct text lines, bool sync, struct error *error);
+
 /*
  * A folder of files, whole or not at all: filled under a hidden name beside its own, which
  * folder_commit gives it after every file is on the disk. An existing folder is refused without

@@ -5,6 +5,8 @@
 
 #include <hooke/base.h>
 
+#include <sys/types.h>
+
 #define SAFE_NAME_SIZE 160
 
 /* A name from outside for use inside a message: made visible as by safe_text, long ones cut with
@@ -26,6 +28,9 @@ bool writer_refuse_existing(const struct writer *writer, struct error *error);
 /* Opens the folder of writer->path and points at the last component. confine: it has to be below
  * the current one. */
 bool writer_open_folder(struct writer *writer, bool confine, struct error *error);
+/* Is the name free, or a regular file that force may replace? *mode: the permissions it has, 0 for
+ * a new file. */
+bool writer_allows(const struct writer *writer, mode_t *mode, struct error *error);
 /* A hidden name beside the target that says what it is, should a killed program leave it behind. */
 bool writer_invent_name(struct writer *writer);
 /* All of it to writer->fd; a failure is remembered. */

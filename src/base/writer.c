@@ -86,9 +86,7 @@ bool writer_open_folder(struct writer *writer, bool confine, struct error *error
                          "it is outside the current directory, where --safe keeps all files");
 }
 
-/* Is the name free, or a regular file that force may replace? *mode: the permissions it has, 0 for
- * a new file. */
-static bool target_allows(const struct writer *writer, mode_t *mode, struct error *error)
+bool writer_allows(const struct writer *writer, mode_t *mode, struct error *error)
 {
     static const struct {
         mode_t kind;
@@ -154,7 +152,7 @@ static bool open_all(struct writer *writer, bool confine, struct error *error)
     mode_t mode;
     if (!writer->path || !writer->chunk)
         return error_memory(error);
-    return writer_open_folder(writer, confine, error) && target_allows(writer, &mode, error) &&
+    return writer_open_folder(writer, confine, error) && writer_allows(writer, &mode, error) &&
            (open_temporary(writer) || writer_refuse(writer, error, system_message(errno)));
 }
 
@@ -175,18 +173,26 @@ bool writer_open(struct writer *writer, const char *path, struct write_policy po
 /* ---- writing ----
  */
 
-void writer_write(struct writer *writer, struct text text)
+int file_put(int fd, struct text *text)
 {
-    while (text.len > 0 && !writer->failed) {
-        const ssize_t done = write(writer->fd, text.at, text.len);
+    while (text->len > 0) {
+        const ssize_t done = write(fd, text->at, text->len);
         if (done > 0) {
-            text.at += done;
-            text.len -= (size_t)done;
+            text->at += done;
+            text->len -= (size_t)done;
         } else if (done == 0 || errno != EINTR) {
-            writer->failed = true;
-            writer->failure = done == 0 ? ENOSPC : errno;
+            return done == 0 ? ENOSPC : errno;
         }
     }
+    return 0;
+}
+
+void writer_write(struct writer *writer, struct text text)
+{
+    if (writer->failed)
+        return;
+    writer->failure = file_put(writer->fd, &text);
+    writer->failed = writer->failure != 0;
 }
 
 static void flush(struct writer *writer)
@@ -281,7 +287,7 @@ bool writer_commit(struct writer *writer, struct error *error)
     int number = writer->failed ? writer->failure : file_synced(writer->fd);
     if (number == 0)
         number = closes_well(writer->fd);
-    bool done = number == 0 && target_allows(writer, &mode, error);
+    bool done = number == 0 && writer_allows(writer, &mode, error);
     if (done) {
         number = mode != 0 && fchmod(writer->fd, mode) != 0 ? errno : publish(writer);
         if (number == 0) {

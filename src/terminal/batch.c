@@ -7,6 +7,14 @@
 #include <string.h>
 #include <unistd.h>
 
+static void refuse_input(struct session *session, int number, struct reply *reply)
+{
+    struct error error;
+    error_set(&error, ERROR_IO, "cannot read standard input: %s", strerror(number));
+    reply_error(reply, &error, NULL, (struct text){NULL, 0});
+    session->status = ERROR_IO;
+}
+
 /* Standard input line by line, so that results of the first line are out before the second arrives.
  */
 static void run_input(struct session *session, struct reply *reply, struct streams *streams)
@@ -24,6 +32,9 @@ static void run_input(struct session *session, struct reply *reply, struct strea
             continue;
         }
         open = got > 0;
+        if (got < 0 && errno != EINTR) {
+            refuse_input(session, errno, reply);
+        }
         struct text rest = {chunk, got > 0 ? (size_t)got : 0};
         while (going && rest.len > 0) {
             const char *end = memchr(rest.at, '\n', rest.len);

@@ -1,27 +1,25 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Standard output and standard error as the two ends of a sink; no failed write is forgotten. */
+#define _GNU_SOURCE /* O_PATH */
 #include "terminal/terminal.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <unistd.h>
 
 #define GATHER ((size_t)1 << 16)
 
+void streams_reserve(void)
+{
+    for (int fd = STDIN_FILENO; fd <= STDERR_FILENO; fd++)
+        if (fcntl(fd, F_GETFD) < 0 && errno == EBADF)
+            (void)open("/", O_PATH); /* the lowest number that is free; reads and writes fail */
+}
+
 bool write_all(int fd, struct text text, int *failure)
 {
-    while (text.len > 0) {
-        ssize_t done = write(fd, text.at, text.len);
-        if (done < 0 && errno == EINTR) {
-            continue;
-        }
-        if (done <= 0) {
-            *failure = errno;
-            return false;
-        }
-        text.at += done;
-        text.len -= (size_t)done;
-    }
-    return true;
+    *failure = file_put(fd, &text);
+    return *failure == 0;
 }
 
 bool streams_flush(struct streams *streams)

@@ -60,6 +60,9 @@ void split_part(void *streams, const char *kind); /* another begins */
 bool split_takes(struct split *split, struct text text);
 bool split_end(struct split *split, struct error *error); /* all files appear, or none */
 
+/* Before anything is opened: a standard stream that is closed keeps its number, so that no file of
+ * the user gets it and what is said. */
+void streams_reserve(void);
 /* Results are gathered and written in large pieces, always before a message; messages are written
  * at once. */
 struct sink streams_sink(struct streams *streams);

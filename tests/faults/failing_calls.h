@@ -16,17 +16,25 @@
 #include <stddef.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/file.h>
 #include <sys/random.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
-enum fault_kind { FAULT_NONE, FAULT_ERRNO, FAULT_SHORT, FAULT_KILL_BEFORE, FAULT_KILL_AFTER };
+enum fault_kind {
+    FAULT_NONE,
+    FAULT_ERRNO,
+    FAULT_SHORT,
+    FAULT_TORN, /* half a write, and every later one fails */
+    FAULT_KILL_BEFORE,
+    FAULT_KILL_AFTER
+};
 
 static struct {
     enum fault_kind kind;
     int at, calls, number;
     const char *struck; /* name of the call that failed */
-    bool no_tmpfile, no_noreplace;
+    bool no_tmpfile, no_noreplace, torn;
 } fault;
 
 static bool strikes(const char *name)
@@ -66,6 +74,9 @@ static void find_real(void *function, const char *name)
     }
 
 INTERPOSE(int, fsync, (int fd), (fd))
+INTERPOSE(int, fdatasync, (int fd), (fd))
+INTERPOSE(int, ftruncate, (int fd, off_t size), (fd, size))
+INTERPOSE(int, flock, (int fd, int operation), (fd, operation))
 INTERPOSE(int, dup, (int fd), (fd))
 INTERPOSE(int, close, (int fd), (fd))
 INTERPOSE(int, access, (const char *path, int mode), (path, mode))
@@ -86,7 +97,13 @@ ssize_t write(int fd, const void *bytes, size_t count)
         find_real(&real, "write");
     if (strikes("write"))
         return -1;
-    const bool cut = fault.kind == FAULT_SHORT && fault.calls == fault.at + 1 && count > 1;
+    if (fault.torn) {
+        errno = fault.number;
+        return -1;
+    }
+    const bool here = fault.calls == fault.at + 1 && count > 1;
+    const bool cut = here && (fault.kind == FAULT_SHORT || fault.kind == FAULT_TORN);
+    fault.torn = cut && fault.kind == FAULT_TORN;
     const ssize_t result = real(fd, bytes, cut ? count / 2 : count);
     afterwards();
     return result;

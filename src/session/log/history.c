@@ -4,12 +4,9 @@
 #include <hooke/session/log.h>
 #include <hooke/session/subject.h>
 
-#include <errno.h>
-#include <fcntl.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 /* ---- writing ---- */
@@ -192,21 +189,11 @@ void history_label(const struct session *session, size_t index, char label[LIMIT
 
 bool record_open(struct session *session, const char *path, struct error *error)
 {
-    /* The writer knows which targets are allowed: no link, no device, nothing outside with --safe.
-     */
-    struct writer check;
-    if (!writer_open(&check, path, session_policy(session, true), error))
-        return false;
-    writer_abandon(&check);
-    struct stat st;
-    const int fd =
-        open(path, O_WRONLY | O_APPEND | O_CREAT | O_NOFOLLOW | O_CLOEXEC | O_NONBLOCK, 0666);
     char *copy = strdup(path);
-    if (fd < 0 || fstat(fd, &st) != 0 || !S_ISREG(st.st_mode) || !copy) {
-        if (fd >= 0)
-            close(fd);
+    const int fd = copy ? append_open(path, session_policy(session, true), 0666, error) : -1;
+    if (fd < 0) {
         free(copy);
-        return error_set(error, ERROR_IO, "cannot append to %s", path);
+        return copy ? false : error_memory(error);
     }
     record_close(session);
     session->record_fd = fd;
@@ -223,33 +210,30 @@ void record_close(struct session *session)
     session->record_path = NULL;
 }
 
-/* All of it or an error; written by one call so that two sessions do not mix their lines. */
-static bool append(int fd, struct text text)
-{
-    while (text.len > 0) {
-        const ssize_t n = write(fd, text.at, text.len);
-        if (n < 0 && errno == EINTR)
-            continue;
-        if (n <= 0)
-            return false;
-        text = (struct text){text.at + n, text.len - (size_t)n};
-    }
-    return true;
-}
-
 bool record_append(struct session *session, size_t first, struct error *error)
 {
     if (session->record_fd < 0)
         return true;
     struct buffer text = {0};
+    struct error why = {0};
     history_put(session, first, HISTORY_RECORD, &text);
-    const bool ok =
-        !text.failed && (text.len == 0 || (append(session->record_fd, buffer_text(&text)) &&
-                                           fsync(session->record_fd) == 0));
+    bool ok = !text.failed || error_memory(&why);
+    if (ok && text.len > 0) {
+        const bool locked = file_lock(session->record_fd, true);
+        ok = append_lines(session->record_fd, buffer_text(&text), true, &why);
+        if (locked)
+            file_unlock(session->record_fd);
+    }
     buffer_free(&text);
     if (!ok) {
-        error_set(error, ERROR_IO, "cannot append to %s: the recording of commands ends here",
-                  session->record_path);
+        char lost[LIMIT_NAME + 1];
+        struct buffer path = {0};
+        history_label(session, first, lost);
+        safe_text(&path, text_of(session->record_path), false);
+        error_set(error, ERROR_IO,
+                  "cannot append to %.200s: %s; the recording of commands ends before: %s",
+                  buffer_view(&path), why.text, lost);
+        buffer_free(&path);
         record_close(session);
     }
     return ok;

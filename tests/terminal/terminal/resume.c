@@ -10,6 +10,7 @@
 #include <sys/resource.h>
 
 #include <dirent.h>
+#include <sys/file.h>
 #include <time.h>
 
 #include "terminal/terminal.h"
@@ -295,6 +296,43 @@ static void test_no_place_to_save(void **state)
     quit(&p);
 }
 
+/* A lock that another program never gives back, and a pipe that nobody writes to: neither keeps a
+ * person waiting, both are told. */
+static void test_history_in_the_way(void **state)
+{
+    (void)state;
+    char path[256];
+    struct person p;
+    new_state();
+    plant("history", "show\n", 0);
+    folder_path(path, "history");
+    const int fd = open(path, O_RDWR);
+    assert_true(fd >= 0 && flock(fd, LOCK_EX) == 0);
+    begin(&p, (struct start){0});
+    expect_prompt(&p, EMPTY_PROMPT);
+    enter(&p, "m = 321 g");
+    expect(&p, "keeps");
+    const int64_t begin_ns = clock_ns();
+    enter(&p, "clear; m = 322 g");
+    enter(&p, "m = 323 g");
+    expect(&p, "m=323 g");
+    assert_true(clock_seconds(begin_ns) < 2); /* waited for once only */
+    assert_false(shows(&p, "keeps"));
+    quit(&p);
+    struct buffer content = {0};
+    struct error error;
+    assert_true(file_read(path, 1u << 20, &content, &error));
+    assert_string_equal(content.data, "show\nm = 321 g\nclear; m = 322 g\nm = 323 g\nquit\n");
+    buffer_free(&content);
+    close(fd);
+    assert_true(unlink(path) == 0 && mkfifo(path, 0600) == 0);
+    begin(&p, (struct start){0});
+    expect_prompt(&p, EMPTY_PROMPT);
+    enter(&p, "m = 321 g");
+    expect(&p, "history cannot be kept");
+    quit(&p);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -307,6 +345,7 @@ int main(void)
         cmocka_unit_test(test_old_ones_go),
         cmocka_unit_test(test_bad_files),
         cmocka_unit_test(test_no_place_to_save),
+        cmocka_unit_test(test_history_in_the_way),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

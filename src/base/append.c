@@ -1,0 +1,118 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * Files that grow by whole lines, which several programs may do side by side: each adds under a
+ * lock, at the end, and what does not go in whole is cut off again.
+ */
+#include <hooke/base.h>
+#include "base/internal.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <time.h>
+#include <unistd.h>
+
+#define LOCK_NS 200000000 /* [ns] that a lock held by another program is waited for … */
+#define LOCK_LOOKS 20     /* … in so many looks */
+
+/* ---- opening ---- */
+
+static int open_file(struct writer *writer, struct write_policy policy, mode_t mode,
+                     struct error *error)
+{
+    mode_t ignored;
+    struct stat st;
+    writer->force = true; /* it is added to, not replaced */
+    if (!writer_open_folder(writer, policy.confine, error) ||
+        !writer_allows(writer, &ignored, error))
+        return -1;
+    const int fd = openat(writer->folder, writer->base,
+                          O_RDWR | O_APPEND | O_CREAT | O_NOFOLLOW | O_CLOEXEC | O_NONBLOCK, mode);
+    if (fd >= 0 && fstat(fd, &st) == 0 && S_ISREG(st.st_mode))
+        return fd;
+    writer_refuse(writer, error, fd < 0 ? system_message(errno) : "it is no file");
+    if (fd >= 0)
+        close(fd);
+    return -1;
+}
+
+int append_open(const char *path, struct write_policy policy, unsigned mode, struct error *error)
+{
+    struct writer writer = {.fd = -1, .folder = -1, .path = strdup(path)};
+    int fd = -1;
+    if (!writer.path)
+        error_memory(error);
+    else if (policy.refuse)
+        writer_refuse(&writer, error, WRITER_REFUSED);
+    else
+        fd = open_file(&writer, policy, mode, error);
+    writer_abandon(&writer);
+    return fd;
+}
+
+bool file_lock(int fd, bool wait)
+{
+    const struct timespec moment = {.tv_nsec = LOCK_NS / LOCK_LOOKS};
+    for (int look = 0;; look++) {
+        if (flock(fd, LOCK_EX | LOCK_NB) == 0)
+            return true;
+        const bool held = errno == EWOULDBLOCK || errno == EINTR;
+        /* Ctrl-C ends the waiting */
+        if (!held || !wait || look == LOCK_LOOKS || nanosleep(&moment, NULL) != 0)
+            return false;
+    }
+}
+
+void file_unlock(int fd)
+{
+    flock(fd, LOCK_UN);
+}
+
+/* ---- adding ---- */
+
+/* What this program has put behind `whole`, where nobody has written since. */
+static bool cut_back(int fd, off_t whole)
+{
+    struct stat now;
+    int result = 0;
+    if (fstat(fd, &now) != 0)
+        return false;
+    if (now.st_size <= whole)
+        return true;
+    if (now.st_size != lseek(fd, 0, SEEK_CUR))
+        return false;
+    do
+        result = ftruncate(fd, whole);
+    while (result != 0 && errno == EINTR);
+    return result == 0;
+}
+
+/* 0 or an errno. */
+static int append(int fd, struct text lines, bool sync, struct stat *before)
+{
+    char last = '\n';
+    struct buffer text = {0};
+    if (fstat(fd, before) != 0)
+        return errno;
+    if (before->st_size > 0 && pread(fd, &last, 1, before->st_size - 1) != 1)
+        return errno;
+    if (last != '\n') /* somebody's half a line is not to become half of another one */
+        buffer_char(&text, '\n');
+    buffer_put(&text, lines);
+    struct text rest = buffer_text(&text);
+    int number = text.failed ? ENOMEM : file_put(fd, &rest);
+    buffer_free(&text);
+    return number == 0 && sync ? file_synced(fd) : number;
+}
+
+bool append_lines(int fd, struct text lines, bool sync, struct error *error)
+{
+    struct stat before = {.st_size = 0};
+    const int number = append(fd, lines, sync, &before);
+    const bool whole = number == 0 || cut_back(fd, before.st_size);
+    return number == 0 || error_set(error, ERROR_IO, "%s%s", system_message(number),
+                                    whole ? "" : " (its last line is cut)");
+}
