@@ -17,6 +17,17 @@ void explain_unknown(const struct session *session, struct text statement, struc
 bool put_takers(const struct command *command, struct text word, enum argument_form form, int most,
                 struct buffer *text);
 
+/* Appends the statement as it is written here, where its first word is no command because another
+ * program writes it so; false: it is not of such a form. */
+bool put_rewritten(const struct session *session, struct text statement, struct buffer *text);
+/* Appends a row's text with what was typed for NAME, VALUE and EXPR: of `par a=1` and `disp(k)`. */
+void put_filled(const char *brief, struct text statement, struct buffer *text);
+/* The name before the parentheses: ode45 of [t,y] = ode45(f); {NULL, 0}: nothing is called. */
+struct text called_word(struct text statement);
+/* Appends how a name that an expression does not know is made: by param in a scene's law, else let.
+ */
+void put_named(const struct session *session, bool law, struct text name, struct buffer *text);
+
 bool mentions(const char *where, struct text word); /* as letters, upper or lower case; NULL: no */
 
 #endif

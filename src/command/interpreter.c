@@ -39,9 +39,6 @@ static bool unknown_command(const struct session *session, struct text word, str
 {
     struct named_value value;
     catalog_unknown(&command_catalog, word, error);
-    if (word.len > 4 && word.at[0] == 'd' && memcmp(word.at + word.len - 3, "/dt", 3) == 0)
-        return error_hint(error, "an equation is written %.*s' = EXPR", (int)word.len - 4,
-                          word.at + 1);
     if (memmem(word.at, word.len, "\xe2\x80\x99", 3))
         return error_hint(error, "a derivative is marked with the ASCII sign: x' or x''");
     if (names_value(session, word, &value))

@@ -92,12 +92,17 @@ READ_ITEM(read_run)
     item->index = session_find_run(parser->session, item->text);
     if (item->index >= 0)
         return true;
-    if (parser->session->runs == 0) {
+    const struct row *method = catalog_find(&method_catalog, item->text);
+    const bool none = parser->session->runs == 0;
+    if (none)
         error_at(error, item->text, "there is no run yet");
+    else
+        error_at(error, item->text, "there is no run '%.*s'",
+                 (int)(item->text.len < 64 ? item->text.len : 64), item->text.at);
+    if (method)
+        return error_hint(error, "'method %s' chooses the method", method->name);
+    if (none)
         return error_hint(error, "type: run");
-    }
-    error_at(error, item->text, "there is no run '%.*s'",
-             (int)(item->text.len < 64 ? item->text.len : 64), item->text.at);
     return error_hint(error, "'runs' lists them");
 }
 
@@ -222,8 +227,11 @@ READ_ITEM(read_model)
     const struct text rest = parser->rest, word = peek_word(rest, "");
     if (strchr("'\"", rest.at[0]))
         return parse_word(parser, stops, item, error);
-    /* A lone name is no formula. */
-    if (peek_name(rest).len == word.len)
+    struct text behind = {rest.at + word.len, rest.len - word.len};
+    text_skip_blanks(&behind);
+    /* A lone name is no formula; a + b*t is one. */
+    if (peek_name(rest).len == word.len &&
+        (behind.len == 0 || !strchr("+-*/^", behind.at[0]) || text_starts(behind, TEXT("--"))))
         return read_choice(parser, argument, stops, item, error);
     if (!formula_compile(before_option(rest), NULL, NULL, 0, parser->arena, &formula, &used,
                          &why)) {

@@ -252,9 +252,49 @@ bool parse_integer(struct parser *parser, const char *what, bool negative, struc
     return true;
 }
 
-static bool unknown_unit(struct text word, enum quantity quantity, struct error *error)
+/* The unit that is spelled out, or shortened in another way: grams, sec. */
+static const struct unit *spelled_unit(struct text word)
 {
+    const size_t len = word.len - (word.len > 3 && word.at[word.len - 1] == 's');
+    for (size_t i = 0; i < unit_catalog.count; i++) {
+        const struct row *row = catalog_row(&unit_catalog, i);
+        if (len >= 3 && !strchr(row->brief, ' ') &&
+            text_starts(text_of(row->brief), (struct text){word.at, len}))
+            return (const struct unit *)(const void *)row;
+    }
+    return NULL;
+}
+
+/* A name or a number, as of 2pi. */
+static bool is_factor(const struct parser *parser, struct text word)
+{
+    const struct text name = peek_name(word);
+    int slot;
+    return text_is(name, "pi") || catalog_find(&function_catalog, name) ||
+           (parser->scope && parser->scope->find(parser->scope->context, name, &slot));
+}
+
+static bool unknown_unit(const struct parser *parser, struct text word, const struct item *number,
+                         struct error *error)
+{
+    const enum quantity quantity = number->quantity;
+    const struct unit *spelled = spelled_unit(word), *known = unit_match(word);
+    const struct text value = number->text;
+    if (known && word.len == strlen(known->row.name)) {
+        error_at(error, word, "a pure number is wanted, '%.*s' is a unit (%s)", (int)word.len,
+                 word.at, quantity_name(known->quantity));
+        return known->quantity == QUANTITY_TIME &&
+               error_hint(error, "'run %.*s %.*s' goes on for a time", shown_length(value),
+                          value.at, (int)word.len, word.at);
+    }
     catalog_unknown(&unit_catalog, word, error);
+    if (spelled || is_factor(parser, word))
+        error->hint[0] = '\0';
+    if (spelled)
+        error_hint(error, "write %.*s %s", shown_length(value), value.at, spelled->row.name);
+    else if (is_factor(parser, word))
+        error_hint(error, "write %.*s*%.*s: a product has its sign", shown_length(value), value.at,
+                   shown_length(word), word.at);
     struct buffer units = {0};
     quantity_units(quantity, &units);
     if (units.len > 0)
@@ -277,6 +317,21 @@ static bool decimal_comma(struct text rest, struct error *error)
                       (int)(to - rest.at - 1), rest.at + 1);
 }
 
+/* m/s^2 of m and /s2; NULL: there is no such unit. */
+static const struct unit *powered_unit(const struct unit *unit, struct text rest)
+{
+    struct buffer name = {0};
+    buffer_put(&name, text_of(unit->row.name));
+    for (size_t i = 0; i < rest.len; i++) {
+        if (is_digit(rest.at[i]) && i > 0 && is_name_start(rest.at[i - 1]))
+            buffer_char(&name, '^');
+        buffer_char(&name, rest.at[i]);
+    }
+    const struct row *row = catalog_find(&unit_catalog, buffer_text(&name));
+    buffer_free(&name);
+    return (const struct unit *)(const void *)row;
+}
+
 bool refuse_rest(const struct parser *parser, const struct item *number, struct error *error)
 {
     struct text rest = parser->rest;
@@ -292,12 +347,17 @@ bool refuse_rest(const struct parser *parser, const struct item *number, struct 
     if (word.len == 0)
         word = rest;
     if (number && !number->unit && is_name_start(word.at[0]))
-        return unknown_unit(word, number->quantity, error);
-    if (number && number->unit && strchr("+-*/^", word.at[0])) {
-        error_at(error, word, "unexpected '%.*s'", shown_length(word), word.at);
+        return unknown_unit(parser, word, number, error);
+    error_at(error, word, "unexpected '%.*s'", shown_length(word), word.at);
+    if (!number || !number->unit)
+        return false;
+    const struct unit *meant = powered_unit(number->unit, word);
+    if (meant)
+        return error_hint(error, "the unit is written %s", meant->row.name);
+    if (strchr("+-*/^", word.at[0]))
         return error_hint(error, "a unit stands after the whole expression: (5 + 0.3) cm");
-    }
-    return error_at(error, word, "unexpected '%.*s'", shown_length(word), word.at);
+    return unit_match(word) && error_hint(error, "a value has one unit: %.*s",
+                                          shown_length(number->text), number->text.at);
 }
 
 /* The quantity of `expr [UNIT]` at the start of text, where it is known. */

@@ -67,6 +67,9 @@ struct typed_line {
     enum quantity quantity; /* the same; QUANTITY_NUMBER: no unit */
 };
 
+/* Can a variable, a parameter or what is observed have this name? */
+bool typed_name_fits(struct text name, struct error *error);
+
 struct typed_models; /* all of a session */
 
 struct typed_models *typed_create(struct error *error); /* NULL: no memory */
@@ -94,6 +97,9 @@ const struct typed_line *typed_line(const struct model *model, int i);
 void typed_describe(const struct typed_line *line, struct buffer *text);
 /* the built-in model below; NULL: none, all is typed */
 const struct model *typed_base(const struct model *model);
+/* Is it a built-in scene with this parameter or variable, where nothing but parameters was typed?
+ * A parameter of that name then begins an empty scene, with those that were typed. */
+bool typed_base_has(const struct model *model, struct text name);
 
 /* Settings under the name of a scene that is all typed; NULL: it is not. */
 const struct preset *typed_preset(const struct model *model);

@@ -33,8 +33,12 @@ bool model_offers(const struct model *model, const struct observable *observable
 bool hint_other_model(const struct session *session, struct text name, struct error *error);
 /* A scene of the user's own, by its name; NULL: there is none. */
 const struct preset *own_scene(const struct setup *setup, struct text name);
-/* false, always */
-bool unknown_parameter(const struct session *session, struct text name, struct error *error);
+/* The parameter that is the start of what moves, y0 of y; of x, too, where nothing is called so and
+ * y moves; NULL: none. */
+const char *start_of(const struct session *session, struct text name);
+/* value: what it was to become, as `= 5 cm`, or nothing. False, always. */
+bool unknown_parameter(const struct session *session, struct text name, struct text value,
+                       struct error *error);
 
 /* ---- names in expressions ---- */
 

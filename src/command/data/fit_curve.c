@@ -133,7 +133,7 @@ static bool take_values(const struct fit_request *call, struct scene *scene, dou
             continue;
         }
         if (index < 0)
-            return unknown_parameter(call->session, item->text, error);
+            return unknown_parameter(call->session, item->text, TEXT(""), error);
         if (!scene_set(scene, index, item->value, error)) {
             error->where = item->text;
             return false;
@@ -152,7 +152,7 @@ static bool take_free(const struct fit_request *call, int *index, int *count, st
         if (is_offset(item->text))
             continue;
         if (item->index < 0)
-            return unknown_parameter(call->session, item->text, error);
+            return unknown_parameter(call->session, item->text, TEXT(""), error);
         for (int j = 0; j < *count; j++)
             twice = twice || index[j] == item->index;
         if (twice)

@@ -43,7 +43,7 @@ HANDLER(change)
     const struct run *run = session_run(session);
     if (!catalog_find(scene_params(scene), name) && !catalog_find(scene_derived(scene), name) &&
         (!run || model_state(run->system.model, name) < 0))
-        return unknown_parameter(session, name, error);
+        return unknown_parameter(session, name, TEXT(""), error);
     session->live.changing = true;
     const bool ok = command_set(session, args, reply, error);
     session->live.changing = false;

@@ -34,7 +34,28 @@ static bool free_name(struct text name, struct error *error)
     if (!catalog_find(&setting_catalog, name))
         return true;
     error_at(error, name, "'%.*s' is taken: it is the name of a setting", (int)name.len, name.at);
-    return error_hint(error, "choose another name");
+    return error_hint(error, "choose another name, as %.*s_1", (int)name.len, name.at);
+}
+
+/* A scene that nobody has chosen or changed makes room for a parameter that has the name of one of
+ * its own; the others keep theirs. */
+static bool makes_room(const struct session *session, struct text name, struct text value,
+                       struct error *error)
+{
+    const struct scene *scene = &session->setup.scene;
+    struct scene fresh;
+    size_t i = 0;
+    if (!typed_base_has(scene->model, name))
+        return true;
+    scene_init(&fresh, NULL);
+    while (i < scene_params(&fresh)->count && !scene->chosen[i])
+        i++;
+    if (scene->preset == fresh.preset && i == scene_params(&fresh)->count && session->runs == 0 &&
+        session->recordings == 0)
+        return true;
+    error_at(error, name, "%s has '%.*s' already", scene->preset->row.name, (int)name.len, name.at);
+    return error_hint(error, "'%.*s = %.*s' sets it; 'scene new' begins an empty scene",
+                      (int)name.len, name.at, (int)value.len, value.at);
 }
 
 /* Events belong to what moves: another scene has its own. */
@@ -48,6 +69,8 @@ static bool use_model(struct session *session, const struct model *model, bool b
         setup->scene = before;
         return false;
     }
+    if (begins && model->n == 0)
+        reply_line(reply, "a scene of your own begins: var NAME = VALUE makes what moves");
     if (begins && setup->events) {
         setup->events = NULL;
         reply_line(reply, "the events of the scene before are gone");
@@ -73,8 +96,9 @@ static bool suits(const struct scene *scene, const struct model *model,
     return false;
 }
 
-static bool add_line(struct session *session, const struct typed_line *line, struct reply *reply,
-                     struct error *error)
+/* uncertainty: of the line's value, 0: none */
+static bool add_line(struct session *session, const struct typed_line *line, double uncertainty,
+                     struct reply *reply, struct error *error)
 {
     const struct model *before = session->setup.scene.model, *model;
     struct buffer text = {0};
@@ -83,6 +107,11 @@ static bool add_line(struct session *session, const struct typed_line *line, str
         !use_model(session, model, !typed_base(model) && typed_base(before), reply, error))
         return false;
     typed_describe(line, &text);
+    if (uncertainty > 0) {
+        text.len = (size_t)((const char *)memchr(text.data, '=', text.len) - text.data) + 2;
+        buffer_measured(&text, (struct measured){line->value, uncertainty}, line->quantity,
+                        session->setup.settings.digits);
+    }
     reply_text(reply, buffer_text(&text));
     buffer_free(&text);
     return true;
@@ -153,9 +182,11 @@ static bool add_value(struct session *session, const struct arguments *args, enu
                      QUANTITY_OTHER, &item, error) ||
         !refuse_rest(&parser, &item, error))
         return false;
+    if (kind == TYPED_PARAM && !makes_room(session, line.name, item.text, error))
+        return false;
     line.value = item.value.value;
     line.quantity = item.quantity == QUANTITY_OTHER ? QUANTITY_NUMBER : item.quantity;
-    if (!add_line(session, &line, reply, error))
+    if (!add_line(session, &line, item.value.uncertainty, reply, error))
         return false;
     /* What was set before the line was typed again is no longer meant. */
     const int index = param_of(&session->setup.scene, &line);
@@ -214,7 +245,7 @@ HANDLER(equation)
     line.expr = rest;
     if (session->reacting)
         return set_velocity(session, args, &line, reply, error);
-    return add_line(session, &line, reply, error);
+    return add_line(session, &line, 0, reply, error);
 }
 
 /* EXPR, or NAME = EXPR. */
@@ -247,7 +278,7 @@ HANDLER(force)
         return remove_line(session, args, TYPED_FORCE, peek_name(rest), "the force", reply, error);
     return text_is(rest, "off")
                ? remove_line(session, args, TYPED_FORCE, line.name, "the force", reply, error)
-               : add_line(session, &line, reply, error);
+               : add_line(session, &line, 0, reply, error);
 }
 
 HANDLER(potential)
@@ -256,7 +287,7 @@ HANDLER(potential)
     const struct typed_line line = {.kind = TYPED_POTENTIAL, .expr = rest};
     return text_is(rest, "off") ? remove_line(session, args, TYPED_POTENTIAL, TEXT(""),
                                               "the potential", reply, error)
-                                : add_line(session, &line, reply, error);
+                                : add_line(session, &line, 0, reply, error);
 }
 
 HANDLER(observe)
@@ -269,7 +300,7 @@ HANDLER(observe)
     if (!free_name(line.name, error) || !skip_equals(&rest, "observe NAME = EXPR", error))
         return false;
     line.expr = rest;
-    return add_line(session, &line, reply, error);
+    return add_line(session, &line, 0, reply, error);
 }
 #endif
 
@@ -292,10 +323,12 @@ COMMAND(param, .row = {"param", "", "a parameter of a scene of your own", "", NU
         .group = "EQUATIONS",
         .text = "Equations use it by name: NAME = VALUE changes it at once. On a built-in scene it "
                 "adds to its "
-                "parameters. 'param NAME off'\n"
+                "parameters; the first var begins an\nempty scene that keeps it, a name that the "
+                "scene of the start has itself begins one at once. 'param NAME off'\n"
                 "takes it away where nothing uses it.",
-        .examples = "var x = 1; param rate = 0.5 1/s; x' = -rate*x; run 1 s\nscene spring; param "
-                    "stiff = 40; force -stiff*y^3",
+        .examples =
+            "param rate = 0.50(2) 1/s; var x = 1; x' = -rate*x; run 1 s\nscene spring; param "
+            "stiff = 40; force -stiff*y^3",
         .see = "var equation set", .flags = COMMAND_CHANGES, .completes = COMPLETES_PARAMETER,
         ARGUMENTS(PLACE("NAME", TYPE_NAME, .flags = ARG_REQUIRED),
                   PLACE("= VALUE", TYPE_FORMULA, .flags = ARG_REQUIRED)))

@@ -352,7 +352,7 @@ HANDLER(set)
         ok = index < session->setup.lets ? read_value(&parser, session->setup.let[index].name,
                                                       QUANTITY_OTHER, &item, error) &&
                                                set_let(session, name, &item, reply, error)
-                                         : unknown_parameter(session, name, error);
+                                         : unknown_parameter(session, name, parser.rest, error);
     }
     if (ok)
         session_changed(session);
@@ -396,7 +396,7 @@ HANDLER(unset)
         while (index < session->setup.lets && !text_is(name, session->setup.let[index].name))
             index++;
         if (index == session->setup.lets)
-            return unknown_parameter(session, name, error);
+            return unknown_parameter(session, name, TEXT(""), error);
         buffer_format(&text, "%s is gone", session->setup.let[index].name);
         session->setup.let[index] = session->setup.let[--session->setup.lets];
     }
@@ -413,7 +413,8 @@ HANDLER(let)
     if (name_is_taken(session, name, &kind)) {
         error_at(error, name, "'%.*s' is taken: it is the name of %s %s", (int)name.len, name.at,
                  strchr("aeiou", kind[0]) ? "an" : "a", kind);
-        return error_hint(error, "choose another name for the variable");
+        return error_hint(error, "choose another name for the variable, as %.*s_1", (int)name.len,
+                          name.at);
     }
     struct parser parser = value_parser(session, args);
     struct item item = {0};
@@ -465,9 +466,8 @@ COMMAND(scene, .row = {"scene", "", "choose a scene, or show the present one", "
         ARGUMENTS(PLACE("NAME|new", TYPE_SCENE), PLACE("NAME", TYPE_TEXT)))
 
 COMMAND(set, .row = {"set", "", "set a parameter or a setting", "", NULL}, .group = "SCENE",
-        .text = "The same as NAME = value. A value may carry a unit and an uncertainty; a bare "
-                "number is in the SI "
-                "unit. Setting omega0,\n"
+        .text = "The same as NAME = value. A value may carry a unit and an uncertainty, 200.0 +- "
+                "0.1 g or 200.0(1) g; a bare number is in the SI unit. Setting omega0,\n"
                 "T0 or f0 of a spring sets k. 'show all' lists the names; which there are depends "
                 "on the scene.",
         .examples = "set m 199.9 +- 0.1 g\nT0 = 0.73 s", .see = "unset show let",

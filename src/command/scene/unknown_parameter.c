@@ -8,25 +8,46 @@ static void put_params(const struct scene *scene, struct buffer *text)
         buffer_format(text, " %s", param_at(scene, (int)i)->row.name);
 }
 
-bool unknown_parameter(const struct session *session, struct text name, struct error *error)
+/* It is known, as something else that has no value of its own. */
+static bool other_kind(const struct session *session, struct text name, struct text value,
+                       struct error *error)
+{
+    const struct scene *scene = &session->setup.scene;
+    const int shown = (int)(name.len < 80 ? name.len : 80), said = (int)value.len;
+    const char *start = start_of(session, name);
+    if (catalog_find(&command_catalog, name)) {
+        error_at(error, name, "'%.*s' is a command, not a parameter", shown, name.at);
+        error_hint(error, "type it without '=': '%.*s %.*s'", shown, name.at, said, value.at);
+    } else if (model_variable(scene->model, name) >= 0) {
+        error_at(error, name, "'%.*s' is what moves, not a parameter", shown, name.at);
+        if (start)
+            error_hint(error, "'%s = %.*s' is its start", start, said, value.at);
+        error_hint(error, "'change %.*s VALUE' makes the current run jump", shown, name.at);
+    } else if (start) {
+        error_at(error, name, "%s has no parameter '%.*s'", scene->preset->row.name, shown,
+                 name.at);
+        error_hint(error, "what moves here is %s: '%s = %.*s' is its start",
+                   scene->model->variable[0].name, start, said, value.at);
+        hint_other_model(session, name, error);
+    } else if (catalog_find(&observable_catalog, name)) {
+        error_at(error, name, "'%.*s' follows from a run: it is no parameter", shown, name.at);
+        error_hint(error, "'let %.*s_1 = %.*s' makes a variable of another name", shown, name.at,
+                   said, value.at);
+    }
+    return error->code != ERROR_NONE;
+}
+
+bool unknown_parameter(const struct session *session, struct text name, struct text value,
+                       struct error *error)
 {
     const struct scene *scene = &session->setup.scene;
     const struct catalog *const catalogs[] = {scene_params(scene), scene_derived(scene),
                                               &setting_catalog};
     const int shown = (int)(name.len < 80 ? name.len : 80);
     struct suggestion near = {.wanted = name};
-    if (catalog_find(&command_catalog, name)) {
-        error_at(error, name, "'%.*s' is a command, not a parameter", shown, name.at);
-        return error_hint(error, "type it without '=': %.*s ...", shown, name.at);
-    }
-    if (model_variable(scene->model, name) >= 0) {
-        error_at(error, name, "'%.*s' is what moves, not a parameter", shown, name.at);
-        return error_hint(
-            error,
-            "'show scene' lists the parameters, also those of the start; 'change %.*s VALUE' makes "
-            "the current run jump",
-            shown, name.at);
-    }
+    value = text_trim(value);
+    if (other_kind(session, name, value.len ? value : TEXT("VALUE"), error))
+        return false;
     for (size_t c = 0; c < COUNT_OF(catalogs); c++)
         for (size_t i = 0; i < catalogs[c]->count; i++)
             suggestion_offer(&near, catalog_row(catalogs[c], i)->name);
@@ -48,7 +69,8 @@ bool unknown_parameter(const struct session *session, struct text name, struct e
     if (hint_other_model(session, name, error))
         return false;
     suggestion_hint(&near, error);
-    return error_hint(
-        error, near.count ? "('show all' lists the parameters)"
-                          : "'show all' lists the parameters; 'let NAME = value' makes a variable");
+    error_hint(error, near.count ? "('show all' lists the parameters)"
+                                 : "'show all' lists the parameters");
+    return value.len > 0 && error_hint(error, "'let %.*s = %.*s' makes a variable", shown, name.at,
+                                       (int)value.len, value.at);
 }

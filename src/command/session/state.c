@@ -57,9 +57,29 @@ HANDLER(restore)
     return true;
 }
 
+/* What ends as a picture or a table has another command. */
+static bool is_setup_file(struct text path, struct error *error)
+{
+    size_t dot = path.len;
+    while (dot > 0 && path.at[dot - 1] != '.' && path.at[dot - 1] != '/')
+        dot--;
+    const struct text end = {path.at + dot, path.len - dot};
+    const bool picture = catalog_find(&picture_catalog, end),
+               table = catalog_find(&table_format_catalog, end);
+    if (dot < 2 || path.at[dot - 1] != '.' || (!picture && !table))
+        return true;
+    error_at(error, path, "save writes the commands of the set-up, not a %s",
+             picture ? "picture" : "table");
+    return error_hint(
+        error, picture ? "'plot position > %.*s' writes a picture" : "'export %.*s' writes the run",
+        (int)path.len, path.at);
+}
+
 HANDLER(save)
 {
     const struct item *file = argument_value(args, "FILE")->item;
+    if (!is_setup_file(file->text, error))
+        return false;
     char *path = arena_text(args->arena, file->text);
     struct buffer text = {0};
     struct writer writer;

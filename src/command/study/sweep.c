@@ -88,7 +88,7 @@ static bool read_axis(struct parser *parser, struct text name, struct sweep_axis
     struct session *session = parser->session;
     const struct text range = parser->rest;
     if (!sweep_axis_find(&session->setup.scene, name, axis))
-        return unknown_parameter(session, name, error);
+        return unknown_parameter(session, name, TEXT(""), error);
     if (!read_end(parser, axis, &axis->from, error))
         return false;
     if (!take_colon(parser)) {

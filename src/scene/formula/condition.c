@@ -26,6 +26,20 @@ static const struct expr *side(struct text text, size_t *at, const struct expr_s
     return expr;
 }
 
+static bool no_comparison(struct text text, struct text sign, struct error *error)
+{
+    error_at(error, sign, "a condition needs <, <=, > or >=");
+    if (!text_is(sign, "="))
+        return false;
+    const struct text left = text_trim((struct text){text.at, (size_t)(sign.at - text.at)});
+    struct text right = {sign.at + 1, text.len - (size_t)(sign.at + 1 - text.at)};
+    while (text_starts(right, TEXT("=")))
+        right = (struct text){right.at + 1, right.len - 1};
+    right = text_trim(right);
+    return error_hint(error, "steps pass it: '%.*s >= %.*s'", (int)left.len, left.at,
+                      (int)right.len, right.at);
+}
+
 bool condition_compile(struct text text, const struct expr_scope *scope, struct arena *arena,
                        struct condition *condition, size_t *used, struct error *error)
 {
@@ -37,7 +51,7 @@ bool condition_compile(struct text text, const struct expr_scope *scope, struct 
     skip_blanks(text, &at);
     struct text sign = {text.at + at, at < text.len};
     if (!text_is(sign, "<") && !text_is(sign, ">"))
-        return error_at(error, sign, "a condition needs <, <=, > or >=");
+        return no_comparison(text, sign, error);
     made.less = text_is(sign, "<");
     at++;
     made.or_equal = at < text.len && text.at[at] == '=';

@@ -279,6 +279,8 @@ static bool missing_operand(struct compiler *c)
     else
         error_at(c->error, where, "a number or a name is missing");
     const unsigned char first = (unsigned char)peek(c, 0);
+    if (first == '*' && top && top->op == OP_MUL && top->where.at + 1 == where.at)
+        return error_hint(c->error, "a power is written with ^: 2^3");
     return first >= 0xC2 && first <= 0xF4 && /* of a letter in UTF-8 */
            error_hint(c->error, "write names and signs in ASCII: - * / and a to z");
 }

@@ -90,9 +90,10 @@ bool typed_name_fits(struct text name, struct error *error)
         return error_at(error, name, "a name is letters, digits and underscores, a letter first");
     if (name.len > TYPED_NAME_MAX)
         return error_at(error, name, "a name has at most %d letters", TYPED_NAME_MAX);
-    if (text_is(name, "pi") || text_is(name, "t") || catalog_find(&function_catalog, name))
-        return error_at(error, name, "'%.*s' already means something", (int)name.len, name.at);
-    return true;
+    if (!text_is(name, "pi") && !text_is(name, "t") && !catalog_find(&function_catalog, name))
+        return true;
+    error_at(error, name, "'%.*s' already means something", (int)name.len, name.at);
+    return error_hint(error, "choose another name, as %.*s_1", (int)name.len, name.at);
 }
 
 int typed_symbol(struct compile *c, struct text name, enum symbol_kind kind, int index,

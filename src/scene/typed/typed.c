@@ -52,6 +52,22 @@ const struct model *typed_base(const struct model *model)
     return model->typed ? model->typed->base : model;
 }
 
+/* Are parameters all that was typed? */
+static bool has_params_only(const struct model *model)
+{
+    int i = 0;
+    while (i < typed_lines(model) && typed_line(model, i)->kind == TYPED_PARAM)
+        i++;
+    return i == typed_lines(model);
+}
+
+bool typed_base_has(const struct model *model, struct text name)
+{
+    const struct model *base = typed_base(model);
+    return base && has_params_only(model) &&
+           (model_state(base, name) >= 0 || catalog_find(base->params, name));
+}
+
 const struct preset *typed_preset(const struct model *model)
 {
     return model->typed && !model->typed->base ? &model->typed->preset : NULL;
@@ -88,11 +104,12 @@ static bool copy_text(struct arena *arena, struct text *text)
     return copy;
 }
 
-/* A model with room for one more line than those of `from`. */
+/* A model with room for one more line than those of `from`. What begins empty takes parameters
+ * along that were typed before anything used them; from: NULL: there are none. */
 static struct typed *begin(const struct model *from, bool empty, struct error *error)
 {
     struct typed *typed = calloc(1, sizeof *typed);
-    const int lines = empty ? 0 : typed_lines(from);
+    const int lines = !from || (empty && !has_params_only(from)) ? 0 : typed_lines(from);
     if (typed) {
         typed->base = empty ? NULL : typed_base(from);
         snprintf(typed->name, sizeof typed->name, "%s",
@@ -221,7 +238,8 @@ const struct model *typed_add(struct typed_models *models, const struct model *f
                               const struct typed_line *line, struct error *error)
 {
     const bool moves = line->kind == TYPED_VAR || line->kind == TYPED_EQUATION;
-    struct typed *typed = begin(from, moves && typed_base(from), error);
+    const bool begins = moves || (line->kind == TYPED_PARAM && typed_base_has(from, line->name));
+    struct typed *typed = begin(from, begins && typed_base(from), error);
     if (!typed)
         return NULL;
     if (!fits(typed, line, error)) {

@@ -60,7 +60,6 @@ static inline int typed_mass_name(const struct typed *typed)
 
 /* Makes it from its base and its lines; error->where may lie in a line's texts. */
 bool typed_compile(struct typed *typed, struct error *error);
-bool typed_name_fits(struct text name, struct error *error);
 
 /* ---- sums (typed_sums.c) ---- */
 

@@ -1,0 +1,259 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What other programs' notation is here: m: 0.2, y(0) = 5, quit(), np.sin(x), dx/dt = v. */
+#include <hooke/scene/typed.h>
+#include "command/finding.h"
+#include "command/internal.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static struct text behind(struct text text, size_t by)
+{
+    struct text rest = {text.at + by, text.len - by};
+    text_skip_blanks(&rest);
+    return rest;
+}
+
+/* What stands behind `sign`, which has to come first; {NULL, 0}: it does not. */
+static struct text behind_sign(struct text text, const char *sign)
+{
+    text_skip_blanks(&text);
+    return text_starts(text, text_of(sign)) ? behind(text, strlen(sign)) : (struct text){NULL, 0};
+}
+
+static void put_suggested(struct buffer *text, const char *name, struct text value)
+{
+    value = text_trim(value);
+    buffer_format(text, "'%s%s%.*s'", name, value.len ? " = " : "", (int)value.len, value.at);
+}
+
+/* A number that `NAME = VALUE` sets; NULL: none. */
+static const char *settable(const struct session *session, struct text name)
+{
+    const struct catalog *const catalogs[] = {scene_params(&session->setup.scene),
+                                              scene_derived(&session->setup.scene),
+                                              &setting_catalog};
+    const struct row *row = NULL;
+    for (size_t i = 0; i < COUNT_OF(catalogs) && !row; i++)
+        row = catalog_find(catalogs[i], name);
+    return row ? row->name : NULL;
+}
+
+const char *start_of(const struct session *session, struct text name)
+{
+    const struct scene *scene = &session->setup.scene;
+    const struct model *model = scene->model;
+    char parameter[LIMIT_NAME + 4];
+    const bool primed = name.len > 1 && name.at[name.len - 1] == '\'';
+    name.len -= primed;
+    if (name.len == 1 && strchr("xyzqu", name.at[0]) && model_variable(model, name) < 0 &&
+        model->n > 0)
+        name = text_of(model->variable[0].name);
+    if (name.len > LIMIT_NAME || model_variable(model, name) < 0)
+        return NULL;
+    for (int i = 0; i < 2; i++) {
+        snprintf(parameter, sizeof parameter, "%s%.*s%s", primed ? "v" : "", (int)name.len, name.at,
+                 i == 0 ? "0" : "_0");
+        const int index = scene_param(scene, parameter);
+        if (index >= 0)
+            return param_at(scene, index)->row.name;
+    }
+    const int v0 = primed ? scene_param(scene, "v0") : -1;
+    return v0 < 0 ? NULL : param_at(scene, v0)->row.name;
+}
+
+/* y(0) = 5 cm, y[0] = 5 cm, y'(0) = 0 */
+static bool put_start(const struct session *session, struct text statement, struct buffer *text)
+{
+    struct text name = peek_name(statement);
+    if (name.len < statement.len && statement.at[name.len] == '\'')
+        name.len++;
+    struct text rest = behind(statement, name.len);
+    rest = rest.len > 0 && strchr("([", rest.at[0]) ? behind_sign(behind(rest, 1), "0")
+                                                    : (struct text){NULL, 0};
+    if (!rest.at || rest.len == 0 || !strchr(")]", rest.at[0]))
+        return false;
+    const struct text value = behind_sign(behind(rest, 1), "=");
+    const char *start = value.at ? start_of(session, name) : NULL;
+    if (start)
+        put_suggested(text, start, value);
+    return start;
+}
+
+/* m 0.2, m: 0.2, m := 0.2; par gamma = 0.2, init y = 0.05, @ dt = 0.01 */
+static bool put_assignment(const struct session *session, struct text statement,
+                           struct buffer *text)
+{
+    const struct text word = peek_word(statement, ":="), name = peek_name(word),
+                      rest = behind(statement, word.len);
+    struct text value = rest, inner = peek_name(rest);
+    while (value.len > 0 && strchr(":= \t", value.at[0]))
+        value = behind(value, 1);
+    const char *known = settable(session, name);
+    if (known && name.len == word.len && value.len > 0 && strchr("0123456789.+-", value.at[0])) {
+        put_suggested(text, known, value);
+        return true;
+    }
+    value = inner.len ? behind_sign(behind(rest, inner.len), "=") : (struct text){NULL, 0};
+    known = value.at ? settable(session, inner) : NULL;
+    if (value.at && !known)
+        known = start_of(session, inner);
+    if (known)
+        put_suggested(text, known, value);
+    const struct row *row = known || !value.at || catalog_find(&word_catalog, word)
+                                ? NULL
+                                : catalog_find(&word_catalog, inner);
+    buffer_put(text, row ? text_of(row->brief) : TEXT(""));
+    return known || row;
+}
+
+static size_t span(struct text text, size_t from, const char *of)
+{
+    size_t len = 0;
+    while (from + len < text.len && strchr(of, text.at[from + len]))
+        len++;
+    return len;
+}
+
+/* dx/dt = EXPR, d2x/dt2 = EXPR, d^2x/dt^2 = EXPR; x'' + x = 0 */
+static bool put_equation(struct text statement, struct buffer *text)
+{
+    const struct text word = peek_word(statement, "=");
+    struct text name = peek_name(statement);
+    const size_t primes = span(statement, name.len, "'");
+    if (name.len > 0 && (primes == 1 || primes == 2) && memchr(statement.at, '=', statement.len)) {
+        const int shown = (int)(name.len + primes);
+        buffer_format(text, "%.*s stands alone on the left: %.*s = EXPR", shown, name.at, shown,
+                      name.at);
+        return true;
+    }
+    const char *over = memchr(word.at, '/', word.len);
+    const size_t power = span(word, 1, "^2");
+    if (!over || word.at[0] != 'd' || over + 2 >= word.at + word.len || over[1] != 'd' ||
+        over <= word.at + 1 + power)
+        return false;
+    name = (struct text){word.at + 1 + power, (size_t)(over - word.at) - 1 - power};
+    const struct text value = behind_sign(behind(statement, word.len), "=");
+    const int shown = (int)name.len;
+    const char *marks = power ? "\'\'" : "\'";
+    if (peek_name(name).len < name.len)
+        return false;
+    buffer_format(text, "an equation is written %.*s%s = EXPR", shown, name.at, marks);
+    if (value.len > 0)
+        buffer_format(text, ": %.*s%s = %.*s", shown, name.at, marks, (int)value.len, value.at);
+    return true;
+}
+
+/* What is called: plot of plt.plot(t, y), ode45 of [t,y] = ode45(..); *arguments: what stands in
+ * the parentheses. */
+static struct text called(struct text statement, struct text *whole, struct text *arguments)
+{
+    const char *end =
+        statement.len && statement.at[0] == '[' ? memchr(statement.at, ']', statement.len) : NULL;
+    if (end)
+        statement = behind_sign(behind(statement, (size_t)(end + 1 - statement.at)), "=");
+    struct text name = statement.at ? peek_name(statement) : (struct text){NULL, 0};
+    struct text rest = name.len ? behind(statement, name.len) : name;
+    while (name.len > 0 && rest.len > 1 && rest.at[0] == '.' && is_name_start(rest.at[1])) {
+        name = peek_name(behind(rest, 1));
+        rest = (struct text){name.at + name.len,
+                             (size_t)(statement.at + statement.len - name.at) - name.len};
+    }
+    size_t close = rest.len;
+    while (close > 0 && rest.at[close - 1] != ')')
+        close--;
+    if (name.len == 0 || rest.len == 0 || rest.at[0] != '(' || close < 2)
+        return (struct text){NULL, 0};
+    *arguments = text_trim((struct text){rest.at + 1, close - 2});
+    *whole = (struct text){name.at, (size_t)(rest.at + close - name.at)};
+    return name;
+}
+
+/* quit(), plot(t, y), np.sin(x) */
+static bool put_call(struct text statement, struct buffer *text)
+{
+    struct text whole, arguments = {NULL, 0};
+    const struct text name = called(statement, &whole, &arguments);
+    const struct row *command = name.len ? catalog_find(&command_catalog, name) : NULL;
+    if (name.len && !command && catalog_find(&function_catalog, name))
+        buffer_format(text, "'print %.*s'", (int)whole.len, whole.at);
+    if (!command)
+        return text->len > 0;
+    const struct text across = peek_name(arguments),
+                      up = behind_sign(behind(arguments, across.len), ",");
+    if (strcmp(command->name, "plot") == 0 && across.len && up.at && peek_name(up).len)
+        buffer_format(text, "'plot %.*s against %.*s'", (int)peek_name(up).len, up.at,
+                      (int)across.len, across.at);
+    else
+        buffer_format(text, "'%s%s%.*s'", command->name, arguments.len ? " " : "",
+                      (int)arguments.len, arguments.at);
+    return true;
+}
+
+struct text called_word(struct text statement)
+{
+    struct text whole, arguments;
+    return called(statement, &whole, &arguments);
+}
+
+/* method: rk4 */
+static bool put_command(struct text statement, struct buffer *text)
+{
+    const struct text name = peek_name(statement), rest = behind(statement, name.len);
+    const struct row *row = name.len ? catalog_find(&command_catalog, name) : NULL;
+    if (!row || rest.len < 2 || rest.at[0] != ':')
+        return false;
+    const struct text value = behind(rest, 1 + span(rest, 1, "="));
+    buffer_format(text, "'%s %.*s'", row->name, (int)value.len, value.at);
+    return true;
+}
+
+bool put_rewritten(const struct session *session, struct text statement, struct buffer *text)
+{
+    return put_start(session, statement, text) || put_equation(statement, text) ||
+           put_call(statement, text) || put_command(statement, text) ||
+           put_assignment(session, statement, text);
+}
+
+void put_named(const struct session *session, bool law, struct text name, struct buffer *text)
+{
+    const struct setup *setup = &session->setup;
+    const char *kind;
+    struct error ignored;
+    struct buffer value = {0};
+    if (law ? !typed_name_fits(name, &ignored) : name_is_taken(session, name, &kind))
+        return;
+    for (int i = 0; law && i < setup->lets; i++)
+        if (text_is(name, setup->let[i].name))
+            buffer_measured(&value,
+                            (struct measured){setup->let[i].value, setup->let[i].uncertainty},
+                            setup->let[i].quantity, setup->settings.digits);
+    buffer_format(text, "'%s %.*s = %s' makes it known %s", law ? "param" : "let", (int)name.len,
+                  name.at, value.len ? buffer_view(&value) : "VALUE",
+                  law ? "to equations" : "here");
+    buffer_free(&value);
+}
+
+void put_filled(const char *brief, struct text statement, struct buffer *text)
+{
+    static const char *const words[] = {"NAME", "VALUE", "EXPR"};
+    struct text whole, arguments = {NULL, 0}, name = {NULL, 0}, value = {NULL, 0};
+    if (called(statement, &whole, &arguments).len == 0) {
+        const struct text rest = behind(statement, peek_word(statement, "").len);
+        name = peek_name(rest);
+        value = name.len ? behind_sign(behind(rest, name.len), "=") : value;
+    }
+    const struct text fill[] = {value.at ? name : value, value,
+                                arguments.len && arguments.at[0] != '"' ? arguments : value};
+    while (*brief) {
+        size_t used = 0;
+        for (size_t i = 0; i < COUNT_OF(words) && used == 0; i++)
+            if (fill[i].len > 0 && text_starts(text_of(brief), text_of(words[i]))) {
+                used = strlen(words[i]);
+                buffer_put(text, fill[i]);
+            }
+        if (used == 0)
+            buffer_char(text, *brief);
+        brief += used ? used : 1;
+    }
+}
