@@ -239,6 +239,7 @@ struct session {
     struct typed_models
         *models;           /* all that the user has typed: set-up, runs and undo point there */
     struct events *events; /* likewise, the newest first */
+    size_t event_lists, event_lists_left; /* so many, and after the last sweep */
     struct run_slot *run[LIMIT_RUNS];
     int runs, current_run; /* index, -1: none */
     int next_run;          /* number of the next run */
@@ -384,6 +385,14 @@ bool undo_matters(const struct session *session, const struct snapshot *before);
 /* The state before that statement of the history. */
 void undo_push(struct session *session, struct snapshot *before, size_t statement);
 void undo_clear(struct session *session);
+/* Whether going there needs it; NULL: not asked. */
+bool snapshot_uses(const struct snapshot *snapshot, const struct model *model,
+                   const struct events *events);
+bool setup_uses(const struct setup *setup, const struct model *model, const struct events *events);
+bool run_slot_uses(const struct run_slot *slot, const struct model *model,
+                   const struct events *events);
+/* Frees what was typed and nothing uses any more; not while a statement is executed. */
+void session_sweep(struct session *session);
 
 /* ---- live runs ---- */
 

@@ -290,6 +290,9 @@ bool command_exec(struct session *session, struct text line, const struct source
     reply_free(&own);
     session->nesting--;
     session->typed = typed;
+    /* a session that is restored holds some of it only later */
+    if (session->nesting == 0 && !session->restoring)
+        session_sweep(session);
     if (!inside) {
         live_refresh(session);
         cursors_refresh(session);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include <hooke/session/events.h>
 #include <hooke/session/subject.h>
+#include <hooke/scene/typed.h>
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -16,9 +17,19 @@ static struct events *copy_without(const struct events *from, struct text name, 
         error_memory(error);
         return NULL;
     }
-    for (int i = 0; from && i < from->count; i++)
-        if (!text_is(name, from->line[i].name))
-            events->line[events->count++] = from->line[i]; /* its texts live as long */
+    for (int i = 0; from && i < from->count; i++) {
+        if (text_is(name, from->line[i].name))
+            continue;
+        struct event_line *line = &events->line[events->count++];
+        *line = from->line[i];
+        line->when = arena_text(&events->arena, text_of(line->when));
+        line->commands = arena_text(&events->arena, text_of(line->commands));
+        if (!line->when || !line->commands) {
+            events_destroy(events);
+            error_memory(error);
+            return NULL;
+        }
+    }
     return events;
 }
 
@@ -26,6 +37,27 @@ static void keep(struct session *session, struct events *events)
 {
     events->older = session->events;
     session->events = events;
+    session->event_lists++;
+}
+
+void events_sweep(struct session *session,
+                  bool (*used)(const struct session *session, const struct events *events))
+{
+    if (session->event_lists < 2 * session->event_lists_left + SWEEP_FROM)
+        return;
+    struct events **at = &session->events;
+    while (*at) {
+        struct events *events = *at;
+        if (used(session, events)) {
+            at = &events->older;
+        } else {
+            *at = events->older;
+            events->older = NULL;
+            events_destroy(events);
+            session->event_lists--;
+        }
+    }
+    session->event_lists_left = session->event_lists;
 }
 
 const struct events *events_with(struct session *session, const struct event_line *line,

@@ -193,9 +193,12 @@ bool live_bind(struct session *session, int param, double *from, struct error *e
         return false;
     }
     const enum live_state state = live->state;
-    if (state != LIVE_RUNNING && !live->changing && !session->reacting)
+    if (state != LIVE_RUNNING && !live->changing && !session->reacting) {
         journal_write(session, slot, journal_count(slot->last) - 1, run->steps, 0, false,
                       &session->history.happened); /* in a file `set` alone would not do it */
+        if (!now->chosen[param])
+            buffer_format(&session->history.happened, "unset %s\n", name);
+    }
     live_refresh(session);
     session->live.state = state;
     *from = run->t;

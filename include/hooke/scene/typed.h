@@ -37,8 +37,8 @@
  * depends on time alone is a drive, whose work counts, like that of drag. All other forces have no
  * energy: the kinetic one is all that is known.
  *
- * A model is immutable: a line makes a new one. All of them live until typed_destroy(). An
- * incomplete one (a variable without an equation) can be looked at and set; scene_bind() says what
+ * A model is immutable: a line makes a new one. They live until typed_sweep() finds one that nothing
+ * uses, all of them until typed_destroy(). An incomplete one (a variable without an equation) can be looked at and set; scene_bind() says what
  * is missing. Natural sizes: the largest |initial value| and |value| on a short trial run of about
  * one time constant (of linear systems: many); where all are 0, 1.
  *
@@ -75,6 +75,10 @@ struct typed_models; /* all of a session */
 struct typed_models *typed_create(struct error *error); /* NULL: no memory */
 /* with every model: nothing may use them any more */
 void typed_destroy(struct typed_models *models);
+#define SWEEP_FROM 32 /* of fewer nobody looks for what is not used */
+/* Frees the models that nobody uses, once there are twice as many as were left the last time. */
+void typed_sweep(struct typed_models *models,
+                 bool (*used)(const void *context, const struct model *model), const void *context);
 /* A scene without a line under this name ("": typed); lines that are added to it keep the name.
  * NULL: error. */
 const struct model *typed_new(struct typed_models *models, struct text name, struct error *error);

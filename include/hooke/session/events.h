@@ -35,6 +35,9 @@ const struct events *events_with(struct session *session, const struct event_lin
 bool events_without(struct session *session, struct text name, const struct events **events,
                     struct error *error);
 void events_destroy(struct events *events); /* and all older ones */
+/* As typed_sweep(), the session's lists. */
+void events_sweep(struct session *session,
+                  bool (*used)(const struct session *session, const struct events *events));
 
 /* "event top when x*y - beta*z falling do record"; as_stop: without what would be executed. */
 void event_describe(const struct event_line *line, bool as_stop, struct buffer *text);

@@ -8,6 +8,7 @@
 
 struct typed_models {
     struct typed *last;
+    size_t count, left; /* left: by the last sweep */
 };
 
 struct typed_models *typed_create(struct error *error)
@@ -33,6 +34,25 @@ void typed_destroy(struct typed_models *models)
         destroy(typed);
     }
     free(models);
+}
+
+void typed_sweep(struct typed_models *models,
+                 bool (*used)(const void *context, const struct model *model), const void *context)
+{
+    if (models->count < 2 * models->left + SWEEP_FROM)
+        return;
+    struct typed **at = &models->last;
+    while (*at) {
+        struct typed *typed = *at;
+        if (used(context, &typed->model)) {
+            at = &typed->next;
+        } else {
+            *at = typed->next;
+            destroy(typed);
+            models->count--;
+        }
+    }
+    models->left = models->count;
 }
 
 /* ---- lines ---- */
@@ -135,6 +155,7 @@ static const struct model *keep(struct typed_models *models, struct typed *typed
 {
     typed->next = models->last;
     models->last = typed;
+    models->count++;
     return &typed->model;
 }
 

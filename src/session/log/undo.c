@@ -181,6 +181,15 @@ void snapshot_free(struct snapshot *snapshot)
     free(snapshot);
 }
 
+bool snapshot_uses(const struct snapshot *snapshot, const struct model *model,
+                   const struct events *events)
+{
+    bool uses = setup_uses(&snapshot->setup->setup, model, events);
+    for (int i = 0; i < snapshot->runs && !uses; i++)
+        uses = run_slot_uses(snapshot->run[i].slot, model, events);
+    return uses;
+}
+
 const char *snapshot_label(const struct snapshot *snapshot)
 {
     return snapshot->label;

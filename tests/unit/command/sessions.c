@@ -173,6 +173,31 @@ static void what_was_recorded_does_it_again(void **state)
     buffer_free(&got);
 }
 
+/* A parameter that is not chosen any more is not chosen where the file is read, either, also where
+ * it changed a run that waits. */
+static void what_is_unset_is_recorded_so(void **state)
+{
+    (void)state;
+    struct bench b, again;
+    struct buffer wanted = {0}, got = {0};
+    remove("kept.hk");
+    bench_open(&b, true);
+    type_ok(&b, "record kept.hk");
+    type_ok(&b, "k = 20; event at when t > 0.3 do stop; run 1 s; step 1");
+    assert_true(stop_is_pause(b.session->run[0]->run->stop));
+    type_ok(&b, "unset k");
+    type_ok(&b, "continue 0.1 s; record off");
+    bench_open(&again, false);
+    type_ok(&again, "source kept.hk");
+    describe(b.session, PART_SETUP | PART_RUNS, &wanted);
+    describe(again.session, PART_SETUP | PART_RUNS, &got);
+    assert_same(&wanted, &got, "recorded", &wanted);
+    bench_close(&again);
+    bench_close(&b);
+    buffer_free(&wanted);
+    buffer_free(&got);
+}
+
 /* An interrupted run is an error that leaves a run: the file has it as far as it went, so that what
  * goes on with it does so. */
 static void an_interrupted_run_is_recorded(void **state)
@@ -204,6 +229,7 @@ int main(void)
         cmocka_unit_test(a_resumed_session_is_the_same),
         cmocka_unit_test(undo_and_redo_go_through_the_same_states),
         cmocka_unit_test(what_was_recorded_does_it_again),
+        cmocka_unit_test(what_is_unset_is_recorded_so),
         cmocka_unit_test(an_interrupted_run_is_recorded),
     };
     return cmocka_run_group_tests(tests, enter_folder, leave_folder);
