@@ -459,6 +459,12 @@ static inline bool cancelled(const struct cancel *cancel)
 #define LIMIT_RUNS 256                 /* runs kept */
 #define LIMIT_RECORDINGS 64            /* recordings kept */
 #define LIMIT_UNDO 200                 /* undo levels */
+#define LIMIT_HISTORY 100000           /* lines and statements kept of those typed */
+#define LIMIT_REQUESTS 65536           /* things asked of a run: go on, back, change */
+#define LIMIT_CHANGES 8192             /* times at which parameters of a run were changed */
+#define LIMIT_MEASUREMENTS 1024        /* measurements kept: the oldest go */
+#define LIMIT_FITS 256                 /* fits kept: the oldest go */
+#define LIMIT_HISTORY_TEXT (1u << 24)  /* bytes of them */
 #define LIMIT_VARIABLES 64             /* state variables of a scene */
 #define LIMIT_COLUMNS 1024             /* columns of a data file */
 #define LIMIT_FILE (1u << 30)          /* bytes of a data file */

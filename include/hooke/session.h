@@ -146,19 +146,22 @@ enum entry_flag {
 };
 
 struct entry {
-    size_t text, len;      /* as it came, in history.text */
+    size_t text, len;      /* as it came, in history.text: history_text() */
     size_t full, full_len; /* as a file has to say it; full_len 0: the same */
     size_t output;         /* bytes at the end of that which send its result to a file */
     unsigned flags;
 };
 
-/* Every line and statement of the session, in the order in which they began; none is changed after
- * its end. */
+/*
+ * The latest lines and statements of the session, in the order in which they began; none is changed
+ * after its end. Entries and the bytes of their texts are counted from the session's beginning: of
+ * both the first that are there are history_entry(first) and the byte text_first.
+ */
 struct history {
     struct buffer text;
     struct entry *entry;
-    size_t count, capacity;
-    int lines;              /* that were not sourced */
+    size_t first, count, capacity, text_first;
+    int lines, lines_gone;  /* that were not sourced; those of them before the first */
     int done;               /* statements that succeeded */
     struct buffer happened; /* private: what the statement in hand really did, as commands */
 };

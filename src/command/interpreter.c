@@ -126,7 +126,7 @@ static bool log_statement(struct session *session, const struct arguments *argum
              (writes_file(arguments) ? ENTRY_WRITES : 0) | (full.failed ? ENTRY_LOST : 0);
     history_end(session, entry, buffer_text(&full), output, flags);
     buffer_free(&full);
-    return (session->history.entry[entry].flags & (ENTRY_WITHIN | ENTRY_SOURCED)) ||
+    return (history_entry(session, entry)->flags & (ENTRY_WITHIN | ENTRY_SOURCED)) ||
            record_append(session, entry, error);
 }
 
@@ -291,8 +291,10 @@ bool command_exec(struct session *session, struct text line, const struct source
     session->nesting--;
     session->typed = typed;
     /* a session that is restored holds some of it only later */
-    if (session->nesting == 0 && !session->restoring)
+    if (session->nesting == 0 && !session->restoring) {
         session_sweep(session);
+        history_trim(session);
+    }
     if (!inside) {
         live_refresh(session);
         cursors_refresh(session);

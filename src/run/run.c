@@ -310,6 +310,11 @@ bool run_rebind(struct run *run, const struct scene *scene, struct error *error)
     const bool exact = (run->plan.exact_known || run->steps == 0) && plan.exact_known;
     memcpy(start, last->start, sizeof start);
     if (last->first != run->steps) {
+        if (p->epochs > LIMIT_CHANGES) {
+            error_set(error, ERROR_COMMAND, "run %d was changed at %d times already", run->number,
+                      LIMIT_CHANGES);
+            return error_hint(error, "start another one: run");
+        }
         if (exact)
             system_exact(&last->system, last->t, last->start, run->t, start, NULL);
         if (!push_epoch(run, scene, &system, start))

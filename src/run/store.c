@@ -55,7 +55,10 @@ static const struct field trace_fields[] = {
 
 #define OF_EPOCH(member) FIELD_OF(struct epoch, member)
 static const struct field epoch_fields[] = {
-    OF_EPOCH(first), OF_EPOCH(t), OF_EPOCH(start), OF_EPOCH(plan), OF_EPOCH(drag), OF_EPOCH(value),
+    OF_EPOCH(first),
+    OF_EPOCH(t),
+    OF_EPOCH(plan),
+    OF_EPOCH(drag),
 };
 
 /* ---- writing ---- */

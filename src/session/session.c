@@ -238,7 +238,11 @@ void session_store_fit(struct session *session, const struct stored_fit *fit)
             strcmp(session->stored_fit[i].fit.model, fit->fit.model) == 0 &&
             memcmp(session->stored_fit[i].fit.window, fit->fit.window, sizeof fit->fit.window) == 0)
             stored = &session->stored_fit[i];
-    if (!stored) {
+    if (!stored && session->stored_fits == LIMIT_FITS) {
+        stored = &session->stored_fit[LIMIT_FITS - 1];
+        memmove(session->stored_fit, session->stored_fit + 1,
+                (LIMIT_FITS - 1) * sizeof *session->stored_fit);
+    } else if (!stored) {
         struct stored_fit *larger = realloc(
             session->stored_fit, ((size_t)session->stored_fits + 1) * sizeof *session->stored_fit);
         if (!larger)

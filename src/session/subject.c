@@ -4,6 +4,7 @@
 #include <hooke/session/subject.h>
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 #include <stdlib.h>
 
 const struct scene *subject_scene(const struct session *session, const struct run *run)
@@ -46,13 +47,20 @@ bool session_add_measurement(struct session *session, const char *name, const ch
                              struct measured value, enum quantity unit, double periods,
                              struct error *error)
 {
-    if ((session->measurements & (session->measurements - 1)) ==
-        0) { /* full at every power of two */
+    /* full at every power of two */
+    if (session->measurements < LIMIT_MEASUREMENTS &&
+        (session->measurements & (session->measurements - 1)) == 0) {
         const size_t capacity = session->measurements ? 2 * (size_t)session->measurements : 1;
         struct measurement *larger = realloc(session->measurement, capacity * sizeof *larger);
         if (!larger)
             return error_memory(error);
         session->measurement = larger;
+    }
+    if (session->measurements >= LIMIT_MEASUREMENTS) {
+        const int gone = session->measurements - LIMIT_MEASUREMENTS + 1;
+        session->measurements -= gone;
+        memmove(session->measurement, session->measurement + gone,
+                (size_t)session->measurements * sizeof *session->measurement);
     }
     struct measurement *row = &session->measurement[session->measurements++];
     *row = (struct measurement){.value = value,

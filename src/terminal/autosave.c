@@ -216,6 +216,11 @@ int64_t autosave_due(struct autosave *autosave)
     return autosave->due ? autosave->due : INT64_MAX;
 }
 
+static bool is_bloated(const struct stored *stored)
+{
+    return stored->bytes > 2 * (stored->live + stored->latest) + COMPACT_BYTES;
+}
+
 bool autosave_write(struct autosave *autosave, struct error *error)
 {
     struct error why = {0};
@@ -227,7 +232,7 @@ bool autosave_write(struct autosave *autosave, struct error *error)
     const int left_out = autosave->stored.left_out;
     if (append(autosave, &why)) {
         autosave->saved = changes;
-        if (autosave->stored.bytes > 2 * autosave->stored.live + COMPACT_BYTES)
+        if (is_bloated(&autosave->stored))
             compact(autosave);
         sync_begin(autosave);
         autosave->spent = clock_ns() - begun;

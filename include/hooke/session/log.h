@@ -115,7 +115,15 @@ bool history_begin(struct session *session, size_t line, struct text within, str
 void history_end(struct session *session, size_t index, struct text full, size_t output,
                  unsigned flags);
 void history_free(struct session *session);
+/*
+ * The oldest go where there are more than twice LIMIT_HISTORY entries, or LIMIT_HISTORY_TEXT bytes:
+ * as many are left. Not while a statement is executed.
+ */
+void history_trim(struct session *session);
+struct entry *history_entry(const struct session *session, size_t index); /* from first on */
 struct text history_text(const struct session *session, const struct entry *entry);
+/* A line of its own that is not empty, as `history` counts them. */
+bool history_is_typed(const struct session *session, const struct entry *entry);
 
 enum history_reading {
     HISTORY_RECORD, /* what succeeded, as it came */

@@ -50,13 +50,15 @@ struct store_sink {
 struct stored {
     struct stored_run *run;
     int runs, run_capacity;
-    uint64_t recording[LIMIT_RECORDINGS]; /* sums, the latest */
+    uint64_t recording[LIMIT_RECORDINGS]; /* sums */
+    uint64_t recording_bytes[LIMIT_RECORDINGS];
     int recordings;
     size_t entries, text; /* of session->history */
     uint64_t said;        /* of session->log */
     uint64_t state;       /* sum of the last S */
     uint64_t bytes;       /* written, and */
-    uint64_t live;        /* those of them that are still read */
+    uint64_t live;        /* those of runs and recordings that are still read */
+    uint64_t latest;      /* of the latest S, and of all that was typed and said */
     int left_out;         /* runs whose rows found no room */
 };
 

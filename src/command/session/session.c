@@ -62,11 +62,11 @@ HANDLER(history)
         return error_hint(error, "for example history 20, or history /run");
     }
     const struct history *log = &session->history;
-    int number = 0;
-    for (size_t i = 0; i < log->count; i++) {
-        const struct text line = text_trim(history_text(session, &log->entry[i]));
-        if (!(log->entry[i].flags & ENTRY_LINE) || log->entry[i].flags & ENTRY_SOURCED ||
-            line.len == 0)
+    int number = log->lines_gone;
+    for (size_t i = log->first; i < log->count; i++) {
+        const struct entry *entry = history_entry(session, i);
+        const struct text line = text_trim(history_text(session, entry));
+        if (!history_is_typed(session, entry))
             continue;
         number++;
         if (search ? !contains(line, (struct text){word.at + 1, word.len - 1})

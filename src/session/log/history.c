@@ -14,7 +14,7 @@
 /* Doubles, so that an entry costs the same however many there are. NULL: no memory. */
 static struct entry *new_entry(struct history *log)
 {
-    if (log->count == log->capacity) {
+    if (log->count - log->first == log->capacity) {
         const size_t capacity = log->capacity ? 2 * log->capacity : 64;
         struct entry *larger = realloc(log->entry, capacity * sizeof *larger);
         if (!larger)
@@ -22,13 +22,14 @@ static struct entry *new_entry(struct history *log)
         log->entry = larger;
         log->capacity = capacity;
     }
-    log->entry[log->count] = (struct entry){.flags = 0};
-    return &log->entry[log->count++];
+    struct entry *entry = &log->entry[log->count++ - log->first];
+    *entry = (struct entry){.flags = 0};
+    return entry;
 }
 
 static bool put_text(struct history *log, struct text text, size_t *at)
 {
-    *at = log->text.len;
+    *at = log->text_first + log->text.len;
     buffer_put(&log->text, text);
     const bool ok = !log->text.failed;
     log->text.failed = false; /* what is there stays readable */
@@ -61,9 +62,10 @@ bool history_begin(struct session *session, size_t line, struct text within, str
     struct entry *entry = new_entry(log);
     if (!entry)
         return error_memory(error);
-    entry->text = log->entry[line].text + (size_t)(statement.at - within.at);
+    const struct entry *of = history_entry(session, line);
+    entry->text = of->text + (size_t)(statement.at - within.at);
     entry->len = statement.len;
-    entry->flags = log->entry[line].flags & ENTRY_SOURCED;
+    entry->flags = of->flags & ENTRY_SOURCED;
     return true;
 }
 
@@ -71,7 +73,7 @@ void history_end(struct session *session, size_t index, struct text full, size_t
                  unsigned flags)
 {
     struct history *log = &session->history;
-    struct entry *entry = &log->entry[index];
+    struct entry *entry = history_entry(session, index);
     const bool within = (flags & ENTRY_WITHIN) != 0;
     entry->flags |= flags;
     entry->output = output;
@@ -92,6 +94,43 @@ void history_end(struct session *session, size_t index, struct text full, size_t
     }
 }
 
+bool history_is_typed(const struct session *session, const struct entry *entry)
+{
+    return (entry->flags & ENTRY_LINE) && !(entry->flags & ENTRY_SOURCED) &&
+           text_trim(history_text(session, entry)).len > 0;
+}
+
+static size_t least(size_t a, size_t b)
+{
+    return a < b ? a : b;
+}
+
+void history_trim(struct session *session)
+{
+    struct history *log = &session->history;
+    const size_t entries = log->count - log->first, bytes = log->text.len;
+    if (entries <= 2 * LIMIT_HISTORY && bytes <= 2 * LIMIT_HISTORY_TEXT)
+        return;
+    const size_t enough = bytes > LIMIT_HISTORY_TEXT ? bytes - LIMIT_HISTORY_TEXT : 0;
+    size_t drop = 0, from = SIZE_MAX;
+    while (drop < entries &&
+           (entries - drop > LIMIT_HISTORY || log->entry[drop].text - log->text_first < enough ||
+            !(log->entry[drop].flags & ENTRY_LINE))) {
+        log->lines_gone += history_is_typed(session, &log->entry[drop]);
+        drop++;
+    }
+    for (size_t i = drop; i < entries; i++) {
+        const struct entry *entry = &log->entry[i];
+        from = least(from, least(entry->text, entry->full_len ? entry->full : SIZE_MAX));
+    }
+    from = least(from == SIZE_MAX ? bytes : from - log->text_first, bytes);
+    memmove(log->entry, log->entry + drop, (entries - drop) * sizeof *log->entry);
+    memmove(log->text.data, log->text.data + from, bytes - from);
+    log->text.len -= from;
+    log->text_first += from;
+    log->first += drop;
+}
+
 void history_free(struct session *session)
 {
     struct history *log = &session->history;
@@ -103,16 +142,25 @@ void history_free(struct session *session)
 
 /* ---- reading ---- */
 
+struct entry *history_entry(const struct session *session, size_t index)
+{
+    return &session->history.entry[index - session->history.first];
+}
+
+static struct text text_at(const struct history *log, size_t at, size_t len)
+{
+    return (struct text){log->text.data + (at - log->text_first), len};
+}
+
 struct text history_text(const struct session *session, const struct entry *entry)
 {
-    return (struct text){session->history.text.data + entry->text, entry->len};
+    return text_at(&session->history, entry->text, entry->len);
 }
 
 static struct text full_text(const struct session *session, const struct entry *entry)
 {
-    return entry->full_len
-               ? (struct text){session->history.text.data + entry->full, entry->full_len}
-               : history_text(session, entry);
+    return entry->full_len ? text_at(&session->history, entry->full, entry->full_len)
+                           : history_text(session, entry);
 }
 
 static bool is_read(const struct entry *entry, enum history_reading reading)
@@ -136,15 +184,16 @@ int history_script_line(const struct session *session, size_t statement, struct 
 {
     const struct history *log = &session->history;
     int number = 1;
-    if (statement == 0 || statement > log->count ||
-        !is_read(&log->entry[statement - 1], HISTORY_SCRIPT))
+    if (statement <= log->first || statement > log->count ||
+        !is_read(history_entry(session, statement - 1), HISTORY_SCRIPT))
         return 0;
-    for (size_t i = 0; i + 1 < statement; i++) {
-        struct text rest = script_text(session, &log->entry[i]), ignored;
-        while (is_read(&log->entry[i], HISTORY_SCRIPT) && text_split(&rest, '\n', &ignored))
+    for (size_t i = log->first; i + 1 < statement; i++) {
+        const struct entry *entry = history_entry(session, i);
+        struct text rest = script_text(session, entry), ignored;
+        while (is_read(entry, HISTORY_SCRIPT) && text_split(&rest, '\n', &ignored))
             number++;
     }
-    struct text rest = script_text(session, &log->entry[statement - 1]);
+    struct text rest = script_text(session, history_entry(session, statement - 1));
     text_split(&rest, '\n', line);
     return number;
 }
@@ -152,8 +201,9 @@ int history_script_line(const struct session *session, size_t statement, struct 
 void history_put(const struct session *session, size_t first, enum history_reading reading,
                  struct buffer *text)
 {
-    for (size_t i = first; i < session->history.count; i++) {
-        const struct entry *entry = &session->history.entry[i];
+    const struct history *log = &session->history;
+    for (size_t i = first > log->first ? first : log->first; i < log->count; i++) {
+        const struct entry *entry = history_entry(session, i);
         if (!is_read(entry, reading))
             continue;
         buffer_put(text, reading == HISTORY_SCRIPT ? script_text(session, entry)
@@ -165,8 +215,8 @@ void history_put(const struct session *session, size_t first, enum history_readi
 
 bool history_fails(const struct session *session)
 {
-    for (size_t i = 0; i < session->history.count; i++) {
-        const struct entry *entry = &session->history.entry[i];
+    for (size_t i = session->history.first; i < session->history.count; i++) {
+        const struct entry *entry = history_entry(session, i);
         if (is_read(entry, HISTORY_SCRIPT) && !(entry->flags & (ENTRY_DONE | ENTRY_HAPPENED)))
             return true;
     }
@@ -176,7 +226,11 @@ bool history_fails(const struct session *session)
 void history_label(const struct session *session, size_t index, char label[LIMIT_NAME + 1])
 {
     struct buffer text = {0};
-    safe_text(&text, text_trim(history_text(session, &session->history.entry[index])), false);
+    const bool there = index >= session->history.first && index < session->history.count;
+    safe_text(&text,
+              there ? text_trim(history_text(session, history_entry(session, index)))
+                    : TEXT("a statement that is no longer kept"),
+              false);
     size_t len = text.len <= LIMIT_NAME ? text.len : LIMIT_NAME - 3;
     while (len < text.len && len > 0 && ((unsigned char)text.data[len] & 0xc0) == 0x80)
         len--;

@@ -87,6 +87,11 @@ static bool keep_scene(struct run_slot *slot, bool by_events)
 bool journal_add(struct run_slot *slot, struct request request, struct text condition,
                  struct error *error)
 {
+    if (journal_count(slot->last) >= LIMIT_REQUESTS) {
+        error_set(error, ERROR_COMMAND, "run %d was gone on with and changed %d times already",
+                  slot->run->number, LIMIT_REQUESTS);
+        return error_hint(error, "start another one: run");
+    }
     struct request *made = malloc(sizeof *made);
     if (!made)
         return error_memory(error);

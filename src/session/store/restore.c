@@ -60,7 +60,10 @@ static void read_array(struct reader *reader, const struct store_array *array)
         reader_note(reader, "%s: left out, another version wrote it", array->name);
         return;
     }
-    if (array->max == 0 && count > 0 && !(made = malloc(count * item)))
+    size_t room = 1; /* as these arrays grow: full at every power of two */
+    while (room < count)
+        room *= 2;
+    if (array->max == 0 && count > 0 && !(made = malloc(room * item)))
         return;
     if (array->max == 0) {
         free(*(void **)(void *)at);
@@ -166,8 +169,19 @@ static void read_lines(struct history *history, struct text in)
     if (!field_get(in, "from", &from, sizeof from) ||
         !field_get(in, "text_from", &text_from, sizeof text_from) ||
         !field_find(in, "entries", &entries) || !field_find(in, "text", &text) ||
-        from > history->count || text_from > history->text.len)
+        from > SIZE_MAX / 2 || text_from > SIZE_MAX / 2)
         return;
+    /* it begins here: what was before is gone, or damaged */
+    if (from < history->first || from > history->count || text_from < history->text_first ||
+        text_from > history->text_first + history->text.len) {
+        history->text.len = 0;
+        history->first = history->count = from;
+        history->text_first = text_from;
+        history->lines_gone = 0;
+        field_get(in, "lines_gone", &history->lines_gone, sizeof history->lines_gone);
+    }
+    from -= history->first;
+    text_from -= history->text_first;
     const size_t more = entries.len / sizeof *history->entry, count = from + more;
     if (count > history->capacity) {
         struct entry *larger = realloc(history->entry, 2 * count * sizeof *larger);
@@ -180,12 +194,14 @@ static void read_lines(struct history *history, struct text in)
         memcpy(history->entry + from, entries.at, more * sizeof *history->entry);
     history->text.len = text_from;
     buffer_put(&history->text, text);
-    history->count = count;
+    history->count = history->first + count;
 }
 
 static bool inside(const struct history *history, size_t at, size_t len)
 {
-    return at <= history->text.len && len <= history->text.len - at;
+    const size_t from = at - history->text_first;
+    return at >= history->text_first && from <= history->text.len &&
+           len <= history->text.len - from;
 }
 
 static void read_history(struct reader *reader)
@@ -202,17 +218,16 @@ static void read_history(struct reader *reader)
         else if (record->kind == RECORD_SAID)
             log_add(&reader->session->log, record->content);
     }
-    for (size_t i = 0; i < history->count; i++) {
-        struct entry *entry = &history->entry[i];
+    history->lines = history->lines_gone;
+    for (size_t i = history->first; i < history->count; i++) {
+        const struct entry *entry = history_entry(reader->session, i);
         if (!inside(history, entry->text, entry->len) ||
-            !inside(history, entry->full, entry->full_len) ||
+            (entry->full_len > 0 && !inside(history, entry->full, entry->full_len)) ||
             entry->output > (entry->full_len ? entry->full_len : entry->len)) {
             history->count = i;
             break;
         }
-        const struct text text = text_trim(history_text(reader->session, entry));
-        history->lines +=
-            (entry->flags & ENTRY_LINE) && !(entry->flags & ENTRY_SOURCED) && text.len > 0;
+        history->lines += history_is_typed(reader->session, entry);
         history->done += (entry->flags & ENTRY_DONE) != 0;
     }
 }

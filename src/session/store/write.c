@@ -13,7 +13,8 @@
 struct stored_run {
     uint64_t id, sum; /* of the last R */
     uint64_t live;    /* bytes of its R */
-    size_t rows;      /* in the file */
+    size_t rows;      /* in the file, and bytes of each */
+    size_t row_bytes;
     bool left_out;
 };
 
@@ -55,6 +56,15 @@ static bool record_end(struct output *out, enum record_kind kind, uint64_t sum)
     out->stored->live += out->record.len;
     out->written = true;
     return true;
+}
+
+/* One that does not count as live: what is live of its kind is known elsewhere. */
+static bool record_once(struct output *out, enum record_kind kind)
+{
+    const uint64_t live = out->stored->live;
+    const bool ok = record_end(out, kind, out->record.failed ? 0 : bytes_sum(content_of(out)));
+    out->stored->live = live;
+    return ok;
 }
 
 /* ---- scenes ---- */
@@ -152,6 +162,7 @@ static bool put_rows(struct output *out, struct run *run, struct stored_run *of)
         out->stored->live -= sizeof head + sizeof(struct record_head);
     }
     of->rows = rows;
+    of->row_bytes = bytes;
     run_set_stored(run, rows);
     return true;
 }
@@ -197,6 +208,23 @@ static bool put_run(struct output *out, const struct run_slot *slot, bool left_o
     return record_end(out, RECORD_RUN, sum);
 }
 
+/* Those that were dropped; undo may bring one back, which is then written again. */
+static void forget_runs(struct stored *stored, const struct session *session)
+{
+    int kept = 0;
+    for (int i = 0; stored->runs > session->runs && i < stored->runs; i++) {
+        const struct stored_run *of = &stored->run[i];
+        bool there = false;
+        for (int k = 0; k < session->runs && !there; k++)
+            there = session->run[k]->id == of->id;
+        if (there)
+            stored->run[kept++] = *of;
+        else
+            stored->live -= of->live + of->rows * of->row_bytes;
+    }
+    stored->runs = stored->runs > session->runs ? kept : stored->runs;
+}
+
 /* The newest first, as long as there is room for their rows. */
 static bool put_runs(struct output *out, const struct session *session)
 {
@@ -211,6 +239,7 @@ static bool put_runs(struct output *out, const struct session *session)
         if (!put_run(out, session->run[i], left_out, going))
             return false;
     }
+    forget_runs(out->stored, session);
     return true;
 }
 
@@ -222,6 +251,23 @@ static bool has_recording(const struct stored *stored, uint64_t sum)
         if (stored->recording[i] == sum)
             return true;
     return false;
+}
+
+/* Those that were dropped, of which there may be as many as are kept. */
+static void forget_recordings(struct stored *stored, const struct session *session)
+{
+    int kept = 0;
+    for (int i = 0; i < stored->recordings; i++) {
+        bool there = false;
+        for (int k = 0; k < session->recordings && !there; k++)
+            there = session->recording[k]->sum == stored->recording[i];
+        if (!there)
+            stored->live -= stored->recording_bytes[i];
+        stored->recording[kept] = stored->recording[i];
+        stored->recording_bytes[kept] = stored->recording_bytes[i];
+        kept += there;
+    }
+    stored->recordings = kept;
 }
 
 /* The bytes of its file as it was loaded, or as it is now; without them it is only named. */
@@ -244,7 +290,7 @@ static bool put_recording(struct output *out, struct recording_slot *slot)
             field_put(&out->record, "sum", &sum, sizeof sum);
             field_text(&out->record, "content", buffer_text(&content));
             ok = record_end(out, RECORD_BYTES, bytes_sum(content_of(out)));
-            stored->recordings %= LIMIT_RECORDINGS;
+            stored->recording_bytes[stored->recordings] = out->record.len;
             stored->recording[stored->recordings++] = sum;
         }
         slot->sum = wanted ? sum : slot->sum ? slot->sum : 1;
@@ -282,18 +328,25 @@ static bool put_lines(struct output *out, const struct session *session)
     struct stored *stored = out->stored;
     if (stored->entries == history->count)
         return true;
+    if (stored->entries < history->first || stored->text < history->text_first) {
+        stored->entries = history->first;
+        stored->text = history->text_first;
+    }
     struct buffer *to = &out->record;
+    const size_t there = stored->text - history->text_first;
     record_begin(out);
     field_put(to, "from", &stored->entries, sizeof stored->entries);
     field_put(to, "text_from", &stored->text, sizeof stored->text);
-    field_put(to, "entries", history->entry + stored->entries,
+    if (stored->entries == history->first)
+        field_put(to, "lines_gone", &history->lines_gone, sizeof history->lines_gone);
+    field_put(to, "entries", history_entry(session, stored->entries),
               (history->count - stored->entries) * sizeof *history->entry);
-    field_put(to, "text", history->text.data + stored->text, history->text.len - stored->text);
+    field_put(to, "text", history->text.data + there, history->text.len - there);
     if (session->nesting == 0) {
         stored->entries = history->count;
-        stored->text = history->text.len;
+        stored->text = history->text_first + history->text.len;
     }
-    return record_end(out, RECORD_LINES, to->failed ? 0 : bytes_sum(content_of(out)));
+    return record_once(out, RECORD_LINES);
 }
 
 static bool put_said(struct output *out, const struct log *log)
@@ -308,7 +361,17 @@ static bool put_said(struct output *out, const struct log *log)
         buffer_char(&out->record, '\n');
     }
     out->stored->said = log->said;
-    return record_end(out, RECORD_SAID, out->record.failed ? 0 : bytes_sum(content_of(out)));
+    return record_once(out, RECORD_SAID);
+}
+
+/* [byte] of both that a new file would have. */
+static uint64_t live_text(const struct session *session)
+{
+    const struct history *history = &session->history;
+    uint64_t bytes = (history->count - history->first) * sizeof *history->entry + history->text.len;
+    for (int i = 0; i < session->log.count; i++)
+        bytes += strlen(log_line(&session->log, i)) + 1;
+    return bytes;
 }
 
 /* ---- all the rest ---- */
@@ -420,6 +483,7 @@ static void put_state(const struct session *session, struct buffer *to)
 
 static bool put_all(struct output *out, struct session *session)
 {
+    forget_recordings(out->stored, session);
     for (int i = 0; i < session->recordings; i++)
         if (!put_recording(out, session->recording[i]))
             return false;
@@ -430,10 +494,10 @@ static bool put_all(struct output *out, struct session *session)
     const uint64_t sum = out->record.failed ? 0 : bytes_sum(content_of(out));
     if (sum == out->stored->state && !out->written && !out->record.failed)
         return true;
-    if (!record_end(out, RECORD_STATE, sum))
+    if (!record_once(out, RECORD_STATE))
         return false;
     out->stored->state = sum;
-    out->stored->live -= out->record.len; /* the next one takes its place */
+    out->stored->latest = out->record.len + live_text(session);
     return true;
 }
 

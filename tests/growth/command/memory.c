@@ -3,7 +3,7 @@
  * Long sessions need as much memory as short ones: each kind of command is repeated, and once undo
  * levels and logs are full the heap grows no more. The long form also plays a million commands of
  * all kinds: resident memory (least squares over the last half) and time for each stay the same.
- *   memory [ROW...]
+ *   memory [KIND...]
  */
 #include <hooke/command.h>
 #include <hooke/session/log.h>
@@ -13,69 +13,96 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 #include <unistd.h>
 
 #include "long_form.h"
 #include "terminal/folder.h"
 #include "unit/random_testing.h"
 
-/* '#' in `each` stands for a number that changes from line to line; lines may fail. */
+/* '#' in `each` stands for a number that changes from line to line. */
 struct kind {
-    const char *name, *first, *each;
-    int times; /* in the short form, after as many to get warm; 0: TIMES */
+    const char *name, *first, *each; /* first: once, may be NULL */
+    int times;                       /* it is repeated, after as many to get warm; 0: TIMES */
+    double at_most;                  /* [byte] a repetition; 0: AT_MOST */
+    bool fails;
 };
 
 #define TIMES 450
+#define AT_MOST 16 /* [byte] the heap's own rounding over a window */
+/* [byte] what a run keeps of each thing that was asked of it, up to LIMIT_REQUESTS, and of each
+ * change of parameters, up to LIMIT_CHANGES */
+#define OF_REQUEST 300
+#define OF_CHANGE 32000
 
 static const struct kind rows[] = {
-    {"print", "", "print 2*#", 0},
-    {"set", "", "m = # g", 0},
-    {"setting", "", "dt = # ms; set digits 6; unset dt", 0},
-    {"method", "", "method rk4 dt=# ms; method dop853 tol=1e-7", 0},
-    {"scene", "", "scene damped; scene pendulum; m = # g", 0},
-    {"force", "", "force -#*y", 0},
-    {"force off", "", "force -#*y; force off", 0},
-    {"observe", "", "observe twice = #*t; observe twice off", 0},
-    {"typed", "", "scene new own; var x = #; var z = 0; x' = z; z' = -2*x", 0},
-    {"typed run", "method rk4; duration = 20 ms",
-     "scene new own; var x = #; x' = -x; run; measure max; drop all", 0},
-    {"param", "scene new; var q = 1; q'' = -q", "param a = #; q'' = -a*q", 0},
-    {"event", "", "event top when y > # do record; event off", 0},
-    {"let", "", "let A = #", 0},
-    {"atol", "", "atol y = # mm; atol off", 0},
-    {"run", "", "run 20 ms; drop all", 0},
-    {"run typed", "force -3*y", "run 20 ms; drop all", 0},
-    {"run until", "", "run until v < 0; drop all", 0},
-    {"step", "run 20 ms", "step", 0},
-    {"step back", "run 20 ms", "step; back", 0},
-    {"continue", "run 20 ms", "continue 1 ms", 0},
-    {"reset", "run 20 ms", "continue 3 ms; reset", 0},
-    {"change", "run 20 ms", "change k #", 0},
-    {"change step", "run 20 ms", "change k #; step", 0},
-    {"kick", "run 20 ms", "change v #", 0},
-    {"undo", "run 20 ms", "m = # g; change k #; undo; undo; redo", 0},
-    {"checkpoint", "run 20 ms", "m = # g; checkpoint a#; restore a#", 0},
-    {"name", "run 20 ms", "rename 1 a#; note 1 b#", 0},
-    {"use", "run 20 ms; run 20 ms", "use 1; use 2", 0},
-    {"measure", "run 10 s", "measure period; measure amplitude", 60},
-    {"fit", "run 10 s", "fit damped; adopt", 60},
-    {"compare", "duration = 50 ms", "compare euler verlet; drop all", 100},
-    {"order", "duration = 50 ms", "order rk4", 60},
-    {"sweep", "duration = 20 ms; method rk4", "sweep k=1:3:1 measure=max --threads 1", 100},
-    {"plot", "run 100 ms", "plot position; describe energy", 100},
-    {"export", "run 100 ms", "export a.csv --force", 100},
-    {"print to file", "run 100 ms", "runs > a.csv --force", 100},
-    {"save", "", "save a.hk --force", 100},
-    {"source", "", "source some.hk", 0},
-    {"record", "", "record r.hk; m = # g; record off", 0},
-    {"load", "", "load some.txt; data drop some", 0},
-    {"data", "load some.txt", "data window 0:0.#; data zero 0.1; data mass # g", 0},
-    {"measure data", "load some.txt", "measure period", 60},
-    {"view", "run 20 ms", "layout duo; focus energy; range x 0:#; range x auto; window # s", 0},
-    {"cursor", "run 100 ms", "cursor 1 # ms; cursor off", 0},
-    {"show", "run 20 ms", "show; runs; results; state; settings; help run; history 3", 100},
-    {"errors", "", "m = ; nothing #", 0},
-    {"wrong", "", "m = 3 s", 0},
+    {.name = "print", .each = "print 2*#"},
+    {.name = "set", .each = "m = # g"},
+    {.name = "setting", .each = "dt = # ms; set digits 6; unset dt"},
+    {.name = "method", .each = "method rk4 dt=# ms; method dop853 tol=1e-7"},
+    {.name = "scene", .each = "scene damped; scene pendulum; m = # g"},
+    {.name = "force", .each = "force -#*y"},
+    {.name = "force off", .each = "force -#*y; force off"},
+    {.name = "observe", .each = "observe twice = #*t; observe twice off"},
+    {.name = "typed", .each = "scene new own; var x = #; var z = 0; x' = z; z' = -2*x"},
+    {.name = "typed run",
+     .first = "method rk4; duration = 20 ms",
+     .each = "scene new own; var x = #; x' = -x; run; print x; drop all",
+     .times = 220},
+    {.name = "param", .first = "scene new; var q = 1; q'' = -q", .each = "param a = #; q'' = -a*q"},
+    {.name = "event", .each = "event top when y > # do record; event off"},
+    {.name = "let", .each = "let A = #"},
+    {.name = "atol", .each = "atol y = # mm; atol off"},
+    {.name = "run", .each = "run 20 ms; drop all"},
+    {.name = "run typed", .first = "force -3*y", .each = "run 20 ms; drop all"},
+    {.name = "run until", .each = "run until v < 0; drop all"},
+    {.name = "step", .first = "run 20 ms", .each = "step"},
+    {.name = "step back", .first = "run 20 ms", .each = "step; back", .at_most = OF_REQUEST},
+    {.name = "continue", .first = "run 20 ms", .each = "continue 1 ms", .at_most = OF_REQUEST},
+    {.name = "reset", .first = "run 20 ms", .each = "continue 3 ms; reset", .at_most = OF_REQUEST},
+    {.name = "change", .first = "run 20 ms", .each = "change k #", .at_most = 3 * OF_REQUEST},
+    {.name = "change step", .first = "run 20 ms", .each = "change k #; step", .at_most = OF_CHANGE},
+    {.name = "kick", .first = "run 20 ms", .each = "change v #", .at_most = OF_REQUEST},
+    {.name = "undo", .first = "run 20 ms", .each = "m = # g; change k #; undo; undo; redo"},
+    {.name = "checkpoint", .first = "run 20 ms", .each = "m = # g; checkpoint a#; restore a#"},
+    {.name = "name", .first = "run 20 ms", .each = "rename 1 a#; note 1 b#"},
+    {.name = "use", .first = "run 20 ms; run 20 ms", .each = "use 1; use 2"},
+    {.name = "measure",
+     .first = "run 100 ms",
+     .each = "measure energy; measure drift",
+     .times = 516},
+    {.name = "fit", .first = "run 10 s", .each = "fit damped; adopt", .times = 10},
+    {.name = "compare",
+     .first = "duration = 50 ms",
+     .each = "compare euler verlet; drop all",
+     .times = 150},
+    {.name = "order", .first = "duration = 50 ms", .each = "order rk4", .times = 30},
+    {.name = "sweep",
+     .first = "duration = 20 ms; method rk4",
+     .each = "sweep k=1:3:1 measure=max --threads 1",
+     .times = 30},
+    {.name = "plot", .first = "run 100 ms", .each = "plot position; describe energy", .times = 100},
+    {.name = "export", .first = "run 100 ms", .each = "export a.csv --force", .times = 100},
+    {.name = "print to file", .first = "run 100 ms", .each = "runs > a.csv --force", .times = 100},
+    {.name = "save", .each = "save a.hk --force", .times = 60},
+    {.name = "source", .each = "source some.hk"},
+    {.name = "record", .each = "record r.hk; m = # g; record off"},
+    {.name = "load", .each = "load some.txt; data drop some", .times = 200},
+    {.name = "data",
+     .first = "load some.txt",
+     .each = "data window 0:0.#; data zero 0.1; data mass # g",
+     .times = 200},
+    {.name = "measure data", .first = "load some.txt", .each = "measure period", .times = 1030},
+    {.name = "view",
+     .first = "run 20 ms",
+     .each = "layout duo; focus energy; range x 0:#; range x auto; window # s"},
+    {.name = "cursor", .first = "run 100 ms", .each = "cursor A # ms; cursor off"},
+    {.name = "show",
+     .first = "run 20 ms",
+     .each = "show; runs; list limits; help run; history 3",
+     .times = 100},
+    {.name = "errors", .each = "m = ; nothing #", .fails = true},
+    {.name = "wrong", .each = "m = 3 s", .fails = true},
 };
 
 /* ---- a session ---- */
@@ -97,14 +124,20 @@ static bool begin(struct session **session, struct reply *reply)
     return *session;
 }
 
-static void play(struct session *session, struct reply *reply, const char *line, int number)
+static bool play(struct session *session, struct reply *reply, const char *line, int number)
 {
     char text[512];
     size_t used = 0;
     for (; *line && used + 16 < sizeof text; line++)
         used += (size_t)(*line == '#' ? snprintf(text + used, 16, "%d", number)
                                       : snprintf(text + used, 2, "%c", *line));
-    command_exec(session, (struct text){text, used}, NULL, reply);
+    return command_exec(session, (struct text){text, used}, NULL, reply);
+}
+
+static void play_first(struct session *session, struct reply *reply, const struct kind *kind)
+{
+    if (kind->first)
+        play(session, reply, kind->first, 0);
 }
 
 static double heap(void)
@@ -120,12 +153,14 @@ static double typed(const struct session *session)
     return (double)(log->capacity * sizeof *log->entry + log->text.cap);
 }
 
-/* The most that the heap needs while the line is repeated. */
-static double most(struct session *session, struct reply *reply, const char *line, int times)
+/* The most that the heap needs while the line is repeated; NAN: it does not end as it should. */
+static double most(struct session *session, struct reply *reply, const struct kind *kind)
 {
+    const int times = kind->times ? kind->times : TIMES;
     double bytes = 0;
     for (int i = 0; i < times; i++) {
-        play(session, reply, line, 1 + i % 9);
+        if (play(session, reply, kind->each, 1 + i % 9) == kind->fails)
+            return NAN;
         bytes = fmax(bytes, heap() - typed(session));
     }
     return bytes;
@@ -136,16 +171,82 @@ static double growth(const struct kind *kind)
 {
     struct session *session;
     struct reply reply;
-    const int times = kind->times ? kind->times : TIMES;
     if (!begin(&session, &reply))
-        return HUGE_VAL;
-    play(session, &reply, kind->first, 0);
-    most(session, &reply, kind->each, times);
-    const double before = most(session, &reply, kind->each, times);
-    const double more = most(session, &reply, kind->each, times) - before;
+        return NAN;
+    play_first(session, &reply, kind);
+    const double warm = most(session, &reply, kind), before = most(session, &reply, kind),
+                 more = most(session, &reply, kind) - before;
     session_destroy(session);
     reply_free(&reply);
-    return more / times;
+    return (more + 0 * warm) / (kind->times ? kind->times : TIMES);
+}
+
+/* ---- all kinds ---- */
+
+#define COMMANDS 1000000
+#define SLOPE 1.0  /* [byte] a command, of resident memory */
+#define SLOWER 1.5 /* times as much time as in the second tenth */
+
+static double resident(void)
+{
+    FILE *file = fopen("/proc/self/statm", "r");
+    long all = 0, pages = 0;
+    const bool read = file && fscanf(file, "%ld %ld", &all, &pages) == 2;
+    if (file)
+        fclose(file);
+    return read ? (double)pages * (double)sysconf(_SC_PAGESIZE) : NAN;
+}
+
+/* Any of them; dear ones less often, and now and then a scene that they all know. */
+static void play_any(struct session *session, struct reply *reply, int i)
+{
+    const struct kind *kind = &rows[(int)(random_uniform() * (double)COUNT_OF(rows))];
+    if (i % 100 == 0)
+        play(session, reply, "drop all", 0);
+    else if (i % 40 == 0)
+        play(session, reply, "scene spring; method euler; dt = 10 ms; duration = 40 ms", 0);
+    else if (i % 20 == 0)
+        play_first(session, reply, kind);
+    else if (kind->times == 0 || random_uniform() < 0.02)
+        play(session, reply, kind->each, 1 + (int)(random_uniform() * 9));
+    else
+        play(session, reply, "print 2", 0);
+}
+
+/* Slope of the last half by least squares, and processor time of the last tenth over that of the
+ * second. */
+static bool judge_all(int number)
+{
+    enum { PARTS = 1000 };
+    static double memory[PARTS];
+    double tenth[10] = {0}, sum = 0, cross = 0, square = 0;
+    struct session *session;
+    struct reply reply;
+    if (!begin(&session, &reply))
+        return false;
+    for (int part = 0; part < PARTS; part++) {
+        const clock_t begun = clock();
+        for (int i = 0; i < COMMANDS / PARTS; i++)
+            play_any(session, &reply, i);
+        tenth[part / (PARTS / 10)] += (double)(clock() - begun) / CLOCKS_PER_SEC;
+        memory[part] = resident();
+    }
+    for (int part = PARTS / 2; part < PARTS; part++)
+        sum += memory[part];
+    for (int part = PARTS / 2; part < PARTS; part++) {
+        const double x = part - 0.75 * PARTS + 0.5;
+        cross += x * (memory[part] - sum / (PARTS / 2.0));
+        square += x * x;
+    }
+    const double slope = cross / square / (COMMANDS / (double)PARTS), slower = tenth[9] / tenth[1];
+    const bool good = slope < SLOPE && slower < SLOWER;
+    printf("%s %d - %d commands of all kinds: %.3f byte each of %.1f MB, the last tenth takes %.2f "
+           "times the second's %.1f s\n",
+           good ? "ok" : "not ok", number, COMMANDS, slope, memory[PARTS - 1] / 1e6, slower,
+           tenth[1]);
+    session_destroy(session);
+    reply_free(&reply);
+    return good;
 }
 
 static bool wanted(const struct kind *row, int argc, char **argv)
@@ -168,21 +269,30 @@ static void write_files(void)
         abort();
 }
 
-#include <time.h>
 int main(int argc, char **argv)
 {
     static char folder[] = "/tmp/hooke-growth-XXXXXX";
+    const char *config = getenv("CONFIG");
+    if (config && strcmp(config, "asan") == 0) {
+        puts("ok 1 - growth of memory # SKIP a build with sanitizers has a heap of its own\n1..1");
+        return 0;
+    }
     if (!make_folder(folder) || chdir(folder) != 0)
         return 2;
     write_files();
-    for (size_t i = 0; i < COUNT_OF(rows); i++)
-        if (wanted(&rows[i], argc, argv)) {
-            struct timespec a, b;
-            clock_gettime(CLOCK_MONOTONIC, &a);
-            double g = growth(&rows[i]);
-            clock_gettime(CLOCK_MONOTONIC, &b);
-            printf("%-15s %9.1f  %g ms\n", rows[i].name, g, (double)(b.tv_sec-a.tv_sec)*1e3+(double)(b.tv_nsec-a.tv_nsec)*1e-6);
-            fflush(stdout);
-        }
-    return 0;
+    bool good = true;
+    int judged = 0;
+    for (size_t i = 0; i < COUNT_OF(rows); i++) {
+        if (!wanted(&rows[i], argc, argv))
+            continue;
+        const double more = growth(&rows[i]);
+        const bool fits = more <= (rows[i].at_most > 0 ? rows[i].at_most : AT_MOST);
+        printf("%s %d - %s: %.1f byte a repetition\n", fits ? "ok" : "not ok", ++judged,
+               rows[i].name, more);
+        good &= fits;
+    }
+    if (is_long() && argc <= 1)
+        good &= judge_all(++judged);
+    printf("1..%d\n", judged);
+    return !good;
 }

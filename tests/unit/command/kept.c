@@ -142,7 +142,8 @@ static int long_or(int many, int few)
 static void assert_goes_on(struct kept *kept, struct bench *again)
 {
     static const char *const lines[] = {"continue 0.4 s", "step 3",         "change k 17",
-                                        "back 2",         "continue 0.3 s", "run 0.2 s"};
+                                        "back 2",         "continue 0.3 s", "run 0.2 s",
+                                        "measure energy", "measure energy"};
     struct buffer wanted = {0}, got = {0};
     for (size_t i = 0; i < COUNT_OF(lines); i++) {
         const bool ok = type(&kept->b, lines[i]);
@@ -189,6 +190,49 @@ static void a_session_comes_back_bit_for_bit(void **state)
     buffer_free(&wanted);
     buffer_free(&got);
     buffer_free(&notes);
+}
+
+/* Of what was typed the oldest goes, and what is left is numbered as before: in this session, and
+ * as it comes back from a file, whether that was written along the way or at the end. */
+static void what_was_typed_is_bounded(void **state)
+{
+    (void)state;
+    enum { WIDTH = 900000, TYPED = 50 };
+    static char line[WIDTH + 32];
+    struct kept kept;
+    struct bench again;
+    struct stored late = {0};
+    struct buffer late_file = {0}, wanted = {0}, notes = {0};
+    begin(&kept, 1);
+    const struct history *log = &kept.b.session->history;
+    for (int i = 0; i < TYPED; i++) {
+        snprintf(line, sizeof line, "%*s let A%d = %d", WIDTH, "", i, i);
+        type_ok(&kept.b, line);
+        bench_store(kept.b.session, &kept.stored, &kept.file);
+        assert_true(log->text.len <= 2 * LIMIT_HISTORY_TEXT + sizeof line);
+    }
+    assert_true(log->first > 0 && log->text_first > 0 && log->count > log->first);
+    bench_store(kept.b.session, &late, &late_file);
+    assert_true(late_file.len < 2 * LIMIT_HISTORY_TEXT + 100000);
+    assert_true(kept.stored.live + kept.stored.latest < late_file.len + 100000);
+    type_ok(&kept.b, "history 2");
+    buffer_put(&wanted, buffer_text(&kept.b.out));
+    assert_true(strstr(said(&wanted), "let A49 = 49") != NULL);
+    for (int i = 0; i < 2; i++) {
+        if (!bench_restore(&again, buffer_text(i ? &late_file : &kept.file), &notes) || notes.len)
+            fail_msg("%s", said(&notes));
+        type_ok(&again, "history 2");
+        assert_string_equal(said(&again.out), said(&wanted));
+        type_ok(&again, "print A49");
+        bench_close(&again);
+    }
+    for (int i = 0; i < TYPED; i++)
+        type_ok(&kept.b, "undo"); /* their statements are gone: their names, too */
+    stored_free(&late);
+    buffer_free(&late_file);
+    buffer_free(&wanted);
+    buffer_free(&notes);
+    end(&kept);
 }
 
 /* ---- what is torn ---- */
@@ -335,6 +379,7 @@ int main(void)
     }
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_session_comes_back_bit_for_bit),
+        cmocka_unit_test(what_was_typed_is_bounded),
         cmocka_unit_test(a_torn_file_is_as_it_was_last_whole),
         cmocka_unit_test(damage_is_named),
         cmocka_unit_test(commands_of_older_versions_are_read),
