@@ -65,6 +65,12 @@ bool command_complete(struct session *session, struct text line, size_t cursor, 
                       void (*offer)(void *context, const char *candidate, const char *brief),
                       void *context);
 
+/*
+ * Appends the line that explains what stands at the cursor: "help compare dt=" inside of dt=5ms,
+ * "help measure period", "help k" in an expression, "help run" at a number, "help" without a word.
+ */
+void help_line(struct text line, size_t cursor, struct buffer *text);
+
 /* ---- what a student does next ---- */
 
 /*

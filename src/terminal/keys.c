@@ -22,19 +22,7 @@ static void say_help(const struct session *session, int count, struct buffer *li
 {
     (void)session;
     (void)count;
-    int from = rl_point, to = rl_point;
-    /* Behind a word and blanks it is about that word. */
-    while (from > 0 && (from == rl_end || rl_line_buffer[from] == ' ') &&
-           rl_line_buffer[from - 1] == ' ') {
-        to = --from;
-    }
-    while (from > 0 && !strchr(" \t=;,", rl_line_buffer[from - 1])) {
-        from--;
-    }
-    while (to < rl_end && !strchr(" \t=;,", rl_line_buffer[to])) {
-        to++;
-    }
-    buffer_format(line, "help%s%.*s", to > from ? " " : "", to - from, rl_line_buffer + from);
+    help_line((struct text){rl_line_buffer, (size_t)rl_end}, (size_t)rl_point, line);
 }
 
 static void say_run(const struct session *session, int count, struct buffer *line)
@@ -382,12 +370,16 @@ static const struct key *find_key(const struct key *rows, size_t count, size_t *
 
 static int on_key(int count, int last)
 {
-    if (!panes_active) {
-        return last == '\f' ? rl_clear_screen(1, last) : rl_ding();
-    }
     struct buffer line = {0};
     size_t longest = 0;
     const struct key *key = find_key(keys, COUNT_OF(keys), &longest);
+    if (!panes_active && key && key->make == say_help) {
+        prompt_explain();
+        return 0;
+    }
+    if (!panes_active) {
+        return last == '\f' ? rl_clear_screen(1, last) : rl_ding();
+    }
     const struct key *on_cursors =
         keys_on_plot()   ? find_key(cursor_keys, COUNT_OF(cursor_keys), &longest)
         : keys_on_text() ? find_key(reading_keys, COUNT_OF(reading_keys), &longest)

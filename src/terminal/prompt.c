@@ -178,6 +178,22 @@ static void execute(struct front_program *program, const char *typed)
     save_when_due();
 }
 
+void prompt_explain(void)
+{
+    struct front_program *program = at_prompt;
+    struct buffer line = {0};
+    help_line((struct text){rl_line_buffer, (size_t)rl_end}, (size_t)rl_point, &line);
+    rl_crlf();
+    rl_deprep_terminal();
+    typed_run(program->session, buffer_text(&line), program->reply);
+    streams_flush(program->streams);
+    atomic_store(&interrupt.requested, signals_ending() != 0);
+    rl_prep_terminal(1);
+    rl_on_new_line();
+    rl_redisplay();
+    buffer_free(&line);
+}
+
 static void set_front(struct front_program *program)
 {
     struct front *front = &program->session->front;
@@ -206,7 +222,8 @@ void prompt_run(struct front_program *program)
     crash_modes();
     crash_arm(TEXT("\033[?2004l\r\n")); /* what readline switches on */
     if (!program->reply->quiet) {
-        reply_line(program->reply, "hooke %s: 'help' lists commands, Tab completes, Ctrl-D leaves",
+        reply_line(program->reply,
+                   "hooke %s: 'help' lists commands, Tab completes, F1 explains, Ctrl-D leaves",
                    HOOKE_VERSION);
     }
     while (!session->quit && !signals_ending() && program->next == FRONT_END &&

@@ -154,6 +154,8 @@ void offer_next(struct front_program *program, int room);
 char *offer_take(struct front_program *program, char *typed);
 /* Can panes be shown here? If not, why. */
 bool panes_possible(struct error *error);
+/* F1 at the plain prompt: what the word at the cursor is; the line stays. */
+void prompt_explain(void);
 /* What is said before the panes are there, and in them. */
 struct sink panes_sink(struct session *session);
 /* $XDG_CONFIG_HOME/hooke/rc.hk, if it is the user's own and nobody else can write it. */

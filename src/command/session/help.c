@@ -34,8 +34,6 @@ static void put_paragraphs(struct buffer *text, const char *lines)
     }
 }
 
-#define CHOICES_SHOWN 16 /* of more there is a list of its own */
-
 /* The rows that an argument can be, where usage has no room for them. */
 static void put_choices(const struct command *command, struct buffer *text)
 {
@@ -45,7 +43,7 @@ static void put_choices(const struct command *command, struct buffer *text)
         bool shown = false;
         for (int k = 0; k < i; k++)
             shown |= command->argument[k].choices == choices;
-        if (shown || !choices || choices->count <= USAGE_CHOICES || choices->count > CHOICES_SHOWN)
+        if (shown || !choices || choices->count <= USAGE_CHOICES || choices->count > HELP_CHOICES)
             continue;
         buffer_format(text, "\n%s:", argument->name);
         for (size_t k = 0; k < choices->count; k++)
@@ -387,22 +385,12 @@ static void help_all(struct buffer *text)
         buffer_format(text, "%s%s", i ? " " : "", catalog_row(&command_catalog, i)->name);
 }
 
-/* Of a statement as it is typed, `set opinion`, the word behind the command. */
-static struct text topic_of(struct text words)
-{
-    words = text_trim(words);
-    const struct text first = peek_word(words, "");
-    const struct text rest = text_trim((struct text){words.at + first.len, words.len - first.len});
-    return rest.len > 0 && peek_word(rest, "").len == rest.len &&
-                   catalog_find(&command_catalog, first)
-               ? rest
-               : words;
-}
-
 HANDLER(help)
 {
     const struct argument_value *word = argument_value(args, "WORD");
-    struct suggestion near = {.wanted = word->count ? topic_of(word->item->text) : TEXT("")};
+    const struct command *of = NULL;
+    struct suggestion near = {.wanted =
+                                  word->count ? help_topic_of(word->item->text, &of) : TEXT("")};
     struct buffer text = {0};
     const struct row *guide = word->count ? catalog_find(&guide_catalog, near.wanted) : NULL;
     session->view.recipe = guide ? guide->name : NULL;
@@ -412,7 +400,9 @@ HANDLER(help)
         buffer_free(&text);
         return true;
     }
-    for (size_t i = 0; i < COUNT_OF(topics); i++) {
+    if (of)
+        help_given(of, &near.wanted, &text);
+    for (size_t i = 0; i < COUNT_OF(topics) && near.wanted.len > 0; i++) {
         const struct row *row = catalog_find(topics[i].catalog, near.wanted);
         if (row)
             help_topic(&topics[i], row, &text);
@@ -421,6 +411,8 @@ HANDLER(help)
         if (i == 0) /* commands, then parameters */
             help_models(session->setup.scene.model, near.wanted, &near, &text);
     }
+    if (text.len == 0 && of && !near.count)
+        help_topic(&topics[0], &of->row, &text); /* a value: what takes it */
     const bool found = text.len > 0;
     if (found)
         reply_wrapped(session, buffer_text(&text), reply);

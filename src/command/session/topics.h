@@ -14,4 +14,13 @@ struct guide_topic {
 /* The catalogs that `help` explains rows of, one after the other; NULL: there are no more. */
 const struct catalog *help_catalog(int i);
 
+#define HELP_CHOICES 16 /* of more there is a list of its own */
+
+/* Of a statement as it is typed, `set opinion` or `compare dt=5ms`, the word behind the command,
+ * and the command; else all of it, and NULL. */
+struct text help_topic_of(struct text words, const struct command **command);
+/* Appends what argument of the command the word is, and leaves of it the name that is explained
+ * besides: `dt` of compare's dt=5ms, `k` of sweep's k=1:2; nothing. */
+void help_given(const struct command *command, struct text *word, struct buffer *text);
+
 #endif

@@ -495,7 +495,7 @@ static void test_plain_and_back(void **state)
     type(&p, "print 2*21\r");
     expect(&p, "42");
     type(&p, "plain\rprint 5*11\r"); /* typed ahead */
-    expect(&p, "Tab completes, Ctrl-D leaves");
+    expect(&p, "Tab completes, F1 explains, Ctrl-D leaves");
     expect(&p, "55");
     assert_false(p.screen.second_screen);
     type(&p, "panes\r");

@@ -122,10 +122,26 @@ static void test_half_typed(void **state)
     quit(&p);
 }
 
+/* Without panes F1 explains, too, and the line stays. */
+static void test_plain_help(void **state)
+{
+    (void)state;
+    struct person p;
+    begin(&p, (struct start){.argument = {"--plain"}});
+    expect(&p, EMPTY_PROMPT);
+    type(&p, "compare euler dt=5\x1bOP");
+    expect(&p, "an argument of compare: time");
+    expect(&p, "see also: set unset show");
+    type(&p, "ms\r");
+    expect(&p, "hooke> compare euler dt=5ms");
+    expect(&p, "as predicted");
+    quit(&p);
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_footers),
-                                       cmocka_unit_test(test_recipe), cmocka_unit_test(test_sizes),
-                                       cmocka_unit_test(test_half_typed)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_footers), cmocka_unit_test(test_recipe), cmocka_unit_test(test_sizes),
+        cmocka_unit_test(test_half_typed), cmocka_unit_test(test_plain_help)};
     return make_folder(state_folder) ? cmocka_run_group_tests(tests, NULL, NULL) : 1;
 }

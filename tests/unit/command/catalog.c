@@ -149,6 +149,70 @@ static void every_row_has_help(void **state)
     bench_close(&b);
 }
 
+/* What F1 asks for: the word at the cursor |, inside an argument the argument. */
+static void help_is_about_the_cursor(void **state)
+{
+    (void)state;
+    static const char *const cases[][2] = {
+        {"|", "help"},
+        {"compare|", "help compare"},
+        {"comp|are euler", "help compare"},
+        {"compare eu|ler dt=5", "help compare euler"},
+        {"compare euler dt=5|", "help compare dt="},
+        {"compare euler d|t=5 ms", "help compare dt="},
+        {"compare euler dt=5   |", "help compare dt="},
+        {"compare  |", "help compare"},
+        {"measure per|iod of run 1", "help measure period"},
+        {"run 5; measure period  |", "help measure period"},
+        {"run 5|; measure period", "help run"},
+        {"run until y < 0|", "help run"},
+        {"fit --rob|ust", "help fit --robust"},
+        {"plot phase,ene|rgy", "help plot energy"},
+        {"sweep gam|ma=0:1", "help sweep gamma="},
+        {"gamma = 5|", "help gamma"},
+        {"gamma = 2*ome|ga0", "help omega0"},
+        {"x' = -k*x|", "help x"},
+        {"set opinion|", "help set opinion"},
+    };
+    for (size_t i = 0; i < COUNT_OF(cases); i++) {
+        struct buffer line = {0};
+        char typed[64];
+        const size_t cursor = strcspn(cases[i][0], "|");
+        snprintf(typed, sizeof typed, "%.*s%s", (int)cursor, cases[i][0], cases[i][0] + cursor + 1);
+        help_line(text_of(typed), cursor, &line);
+        if (strcmp(buffer_view(&line), cases[i][1]) != 0)
+            fail_msg("at %s F1 asks '%s', not '%s'", cases[i][0], buffer_view(&line), cases[i][1]);
+        buffer_free(&line);
+    }
+}
+
+/* Every argument that has a name is explained, as the command's and nothing else of that name. */
+static void every_argument_is_explained(void **state)
+{
+    (void)state;
+    static const char *const marks[] = {[FORM_KEY] = "=", [FORM_OPTION] = "", [FORM_WORD] = ""};
+    struct bench b;
+    bench_open(&b, false);
+    b.session->front.watched = true;
+    for (size_t c = 0; c < command_catalog.count; c++)
+        for (int i = 0; i < command_number(c)->arguments; i++) {
+            const struct argument *argument = &command_number(c)->argument[i];
+            char line[96], said[96];
+            if (argument->form == FORM_PLACE || argument->name[0] == '>' ||
+                (argument->form == FORM_KEY && type_is(argument, TYPE_IS_ANY_KEY)))
+                continue;
+            const char *name = command_number(c)->row.name;
+            snprintf(line, sizeof line, "help %s %s%s%s", name,
+                     argument->form == FORM_OPTION ? "--" : "", argument->name,
+                     marks[argument->form]);
+            snprintf(said, sizeof said, ", an argument of %s", name);
+            buffer_clear(&b.out);
+            type_ok(&b, line);
+            assert_says(&b.out, said);
+        }
+    bench_close(&b);
+}
+
 /* ---- completion ---- */
 
 static void complete(struct bench *b, const char *line, struct found *found, size_t *start,
@@ -263,6 +327,8 @@ int main(void)
         cmocka_unit_test(every_command_refuses_nonsense),
         cmocka_unit_test(every_command_is_suggested_and_completed),
         cmocka_unit_test(every_row_has_help),
+        cmocka_unit_test(help_is_about_the_cursor),
+        cmocka_unit_test(every_argument_is_explained),
         cmocka_unit_test(completion_follows_the_type),
         cmocka_unit_test(completion_survives_anything),
     };
