@@ -244,6 +244,7 @@ static bool exec_line(struct session *session, struct text line, const struct so
         ok = history_line(session, line, where && where->parent, &entry, &error);
     while (ok && rest.len > 0 && !session->quit && !session->halted) {
         struct arena arena = {0};
+        statement = rest; /* where it has no end */
         ok = next_statement(&rest, &statement, &error) &&
              (statement.len == 0 ||
               exec_statement(session, line, entry, statement, where, reply, &arena, &error));

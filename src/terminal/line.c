@@ -6,8 +6,10 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 #include <readline/readline.h>
+#include <readline/tilde.h>
 
 static struct session *completing;
 static bool begun;
@@ -72,19 +74,91 @@ static void ignore(void *context, const char *candidate, const char *brief)
     (void)brief;
 }
 
-/*
- * Readline asks where words end, and only then looks for quotes. In a formula words end at
- * operators, too, and the ' of x' = y is no quote: only names of files have some.
- */
+/* Readline asks where words end. In a formula they do at operators, too. */
 static char *word_breaks(void)
 {
     static char breaks[] = WORD_BREAKS " ";
     size_t start = 0;
     const struct text line = {rl_line_buffer, (size_t)rl_end};
     bool file = !command_complete(completing, line, (size_t)rl_point, &start, ignore, NULL);
-    rl_completer_quote_characters = file ? "'\"" : NULL;
     breaks[sizeof breaks - 2] = !file && start > 0 ? rl_line_buffer[start - 1] : ' ';
     return breaks;
+}
+
+/* ---- names of files ---- */
+
+/* What was typed of a name, without its quotes and backslashes. */
+static void put_plain(struct text typed, char quote, struct buffer *name)
+{
+    for (size_t i = quote ? 1 : 0; i < typed.len; i++) {
+        const char next = i + 1 < typed.len ? typed.at[i + 1] : '\0';
+        const bool escapes = typed.at[i] == '\\' && (quote == '"'    ? next == '"' || next == '\\'
+                                                     : quote == '\'' ? false
+                                                                     : next == ' ');
+        i += escapes;
+        buffer_char(name, typed.at[i]);
+    }
+}
+
+/* A name as the line can have it, in the quote that was begun; false: not in that quote. */
+static bool put_quoted(const char *name, char quote, bool folder, struct buffer *out)
+{
+    const struct text all = text_of(name);
+    for (size_t i = 0; i < all.len; i++)
+        if ((unsigned char)name[i] < ' ' || name[i] == '\177')
+            return false;
+    if (!quote && (strpbrk(name, ";#\"'=,:<>\\") || name[0] == '-'))
+        quote = strchr(name, '\'') ? '"' : '\'';
+    if (quote == '\'' && strchr(name, quote))
+        return false;
+    if (quote)
+        buffer_char(out, quote);
+    for (size_t i = 0; i < all.len; i++) {
+        if (quote == '"' ? strchr("\"\\", name[i]) != NULL : !quote && name[i] == ' ')
+            buffer_char(out, '\\');
+        buffer_char(out, name[i]);
+    }
+    if (folder)
+        buffer_char(out, '/');
+    else if (quote)
+        buffer_char(out, quote);
+    return !out->failed;
+}
+
+static void collect_files(struct text typed, struct candidates *all)
+{
+    const char quote = typed.len > 0 && strchr("'\"", typed.at[0]) ? typed.at[0] : '\0';
+    struct buffer name = {0}, shown = {0};
+    put_plain(typed, quote, &name);
+    char *path = tilde_expand(buffer_view(&name)), *match;
+    for (int state = 0; (match = rl_filename_completion_function(path, state)) != NULL; state = 1) {
+        struct stat status;
+        buffer_clear(&shown);
+        if (put_quoted(match, quote, stat(match, &status) == 0 && S_ISDIR(status.st_mode), &shown))
+            collect(all, buffer_view(&shown), "");
+        free(match);
+    }
+    free(path);
+    buffer_free(&name);
+    buffer_free(&shown);
+}
+
+/* Readline replaces its own word only: what stands between `start` and that stays, where it is as
+ * it was typed. */
+static void cut(struct candidates *all, size_t start, size_t begin)
+{
+    const size_t skip = start < begin ? begin - start : 0, count = all->count;
+    all->count = 0;
+    for (size_t i = 1; i <= count; i++) {
+        char *match = all->match[i];
+        const size_t len = strlen(match);
+        if (len < skip || memcmp(match, rl_line_buffer + start, skip) != 0) {
+            free(match);
+            continue;
+        }
+        memmove(match, match + skip, len - skip + 1);
+        all->match[++all->count] = match;
+    }
 }
 
 static char **complete(const char *word, int begin, int end)
@@ -92,26 +166,21 @@ static char **complete(const char *word, int begin, int end)
     (void)word;
     struct candidates all = {0};
     size_t start = (size_t)begin;
-    size_t cursor = (size_t)end;
+    const size_t cursor = (size_t)end;
     rl_attempted_completion_over = 1;
     rl_completion_append_character = ' ';
-    /* The interpreter knows where the argument begins; readline keeps what stands between there and
-     * its own word. */
+    /* The interpreter knows where the argument begins. */
     if (!command_complete(completing, (struct text){rl_line_buffer, (size_t)rl_end}, cursor, &start,
                           collect, &all)) {
-        rl_attempted_completion_over = 0; /* a file name: readline's own */
-        free(all.match);
-        return NULL;
+        while (cursor == start && all.count > 0) /* what else could stand there: once it is begun */
+            free(all.match[all.count--]);
+        collect_files((struct text){rl_line_buffer + start, cursor - start}, &all);
     }
-    size_t skip = start < (size_t)begin ? (size_t)begin - start : 0;
-    for (size_t i = 1; skip > 0 && i <= all.count; i++) {
-        size_t len = strlen(all.match[i]);
-        size_t cut = skip < len ? skip : len;
-        memmove(all.match[i], all.match[i] + cut, len - cut + 1);
-    }
-    if (all.count == 1 && all.match[1][0] && all.match[1][strlen(all.match[1]) - 1] == '=') {
+    cut(&all, start, (size_t)begin);
+    const char last =
+        all.count == 1 && all.match[1][0] ? all.match[1][strlen(all.match[1]) - 1] : '\0';
+    if (last == '=' || last == '/')
         rl_completion_append_character = 0;
-    }
     return finish(&all);
 }
 
@@ -129,7 +198,6 @@ void line_begin(struct session *session)
     rl_attempted_completion_function = complete;
     rl_basic_word_break_characters = WORD_BREAKS;
     rl_completion_word_break_hook = word_breaks;
-    rl_filename_quote_characters = " \t;#";
     rl_initialize();
     /* Text of any language can be typed in any locale. The inputrc is read once more, so that it
      * has the last word. */

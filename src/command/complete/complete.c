@@ -165,6 +165,21 @@ static const struct command *formula_command(struct text statement, struct text 
     return formula && rest->len > 0 && strchr(" \t", rest->at[0]) ? command : NULL;
 }
 
+static void offer_nothing(void *context, const char *candidate, const char *brief)
+{
+    UNUSED(context);
+    UNUSED(candidate);
+    UNUSED(brief);
+}
+
+/* Whether the string that begins behind `before` is the name of a file. */
+static bool file_string(struct session *session, struct text before)
+{
+    size_t start;
+    return before.len > 0 && strchr(" \t", before.at[before.len - 1]) &&
+           !command_complete(session, before, before.len, &start, offer_nothing, NULL);
+}
+
 /* Where the commands of an unfinished event begin; NULL: it is another string. */
 static const char *event_string(struct text statement)
 {
@@ -190,9 +205,14 @@ bool command_complete(struct session *session, struct text line, size_t cursor, 
         statement = rest;
         if (!next_statement(&rest, &statement, &ignored)) {
             const char *inside = event_string(statement), *end = line.at + cursor;
+            const char *string = ignored.where.at;
             /* inside a string */
-            if (!inside || inside > end)
-                return true;
+            if (!inside || inside > end) {
+                const struct text before = {line.at, (size_t)(string - line.at)};
+                const bool file = file_string(session, before);
+                *start = file ? before.len : *start;
+                return !file;
+            }
             const struct text commands = {inside, (size_t)(end - inside)};
             const bool names =
                 command_complete(session, commands, commands.len, start, offer_to, context);
@@ -206,7 +226,9 @@ bool command_complete(struct session *session, struct text line, size_t cursor, 
             statement.len = (size_t)(rest.at - statement.at);
     }
     size_t word = statement.len;
-    while (word > 0 && !strchr(" \t=,;:", statement.at[word - 1]))
+    while (word > 0 &&
+           (!strchr(" \t=,;:", statement.at[word - 1]) ||
+            (word > 1 && statement.at[word - 1] == ' ' && statement.at[word - 2] == '\\')))
         word--;
     struct completion c = {
         session, {statement.at + word, statement.len - word}, offer_to, context, false};

@@ -263,6 +263,10 @@ static void completion_follows_the_type(void **state)
         {"list ", " methods ", " euler ", 5, false},
         {"load ", " as= ", " run ", 5, true},
         {"save ", " --force ", " run ", 5, true},
+        {"load \"my f", "", " as= ", 5, true},
+        {"load my\\ f", "", " as= ", 5, true},
+        {"run; plot position > 'my f", "", " run ", 21, true},
+        {"plot position title=\"my f", "", " run ", 0, false},
         {"export x.csv ", " energy ", " m ", 13, false},
         {"export x.csv table ", " of ", " compare ", 19, false},
         {"export x.csv table of ", " precision ", " of ", 22, false},
@@ -294,6 +298,70 @@ static void completion_follows_the_type(void **state)
             fail_msg("'%s': start %zu, file %d:%s", cases[i].line, start, file, found.names.data);
         buffer_free(&found.names);
     }
+    bench_close(&b);
+}
+
+/* What completion offers behind `before`, one after another, is read by the parser: no word of it
+ * is unknown there, or one too many. */
+static int check_offers(struct bench *b, const struct command *command, const char *before)
+{
+    struct found found;
+    size_t start;
+    bool file;
+    complete(b, before, &found, &start, &file);
+    struct text rest = buffer_text(&found.names), offer;
+    int wrong = 0;
+    while (rest.len > 0 && text_split(&rest, ' ', &offer)) {
+        char line[256];
+        struct arena arena = {0};
+        struct arguments arguments = {.command = command, .arena = &arena};
+        struct error error = {0};
+        if (offer.len == 0)
+            continue;
+        snprintf(line, sizeof line, "%.*s%.*s", (int)start, before, (int)offer.len, offer.at);
+        const struct text all = text_of(line);
+        const size_t name = strlen(command->row.name);
+        struct names names = {.session = b->session, .expects_run = true};
+        const struct expr_scope scope = names_scope(&names);
+        struct parser parser = {b->session, &scope, &arena, {all.at + name, all.len - name}};
+        arguments.scope = &scope;
+        if (!parse_arguments(&parser, command, &arguments, &error) &&
+            (strstr(error.text, "unknown") || strstr(error.text, "unexpected") ||
+             strstr(error.text, " has no "))) {
+            print_message("# '%s': %s\n", line, error.text);
+            wrong++;
+        }
+        arena_reset(&arena);
+    }
+    buffer_free(&found.names);
+    return wrong;
+}
+
+static void offers_are_accepted(void **state)
+{
+    (void)state;
+    struct bench b;
+    int wrong = 0;
+    bench_open(&b, true);
+    type_ok(&b, "event top when v falling do record; run 1 s");
+    for (size_t i = 0; i < command_catalog.count; i++) {
+        const struct command *command = command_number(i);
+        char line[128];
+        snprintf(line, sizeof line, "%s ", command->row.name);
+        wrong += check_offers(&b, command, line);
+        snprintf(line, sizeof line, "%s --", command->row.name);
+        wrong += check_offers(&b, command, line);
+        for (int a = 0; a < command->arguments; a++) {
+            const struct argument *argument = &command->argument[a];
+            if (argument->form == FORM_PLACE || argument->name[0] == '>')
+                continue;
+            snprintf(line, sizeof line, "%s %s%s%s", command->row.name,
+                     argument->form == FORM_OPTION ? "--" : "", argument->name,
+                     argument->form == FORM_KEY ? "=" : " ");
+            wrong += check_offers(&b, command, line);
+        }
+    }
+    assert_int_equal(wrong, 0);
     bench_close(&b);
 }
 
@@ -330,6 +398,7 @@ int main(void)
         cmocka_unit_test(help_is_about_the_cursor),
         cmocka_unit_test(every_argument_is_explained),
         cmocka_unit_test(completion_follows_the_type),
+        cmocka_unit_test(offers_are_accepted),
         cmocka_unit_test(completion_survives_anything),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
