@@ -99,6 +99,9 @@ void reply_inapplicable(const struct session *session, struct reply *reply);
 /* Warns of a step that is too coarse for the period. */
 void reply_coarse(const struct session *session, const struct run *run, struct reply *reply);
 
+/* A setting by which a program is run is set neither by files nor by -c, and not with --safe. */
+bool check_typed(const struct session *session, const struct setting *setting,
+                 const struct source *where, struct error *error);
 bool command_set(HANDLER_PARAMETERS);
 /* Where the present scene is all typed: `scene` finds it by its name as it is now. */
 bool keep_own_scene(struct session *session, struct error *error);

@@ -114,6 +114,20 @@ static bool run_collected(struct session *session, const struct arguments *argum
     return redirect_finish(session, redirect, of, reply, error);
 }
 
+/* A setting that no file can set is in none that is written. */
+static bool is_typed_only(const struct arguments *arguments)
+{
+    if (!(arguments->command->flags & COMMAND_ASSIGNS))
+        return false;
+    const struct argument_value *name = argument_value(arguments, "NAME"),
+                                *value = argument_value(arguments, "VALUE");
+    const struct row *row = name->count ? catalog_find(&setting_catalog, name->item->text) : NULL;
+    const struct setting *setting = (const struct setting *)(const void *)row;
+    const struct row *choice = row && value->count ? value->item->row : NULL;
+    return choice && setting->typed &&
+           catalog_find(setting->choices, text_of(choice->name)) == choice;
+}
+
 /* What the log keeps of a statement that is over; what was typed while a run went on is recorded
  * with the run, or the file that it is in. */
 static bool log_statement(struct session *session, const struct arguments *arguments, size_t entry,
@@ -121,7 +135,9 @@ static bool log_statement(struct session *session, const struct arguments *argum
 {
     struct buffer full = {0};
     statement_in_full(session, arguments, typed, &full);
-    flags |= (arguments->command->flags & COMMAND_UNRECORDED ? ENTRY_UNRECORDED : 0) |
+    const bool unrecorded =
+        arguments->command->flags & COMMAND_UNRECORDED || is_typed_only(arguments);
+    flags |= (unrecorded ? ENTRY_UNRECORDED : 0) |
              (arguments->command->flags & COMMAND_NESTS ? ENTRY_NESTS : 0) |
              (writes_file(arguments) ? ENTRY_WRITES : 0) | (full.failed ? ENTRY_LOST : 0);
     history_end(session, entry, buffer_text(&full), output, flags);

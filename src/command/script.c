@@ -175,3 +175,18 @@ bool script_file(struct session *session, const char *path, const struct source 
     buffer_free(&content);
     return ok;
 }
+
+bool check_typed(const struct session *session, const struct setting *setting,
+                 const struct source *where, struct error *error)
+{
+    bool typed = session->front.interactive && !session->reacting;
+    for (; where; where = where->parent)
+        typed &= where->name == NULL;
+    if (setting->typed && session->safe)
+        return error_set(error, ERROR_COMMAND, "--safe runs no program: %s stays off",
+                         setting->row.name);
+    return !setting->typed || typed ||
+           error_set(error, ERROR_COMMAND,
+                     "%s is set by typing it at a prompt, not by files or -c: they run no program",
+                     setting->row.name);
+}

@@ -66,6 +66,12 @@ static const struct row band_rows[] = {
 };
 static const struct catalog band_catalog = CATALOG("way to show bands", band_rows);
 
+static const struct row pager_rows[] = {
+    [PAGER_OFF] = {"off", "", "the terminal scrolls", "", NULL},
+    [PAGER_ON] = {"on", "", "$PAGER, or less, is run with it; typed at a prompt only", "", NULL},
+};
+static const struct catalog pager_catalog = CATALOG("way to page", pager_rows);
+
 static const struct row opinion_rows[] = {
     [OPINIONS_AUTO] =
         {"auto", "",

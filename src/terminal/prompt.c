@@ -76,9 +76,10 @@ static int get_key(FILE *stream)
 
 static bool confirm(void *context, const char *question)
 {
-    (void)context;
+    struct front_program *program = context;
     char *answer = NULL;
     size_t capacity = 0;
+    streams_flush(program->streams); /* what the question is about */
     fprintf(stderr, "%s [y/N] ", question);
     bool yes = getline(&answer, &capacity, stdin) > 0 && (answer[0] == 'y' || answer[0] == 'Y');
     clearerr(stdin);
@@ -169,7 +170,11 @@ static void execute(struct front_program *program, const char *typed)
         warned = true;
         reply_warning(program->reply, "%s", error.text);
     }
-    const bool ok = typed_run(program->session, text_of(typed), program->reply);
+    struct session *session = program->session;
+    program->streams->holding = session->setup.settings.pager == PAGER_ON;
+    const bool ok = typed_run(session, text_of(typed), program->reply);
+    if (program->streams->holding)
+        streams_page(program->streams, session->front.width, session->front.height);
     atomic_store(&interrupt.requested, signals_ending() != 0);
     struct pollfd ahead = {.fd = STDIN_FILENO, .events = POLLIN};
     if (ok) {

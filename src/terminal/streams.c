@@ -1,13 +1,21 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Standard output and standard error as the two ends of a sink; no failed write is forgotten. */
-#define _GNU_SOURCE /* O_PATH */
+#define _GNU_SOURCE /* O_PATH, pipe2 */
 #include "terminal/terminal.h"
 
 #include <errno.h>
 #include <fcntl.h>
+#include <signal.h>
+#include <spawn.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <termios.h>
 #include <unistd.h>
 
 #define GATHER ((size_t)1 << 16)
+#define HELD ((size_t)1 << 24) /* [byte] more goes straight to the terminal */
+#define PAGER_WORDS 16
 
 void streams_reserve(void)
 {
@@ -51,13 +59,19 @@ static bool out(void *context, struct text text)
     if (streams->split && split_takes(streams->split, text))
         return true;
     buffer_put(&streams->out, text);
-    return streams->out.len < GATHER ? !streams->broken : streams_flush(streams);
+    return streams->out.len < (streams->holding ? HELD : GATHER) ? !streams->broken
+                                                                 : streams_flush(streams);
 }
 
 static bool err(void *context, struct text text)
 {
-    keep(context, text);
-    streams_flush(context);
+    struct streams *streams = context;
+    keep(streams, text);
+    if (streams->holding && isatty(STDERR_FILENO)) { /* in its place among the results */
+        buffer_put(&streams->out, text);
+        return true;
+    }
+    streams_flush(streams);
     int ignored;
     return write_all(STDERR_FILENO, text, &ignored);
 }
@@ -70,4 +84,95 @@ struct sink streams_sink(struct streams *streams)
 void streams_free(struct streams *streams)
 {
     buffer_free(&streams->out);
+}
+
+/* ---- the pager ---- */
+
+/* $PAGER at its blanks; words: a copy. */
+static void pager_command(char **argv, struct buffer *words)
+{
+    const char *pager = getenv("PAGER");
+    buffer_put(words, text_of(pager && pager[strspn(pager, " \t")] ? pager : "less"));
+    char *rest = words->failed ? NULL : words->data, *word;
+    int count = 0;
+    while (rest && count < PAGER_WORDS && (word = strsep(&rest, " \t")) != NULL)
+        if (*word)
+            argv[count++] = word;
+    argv[count] = NULL;
+}
+
+static bool pager_start(char *const *argv, int from, pid_t *pid)
+{
+    posix_spawn_file_actions_t actions;
+    posix_spawnattr_t attributes;
+    sigset_t none, ours;
+    sigemptyset(&none);
+    sigemptyset(&ours);
+    sigaddset(&ours, SIGPIPE); /* ignored here, which it would inherit */
+    sigaddset(&ours, SIGXFSZ);
+    if (posix_spawn_file_actions_init(&actions) != 0)
+        return false;
+    if (posix_spawnattr_init(&attributes) != 0) {
+        posix_spawn_file_actions_destroy(&actions);
+        return false;
+    }
+    setenv("LESS", "FRX", 0); /* as git does: what fits is left at once, colours are shown */
+    const short flags = POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF;
+    const bool ok = posix_spawn_file_actions_adddup2(&actions, from, STDIN_FILENO) == 0 &&
+                    posix_spawnattr_setsigmask(&attributes, &none) == 0 &&
+                    posix_spawnattr_setsigdefault(&attributes, &ours) == 0 &&
+                    posix_spawnattr_setflags(&attributes, flags) == 0 &&
+                    posix_spawnp(pid, argv[0], &actions, &attributes, argv, environ) == 0;
+    posix_spawnattr_destroy(&attributes);
+    posix_spawn_file_actions_destroy(&actions);
+    return ok;
+}
+
+/* False: it could not be started, or failed. */
+static bool page(struct text text)
+{
+    char *argv[PAGER_WORDS + 1];
+    struct buffer words = {0};
+    struct termios modes;
+    int ends[2], status = -1, ignored;
+    pid_t pid = 0;
+    bool started = false;
+    pager_command(argv, &words);
+    const bool modes_known = tcgetattr(STDIN_FILENO, &modes) == 0;
+    if (argv[0] && pipe2(ends, O_CLOEXEC) == 0) {
+        started = pager_start(argv, ends[0], &pid);
+        close(ends[0]);
+        if (started)
+            write_all(ends[1], text, &ignored); /* it may be left before the end */
+        close(ends[1]);
+        while (started && waitpid(pid, &status, 0) < 0 && errno == EINTR)
+            if (signals_ending())
+                kill(pid, SIGTERM);
+        if (started && modes_known)
+            tcsetattr(STDIN_FILENO, TCSANOW, &modes);
+    }
+    buffer_free(&words);
+    return started && WIFEXITED(status) && WEXITSTATUS(status) == 0;
+}
+
+/* [row] of a terminal so wide; counted as far as the end of the screen. */
+static int rows_of(struct text text, int width, int max)
+{
+    struct text line;
+    int rows = 0;
+    while (rows <= max && text.len > 0 && text_split(&text, '\n', &line)) {
+        const int cells = text_width(line);
+        rows += cells > width ? (cells + width - 1) / width : 1;
+    }
+    return rows;
+}
+
+void streams_page(struct streams *streams, int width, int height)
+{
+    streams->holding = false;
+    if (width > 0 && height > 0 && !streams->out.failed && isatty(STDOUT_FILENO) &&
+        isatty(STDIN_FILENO) && rows_of(buffer_text(&streams->out), width, height) >= height &&
+        page(buffer_text(&streams->out)))
+        buffer_clear(&streams->out);
+    streams_flush(streams);
 }

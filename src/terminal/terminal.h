@@ -43,6 +43,7 @@ struct streams {
     int failure;         /* errno of that */
     struct log *log;     /* where what is said is kept for the screen as well; NULL: nowhere */
     struct split *split; /* takes the tables; NULL: they go to standard output */
+    bool holding;        /* what a line says waits until it is known how long it is */
 };
 
 /* --split DIR: each table of results in CSV as a file, DIR/001-run.csv and so on (split.c). */
@@ -68,6 +69,10 @@ void streams_reserve(void);
 struct sink streams_sink(struct streams *streams);
 bool streams_flush(struct streams *streams);
 void streams_free(struct streams *streams);
+/* Ends the holding: what is longer than the screen goes through $PAGER (less where it is empty),
+ * a program with arguments between blanks, without a shell; where that fails, and where it is
+ * shorter, it is written. */
+void streams_page(struct streams *streams, int width, int height);
 bool write_all(int fd, struct text text, int *failure); /* goes on after signals; failure: errno */
 
 /* ---- signals

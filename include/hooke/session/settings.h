@@ -26,6 +26,7 @@ enum view_choice {
 enum sums { SUMS_PLAIN, SUMS_COMPENSATED };
 enum turning { TURNING_ON, TURNING_OFF };
 enum band { BAND_OFF, BAND_ON };
+enum pager { PAGER_OFF, PAGER_ON };
 enum opinion_choice { OPINIONS_AUTO, OPINIONS_FULL, OPINIONS_WARN, OPINIONS_OFF };
 
 struct settings {
@@ -50,6 +51,7 @@ struct setting {
     enum setting_use use;
     bool of_run;  /* a run keeps its own */
     bool display; /* how results look, not part of the experiment: neither saved nor undone */
+    bool typed;   /* only at a prompt: no file, no -c and no saved session can set it */
     const struct catalog *choices; /* the field is an int at the choice's place; NULL: a double */
     double min, max; /* of a number: allowed are least < x <= most; most 0: not a number */
     /* For those that are neither; NULL otherwise. */

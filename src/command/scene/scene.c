@@ -336,7 +336,8 @@ HANDLER(set)
         struct settings changed = session->setup.settings;
         struct item *value = argument_value(args, "VALUE")->item;
         value->text = text_trim(parser.rest);
-        ok = setting_read(setting, &parser, &changed, error);
+        ok = check_typed(session, setting, args->where, error) &&
+             setting_read(setting, &parser, &changed, error);
         if (ok) {
             value->row = setting_choice(setting, &changed); /* which may be abbreviated */
             session->setup.settings = changed;

@@ -42,7 +42,7 @@ static void read_settings(struct text in, struct settings *settings)
     if (!field_find(in, "settings", &of))
         return;
     for (size_t i = 0; i < setting_catalog.count; i++)
-        if (field_find(of, setting_at(i)->row.name, &value))
+        if (!setting_at(i)->typed && field_find(of, setting_at(i)->row.name, &value))
             read_setting(setting_at(i), value, settings);
 }
 
