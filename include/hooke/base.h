@@ -438,7 +438,7 @@ void watch_look(void);
 #define watch_look() ((void)0)
 #endif
 
-#define LOOK_EACH_ROWS 65536 /* rows between two looks, of what takes some 100 ns a row at most */
+#define LOOK_EACH_ROWS 16384 /* rows between two looks, of what takes 1 us a row at most */
 
 static inline bool cancelled(const struct cancel *cancel)
 {

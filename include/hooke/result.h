@@ -52,8 +52,10 @@ bool table_send(const struct table *table, enum table_format format, struct writ
                 struct error *error); /* to a file that is open, which is closed in every case */
 /* Whether it begins as a table in CSV, TSV or JSON that has keys. */
 bool table_recognise(struct text text);
-/* Reads such a text back: the same doubles and texts. ERROR_IO: it is damaged. */
-bool table_parse(struct text text, struct arena *arena, struct table *table, struct error *error);
+/* Reads such a text back: the same doubles and texts. ERROR_IO: it is damaged. `cancel` goes into
+ * the table, too. */
+bool table_parse(struct text text, const struct cancel *cancel, struct arena *arena,
+                 struct table *table, struct error *error);
 void buffer_json_text(struct buffer *out, struct text text); /* quoted and escaped, valid UTF-8 */
 void buffer_json_real(struct buffer *out, double value);     /* null where not finite */
 

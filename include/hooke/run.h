@@ -309,7 +309,7 @@ bool run_remembers(const struct run *run);
  * allocates. src/run/singular.c has the criterion.
  */
 struct singularity system_singularity(const struct system *system, double t, const double *y,
-                                      double end);
+                                      double end, const struct cancel *cancel);
 /* "goes to infinity", "ends with an infinite slope": follows "the solution" */
 const char *singularity_text(const struct singularity *singularity);
 /* Whether a run has failed because its solution ends there, or has stepped over such an end: then

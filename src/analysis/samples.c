@@ -22,6 +22,8 @@ static bool rounded_grid(const struct series *series, double dt, double deviatio
         }
         bool multiples = true;
         for (size_t i = 0; i < series->n && multiples; i++) {
+            if (i % LOOK_EACH_ROWS == 0 && cancelled(series->cancel))
+                return false;
             double x = series->t[i] * scale;
             multiples = fabs(x - nearbyint(x)) < 1e-6 + 1e-12 * fabs(x);
         }
@@ -47,13 +49,15 @@ bool samples_init(struct samples *samples, const struct series *series, struct a
     double first = series->t[0], dt = (series->t[series->n - 1] - first) / (double)(series->n - 1),
            deviation = 0;
     for (size_t i = 0; i < series->n; i++) {
+        if (i % LOOK_EACH_ROWS == 0 && cancelled(series->cancel))
+            return false;
         deviation = fmax(deviation, fabs(series->t[i] - (first + (double)i * dt)));
     }
     samples->t0 = first;
     samples->dt = dt;
     samples->uniform = dt > 0 && (deviation <= 1e-9 * dt + 4e-16 * fabs(series->t[series->n - 1]) ||
                                   (rounded_grid(series, dt, deviation)));
-    return true;
+    return !cancelled(series->cancel);
 }
 
 struct samples samples_part(const struct samples *samples, size_t from, size_t to)

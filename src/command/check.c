@@ -138,12 +138,12 @@ static void compare_values(struct check *check, struct text handed_text, struct 
     struct table handed_table = {0}, again_table = {0};
     struct values handed, again;
     struct error error = {0};
-    if (!table_parse(handed_text, &check->arena, &handed_table, &error) ||
+    if (!table_parse(handed_text, NULL, &check->arena, &handed_table, &error) ||
         !find_values(&handed_table, &handed)) {
         differs(check, "values.csv", "it is no table of values", text_of(error.text));
         return;
     }
-    if (!table_parse(again_text, &check->arena, &again_table, &error) ||
+    if (!table_parse(again_text, NULL, &check->arena, &again_table, &error) ||
         !find_values(&again_table, &again))
         return;
     for (size_t i = 0; i < handed.rows; i++) {

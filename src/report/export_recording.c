@@ -51,9 +51,11 @@ static void add_scale_key(struct keys *keys, const struct session *session,
 }
 
 /* NULL: no memory */
-static const double *take_rows(const double *value, const size_t *row, size_t rows,
+static const double *take_rows(const double *value, size_t n, const size_t *row, size_t rows,
                                struct arena *arena)
 {
+    if (rows == n)
+        return value;
     double *taken = arena_array(arena, rows, sizeof *taken);
     for (size_t i = 0; taken && i < rows; i++)
         taken[i] = value[row[i]];
@@ -116,7 +118,8 @@ bool export_recorded(const struct session *session, const struct argument_value 
     for (int c = 0; c < RECORDED_COUNT; c++)
         if (wanted[c]) {
             out[columns] = all[c];
-            if (!(out[columns++].value = take_rows(all[c].value, row, rows, export->arena)))
+            if (!(out[columns++].value =
+                      take_rows(all[c].value, series.n, row, rows, export->arena)))
                 return error_memory(error);
         }
     export->table = (struct table){.column = out, .columns = columns, .rows = rows};

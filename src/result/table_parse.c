@@ -17,11 +17,19 @@ struct table_reading {
     struct arena *arena;
     struct text rest;
     struct error *error;
+    const struct cancel *cancel;
 };
 
 static bool damaged(struct table_reading *r, const char *what)
 {
     return error_set(r->error, ERROR_IO, "this is no table as export writes it: %s", what);
+}
+
+/* Rows are read in pieces. */
+static bool goes_on(struct table_reading *r, size_t row)
+{
+    return row % LOOK_EACH_ROWS != LOOK_EACH_ROWS - 1 || !cancelled(r->cancel) ||
+           error_set(r->error, ERROR_CANCELLED, "reading was stopped");
 }
 
 /* More room at every power of two, from `least` on; NULL: no memory. */
@@ -134,6 +142,8 @@ static bool fill_column(struct table_reading *r, const struct parsed_cell *cell,
     if (!value || !text)
         return error_memory(r->error);
     for (size_t i = 0; i < rows; i++) {
+        if (!goes_on(r, i))
+            return false;
         const struct parsed_cell *one = &cell[i * (size_t)columns];
         const struct text as = text_of(one->text);
         text[i] = one->text;
@@ -169,6 +179,8 @@ static bool read_separated(struct table_reading *r, struct table *table)
     }
     while (r->rest.len > 0) {
         bool last = false;
+        if (!goes_on(r, table->rows))
+            return false;
         for (int c = 0; c < table->columns; c++) {
             if (last)
                 return damaged(r, "rows differ in length");
@@ -284,6 +296,8 @@ static bool read_values(struct table_reading *r, struct table_column *column, si
     for (bool more = !take(r, "]"), any = more; any && more; more = take(r, ",")) {
         take(r, "");
         size_t used = 0;
+        if (!goes_on(r, *rows))
+            return false;
         if (r->rest.len > 0 && r->rest.at[0] == '"') {
             text = grown(r->arena, text, *rows, sizeof *text, 16);
             if (!text || value)
@@ -324,7 +338,9 @@ static bool read_json(struct table_reading *r, struct table *table)
         if (!take(r, "{\"name\":") || !(one->name = read_string(r)) || !take(r, ",\"unit\":") ||
             !(one->unit = read_string(r)) || !take(r, ",\"values\":["))
             return damaged(r, "a column without name, unit or values");
-        if (!read_values(r, one, &rows) || !take(r, "}"))
+        if (!read_values(r, one, &rows))
+            return false;
+        if (!take(r, "}"))
             return damaged(r, "a column does not end");
         if (table->columns > 1 && rows != table->rows)
             return damaged(r, "columns differ in length");
@@ -334,10 +350,11 @@ static bool read_json(struct table_reading *r, struct table *table)
     return take(r, "]}") || take(r, "]") || damaged(r, "the columns do not end");
 }
 
-bool table_parse(struct text text, struct arena *arena, struct table *table, struct error *error)
+bool table_parse(struct text text, const struct cancel *cancel, struct arena *arena,
+                 struct table *table, struct error *error)
 {
-    struct table_reading reading = {arena, text, error};
-    *table = (struct table){0};
+    struct table_reading reading = {arena, text, error, cancel};
+    *table = (struct table){.cancel = cancel};
     return text_starts(text, TEXT(FIRST_JSON)) ? read_json(&reading, table)
                                                : read_separated(&reading, table);
 }

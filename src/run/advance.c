@@ -289,6 +289,7 @@ bool run_advance(struct run *run, const struct run_target *target, int64_t budge
     struct run_private *p = run->private_state;
     struct segment segment;
     int64_t begin = clock_ns(), now = begin;
+    run->cancel = cancel ? cancel : run->cancel;
     enum stop stop = segment_begin(run, target, &segment);
     bool more = false;
     while (stop == STOP_NONE && !more) {

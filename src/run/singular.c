@@ -39,10 +39,12 @@
 #define STEPS_BEYOND 16  /* where a step looks strange: a method may pass too early, or soon */
 /* times the time to a singularity: who gets there in another way has shown that it is none */
 #define BEYOND 1.01
+#define LOOK_EACH 512 /* steps and rows between two looks at the flag of Ctrl-C */
 
 struct approach {
     double t[LAST], speed[LAST];
     int64_t count;
+    const struct cancel *cancel;
 };
 
 static double speed_of(const struct system *system, double t, const double *y)
@@ -69,6 +71,8 @@ static bool approach_end(const struct system *system, double *t, const double *y
     memcpy(state, y, (size_t)system->n * sizeof *state);
     bool moves = true;
     while (moves && step.t != end && approach->count < max) {
+        if (approach->count % LOOK_EACH == 0 && cancelled(approach->cancel))
+            break;
         const int64_t index = approach->count % LAST;
         approach->t[index] = step.t;
         approach->speed[index] = speed_of(system, step.t, state);
@@ -79,7 +83,7 @@ static bool approach_end(const struct system *system, double *t, const double *y
     }
     free(work);
     *t = step.t;
-    return !moves;
+    return !moves && !cancelled(approach->cancel);
 }
 
 struct line_sums {
@@ -145,11 +149,13 @@ static struct system with_start_scale(const struct system *system, const double 
 }
 
 static struct singularity look_for(const struct system *system, double t, const double *y,
-                                   double end, int64_t max)
+                                   double end, int64_t max, const struct cancel *cancel)
 {
     struct approach *approach = system->linear ? NULL : malloc(sizeof *approach);
     const struct system scaled = with_start_scale(system, y);
     double at = t, power = NAN;
+    if (approach)
+        approach->cancel = cancel;
     if (approach && approach_end(&scaled, &at, y, end, max, approach))
         power = power_of(approach, t, at);
     free(approach);
@@ -157,9 +163,9 @@ static struct singularity look_for(const struct system *system, double t, const 
 }
 
 struct singularity system_singularity(const struct system *system, double t, const double *y,
-                                      double end)
+                                      double end, const struct cancel *cancel)
 {
-    return look_for(system, t, y, end, STEPS_MOST);
+    return look_for(system, t, y, end, STEPS_MOST, cancel);
 }
 
 const char *singularity_text(const struct singularity *singularity)
@@ -209,11 +215,11 @@ static struct singularity singular_before(const struct run *run, double t, doubl
     const size_t first = own_start(run);
     const double from = trace_time(run->trace, first);
     struct singularity found =
-        look_for(&run->system, from, trace_state(run->trace, first), end, max);
+        look_for(&run->system, from, trace_state(run->trace, first), end, max, run->cancel);
     const size_t near = row_before(run, first, t);
     if (isnan(found.t) && near > first) {
         found = look_for(&run->system, trace_time(run->trace, near), trace_state(run->trace, near),
-                         end, max);
+                         end, max, run->cancel);
         /* Is it the solution, or only what the method had made of it? */
         if (!isnan(found.t) &&
             run_solve(&run->system, from, trace_state(run->trace, first),
@@ -239,10 +245,13 @@ bool run_creeps(struct run *run)
         return false;
     p->look = 2 * run->steps;
     const double way = run->t - p->epoch[p->epochs - 1].t;
-    return !run->system.linear && fabs(run->controller.h) < CREEP * fabs(way) &&
-           end_singular(run, singular_before(run, run->t,
-                                             run->t + copysign(AHEAD * way, run->controller.h),
-                                             run->steps));
+    if (run->system.linear || !(fabs(run->controller.h) < CREEP * fabs(way)))
+        return false;
+    const struct singularity found =
+        singular_before(run, run->t, run->t + copysign(AHEAD * way, run->controller.h), run->steps);
+    if (cancelled(run->cancel)) /* not known: the look is repeated */
+        p->look = run->steps;
+    return end_singular(run, found);
 }
 
 /* ---- steps across ---- */
@@ -305,6 +314,10 @@ static bool went_across(struct run *run)
                           : 1 + (rows - i) / ROWS_LOOKED;
     p->looked = rows - 1;
     for (; i + 1 < rows; i += by) {
+        if (i % (by * LOOK_EACH) < by && cancelled(run->cancel)) {
+            p->looked = i; /* the rest next time */
+            return false;
+        }
         if ((i < p->across && i < p->unchecked) || !row_across(run, i))
             continue;
         if (i >= p->unchecked)

@@ -1,255 +1,244 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Ctrl-C at random times: how long each command takes to give the prompt back.
+"""Ctrl-C at random times: how long each command takes to give the prompt back, and what it leaves.
 
-usage: latency.py HOOKE FOLDER [TRIALS [NAME ...]]
+usage: latency.py [--trials N] [--rows N] [--batch] [--short] [--tap] [--limit MS] HOOKE FOLDER [NAME ...]
 
-FOLDER receives the recordings (2e6 rows, and 1e8 bytes) that it does not have yet. The program runs at a
-prompt in a pseudo-terminal; a command is first run to its end, at most 30 s, then TRIALS times with
-Ctrl-C after a time uniform in its length. Latencies are from the byte to the next prompt, in ms.
-Status 1: a 99th percentile (of few trials: the largest) is above 100 ms.
+FOLDER receives the recordings that it does not have yet. The program runs at a prompt in a pseudo-terminal; a
+command is first run to its end, at most 30 s, then N times (10) with Ctrl-C after a time uniform in its length.
+Latencies are from the signal to the next prompt (--batch: to the end of the process), in ms, less what the
+program and this script waited for a processor meanwhile. Afterwards the session has to be what it was before or
+what the whole command leaves, and the next command has to work.
+Status 1: a 99th percentile (of few trials: the largest) is above the limit (100 ms), or a session was not sane.
 """
-import math
+import argparse
 import os
 import pty
 import random
+import re
 import select
 import signal
 import sys
 import time
 
-LIMIT_MS = 100
+import cases
+
 LONGEST = 30.0
+INSTANT = 0.02 # [s] nobody can be too late there
 PROMPT = b"hooke> "
-
-RECORDING = "load big.txt; m = 200 g"
-FITTED = RECORDING + "; fit damped; adopt"
-STEPS = "scene damped; gamma = 0.01; method verlet dt=1ms; set record all; run 1000 s --force"
-DRIVEN = "scene duffing-driven; method rk4 dt=1ms; set record all; run 1000 s --force"
-LORENZ = "scene lorenz; method rk4 dt=1ms"
-# name, what is set up once, the command, what follows each trial
-CASES = [
-    ("load", "", "load big.txt", "drop data"),
-    ("load 100 MB", "", "load huge.csv", "drop data"),
-    ("data clean", RECORDING, "data clean", ""),
-    ("data clean apply", RECORDING, "data clean apply", "data restore"),
-    ("data window", RECORDING, "data window 1:1999", "data restore"),
-    ("data list", RECORDING, "data", ""),
-    ("data zero", RECORDING, "data zero 20 cm", ""),
-    ("data restore", RECORDING, "data restore", ""),
-    ("data join", RECORDING + "; load big.txt", "data join big", ""),
-    ("measure period data", RECORDING, "measure period", ""),
-    ("measure frequency data", RECORDING, "measure frequency", ""),
-    ("measure period windows", RECORDING, "measure period windows=8", ""),
-    ("measure amplitude data", RECORDING, "measure amplitude windows=6", ""),
-    ("measure decay data", RECORDING, "measure decay", ""),
-    ("measure spectrum data", RECORDING, "measure spectrum", ""),
-    ("measure spring data", RECORDING, "measure spring", ""),
-    ("measure repeat data", RECORDING, "measure repeat big windows=20", ""),
-    ("measure k data", RECORDING, "measure k", ""),
-    ("fit damped", RECORDING, "fit damped", ""),
-    ("fit sine", RECORDING, "fit sine", ""),
-    ("fit drag", RECORDING, "fit drag", ""),
-    ("fit law", RECORDING, "fit law", ""),
-    ("fit modes", RECORDING, "fit modes 2", ""),
-    ("fit formula", RECORDING, "fit a*exp(-b*t)*cos(w*t+p)+c b=0.001 w=8.7", ""),
-    ("fit robust", RECORDING, "fit a*exp(-b*t)*cos(w*t+p)+c b=0.001 w=8.7 --robust", ""),
-    ("fit bootstrap", RECORDING, "fit damped --bootstrap 50", ""),
-    ("fit scene", FITTED, "fit scene", ""),
-    ("adopt", FITTED, "adopt", ""),
-    ("plot data", RECORDING, "plot position", ""),
-    ("plot residual", FITTED + "; method verlet dt=10ms; run 1000 s --force", "plot residual", ""),
-    ("plot spectrum data", RECORDING, "plot spectrum", ""),
-    ("plot period data", RECORDING, "plot period", ""),
-    ("plot svg data", RECORDING, "plot position > a.svg --force", ""),
-    ("plot png data", RECORDING, "plot position > a.png --force", ""),
-    ("export data", RECORDING, "export - data", ""),
-    ("export data file", RECORDING, "export a.csv data --force", ""),
-    ("report", FITTED + "; method verlet dt=1ms; run 1000 s --force", "report handed --force", ""),
-    ("band", FITTED + "; method verlet dt=1ms; run 1000 s --force", "plot position --band", ""),
-    ("run", "scene damped; method verlet dt=1ms; set record all", "run 1000 s --force", "drop all"),
-    ("run long", "scene pendulum; method radau5 dt=1ms", "run 3000 s --force", "drop all"),
-    ("run adaptive", "scene lorenz; method dop853; tol = 1e-10", "run 2000", "drop all"),
-    ("run until", "scene pendulum; method rk4 dt=1ms", "run until theta > 10 rad", "drop all"),
-    ("continue", STEPS, "continue 1000 s --force", "back 1000000"),
-    ("step", STEPS, "step 1000000", "back 1000000"),
-    ("back", STEPS, "back 900000", "continue"),
-    ("reset", STEPS, "reset", "continue"),
-    ("change", STEPS, "change gamma = 0.02", "undo"),
-    ("undo", STEPS + "; m = 300 g", "undo", "redo"),
-    ("runs", STEPS, "runs", ""),
-    ("use", STEPS, "use 1", ""),
-    ("drop", STEPS, "drop all", "run 1000 s --force"),
-    ("show", STEPS, "show", ""),
-    ("print", STEPS, "print y", ""),
-    ("list", STEPS, "list runs", ""),
-    ("list measurements", STEPS, "list measurements", ""),
-    ("measure period run", STEPS, "measure period", ""),
-    ("measure amplitude run", STEPS, "measure amplitude", ""),
-    ("measure decay run", STEPS, "measure decay", ""),
-    ("measure energy run", STEPS, "measure energy", ""),
-    ("measure drift run", STEPS, "measure drift", ""),
-    ("measure spectrum run", STEPS, "measure spectrum", ""),
-    ("measure reynolds run", STEPS, "measure reynolds", ""),
-    ("fit damped run", STEPS, "fit damped", ""),
-    ("cursor", STEPS, "cursor", "cursor off"),
-    ("cursor periods", STEPS + "; cursor", "cursor periods 300", ""),
-    ("cursor next", STEPS + "; cursor", "cursor next", ""),
-    ("cursor chaotic", DRIVEN, "cursor", "cursor off"),
-    ("plot run", STEPS, "plot position", ""),
-    ("plot energy", STEPS, "plot energy", ""),
-    ("plot phase", STEPS, "plot phase", ""),
-    ("plot error", STEPS, "plot error", ""),
-    ("plot envelope", STEPS, "plot envelope", ""),
-    ("plot period run", STEPS, "plot period", ""),
-    ("plot against", STEPS, "plot v against y", ""),
-    ("plot spectrum run", STEPS, "plot spectrum", ""),
-    ("screenshot", STEPS, "screenshot", ""),
-    ("export run", STEPS, "export - ", ""),
-    ("export run file", STEPS, "export a.csv --force", ""),
-    ("export run json", STEPS, "export a.json --force", ""),
-    ("export table", STEPS, "export a.csv table --force", ""),
-    ("save", STEPS, "save a.hk --force", ""),
-    ("compare", "scene pendulum; duration = 1000 s", "compare euler rk4 tr-bdf2 radau5 dt=1ms --force",
-     "drop all"),
-    ("compare closed", "scene damped; duration = 1000 s", "compare euler verlet tr-bdf2 dt=1ms --force", "drop all"),
-    ("precision", "scene pendulum; duration = 100 s", "precision rk4 verlet radau5 dopri5", ""),
-    ("order", "scene pendulum; duration = 100 s", "order radau5", ""),
-    ("selftest", "", "selftest", ""),
-    ("stability", "scene damped", "stability radau5", ""),
-    ("stability all", "scene pendulum", "stability rk4", ""),
-    ("stress", "", "stress", ""),
-    ("sweep", "scene driven; method rk4; duration = 600 s", "sweep omega=6:12:0.01", ""),
-    ("sweep map", "scene pendulum; method dopri5; duration = 60 s", "sweep y0=0.1:3:0.01 gamma=0.1:1:0.1", ""),
-    ("sweep threads", "scene lorenz; method radau5; duration = 300", "sweep rho=20:30:0.1 --threads 2", ""),
-    ("plan", LORENZ, "plan", ""),
-    ("source", "", "source a.hk", "drop all"),
-    ("event", LORENZ + "; event top when z falling do record; set record all; run 1000 --force", "list events", ""),
-    ("poincare", LORENZ + "; event top when z falling do record; set record all; run 1000 --force",
-     "plot x at top", ""),
-]
+LOOKS = "show; list recordings; list measurements"
+ENDED = re.compile(rb"(stopped|interrupted|paused|cancelled)[^\r\n]*")
 
 
-def recordings(folder):
-    """2e6 rows of a damped sine in noise with missed echoes, and 1e8 bytes of a sine."""
-    rng = random.Random(1)
-    for name, rows, head, row in (
-        ("big.txt", 2000000, "t (s)\ty (cm)\n", None),
-        ("huge.csv", 5300000, "t (s),y (cm)\n", "%.6f,%.7f\n"),
-    ):
-        path = os.path.join(folder, name)
-        if os.path.exists(path):
-            continue
-        with open(path, "w") as out:
-            out.write(head)
-            for i in range(rows):
-                t = i * 0.001
-                if row:
-                    out.write(row % (t, 20 + 5 * math.cos(8.7 * t)))
-                else:
-                    y = 20 + 5 * math.exp(-t / 1500) * math.cos(8.7 * t) + rng.gauss(0, 0.02)
-                    out.write("%.3f\t%.4f\n" % (t, y + 3 * (i % 1000 == 7)))
-    with open(os.path.join(folder, "a.hk"), "w") as out:
-        out.write("scene pendulum; method rk4 dt=1ms\nrun 3000 s --force\n")
+def waited(pid):
+    """[s] in the queue for a processor."""
+    try:
+        with open("/proc/%d/schedstat" % pid) as file:
+            return int(file.read().split()[1]) * 1e-9
+    except (OSError, IndexError):
+        return 0.0
 
 
-class Prompt:
-    def __init__(self, program, folder):
+class Program:
+    def __init__(self, program, folder, *arguments):
         self.pid, self.fd = pty.fork()
         if self.pid == 0:
             os.chdir(folder)
             os.environ.update(TERM="dumb", HOOKE_AUTOSAVE="100000", XDG_STATE_HOME=folder, LC_ALL="C.UTF-8")
-            os.execv(program, [program, "-n", "--plain", "--size", "80x20"])
-        self.tail = b""
+            os.execv(program, [program, "-n", "--plain", "--size", "80x20", *arguments])
+        self.said = b""
+        self.over = False
 
-    def wait(self, seconds):
-        """True: the prompt came."""
+    def wait(self, seconds, kept=1 << 13):
+        """True: the prompt came, or the end."""
         end = time.monotonic() + seconds
         while True:
             left = end - time.monotonic()
             if left <= 0 or not select.select([self.fd], [], [], left)[0]:
                 return False
             try:
-                self.tail = (self.tail + os.read(self.fd, 1 << 16))[-64:]
+                more = os.read(self.fd, 1 << 16)
             except OSError:
-                return False
-            if self.tail.endswith(PROMPT):
+                more = b""
+            self.over = self.over or not more
+            self.said = (self.said + more)[-kept:]
+            if self.over or self.said.endswith(PROMPT):
                 return True
 
     def send(self, line):
-        self.tail = b""
+        self.said = b""
         os.write(self.fd, line.encode() + b"\r")
-        # the echo ends in a prompt's look only if the line did
-        time.sleep(0.002)
 
     def do(self, line, seconds=LONGEST):
         self.send(line)
-        return self.wait(seconds)
+        return self.wait(seconds) and not self.over
 
     def interrupt(self, seconds=20.0):
+        """Latencies [ms]."""
+        self.said = b""
+        before = waited(self.pid), waited(os.getpid())
         start = time.monotonic()
         os.kill(self.pid, signal.SIGINT)
-        return (time.monotonic() - start) * 1e3 if self.wait(seconds) else float("inf")
+        if not self.wait(seconds):
+            return float("inf")
+        wall = time.monotonic() - start
+        queued = waited(self.pid) - before[0] if not self.over else 0.0
+        return max(wall - max(queued, 0.0) - (waited(os.getpid()) - before[1]), 0.0) * 1e3
+
+    def settle(self):
+        """The signal may have come to the prompt that the command left: then it gives another one."""
+        while select.select([self.fd], [], [], 0.02)[0] and not self.over:
+            self.wait(1)
+
+    def looks(self):
+        """What the session holds, as it says itself."""
+        self.do(LOOKS)
+        return self.said.split(LOOKS.encode())[-1].replace(b"\r", b"").strip()
 
     def end(self):
-        os.kill(self.pid, signal.SIGKILL)
-        os.waitpid(self.pid, 0)
+        """The exit status."""
+        if not self.over:
+            os.kill(self.pid, signal.SIGKILL)
+        status = os.waitpid(self.pid, 0)[1]
         os.close(self.fd)
+        return status
 
 
-def measure(program, folder, case, trials, rng):
-    name, before, command, after = case
-    at = Prompt(program, folder)
+class Result:
+    def __init__(self):
+        self.length = 0.0
+        self.latencies = []
+        self.said = set()
+        self.wrong = []
+
+
+def begin(program, folder, before, result):
+    at = Program(program, folder)
     at.wait(5)
     for line in filter(None, before.split("; ")):
-        if not at.do(line, 120):
-            at.end()
-            return None
+        if not at.do(line, 120) or b"error:" in at.said:
+            result.wrong.append("set-up: " + line)
+    return at
+
+
+def try_once(at, case, after_seconds, result):
+    """False: the command was over before the interrupt came."""
+    name, before, command, after, leaves = case
+    held = at.looks()
+    at.send(command)
+    if at.wait(after_seconds):
+        return False
+    result.latencies.append(at.interrupt())
+    at.settle()
+    said = [m.group(0) for m in ENDED.finditer(at.said)]
+    result.said.update(said)
+    if at.over or result.latencies[-1] == float("inf"):
+        result.wrong.append("died" if at.over else "hangs")
+        return True
+    now = at.looks()
+    if leaves != "+" and said and now != held:
+        result.wrong.append("changed: %r, was %r" % (now, held))
+    if not at.do("print 2+3") or not re.search(rb"\r5\r\n", at.said):
+        result.wrong.append("next: %r" % at.said)
+    return True
+
+
+def at_prompt(program, folder, case, trials, rng):
+    name, before, command, after, leaves = case
+    result = Result()
+    at = begin(program, folder, before, result)
     start = time.monotonic()
-    whole = at.do(command)
-    length = time.monotonic() - start
-    latencies = []
-    if not whole:
-        latencies.append(at.interrupt())
-    for _ in range(trials):
-        if latencies and latencies[-1] == float("inf"):
+    if not at.over and not result.wrong:
+        whole = at.do(command)
+        result.length = time.monotonic() - start
+        result.said.update(re.findall(rb"error:[^\r\n]*", at.said))
+        if not whole and not at.over:
+            result.latencies.append(at.interrupt())
+            at.settle()
+    early = 0
+    for _ in range(trials if result.length > INSTANT else 0):
+        if early > 1: # what it found is kept: each trial from the beginning
+            at.end()
+            at = begin(program, folder, before, result)
+        elif after and not at.do(after, 10):
+            at.interrupt()
+            at.settle()
+        if result.wrong or at.over:
             break
-        if after:
-            at.send(after)
-            time.sleep(0.05)
-            if not at.tail.endswith(PROMPT) and not at.wait(10):
-                at.interrupt()
-        at.send(command)
-        if at.wait(rng.uniform(0, min(length, 10.0))):
-            latencies.append(0.0)
-            continue
-        latencies.append(at.interrupt())
+        early += not try_once(at, case, rng.uniform(0, min(result.length, 10.0)), result)
+    if at.over:
+        result.wrong.append("died")
     at.end()
-    return length, sorted(latencies)
+    return result
+
+
+def in_batch(program, folder, case, trials, rng):
+    name, before, command, after, leaves = case
+    result = Result()
+    lines = [] if not before else ["-c", before]
+
+    def whole(*arguments):
+        start = time.monotonic()
+        at = Program(program, folder, *arguments)
+        at.wait(LONGEST + 30)
+        length = time.monotonic() - start
+        if not at.over:
+            at.interrupt()
+        at.end()
+        return length
+
+    first = whole(*lines, "-c", "")
+    result.length = max(whole(*lines, "-c", command) - first, 0.01)
+    for _ in range(trials):
+        at = Program(program, folder, *lines, "-c", command)
+        if at.wait(first + rng.uniform(0, min(result.length, 10.0))):
+            at.end()
+            continue
+        result.latencies.append(at.interrupt())
+        status = at.end()
+        if os.WIFSIGNALED(status):
+            result.wrong.append("ended by signal %d" % os.WTERMSIG(status))
+        if result.latencies[-1] == float("inf"):
+            break
+    return result
 
 
 def main():
-    program, folder = os.path.abspath(sys.argv[1]), sys.argv[2]
-    trials = int(sys.argv[3]) if len(sys.argv) > 3 else 20
-    only = sys.argv[4:]
-    os.makedirs(folder, exist_ok=True)
-    recordings(folder)
+    ask = argparse.ArgumentParser()
+    ask.add_argument("--trials", type=int, default=10)
+    ask.add_argument("--rows", type=int, default=2000000)
+    ask.add_argument("--limit", type=float, default=100)
+    ask.add_argument("--batch", action="store_true")
+    ask.add_argument("--short", action="store_true")
+    ask.add_argument("--tap", action="store_true")
+    ask.add_argument("hooke")
+    ask.add_argument("folder")
+    ask.add_argument("names", nargs="*")
+    asked = ask.parse_args()
+    program = os.path.abspath(asked.hooke)
+    os.makedirs(asked.folder, exist_ok=True)
+    only = asked.names or asked.short and cases.SHORT
+    chosen = [case for case in cases.CASES if not only or case[0] in only]
+    cases.recordings(program, asked.folder, asked.rows, [case[2] for case in chosen])
     rng = random.Random(7)
     bad = 0
-    print("%-24s %8s %8s %8s %8s" % ("command", "whole s", "p50 ms", "p90 ms", "p99 ms"))
-    for case in CASES:
-        if only and case[0] not in only:
-            continue
-        found = measure(program, folder, case, trials, rng)
-        if not found:
-            print("%-24s cannot be set up" % case[0])
-            bad += 1
-            continue
-        length, all_of = found
+    if not asked.tap:
+        print("%-32s %8s %8s %8s %8s" % ("command", "whole s", "p50 ms", "p90 ms", "p99 ms"))
+    for number, case in enumerate(chosen, 1):
+        result = (in_batch if asked.batch else at_prompt)(program, asked.folder, case, asked.trials, rng)
+        all_of = sorted(result.latencies) or [0.0]
         at = [all_of[min(len(all_of) - 1, int(q * len(all_of)))] for q in (0.5, 0.9, 0.99)]
-        bad += at[2] > LIMIT_MS
-        print("%-24s %8.2f %8.1f %8.1f %8.1f%s"
-              % (case[0], length, *at, "  <<" if at[2] > LIMIT_MS else ""), flush=True)
+        late = at[2] > asked.limit
+        bad += late or bool(result.wrong)
+        if asked.tap:
+            print("%sok %d - Ctrl-C in %s: %.0f ms%s"
+                  % ("not " if late or result.wrong else "", number, case[0], at[2], " ".join(["", *result.wrong])))
+            continue
+        print("%-32s %8.2f %8.1f %8.1f %8.1f%s" % (case[0], result.length, *at, "  <<" if late else ""), flush=True)
+        for line in result.wrong[:2]:
+            print("    " + line[:600])
+        for line in sorted(result.said):
+            print("    | " + line.decode(errors="replace"))
     sys.exit(bad > 0)
 
 

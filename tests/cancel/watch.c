@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
  * Part of the program in CONFIG=watch only: ends it, and says where it was, when a thread has used
- * 50 ms of its processor time without a look at the flag that Ctrl-C sets. HOOKE_WATCH=say: says
- * so and goes on.
+ * 50 ms of its processor time without a look at the flag that Ctrl-C sets, or 50 ms while the flag
+ * stood. HOOKE_WATCH=say: says so and goes on.
  */
+#undef _GNU_SOURCE
 #define _GNU_SOURCE /* gettid, SIGEV_THREAD_ID */
-#include <hooke/base.h>
+#include "terminal/terminal.h"
 
 #include <execinfo.h>
 #include <signal.h>
@@ -22,27 +23,30 @@
 #define TICK_NS 10000000 /* of the thread's processor time */
 #define TICKS 5
 
-static _Thread_local volatile unsigned looks, seen, ticks;
+static _Thread_local volatile unsigned looks, seen, ticks, late;
 static _Thread_local bool watched;
 
-static void on_tick(int number)
+static void tell(struct text what)
 {
-    (void)number;
     void *at[48];
-    if (looks != seen) {
-        seen = looks;
-        ticks = 0;
-        return;
-    }
-    if (++ticks != TICKS)
-        return;
-    static const char said[] = "watch: 50 ms without a look at the flag of Ctrl-C, in\n";
-    ssize_t ignored = write(STDERR_FILENO, said, sizeof said - 1);
+    ssize_t ignored = write(STDERR_FILENO, what.at, what.len);
     (void)ignored;
     backtrace_symbols_fd(at, backtrace(at, (int)COUNT_OF(at)), STDERR_FILENO);
     const char *how = getenv("HOOKE_WATCH");
     if (!how || strcmp(how, "say") != 0)
         abort();
+}
+
+static void on_tick(int number)
+{
+    (void)number;
+    late = atomic_load_explicit(&interrupt.requested, memory_order_relaxed) ? late + 1 : 0;
+    ticks = looks == seen ? ticks + 1 : 0;
+    seen = looks;
+    if (late == TICKS)
+        tell(TEXT("watch: at work 50 ms after Ctrl-C, in\n"));
+    else if (ticks == TICKS)
+        tell(TEXT("watch: 50 ms without a look at the flag of Ctrl-C, in\n"));
 }
 
 static void begin(void)

@@ -376,20 +376,24 @@ static bool fail(enum outcome outcome, const struct fit_curve *curve, const doub
     return error_hint(error, "give other starts");
 }
 
+/* work: what only the iteration needs; of 2e6 samples that is much, and a formula is fitted from
+ * many starts. */
 static bool prepare(struct problem *p, const struct series *series, const double *start,
-                    struct arena *arena)
+                    struct arena *arena, struct arena *work)
 {
     size_t n = series->n, count = (size_t)p->curve->parameters;
     p->t = series->t;
     p->y = series->y;
     p->n = n;
-    p->value = arena_array(arena, n, sizeof(double));
-    p->scratch = arena_array(arena, n, sizeof(double));
+    p->value = arena_array(work, n, sizeof(double));
+    p->scratch = arena_array(work, n, sizeof(double));
     p->weight = arena_array(arena, n, sizeof(double));
-    p->derivative = arena_array(arena, n * count, sizeof(double));
+    p->derivative = arena_array(work, n * count, sizeof(double));
     if (!p->value || !p->scratch || !p->weight || !p->derivative)
         return false;
     for (size_t i = 0; i < n; i++) {
+        if (i % LOOK_EACH_ROWS == 0 && cancelled(p->cancel))
+            return false;
         p->weight[i] = 1;
         p->size = hypot(p->size, series->y[i]);
     }
@@ -453,12 +457,10 @@ static bool improve_by_part(const struct fit_curve *curve, const struct series *
     return true;
 }
 
-bool curve_fit(const struct fit_curve *curve, const struct series *series, const double *start,
-               const struct curve_options *options, struct arena *arena, struct curve_fit *fit,
-               struct error *error)
+static bool fit_within(const struct fit_curve *curve, const struct series *series,
+                       const double *start, const struct curve_options *o, struct arena *arena,
+                       struct arena *work, struct curve_fit *fit, struct error *error)
 {
-    static const struct curve_options none;
-    const struct curve_options *o = options ? options : &none;
     struct problem p = {.curve = curve,
                         .low = o->low,
                         .high = o->high,
@@ -478,7 +480,7 @@ bool curve_fit(const struct fit_curve *curve, const struct series *series, const
     if (series->n > MANY && !improve_by_part(curve, series, x, o, error))
         return false;
     fit->residual = arena_array(arena, series->n, sizeof(double));
-    if (!fit->residual || !prepare(&p, series, start, arena))
+    if (!fit->residual || !prepare(&p, series, start, arena, work))
         return error_memory(error);
     fit->weight = p.weight;
     enum outcome outcome =
@@ -488,4 +490,16 @@ bool curve_fit(const struct fit_curve *curve, const struct series *series, const
     fit->iterations += iterations;
     conclude(&p, fit);
     return o->bootstrap <= 0 || !fit->converged || bootstrap(&p, series, o, arena, fit, error);
+}
+
+bool curve_fit(const struct fit_curve *curve, const struct series *series, const double *start,
+               const struct curve_options *options, struct arena *arena, struct curve_fit *fit,
+               struct error *error)
+{
+    static const struct curve_options none;
+    struct arena work = {0};
+    const bool ok =
+        fit_within(curve, series, start, options ? options : &none, arena, &work, fit, error);
+    arena_reset(&work);
+    return ok;
 }

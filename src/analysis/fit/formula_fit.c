@@ -146,22 +146,41 @@ struct refining {
     struct error *error; /* why there is none; also of what ends everything: cancelled, no memory */
 };
 
+/* What came out, in the memory of the answer. False: no memory. */
+static bool keep(struct refining *r, const struct curve_fit *trial)
+{
+    const size_t n = r->series->n;
+    double *residual = r->found ? r->fit->residual : arena_array(r->arena, n, sizeof *residual);
+    double *weight = r->found ? r->fit->weight : arena_array(r->arena, n, sizeof *weight);
+    if (!residual || !weight)
+        return error_memory(r->error);
+    memcpy(residual, trial->residual, n * sizeof *residual);
+    memcpy(weight, trial->weight, n * sizeof *weight);
+    *r->fit = *trial;
+    r->fit->residual = residual;
+    r->fit->weight = weight;
+    r->found = true;
+    return true;
+}
+
 /* A fit from x; kept if it is better than what there is. False: everything ends. */
 static bool refine(struct refining *r, const double *x)
 {
+    struct arena own = {0};
     struct formula whole = *r->formula;
     struct fit_curve curve = {whole.parameters, whole.name, &whole, formula_evaluate};
     struct curve_fit trial;
     struct error local = {0};
-    if (!curve_fit(&curve, r->series, x, r->options, r->arena, &trial, &local)) {
+    bool goes_on = curve_fit(&curve, r->series, x, r->options, &own, &trial, &local);
+    if (goes_on) {
+        trial.iterations += r->spent;
+        goes_on = (r->found && !better(&trial, r->fit)) || keep(r, &trial);
+    } else {
         *r->error = r->found && local.code == ERROR_COMMAND ? *r->error : local;
-        return local.code == ERROR_COMMAND;
+        goes_on = local.code == ERROR_COMMAND;
     }
-    trial.iterations += r->spent;
-    if (!r->found || better(&trial, r->fit))
-        *r->fit = trial;
-    r->found = true;
-    return true;
+    arena_reset(&own);
+    return goes_on;
 }
 
 /* The same in the other parameters alone, the linear ones always solved for, then all together. */

@@ -185,8 +185,8 @@ static bool has_times(const struct table *table)
 
 /* What stands in a file that export has written, unless it is a recording: its times come first.
  * *found: it was such a table. */
-static bool read_table(const char *path, struct arena *arena, struct table *table, bool *found,
-                       struct error *error)
+static bool read_table(const char *path, const struct cancel *cancel, struct arena *arena,
+                       struct table *table, bool *found, struct error *error)
 {
     struct buffer text = {0};
     struct error ignored;
@@ -194,7 +194,7 @@ static bool read_table(const char *path, struct arena *arena, struct table *tabl
     *found = false;
     bool ok = true;
     if (file_read_watched(path, LIMIT_FILE, &watch, &text, &ignored))
-        ok = table_parse(buffer_text(&text), arena, table, error);
+        ok = table_parse(buffer_text(&text), cancel, arena, table, error);
     else
         *found = false;
     buffer_free(&text);
@@ -230,12 +230,12 @@ static void reply_loaded(const struct table *table, struct text file, struct are
 }
 
 /* *found: the file was a table and no recording. */
-static bool load_table(const char *path, const struct arguments *args, bool *found,
-                       struct reply *reply, struct error *error)
+static bool load_table(const char *path, const struct cancel *cancel, const struct arguments *args,
+                       bool *found, struct reply *reply, struct error *error)
 {
     struct arena arena = {0};
     struct table table;
-    const bool ok = read_table(path, &arena, &table, found, error);
+    const bool ok = read_table(path, cancel, &arena, &table, found, error);
     if (ok && *found && reply->store) {
         table_store_put(reply->store, "loaded", &arena, &table);
         reply_loaded(&table, argument_value(args, "FILE")->item->text, args->arena, reply);
@@ -266,7 +266,7 @@ HANDLER(load)
     char *path = script_path(args->where, file->item->text, args->arena);
     bool found = false;
     if (path && !any_option(args)) {
-        const bool ok = load_table(path, args, &found, reply, error);
+        const bool ok = load_table(path, options.cancel, args, &found, reply, error);
         if (!ok)
             error->where = file->item->text;
         if (!ok || found)

@@ -18,11 +18,12 @@ static void fill_rows(const struct session *session, const struct comparison *fr
         const struct run *run = from[i].run;
         struct compared_row *row = &rows[i];
         compared_init(row, &from[i]);
-        if (!run_period(run, arena, &row->period))
+        const bool stopped = cancelled(session->front.cancel);
+        if (stopped || !run_period(run, arena, &row->period))
             row->period = (struct measured){NAN, NAN};
         for (int k = 0; k < count; k++)
             row->mixed |= from[k].path != from[0].path;
-        if (!recording)
+        if (!recording || stopped)
             continue;
         const struct data_distance data = run_data_distance(run, recording);
         const int derivative = recorded_derivative(recording, run);

@@ -72,6 +72,7 @@ struct unpacking {
     struct intake *intake; /* NULL: nobody looks */
     size_t out;            /* [byte] that came out so far */
     size_t max;            /* [byte] that may come out */
+    const struct cancel *cancel;
 };
 
 static bool damaged(const struct unpacking *u, struct error *error)
@@ -119,7 +120,8 @@ static bool read_entry(struct unpacking *u, struct buffer *bytes, struct error *
         buffer_put(bytes, (struct text){piece, (size_t)got});
         if (bytes->failed)
             return error_memory(error);
-        if (u->intake && !intake_look(u->intake, buffer_text(bytes), before, 0, error))
+        if (!unpacking_goes_on(u->cancel, error) ||
+            (u->intake && !intake_look(u->intake, buffer_text(bytes), before, 0, error)))
             return false;
     }
     buffer_put(bytes, TEXT(""));
@@ -157,8 +159,13 @@ bool archive_unpack(struct text bytes, const char *shown, bool (*wanted)(const c
     struct archive_api api;
     if (!load(&api, shown, error))
         return false;
-    struct unpacking u = {
-        &api, api.archive_read_new(), shown, intake, 0, intake ? LIMIT_FILE : UNPACKED_MAX};
+    struct unpacking u = {&api,
+                          api.archive_read_new(),
+                          shown,
+                          intake,
+                          0,
+                          intake ? LIMIT_FILE : UNPACKED_MAX,
+                          content->cancel};
     bool done = u.archive || error_memory(error);
     if (done) {
         api.archive_read_support_filter_gzip(u.archive);

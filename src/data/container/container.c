@@ -73,11 +73,14 @@ void put_stamp(struct buffer *text, double days, bool with_date)
 
 /* ---- UTF-16 ---- */
 
-static bool from_utf16(struct text bytes, bool big, struct buffer *out)
+static bool from_utf16(struct text bytes, bool big, const struct cancel *cancel, struct buffer *out,
+                       struct error *error)
 {
     const unsigned char *at = (const unsigned char *)bytes.at;
     uint32_t high = 0;
     for (size_t i = 2; i + 1 < bytes.len; i += 2) {
+        if (i % LOOK_EACH_ROWS == 0 && !unpacking_goes_on(cancel, error))
+            return false;
         const uint32_t unit =
             big ? (uint32_t)(at[i] << 8 | at[i + 1]) : (uint32_t)(at[i + 1] << 8 | at[i]);
         if (unit >= 0xD800 && unit < 0xDC00) {
@@ -91,7 +94,7 @@ static bool from_utf16(struct text bytes, bool big, struct buffer *out)
         high = 0;
     }
     buffer_put(out, TEXT(""));
-    return !out->failed;
+    return !out->failed || error_memory(error);
 }
 
 /*
@@ -130,7 +133,7 @@ static bool add_text(struct contents *contents, struct text name, struct buffer 
         return error_hint(error, "split it there, or export the data anew as UTF-8");
     }
     if (wide)
-        return from_utf16(raw, raw.at[0] == '\xFE', &part->text) || error_memory(error);
+        return from_utf16(raw, raw.at[0] == '\xFE', contents->cancel, &part->text, error);
     part->text = *bytes;
     *bytes = (struct buffer){0};
     return true;
@@ -190,6 +193,7 @@ static bool from_zip(struct text bytes, const char *shown, struct contents *cont
     struct archive_content *content = calloc(1, sizeof *content);
     if (!content)
         return error_memory(error);
+    content->cancel = contents->cancel;
     bool done = archive_unpack(bytes, shown, is_wanted, NULL, content, error);
     if (done && !has_directory(bytes)) {
         error_set(error, ERROR_IO,
@@ -225,9 +229,12 @@ static bool from_json(struct text bytes, struct contents *contents, struct error
     struct arena arena = {0};
     struct table table;
     struct buffer text = {0};
-    bool done = table_parse(bytes, &arena, &table, error);
+    bool done = table_parse(bytes, contents->cancel, &arena, &table, error);
     if (done) {
         table_format(&table, TABLE_CSV, &text);
+        done = unpacking_goes_on(contents->cancel, error);
+    }
+    if (done) {
         contents->container = "json";
         done = add_text(contents, TEXT(""), &text, error);
     }
@@ -255,6 +262,7 @@ static bool from_gzip(const char *path, const struct intake *intake, struct text
     struct archive_content *content = calloc(1, sizeof *content);
     if (!content)
         return error_memory(error);
+    content->cancel = contents->cancel;
     bool done = archive_unpack(bytes, shown, NULL, &inside, content, error);
     if (done && content->entries == 0)
         done = error_set(error, ERROR_IO, "%s is an empty archive", shown);
@@ -298,7 +306,7 @@ bool contents_read(const char *path, const char *shown, const struct load_option
 {
     struct buffer bytes = {0};
     struct intake intake = {.shown = shown, .options = options};
-    *contents = (struct contents){0};
+    *contents = (struct contents){.cancel = options->cancel};
     const bool done =
         intake_read(path, &intake, &bytes, error) && unpack(path, &intake, &bytes, contents, error);
     contents->grew = intake.grew;

@@ -58,7 +58,14 @@ struct contents {
     struct container_part *part; /* [PARTS_MAX] */
     size_t parts;                /* at least 1 after contents_read */
     bool grew;                   /* while it was read; its last line is left out */
+    const struct cancel *cancel; /* of the options it was read with */
 };
+
+/* What long loops over a container ask; false: `error` says that it was stopped. */
+static inline bool unpacking_goes_on(const struct cancel *cancel, struct error *error)
+{
+    return !cancelled(cancel) || error_set(error, ERROR_CANCELLED, "reading was stopped");
+}
 
 /*
  * Reads the file at `path` and unpacks it. `shown`: its name for messages. ERROR_IO with the reason
@@ -79,6 +86,7 @@ struct archive_entry {
 };
 
 struct archive_content {
+    const struct cancel *cancel; /* ends the unpacking */
     struct archive_entry entry[PARTS_MAX];
     size_t entries;
 };
@@ -95,6 +103,7 @@ const struct buffer *archive_content_find(const struct archive_content *content,
  */
 struct xml_reader {
     void *context;
+    const struct cancel *cancel;
     bool (*start)(void *context, const char *name, const char **attributes);
     bool (*end)(void *context, const char *name);
     bool (*text)(void *context, struct text text);

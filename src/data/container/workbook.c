@@ -300,7 +300,8 @@ static bool sheet_end(void *context, const char *name)
 
 static bool read_sheet(struct workbook *book, int i, struct contents *contents)
 {
-    const struct xml_reader reader = {book, sheet_start, sheet_end, keep_text};
+    const struct xml_reader reader = {book, book->content->cancel, sheet_start, sheet_end,
+                                      keep_text};
     const struct buffer *sheet =
         book->sheet[i].path ? archive_content_find(book->content, book->sheet[i].path) : NULL;
     for (int k = 0; k < i && sheet; k++)
@@ -323,7 +324,7 @@ static bool read_document(struct workbook *book, const char *path,
                           bool (*start)(void *context, const char *name, const char **attributes),
                           bool (*end)(void *context, const char *name))
 {
-    const struct xml_reader reader = {book, start, end, keep_text};
+    const struct xml_reader reader = {book, book->content->cancel, start, end, keep_text};
     const struct buffer *document = archive_content_find(book->content, path);
     book->keep = false;
     return !document || xml_read(buffer_text(document), book->shown, &reader, book->error);

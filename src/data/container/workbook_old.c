@@ -75,6 +75,8 @@ static bool read_sheet(const struct freexl_api *api, const void *book, unsigned 
         return contents->parts == PARTS_MAX || error_memory(error);
     buffer_put(&part->text, TEXT(""));
     for (unsigned row = 0; row < rows && !part->text.failed; row++) {
+        if (!unpacking_goes_on(contents->cancel, error))
+            return false;
         for (unsigned short column = 0; column < columns; column++) {
             FreeXL_CellValue cell;
             if (column > 0)

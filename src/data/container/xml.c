@@ -121,6 +121,8 @@ static bool parse(struct parsing *p, struct text document, const char *shown, st
                 error, ERROR_IO,
                 "%s holds a name of more than %u bytes, which no instrument does: refused", shown,
                 TOKEN_MAX);
+        if (!unpacking_goes_on(p->reader->cancel, error))
+            return false;
         done = p->api.XML_Parse(p->parser, document.at + at, (int)len, at + len == document.len) ==
                XML_STATUS_OK;
         if (at + len == document.len)

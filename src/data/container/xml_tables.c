@@ -112,7 +112,10 @@ static bool write_rows(struct tables *tables, struct buffer *out)
     bool more = true;
     for (size_t i = 0; i < tables->columns; i++)
         rest[i] = buffer_text(&tables->column[i].cells);
-    while (more && !out->failed) {
+    for (size_t row = 1; more && !out->failed; row++) {
+        if (row % LOOK_EACH_ROWS == 0 &&
+            !unpacking_goes_on(tables->contents->cancel, tables->error))
+            return false;
         const size_t before = out->len;
         more = false;
         for (size_t i = 0; i < tables->columns; i++) {
@@ -130,7 +133,7 @@ static bool write_rows(struct tables *tables, struct buffer *out)
             out->data[before] = '\0';
         }
     }
-    return !out->failed;
+    return !out->failed || error_memory(tables->error);
 }
 
 static bool finish_set(struct tables *tables)
@@ -157,7 +160,7 @@ static bool finish_set(struct tables *tables)
         }
     }
     buffer_char(&part->text, '\n');
-    return write_rows(tables, &part->text) || error_memory(tables->error);
+    return write_rows(tables, &part->text);
 }
 
 static bool end(void *context, const char *name)
@@ -181,7 +184,7 @@ bool xml_tables(struct text document, const char *shown, struct contents *conten
                 struct error *error)
 {
     struct tables tables = {.contents = contents, .error = error, .shown = shown};
-    const struct xml_reader reader = {&tables, start, end, text};
+    const struct xml_reader reader = {&tables, contents->cancel, start, end, text};
     tables.column = calloc(COLUMNS_MAX, sizeof *tables.column);
     bool done = tables.column ? xml_read(document, shown, &reader, error) : error_memory(error);
     contents->container = tables.cassy ? "labx" : "cmbl";

@@ -6,6 +6,8 @@
  */
 #include "report/lab/material.h"
 
+#include <hooke/base/numeric.h>
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -21,26 +23,18 @@ bool is_method(const struct run *run, const char *name)
 
 /* ---- recordings ---- */
 
-static int by_value(const void *a, const void *b)
-{
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 /* Half of the values are no farther from their median: missed echoes do not matter. NAN: no memory.
  */
 static double spread(struct arena *arena, const double *y, size_t n)
 {
-    double *sorted = arena_array(arena, n, sizeof *sorted);
-    if (!sorted)
+    double *values = arena_array(arena, n, sizeof *values);
+    if (!values)
         return NAN;
-    memcpy(sorted, y, n * sizeof *sorted);
-    qsort(sorted, n, sizeof *sorted, by_value);
-    const double median = sorted[n / 2];
+    memcpy(values, y, n * sizeof *values);
+    const double median = quantile(values, n, 0.5);
     for (size_t i = 0; i < n; i++)
-        sorted[i] = fabs(sorted[i] - median);
-    qsort(sorted, n, sizeof *sorted, by_value);
-    return sorted[n / 2];
+        values[i] = fabs(values[i] - median);
+    return quantile(values, n, 0.5);
 }
 
 /* The share of the amplitude that is lost from the first part of all of it to the last; NAN: too

@@ -139,7 +139,8 @@ static void read_table(struct reader *reader, struct text in)
     struct table table;
     struct error ignored;
     const char *name = field_find(in, "kind", &kind) ? arena_text(&arena, kind) : NULL;
-    if (!name || !field_find(in, "csv", &csv) || !table_parse(csv, &arena, &table, &ignored) ||
+    if (!name || !field_find(in, "csv", &csv) ||
+        !table_parse(csv, NULL, &arena, &table, &ignored) ||
         !table_store_put(&reader->session->found, name, &arena, &table))
         reader_note(reader, "the table of the last %.*s is left out", (int)kind.len, kind.at);
     arena_reset(&arena);

@@ -251,7 +251,7 @@ bool study_reference_again(const struct system *system, double span, double step
         take_closed_form(system, reference);
         return true;
     }
-    if (!reference_exists(system, reference, error))
+    if (!reference_exists(system, reference, cancel, error))
         return false;
     struct system smooth =
         *system; /* the reference keeps its order, whatever is compared with it */

@@ -11,10 +11,12 @@ void reference_free(struct reference *reference)
     reference->y = NULL;
 }
 
-bool reference_exists(const struct system *system, struct reference *reference, struct error *error)
+bool reference_exists(const struct system *system, struct reference *reference,
+                      const struct cancel *cancel, struct error *error)
 {
     const double t0 = system->t0;
-    reference->singular = system_singularity(system, t0, system->start, t0 + reference->span);
+    reference->singular =
+        system_singularity(system, t0, system->start, t0 + reference->span, cancel);
     if (isnan(reference->singular.t))
         return true;
     reference_free(reference);

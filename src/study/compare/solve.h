@@ -48,7 +48,7 @@ enum stop solver_stop(enum step_status status);
 /* False: the solution ends on the way, and the reference is freed. Asked first: two methods that do
  * not get there would take long to find out. */
 bool reference_exists(const struct system *system, struct reference *reference,
-                      struct error *error);
+                      const struct cancel *cancel, struct error *error);
 
 /* Largest |a - b| over the scored variables of one grid time, in units of the amplitudes. */
 double grid_distance(const struct reference *reference, const double *a, const double *b);

@@ -382,8 +382,8 @@ static bool run_scene(const struct system *system, const struct stability_reques
     s->reached = solver.step.t;
     struct singularity singular = {.t = NAN};
     if (stop_is_failure(s->stop))
-        singular =
-            system_singularity(system, system->t0, system->start, s->reached + 16 * request->dt);
+        singular = system_singularity(system, system->t0, system->start,
+                                      s->reached + 16 * request->dt, request->cancel);
     if (!isnan(singular.t)) {
         s->stop = STOP_SINGULAR;
         s->reached = singular.t;

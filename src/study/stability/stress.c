@@ -295,8 +295,8 @@ static bool judge_singular(struct stress_state *bench, enum stop stop, struct st
     if (!stop_is_failure(stop) && !(stop == STOP_END && !bench->reference.y))
         return false;
     if (!bench->looked)
-        bench->singular =
-            system_singularity(system, system->t0, system->start, system->t0 + bench->span);
+        bench->singular = system_singularity(system, system->t0, system->start,
+                                             system->t0 + bench->span, bench->cancel);
     bench->looked = true;
     if (isnan(bench->singular.t))
         return false;
