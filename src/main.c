@@ -128,6 +128,9 @@ static bool begin_session(struct session **session, const struct options *option
 static void work(struct session *session, const struct options *options, enum front_kind kind,
                  struct reply *reply, struct streams *streams)
 {
+    if (!options->check) {
+        strays_sweep_path("."); /* of programs that were killed */
+    }
     if (options->check) {
         session->status = hand_in_check(session, options->check, reply);
     } else {

@@ -363,11 +363,20 @@ struct read_watch {
 bool file_read_watched(const char *path, size_t limit, struct read_watch *watch,
                        struct buffer *content, struct error *error);
 
+#define STRAY_NAME_SIZE 256                /* [byte] of a hidden name */
+enum { STRAY_NEW = '.', STRAY_OLD = '~' }; /* is to come; is to go, once the new one is there */
+
+/* ".hooke-" with a random number, `mark` and as much of `base` as fits: beside what it stands for,
+ * and locked as long as somebody writes it. */
+bool stray_name(char name[STRAY_NAME_SIZE], const char *base, char mark);
+/* Removes what killed programs have left under such names in a folder. */
+void strays_sweep_path(const char *path);
+
 struct writer {
-    int fd, folder;     /* -1: closed */
-    char *path;         /* as the user gave it */
-    char *base;         /* last component (points into path) */
-    char temporary[64]; /* name in the folder, "" while unnamed */
+    int fd, folder;                  /* -1: closed */
+    char *path;                      /* as the user gave it */
+    char *base;                      /* last component (points into path) */
+    char temporary[STRAY_NAME_SIZE]; /* name in the folder, "" while unnamed */
     bool force, failed;
     char *chunk; /* write-behind buffer */
     size_t used;
@@ -378,6 +387,7 @@ struct write_policy {
     bool force;   /* replace an existing regular file */
     bool confine; /* only below the current directory (--safe) */
     bool refuse;  /* nothing at all */
+    bool secret;  /* a folder that only the user may look into */
 };
 
 bool writer_open(struct writer *writer, const char *path, struct write_policy policy,
@@ -408,17 +418,19 @@ bool append_lines(int fd, struct text lines, bool sync, struct error *error);
  * folder_commit gives it after every file is on the disk. An existing folder is refused without
  * `force`, and with it unless all that it holds are regular files whose names are its `own`;
  * nothing else is ever removed. A killed program leaves the old folder, the new one or none, and
- * maybe a hidden one beside it.
+ * maybe a hidden one beside it, which goes (or back to its place) when the next one begins.
  */
+typedef bool folder_owns(const char *name);
+
 struct folder {
     struct writer at; /* where it goes */
     int fd;           /* -1: closed */
-    bool (*own)(const char *name);
+    folder_owns *own;
 };
 
 /* Trailing slashes in the path do not matter. */
 bool folder_open(struct folder *folder, const char *path, struct write_policy policy,
-                 bool (*own)(const char *name), struct error *error);
+                 folder_owns *own, struct error *error);
 bool folder_put(struct folder *folder, const char *name, struct text content, struct error *error);
 bool folder_commit(struct folder *folder, struct error *error); /* closes in every case */
 void folder_abandon(struct folder *folder);

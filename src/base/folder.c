@@ -28,8 +28,8 @@ static bool is_self(const char *name)
 
 /* Calls `act` for each entry until it returns false; the name of that one, "" if all passed. False:
  * errno says why. */
-static bool each_entry(int fd, bool (*act)(int fd, const char *name, const void *context),
-                       const void *context, char stopped[NAME_MAX_SIZE])
+static bool each_entry(int fd, bool (*act)(int fd, const char *name, folder_owns *own),
+                       folder_owns *own, char stopped[NAME_MAX_SIZE])
 {
     const int again = openat(fd, ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
     DIR *list = again < 0 ? NULL : fdopendir(again);
@@ -43,7 +43,7 @@ static bool each_entry(int fd, bool (*act)(int fd, const char *name, const void 
     }
     errno = 0;
     for (struct dirent *entry; !stopped[0] && (entry = readdir(list)); errno = 0)
-        if (!is_self(entry->d_name) && !act(fd, entry->d_name, context))
+        if (!is_self(entry->d_name) && !act(fd, entry->d_name, own))
             snprintf(stopped, NAME_MAX_SIZE, "%s", entry->d_name);
     const int number = stopped[0] ? 0 : errno;
     closedir(list);
@@ -51,29 +51,32 @@ static bool each_entry(int fd, bool (*act)(int fd, const char *name, const void 
     return number == 0;
 }
 
-static bool is_own_file(int fd, const char *name, const void *context)
+static bool is_own_file(int fd, const char *name, folder_owns *own)
 {
-    const struct folder *folder = context;
     struct stat st;
-    return folder->own(name) && fstatat(fd, name, &st, AT_SYMLINK_NOFOLLOW) == 0 &&
-           S_ISREG(st.st_mode);
+    return own(name) && fstatat(fd, name, &st, AT_SYMLINK_NOFOLLOW) == 0 && S_ISREG(st.st_mode);
 }
 
-static bool remove_own(int fd, const char *name, const void *context)
+static bool remove_own(int fd, const char *name, folder_owns *own)
 {
-    if (is_own_file(fd, name, context))
+    if (is_own_file(fd, name, own))
         unlinkat(fd, name, 0);
     return true;
+}
+
+void folder_empty(int fd, folder_owns *own)
+{
+    char ignored[NAME_MAX_SIZE];
+    each_entry(fd, remove_own, own, ignored);
 }
 
 /* The folder of the hidden name goes, if there is nothing foreign in it. */
 static void remove_hidden(struct folder *folder, const char *name)
 {
-    char ignored[NAME_MAX_SIZE];
     const int fd = openat(folder->at.folder, name, O_RDONLY | O_DIRECTORY | O_CLOEXEC | O_NOFOLLOW);
     if (fd < 0)
         return;
-    each_entry(fd, remove_own, folder, ignored);
+    folder_empty(fd, folder->own);
     close(fd);
     unlinkat(folder->at.folder, name, AT_REMOVEDIR);
 }
@@ -94,7 +97,7 @@ static bool target_allows(const struct folder *folder, bool *exists, struct erro
     if (!at->force)
         return writer_refuse_existing(at, error);
     const int fd = openat(at->folder, at->base, O_RDONLY | O_DIRECTORY | O_CLOEXEC | O_NOFOLLOW);
-    const bool read = fd >= 0 && each_entry(fd, is_own_file, folder, foreign);
+    const bool read = fd >= 0 && each_entry(fd, is_own_file, folder->own, foreign);
     const int number = errno;
     if (fd >= 0)
         close(fd);
@@ -107,23 +110,30 @@ static bool target_allows(const struct folder *folder, bool *exists, struct erro
     return error_hint(error, "choose another name, or move that elsewhere");
 }
 
-static bool make_hidden(struct folder *folder)
+static bool make_hidden(struct folder *folder, mode_t mode)
 {
     struct writer *at = &folder->at;
-    for (int i = 0; i < NAME_ATTEMPTS && writer_invent_name(at); i++) {
-        if (mkdirat(at->folder, at->temporary, 0777) == 0) {
-            folder->fd =
-                openat(at->folder, at->temporary, O_RDONLY | O_DIRECTORY | O_CLOEXEC | O_NOFOLLOW);
-            return folder->fd >= 0;
-        }
-        if (errno != EEXIST)
+    for (int i = 0; i < NAME_ATTEMPTS && stray_name(at->temporary, at->base, STRAY_NEW); i++) {
+        if (mkdirat(at->folder, at->temporary, mode) != 0) {
+            if (errno == EEXIST)
+                continue;
             break;
+        }
+        folder->fd =
+            openat(at->folder, at->temporary, O_RDONLY | O_DIRECTORY | O_CLOEXEC | O_NOFOLLOW);
+        if (folder->fd < 0 && errno != ENOENT)
+            return false;
+        if (folder->fd >= 0 && stray_is_held(at->folder, at->temporary, folder->fd))
+            return true;
+        if (folder->fd >= 0) /* taken for a stray before it was locked */
+            close(folder->fd);
+        folder->fd = -1;
     }
     at->temporary[0] = '\0';
     return false;
 }
 
-static bool open_all(struct folder *folder, bool confine, struct error *error)
+static bool open_all(struct folder *folder, struct write_policy policy, struct error *error)
 {
     struct writer *at = &folder->at;
     bool exists;
@@ -132,23 +142,24 @@ static bool open_all(struct folder *folder, bool confine, struct error *error)
     size_t len = strlen(at->path);
     while (len > 1 && at->path[len - 1] == '/')
         at->path[--len] = '\0';
-    if (!writer_open_folder(at, confine, error))
+    if (!writer_open_folder(at, policy.confine, error))
         return false;
     if (is_self(at->base))
         return writer_refuse(at, error, "a folder needs a name of its own");
     return target_allows(folder, &exists, error) &&
-           (make_hidden(folder) || writer_refuse(at, error, system_message(errno)));
+           (make_hidden(folder, policy.secret ? 0700 : 0777) ||
+            writer_refuse(at, error, system_message(errno)));
 }
 
 bool folder_open(struct folder *folder, const char *path, struct write_policy policy,
-                 bool (*own)(const char *name), struct error *error)
+                 folder_owns *own, struct error *error)
 {
     *folder = (struct folder){
         .at = {.fd = -1, .folder = -1, .force = policy.force}, .fd = -1, .own = own};
     folder->at.path = strdup(path);
     if (policy.refuse && folder->at.path)
         writer_refuse(&folder->at, error, WRITER_REFUSED);
-    else if (open_all(folder, policy.confine, error))
+    else if (open_all(folder, policy, error))
         return true;
     folder_abandon(folder);
     return false;
@@ -181,14 +192,21 @@ static int replace_in_turn(struct folder *folder)
 {
     struct writer *at = &folder->at;
     char fresh[sizeof at->temporary];
+    const int old = openat(at->folder, at->base, O_RDONLY | O_DIRECTORY | O_CLOEXEC | O_NOFOLLOW);
+    int number = old < 0 ? errno : EEXIST;
     memcpy(fresh, at->temporary, sizeof fresh);
-    int number = EEXIST;
+    if (old >= 0)
+        file_lock(old, false); /* or it would be taken for a stray */
     for (int i = 0; i < NAME_ATTEMPTS && (number == EEXIST || number == ENOTEMPTY); i++)
-        number = writer_invent_name(at) ? move(at, at->base, at->temporary, 0) : errno;
+        number = stray_name(at->temporary, at->base, STRAY_OLD)
+                     ? move(at, at->base, at->temporary, 0)
+                     : errno;
     if (number == 0 && (number = move(at, fresh, at->base, 0)) != 0)
         move(at, at->temporary, at->base, 0);
     if (number != 0)
         memcpy(at->temporary, fresh, sizeof fresh);
+    if (old >= 0)
+        close(old);
     return number;
 }
 

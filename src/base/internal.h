@@ -31,10 +31,17 @@ bool writer_open_folder(struct writer *writer, bool confine, struct error *error
 /* Is the name free, or a regular file that force may replace? *mode: the permissions it has, 0 for
  * a new file. */
 bool writer_allows(const struct writer *writer, mode_t *mode, struct error *error);
-/* A hidden name beside the target that says what it is, should a killed program leave it behind. */
-bool writer_invent_name(struct writer *writer);
 /* All of it to writer->fd; a failure is remembered. */
 void writer_write(struct writer *writer, struct text text);
 int file_synced(int fd); /* 0 or an errno */
+
+/* ---- hidden names beside the target (strays.c) ---- */
+
+/* What was opened under that name is locked, and still has it. */
+bool stray_is_held(int folder, const char *name, int fd);
+/* Removes what killed programs left in a folder. */
+void strays_sweep(int folder);
+/* Regular files whose names are `own` go. */
+void folder_empty(int fd, folder_owns *own);
 
 #endif

@@ -14,7 +14,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/random.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -81,9 +80,11 @@ bool writer_open_folder(struct writer *writer, bool confine, struct error *error
     free(name);
     if (writer->folder < 0)
         return writer_refuse(writer, error, system_message(number));
-    return !confine || folder_is_below_here(writer->folder) ||
-           writer_refuse(writer, error,
-                         "it is outside the current directory, where --safe keeps all files");
+    if (confine && !folder_is_below_here(writer->folder))
+        return writer_refuse(writer, error,
+                             "it is outside the current directory, where --safe keeps all files");
+    strays_sweep(writer->folder);
+    return true;
 }
 
 bool writer_allows(const struct writer *writer, mode_t *mode, struct error *error)
@@ -107,16 +108,6 @@ bool writer_allows(const struct writer *writer, mode_t *mode, struct error *erro
     return writer->force || writer_refuse_existing(writer, error);
 }
 
-bool writer_invent_name(struct writer *writer)
-{
-    uint32_t random;
-    if (getrandom(&random, sizeof random, 0) != (ssize_t)sizeof random)
-        return false;
-    snprintf(writer->temporary, sizeof writer->temporary, ".%.40s.hooke-%08x", writer->base,
-             random);
-    return true;
-}
-
 static void proc_name(const struct writer *writer, char out[32])
 {
     snprintf(out, 32, "/proc/self/fd/%d", writer->fd);
@@ -129,19 +120,24 @@ static bool open_temporary(struct writer *writer)
     writer->fd = openat(writer->folder, ".", O_TMPFILE | O_WRONLY | O_CLOEXEC, 0666);
     if (writer->fd >= 0) {
         proc_name(writer, proc);
+        file_lock(writer->fd, false);
         if (access(proc, F_OK) == 0)
             return true;
         close(writer->fd);
     } else if (errno != EOPNOTSUPP && errno != EISDIR && errno != EINVAL) {
         return false;
     }
-    for (int i = 0; i < NAME_ATTEMPTS && writer_invent_name(writer); i++) {
+    for (int i = 0; i < NAME_ATTEMPTS && stray_name(writer->temporary, writer->base, STRAY_NEW);
+         i++) {
         writer->fd = openat(writer->folder, writer->temporary,
                             O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC | O_NOFOLLOW, 0666);
-        if (writer->fd >= 0)
+        if (writer->fd >= 0 && stray_is_held(writer->folder, writer->temporary, writer->fd))
             return true;
-        if (errno != EEXIST)
+        if (writer->fd >= 0)
+            close(writer->fd);
+        else if (errno != EEXIST)
             break;
+        writer->fd = -1;
     }
     writer->temporary[0] = '\0';
     return false;
@@ -244,7 +240,9 @@ static int link_temporary(struct writer *writer)
 {
     int number = EEXIST;
     for (int i = 0; i < NAME_ATTEMPTS && number == EEXIST; i++)
-        number = writer_invent_name(writer) ? link_unnamed(writer, writer->temporary) : errno;
+        number = stray_name(writer->temporary, writer->base, STRAY_NEW)
+                     ? link_unnamed(writer, writer->temporary)
+                     : errno;
     if (number != 0)
         writer->temporary[0] = '\0';
     return number;

@@ -133,10 +133,11 @@ static void compact(struct autosave *autosave)
     struct stored stored = {0};
     struct buffer path = {0};
     struct error ignored;
+    char hidden[STRAY_NAME_SIZE];
     const char *name = strrchr(autosave->path, '/') + 1;
-    buffer_format(&path, "%.*s.%s.hooke-%ld", (int)(name - autosave->path), autosave->path, name,
-                  (long)getpid());
-    int fd = path.failed ? -1 : create(path.data);
+    const bool named = stray_name(hidden, name, STRAY_NEW);
+    buffer_format(&path, "%.*s%s", (int)(name - autosave->path), autosave->path, hidden);
+    int fd = !named || path.failed ? -1 : create(path.data);
     const struct store_sink to = {&fd, sink};
     if (fd >= 0 && put(fd, TEXT(STORE_HEADER), &ignored) &&
         session_store(autosave->session, &stored, &to, &ignored) && fdatasync(fd) == 0 &&
@@ -162,7 +163,8 @@ static void clear_away(void)
     char *folder = state_path("", true);
     if (!folder)
         return;
-    struct saved_list list = saved_list(folder, true);
+    strays_sweep_path(folder);
+    struct saved_list list = saved_list(folder);
     for (int i = AUTOSAVE_KEPT; i < list.count; i++) {
         struct buffer path = {0};
         buffer_format(&path, "%s%s", folder, list.item[i].name);

@@ -24,8 +24,6 @@
 #include <time.h>
 #include <unistd.h>
 
-#define STALE_SECONDS 60 /* a temporary file of this age belongs to nobody */
-
 /* [byte] of a session file that are read: its rows, and what is left of earlier ones */
 #define SAVED_BYTES ((size_t)2 << 30)
 
@@ -80,17 +78,8 @@ static int by_time(const void *a, const void *b)
     return x->time != y->time ? (x->time < y->time ? 1 : -1) : strcmp(y->name, x->name);
 }
 
-/* What a writer leaves behind that was killed between naming its temporary file and putting it in
- * place. */
-static bool is_stale_temporary(const char *name, const struct stat *status)
-{
-    return (strncmp(name, "." AUTOSAVE_PREFIX, sizeof AUTOSAVE_PREFIX) == 0 ||
-            strncmp(name, ".history.", 9) == 0) &&
-           strstr(name, ".hooke-") && time(NULL) - status->st_mtime > STALE_SECONDS;
-}
-
-/* Caller frees item. sweep: stale temporaries are removed on the way. */
-struct saved_list saved_list(const char *folder, bool sweep)
+/* Caller frees item. */
+struct saved_list saved_list(const char *folder)
 {
     struct saved_list list = {0};
     DIR *directory = opendir(folder);
@@ -100,9 +89,6 @@ struct saved_list saved_list(const char *folder, bool sweep)
         if (fstatat(dirfd(directory), entry->d_name, &status, AT_SYMLINK_NOFOLLOW) != 0 ||
             !S_ISREG(status.st_mode)) {
             continue;
-        }
-        if (sweep && is_stale_temporary(entry->d_name, &status)) {
-            unlinkat(dirfd(directory), entry->d_name, 0);
         }
         struct autosaved *more = read_name(dirfd(directory), entry->d_name, &saved)
                                      ? realloc(list.item, (size_t)(list.count + 1) * sizeof *more)
@@ -181,7 +167,7 @@ static bool is_named(const struct autosaved *saved, const char *name)
 
 static char *choose_saved(const char *folder, const char *name, struct error *error)
 {
-    struct saved_list list = saved_list(folder, false);
+    struct saved_list list = saved_list(folder);
     const struct autosaved *found = NULL;
     for (int i = 0; i < list.count && !found; i++)
         if (name ? is_named(&list.item[i], name) : !list.item[i].living)

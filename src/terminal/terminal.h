@@ -230,8 +230,8 @@ struct saved_list {
     int count;
 };
 
-/* Caller frees item. sweep: stale temporaries are removed on the way. */
-struct saved_list saved_list(const char *folder, bool sweep);
+/* Caller frees item. */
+struct saved_list saved_list(const char *folder);
 /* So that others see that this session lives; false: the file system cannot say so. */
 bool saved_lock(int fd);
 

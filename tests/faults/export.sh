@@ -78,10 +78,10 @@ examine() { # what happened, status, existed
     [ "$2" -eq 0 ] && [ "$state" != new ] && lies+="$1 "
     if [ "$3" = no ]; then
         local left
-        left=$(find . -maxdepth 1 -name '.*hooke*' | head -1)
+        left=$(find . -maxdepth 1 -name '.hooke-*' | head -1)
         [ -n "$left" ] && strays+="$1:$left "
     fi
-    rm -f .*.hooke-* new.csv
+    rm -f .hooke-* new.csv
 }
 
 for existed in yes no; do

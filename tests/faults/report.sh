@@ -93,8 +93,8 @@ for call in mkdirat write fsync renameat2 close; do
             tries=$((tries + 1))
             if [ -e new ] && ! diff -r expected new >/dev/null; then torn+="$call#$at:$fault "; fi
             [ "$status" -eq 0 ] && [ ! -e new ] && lies+="$call#$at:$fault "
-            [ "$fault" != signal=KILL ] && ls -d .new.hooke-* >/dev/null 2>&1 && strays+="$call#$at:$fault "
-            rm -rf new .new.hooke-*
+            [ "$fault" != signal=KILL ] && ls -d .hooke-* >/dev/null 2>&1 && strays+="$call#$at:$fault "
+            rm -rf new .hooke-*
         done
     done
 done

@@ -265,31 +265,43 @@ static bool find_bytes(const struct reader *reader, uint64_t sum, struct text *c
     return false;
 }
 
-/* The bytes in a file of the same name, in a folder of its own. */
-static char *put_file(struct text path, struct text content, struct buffer *folder)
+static bool any_name(const char *name)
 {
+    (void)name;
+    return true;
+}
+
+/* The bytes in a file of the same name, in a folder of its own. Caller frees; NULL: no room. */
+static char *put_file(struct text path, struct text content, struct folder *folder)
+{
+    const struct write_policy policy = {.force = true, .secret = true};
     const char *temporary = getenv("TMPDIR");
-    struct buffer name = {0};
-    struct writer writer;
+    struct buffer at = {0}, name = {0};
     struct error ignored;
-    size_t at = path.len;
-    while (at > 0 && path.at[at - 1] != '/')
-        at--;
-    buffer_format(folder, "%s/hooke-XXXXXX", temporary && *temporary ? temporary : "/tmp");
-    if (folder->failed || !mkdtemp(folder->data))
-        return NULL;
-    buffer_format(&name, "%s/%.*s", folder->data, (int)(path.len - at), path.at + at);
-    bool ok = !name.failed &&
-              writer_open(&writer, name.data, (struct write_policy){.force = false}, &ignored);
-    if (ok) {
-        writer_put(&writer, content);
-        ok = writer_commit(&writer, &ignored);
+    size_t begin = path.len;
+    while (begin > 0 && path.at[begin - 1] != '/')
+        begin--;
+    buffer_format(&at, "%s/hooke-%ld", temporary && *temporary ? temporary : "/tmp",
+                  (long)getpid());
+    buffer_put(&name, (struct text){path.at + begin, path.len - begin});
+    bool ok =
+        !at.failed && !name.failed && folder_open(folder, at.data, policy, any_name, &ignored);
+    if (ok && !folder_put(folder, name.data, content, &ignored)) {
+        folder_abandon(folder);
+        ok = false;
     }
-    if (!ok) {
-        rmdir(folder->data);
-        buffer_free(&name);
-    }
-    return name.data;
+    const size_t up_to = ok ? (size_t)(folder->at.base - folder->at.path) : 0;
+    buffer_clear(&at);
+    if (ok)
+        buffer_format(&at, "%.*s%s/%s", (int)up_to, folder->at.path, folder->at.temporary,
+                      name.data);
+    buffer_free(&name);
+    if (ok && !at.failed)
+        return at.data;
+    if (ok)
+        folder_abandon(folder);
+    buffer_free(&at);
+    return NULL;
 }
 
 static bool load(struct reader *reader, struct text path, struct text options, struct error *error)
@@ -310,7 +322,7 @@ static bool load(struct reader *reader, struct text path, struct text options, s
 static bool load_kept(struct reader *reader, struct text in, struct text path, struct error *error)
 {
     struct text options, content, name;
-    struct buffer folder = {0};
+    struct folder folder;
     uint64_t sum = 0;
     if (!field_find(in, "options", &options) || !field_find(in, "name", &name))
         return error_set(error, ERROR_IO, "it is damaged");
@@ -325,12 +337,9 @@ static bool load_kept(struct reader *reader, struct text in, struct text path, s
     char *file = put_file(path, content, &folder);
     bool ok = file ? load(reader, text_of(file), options, error)
                    : error_set(error, ERROR_IO, "there is no room for it in the folder TMPDIR");
-    if (file) {
-        unlink(file);
-        rmdir(folder.data);
-    }
+    if (file)
+        folder_abandon(&folder);
     free(file);
-    buffer_free(&folder);
     if (!ok)
         return false;
     struct recording_slot *slot = reader->session->recording[reader->session->recordings - 1];

@@ -227,8 +227,11 @@ static void test_old_ones_go(void **state)
     }
     snprintf(living, sizeof living, "session-20200101-000000-%ld.hk", (long)getpid());
     plant(living, "m = 1 kg\n", 5000);
-    plant(".session-20200101-000000-1.hk.hooke-0badcafe", "m", 5000);
-    plant(".session-20200101-000001-1.hk.hooke-0badcaff", "m", 0); /* being written */
+    plant(".hooke-0badcafe.session-20200101-000000-1.hks", "m", 0);
+    plant(".hooke-0badcaff.session-20200101-000001-1.hks", "m", 5000);
+    folder_path(name, ".hooke-0badcaff.session-20200101-000001-1.hks");
+    const int fd = open(name, O_RDWR);
+    assert_true(fd >= 0 && saved_lock(fd)); /* being written */
     plant("session-notes.hk", "mine", 5000);
     struct person p;
     begin(&p, (struct start){0});
@@ -237,8 +240,9 @@ static void test_old_ones_go(void **state)
     assert_true(is_there("session-20200101-000004-41943044.hk"));
     assert_false(is_there("session-20200101-000005-41943045.hk"));
     assert_true(is_there(living));
-    assert_false(is_there(".session-20200101-000000-1.hk.hooke-0badcafe"));
-    assert_true(is_there(".session-20200101-000001-1.hk.hooke-0badcaff"));
+    assert_false(is_there(".hooke-0badcafe.session-20200101-000000-1.hks"));
+    assert_true(is_there(".hooke-0badcaff.session-20200101-000001-1.hks"));
+    close(fd);
     assert_true(is_there("session-notes.hk"));
     assert_int_equal(count_saved(name), 5 + 1 + 1);
 }

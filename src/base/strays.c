@@ -1,0 +1,121 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * What a killed program leaves behind: files and folders under their hidden names, which begin all
+ * alike. Each is locked while somebody writes it, so that what can be locked belongs to nobody: a
+ * process number would say nothing after a reboot or in a container. Where a file system knows no
+ * locks, nothing is removed.
+ */
+#define _GNU_SOURCE /* F_OFD_GETLK, renameat2 */
+#include <hooke/base.h>
+#include "base/internal.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/random.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#define PREFIX ".hooke-"
+#define PREFIX_LEN (sizeof PREFIX - 1)
+#define DIGITS 8
+#define MARK (PREFIX_LEN + DIGITS) /* where it stands; the name that is meant follows */
+
+bool stray_name(char name[STRAY_NAME_SIZE], const char *base, char mark)
+{
+    uint32_t random;
+    if (getrandom(&random, sizeof random, 0) != (ssize_t)sizeof random)
+        return false;
+    snprintf(name, STRAY_NAME_SIZE, PREFIX "%08x%c%.*s", random, mark,
+             (int)(STRAY_NAME_SIZE - MARK - 2), base);
+    return true;
+}
+
+static bool is_hidden_name(const char *name)
+{
+    return strncmp(name, PREFIX, PREFIX_LEN) == 0 &&
+           strspn(name + PREFIX_LEN, "0123456789abcdef") == DIGITS &&
+           (name[MARK] == STRAY_NEW || name[MARK] == STRAY_OLD) && name[MARK + 1] != '\0';
+}
+
+enum { NAME_LOST, NAME_KEPT, NAME_UNKNOWN };
+
+static int name_of(int folder, const char *name, int fd)
+{
+    struct stat mine, there;
+    if (fstat(fd, &mine) != 0)
+        return NAME_UNKNOWN;
+    if (fstatat(folder, name, &there, AT_SYMLINK_NOFOLLOW) != 0)
+        return errno == ENOENT ? NAME_LOST : NAME_UNKNOWN;
+    return mine.st_dev == there.st_dev && mine.st_ino == there.st_ino ? NAME_KEPT : NAME_LOST;
+}
+
+bool stray_is_held(int folder, const char *name, int fd)
+{
+    if (!file_lock(fd, false) && errno == EWOULDBLOCK) /* it is being removed */
+        return false;
+    return name_of(folder, name, fd) != NAME_LOST;
+}
+
+/* Nobody writes it: locked by this program now, of which there is only this one way to it. */
+static bool is_abandoned(int folder, const char *name, int fd)
+{
+    struct flock lock = {.l_type = F_WRLCK, .l_whence = SEEK_SET};
+    return file_lock(fd, false) && name_of(folder, name, fd) == NAME_KEPT &&
+           (fcntl(fd, F_OFD_GETLK, &lock) != 0 || lock.l_type == F_UNLCK);
+}
+
+static bool any_name(const char *name)
+{
+    (void)name;
+    return true;
+}
+
+static void sweep_name(int folder, const char *name)
+{
+    struct stat st;
+    if (fstatat(folder, name, &st, AT_SYMLINK_NOFOLLOW) != 0 || st.st_uid != geteuid() ||
+        !(S_ISREG(st.st_mode) || S_ISDIR(st.st_mode)))
+        return;
+    const bool is_folder = S_ISDIR(st.st_mode);
+    const int fd =
+        openat(folder, name,
+               (is_folder ? O_RDONLY | O_DIRECTORY : O_RDWR | O_NONBLOCK) | O_NOFOLLOW | O_CLOEXEC);
+    if (fd < 0)
+        return;
+    if (is_abandoned(folder, name, fd)) {
+        /* One that had to make room for a new one that never came goes back. */
+        const bool back = is_folder && name[MARK] == STRAY_OLD &&
+                          fstatat(folder, name + MARK + 1, &st, AT_SYMLINK_NOFOLLOW) != 0 &&
+                          renameat(folder, name, folder, name + MARK + 1) == 0;
+        if (is_folder && !back)
+            folder_empty(fd, any_name);
+        if (!back)
+            unlinkat(folder, name, is_folder ? AT_REMOVEDIR : 0);
+    }
+    close(fd);
+}
+
+void strays_sweep(int folder)
+{
+    const int again = openat(folder, ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    DIR *list = again < 0 ? NULL : fdopendir(again);
+    for (struct dirent *entry; list && (entry = readdir(list));)
+        if (is_hidden_name(entry->d_name))
+            sweep_name(folder, entry->d_name);
+    if (list)
+        closedir(list);
+    else if (again >= 0)
+        close(again);
+}
+
+void strays_sweep_path(const char *path)
+{
+    const int folder = open(path, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (folder >= 0) {
+        strays_sweep(folder);
+        close(folder);
+    }
+}
