@@ -287,15 +287,15 @@ struct session {
     bool confirmed;    /* the present statement was asked about, and allowed */
     char *record_path; /* file that executed lines are appended to, NULL: none */
     int record_fd;
-    bool keep_going;  /* option -k */
-    bool verbose;     /* option -v: lines of scripts are shown before they are executed */
-    bool safe;        /* option --safe: write only below the current directory */
-    bool checking;    /* a hand-in is run again: nothing is written */
-    bool quit;        /* the user asked to leave */
-    int status;       /* exit status so far */
-    uint64_t changes; /* counts changes: autosave compares it */
-    bool typed;       /* the statement being executed was typed by a person */
-    int nesting;      /* command_exec inside command_exec */
+    bool keep_going;      /* option -k */
+    bool verbose;         /* option -v: lines of scripts are shown before they are executed */
+    bool safe;            /* option --safe: write only below the current directory */
+    const char *checking; /* the folder of a hand-in that is run again: nothing is written; NULL */
+    bool quit;            /* the user asked to leave */
+    int status;           /* exit status so far */
+    uint64_t changes;     /* counts changes: autosave compares it */
+    bool typed;           /* the statement being executed was typed by a person */
+    int nesting;          /* command_exec inside command_exec */
     /* a run was paused: what stands after it on the line and in the file is not executed */
     bool halted;
     bool reacting;  /* commands of an event are executed: part of the statement that ran into it */

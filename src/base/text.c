@@ -29,6 +29,14 @@ static bool is_blank(char c)
     return c == ' ' || c == '\t' || c == '\r';
 }
 
+struct text text_last_component(struct text path)
+{
+    size_t at = path.len;
+    while (at > 0 && path.at[at - 1] != '/')
+        at--;
+    return (struct text){path.at + at, path.len - at};
+}
+
 struct text text_trim(struct text a)
 {
     while (a.len > 0 && is_blank(a.at[a.len - 1]))

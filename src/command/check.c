@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A hand-in, the folder of `report`, against what its session.hk gives when it is run again. */
 #define _GNU_SOURCE /* memmem */
+#include "command/handed_in.h"
 #include "command/internal.h"
 
 #include <hooke/report/lab.h>
@@ -160,6 +161,29 @@ static void compare_values(struct check *check, struct text handed_text, struct 
 
 /* ---- what is read ---- */
 
+/* The recording that was taken from the folder, since its own file is not here; NULL: it is. */
+static const struct recording *moved(const struct session *session, int index)
+{
+    const struct recording *recording = session->recording[index]->recording;
+    return strcmp(recording->format, HANDED_IN) == 0 ? recording : NULL;
+}
+
+/* What is said of such a file: rows, separator. */
+static bool is_of_moved(const struct session *session, struct text line)
+{
+    for (int i = 0; i < session->recordings; i++) {
+        struct buffer about = {0};
+        if (moved(session, i))
+            recording_describe(moved(session, i), &about);
+        const char *end = strchr(buffer_view(&about), ',');
+        const bool found = end && memmem(line.at, line.len, about.data, (size_t)(end - about.data));
+        buffer_free(&about);
+        if (found)
+            return true;
+    }
+    return false;
+}
+
 static bool has_line(struct text text, struct text wanted)
 {
     struct text line;
@@ -180,7 +204,8 @@ static void compare_lines(struct check *check, const char *file, struct text han
         bool digit = false;
         for (size_t i = 0; i < line.len; i++)
             digit |= line.at[i] >= '0' && line.at[i] <= '9';
-        if (digit && line.at[0] != '#' && !text_starts(line, TEXT("<h")) && !has_line(handed, line))
+        if (digit && line.at[0] != '#' && !text_starts(line, TEXT("<h")) &&
+            !has_line(handed, line) && !is_of_moved(check->report.session, line))
             differs(check, file, "this line is not there", line);
     }
 }
@@ -278,7 +303,8 @@ static bool run_again(struct check *check, struct session *session)
     } else {
         const bool fails = memmem(script.data, script.len, "hooke --keep-going", 18) != NULL;
         reply_init(&silent, (struct sink){drop, keep_error, check});
-        session->checking = session->keep_going = true;
+        session->checking = check->folder;
+        session->keep_going = true;
         script_file(session, buffer_view(&path), NULL, &silent);
         reply_free(&silent);
         if (fails)
@@ -295,6 +321,15 @@ static void conclude(struct check *check)
     struct reply *reply = check->reply;
     struct buffer safe = {0}, verdict = {0};
     const int n = check->differences;
+    const struct session *session = check->report.session;
+    int taken = 0;
+    for (int i = 0; i < session->recordings; i++) {
+        if (!moved(session, i))
+            continue;
+        taken++;
+        reply_line(reply, "%s: its file is not here; the part in use, recording-%d.csv, was taken",
+                   session->recording[i]->recording->name, i + 1);
+    }
     safe_text(&safe, text_of(check->folder), false);
     if (n > 0)
         buffer_format(&verdict, "%d difference%s from what session.hk gives", n, n == 1 ? "" : "s");
@@ -308,6 +343,7 @@ static void conclude(struct check *check)
     reply_int(reply, "values", check->values);
     reply_int(reply, "figures", check->figures);
     reply_int(reply, "files", check->files);
+    reply_int(reply, "moved", taken);
     reply_end(reply);
     buffer_free(&safe);
     buffer_free(&verdict);

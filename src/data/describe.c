@@ -35,13 +35,7 @@ static void put_columns(struct buffer *text, const struct recording *recording)
 
 void recording_describe(const struct recording *recording, struct buffer *text)
 {
-    struct text path = text_of(recording->path);
-    for (size_t i = path.len; i-- > 0;)
-        if (path.at[i] == '/') {
-            path = (struct text){path.at + i + 1, path.len - i - 1};
-            break;
-        }
-    safe_text(text, path, false);
+    safe_text(text, text_last_component(text_of(recording->path)), false);
     buffer_put(text, TEXT(": "));
     if (recording->container)
         buffer_format(text, "%s, ", recording->container);

@@ -70,14 +70,6 @@ static const struct format *probe(const struct table_text *text)
     return best;
 }
 
-static struct text last_component(struct text path)
-{
-    size_t at = path.len;
-    while (at > 0 && path.at[at - 1] != '/')
-        at--;
-    return (struct text){path.at + at, path.len - at};
-}
-
 /* A word that can be typed: the file's name without its suffix, other characters than letters and
  * digits as '-'. */
 static void name_recording(struct recording *recording, struct text file)
@@ -201,7 +193,7 @@ static bool load(const char *path, const struct load_options *options, struct re
 {
     struct contents contents = {0};
     char shown[SHORT_NAME];
-    struct text file = last_component(text_of(path));
+    struct text file = text_last_component(text_of(path));
     short_name(file, shown);
     bool done = contents_read(path, shown, options, &contents, error);
     if (done) {

@@ -269,7 +269,7 @@ void session_trace(struct session *session, const struct scene *before, size_t s
 struct write_policy session_policy(const struct session *session, bool force)
 {
     return (struct write_policy){
-        .force = force, .confine = session->safe, .refuse = session->checking};
+        .force = force, .confine = session->safe, .refuse = session->checking != NULL};
 }
 
 double session_first_step(const struct session *session)

@@ -91,8 +91,18 @@ ok "no session: exit status 2" $?
 checks nowhere 2
 ok "no folder: exit status 2" $?
 (mkdir away && cd away && "$hooke" -n --check ../good >../out 2>&1)
+[ $? -eq 0 ] && grep -q '^bare: its file is not here; the part in use, recording-1.csv' out && grep -q 'they agree' out
+ok "where the recording is not, that of the hand-in is taken" $?
+changed
+rm bad/recording-1.csv
+(cd away && "$hooke" -n --check ../bad >../out 2>&1)
 [ $? -eq 1 ] && grep -q 'session.hk: it ends in an error: .*bare.txt' out
-ok "where the recording is not it says so" $?
+ok "where it has none it says so" $?
+changed
+awk -F, -v OFS=, '/^[0-9]/ {$1 *= 1.01} {print}' good/recording-1.csv >bad/recording-1.csv
+(cd away && "$hooke" -n --check ../bad >../out 2>&1)
+[ $? -eq 1 ] && grep -q 'values.csv: a value: period of data bare' out
+ok "one that was changed gives other values" $?
 cp bare.txt good && (cd away && "$hooke" -n --check ../good >../out 2>&1)
 ok "a recording beside session.hk is found" $?
 changed

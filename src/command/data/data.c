@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* load, data */
 #ifndef COMMAND_ROWS
+#include "command/handed_in.h"
 #include "command/internal.h"
 
 #include <math.h>
@@ -273,6 +274,8 @@ HANDLER(load)
             return ok;
     }
     struct recording *recording = path ? recording_load(path, &options, error) : NULL;
+    if (!recording && path && session->checking && error->code == ERROR_IO)
+        recording = recording_handed_in(session->checking, path, &options);
     if (!recording) {
         if (!path)
             return error_memory(error);
