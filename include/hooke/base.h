@@ -37,7 +37,7 @@ struct text text_of(const char *z); /* NULL gives the empty text */
 bool text_equal(struct text a, struct text b);
 bool text_is(struct text a, const char *z);
 bool text_starts(struct text a, struct text prefix);
-struct text text_trim(struct text a); /* without blanks, tabs, CR at both ends */
+struct text text_trim(struct text a);              /* without blanks, tabs, CR at both ends */
 struct text text_last_component(struct text path); /* behind the last / */
 /* cuts the head off; false: nothing left */
 bool text_split(struct text *rest, char separator, struct text *head);

@@ -54,6 +54,9 @@ static struct recording *take(const char *file, const char *path,
             (options->name.len == 0 || text_equal(name, options->name)))
             recording = recording_load(file, &own, &error);
         if (recording) {
+            /* times that were smoothed once already */
+            if (table.rows == recording->rows && table.columns > 0 && table.column[0].value)
+                memcpy(recording->t, table.column[0].value, table.rows * sizeof *recording->t);
             undo_export(recording, zero);
             recording->path = arena_text(&recording->arena, text_of(path));
             snprintf(recording->format, sizeof recording->format, HANDED_IN);

@@ -91,7 +91,7 @@ ok "no session: exit status 2" $?
 checks nowhere 2
 ok "no folder: exit status 2" $?
 (mkdir away && cd away && "$hooke" -n --check ../good >../out 2>&1)
-[ $? -eq 0 ] && grep -q '^bare: its file is not here; the part in use, recording-1.csv' out && grep -q 'they agree' out
+[ $? -eq 0 ] && grep -q '^bare: its file is not here; recording-1.csv was taken' out && grep -q 'they agree' out
 ok "where the recording is not, that of the hand-in is taken" $?
 changed
 rm bad/recording-1.csv
