@@ -38,6 +38,7 @@ struct curve_reading {
     /* Of one with turns. */
     size_t turns;     /* highest and lowest places on the way */
     size_t crossings; /* of the middle between them */
+    double hole[2];   /* x: the longest time without samples where it has periods; NAN: none */
     size_t periods;   /* between crossings of the same direction: so many were averaged, */
     double period;    /* each; NAN: irregular */
     double spread;    /* standard deviation of one; of the values, where they scatter */

@@ -38,6 +38,6 @@ bool drop_echoes(struct points *points, struct arena *arena)
             left[kept++] = points->at[i];
     /* where many are, it is no sensor's fault but a curve with steps */
     if (far > 0 && kept >= n - n / 20)
-        *points = (struct points){left, kept, points->noise};
+        *points = (struct points){left, kept, points->noise, points->measured};
     return true;
 }

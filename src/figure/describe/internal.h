@@ -14,7 +14,8 @@
 struct points {
     const struct curve_point *at; /* [n] */
     size_t n;
-    double noise; /* standard deviation of y, of what was measured; 0: a line */
+    double noise;  /* standard deviation of y, of what was measured; 0: a line */
+    bool measured; /* samples may be missing */
 };
 
 /* Leaves out single samples far off their neighbours; false: no memory. */
@@ -22,6 +23,10 @@ bool drop_echoes(struct points *points, struct arena *arena);
 /* Turns, crossings, period, amplitudes; over something else than time no crossings. */
 bool read_turns(const struct points *points, bool timed, struct arena *arena,
                 struct curve_reading *reading);
+/* As the axes show numbers: with their factor and unit. range: of the axis, beside which a value
+ * may be nothing; NULL: none. */
+void figure_number(double value, struct buffer *out); /* four digits */
+void figure_value(const struct axis *axis, double value, const double *range, struct buffer *out);
 /* Around what, how often, how far from there. half: of what the curve spans, by which both
  * directions are measured; equal: by the same. */
 void read_winding(const struct points *points, bool equal, struct curve_reading *reading);

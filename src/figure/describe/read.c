@@ -7,7 +7,7 @@
 
 #include <stdlib.h>
 
-#define STEADY 1e-13    /* of its size: rounding */
+#define STEADY 1e-9     /* of its size: rounding, of many steps */
 #define HUGE_SIZE 1e150 /* sums of squares of more may overflow: ends and extremes only */
 #define LINE 0.05       /* how far a logarithm may be off its line, of what it changes by */
 
@@ -84,6 +84,7 @@ static void find_noise(const struct curve *curve, struct arena *arena, struct po
     const struct series series = {t, y, points->n, QUANTITY_OTHER, NULL};
     const double noise = series_noise(&series, arena);
     points->noise = noise > 0 ? noise : 0;
+    points->measured = true;
 }
 
 /* ---- trends ---- */
@@ -207,6 +208,7 @@ static bool read_curve(const struct figure *figure, int i, struct arena *arena,
                                       .growth = NAN,
                                       .winds = NAN,
                                       .distance = {NAN, NAN},
+                                      .hole = {NAN, NAN},
                                       .widest = {NAN, NAN}};
     if (!reading->label || !gather(figure, curve, arena, points, reading))
         return false;

@@ -4,6 +4,8 @@
 
 #include <hooke/base/numeric.h>
 
+#include <string.h>
+
 #define BACK 0.05    /* of the swing before: less is no turn */
 #define REGULAR 0.25 /* periods differ from their median by less than this part of it, */
 #define OUTLIER 5.0  /* and by less than this many robust standard deviations */
@@ -11,6 +13,8 @@
 #define SHARE 0.4    /* of the time, that has crossings: else a spike, or a start */
 #define LINE 0.05    /* how far a logarithm may be off its line, */
 #define ENDS 0.25    /* and that from end to end, of what it changes by */
+#define JUMP 0.1     /* of the swing: what a middle moves by between turns, at most */
+#define HOLE 0.5 /* of half a period without samples: what turns or crosses there is not known */
 
 struct turn {
     double x, y;
@@ -72,6 +76,16 @@ static double middle(const struct turn *turn, size_t count, size_t i)
     return 0.25 * (turn[i - 1].y + 2 * turn[i].y + turn[i + 1].y);
 }
 
+/* It does not change over from one middle to another and back, as between two wells. */
+static bool keeps_middle(const struct turn *turn, size_t count)
+{
+    size_t jumps = 0;
+    for (size_t i = 0; i + 1 < count; i++)
+        jumps += fabs(middle(turn, count, i + 1) - middle(turn, count, i)) >
+                 JUMP * fabs(turn[i + 1].y - turn[i].y);
+    return (double)jumps <= (1 - MOST) * (double)count;
+}
+
 /* x where the curve crosses the level between two points; NAN: nowhere. From both ends, since noise
  * crosses it several times. */
 static double crossing(const struct points *p, size_t from, size_t to, double level)
@@ -92,18 +106,59 @@ static double crossing(const struct points *p, size_t from, size_t to, double le
     return sum;
 }
 
-/* at: ascending crossings; those two further on have the same direction. extent: of the curve. */
-static bool read_period(const double *at, size_t crossings, double extent, struct arena *arena,
-                        struct curve_reading *reading)
+/* Samples are missing between two places. */
+static bool has_hole(const struct points *p, double from, double to, double least)
 {
-    const size_t count = crossings < 3 ? 0 : crossings - 2;
-    double *length = arena_array(arena, count + 1, sizeof *length),
-           *off = arena_array(arena, count + 1, sizeof *off), sum = 0, square = 0;
-    size_t used = 0;
+    size_t low = 0, high = p->n;
+    if (!(least < HUGE_VAL))
+        return false;
+    while (high - low > 1) {
+        const size_t i = low + (high - low) / 2;
+        *(p->at[i].x <= from ? &low : &high) = i;
+    }
+    for (size_t i = low + 1; i < p->n && p->at[i - 1].x < to; i++)
+        if (p->at[i].x - p->at[i - 1].x > least)
+            return true;
+    return false;
+}
+
+/* Of what was measured: how long no sample is missing for; what turned or crossed within longer
+ * than that is left out. */
+static bool find_holes(const struct points *p, const double *at, size_t crossings,
+                       struct arena *arena, double *least, struct curve_reading *reading)
+{
+    double *apart = arena_array(arena, crossings + 1, sizeof *apart), longest = 0;
+    *least = HUGE_VAL;
+    if (!apart || !p->measured || crossings < 3)
+        return apart;
+    for (size_t i = 0; i + 1 < crossings; i++)
+        apart[i] = at[i + 1] - at[i];
+    *least = HOLE * quantile(apart, crossings - 1, 0.5);
+    for (size_t i = 1; i < p->n; i++)
+        if (p->at[i].x - p->at[i - 1].x > fmax(*least, longest)) {
+            longest = p->at[i].x - p->at[i - 1].x;
+            reading->hole[0] = p->at[i - 1].x;
+            reading->hole[1] = p->at[i].x;
+        }
+    return true;
+}
+
+/* at: ascending crossings; those two further on have the same direction. */
+static bool read_period(const struct points *p, const double *at, size_t crossings, double least,
+                        struct arena *arena, struct curve_reading *reading)
+{
+    const size_t most = crossings < 3 ? 0 : crossings - 2;
+    const double extent = p->at[p->n - 1].x - p->at[0].x;
+    double *length = arena_array(arena, most + 1, sizeof *length),
+           *off = arena_array(arena, most + 1, sizeof *off), sum = 0, square = 0;
+    size_t used = 0, count = 0;
     if (!length || !off)
         return false;
-    for (size_t i = 0; i < count; i++)
-        length[i] = at[i + 2] - at[i];
+    for (size_t i = 0; i < most; i++)
+        if (!has_hole(p, at[i], at[i + 2], least))
+            length[count++] = at[i + 2] - at[i];
+    if (count == 0)
+        return true;
     const double median = quantile(length, count, 0.5);
     for (size_t i = 0; i < count; i++)
         off[i] = fabs(length[i] - median);
@@ -126,15 +181,25 @@ static bool read_period(const double *at, size_t crossings, double extent, struc
     return true;
 }
 
+/* A swing that is seen whole: with the samples on both sides of its turns. */
+static bool is_whole(const struct points *p, const struct turn *turn, double least)
+{
+    const size_t from = turn[0].index, to = turn[1].index;
+    return !has_hole(p, p->at[from ? from - 1 : 0].x, p->at[to + 1 < p->n ? to + 1 : to].x, least);
+}
+
 /* Half the swings between turns: first and last, and the slope of their logarithm. */
-static void read_amplitudes(const struct turn *turn, size_t count, struct curve_reading *reading)
+static void read_amplitudes(const struct points *p, const struct turn *turn, size_t count,
+                            double least, struct curve_reading *reading)
 {
     const size_t swings = count - 1;
     double n = 0, sx = 0, sy = 0, sxx = 0, sxy = 0, far = 0;
     for (size_t i = 0; i < swings; i++) {
         const double amplitude = 0.5 * fabs(turn[i + 1].y - turn[i].y),
                      x = 0.5 * (turn[i].x + turn[i + 1].x) - turn[0].x;
-        if (i == 0)
+        if (!is_whole(p, &turn[i], least))
+            continue;
+        if (isnan(reading->amplitude[0]))
             reading->amplitude[0] = amplitude;
         reading->amplitude[1] = amplitude;
         n++;
@@ -145,12 +210,13 @@ static void read_amplitudes(const struct turn *turn, size_t count, struct curve_
     }
     reading->level[0] = middle(turn, count, 0);
     reading->level[1] = middle(turn, count, count - 1);
-    if (swings < 2)
+    if (n < 2)
         return;
     const double slope = (n * sxy - sx * sy) / (n * sxx - sx * sx), at = (sy - slope * sx) / n;
     for (size_t i = 0; i < swings; i++) {
         const double x = 0.5 * (turn[i].x + turn[i + 1].x) - turn[0].x;
-        far = fmax(far, fabs(log(0.5 * fabs(turn[i + 1].y - turn[i].y)) - at - slope * x));
+        if (is_whole(p, &turn[i], least))
+            far = fmax(far, fabs(log(0.5 * fabs(turn[i + 1].y - turn[i].y)) - at - slope * x));
     }
     /* a line of the logarithm says how something grows where it tells both ends */
     const double change = log(reading->amplitude[1] / reading->amplitude[0]),
@@ -165,13 +231,18 @@ bool read_turns(const struct points *points, bool timed, struct arena *arena,
 {
     const double least =
         fmax(NOISES * points->noise, ROUNDING * (reading->high.y - reading->low.y));
-    const size_t count = find_turns(points, least, NULL);
+    size_t count = find_turns(points, least, NULL);
     struct turn *turn = arena_array(arena, count + 1, sizeof *turn);
     double *at = arena_array(arena, count + 2, sizeof *at);
     size_t crossings = 0;
     if (!turn || !at)
         return false;
     find_turns(points, least, turn);
+    /* a ripple at the start, which only what follows shows to be one */
+    while (count > 2 && fabs(turn[1].y - turn[0].y) < BACK * fabs(turn[2].y - turn[1].y)) {
+        memmove(turn, turn + 1, (count - 1) * sizeof *turn);
+        count--;
+    }
     reading->turns = count;
     if (count < 2 || !timed)
         return true;
@@ -186,8 +257,11 @@ bool read_turns(const struct points *points, bool timed, struct arena *arena,
         if (isfinite(x))
             at[crossings++] = x;
     }
-    reading->crossings = crossings;
-    read_amplitudes(turn, count, reading);
-    return read_period(at, crossings, points->at[points->n - 1].x - points->at[0].x, arena,
-                       reading);
+    double hole;
+    if (!find_holes(points, at, crossings, arena, &hole, reading))
+        return false;
+    for (size_t i = 0; i < crossings; i++)
+        reading->crossings += !has_hole(points, at[i], at[i], hole);
+    read_amplitudes(points, turn, count, hole, reading);
+    return !keeps_middle(turn, count) || read_period(points, at, crossings, hole, arena, reading);
 }

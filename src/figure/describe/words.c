@@ -10,6 +10,7 @@
 #define NOTHING 1e-12 /* of the range: what is smaller is 0 */
 #define FLAT 1e-9     /* of its size: a range of rounding */
 #define SAME 0.005    /* amplitudes that differ by less are the same */
+#define MOVES 0.3     /* of the amplitude: a middle that goes as far is no level */
 
 /* ---- numbers as the axes show them ---- */
 
@@ -18,7 +19,7 @@ static void put_digits(double value, int digits, struct buffer *out)
     buffer_format(out, "%.*g", digits, value == 0 ? 0 : value);
 }
 
-static void put_number(double value, struct buffer *out)
+void figure_number(double value, struct buffer *out)
 {
     put_digits(value, DIGITS, out);
 }
@@ -37,9 +38,7 @@ static void put_unit(const struct axis *axis, struct buffer *out)
         buffer_format(out, " %s", axis->unit);
 }
 
-/* range: of the axis, beside which a value may be nothing; NULL: none. */
-static void put_value(const struct axis *axis, double value, const double *range,
-                      struct buffer *out)
+void figure_value(const struct axis *axis, double value, const double *range, struct buffer *out)
 {
     if (range && !axis->log && fabs(value) < NOTHING * fmax(fabs(range[0]), fabs(range[1])))
         value = 0;
@@ -59,7 +58,7 @@ static void put_range(const struct axis *axis, const double range[2], struct buf
 /* "1/s" of a rate over that axis, in the numbers that it shows. */
 static void put_rate(const struct axis *axis, double rate, struct buffer *out)
 {
-    put_number(rate * axis_factor(axis), out);
+    figure_number(rate * axis_factor(axis), out);
     if (axis->unit && *axis->unit)
         buffer_format(out, " 1/%s", axis->unit);
     else
@@ -90,9 +89,9 @@ static struct described subject_of(const struct figure_reading *reading, int i)
 
 static void put_place(const struct described *s, struct curve_point point, struct buffer *out)
 {
-    put_value(s->y, point.y, s->up, out);
+    figure_value(s->y, point.y, s->up, out);
     buffer_format(out, " at %s = ", s->x->label);
-    put_value(s->x, point.x, s->across, out);
+    figure_value(s->x, point.x, s->across, out);
 }
 
 static void put_ends(const struct described *s, struct buffer *out)
@@ -103,15 +102,15 @@ static void put_ends(const struct described *s, struct buffer *out)
         const struct curve_point *ends[] = {&c->start, &c->end};
         for (int i = 0; i < 2; i++) {
             buffer_format(out, "%s%s = ", i ? " and ends at " : "", s->x->label);
-            put_value(s->x, ends[i]->x, s->across, out);
+            figure_value(s->x, ends[i]->x, s->across, out);
             buffer_format(out, ", %s = ", s->y->label);
-            put_value(s->y, ends[i]->y, s->up, out);
+            figure_value(s->y, ends[i]->y, s->up, out);
         }
         return;
     }
-    put_value(s->y, c->start.y, s->up, out);
+    figure_value(s->y, c->start.y, s->up, out);
     buffer_put(out, TEXT(" and ends at "));
-    put_value(s->y, c->end.y, s->up, out);
+    figure_value(s->y, c->end.y, s->up, out);
 }
 
 static void put_extremes(const struct described *s, struct buffer *out)
@@ -130,16 +129,16 @@ static void put_trend(const struct described *s, struct buffer *out)
                   c->all_along ? "all along" : "on the whole");
     if (c->factor > 0 && fabs(log(c->factor)) > SAME) {
         buffer_put(out, TEXT(", by a factor of "));
-        put_number(c->factor > 1 ? c->factor : 1 / c->factor, out);
+        figure_number(c->factor > 1 ? c->factor : 1 / c->factor, out);
     }
     if (isfinite(c->power)) {
         buffer_format(out, ", as %s to the power of ", s->x->label);
-        put_number(c->power, out);
+        figure_number(c->power, out);
     } else if (isfinite(c->rate) && fabs(log(c->factor)) > SAME) {
         buffer_put(out, TEXT(", exponentially at "));
         put_rate(s->x, c->rate, out);
         buffer_put(out, c->rate > 0 ? TEXT(", doubling every ") : TEXT(", halving every "));
-        put_value(s->x, log(2) / fabs(c->rate), NULL, out);
+        figure_value(s->x, log(2) / fabs(c->rate), NULL, out);
     }
 }
 
@@ -149,7 +148,7 @@ static void put_amplitudes(const struct described *s, struct buffer *out)
     const double part = c->amplitude[1] / c->amplitude[0] - 1;
     if (fabs(part) < SAME) {
         buffer_put(out, TEXT("; its amplitude stays at "));
-        put_value(s->y, c->amplitude[0], NULL, out);
+        figure_value(s->y, c->amplitude[0], NULL, out);
         buffer_put(out, TEXT(" (the last differs from the first by "));
         put_digits(100 * part, 2, out);
         buffer_put(out, TEXT(" %)"));
@@ -157,14 +156,14 @@ static void put_amplitudes(const struct described *s, struct buffer *out)
     }
     if (fabs(c->amplitude[1] - c->amplitude[0]) < c->noise) {
         buffer_put(out, TEXT("; its amplitude, "));
-        put_value(s->y, c->amplitude[0], NULL, out);
+        figure_value(s->y, c->amplitude[0], NULL, out);
         buffer_put(out, TEXT(", changes by less than the noise"));
         return;
     }
     buffer_format(out, "; its amplitude %s from ", part > 0 ? "grows" : "shrinks");
-    put_value(s->y, c->amplitude[0], NULL, out);
+    figure_value(s->y, c->amplitude[0], NULL, out);
     buffer_put(out, TEXT(" to "));
-    put_value(s->y, c->amplitude[1], NULL, out);
+    figure_value(s->y, c->amplitude[1], NULL, out);
     if (isfinite(c->growth)) {
         buffer_put(out, TEXT(", exponentially at "));
         put_rate(s->x, c->growth, out);
@@ -174,12 +173,20 @@ static void put_amplitudes(const struct described *s, struct buffer *out)
 static void put_oscillation(const struct described *s, struct buffer *out)
 {
     const struct curve_reading *c = s->curve;
-    buffer_put(out, TEXT("oscillates about "));
-    const double level = 0.5 * (c->level[0] + c->level[1]);
-    put_value(s->y, fabs(level) < SAME * fmax(c->amplitude[0], c->amplitude[1]) ? 0 : level, s->up,
-              out);
+    const double level = 0.5 * (c->level[0] + c->level[1]),
+                 large = fmax(c->amplitude[0], c->amplitude[1]);
+    if (fabs(c->level[1] - c->level[0]) > MOVES * large) {
+        buffer_put(out, TEXT("oscillates about a middle that goes from "));
+        figure_value(s->y, c->level[0], s->up, out);
+        buffer_put(out, TEXT(" to "));
+        figure_value(s->y, c->level[1], s->up, out);
+        buffer_char(out, ',');
+    } else {
+        buffer_put(out, TEXT("oscillates about "));
+        figure_value(s->y, fabs(level) < SAME * large ? 0 : level, s->up, out);
+    }
     buffer_put(out, TEXT(" with a period of "));
-    put_value(s->x, c->period, NULL, out);
+    figure_value(s->x, c->period, NULL, out);
     if (isfinite(c->spread) && c->spread > 1e-6 * c->period) {
         buffer_put(out, TEXT(" +- "));
         put_digits(c->spread / axis_factor(s->x), 2, out);
@@ -194,28 +201,28 @@ static void put_winding(const struct described *s, struct buffer *out)
     const struct curve_reading *c = s->curve;
     const double part = c->distance[1] / c->distance[0] - 1;
     buffer_put(out, TEXT("winds "));
-    put_number(fabs(c->winds), out);
+    figure_number(fabs(c->winds), out);
     buffer_format(out, " times %s about ", c->winds > 0 ? "counterclockwise" : "clockwise");
     if (c->about_origin) {
         buffer_put(out, TEXT("the origin"));
     } else {
         buffer_format(out, "%s = ", s->x->label);
-        put_value(s->x, c->about.x, s->across, out);
+        figure_value(s->x, c->about.x, s->across, out);
         buffer_format(out, ", %s = ", s->y->label);
-        put_value(s->y, c->about.y, s->up, out);
+        figure_value(s->y, c->about.y, s->up, out);
     }
     if (!isfinite(part))
         return;
     if (fabs(part) < SAME) {
         buffer_put(out, TEXT(" and closes: its distance from there stays at "));
-        put_value(s->x, c->distance[0], NULL, out);
+        figure_value(s->x, c->distance[0], NULL, out);
         return;
     }
     buffer_format(out, " and spirals %s: its distance from there goes from ",
                   part > 0 ? "outwards" : "inwards");
-    put_value(s->x, c->distance[0], NULL, out);
+    figure_value(s->x, c->distance[0], NULL, out);
     buffer_put(out, TEXT(" to "));
-    put_value(s->x, c->distance[1], NULL, out);
+    figure_value(s->x, c->distance[1], NULL, out);
 }
 
 /* Without its subject; false: nothing more than its ends is known. */
@@ -226,13 +233,13 @@ static bool put_course(const struct described *s, struct buffer *out)
         return false;
     case COURSE_CONSTANT:
         buffer_put(out, TEXT("stays at "));
-        put_value(s->y, s->curve->start.y, s->up, out);
+        figure_value(s->y, s->curve->start.y, s->up, out);
         return true;
     case COURSE_SCATTERS:
         buffer_put(out, TEXT("scatters about "));
-        put_value(s->y, s->curve->level[0], s->up, out);
+        figure_value(s->y, s->curve->level[0], s->up, out);
         buffer_put(out, TEXT(" with a standard deviation of "));
-        put_value(s->y, s->curve->spread, NULL, out);
+        figure_value(s->y, s->curve->spread, NULL, out);
         return true;
     case COURSE_RISES:
     case COURSE_FALLS:
@@ -249,7 +256,7 @@ static bool put_course(const struct described *s, struct buffer *out)
             return false;
         if (isfinite(s->curve->power)) {
             buffer_format(out, "goes as %s to the power of ", s->x->label);
-            put_number(s->curve->power, out);
+            figure_number(s->curve->power, out);
             return true;
         }
         buffer_format(out, "turns %zu time%s without a period", s->curve->turns,
@@ -266,6 +273,12 @@ static void put_gaps(const struct described *s, struct buffer *out)
     if (s->curve->gaps > 0)
         buffer_format(out, ", with %zu sample%s that %s no place in it", s->curve->gaps,
                       s->curve->gaps == 1 ? "" : "s", s->curve->gaps == 1 ? "has" : "have");
+    if (!(s->curve->hole[1] > s->curve->hole[0]))
+        return;
+    buffer_format(out, ", without samples from %s = ", s->x->label);
+    figure_value(s->x, s->curve->hole[0], s->across, out);
+    buffer_put(out, TEXT(" to "));
+    figure_value(s->x, s->curve->hole[1], s->across, out);
 }
 
 /* What a figure of one curve says in two sentences. */
@@ -277,8 +290,16 @@ static void put_alone(const struct described *s, const char *name, struct buffer
         put_ends(s, out);
     put_gaps(s, out);
     buffer_put(out, TEXT("."));
-    if (s->curve->course == COURSE_CONSTANT || s->curve->n < 2)
+    if (s->curve->n < 2) {
+        buffer_put(out, TEXT(" One point tells no course."));
         return;
+    }
+    if (s->curve->course == COURSE_CONSTANT) {
+        buffer_put(out, TEXT(" From the lowest value to the highest it is "));
+        figure_value(s->y, s->curve->high.y - s->curve->low.y, NULL, out);
+        buffer_put(out, TEXT("."));
+        return;
+    }
     buffer_put(out, TEXT(" It "));
     if (known) {
         put_ends(s, out);
@@ -372,11 +393,11 @@ static void put_distances(const struct figure_reading *reading, struct buffer *o
         const struct curve_distance *distance = &reading->distance[i];
         const struct described s = subject_of(reading, distance->curve);
         buffer_format(out, "%s%s by ", i ? "; " : "", s.curve->label);
-        put_value(s.y, distance->largest, NULL, out);
+        figure_value(s.y, distance->largest, NULL, out);
         buffer_format(out, " at %s = ", s.x->label);
-        put_value(s.x, distance->at, s.across, out);
+        figure_value(s.x, distance->at, s.across, out);
         buffer_put(out, TEXT(" (rms "));
-        put_value(s.y, distance->rms, NULL, out);
+        figure_value(s.y, distance->rms, NULL, out);
         buffer_put(out, TEXT(")"));
     }
     buffer_put(out, TEXT("."));
@@ -398,7 +419,11 @@ static void put_bands(const struct figure_reading *reading, struct buffer *out)
         const struct described s = subject_of(reading, i);
         if (!isfinite(s.curve->widest.y))
             continue;
-        buffer_format(out, " The band about %s is widest, +- ", s.curve->label);
+        /* with three curves there are six sentences already: it ends the last of them */
+        const bool full = reading->figure->curves == APART && out->len > 0;
+        out->len -= full;
+        buffer_format(out, "%s band about %s is widest, +- ", full ? "; the" : " The",
+                      s.curve->label);
         put_place(&s, (struct curve_point){s.curve->widest.x, s.curve->widest.y}, out);
         buffer_put(out, TEXT("."));
         return;
@@ -435,58 +460,4 @@ bool describe_figure(const struct figure *figure, struct buffer *out)
     const bool ok = figure_read(figure, &arena, &reading) && describe_reading(&reading, out);
     arena_reset(&arena);
     return ok;
-}
-
-/* ---- heat maps ---- */
-
-static void put_heat_axis(const struct heat_axis *axis, struct buffer *out)
-{
-    const double factor = axis->factor > 0 ? axis->factor : 1;
-    buffer_format(out, "%d values of %s from ", axis->count, axis->label);
-    put_number(axis->value[0] / factor, out);
-    buffer_put(out, TEXT(" to "));
-    put_number(axis->value[axis->count - 1] / factor, out);
-    if (axis->unit && *axis->unit)
-        buffer_format(out, " %s", axis->unit);
-}
-
-static void put_heat_place(const struct heat *heat, size_t at, const char *what, struct buffer *out)
-{
-    const struct axis x = {.label = heat->x.label, .unit = heat->x.unit, .factor = heat->x.factor},
-                      y = {.label = heat->y.label, .unit = heat->y.unit, .factor = heat->y.factor},
-                      value = {.unit = heat->unit, .factor = heat->factor};
-    const size_t row = (size_t)heat->y.count;
-    buffer_format(out, " It is %s, ", what);
-    put_value(&value, heat->value[at], NULL, out);
-    buffer_format(out, ", at %s = ", x.label);
-    put_value(&x, heat->x.value[at / row], NULL, out);
-    buffer_format(out, ", %s = ", y.label);
-    put_value(&y, heat->y.value[at % row], NULL, out);
-    buffer_put(out, TEXT("."));
-}
-
-bool describe_heat(const struct heat *heat, struct buffer *out)
-{
-    const size_t n = (size_t)heat->x.count * (size_t)heat->y.count;
-    size_t low = n, high = n, missing = 0;
-    for (size_t i = 0; i < n; i++) {
-        if (isnan(heat->value[i])) {
-            missing++;
-            continue;
-        }
-        low = low == n || heat->value[i] < heat->value[low] ? i : low;
-        high = high == n || heat->value[i] > heat->value[high] ? i : high;
-    }
-    buffer_format(out, "%s over ", heat->title ? heat->title : "A map");
-    put_heat_axis(&heat->x, out);
-    buffer_put(out, TEXT(" and "));
-    put_heat_axis(&heat->y, out);
-    buffer_put(out, TEXT("."));
-    if (low < n) {
-        put_heat_place(heat, low, "lowest", out);
-        put_heat_place(heat, high, "highest", out);
-    }
-    if (missing > 0)
-        buffer_format(out, " %zu of %zu points have no value.", missing, n);
-    return !out->failed;
 }

@@ -102,6 +102,44 @@ static void test_directions(void **state)
     buffer_free(&out);
 }
 
+/* From three to six, whatever there is: three curves with a band, one that is constant, one point.
+ */
+static void test_sentences(void **state)
+{
+    struct buffer out = {0};
+    static double spread[N], other[2][N];
+    (void)state;
+    for (int i = 0; i < N; i++) {
+        t[i] = 0.01 * i;
+        y[i] = sin(5 * t[i]);
+        other[0][i] = y[i] / 2;
+        other[1][i] = 3;
+        spread[i] = 1e-4 * i;
+    }
+    const struct curve three[] = {{.label = "a", .x = t, .y = y, .n = N, .spread = spread},
+                                  {.label = "b", .x = t, .y = other[0], .n = N},
+                                  {.label = "c", .x = t, .y = other[1], .n = N}},
+                       constant[] = {{.label = "a", .x = t, .y = other[1], .n = N}},
+                       point[] = {{.label = "a", .x = t, .y = other[1], .n = 1}};
+    const struct curve *const of[] = {three, constant, point};
+    for (int k = 0; k < 3; k++) {
+        const struct figure figure = {.title = "position",
+                                      .x = {.label = "t", .unit = "s"},
+                                      .y = {.label = "y", .unit = "m"},
+                                      .curve = of[k],
+                                      .curves = k ? 1 : 3};
+        int sentences = 0;
+        buffer_clear(&out);
+        assert_true(describe_figure(&figure, &out));
+        for (const char *at = out.data; (at = strchr(at, '.')); at++)
+            sentences += at[1] == ' ' || at[1] == '\0';
+        if (sentences < 3 || sentences > 6)
+            fail_msg("%d sentences: %s", sentences, out.data);
+        assert_true(k > 0 || strstr(out.data, "; the band about a is widest, +- 0.1999 m"));
+    }
+    buffer_free(&out);
+}
+
 static void test_fixed_axis(void **state)
 {
     static double decay[N];
@@ -124,9 +162,8 @@ static void test_fixed_axis(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_noise),
-        cmocka_unit_test(test_sizes),
-        cmocka_unit_test(test_directions),
+        cmocka_unit_test(test_noise),      cmocka_unit_test(test_sizes),
+        cmocka_unit_test(test_directions), cmocka_unit_test(test_sentences),
         cmocka_unit_test(test_fixed_axis),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
