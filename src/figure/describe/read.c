@@ -8,6 +8,7 @@
 #include <stdlib.h>
 
 #define STEADY 1e-9     /* of its size: rounding, of many steps */
+#define ALL_NOISE 1.3   /* standard deviations of the noise: no more is in it */
 #define HUGE_SIZE 1e150 /* sums of squares of more may overflow: ends and extremes only */
 #define LINE 0.05       /* how far a logarithm may be off its line, of what it changes by */
 
@@ -237,6 +238,10 @@ static bool read_curve(const struct figure *figure, int i, struct arena *arena,
     }
     find_noise(curve, arena, points);
     reading->noise = points->noise;
+    if (scatters(points, reading) && reading->spread < ALL_NOISE * points->noise) {
+        reading->course = COURSE_SCATTERS; /* a few that are far off are no swings */
+        return true;
+    }
     struct points whole = *points;
     if ((curve->points && !drop_echoes(&whole, arena)) ||
         !read_turns(&whole, is_timed(figure, curve), arena, reading))
