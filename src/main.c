@@ -192,6 +192,7 @@ static int run(const struct options *options)
                 .session = session, .options = options, .streams = &streams, .reply = &reply};
             talk(&program, kind);
             buffer_free(&program.offer);
+            buffer_free(&program.later);
         } else if (kind == FRONT_IS_PANES) {
             print_log(session, &streams); /* a file left before the panes came */
         }

@@ -87,18 +87,51 @@ void rc_run(struct session *session, struct reply *reply)
 
 #define OFFER "next (Enter): "
 
+/* How many bytes of a line are statements that fit, one after another; of what is quoted a
+ * semicolon ends none. */
+static size_t whole_statements(struct text line, int room)
+{
+    size_t fits = 0;
+    char quote = 0;
+    for (size_t i = 0; i <= line.len; i++) {
+        const bool end = i == line.len;
+        if ((end || (!quote && line.at[i] == ';')) &&
+            text_width((struct text){line.at, i}) <= room) {
+            fits = i;
+        }
+        if (!end && (line.at[i] == '"' || line.at[i] == '\'')) {
+            quote = !quote ? line.at[i] : quote == line.at[i] ? 0 : quote;
+        }
+    }
+    return fits;
+}
+
 void offer_next(struct front_program *program, int room)
 {
     struct buffer *offer = &program->offer;
     buffer_clear(offer);
     struct session *session = program->session;
+    struct buffer *later = &program->later;
     lesson_follow(session, program->reply);
     if (session->quit || program->reply->quiet || session->setup.settings.format != FORMAT_TEXT) {
         return;
     }
-    command_next(session, offer);
-    if (offer->failed || text_width(TEXT(OFFER)) + text_width(buffer_text(offer)) > room) {
+    if (later->len > 0) {
+        buffer_put(offer, buffer_text(later));
+    } else {
+        command_next(session, offer);
+    }
+    buffer_clear(later);
+    const size_t fits = whole_statements(buffer_text(offer), room - text_width(TEXT(OFFER)));
+    if (fits > 0 && fits < offer->len) {
+        const struct text whole = buffer_text(offer);
+        buffer_put(later, text_trim((struct text){whole.at + fits + 1, whole.len - fits - 1}));
+    }
+    if (fits == 0 || offer->failed || later->failed) {
         buffer_clear(offer);
+    } else {
+        offer->len = fits;
+        offer->data[fits] = '\0';
     }
     if (offer->len > 0) {
         reply_line(program->reply, OFFER "%s", buffer_view(offer));
@@ -114,6 +147,8 @@ char *offer_take(struct front_program *program, char *typed)
             free(typed);
             typed = taken;
         }
+    } else {
+        buffer_clear(&program->later);
     }
     buffer_clear(offer);
     return typed;

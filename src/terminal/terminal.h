@@ -138,6 +138,7 @@ struct front_program {
     struct autosave *autosave;
     enum front_kind next; /* set by `plain` and `panes`: who takes over */
     struct buffer offer;  /* the line that an empty Enter takes: it is shown */
+    struct buffer later;  /* what there was no room for, offered when that was taken */
 };
 
 /* What this output can show: charset from the locale, colour, size. `fd`: where figures go. */
@@ -151,8 +152,8 @@ void batch_run(struct session *session, const struct options *options, bool inpu
 void prompt_run(struct front_program *program);
 void panes_run(struct front_program *program);
 /* After a typed line: says what command_next() says, which an empty Enter then takes; `room`: for
- * so many cells of it, as less than all must not be seen; 0 also where something was typed before
- * it could be seen. */
+ * so many cells of it, as all must be seen that is taken: where there is room for the first
+ * statements only, those. 0 also where something was typed before it could be seen. */
 void offer_next(struct front_program *program, int room);
 /* The line to be executed: the offer where nothing was typed; there is none any more. `typed` is
  * malloc()ed, and so is the result, in its place. */

@@ -217,7 +217,8 @@ static void test_panes(void **state)
     assert_int_equal(chdir(home), 0);
 }
 
-/* A row of the log, where most is cut: what cannot be read is not offered. */
+/* A row of the log: of a chain that cannot be read whole its first statements are offered, which
+ * are what an Enter takes, then the next; what was typed ends it. */
 static void test_small(void **state)
 {
     (void)state;
@@ -226,10 +227,16 @@ static void test_small(void **state)
     in_folder(folder);
     start_panes(&p, (struct start){.width = 40, .height = 12});
     enter(&p, "load bare.txt");
+    await_offer(&p, "next (Enter): plot position data bare");
+    assert_false(shows(&p, "bare;"));
     type(&p, "\r");
+    await_offer(&p, "next (Enter): measure period");
+    assert_false(shows(&p, "13 periods")); /* not yet */
+    type(&p, "\r");
+    await_offer(&p, "next (Enter): measure frequency");
     enter(&p, "print 7*13");
-    expect(&p, "91");
-    assert_false(shows(&p, "next (Enter)"));
+    await_offer(&p, "next (Enter): fit damped");
+    assert_false(shows(&p, "measure amplitude"));
     quit(&p);
     assert_int_equal(chdir(home), 0);
 }
@@ -283,6 +290,72 @@ static void test_lesson(void **state)
     assert_int_equal(chdir(home), 0);
 }
 
+/* The value that stands before `marker`, behind the last `name` before that. */
+static void read_value(const char *said, const char *name, const char *marker, char value[40])
+{
+    const char *end = strstr(said, marker), *at = NULL;
+    for (const char *next = said; end && (next = strstr(next, name)) && next < end; next++) {
+        at = next + strlen(name);
+    }
+    if (!at) {
+        fail_msg("no '%s .. %s' in %s", name, marker, said);
+        return;
+    }
+    snprintf(value, 40, "%.*s", (int)strcspn(at, " \r\n"), at);
+}
+
+/* The whole guided lab: at each step what is offered is taken, what it prints is read and checked;
+ * a step is asked again, one is skipped, and each hint is asked for. */
+static void test_whole_lesson(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *name, *marker, *unit; /* of what is to be checked; NULL: nothing */
+    } steps[] = {
+        {NULL, NULL, NULL},       {"T = ", "periods, phases", "s"},
+        {"k = ", "(m = ", "N/m"}, {NULL, NULL, NULL},
+        {NULL, NULL, NULL},       {"dE/E0 = ", "at the end", ""},
+        {NULL, NULL, NULL},       {"Re = ", "at the largest speed", ""},
+        {NULL, NULL, NULL},       {"gamma = ", "(amplitude falls as exp(-gamma t/2); 6", "1/s"},
+        {NULL, NULL, NULL},       {"gamma = ", "(energy falls", "1/s"},
+        {NULL, NULL, NULL},
+    };
+    static char folder[] = "/tmp/hooke-keys-XXXXXX";
+    const int count = (int)COUNT_OF(steps), skipped = 4;
+    struct person p;
+    in_folder(folder);
+    begin(&p,
+          (struct start){.argument = {"--plain", "--color", "never"}, .width = 120, .height = 40});
+    await_prompt(&p, 0);
+    enter_lesson(&p, "lab seed=5\r", "lab 1/13> ");
+    for (int i = 0; i < count; i++) {
+        char here[24], next[24], line[80], value[40];
+        snprintf(here, sizeof here, "lab %d/13> ", i + 1);
+        snprintf(next, sizeof next, i + 1 < count ? "lab %d/13> " : PROMPT, i + 2);
+        enter_lesson(&p, "hint\r", here);
+        enter_lesson(&p, "again\r", here);
+        const size_t begun = p.raw.len;
+        if (i == skipped) {
+            enter_lesson(&p, "skip\r", next);
+            continue;
+        }
+        enter_lesson(&p, "\r", steps[i].name ? here : next);
+        if (!steps[i].name) {
+            continue;
+        }
+        read_value(p.raw.data + begun, steps[i].name, steps[i].marker, value);
+        snprintf(line, sizeof line, "check %s %s\r", value, steps[i].unit);
+        enter_lesson(&p, line, next);
+        assert_non_null(strstr(p.raw.data + begun, "right"));
+    }
+    assert_true(shows(&p, "the lesson is over"));
+    assert_null(strstr(p.raw.data, "error: "));
+    assert_null(strstr(p.raw.data, "not that"));
+    assert_int_equal(access("lab-report-5/report.html", F_OK), 0);
+    quit(&p);
+    assert_int_equal(chdir(home), 0);
+}
+
 static void test_lesson_in_panes(void **state)
 {
     (void)state;
@@ -317,9 +390,10 @@ static void test_lesson_in_panes(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_lab),    cmocka_unit_test(test_unseen),
-        cmocka_unit_test(test_panes),  cmocka_unit_test(test_small),
-        cmocka_unit_test(test_lesson), cmocka_unit_test(test_lesson_in_panes),
+        cmocka_unit_test(test_lab),          cmocka_unit_test(test_unseen),
+        cmocka_unit_test(test_panes),        cmocka_unit_test(test_small),
+        cmocka_unit_test(test_lesson),       cmocka_unit_test(test_lesson_in_panes),
+        cmocka_unit_test(test_whole_lesson),
     };
     return make_folder(state_folder) ? cmocka_run_group_tests(tests, NULL, NULL) : 1;
 }
