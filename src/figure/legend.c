@@ -19,8 +19,9 @@ struct legend_entry {
 /* A name that stands in the label of the axis is printed as there: theta1 as θ₁. */
 static const char *shown_label(struct page *page, const char *label)
 {
-    const char *axis = page->figure->y.label;
-    if (!axis || !strstr(axis, label))
+    const struct figure *figure = page->figure;
+    const char *axis = figure->y.label, *second = figure->second ? figure->second[1].label : NULL;
+    if (!(axis && strstr(axis, label)) && !(second && strstr(second, label)))
         return label;
     buffer_clear(page->text);
     put_name_symbols(page->text, text_of(label));
@@ -131,7 +132,7 @@ static bool is_free(const struct page *page, const double box[4])
     return true;
 }
 
-bool legend_place(struct page *page, double box[4])
+bool legend_place(struct page *page, const struct page *panel, double box[4])
 {
     static const double places[][2] = {
         {1, 0},    {0, 0},    {1, 1},   {0, 1},   {0.5, 0}, {0.5, 1},  {1, 0.2},  {1, 0.8},
@@ -147,14 +148,14 @@ bool legend_place(struct page *page, double box[4])
         height += style->leading;
         entries++;
     }
-    const double gap = style->edge, from_x = page->left + gap, from_y = page->top + gap,
-                 room_x = page->right - gap - width - from_x,
-                 room_y = page->bottom - gap - height - from_y;
+    const double gap = style->edge, from_x = panel->left + gap, from_y = panel->top + gap,
+                 room_x = panel->right - gap - width - from_x,
+                 room_y = panel->bottom - gap - height - from_y;
     if (entries > INSIDE || room_x < width || room_y < height)
         return false;
     for (size_t i = 0; i < COUNT_OF(places); i++) {
         const double x = from_x + places[i][0] * room_x, y = from_y + places[i][1] * room_y;
-        if (!is_free(page, (double[]){x - gap, y - gap, x + width + gap, y + height + gap}))
+        if (!is_free(panel, (double[]){x - gap, y - gap, x + width + gap, y + height + gap}))
             continue;
         memcpy(box, (double[]){x, y, x + width, y + height}, 4 * sizeof *box);
         return true;

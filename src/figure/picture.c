@@ -161,7 +161,7 @@ static void free_paths(struct picture_sheet *sheet)
         page_free_paths(&sheet->page[i]);
 }
 
-/* The legend stands in the plot where it covers nothing, else above. */
+/* The legend stands in one of the plots where it covers nothing, else above. */
 static bool draw_sheet(struct picture_sheet *sheet, struct arena *arena)
 {
     struct page *page = sheet->page;
@@ -171,8 +171,9 @@ static bool draw_sheet(struct picture_sheet *sheet, struct arena *arena)
 
     heading.figure = sheet->figure;
     place(sheet, page_heading(&heading, false, false), &foot);
-    bool drawn = sheet->parts > 1 || trace_panels(sheet, true, arena);
-    const bool inside = drawn && sheet->parts == 1 && legend_place(page, legend);
+    bool drawn = trace_panels(sheet, true, arena), inside = false;
+    for (int i = 0; i < sheet->parts && drawn && !inside; i++)
+        inside = legend_place(&heading, &sheet->page[i], legend);
     free_paths(sheet);
     if (!inside)
         place(sheet, page_heading(&heading, true, false), &foot);
@@ -186,7 +187,7 @@ static bool draw_sheet(struct picture_sheet *sheet, struct arena *arena)
     for (int i = 0; i < sheet->parts && drawn; i++)
         draw_panel(&page[i]);
     if (inside)
-        legend_draw(page, legend);
+        legend_draw(&heading, legend);
     free_paths(sheet);
     draw_foot(sheet, &foot);
     return drawn;

@@ -93,8 +93,8 @@ double page_band_sample(struct page *page, int curve, double x, double y, bool d
  * further down than a third of the page: then it says how many are left out. Returns the height at
  * which it ends. Only measures unless `draw`. */
 double page_heading(struct page *page, bool legend, bool draw);
-/* Where in the plot, whose paths are known, the legend covers neither ink nor the line of zero:
- * left, top, right, bottom; false: nowhere. */
-bool legend_place(struct page *page, double box[4]);
+/* Where in the panel, whose paths are known, the legend of the page's figure covers neither ink nor
+ * the line of zero: left, top, right, bottom; false: nowhere. */
+bool legend_place(struct page *page, const struct page *panel, double box[4]);
 void legend_draw(struct page *page, const double box[4]);
 #endif

@@ -28,6 +28,16 @@ grep -q 'ends in .svg, .pdf or .png, or text in .txt' err.txt
 ok "and told what there is" $? "$(cat err.txt)"
 status_is "a name that is only an end is refused" 1 "$hooke" -c 'run 1 s; plot position > svg'
 
+# of two panels: below the upper one's frame, which ends where the lower one's begins
+status_is "two panels" 0 "$hooke" -c 'compare euler symplectic-euler dt=10ms; plot position run all > panels.svg'
+legend=$(sed -n 's/^<text x="[0-9.]*" y="\([0-9.]*\)"[^>]*>symplectic-euler<.*/\1/p' panels.svg)
+title=$(sed -n 's/^<text x="[0-9.]*" y="\([0-9.]*\)"[^>]*>position<.*/\1/p' panels.svg)
+awk -v legend="$legend" -v title="$title" 'BEGIN {exit !(title > 0 && legend > title + 20)}'
+ok "their legend stands in one of them" $? "title at $title, legend at $legend"
+"$hooke" -n -c 'scene robertson; method radau5; run 100 s; plot y1,y2,y3 > names.svg' >out.txt 2>err.txt
+! grep -qE '>y[123]<' names.svg && grep -q '>y₂<' names.svg
+ok "its names are printed as on both axes" $? "$(grep -E '>y.?<' names.svg)"
+
 status_is "an SVG needs no library" 0 "$hooke" -c 'run 1 s; plot position > try.svg'
 grep -q '>position</text>' try.svg && grep -q '>t \[s\]</text>' try.svg
 ok "its text is text" $?

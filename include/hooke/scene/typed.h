@@ -37,10 +37,11 @@
  * depends on time alone is a drive, whose work counts, like that of drag. All other forces have no
  * energy: the kinetic one is all that is known.
  *
- * A model is immutable: a line makes a new one. They live until typed_sweep() finds one that nothing
- * uses, all of them until typed_destroy(). An incomplete one (a variable without an equation) can be looked at and set; scene_bind() says what
- * is missing. Natural sizes: the largest |initial value| and |value| on a short trial run of about
- * one time constant (of linear systems: many); where all are 0, 1.
+ * A model is immutable: a line makes a new one. They live until typed_sweep() finds one that
+ * nothing uses, all of them until typed_destroy(). An incomplete one (a variable without an
+ * equation) can be looked at and set; scene_bind() says what is missing. Natural sizes: the largest
+ * |initial value| and |value| on a short trial run of about one time constant (of linear systems:
+ * many); where all are 0, 1.
  *
  * What is a second-order equation in y with a0 + a1 y + a2 y' + a3 |y'| y' + a4 cos(a5 t + a6) on
  * its right, as it is written (or with sin), with the present parameters and a3 <= 0, is the

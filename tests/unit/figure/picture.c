@@ -340,6 +340,10 @@ static void test_many_samples_stay_small_and_keep_peaks(void **state)
     y[MANY / 8] = -2.1;
     draw(&figure, PICTURE_SVG, &out);
     assert_true(heard.highest < highest - 5 && heard.lowest > lowest + 5);
+    curve.points = true;
+    draw(&figure, PICTURE_SVG, &out);
+    assert_true(heard.highest < highest - 5 && heard.lowest > lowest + 5);
+    curve.points = false;
     figure.x = (struct axis){.fixed = true, .from = 200, .to = 300};
     draw(&figure, PICTURE_SVG, &out);
     assert_true(isinf(heard.highest));
