@@ -46,7 +46,7 @@ static struct recording *take(const char *file, const char *path,
     struct error error = {0};
     struct recording *recording = NULL;
     if (file_read(file, MOST_BYTES, &text, &error) &&
-        table_parse(buffer_text(&text), arena, &table, &error)) {
+        table_parse(buffer_text(&text), options->cancel, arena, &table, &error)) {
         const struct text name = key_of(&table, "recording"), zero = key_of(&table, "zero");
         const struct load_options own = {.name = name, .cancel = options->cancel};
         if (text_equal(text_last_component(key_of(&table, "file")),
