@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Why a run stopped, and what to do about it. */
+#include <hooke/base/elementary.h>
+
 #include "run/private.h"
 
 #include <math.h>
@@ -7,7 +9,7 @@
 /* Rounded down to one digit: advice, not a bound. */
 static double one_digit(double x)
 {
-    double unit = pow(10, floor(log10(x)));
+    double unit = fixed_pow(10, floor(fixed_log10(x)));
     return floor(x / unit) * unit;
 }
 

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Observables: functions of a row of a run. A new one is a row of the table. */
+#include <hooke/base/elementary.h>
 #include <hooke/scene/typed.h>
 #include "run/private.h"
 
@@ -39,9 +40,9 @@ static double phase_after(struct phase_point a, struct phase_point b)
 {
     const double along = a.q * b.q + a.p * b.p, across = a.q * b.p - a.p * b.q;
     if (fabs(along) + fabs(across) > DBL_MIN / DBL_EPSILON)
-        return atan2(across, along);
+        return fixed_atan2(across, along);
     /* their products are too small */
-    return remainder(atan2(-a.p, a.q) - atan2(-b.p, b.q), 2 * M_PI);
+    return remainder(fixed_atan2(-a.p, a.q) - fixed_atan2(-b.p, b.q), 2 * M_PI);
 }
 
 static double phase_between(const struct system *system, const double *y, const double *from)
@@ -58,7 +59,7 @@ static double with_turns(double angle, double before)
 static double amplitude_of(const struct system *system, const double *y)
 {
     struct phase_point point = phase_point(system, y);
-    return hypot(point.q, point.p);
+    return fixed_hypot(point.q, point.p);
 }
 
 /* ---- the table ---- */
@@ -137,7 +138,7 @@ static double value_error(const struct sample *sample)
     int count = coordinates(sample->system);
     double distance = sample->y[0] - sample->exact[0];
     for (int i = 1; i < count; i++)
-        distance = hypot(distance, sample->y[i] - sample->exact[i]);
+        distance = fixed_hypot(distance, sample->y[i] - sample->exact[i]);
     return distance;
 }
 

@@ -11,6 +11,8 @@
  * state on the way. Its work is limited by counts, not by the clock: the same run always gets the
  * same opinion.
  */
+#include <hooke/base/elementary.h>
+
 #include "run/private.h"
 
 #include <float.h>
@@ -175,11 +177,11 @@ static double spectral_radius(const double *jacobian, int n)
         if (after == 0)
             return 0;
         if (round >= ROUNDS - COUNTED)
-            grown += log(after / before) / 2;
+            grown += fixed_log(after / before) / 2;
         for (int i = 0; i < n; i++)
             v[i] = w[i] / sqrt(after);
     }
-    return exp(grown / COUNTED);
+    return fixed_exp(grown / COUNTED);
 }
 
 /* Its integral over the run, from some of the rows. */
@@ -376,8 +378,8 @@ static double extrapolated(const struct run *run, const struct second *second)
     const double t0 = run->system.t0, way = fabs(run->opinion.t - t0), whole = fabs(run->t - t0);
     const struct growth growth = growth_of(run, second);
     return second->error * (growth.power > POWER_MAX
-                                ? exp(log(growth.ratio) * (whole - way) / (way / 2))
-                                : pow(whole / way, fmax(growth.power, 1)));
+                                ? fixed_exp(fixed_log(growth.ratio) * (whole - way) / (way / 2))
+                                : fixed_pow(whole / way, fmax(growth.power, 1)));
 }
 
 /* [s] Where it has grown to the size of the motion. */
@@ -387,8 +389,8 @@ static double lost_at(const struct run *run, const struct second *second)
     const struct growth growth = growth_of(run, second);
     if (!(times > 1))
         return run->opinion.t;
-    return t0 + way * (growth.power > POWER_MAX ? 1 + log(times) / log(growth.ratio) / 2
-                                                : pow(times, 1 / fmax(growth.power, 1)));
+    return t0 + way * (growth.power > POWER_MAX ? 1 + fixed_log(times) / fixed_log(growth.ratio) / 2
+                                                : fixed_pow(times, 1 / fmax(growth.power, 1)));
 }
 
 /* As far as it may go, anew by the other method where it fails at first. False: not to the end. */

@@ -10,6 +10,8 @@
  * 161:422). A method that is unstable fails where the solution itself goes on, and what grows
  * exponentially has no such time.
  */
+#include <hooke/base/elementary.h>
+
 #include "run/private.h"
 
 #include <float.h>
@@ -96,8 +98,8 @@ static struct line_sums line_over(const struct approach *approach, double at, do
 {
     struct line_sums sum = {0};
     for (int64_t i = 0; i < approach->count && i < LAST; i++) {
-        const double before = fabs(at - approach->t[i]), x = log(before),
-                     y = log(approach->speed[i]);
+        const double before = fabs(at - approach->t[i]), x = fixed_log(before),
+                     y = fixed_log(approach->speed[i]);
         if (!(before >= low && before <= high) || !isfinite(y))
             continue;
         sum.n++;
@@ -123,14 +125,14 @@ static double power_of(const struct approach *approach, double start, double at)
     }
     for (int64_t i = 0; i < approach->count && i < LAST; i++) {
         const double before = fabs(at - approach->t[i]);
-        if (before <= low * pow(10, 2 * DECADES)) /* farther away other things matter */
+        if (before <= low * fixed_pow(10, 2 * DECADES)) /* farther away other things matter */
             high = fmax(high, before);
     }
     const struct line_sums sum = line_over(approach, at, low, high);
     const double xx = sum.xx - sum.x * sum.x / sum.n, xy = sum.xy - sum.x * sum.y / sum.n,
                  yy = sum.yy - sum.y * sum.y / sum.n;
     const bool is_power = sum.n >= POINTS && low <= NEAR * fabs(at - start) &&
-                          high >= low * pow(10, DECADES) && -xy / xx > POWER_MIN &&
+                          high >= low * fixed_pow(10, DECADES) && -xy / xx > POWER_MIN &&
                           sqrt(fmax(0, yy - xy * xy / xx) / sum.n) < SCATTER;
     return is_power ? -xy / xx : NAN;
 }

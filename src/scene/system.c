@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A scene bound to its coefficients, and what integrators ask of it. */
+#include <hooke/base/elementary.h>
+
 #include <math.h>
 #include <string.h>
 
@@ -123,8 +125,8 @@ double system_dissipation(const struct system *system, double t, const double *y
  */
 struct drag_flow oscillator_drag_flow(const struct oscillator *oscillator, double h)
 {
-    double gamma = oscillator->damping, x = gamma * h, decay = exp(-fabs(x));
-    double phi = x != 0 ? -expm1(-fabs(x)) / fabs(gamma) : fabs(h);
+    double gamma = oscillator->damping, x = gamma * h, decay = fixed_exp(-fabs(x));
+    double phi = x != 0 ? -fixed_expm1(-fabs(x)) / fabs(gamma) : fabs(h);
     return (struct drag_flow){x < 0 ? 1 : decay, x < 0 ? decay : 1,
                               oscillator->quadratic * copysign(phi, h)};
 }

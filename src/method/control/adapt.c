@@ -7,6 +7,7 @@
 #pragma GCC optimize(                                                                              \
     "no-tree-vectorize") /* a pair that was stored one by one cannot be loaded at once */
 #endif
+#include <hooke/base/elementary.h>
 #include <hooke/scene/typed.h>
 #include "method/control/adapt_body.h"
 #include "method/control/switch.h"
@@ -46,7 +47,7 @@ static double first_step(struct step *step, double tol, int order, double span)
     for (int i = 0; i < n; i++)
         f1[i] -= f0[i];
     double fastest = fmax(slope, norm(step, tol, f1, y, y) / fabs(h));
-    double best = fastest > 1e-15 ? pow(0.01 / fastest, 1.0 / (order + 1)) : cautious;
+    double best = fastest > 1e-15 ? fixed_pow(0.01 / fastest, 1.0 / (order + 1)) : cautious;
     best = fmin(100 * fabs(h), fmin(best, fabs(span)));
     return copysign(isfinite(best) && best > 0 ? best : cautious, span);
 }

@@ -9,6 +9,7 @@
  * the widest that runs here is taken.
  */
 #define UNROLL _Pragma("GCC unroll 16")
+#include "base/elementary/circle.h"
 #include "method/kernel/kernel.h"
 #include "method/kernel/lanes.h"
 
@@ -86,7 +87,8 @@ enum { LANE_SHAPES(LANE_PLACE) LANE_SHAPE_COUNT };
 static void lanes_cosine(const struct lanes *lanes, double t, int first, int count, double *cosine)
 {
     for (int i = 0; i < count; i++)
-        cosine[i] = cos(lanes->omega[first + i] * t + lanes->phase[first + i]);
+        cosine[i] = lanes->omega[first + i] * t + lanes->phase[first + i];
+    fixed_cosines(count, cosine, cosine);
 }
 
 /* A step of `count` lanes from `first` on is taken again by those that turned in it. */
@@ -166,9 +168,9 @@ static void table_step(const struct lanes *lanes, double t, double *value)
     const double omega = lanes->omega[0], phase = lanes->phase[0], h = lanes->h;
     for (int index = 0; index < times(lanes->method); index++) {
         if (lanes->method->tableau) {
-            value[index] = cos(omega * (t + lanes->method->tableau->c[index] * h) + phase);
+            value[index] = fixed_cos(omega * (t + lanes->method->tableau->c[index] * h) + phase);
         } else if ((index % 2 == 0) == lanes->method->splitting->kick_first) {
-            value[index] = cos(omega * t + phase);
+            value[index] = fixed_cos(omega * t + phase);
         } else {
             t += splitting_weight(lanes->method->splitting, index) * h;
         }

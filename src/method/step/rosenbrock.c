@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* One step of any Rosenbrock method, and its dense output. */
+#include <hooke/base/elementary.h>
+
 #include "method/step/rosenbrock_body.h"
 
 /* Distance of the two points of a difference quotient in t, as a share of h: its error stays far
@@ -19,7 +21,7 @@ void rosenbrock_time_derivative(struct step *step, double *slope, double *after)
     int n = system->n;
     if (o->whole && system->order == 2 && n == 2) {
         slope[0] = 0;
-        slope[1] = -o->drive * o->omega * sin(o->omega * step->t + o->phase);
+        slope[1] = -o->drive * o->omega * fixed_sin(o->omega * step->t + o->phase);
         return;
     }
     double earlier = step->t - step->h * (APART / 2), later = step->t + step->h * (APART / 2);

@@ -6,6 +6,8 @@
 #ifndef HOOKE_METHOD_STEP_SPLIT_BODY_H
 #define HOOKE_METHOD_STEP_SPLIT_BODY_H
 
+#include <hooke/base/elementary.h>
+
 #include "method/step/step.h"
 
 #ifndef UNROLL
@@ -57,7 +59,7 @@ struct frozen {
 
 INLINE struct frozen frozen_over(const struct oscillator *oscillator, double w)
 {
-    const double gamma = oscillator->damping, lost = -expm1(-gamma * w);
+    const double gamma = oscillator->damping, lost = -fixed_expm1(-gamma * w);
     return (struct frozen){lost, gamma != 0 ? lost / gamma : w};
 }
 

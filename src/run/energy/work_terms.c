@@ -92,45 +92,12 @@ struct work_block {
     double sine[WORK_BLOCK + 1], half[WORK_BLOCK + 1];
 };
 
-/* ---- sines, many at once ---- */
-
-/* pi in three parts; few bits in two: products with numbers of turns are exact */
-#define PI_HIGH 0x1.921fb54400000p+1
-#define PI_MIDDLE 0x1.0b4611a600000p-33
-#define PI_LOW 0x1.3198a2e037073p-68
-#define NEAR 1e5       /* [rad] what lies beyond is left to the library */
-#define WHOLE 0x1.8p52 /* numbers that this is added to lose their fraction */
-
-/* sin x within 2e-16: what is left of multiples of pi (Cody and Waite 1980), and Taylor's series of
- * it. */
-ALWAYS_INLINE double near_sine(double x)
-{
-    const double n = (x * (1 / (PI_HIGH + PI_MIDDLE)) + WHOLE) - WHOLE,
-                 even = 2 * ((n / 2 + WHOLE) - WHOLE);
-    const double r = ((x - n * PI_HIGH) - n * PI_MIDDLE) - n * PI_LOW, s = r * r,
-                 sign = 1 - 2 * fabs(n - even);
-    double sum = 1 / 51090942171709440000.;
-    sum = sum * s - 1 / 121645100408832000.;
-    sum = sum * s + 1 / 355687428096000.;
-    sum = sum * s - 1 / 1307674368000.;
-    sum = sum * s + 1 / 6227020800.;
-    sum = sum * s - 1 / 39916800.;
-    sum = sum * s + 1 / 362880.;
-    sum = sum * s - 1 / 5040.;
-    sum = sum * s + 1 / 120.;
-    sum = sum * s - 1 / 6.;
-    return sign * (r + r * (s * sum));
-}
-
 /* Sines of factor times each of them. */
-ALWAYS_INLINE void take_sines(int count, const double *restrict x, double factor,
-                              double *restrict sine)
+static void take_sines(int count, const double *restrict x, double factor, double *restrict sine)
 {
     for (int k = 0; k < count; k++)
-        sine[k] = near_sine(x[k] * factor);
-    for (int k = 0; k < count; k++)
-        if (fabs(x[k] * factor) > NEAR)
-            sine[k] = sin(x[k] * factor);
+        sine[k] = x[k] * factor;
+    fixed_sines(count, sine, sine);
 }
 
 /* Terms in the order of terms.def; those of drive and weight by the cosine and the sine that are
@@ -312,16 +279,17 @@ static void even_cosines(const struct work *work, const double *c, struct work_b
     if (turns->omega != c[1] || turns->h != work->h) {
         *turns = (struct turns){.omega = c[1], .h = work->h};
         for (int k = 0; k <= WORK_BLOCK; k++) {
-            turns->cosine[k] = cos((double)k * (c[1] * work->h));
-            turns->sine[k] = sin((double)k * (c[1] * work->h));
+            turns->cosine[k] = fixed_cos((double)k * (c[1] * work->h));
+            turns->sine[k] = fixed_sin((double)k * (c[1] * work->h));
         }
     }
     const int64_t whole = work->index - (work->index & (WORK_BLOCK - 1));
     const int at = (int)(work->index - whole);
-    const double angle = c[1] * (work->origin + (double)whole * work->h) + c[2], x = cos(angle),
-                 y = sin(angle);
+    const double angle = c[1] * (work->origin + (double)whole * work->h) + c[2],
+                 x = fixed_cos(angle), y = fixed_sin(angle);
     const double inner = c[1] * (INNER * work->h), outer = c[1] * ((1 - INNER) * work->h);
-    const double cos1 = cos(inner), sin1 = sin(inner), cos2 = cos(outer), sin2 = sin(outer);
+    const double cos1 = fixed_cos(inner), sin1 = fixed_sin(inner), cos2 = fixed_cos(outer),
+                 sin2 = fixed_sin(outer);
     for (int k = 0; k <= work->count; k++) {
         const double cosine = x * turns->cosine[at + k] - y * turns->sine[at + k],
                      sine = y * turns->cosine[at + k] + x * turns->sine[at + k];
@@ -338,11 +306,11 @@ static void cosines(const struct work *work, const double *c, struct work_block 
         return;
     }
     for (int k = 0; k <= work->count; k++) {
-        b->cosine[0][k] = cos(c[1] * work->t[k] + c[2]);
+        b->cosine[0][k] = fixed_cos(c[1] * work->t[k] + c[2]);
         if (k < work->count) {
             const double h = work->t[k + 1] - work->t[k];
-            b->cosine[1][k] = cos(c[1] * (work->t[k] + INNER * h) + c[2]);
-            b->cosine[2][k] = cos(c[1] * (work->t[k] + (1 - INNER) * h) + c[2]);
+            b->cosine[1][k] = fixed_cos(c[1] * (work->t[k] + INNER * h) + c[2]);
+            b->cosine[2][k] = fixed_cos(c[1] * (work->t[k] + (1 - INNER) * h) + c[2]);
         }
     }
 }

@@ -3,6 +3,7 @@
 #ifndef HOOKE_SCENE_FORMULA_EXPR_H
 #define HOOKE_SCENE_FORMULA_EXPR_H
 
+#include <hooke/base/elementary.h>
 #include <hooke/scene.h>
 
 /* One of the three is set: it says how many arguments there are. */

@@ -40,7 +40,7 @@ double function_mod(double a, double b)
 double function_power(double x, double n)
 {
     if (!power_is_short(n))
-        return pow(x, n);
+        return fixed_pow(x, n);
     int whole = (int)fabs(n), bit = POWER_MAX;
     while (bit > whole)
         bit /= 2;
@@ -56,24 +56,26 @@ double function_power(double x, double n)
 }
 
 static const struct function rows[] = {
-    {{"sin", "", "sin(x): sine of an angle in radians", "", NULL}, .one = sin},
-    {{"cos", "", "cos(x): cosine of an angle in radians", "", NULL}, .one = cos},
-    {{"tan", "", "tan(x): tangent of an angle in radians", "", NULL}, .one = tan},
-    {{"asin", "", "asin(x): angle whose sine is x, -pi/2 to pi/2", "", "arcsin"}, .one = asin},
-    {{"acos", "", "acos(x): angle whose cosine is x, 0 to pi", "", "arccos"}, .one = acos},
-    {{"atan", "", "atan(x): angle whose tangent is x, -pi/2 to pi/2", "", "arctan"}, .one = atan},
+    {{"sin", "", "sin(x): sine of an angle in radians", "", NULL}, .one = fixed_sin},
+    {{"cos", "", "cos(x): cosine of an angle in radians", "", NULL}, .one = fixed_cos},
+    {{"tan", "", "tan(x): tangent of an angle in radians", "", NULL}, .one = fixed_tan},
+    {{"asin", "", "asin(x): angle whose sine is x, -pi/2 to pi/2", "", "arcsin"},
+     .one = fixed_asin},
+    {{"acos", "", "acos(x): angle whose cosine is x, 0 to pi", "", "arccos"}, .one = fixed_acos},
+    {{"atan", "", "atan(x): angle whose tangent is x, -pi/2 to pi/2", "", "arctan"},
+     .one = fixed_atan},
     {{"atan2", "", "atan2(y, x): angle of the point (x, y), -pi to pi", "", "arctan2"},
-     .two = atan2},
-    {{"sinh", "", "sinh(x): hyperbolic sine", "", NULL}, .one = sinh},
-    {{"cosh", "", "cosh(x): hyperbolic cosine", "", NULL}, .one = cosh},
-    {{"tanh", "", "tanh(x): hyperbolic tangent", "", NULL}, .one = tanh},
+     .two = fixed_atan2},
+    {{"sinh", "", "sinh(x): hyperbolic sine", "", NULL}, .one = fixed_sinh},
+    {{"cosh", "", "cosh(x): hyperbolic cosine", "", NULL}, .one = fixed_cosh},
+    {{"tanh", "", "tanh(x): hyperbolic tangent", "", NULL}, .one = fixed_tanh},
     {{"sqrt", "", "sqrt(x): square root", "", NULL}, .one = sqrt},
-    {{"cbrt", "", "cbrt(x): cube root, also of negative numbers", "", NULL}, .one = cbrt},
-    {{"exp", "", "exp(x): e to the power x", "", NULL}, .one = exp},
-    {{"log", "", "log(x): natural logarithm", "", "ln"}, .one = log},
-    {{"log10", "", "log10(x): logarithm to the base 10", "", NULL}, .one = log10},
+    {{"cbrt", "", "cbrt(x): cube root, also of negative numbers", "", NULL}, .one = fixed_cbrt},
+    {{"exp", "", "exp(x): e to the power x", "", NULL}, .one = fixed_exp},
+    {{"log", "", "log(x): natural logarithm", "", "ln"}, .one = fixed_log},
+    {{"log10", "", "log10(x): logarithm to the base 10", "", NULL}, .one = fixed_log10},
     {{"pow", "", "pow(x, n): x to the power n, the same as x^n", "", NULL}, .two = function_power},
-    {{"hypot", "", "hypot(x, y): sqrt(x^2 + y^2) without overflow", "", NULL}, .two = hypot},
+    {{"hypot", "", "hypot(x, y): sqrt(x^2 + y^2) without overflow", "", NULL}, .two = fixed_hypot},
     {{"abs", "", "abs(x): absolute value", "", "fabs"}, .one = fabs},
     {{"sign", "", "sign(x): -1, 0 or 1", "", "sgn"}, .one = function_sign},
     {{"step", "", "step(x): 0 for x < 0, else 1", "", "heaviside heav"}, .one = function_step},

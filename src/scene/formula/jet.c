@@ -134,11 +134,11 @@ static struct jet angle(struct jet y, struct jet x)
     const struct jet quarter = jet_number(M_PI_2);
     struct jet out;
     if (x.value.lo > 0)
-        return jet_one(atan, jet_div(y, x));
+        return jet_one(fixed_atan, jet_div(y, x));
     if (y.value.lo > 0)
-        out = jet_sub(quarter, jet_one(atan, jet_div(x, y)));
+        out = jet_sub(quarter, jet_one(fixed_atan, jet_div(x, y)));
     else if (y.value.hi < 0)
-        out = jet_neg(jet_add(quarter, jet_one(atan, jet_div(x, y))));
+        out = jet_neg(jet_add(quarter, jet_one(fixed_atan, jet_div(x, y))));
     else
         return jet_jump(-4, 4);
     out.value = interval_wide(out.value.lo, out.value.hi, 4);
@@ -188,7 +188,7 @@ static struct jet to_power(struct jet x, struct jet n)
         return x.value.hi < 0 && is_number(&n) && !whole ? jet_jump(NAN, NAN)
                                                          : jet_jump(min, HUGE_VAL);
     }
-    return jet_one(exp, jet_mul(n, jet_one(log, x)));
+    return jet_one(fixed_exp, jet_mul(n, jet_one(fixed_log, x)));
 }
 
 struct jet jet_two(double (*function)(double, double), struct jet a, struct jet b)
@@ -201,9 +201,9 @@ struct jet jet_two(double (*function)(double, double), struct jet a, struct jet 
         return jet_neg(min(jet_neg(a), jet_neg(b)));
     if (function == function_mod)
         return modulo(a, b);
-    if (function == (double (*)(double, double))hypot)
+    if (function == (double (*)(double, double))fixed_hypot)
         return length(a, b);
-    if (function == (double (*)(double, double))atan2)
+    if (function == (double (*)(double, double))fixed_atan2)
         return angle(a, b);
     return jet_jump(-HUGE_VAL, HUGE_VAL);
 }

@@ -68,21 +68,21 @@ static struct interval wave(double (*function)(double), struct interval x, doubl
 
 static struct interval_jet series_sin(struct interval x)
 {
-    const struct interval f = wave(sin, x, 0.5);
-    return (struct interval_jet){f, wave(cos, x, 0), interval_neg(f)};
+    const struct interval f = wave(fixed_sin, x, 0.5);
+    return (struct interval_jet){f, wave(fixed_cos, x, 0), interval_neg(f)};
 }
 
 static struct interval_jet series_cos(struct interval x)
 {
-    const struct interval f = wave(cos, x, 0);
-    return (struct interval_jet){f, interval_neg(wave(sin, x, 0.5)), interval_neg(f)};
+    const struct interval f = wave(fixed_cos, x, 0);
+    return (struct interval_jet){f, interval_neg(wave(fixed_sin, x, 0.5)), interval_neg(f)};
 }
 
 static struct interval_jet series_tan(struct interval x)
 {
     if (!(x.hi - x.lo < M_PI) || fmax(fabs(x.lo), fabs(x.hi)) > 0x1p40 || meets(x, 0.5, 2))
         return somewhere(interval_all);
-    const struct interval f = rising(tan, x), first = interval_add(one(), interval_square(f));
+    const struct interval f = rising(fixed_tan, x), first = interval_add(one(), interval_square(f));
     return (struct interval_jet){f, first, times(2, interval_mul(f, first))};
 }
 
@@ -92,7 +92,7 @@ static struct interval_jet series_asin(struct interval x)
     const bool whole = clipped(&x, -1, 1);
     if (interval_empty(x))
         return unknown;
-    const struct interval f = rising(asin, x);
+    const struct interval f = rising(fixed_asin, x);
     const struct interval rest = interval_mul(interval_sub(one(), x), interval_add(one(), x));
     if (!whole || !(rest.lo > 0))
         return somewhere(f);
@@ -106,14 +106,14 @@ static struct interval_jet series_acos(struct interval x)
     if (interval_empty(s.f))
         return s;
     clipped(&x, -1, 1);
-    return (struct interval_jet){interval_wide(acos(x.hi), acos(x.lo), UNITS),
+    return (struct interval_jet){interval_wide(fixed_acos(x.hi), fixed_acos(x.lo), UNITS),
                                  interval_neg(s.first), interval_neg(s.second)};
 }
 
 static struct interval_jet series_atan(struct interval x)
 {
     const struct interval first = interval_div(one(), interval_add(one(), interval_square(x)));
-    return (struct interval_jet){rising(atan, x), first,
+    return (struct interval_jet){rising(fixed_atan, x), first,
                                  times(-2, interval_mul(x, interval_square(first)))};
 }
 
@@ -121,32 +121,32 @@ static struct interval_jet series_atan(struct interval x)
 
 static struct interval cosh_of(struct interval x)
 {
-    const double p = cosh(x.lo), q = cosh(x.hi);
+    const double p = fixed_cosh(x.lo), q = fixed_cosh(x.hi);
     return interval_wide(interval_has(x, 0) ? 1 : fmin(p, q), fmax(p, q), UNITS);
 }
 
 static struct interval_jet series_sinh(struct interval x)
 {
-    const struct interval f = rising(sinh, x);
+    const struct interval f = rising(fixed_sinh, x);
     return (struct interval_jet){f, cosh_of(x), f};
 }
 
 static struct interval_jet series_cosh(struct interval x)
 {
     const struct interval f = cosh_of(x);
-    return (struct interval_jet){f, rising(sinh, x), f};
+    return (struct interval_jet){f, rising(fixed_sinh, x), f};
 }
 
 static struct interval_jet series_tanh(struct interval x)
 {
-    const struct interval f = rising(tanh, x),
+    const struct interval f = rising(fixed_tanh, x),
                           first = interval_div(one(), interval_square(cosh_of(x)));
     return (struct interval_jet){f, first, times(-2, interval_mul(f, first))};
 }
 
 static struct interval_jet series_exp(struct interval x)
 {
-    struct interval f = rising(exp, x);
+    struct interval f = rising(fixed_exp, x);
     f.lo = fmax(f.lo, 0);
     return (struct interval_jet){f, f, f};
 }
@@ -166,12 +166,12 @@ static struct interval_jet logarithm(double (*function)(double), struct interval
 
 static struct interval_jet series_log(struct interval x)
 {
-    return logarithm(log, x, 1);
+    return logarithm(fixed_log, x, 1);
 }
 
 static struct interval_jet series_log10(struct interval x)
 {
-    return logarithm(log10, x, M_LOG10E);
+    return logarithm(fixed_log10, x, M_LOG10E);
 }
 
 /* ---- roots ---- */
@@ -191,7 +191,7 @@ static struct interval_jet series_sqrt(struct interval x)
 
 static struct interval_jet series_cbrt(struct interval x)
 {
-    const struct interval f = rising(cbrt, x);
+    const struct interval f = rising(fixed_cbrt, x);
     const struct interval first = interval_div(one(), times(3, interval_square(f)));
     return (struct interval_jet){
         f, first, interval_div(times(-2. / 3, interval_wide(first.lo, first.hi, 2)), x)};
@@ -235,26 +235,13 @@ static const struct {
     double (*function)(double);
     struct interval_jet (*series)(struct interval x);
 } rows[] = {
-    {sin, series_sin},
-    {cos, series_cos},
-    {tan, series_tan},
-    {asin, series_asin},
-    {acos, series_acos},
-    {atan, series_atan},
-    {sinh, series_sinh},
-    {cosh, series_cosh},
-    {tanh, series_tanh},
-    {sqrt, series_sqrt},
-    {cbrt, series_cbrt},
-    {exp, series_exp},
-    {log, series_log},
-    {log10, series_log10},
-    {fabs, series_abs},
-    {function_sign, series_sign},
-    {floor, series_floor},
-    {ceil, series_ceil},
-    {function_step, series_step},
-    {round, series_round},
+    {fixed_sin, series_sin},      {fixed_cos, series_cos},     {fixed_tan, series_tan},
+    {fixed_asin, series_asin},    {fixed_acos, series_acos},   {fixed_atan, series_atan},
+    {fixed_sinh, series_sinh},    {fixed_cosh, series_cosh},   {fixed_tanh, series_tanh},
+    {sqrt, series_sqrt},          {fixed_cbrt, series_cbrt},   {fixed_exp, series_exp},
+    {fixed_log, series_log},      {fixed_log10, series_log10}, {fabs, series_abs},
+    {function_sign, series_sign}, {floor, series_floor},       {ceil, series_ceil},
+    {function_step, series_step}, {round, series_round},
 };
 
 struct jet jet_one(double (*function)(double), struct jet x)

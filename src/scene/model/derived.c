@@ -105,8 +105,8 @@ static double amplitude(const struct scene *scene)
 {
     struct system system;
     if (typed_motion(scene, &system))
-        return hypot(system.start[0] - equilibrium(scene), system.start[1] / omega0(scene));
-    return hypot(own(scene, P_y0) - equilibrium(scene), own(scene, P_v0) / omega0(scene));
+        return fixed_hypot(system.start[0] - equilibrium(scene), system.start[1] / omega0(scene));
+    return fixed_hypot(own(scene, P_y0) - equilibrium(scene), own(scene, P_v0) / omega0(scene));
 }
 
 double scene_start_energy(const struct scene *scene)

@@ -31,13 +31,13 @@ TERM_BIND(spring)
 }
 TERM_ADD(spring)
 {
-    double pull = c[0] * (1 - c[1] / hypot(y[0], y[1]));
+    double pull = c[0] * (1 - c[1] / fixed_hypot(y[0], y[1]));
     a[0] -= pull * y[0];
     a[1] -= pull * y[1];
 }
 TERM_JACOBIAN(spring)
 {
-    double r = hypot(y[0], y[1]), ratio = c[1] / r, pull = c[0] * (1 - ratio), x = y[0] / r,
+    double r = fixed_hypot(y[0], y[1]), ratio = c[1] / r, pull = c[0] * (1 - ratio), x = y[0] / r,
            z = y[1] / r;
     jac[0] -= pull + c[0] * ratio * x * x;
     jac[1] -= c[0] * ratio * x * z;
@@ -46,7 +46,7 @@ TERM_JACOBIAN(spring)
 }
 TERM_POTENTIAL(spring)
 {
-    double stretch = hypot(y[0], y[1]) - c[1];
+    double stretch = fixed_hypot(y[0], y[1]) - c[1];
     return 0.5 * c[2] * stretch * stretch;
 }
 
@@ -118,8 +118,8 @@ static bool coherent(const double *param, struct error *error)
 
 static void begin(const double *param, struct system *system)
 {
-    double r = param[P_length] + param[P_stretch0], s = sin(param[P_theta0]),
-           c = cos(param[P_theta0]);
+    double r = param[P_length] + param[P_stretch0], s = fixed_sin(param[P_theta0]),
+           c = fixed_cos(param[P_theta0]);
     double speed = r * param[P_rate0], reach = fmax(fabs(r), param[P_length]);
     double stiffness = param[P_k] / param[P_m];
     /* how far the weight stretches the spring */

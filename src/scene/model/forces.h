@@ -31,7 +31,7 @@ enum force {
 
 MODEL_SLOPES(weight)
 {
-    jac[0] -= c[0] * cos(y[0]);
+    jac[0] -= c[0] * fixed_cos(y[0]);
 }
 
 /* kepler */

@@ -48,7 +48,7 @@ static void begin(const double *param, struct system *system)
     double size = 0;
     for (int i = 0; i < 4; i++) {
         system->start[i] = param[index[i]];
-        size = hypot(size, system->start[i]);
+        size = fixed_hypot(size, system->start[i]);
     }
     for (int i = 0; i < 4; i++)
         system->scale[i] = scale_clamp(size);

@@ -30,7 +30,7 @@ TERM_BIND(attraction)
 }
 TERM_JACOBIAN(attraction)
 {
-    double r = hypot(y[0], y[1]), pull = c[0] / (r * r * r), x = y[0] / r, z = y[1] / r;
+    double r = fixed_hypot(y[0], y[1]), pull = c[0] / (r * r * r), x = y[0] / r, z = y[1] / r;
     jac[0] -= pull * (1 - 3 * x * x);
     jac[1] += pull * 3 * x * z;
     jac[4] += pull * 3 * x * z;
@@ -38,7 +38,7 @@ TERM_JACOBIAN(attraction)
 }
 TERM_POTENTIAL(attraction)
 {
-    return -c[0] / hypot(y[0], y[1]);
+    return -c[0] / fixed_hypot(y[0], y[1]);
 }
 
 static const struct term_row terms[] = {

@@ -8,6 +8,8 @@
 #ifndef HOOKE_SCENE_MODEL_MODEL_H
 #define HOOKE_SCENE_MODEL_MODEL_H
 
+#include <hooke/base/elementary.h>
+
 #include <float.h>
 #include <math.h>
 

@@ -34,7 +34,7 @@ void oscillator_scale(struct system *system, double cubic, double mu, double wid
     double length = fmax(fmax(y0, v0 / rate), g / rate / rate), speed = length * rate;
     if (f > 0) {
         double detuning = (rate - o->omega) * (rate + o->omega);
-        double answer = f / fmax(hypot(detuning, o->damping * o->omega), 0.1 * rate * rate);
+        double answer = f / fmax(fixed_hypot(detuning, o->damping * o->omega), 0.1 * rate * rate);
         length = fmax(length, answer);
         speed = fmax(speed, answer * fmax(rate, o->omega));
     }

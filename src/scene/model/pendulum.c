@@ -30,7 +30,7 @@ TERM_BIND(weight)
 }
 TERM_POTENTIAL(weight) /* zero at the bottom, without cancellation near it */
 {
-    double s = sin(y[0] / 2);
+    double s = fixed_sin(y[0] / 2);
     return 2 * c[1] * s * s;
 }
 
@@ -64,11 +64,11 @@ TERM_BIND(drive)
 }
 TERM_ADD(drive)
 {
-    a[0] += c[0] * cos(c[1] * t + c[2]);
+    a[0] += c[0] * fixed_cos(c[1] * t + c[2]);
 }
 TERM_POWER(drive)
 {
-    return c[3] * cos(c[1] * t + c[2]) * y[1];
+    return c[3] * fixed_cos(c[1] * t + c[2]) * y[1];
 }
 
 TERM_BIND(friction)
@@ -134,7 +134,8 @@ static double T0(const struct scene *scene)
  * over it has none. */
 static double period(const struct scene *scene)
 {
-    double s = sin(scene->value[P_theta0] / 2), turn = scene->value[P_rate0] / (2 * omega0(scene));
+    double s = fixed_sin(scene->value[P_theta0] / 2),
+           turn = scene->value[P_rate0] / (2 * omega0(scene));
     /* energy: sin^2 of half the largest angle is s^2 + turn^2 */
     double a = 1, b = sqrt(1 - s * s - turn * turn);
     while (b > 0 && a - b > 4 * DBL_EPSILON * a) {

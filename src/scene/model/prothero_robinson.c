@@ -20,7 +20,7 @@ TERM_BIND(pull)
 }
 TERM_ADD(pull)
 {
-    a[0] += c[0] * (y[0] - cos(t)) - sin(t);
+    a[0] += c[0] * (y[0] - fixed_cos(t)) - fixed_sin(t);
 }
 TERM_JACOBIAN(pull)
 {
@@ -48,13 +48,13 @@ static void begin(const double *param, struct system *system)
 static void exact(const struct system *system, double t0, const double *start, double t, double *y,
                   double *floor)
 {
-    double lambda = system->term[0].c[0], x = lambda * (t - t0), away = start[0] - cos(t0);
-    double transient = away != 0 ? away * exp(x) : 0;
-    y[0] = cos(t) + transient;
+    double lambda = system->term[0].c[0], x = lambda * (t - t0), away = start[0] - fixed_cos(t0);
+    double transient = away != 0 ? away * fixed_exp(x) : 0;
+    y[0] = fixed_cos(t) + transient;
     if (floor) /* an ulp in the start decays or grows with what it is an ulp of, an ulp of t moves
                   cos t */
-        floor[0] = DBL_EPSILON *
-                   (fabs(y[0]) + fabs(t * sin(t)) + fabs(x * transient) + fabs(start[0]) * exp(x));
+        floor[0] = DBL_EPSILON * (fabs(y[0]) + fabs(t * fixed_sin(t)) + fabs(x * transient) +
+                                  fabs(start[0]) * fixed_exp(x));
 }
 
 static const struct variable variables[] = {{"y", QUANTITY_NUMBER}};

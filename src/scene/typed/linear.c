@@ -4,6 +4,8 @@
  * oscillator with these coefficients. A graph says more than derivatives: sign(v) has the
  * derivative 0 and is not linear.
  */
+#include <hooke/base/elementary.h>
+
 #include <math.h>
 #include <stdlib.h>
 
@@ -112,10 +114,10 @@ static bool add_drive(struct oscillator *o, double drive, double omega, double p
     if (o->drive != 0 && o->phase == phase) {
         drive += o->drive;
     } else if (o->drive != 0) {
-        const double along = o->drive * cos(o->phase) + drive * cos(phase);
-        const double across = o->drive * sin(o->phase) + drive * sin(phase);
-        drive = hypot(along, across);
-        phase = atan2(across, along);
+        const double along = o->drive * fixed_cos(o->phase) + drive * fixed_cos(phase);
+        const double across = o->drive * fixed_sin(o->phase) + drive * fixed_sin(phase);
+        drive = fixed_hypot(along, across);
+        phase = fixed_atan2(across, along);
     }
     o->drive = drive;
     o->omega = omega;
@@ -205,7 +207,9 @@ static struct affine_form apply(const struct node *node, const struct affine_for
     case NODE_DIV:
         return only(b, constant) ? scaled(*a, 1, b->part[CONSTANT]) : unknown;
     case NODE_ONE:
-        return node->one == cos ? wave(a, 0) : node->one == sin ? wave(a, -quarter) : unknown;
+        return node->one == fixed_cos   ? wave(a, 0)
+               : node->one == fixed_sin ? wave(a, -quarter)
+                                        : unknown;
     default:
         return unknown;
     }

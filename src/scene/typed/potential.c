@@ -6,6 +6,8 @@
  * the integral between pairs of points has to be the difference of their potentials, which a whirl
  * about a pole or a force with a jump has not.
  */
+#include <hooke/base/elementary.h>
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -189,7 +191,7 @@ static double length(const double *q, int rows)
 {
     double r = 0;
     for (int i = 0; i < rows; i++)
-        r = hypot(r, q[i]);
+        r = fixed_hypot(r, q[i]);
     return r;
 }
 
@@ -201,16 +203,16 @@ static double length(const double *q, int rows)
 static void around_origin(const struct force_path *path, double s, double *q, double *along)
 {
     const int rows = path->rows;
-    const double r = length(path->to, rows), across = length(path->to + 1, rows - 1), rate = log(r),
-                 at = pow(r, s);
-    const double turn = rows > 1 ? atan2(across, path->to[0]) : 0,
+    const double r = length(path->to, rows), across = length(path->to + 1, rows - 1),
+                 rate = fixed_log(r), at = fixed_pow(r, s);
+    const double turn = rows > 1 ? fixed_atan2(across, path->to[0]) : 0,
                  sign = rows == 1 && path->to[0] < 0 ? -1 : 1;
-    q[0] = sign * at * cos(s * turn);
-    along[0] = rate * q[0] - sign * at * turn * sin(s * turn);
+    q[0] = sign * at * fixed_cos(s * turn);
+    along[0] = rate * q[0] - sign * at * turn * fixed_sin(s * turn);
     for (int i = 1; i < rows; i++) {
         const double u = across > 0 ? path->to[i] / across : i == 1;
-        q[i] = at * sin(s * turn) * u;
-        along[i] = rate * q[i] + at * turn * cos(s * turn) * u;
+        q[i] = at * fixed_sin(s * turn) * u;
+        along[i] = rate * q[i] + at * turn * fixed_cos(s * turn) * u;
     }
 }
 

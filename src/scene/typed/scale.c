@@ -8,6 +8,8 @@
  * short, and then nothing in it is of any later size. What a linear system with constant
  * coefficients reaches is known without a trial.
  */
+#include <hooke/base/elementary.h>
+
 #include <string.h>
 
 #include "scene/model/exact.h"
@@ -44,9 +46,9 @@ static double fastest_rate(const struct system *system)
             return 0;
         for (int i = 0; i < n; i++)
             v[i] = w[i] / size;
-        sum += log(size);
+        sum += fixed_log(size);
     }
-    return exp(sum / POWERS);
+    return fixed_exp(sum / POWERS);
 }
 
 static bool all_finite(const double *y, int n)

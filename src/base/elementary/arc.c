@@ -1,0 +1,160 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Angles of points, lengths and cube roots. */
+#include "base/elementary/wide.h"
+
+/* atan(j/16) */
+#define CENTRES 16
+static const struct wide centre_angle[] = {
+    {0, 0},
+    {0x1.ff55bb72cfdeap-5, -0x1.c934d86d23f1dp-60},
+    {0x1.fd5ba9aac2f6ep-4, -0x1.cd37686760c17p-59},
+    {0x1.7b97b4bce5b02p-3, 0x1.347b0b4f881cap-58},
+    {0x1.f5b75f92c80ddp-3, 0x1.8ab6e3cf7afbdp-57},
+    {0x1.362773707ebccp-2, -0x1.963a544b672d8p-57},
+    {0x1.6f61941e4def1p-2, -0x1.c63aae6f6e918p-56},
+    {0x1.a64eec3cc23fdp-2, -0x1.24dec1b50b7ffp-56},
+    {0x1.dac670561bb4fp-2, 0x1.a2b7f222f65e2p-56},
+    {0x1.0657e94db30d0p-1, -0x1.d5b495f6349e6p-56},
+    {0x1.1e00babdefeb4p-1, -0x1.928df287a668fp-58},
+    {0x1.345f01cce37bbp-1, 0x1.1021137c71102p-55},
+    {0x1.4978fa3269ee1p-1, 0x1.2419a87f2a458p-56},
+    {0x1.5d58987169b18p-1, 0x1.0028e4bc5e7cap-57},
+    {0x1.700a7c5784634p-1, -0x1.8c34d25aadef6p-56},
+    {0x1.819d0b7158a4dp-1, -0x1.bf76229d3b917p-56},
+    {0x1.921fb54442d18p-1, 0x1.1a62633145c07p-55},
+};
+
+static const struct wide half_pi = {0x1.921fb54442d18p+0, 0x1.1a62633145c07p-54},
+                         pi = {0x1.921fb54442d18p+1, 0x1.1a62633145c07p-53};
+
+static struct wide negative(struct wide a)
+{
+    return (struct wide){-a.high, -a.low};
+}
+
+/*
+ * The angle of the point (x, y), 0 <= y <= x: with c = j/16 next to y/x that of the centre and
+ * atan t, t = (y - c x)/(x + c y), |t| < 0.034, by its series.
+ */
+static struct wide first_angle(struct wide y, struct wide x)
+{
+    const double j = (y.high / x.high * CENTRES + WHOLE) - WHOLE, c = j / CENTRES;
+    const struct wide centre = centre_angle[(int)j];
+    struct wide t;
+    if (j == 0) {
+        t = wide_quotient(y, x);
+    } else {
+        const struct wide across = wide_product(-c, x.high), along = wide_product(c, y.high);
+        t = wide_quotient(wide_add(y, (struct wide){across.high, across.low - c * x.low}),
+                          wide_add(x, (struct wide){along.high, along.low + c * y.low}));
+    }
+    const double z = t.high * t.high;
+    const double sum =
+        -1. / 3 + z * (1. / 5 + z * (-1. / 7 + z * (1. / 9 + z * (-1. / 11 + z * (1. / 13)))));
+    const struct wide most = ordered_sum(centre.high, t.high);
+    return ordered_sum(most.high, most.low + ((t.low + centre.low) + t.high * z * sum));
+}
+
+/* From 0 to pi; y >= 0 */
+static double angle(struct wide y, struct wide x)
+{
+    const struct wide across = x.high < 0 ? negative(x) : x;
+    struct wide a = y.high > across.high ? wide_add(half_pi, negative(first_angle(across, y)))
+                                         : first_angle(y, across);
+    if (x.high < 0)
+        a = wide_add(pi, negative(a));
+    return a.high;
+}
+
+double fixed_atan(double x)
+{
+    const double size = fabs(x);
+    if (size < 0x1p-27 || x != x)
+        return x;
+    if (size > 0x1p60)
+        return copysign(half_pi.high, x);
+    return copysign(angle((struct wide){size, 0}, (struct wide){1, 0}), x);
+}
+
+double fixed_atan2(double y, double x)
+{
+    if (x != x || y != y)
+        return x + y;
+    double across = fabs(x), along = fabs(y);
+    if (along == 0 || (across == HUGE_VAL && along < HUGE_VAL))
+        return copysign(signbit(x) ? pi.high : 0, y);
+    if (across == 0 || along == HUGE_VAL || along > across * 0x1p60) {
+        const double eighth = across == HUGE_VAL ? half_pi.high / 2 : 0;
+        return copysign(eighth == 0 ? half_pi.high : x > 0 ? eighth : 3 * eighth, y);
+    }
+    if (along < across * 0x1p-60)
+        return copysign(x < 0 ? pi.high : along / across, y);
+    const double scale = power_of_two(across > 1 || along > 1 ? -500 : 500);
+    if (!(across > 0x1p-400 && along > 0x1p-400 && across < 0x1p400 && along < 0x1p400)) {
+        across *= scale;
+        along *= scale;
+    }
+    return copysign(angle((struct wide){along, 0}, (struct wide){x < 0 ? -across : across, 0}), y);
+}
+
+/* sqrt(1 - x^2) */
+static struct wide leg(double x)
+{
+    return wide_root(wide_times(wide_sum(1, -x), wide_sum(1, x)));
+}
+
+double fixed_asin(double x)
+{
+    const double size = fabs(x);
+    if (!(size <= 1))
+        return x != x ? x : (double)NAN;
+    if (size < 0x1p-27)
+        return x;
+    return copysign(angle((struct wide){size, 0}, leg(size)), x);
+}
+
+double fixed_acos(double x)
+{
+    if (!(fabs(x) <= 1))
+        return x != x ? x : (double)NAN;
+    return angle(leg(fabs(x)), (struct wide){x, 0});
+}
+
+double fixed_hypot(double x, double y)
+{
+    const double a = fmax(fabs(x), fabs(y)), b = fmin(fabs(x), fabs(y));
+    if (a == HUGE_VAL || fabs(x) == HUGE_VAL || fabs(y) == HUGE_VAL)
+        return HUGE_VAL;
+    if (x != x || y != y)
+        return x + y;
+    if (b <= a * 0x1p-60)
+        return a + b;
+    const double scale = a > 0x1p500 ? 0x1p-600 : b < 0x1p-400 ? 0x1p600 : 1;
+    const double p = a * scale, q = b * scale;
+    const struct wide pp = wide_product(p, p), qq = wide_product(q, q);
+    return wide_root(wide_add(pp, qq)).high / scale;
+}
+
+/* Halley's steps, then Newton's with what is left in two parts. */
+double fixed_cbrt(double x)
+{
+    double size = fabs(x), scale = 1;
+    if (!(size > 0 && size < HUGE_VAL))
+        return x;
+    if (size < 0x1p-1000) {
+        size *= 0x1p300;
+        scale = 0x1p-100;
+    } else if (size > 0x1p1000) {
+        size *= 0x1p-300;
+        scale = 0x1p100;
+    }
+    double root = from_bits(to_bits(size) / 3 + 0x2A9F7893782DA1CE);
+    for (int i = 0; i < 3; i++) {
+        const double cube = root * root * root;
+        root *= (cube + 2 * size) / (2 * cube + size);
+    }
+    const struct wide square = wide_product(root, root), one = {root, 0},
+                      cube = wide_times(square, one);
+    const double rest = ((cube.high - size) + cube.low) / (3 * square.high);
+    return copysign((root - rest) * scale, x);
+}

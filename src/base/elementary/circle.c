@@ -1,0 +1,155 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* sin, cos, tan of anything. */
+#if defined(__GNUC__) && !defined(__clang__)
+#pragma GCC optimize("O3") /* vectors */
+#endif
+#include <hooke/base/numeric.h>
+
+#include "base/elementary/circle.h"
+
+/* ---- large arguments (Payne & Hanek 1983) ---- */
+
+/* 2/pi, the bits behind the binary point */
+static const uint64_t two_over_pi[] = {
+    0xa2f9836e4e441529, 0xfc2757d1f534ddc0, 0xdb6295993c439041, 0xfe5163abdebbc561,
+    0xb7246e3a424dd2e0, 0x06492eea09d1921c, 0xfe1deb1cb129a73e, 0xe88235f52ebb4484,
+    0xe99c7026b45f7e41, 0x3991d639835339f4, 0x9c845f8bbdf9283b, 0x1ff897ffde05980f,
+    0xef2f118b5a0a6d1f, 0x6d367ecf27cb09b7, 0x4f463f669e5fea2d, 0x7527bac7ebe5f17b,
+    0x3d0739f78a5292ea, 0x6bfb5fb11f8d5d08, 0x56033046fc7b6bab, 0xf0cfbc209af4361d,
+};
+
+/* 64 bits from that position on; those before the point are 0. */
+static uint64_t bits_from(int position)
+{
+    const int words = (int)COUNT_OF(two_over_pi), word = (position + 1024) / 64 - 16,
+              shift = (position + 1024) % 64;
+    const uint64_t first = word >= 0 && word < words ? two_over_pi[word] : 0,
+                   second = word >= -1 && word < words - 1 ? two_over_pi[word + 1] : 0;
+    return shift > 0 ? first << shift | second >> (64 - shift) : first;
+}
+
+/* a b: the upper 64 bits; the lower are a * b */
+static uint64_t upper_product(uint64_t a, uint64_t b)
+{
+    const uint64_t mask = 0xFFFFFFFF, a1 = a >> 32, a0 = a & mask, b1 = b >> 32, b0 = b & mask;
+    const uint64_t middle = a1 * b0 + (a0 * b0 >> 32), other = (middle & mask) + a0 * b1;
+    return a1 * b1 + (middle >> 32) + (other >> 32);
+}
+
+/*
+ * x >= 2^-20, finite: with x = m 2^e the bits of 2/pi from 2^(1 - e) on times m, without those of
+ * weight 4 and above: two are quarters, those behind a fraction.
+ */
+static uint64_t quarters_far(double x, double *r, double *low)
+{
+    const int e = (int)(to_bits(x) >> EXPONENT_SHIFT) - 1075;
+    const uint64_t one = UINT64_C(1) << EXPONENT_SHIFT, m = (to_bits(x) & (one - 1)) | one;
+    const uint64_t w2 = bits_from(e - 2), w1 = bits_from(e + 62), w0 = bits_from(e + 126);
+    const uint64_t a0 = m * w0, b1 = m * w1, a1 = b1 + upper_product(m, w0),
+                   a2 = m * w2 + upper_product(m, w1) + (a1 < b1);
+    uint64_t quarters = a2 >> 62, f1 = a2 << 2 | a1 >> 62, f0 = a1 << 2 | a0 >> 62;
+    const bool below = f1 >> 63;
+    if (below) {
+        quarters++;
+        f0 = ~f0;
+        f1 = ~f1;
+    }
+    int zeros = 0;
+    for (; zeros < 64 && !(f1 >> 63); zeros++) {
+        f1 = f1 << 1 | f0 >> 63;
+        f0 <<= 1;
+    }
+    const double high = (double)(f1 >> 11) * 0x1p-53,
+                 rest = (double)((f1 << 53 | f0 >> 11) >> 11) * 0x1p-106;
+    const struct wide half_pi = {0x1.921fb54442d18p+0, 0x1.1a62633145c07p-54},
+                      fraction = {high, rest}, turn = wide_times(fraction, half_pi);
+    const double size = power_of_two(-zeros) * (below ? -1 : 1);
+    *r = turn.high * size;
+    *low = turn.low * size;
+    return quarters;
+}
+
+/* x >= 0, finite */
+static uint64_t quarters_of(double x, double *r, double *low)
+{
+    uint64_t fine;
+    const uint64_t quarters = quarters_near(x, r, low, &fine);
+    return fine ? quarters : quarters_far(x, r, low);
+}
+
+/* ---- one ---- */
+
+double fixed_sin(double x)
+{
+    const double size = fabs(x);
+    double r, low;
+    if (size <= CIRCLE_NEAR)
+        return copysign(sine_near(size, 0), x);
+    if (!(size < HUGE_VAL))
+        return x != x ? x : (double)NAN;
+    const uint64_t quarters = quarters_of(size, &r, &low);
+    const double value = quarters & 1 ? cosine_near(r, low) : sine_near(r, low);
+    return (x < 0) != ((quarters & 2) != 0) ? -value : value;
+}
+
+double fixed_cos(double x)
+{
+    const double size = fabs(x);
+    double r, low;
+    if (size <= CIRCLE_NEAR)
+        return cosine_near(size, 0);
+    if (!(size < HUGE_VAL))
+        return x != x ? x : (double)NAN;
+    const uint64_t quarters = quarters_of(size, &r, &low) + 1;
+    const double value = quarters & 1 ? cosine_near(r, low) : sine_near(r, low);
+    return quarters & 2 ? -value : value;
+}
+
+/* The quotient of both, each with what its rounding leaves, the cosine also with that of r^2. */
+double fixed_tan(double x)
+{
+    const double size = fabs(x);
+    double r, low;
+    if (!(size < HUGE_VAL))
+        return x != x ? x : (double)NAN;
+    if (size < 0x1p-27)
+        return x;
+    const uint64_t quarters = quarters_of(size, &r, &low);
+    double most;
+    const double rest = cosine_rest(r, low, &most) - wide_product(r, r).low * 0.5;
+    const struct wide above = ordered_sum(r, sine_rest(r, low)), below = ordered_sum(most, rest);
+    const struct wide tangent =
+        quarters & 1 ? wide_quotient(below, above) : wide_quotient(above, below);
+    const double value = quarters & 1 ? -tangent.high : tangent.high;
+    return x < 0 ? -value : value;
+}
+
+/* ---- many ---- */
+
+CLONES void fixed_sines(int n, const double *x, double *out)
+{
+    for (; n > 0; n -= 64, x += 64, out += 64) {
+        uint64_t doubt = 0;
+        double value[64];
+        const int count = n < 64 ? n : 64;
+        for (int i = 0; i < count; i++)
+            value[i] = sine_in_loop(x[i], &doubt);
+        for (int i = 0; doubt & 1 && i < count; i++)
+            value[i] = fixed_sin(x[i]);
+        memcpy(out, value, (size_t)count * sizeof *out);
+    }
+}
+
+CLONES void fixed_cosines(int n, const double *x, double *out)
+{
+    for (; n > 0; n -= 64, x += 64, out += 64) {
+        uint64_t doubt = 0;
+        double value[64];
+        const int count = n < 64 ? n : 64;
+        for (int i = 0; i < count; i++)
+            value[i] = cosine_in_loop(x[i], &doubt);
+        for (int i = 0; doubt & 1 && i < count; i++)
+            value[i] = fixed_cos(x[i]);
+        memcpy(out, value, (size_t)count * sizeof *out);
+    }
+}

@@ -1,0 +1,100 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Numbers as sums of two doubles (Dekker 1971; Knuth, TAOCP 2, 4.2.2), and doubles as bits. */
+#ifndef HOOKE_BASE_ELEMENTARY_WIDE_H
+#define HOOKE_BASE_ELEMENTARY_WIDE_H
+
+#include <hooke/base/elementary.h>
+
+#include <math.h>
+#include <string.h>
+
+#define INLINE static inline __attribute__((always_inline))
+
+#define WHOLE 0x1.8p52 /* numbers that this is added to lose their fraction: it is in its bits */
+#define SIGN_BIT 0x8000000000000000u
+#define EXPONENT_SHIFT 52
+
+INLINE uint64_t to_bits(double x)
+{
+    uint64_t bits;
+    memcpy(&bits, &x, sizeof bits);
+    return bits;
+}
+
+INLINE double from_bits(uint64_t bits)
+{
+    double x;
+    memcpy(&x, &bits, sizeof x);
+    return x;
+}
+
+/* 2^n, -1022 <= n <= 1023 */
+INLINE double power_of_two(int64_t n)
+{
+    return from_bits((uint64_t)(n + 1023) << EXPONENT_SHIFT);
+}
+
+struct wide {
+    double high, low;
+};
+
+/* a + b, |a| >= |b| or a = 0 */
+INLINE struct wide ordered_sum(double a, double b)
+{
+    const double high = a + b;
+    return (struct wide){high, b - (high - a)};
+}
+
+INLINE struct wide wide_sum(double a, double b)
+{
+    const double high = a + b, of_b = high - a;
+    return (struct wide){high, (a - (high - of_b)) + (b - of_b)};
+}
+
+/* a b, to 2^-105 of it */
+INLINE struct wide wide_product(double a, double b)
+{
+    const uint64_t upper = ~UINT64_C(0x7FFFFFF); /* 26 bits of each */
+    const double a1 = from_bits(to_bits(a) & upper), a2 = a - a1,
+                 b1 = from_bits(to_bits(b) & upper), b2 = b - b1, high = a * b;
+    return (struct wide){high, ((a1 * b1 - high) + a1 * b2 + a2 * b1) + a2 * b2};
+}
+
+INLINE struct wide wide_times(struct wide a, struct wide b)
+{
+    const struct wide p = wide_product(a.high, b.high);
+    return ordered_sum(p.high, p.low + (a.high * b.low + a.low * b.high));
+}
+
+INLINE struct wide wide_quotient(struct wide a, struct wide b)
+{
+    const double q = a.high / b.high;
+    const struct wide p = wide_product(q, b.high);
+    const double rest = ((a.high - p.high) - p.low) + (a.low - q * b.low);
+    return ordered_sum(q, rest / b.high);
+}
+
+INLINE struct wide wide_add(struct wide a, struct wide b)
+{
+    const struct wide s = wide_sum(a.high, b.high);
+    return ordered_sum(s.high, s.low + (a.low + b.low));
+}
+
+/* a >= 0 */
+INLINE struct wide wide_root(struct wide a)
+{
+    const double root = sqrt(a.high);
+    if (root == 0)
+        return (struct wide){0, 0};
+    const struct wide p = wide_product(root, root);
+    return ordered_sum(root, (((a.high - p.high) - p.low) + a.low) / (2 * root));
+}
+
+/* ---- between the files ---- */
+
+/* e^(x + low) as 2^n (1 + what is returned); |x| < 1000 */
+struct wide exponential_part(double x, double low, int64_t *n);
+/* 2^n x, rounded once, x about 1 */
+double scaled(double x, int64_t n);
+
+#endif
