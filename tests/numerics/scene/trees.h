@@ -3,6 +3,7 @@
 #ifndef SCENE_TREES_H
 #define SCENE_TREES_H
 
+#include "hooke/base/elementary.h"
 #include "long_form.h"
 #include "unit/scene/testing.h"
 
@@ -172,19 +173,32 @@ static const struct {
     const char *name;
     double (*one)(double);
     double (*two)(double, double);
-} functions[] = {[SIN] = {"sin", sin, NULL},        [COS] = {"cos", cos, NULL},
-                 [TAN] = {"tan", tan, NULL},        [ASIN] = {"asin", asin, NULL},
-                 [ACOS] = {"acos", acos, NULL},     [ATAN] = {"atan", atan, NULL},
-                 [SINH] = {"sinh", sinh, NULL},     [COSH] = {"cosh", cosh, NULL},
-                 [TANH] = {"tanh", tanh, NULL},     [EXP] = {"exp", exp, NULL},
-                 [LOG] = {"log", log, NULL},        [LOG10] = {"log10", log10, NULL},
-                 [SQRT] = {"sqrt", sqrt, NULL},     [CBRT] = {"cbrt", cbrt, NULL},
-                 [ABS] = {"abs", fabs, NULL},       [STEP] = {"step", own_step, NULL},
-                 [SIGN] = {"sign", own_sign, NULL}, [FLOOR] = {"floor", floor, NULL},
-                 [CEIL] = {"ceil", ceil, NULL},     [ROUND] = {"round", round, NULL},
-                 [ATAN2] = {"atan2", NULL, atan2},  [HYPOT] = {"hypot", NULL, hypot},
-                 [MIN] = {"min", NULL, own_min},    [MAX] = {"max", NULL, own_max},
-                 [MOD] = {"mod", NULL, own_mod},    [POW_CALL] = {"pow", NULL, short_power},
+} functions[] = {[SIN] = {"sin", fixed_sin, NULL},
+                 [COS] = {"cos", fixed_cos, NULL},
+                 [TAN] = {"tan", fixed_tan, NULL},
+                 [ASIN] = {"asin", fixed_asin, NULL},
+                 [ACOS] = {"acos", fixed_acos, NULL},
+                 [ATAN] = {"atan", fixed_atan, NULL},
+                 [SINH] = {"sinh", fixed_sinh, NULL},
+                 [COSH] = {"cosh", fixed_cosh, NULL},
+                 [TANH] = {"tanh", fixed_tanh, NULL},
+                 [EXP] = {"exp", fixed_exp, NULL},
+                 [LOG] = {"log", fixed_log, NULL},
+                 [LOG10] = {"log10", fixed_log10, NULL},
+                 [SQRT] = {"sqrt", sqrt, NULL},
+                 [CBRT] = {"cbrt", fixed_cbrt, NULL},
+                 [ABS] = {"abs", fabs, NULL},
+                 [STEP] = {"step", own_step, NULL},
+                 [SIGN] = {"sign", own_sign, NULL},
+                 [FLOOR] = {"floor", floor, NULL},
+                 [CEIL] = {"ceil", ceil, NULL},
+                 [ROUND] = {"round", round, NULL},
+                 [ATAN2] = {"atan2", NULL, fixed_atan2},
+                 [HYPOT] = {"hypot", NULL, fixed_hypot},
+                 [MIN] = {"min", NULL, own_min},
+                 [MAX] = {"max", NULL, own_max},
+                 [MOD] = {"mod", NULL, own_mod},
+                 [POW_CALL] = {"pow", NULL, short_power},
                  [IF] = {"if", NULL, NULL}};
 
 static inline int arguments_of(int which)
