@@ -10,6 +10,7 @@
 #include <stdint.h>
 #include <cmocka.h>
 
+#include <hooke/base/elementary.h>
 #include <hooke/scene.h>
 
 /* splitmix64 (Steele, Lea, Flood 2014), as a number in [0, 1). */
@@ -31,7 +32,7 @@ static inline double random_between(uint64_t *seed, double a, double b)
 static inline double short_power(double x, double n)
 {
     if (!(fabs(n) <= 16 && 2 * n == floor(2 * n)))
-        return pow(x, n);
+        return fixed_pow(x, n);
     const int whole = (int)fabs(n);
     double power = 1;
     bool begun = false;
