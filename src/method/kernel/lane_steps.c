@@ -9,7 +9,8 @@
  * the widest that runs here is taken.
  */
 #define UNROLL _Pragma("GCC unroll 16")
-#include "base/elementary/circle.h"
+#include <hooke/base/elementary.h>
+
 #include "method/kernel/kernel.h"
 #include "method/kernel/lanes.h"
 

@@ -21,23 +21,13 @@ FAST vector WITH(magnitude)(vector x)
     return (vector)((WITH(bits))x & INT64_MAX);
 }
 
-static __attribute__((noinline)) TARGET vector WITH(sine_one_by_one)(vector x)
-{
-    for (int i = 0; i < WIDE; i++)
-        x[i] = fixed_sin(x[i]);
-    return x;
-}
-
 TARGET static __attribute__((noinline)) vector WITH(sine)(vector x)
 {
     double each[WIDE];
-    vector sine;
-    uint64_t doubt = 0;
     memcpy(each, &x, sizeof each);
-    for (int i = 0; i < WIDE; i++)
-        each[i] = sine_in_loop(each[i], &doubt);
-    memcpy(&sine, each, sizeof sine);
-    return doubt ? WITH(sine_one_by_one)(x) : sine;
+    fixed_sines(WIDE, each, each);
+    memcpy(&x, each, sizeof each);
+    return x;
 }
 
 /* ---- forces: the terms that shapes are made of, by the operations of terms.def and weight.def
