@@ -248,7 +248,7 @@ static bool exec_line(struct session *session, struct text line, const struct so
                       struct reply *reply)
 {
     struct error error = {0};
-    struct text rest = line, statement;
+    struct text rest = line, statement = {0};
     bool ok = true;
     size_t entry = 0;
     if (line.len > LIMIT_LINE)

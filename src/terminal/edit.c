@@ -3,14 +3,94 @@
  * Readline under the panes: it takes its bytes from our input, draws nothing and leaves the
  * terminal's modes alone. Its callbacks have no context: panes_active is it.
  */
+#define _GNU_SOURCE /* RTLD_NEXT */
 #include "terminal/panes.h"
 
+#include <dlfcn.h>
+#include <setjmp.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include <readline/readline.h>
 
 struct panes *panes_active;
+
+/* ---- where readline 7 to 8.3 crashes or hangs
+ * ---------------------------------------------------------------------------------------------- */
+
+/*
+ * These stand before functions of readline and have them do the rest. They are weak: where readline
+ * is linked as an archive its own are taken, faults and all.
+ *
+ * A key that cannot be used is left by a jump to where readline_internal_char() began. But
+ * rl_callback_read_char() goes on after that function has returned while there are keys in a queue
+ * (what was put back of a sequence that means nothing, a macro), and the jump from there is into a
+ * frame that is gone: ESC Enter ESC [ 1 Tab. Here every jump leads to edit_key().
+ */
+__attribute__((weak)) int _rl_abort_internal(void);
+__attribute__((weak)) int _rl_forward_char_internal(int count);
+extern sigjmp_buf _rl_top_level __attribute__((weak));
+int _rl_pushed_input_available(void) __attribute__((weak));
+
+#define KEY_TURNS 512 /* more than the queue holds */
+
+static struct {
+    sigjmp_buf frame;
+    bool valid;
+} given_up;
+
+/* ISO C has no cast from an object pointer to a function pointer: the bytes are copied. */
+static void find_own(void *function, const char *name)
+{
+    void *found = dlsym(RTLD_NEXT, name);
+    memcpy(function, &found, sizeof found);
+}
+
+int _rl_abort_internal(void)
+{
+    static int (*own)(void);
+    if (!own)
+        find_own(&own, "_rl_abort_internal");
+    sigjmp_buf *top = &_rl_top_level;
+    if (top && given_up.valid)
+        memcpy(top, &given_up.frame, sizeof *top);
+    return own ? own() : 0;
+}
+
+/* In vi's command mode what follows the last character is the last one that has a width. It may
+ * stand before the present one, where that has none: then the motions over words never ended. */
+int _rl_forward_char_internal(int count)
+{
+    static int (*own)(int);
+    if (!own)
+        find_own(&own, "_rl_forward_char_internal");
+    const int next = own ? own(count) : rl_end;
+    return count > 0 && next < rl_point ? rl_point : next;
+}
+
+/* What is still in readline's queue belongs to what was given up. */
+static void drop_queue(void)
+{
+    while (_rl_pushed_input_available && _rl_pushed_input_available()) {
+        rl_read_key();
+    }
+    panes_active->echo_stale = true;
+}
+
+/* Readline takes what is in its queue first: the key may wait for its next turn. */
+void edit_key(struct panes *panes, unsigned char byte)
+{
+    panes->next_byte = byte;
+    for (int turns = 0; panes->next_byte >= 0 && turns < KEY_TURNS; turns++) {
+        if (sigsetjmp(given_up.frame, 0) == 0) {
+            given_up.valid = true;
+            rl_callback_read_char();
+        } else {
+            drop_queue();
+        }
+        given_up.valid = false;
+    }
+}
 
 /* Blocks in the middle of a key sequence; an end or Ctrl-C gets it out. */
 static int get_byte(FILE *ignored)
@@ -135,6 +215,7 @@ void edit_clear(struct panes *panes)
     rl_free_line_state();
     rl_clear_message();
     rl_replace_line("", 0);
+    rl_set_keymap_from_edit_mode(); /* vi's insertion mode */
     keys_choose(panes_session(panes));
     panes->echo_stale = true;
 }

@@ -390,8 +390,7 @@ void panes_process(struct panes *panes)
             break;
         }
         if (item == INPUT_BYTE) {
-            panes->next_byte = byte;
-            rl_callback_read_char();
+            edit_key(panes, byte);
         } else if (item == INPUT_PASTE) {
             edit_paste(panes, paste);
         } else {

@@ -168,6 +168,7 @@ extern struct panes *panes_active;
 
 void edit_begin(FILE *nowhere); /* what readline wants to write goes nowhere */
 void edit_end(void);
+void edit_key(struct panes *panes, unsigned char byte); /* typed: to readline */
 /* Whatever is being edited: gone, with every state readline may be in. */
 void edit_clear(struct panes *panes);
 /* What is half typed is put aside while a page is read, and comes back with the panes. */

@@ -27,6 +27,20 @@ static void save_when_due(void)
     }
 }
 
+/* Out of a search, of a sequence, or of a paste whose end a Ctrl-C has made the terminal forget:
+ * readline jumps to where it reads a new key. */
+static void leave_inside(void)
+{
+    if (RL_ISSTATE(RL_STATE_ISEARCH | RL_STATE_NSEARCH | RL_STATE_NUMERICARG)) {
+        rl_restore_prompt();
+    }
+    const unsigned long inside = RL_STATE_ISEARCH | RL_STATE_NSEARCH | RL_STATE_NUMERICARG |
+                                 RL_STATE_MULTIKEY | RL_STATE_VIMOTION | RL_STATE_CHARSEARCH |
+                                 RL_STATE_METANEXT | RL_STATE_MOREINPUT | RL_STATE_COMPLETING;
+    rl_readline_state &= ~inside;
+    rl_abort(1, 0);
+}
+
 /* Ctrl-C clears the line and never leaves; Ctrl-Z leaves the terminal as it was; the alarm is for
  * the autosave. */
 static void heed_signals(void)
@@ -42,13 +56,17 @@ static void heed_signals(void)
         rl_forced_update_display();
     }
     if (cancelled(&interrupt) && !signals_ending()) {
+        const bool inside = RL_ISSTATE(RL_STATE_MOREINPUT);
         atomic_store(&interrupt.requested, 0);
-        rl_callback_sigcleanup();
         rl_free_line_state();
         rl_replace_line("", 0);
+        rl_set_keymap_from_edit_mode(); /* vi's insertion mode */
         fputs("^C", rl_outstream);
         rl_crlf();
         rl_on_new_line();
+        if (inside) {
+            leave_inside();
+        }
         rl_redisplay();
     }
 }

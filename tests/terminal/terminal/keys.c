@@ -1,0 +1,220 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Keys that mean nothing, in every state of readline: the program lives, Ctrl-C gets out. */
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include "long_form.h"
+#include "terminal/terminal.h"
+#include "terminal/person.h"
+#include "unit/random_testing.h"
+
+/* ---- what readline 6.3 to 8.2 was known to die of, or to be stuck in: sequences that are cut or
+ * mean nothing, in vi mode (ESC Enter), macros (Debian bug 799943), no history
+ * ---------------------------------------------------------------------------------------------- */
+
+static const char *const known[] = {
+    "\033\r\033[1\t",
+    "\033[200~print 1", /* a paste whose end is lost */
+    "\033\r\033[5\t\033[2\t",
+    "\022abc", /* a search */
+    "\033\r\0333\t",
+    "\0331\0332\033", /* a count without a key */
+    "\030(\0333\030)\033\r\030e\t",
+    "\035", /* a character to be found */
+    "\030(a\rb\r\030)\030e",
+    "\033\rd", /* an operator without a motion */
+    "\030(\030e\030)\030e",
+    "\033\ri\033\033\033.\033u",
+    "aaa\033[A\033[A",
+    "\033\r\033[1\t",
+    "\033\ra e\314\201\0330E", /* a motion to the end of a word without a width */
+    "\033\r/x\r\033?y\rn",
+    "\033\re\314\201\0330\\",
+};
+
+/* A Ctrl-C that is found late forgets what was typed after it: so more than once. */
+static void answers(struct person *p)
+{
+    static int number = 1000;
+    char line[64], wanted[16];
+    snprintf(line, sizeof line, "print 7*%d\r", ++number);
+    snprintf(wanted, sizeof wanted, "%d", 7 * number);
+    for (int64_t deadline = clock_ns() + PATIENCE_NS; !shows(p, wanted);) {
+        type(p, "\x03");
+        settle(p, 20);
+        type(p, line);
+        for (int i = 0; i < 20 && !shows(p, wanted); i++) {
+            pump(p, 50);
+        }
+        if (p->hung_up || clock_ns() > deadline) {
+            expect(p, wanted); /* says what there is instead */
+        }
+    }
+}
+
+/* The quick form does each at one of the prompts only. */
+static void test_known(void **state)
+{
+    (void)state;
+    for (size_t plain = 0; plain < 2; plain++) {
+        for (size_t i = is_long() ? 0 : plain; i < COUNT_OF(known); i += is_long() ? 1 : 2) {
+            struct person p;
+            begin(&p, (struct start){.argument = {plain ? "--plain" : NULL}});
+            expect(&p, "hooke>");
+            type(&p, known[i]);
+            settle(&p, 20);
+            answers(&p);
+            type(&p, "quit\r");
+            assert_int_equal(end(&p), 0);
+        }
+    }
+}
+
+/* ---- at random
+ * ---------------------------------------------------------------------------------------------- */
+
+static const char *const pieces[] = {
+    /* sequences, whole and cut */
+    "\033\r", "\033", "\033[", "\033[1", "\033[1;", "\033O", "\033[A", "\033[B", "\033[C", "\033[D",
+    "\033OA", "\033OB", "\033[1;5C", "\033[3~", "\033[5~", "\033[6~", "\033OP", "\033[15~",
+    "\033[17~", "\033[18~", "\033[19~", "\033[H", "\033[F", "\033[Z", "\033[99;99;99x", "\033[0n",
+    "\033[200~", "\033[201~", "abc\ndef", "\033_Gi=1;OK", "\033\\", "\033[?62;4c",
+    /* UTF-8, whole and cut */
+    "\303\251", "\342\202\254", "\360\237\230\200", "\303", "\342\202", "\377", "\200", "\360\237",
+    "e\314\201",
+    /* editing */
+    "\030(", "\030)", "\030e", "\030\030", "\030\025", "\022", "\023", "\a", "\v", "\031", "\033y",
+    "\033.", "\033\031", "\025", "\027", "\024", "\033t", "\033u", "\033c", "\033l", "\037",
+    "\033<", "\033>", "\033p", "\033n", "\033#", "\033*", "\033?", "\033=", "\033~", "\033&",
+    "\033\177", "\177", "\001", "\005", "\002", "\006", "\020", "\016", "\026", "\035", "\033\035",
+    "\033 ", "\033g", "\017", "\0331", "\033-", "\t", "\t\t",
+    /* panes */
+    "\030", "\030h", "\030r", "\030l", "\030c", "\030s", "\0301", "\030+", "\030-", "\030a",
+    /* vi, cursors, reading */
+    "q", "/", "?", "n", "N", ":", "d", "c", "y", "w", "b", "$", "0", "3", "12", "f", "F", "x", "r",
+    "R", "i", "a", "A", "I", "u", ".", "%", "|", "~", "=", "*", "@", "m", "`", "\"", "'", " ", "p",
+    "C", "D", "G", "k", "j", "h", "l", "-", "+", ";", "^", "_", "!",
+    /* commands */
+    "scene ", "meth", "help", "set ", "plot ", "run 1 s\r", "print 1\r", "cursor\r",
+    "help methods\r", "\r", "\r", "\n", "\x03"};
+
+static uint64_t at_random;
+
+static int below(int n)
+{
+    return (int)(uniform_from(&at_random) * n);
+}
+
+/* Some keys, or another size. Returns how many. */
+static int press(struct person *p, struct buffer *keys)
+{
+    static const int sizes[][2] = {{80, 24}, {20, 6}, {40, 12}, {120, 40}, {200, 60}};
+    if (below(50) == 0) {
+        const int known_size = below(2 * (int)COUNT_OF(sizes));
+        const bool other = known_size >= (int)COUNT_OF(sizes);
+        resize(p, other ? 1 + below(250) : sizes[known_size][0],
+               other ? 1 + below(80) : sizes[known_size][1]);
+        return 1;
+    }
+    buffer_clear(keys);
+    for (int n = 1 + below(12); n > 0; n--) {
+        const int byte = below(256);
+        if (below(100) < 85)
+            buffer_put(keys, text_of(pieces[below((int)COUNT_OF(pieces))]));
+        else if (byte != '\004' && byte != '\032' && byte != '\034') /* leave, stop, end */
+            buffer_char(keys, (char)byte);
+    }
+    size_t done = 0;
+    for (int64_t deadline = clock_ns() + PATIENCE_NS; done < keys->len;) {
+        const ssize_t n = write(p->fd, keys->data + done, keys->len - done);
+        done += n > 0 ? (size_t)n : 0;
+        if (n < 0 && errno != EAGAIN)
+            break; /* it has left */
+        pump(p, n < 0 ? 20 : 0);
+        assert_true(clock_ns() < deadline);
+    }
+    while (pump(p, 2)) {
+    }
+    buffer_clear(&p->raw);
+    return (int)keys->len;
+}
+
+/* Whatever it is in, it can be left. Its wait status. */
+static int leave(struct person *p)
+{
+    static const char *const ways[] = {"\x03",  "\033[201~\x03", "q\x03",
+                                       "n\x03", "\x03\033i\025", "\a\025"};
+    int status = 0;
+    for (size_t i = 0; i < 4 * COUNT_OF(ways); i++) {
+        /* The terminal forgets what is typed before a Ctrl-C. */
+        const char *const keys[] = {"\x03", ways[i % COUNT_OF(ways)], "quit\r"};
+        for (size_t k = 0; k < COUNT_OF(keys); k++) {
+            if (write(p->fd, keys[k], strlen(keys[k])) < 0)
+                break;
+            settle(p, k == 2 ? 300 : 50);
+        }
+        if (waitpid(p->program, &status, WNOHANG) == p->program)
+            return status;
+    }
+    show_screen(p);
+    kill(p->program, SIGKILL);
+    waitpid(p->program, &status, 0);
+    return status;
+}
+
+static void at_keys(bool plain, int seed, int count)
+{
+    struct person p;
+    struct buffer keys = {0};
+    int pressed = 0, status = 0;
+    at_random = (uint64_t)seed;
+    begin(&p, (struct start){.argument = {plain ? "--plain" : NULL}});
+    expect(&p, "hooke>");
+    assert_int_equal(fcntl(p.fd, F_SETFL, O_NONBLOCK), 0);
+    bool ended = false;
+    while (pressed < count && !ended) {
+        pressed += press(&p, &keys);
+        ended = waitpid(p.program, &status, WNOHANG) == p.program;
+    }
+    status = ended ? status : leave(&p);
+    if (!WIFEXITED(status) || WEXITSTATUS(status) != 0)
+        fail_msg("%s, seed %d: wait status %d after %d keys", plain ? "plain" : "panes", seed,
+                 status, pressed);
+    same_modes(&p);
+    buffer_free(&keys);
+    forget(&p);
+}
+
+static void test_random(void **state)
+{
+    (void)state;
+    const char *first = getenv("SEED"); /* to repeat one */
+    const int begun = first ? atoi(first) : 1,
+              sessions = first       ? 1
+                         : is_long() ? 50
+                                     : 1,
+              count = is_long() || first ? 2000 : 300;
+    signal(SIGPIPE, SIG_IGN);
+    for (int i = 0; i < sessions; i++) {
+        at_keys(false, begun + i, count);
+        at_keys(true, begun + i, count);
+    }
+}
+
+int main(int argc, char **argv)
+{
+    if (!make_folder(state_folder)) {
+        return 1;
+    }
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_known),
+        cmocka_unit_test(test_random),
+    };
+    if (argc > 1) {
+        cmocka_set_test_filter(argv[1]);
+    }
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
