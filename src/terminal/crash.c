@@ -59,26 +59,28 @@ static void on_fatal(int number)
     raise(number); /* SA_RESETHAND: now it ends the program, with a core where those are wanted */
 }
 
-void crash_install(void)
+void crash_signal(int number)
 {
-    /* And those that end a program which does not expect them; SIGHUP, SIGTERM and SIGALRM have
-     * handlers of their own. */
-    static const int fatal[] = {SIGSEGV,  SIGBUS,  SIGFPE,  SIGILL,  SIGABRT,   SIGQUIT, SIGSYS,
-                                SIGTRAP,  SIGUSR1, SIGUSR2, SIGXCPU, SIGVTALRM, SIGPROF, SIGIO,
-#ifdef SIGPWR
-                                SIGPWR,
-#endif
-#ifdef SIGSTKFLT
-                                SIGSTKFLT
-#endif
-    };
-    stack_t stack = {.ss_sp = rescue.stack, .ss_size = sizeof rescue.stack};
-    sigaltstack(&stack, NULL); /* an endless recursion leaves no other */
     struct sigaction action = {.sa_flags = (int)(SA_ONSTACK | SA_RESETHAND | SA_NODEFER)};
     sigemptyset(&action.sa_mask);
     action.sa_handler = on_fatal;
-    for (size_t i = 0; i < COUNT_OF(fatal); i++) {
-        sigaction(fatal[i], &action, NULL);
+    sigaction(number, &action, NULL);
+}
+
+void crash_install(void)
+{
+    /* The others end a program which does not expect them. */
+    static const int harmless[] = {SIGINT,  SIGHUP,  SIGTERM, SIGPIPE, SIGXFSZ, /* signals.c */
+                                   SIGKILL, SIGSTOP, SIGTSTP, SIGTTIN, SIGTTOU,
+                                   SIGCONT, SIGCHLD, SIGURG,  SIGWINCH};
+    stack_t stack = {.ss_sp = rescue.stack, .ss_size = sizeof rescue.stack};
+    sigaltstack(&stack, NULL); /* an endless recursion leaves no other */
+    for (int number = 1; number <= SIGRTMAX; number++) {
+        bool ends = true;
+        for (size_t i = 0; i < COUNT_OF(harmless); i++)
+            ends &= number != harmless[i];
+        if (ends)
+            crash_signal(number);
     }
 }
 

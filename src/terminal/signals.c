@@ -109,7 +109,12 @@ int signals_ending(void)
 void signals_watch(unsigned set)
 {
     for (int i = 0; i < HAPPENED_COUNT; i++) {
-        if (number_of[i] != SIGALRM || !ending) {
+        if (number_of[i] == SIGALRM && ending) {
+            continue; /* it says that saving takes too long */
+        }
+        if (number_of[i] == SIGALRM && !(set & 1u << i)) {
+            crash_signal(SIGALRM);
+        } else {
             handle(number_of[i], set & 1u << i ? on_event : SIG_DFL);
         }
     }

@@ -93,8 +93,8 @@ enum signalled {
     HAPPENED_COUNT
 };
 
-/* Installs the handlers of those in the set (bits 1 << enum signalled), gives the others back to
- * the system. */
+/* Installs the handlers of those in the set (bits 1 << enum signalled), gives the others back: to
+ * the system, an alarm to crash_signal(). */
 void signals_watch(unsigned set);
 bool signals_happened(enum signalled what); /* and forgets it */
 /* While nobody looks because a command takes long, Ctrl-Z stops the program from inside the
@@ -117,7 +117,9 @@ void crash_modes(void);
 void crash_arm(struct text text);
 void crash_disarm(void);
 void crash_restore(void); /* only write() and tcsetattr(): may be called from a signal handler */
-void crash_install(void); /* fatal signals: restore, then end as they would have */
+/* Signals that end the program: restore, then end as they would have. One of them; all. */
+void crash_signal(int number);
+void crash_install(void);
 /* What is done when readline finds no memory, before the program ends with status 1. NULL: nothing.
  */
 void crash_last_act(void (*act)(void));

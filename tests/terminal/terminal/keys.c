@@ -30,9 +30,8 @@ static const char *const known[] = {
     "\033\ri\033\033\033.\033u",
     "aaa\033[A\033[A",
     "\033\r\033[1\t",
-    "\033\ra e\314\201\0330E", /* a motion to the end of a word without a width */
     "\033\r/x\r\033?y\rn",
-    "\033\re\314\201\0330\\",
+    "\033\r\305\247\200\0330=", /* to the end of a word that is no UTF-8 */
 };
 
 /* A Ctrl-C that is found late forgets what was typed after it: so more than once. */
@@ -156,6 +155,7 @@ static int leave(struct person *p)
                 break;
             settle(p, k == 2 ? 300 : 50);
         }
+        poll(NULL, 0, 20); /* it may be on its way */
         if (waitpid(p->program, &status, WNOHANG) == p->program)
             return status;
     }

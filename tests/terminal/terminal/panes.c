@@ -447,37 +447,6 @@ static void test_suspend_in_a_long_command(void **state)
  * -------------------------------------------------------------------------------------------------
  */
 
-static void end_by(int number, bool running)
-{
-    struct person p;
-    start_panes(&p, (struct start){0});
-    enter(&p, "m = 321 g");
-    if (running) {
-        enter(&p, "run 1000 s");
-        expect(&p, "RUNNING");
-    }
-    kill(p.program, number);
-    const int status = end(&p);
-    if (number == SIGHUP || number == SIGTERM) {
-        assert_true(WIFEXITED(status));
-        assert_int_equal(WEXITSTATUS(status), 128 + number);
-    } else {
-        assert_true(WIFSIGNALED(status));
-        assert_int_equal(WTERMSIG(status), number);
-    }
-}
-
-static void test_signals_give_the_terminal_back(void **state)
-{
-    (void)state;
-    static const int numbers[] = {SIGHUP,  SIGTERM, SIGSEGV, SIGABRT, SIGFPE,  SIGBUS,
-                                  SIGQUIT, SIGXCPU, SIGUSR1, SIGUSR2, SIGPROF, SIGIO};
-    for (size_t i = 0; i < COUNT_OF(numbers); i++) {
-        end_by(numbers[i], false);
-        end_by(numbers[i], true);
-    }
-}
-
 static void test_end_of_input_leaves(void **state)
 {
     (void)state;
@@ -527,7 +496,6 @@ int main(int argc, char **argv)
         cmocka_unit_test(test_sizes),
         cmocka_unit_test(test_suspend),
         cmocka_unit_test(test_suspend_in_a_long_command),
-        cmocka_unit_test(test_signals_give_the_terminal_back),
         cmocka_unit_test(test_end_of_input_leaves),
         cmocka_unit_test(test_plain_and_back),
     };
