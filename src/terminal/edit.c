@@ -77,18 +77,23 @@ static void drop_queue(void)
     panes_active->echo_stale = true;
 }
 
+static void take_key(void)
+{
+    if (sigsetjmp(given_up.frame, 0) == 0) {
+        given_up.valid = true;
+        rl_callback_read_char();
+    } else {
+        drop_queue();
+    }
+    given_up.valid = false;
+}
+
 /* Readline takes what is in its queue first: the key may wait for its next turn. */
 void edit_key(struct panes *panes, unsigned char byte)
 {
     panes->next_byte = byte;
     for (int turns = 0; panes->next_byte >= 0 && turns < KEY_TURNS; turns++) {
-        if (sigsetjmp(given_up.frame, 0) == 0) {
-            given_up.valid = true;
-            rl_callback_read_char();
-        } else {
-            drop_queue();
-        }
-        given_up.valid = false;
+        take_key();
     }
 }
 
