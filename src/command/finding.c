@@ -64,7 +64,7 @@ static const struct row words[] = {
           "'show all' has everything that has a name, 'show' the set-up"),
     MEANS("if", "while until when loop else elif",
           "'run until COND' runs up to there, 'event NAME when COND do ...' acts on the way"),
-    MEANS("for", "foreach repeat range-loop",
+    MEANS("for", "foreach range-loop scan vary parameter-study parameter-scan",
           "'sweep NAME=FROM:TO:STEP' runs once for each value: 'help sweep'"),
     MEANS("samples", "sampling npoints resolution",
           "'record = all' keeps every step, 'record = 10 ms' a time step of its own"),
@@ -98,7 +98,8 @@ static const struct row words[] = {
           "'k = 15 N/m'; 'measure k' of a recording"),
     MEANS("time", "t seconds tspan tmax t_max tend t_end tfinal total endtime maxtime",
           "'duration = 20 s', or 'run 20 s'"),
-    MEANS("colour", "colours colors", "'set color'"),
+    MEANS("colour", "colours colors nocolor no-color monochrome",
+          "'set color never', always or auto"),
     MEANS("E", "total-energy etot", "the energy of the run: 'print energy', 'plot energy'"),
     MEANS("dE/E0", "dE energy-drift conservation",
           "how far the energy balance is off: 'plot energy-error', 'measure drift'"),
@@ -124,6 +125,21 @@ static const struct row words[] = {
     MEANS("gui", "windows ui tui", "'panes' shows plots above the prompt: 'help screen'"),
     MEANS("script", "batch macro",
           "'hooke FILE.hk' or 'source FILE.hk' runs commands, 'record FILE.hk' writes them"),
+    MEANS("formula", "theory analytic closed-form expected",
+          "'list derived' has what follows from the values: 'print T0'; 'fit EXPR' fits one"),
+    MEANS("efficiency", "performance benchmark work-precision cost nfev",
+          "'precision euler rk4' is error against run time, 'sweep tol=1e-9:1e-3:x10 "
+          "measure=evals' counts evaluations"),
+    MEANS("convergence", "convergence-order error-scaling",
+          "'order rk4' measures how the error falls with the step"),
+    MEANS("json", "machine-readable ndjson xml",
+          "'set format json' here, 'hooke --format json FILE.hk' from a shell, 'export FILE.json'"),
+    MEANS("exit-status", "status exit-code exitcode return-code errorlevel",
+          "of 'hooke FILE.hk': 0 done, 1 a command failed, 2 bad option, 3 numerical, 4 files"),
+    MEANS("overwrite", "replace clobber", "'export FILE --force' replaces a file that is there"),
+    MEANS("comment", "comments remark",
+          "# begins one, also behind a command; 'note TEXT' stays with the run"),
+    MEANS("preview", "header head", "'load FILE --preview' shows what is in a file"),
     MEANS("handin", "hand-in submit protocol homework",
           "'report FOLDER' writes what the lab asks for"),
 };
@@ -174,9 +190,10 @@ static bool put_uses(struct text name, const char *kind, bool guessed, struct bu
     int count = 0;
     for (size_t i = 0; i < COUNT_OF(uses) - guessed && count < 2; i++) {
         const struct row *row = catalog_find(uses[i].catalog, name);
-        /* what print shows is known to expressions, where it is there */
+        /* what print shows stands for no choice, and expressions know it where it is there */
         if (!row || text_starts(text_of(kind), text_of(uses[i].catalog->kind)) ||
-            (is_kind(kind, "name") && uses[i].catalog == &observable_catalog))
+            (uses[i].catalog == &observable_catalog && *kind && !is_kind(kind, "command") &&
+             !is_kind(kind, "plot") && !is_kind(kind, "quantity")))
             continue;
         buffer_put(text, count++ ? TEXT(", ") : TEXT(""));
         put_use(uses[i].use, text_of(row->name), text);

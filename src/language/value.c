@@ -5,6 +5,7 @@
 #include <hooke/scene/formula.h>
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 static void advance(struct text *text, size_t by)
@@ -70,6 +71,27 @@ static double take_last_digits(struct text typed, struct text *rest)
     return digits / unit;
 }
 
+/* 1.50(2)e-3, as LaTeX and tables have it: both times the power of ten. */
+static void take_power(struct text typed, struct number_part *part, struct text *rest)
+{
+    size_t end = 1, used;
+    char whole[LIMIT_NAME + 16];
+    double power;
+    if (rest->len < 2 || (rest->at[0] != 'e' && rest->at[0] != 'E') || typed.len > LIMIT_NAME)
+        return;
+    end += strchr("+-", rest->at[1]) != NULL;
+    const size_t first = end;
+    while (end < rest->len && end < 8 && rest->at[end] >= '0' && rest->at[end] <= '9')
+        end++;
+    snprintf(whole, sizeof whole, "%.*s%.*s", (int)typed.len, typed.at, (int)end, rest->at);
+    if (end == first || real_scan(text_of(whole), '.', &part->number, &used) != REAL_OK)
+        return;
+    snprintf(whole, sizeof whole, "1%.*s", (int)end, rest->at);
+    if (real_scan(text_of(whole), '.', &power, &used) == REAL_OK)
+        part->last_digits *= power;
+    advance(rest, end);
+}
+
 static bool parse_part(struct parser *parser, struct number_part *part, struct error *error)
 {
     size_t used;
@@ -83,6 +105,8 @@ static bool parse_part(struct parser *parser, struct number_part *part, struct e
     part->number = expr_value(part->expr, parser->scope);
     advance(&parser->rest, used);
     part->last_digits = take_last_digits((struct text){start.at, used}, &parser->rest);
+    if (part->last_digits > 0)
+        take_power((struct text){start.at, used}, part, &parser->rest);
     struct text after = parser->rest;
     text_skip_blanks(&after);
     part->unit = unit_match(after);

@@ -68,6 +68,39 @@ see all values                 | help start            | show all              |
 stop a run that goes on        | stop                  | pause                 | run 1 s
 leave                          | close                 | quit                  | quit
 duration in a sweep            | sweep gamma=0:1 duration=20 | duration =      | duration = 5 s; sweep gamma=0:1:0.5
+zero at the resting position   | apropos zero          | data command          | load swing.csv; data zero 1 cm
+are samples bad                | help data             | data clean            | load swing.csv; data clean
+uncertainty of the mass        | uncertainty           | 200.0(1) g            | m = 200.0(1) g; print m
+the mass as it is printed      | help set              | 200.0(1) g            | set m 200.0(1) g
+period by theory               | theory                | print T0              | print T0
+mean of several windows        | apropos scatter       | repeat quantity       | load swing.csv; measure repeat windows=4
+read off moments               | apropos cursor        | cursor command        | run 5 s; cursor A 1 s
+what the run leaves out        | apropos residual      | residual plot         | load swing.csv; fit damped; adopt; run; plot residual
+what is in the file            | preview               | load FILE --preview   | load swing.csv --preview
+how the amplitude falls        | apropos envelope      | envelope plot         | load swing.csv; plot envelope data swing
+axes in print                  | xlabel                | xlabel=TEXT           | run; plot y ylabel=height > p.svg
+velocity against position      | plot y vs v           | against COLUMN        | run; plot v against y
+error against run time         | efficiency            | precision euler       | duration = 1 s; precision euler rk4
+error against the step         | convergence           | order rk4             | duration = 1 s; order rk4
+stability limit                | apropos limit         | stability command     | stability euler
+a stiff problem to try         | apropos stiff         | stiff-vanderpol scene | scene stiff-vanderpol; method radau5; run 1 s
+is the method symplectic       | help verlet           | symplectic            | list methods symplectic
+methods of fourth order        | help list             | order N               | list methods order 4
+implicit methods               | apropos implicit      | implicit-midpoint method | list methods implicit
+evaluations of the forces      | nfev                  | measure=evals         | method dopri5; duration = 1 s; sweep tol=1e-9:1e-3:x10 measure=evals
+how wrong is an adaptive run   | apropos error         | opinion setting     | method dopri5; tol = 1e-8; run 5 s
+the same step for all          | help compare          | dt=V,..               | compare euler rk4 dt=10ms,1ms
+energy over a long time        | drift                 | measure drift         | method verlet; run; measure drift
+effect of a parameter          | vary                  | sweep NAME=FROM:TO    | method rk4; sweep k=10:20:5 measure=period
+results for a program          | json                  | set format json       | set format json; run 1 s
+exit status                    | exit-status           | hooke FILE.hk         | save s.hk --force
+csv to a file                  | csv                   | export FILE.csv       | run; export r.csv --force
+table of a study to a file     | help sweep            | > FILE                | method rk4; sweep k=10:20:5 measure=period > k.csv
+only some columns              | help export           | COLUMN..              | run; export c.csv t,energy --force
+fewer rows                     | help export           | every=                | run; export c.csv every=100ms --force
+write over a file              | overwrite             | --force               | run; export r.csv --force
+no colours                     | nocolor               | set color never       | set color never; show
+comments in a script           | comment               | # begins              | run 1 s # comment
 method given to run            | run symplectic-euler  | method symplectic-euler | method symplectic-euler; run
 TASKS
 

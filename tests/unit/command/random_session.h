@@ -186,7 +186,8 @@ static void random_scene(char *line, size_t size)
                  ONE_OF("scene new own; var x = 1.5; var z = 0; x' = z; z' = -2*x",
                         "scene new; var q = 0.3; q'' = -q", "param stiff = 40; force -stiff*y^3",
                         "force -3*y + 0.1*cos(2*t)", "force off", "observe twice = 2*t",
-                        "observe twice off", "force -4*y; potential 2*y^2", "potential off"));
+                        "observe twice off", "force -4*y; potential 2*y^2", "potential off",
+                        "param k = 3.0(1); param b = 2", "var z = 1; z' = -z", "param b off"));
         break;
     case 2:
         snprintf(line, size, "%s",

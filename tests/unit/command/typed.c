@@ -14,6 +14,8 @@
 #include "unit/cpu_time.h"
 
 static const char *const systems[] = {
+    /* the first: the scene of the start makes room for k */
+    "param rate = 2.0(1); param k = 3; var x = 1; x' = -rate*x - k",
     "var x = 2; var y = 0; param mu = 5; x' = y; y' = mu*(1 - x^2)*y - x",
     "var y = 5 cm; param k = 15 N/m; param m = 199.9 +- 0.1 g; y'' = -k/m*y - 0.1*y'; var y' = "
     "0.1; observe p = m*y'",
