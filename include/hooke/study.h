@@ -10,5 +10,6 @@
 #include <hooke/study/stability.h>
 #include <hooke/study/fit.h>
 #include <hooke/study/sweep.h>
+#include <hooke/study/dynamics.h>
 
 #endif

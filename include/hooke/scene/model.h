@@ -306,6 +306,10 @@ double system_power(const struct system *system, double t, const double *y);
 /* [W] of the drag terms alone, <= 0 */
 double system_dissipation(const struct system *system, double t, const double *y);
 
+/* [s] with which all forces repeat in time, as the expressions show it. 0: none depends on time;
+ * NAN: some do not repeat, or not together. */
+double system_drive(const struct system *system);
+
 struct variable system_variable(const struct system *system, int i); /* of state variable i */
 /* Place in the state of a variable's name; y' is the velocity of y. -1: there is none. */
 int model_state(const struct model *model, struct text name);

@@ -173,6 +173,14 @@ double system_lower_branch(const struct system *frozen, int i, double t, const d
 bool system_switch_sees(const struct system *system, int i, double t, const double *y,
                         int variable);
 
+/*
+ * Bounds of the derivatives rate [n] on a box [n] of states, and of their derivatives by the state
+ * [n][n], NULL: not wanted. What a drive does is left out: means over its period. False: not of a
+ * scene that is all typed, or whose forces do not repeat.
+ */
+bool system_bounds(const struct system *system, const struct interval *box, struct interval *rate,
+                   struct interval *by);
+
 #define LIMIT_OBSERVED 64 /* quantities that a typed scene observes */
 
 /* These are 0 … count - 1. */

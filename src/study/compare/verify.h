@@ -4,6 +4,8 @@
 #ifndef HOOKE_STUDY_COMPARE_VERIFY_H
 #define HOOKE_STUDY_COMPARE_VERIFY_H
 
+#include <hooke/study/dynamics.h>
+
 #include "study/compare/solve.h"
 
 /* A sweep of fixed steps against a state that is known. */
@@ -21,10 +23,6 @@ struct sweep_target {
  * memory or cancelled.
  */
 bool order_sweep(const struct sweep_target *target, struct order *order, struct error *error);
-
-struct eigenvalue {
-    double re, im;
-};
 
 /* [n] eigenvalues of a row-major matrix; false: not finite, no memory, no convergence. */
 bool matrix_eigenvalues(int n, const double *matrix, struct eigenvalue *value);

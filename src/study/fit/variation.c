@@ -96,10 +96,16 @@ static void vary(const struct variation *v, const struct parameter_change *d, do
                  const double *y, const double *jacobian, const double *s, double *out)
 {
     const int n = v->base.n;
-    slope_by_parameter(v, d, t, y, out);
-    for (int i = 0; i < n; i++)
+    if (d->changes > 0)
+        slope_by_parameter(v, d, t, y, out);
+    else
+        memset(out, 0, (size_t)n * sizeof *out);
+    for (int i = 0; i < n; i++) {
+        double sum = 0;
         for (int j = 0; j < n; j++)
-            out[i] += jacobian[i * n + j] * s[j];
+            sum += jacobian[i * n + j] * s[j];
+        out[i] += sum;
+    }
 }
 
 /* ---- as a term of a system ----
@@ -167,17 +173,15 @@ static const struct term_row variation_row = {
     .add = variation_add,
     .jacobian = variation_jacobian};
 
-bool variation_bind(struct variation *v, const struct scene *scene, const int *index, int count)
+/* The system of base and derivatives, whose starts are left to the caller. */
+static void frame(struct variation *v, int directions)
 {
-    struct error ignored;
-    double rate[LIMIT_VARIABLES];
-    if (!scene_bind_motion(scene, &v->base, &ignored))
-        return false;
     const struct system *base = &v->base;
-    v->directions = count;
+    const struct variation *address = v;
+    v->directions = directions;
     v->dry = 0;
     v->whole = (struct system){.model = base->model,
-                               .n = base->n * (count + 1),
+                               .n = base->n * (directions + 1),
                                .order = 1,
                                .terms = 1,
                                .term = {{.row = &variation_row}},
@@ -185,12 +189,21 @@ bool variation_bind(struct variation *v, const struct scene *scene, const int *i
                                .autonomous = base->autonomous,
                                .mass = base->mass,
                                .t0 = base->t0};
-    const struct variation *address = v;
     memcpy(v->whole.term[0].c, &address, sizeof address);
-    system_derivative(base, base->t0, base->start, rate);
     for (int i = 0; i < v->whole.n; i++)
         v->whole.scale[i] = base->scale[i % base->n];
-    memcpy(v->whole.start, base->start, (size_t)base->n * sizeof *rate);
+    memcpy(v->whole.start, base->start, (size_t)base->n * sizeof *base->start);
+}
+
+bool variation_bind(struct variation *v, const struct scene *scene, const int *index, int count)
+{
+    struct error ignored;
+    double rate[LIMIT_VARIABLES];
+    if (!scene_bind_motion(scene, &v->base, &ignored))
+        return false;
+    const struct system *base = &v->base;
+    frame(v, count);
+    system_derivative(base, base->t0, base->start, rate);
     for (int j = 0; j < count; j++) {
         const struct parameter_change *d = &v->direction[j];
         if (!direction_find(scene, index[j], &v->direction[j]))
@@ -198,5 +211,33 @@ bool variation_bind(struct variation *v, const struct scene *scene, const int *i
         for (int i = 0; i < base->n; i++)
             v->whole.start[base->n * (j + 1) + i] = d->start[i] - rate[i] * d->t0;
     }
+    return true;
+}
+
+void variation_of_start(struct variation *v, const struct system *base, const double *size)
+{
+    const int n = base->n;
+    v->base = *base;
+    frame(v, n);
+    for (int j = 0; j < n; j++) {
+        v->direction[j].changes = 0;
+        v->direction[j].apart = 1;
+        for (int i = 0; i < n; i++)
+            v->whole.start[n * (j + 1) + i] = i == j ? size[j] : 0;
+    }
+}
+
+bool variation_add_parameter(struct variation *v, const struct scene *scene, int index)
+{
+    const int n = v->base.n;
+    if (n * (v->directions + 2) > LIMIT_VARIABLES ||
+        !direction_find(scene, index, &v->direction[v->directions]))
+        return false;
+    for (int i = 0; i < n; i++) {
+        v->whole.start[v->whole.n + i] = 0;
+        v->whole.scale[v->whole.n + i] = v->base.scale[i];
+    }
+    v->whole.n += n;
+    v->directions++;
     return true;
 }

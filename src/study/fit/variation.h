@@ -40,4 +40,9 @@ struct variation {
 bool variation_bind(struct variation *variation, const struct scene *scene, const int *index,
                     int count);
 
+/* Derivatives by the state at the start, in units of size [n]: n (1 + n) <= LIMIT_VARIABLES. */
+void variation_of_start(struct variation *variation, const struct system *base, const double *size);
+/* And by one parameter of the scene, the start fixed. False: as variation_bind(). */
+bool variation_add_parameter(struct variation *variation, const struct scene *scene, int index);
+
 #endif

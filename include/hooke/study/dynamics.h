@@ -1,0 +1,128 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * What a dynamical system does: equilibria, periodic orbits, how both go with a parameter and where
+ * they change their kind.
+ */
+#ifndef HOOKE_STUDY_DYNAMICS_H
+#define HOOKE_STUDY_DYNAMICS_H
+
+#include <hooke/scene/model.h>
+
+#define DYNAMICS_VARIABLES 7 /* of a scene that orbits are followed of */
+
+struct eigenvalue {
+    double re, im;
+};
+
+enum solution_kind {
+    SOLUTION_EQUILIBRIUM,
+    SOLUTION_ORBIT,   /* with a period of its own */
+    SOLUTION_RESPONSE /* with that of the drive, or a multiple of it */
+};
+
+/* An equilibrium or a periodic orbit, at the parameters' values. */
+struct solution {
+    enum solution_kind kind;
+    int n;
+    double param[2];                  /* SI */
+    double state[DYNAMICS_VARIABLES]; /* SI; of an orbit where it begins */
+    double period;                    /* [s] 0: equilibrium */
+    int multiple;                     /* of the drive's period; 0: there is none */
+    /* eigenvalues [1/s] of the Jacobian, or multipliers, but for the trivial one of an autonomous
+     * orbit */
+    int values;
+    struct eigenvalue value[DYNAMICS_VARIABLES];
+    int unstable;    /* how many of them grow */
+    double trivial;  /* of an autonomous orbit: |M f - f| / |f|; NAN: there is none */
+    double residual; /* largest, in natural sizes */
+    double top[DYNAMICS_VARIABLES], bottom[DYNAMICS_VARIABLES]; /* extrema along the orbit */
+};
+
+static inline bool solution_stable(const struct solution *solution)
+{
+    return solution->unstable == 0;
+}
+
+/* ---- equilibria ---- */
+
+struct equilibria_request {
+    const struct scene *scene;
+    double box[DYNAMICS_VARIABLES][2]; /* SI, from < to */
+    const struct cancel *cancel;
+};
+
+struct equilibria {
+    int count;
+    struct solution *of; /* in the order of the first variable */
+    bool forced;         /* of the mean over the drive's period: they are no rest */
+    bool complete;       /* proven that there are no others in the box */
+    char reason[96];     /* why not, and near where: */
+    double unsure[DYNAMICS_VARIABLES];
+    int boxes;
+    double seconds;
+};
+
+bool equilibria_find(const struct equilibria_request *request, struct equilibria *found,
+                     struct error *error);
+void equilibria_free(struct equilibria *found);
+
+/* ---- branches ---- */
+
+enum special {
+    SPECIAL_NONE,
+    SPECIAL_FOLD,     /* LP: the branch turns back */
+    SPECIAL_HOPF,     /* HB: an orbit is born */
+    SPECIAL_CROSSING, /* BP: another branch crosses */
+    SPECIAL_DOUBLING, /* PD: an orbit of twice the period branches off */
+    SPECIAL_TORUS,    /* NS: Neimark-Sacker */
+    SPECIAL_END,      /* EP */
+    SPECIAL_COUNT
+};
+
+extern const struct catalog special_catalog; /* struct row: LP HB BP PD NS EP, from 1 on */
+
+struct branch_point {
+    struct solution solution;
+    enum special special;
+    double criticality; /* of HB: first Lyapunov coefficient (Kuznetsov 2004, 5.62); NAN */
+    double accuracy;    /* relative, of the parameter */
+    double tangent[2 + DYNAMICS_VARIABLES]; /* private: where the branch goes from there */
+};
+
+struct branch_request {
+    const struct scene *scene;
+    int param;       /* place in the scene's, which varies */
+    double from, to; /* SI */
+    const struct solution *start;
+    /* start on the branch that leaves it there: of a crossing, a doubling or a Hopf point */
+    const struct branch_point *leave;
+    double step;  /* of the range, 0: chosen */
+    int max;      /* points in each direction, 0: 1000 */
+    bool forward; /* towards growing values only, at the start */
+    const struct cancel *cancel;
+};
+
+struct branch {
+    enum solution_kind kind;
+    int count;
+    struct branch_point *point; /* [count] in the order along the branch */
+    int64_t evals;
+    double seconds;
+    bool closed; /* comes back to where it began */
+    bool cancelled;
+    char ends[2][96]; /* why it ends there */
+};
+
+/* False: the start is no solution, or out of memory. Cancelled: what there is so far. */
+bool branch_follow(const struct branch_request *request, struct branch *branch,
+                   struct error *error);
+void branch_free(struct branch *branch);
+
+/*
+ * Corrects a guess: equilibrium, orbit (state and period), response (state). With the scene's
+ * parameters. False: it is not found from there.
+ */
+bool solution_correct(const struct scene *scene, struct solution *solution,
+                      const struct cancel *cancel, struct error *error);
+
+#endif

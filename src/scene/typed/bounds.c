@@ -1,0 +1,85 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Bounds of typed equations on a box of states, with those of their derivatives (interval
+ * arithmetic, Moore 1966). */
+#include <math.h>
+
+#include "scene/formula/jet.h"
+#include "scene/typed/typed.h"
+
+#define PHASES 32 /* of a drive's period: the mean over them is that of harmonics below */
+
+struct box_names {
+    const struct typed *typed;
+    struct jet name[2 + LIMIT_VARIABLES + TERM_VALUES + LIMIT_OBSERVED];
+};
+
+static struct jet of_unit(struct interval value, bool moves)
+{
+    struct jet jet = jet_number(0);
+    jet.value = value;
+    jet.slope = interval_point(moves);
+    return jet;
+}
+
+/* Everything at time t, differentiated by variable `by`; -1: by none. */
+static void name_all(struct box_names *names, const double *c, const struct interval *box, double t,
+                     int by)
+{
+    const struct typed *typed = names->typed;
+    const int n = typed->model.n, first = 2 + n + typed->reads;
+    names->name[0] = jet_number(t);
+    for (int i = 0; i < n; i++)
+        names->name[1 + i] = of_unit(box[i], i == by);
+    for (int i = 0; i <= typed->reads; i++)
+        names->name[1 + n + i] = jet_number(c[1 + i]);
+    for (int i = 0; i < typed->observes; i++)
+        names->name[first + i] = expr_jet(typed->observe[i], names->name);
+}
+
+static struct jet row_of(const struct box_names *names, int row)
+{
+    struct jet sum = jet_number(0);
+    for (int g = 0; g < GROUPS; g++)
+        if (names->typed->group[g] && names->typed->group[g][row])
+            sum = jet_add(sum, expr_jet(names->typed->group[g][row], names->name));
+    return sum;
+}
+
+static struct interval scaled(struct interval a, double factor)
+{
+    return interval_mul(a, interval_point(factor));
+}
+
+bool system_bounds(const struct system *system, const struct interval *box, struct interval *rate,
+                   struct interval *by)
+{
+    const struct bound_term *whole = system_whole(system);
+    const struct typed *typed = system->model->typed;
+    if (!whole || !typed || typed->base)
+        return false;
+    const double drive = system_drive(system);
+    if (drive != drive)
+        return false;
+    const int n = system->n, rows = typed_rows(typed), above = n - rows,
+              phases = drive > 0 ? PHASES : 1;
+    struct box_names names = {.typed = typed};
+    for (int i = 0; i < n; i++)
+        rate[i] = i < above ? box[above + i] : interval_point(0);
+    for (int i = 0; by && i < n * n; i++)
+        by[i] = interval_point(i / n < above && i % n == i / n + above);
+    for (int phase = 0; phase < phases; phase++)
+        for (int k = by ? 0 : -1; k < (by ? n : 0); k++) {
+            name_all(&names, system->typed.c, box, system->t0 + drive * phase / phases, k);
+            for (int i = 0; i < rows; i++) {
+                const struct jet jet = row_of(&names, i);
+                struct interval *r = &rate[above + i];
+                if (k <= 0)
+                    *r = interval_add(*r, scaled(jet.value, 1.0 / phases));
+                if (by) {
+                    struct interval *d = &by[(above + i) * n + k];
+                    *d = interval_add(*d, scaled(jet.slope, 1.0 / phases));
+                }
+            }
+        }
+    return true;
+}

@@ -1,0 +1,283 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * Points along a curve, and special ones between them.
+ *
+ * A zero of a test is looked for along the chord between two points: each place on it is corrected
+ * in the plane across. Where two curves cross, this correction is singular at the very point: there
+ * the test and the unknowns are polynomials through places to both sides of it (Chebyshev's nodes),
+ * whose errors are those of rounding divided by the distance.
+ */
+#include "study/dynamics/continuation.h"
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+#include <hooke/base/numeric.h>
+#include <hooke/scene/formula.h>
+
+#define CORRECTIONS 8
+#define NEAR 1e-6  /* a correction below this has converged: the next would be its square */
+#define CLOSE 1e-9 /* and below this does not get smaller by more than rounding */
+#define FINE 1e-15
+#define LOOKS 60 /* for a zero: its test is no smooth function */
+#define FAR 0.5  /* of a unit: a correction of this size goes somewhere else */
+
+static double dot(int n, const double *a, const double *b)
+{
+    double sum = 0;
+    for (int i = 0; i < n; i++)
+        sum += a[i] * b[i];
+    return sum;
+}
+
+double curve_unit(int n, const double *u)
+{
+    double most = 1;
+    for (int i = 0; i < n; i++)
+        most = fmax(most, fabs(u[i]));
+    return most;
+}
+
+double curve_distance(int n, const double *a, const double *b)
+{
+    double sum = 0;
+    for (int i = 0; i < n; i++)
+        sum += (a[i] - b[i]) * (a[i] - b[i]);
+    return sqrt(sum);
+}
+
+/* [jacobian; direction] x = right, which becomes x [n + 1]. */
+static bool solve_bordered(int n, const double *jacobian, const double *direction, double *right)
+{
+    double a[CURVE_MAX * CURVE_MAX];
+    int ignored;
+    memcpy(a, jacobian, (size_t)(n * (n + 1)) * sizeof *a);
+    memcpy(a + n * (n + 1), direction, (size_t)(n + 1) * sizeof *a);
+    return matrix_solve(n + 1, a, right, NULL, &ignored);
+}
+
+static bool find_tangent(int n, const double *jacobian, const double *direction, double *tangent)
+{
+    for (int i = 0; i < n; i++)
+        tangent[i] = 0;
+    tangent[n] = 1;
+    if (!solve_bordered(n, jacobian, direction, tangent))
+        return false;
+    const double length = sqrt(dot(n + 1, tangent, tangent));
+    for (int i = 0; i <= n; i++)
+        tangent[i] /= length;
+    return length > 0 && isfinite(length);
+}
+
+/* The largest part of it, each relative to its unknown where that is more than 1. */
+static double correction_size(int n, const double *by, const double *u)
+{
+    double most = 0;
+    for (int i = 0; i < n; i++)
+        most = fmax(most, fabs(by[i]) / fmax(1, fabs(u[i])));
+    return most;
+}
+
+bool curve_correct(const struct curve_problem *problem, const double *guess,
+                   const double *direction, bool fine, struct curve_point *point)
+{
+    const int n = problem->n;
+    double jacobian[CURVE_MAX * CURVE_MAX], f[CURVE_MAX], plane[CURVE_MAX], last = HUGE_VAL;
+    if (problem->aim)
+        problem->aim(problem->context, fine);
+    memcpy(plane, guess, (size_t)(n + 1) * sizeof *plane);
+    memmove(point->u, guess, (size_t)(n + 1) * sizeof *plane);
+    for (point->corrections = 1; point->corrections <= CORRECTIONS; point->corrections++) {
+        if (!problem->residual(problem->context, point->u, f, jacobian))
+            return false;
+        for (int i = 0; i < n; i++)
+            f[i] = -f[i];
+        f[n] = dot(n + 1, direction, plane) - dot(n + 1, direction, point->u);
+        if (!solve_bordered(n, jacobian, direction, f))
+            return false;
+        const double by = correction_size(n + 1, f, point->u);
+        if (!(by < FAR))
+            return false;
+        for (int i = 0; i <= n; i++)
+            point->u[i] += f[i];
+        if (by < (fine ? FINE : NEAR) || (by < CLOSE && by >= last / 2)) {
+            if (!find_tangent(n, jacobian, direction, point->tangent))
+                return false;
+            if (problem->tests > 0)
+                problem->test(problem->context, point->u, jacobian, point->tangent, point->test);
+            return true;
+        }
+        last = by;
+    }
+    return false;
+}
+
+bool curve_step(const struct curve_problem *problem, const struct curve_point *from, double by,
+                struct curve_point *to)
+{
+    double guess[CURVE_MAX];
+    for (int i = 0; i <= problem->n; i++)
+        guess[i] = from->u[i] + by * from->tangent[i];
+    return curve_correct(problem, guess, from->tangent, false, to);
+}
+
+/* ---- special points ---- */
+
+struct chord {
+    const struct curve_problem *problem;
+    const struct curve_point *a, *b;
+    double direction[CURVE_MAX], length;
+    int test;
+    int looks;
+    struct curve_point at;
+    bool failed;
+};
+
+/* The place at that share of the chord. Between its ends the guess follows their tangents. */
+static double test_at(void *context, double share)
+{
+    struct chord *c = context;
+    const int n = c->problem->n;
+    double guess[CURVE_MAX];
+    for (int i = 0; i <= n; i++) {
+        const double slope[] = {c->length * c->a->tangent[i], c->length * c->b->tangent[i]};
+        guess[i] = hermite(share, 1, c->a->u[i], slope[0], c->b->u[i], slope[1]);
+    }
+    /* put into the plane across the chord at this share */
+    double off = share * c->length;
+    for (int i = 0; i <= n; i++)
+        off -= c->direction[i] * (guess[i] - c->a->u[i]);
+    for (int i = 0; i <= n; i++)
+        guess[i] += off * c->direction[i];
+    if (c->looks++ == LOOKS || !curve_correct(c->problem, guess, c->direction, true, &c->at)) {
+        c->failed = true;
+        return NAN;
+    }
+    return c->at.test[c->test];
+}
+
+#define NODES 10
+#define LEVELS 6
+#define TOO_NEAR 1e-4 /* part of the largest value of the test */
+#define CROSSES 1e-6  /* a crossing that is not known better than this is none */
+
+/* Newton's divided differences of the values at the nodes, evaluated there. */
+static double interpolated(int count, const double *node, const double *value, double at)
+{
+    double d[NODES];
+    memcpy(d, value, (size_t)count * sizeof *d);
+    for (int level = 1; level < count; level++)
+        for (int i = count; i-- > level;)
+            d[i] = (d[i] - d[i - 1]) / (node[i] - node[i - level]);
+    double sum = d[count - 1];
+    for (int i = count - 1; i-- > 0;)
+        sum = d[i] + (at - node[i]) * sum;
+    return sum;
+}
+
+struct fitted_test {
+    int count;
+    double node[NODES], value[NODES];
+};
+
+static double fitted_value(void *context, double at)
+{
+    const struct fitted_test *f = context;
+    return interpolated(f->count, f->node, f->value, at);
+}
+
+/* Places on both sides of the crossing, from which it is not so near that the correction goes to
+ * the other curve. */
+static bool gather(struct chord *c, double centre, double half, struct fitted_test *fit,
+                   struct curve_point *at)
+{
+    double most = 0;
+    fit->count = 0;
+    for (int k = 0; k < NODES; k++) {
+        const double node = centre - half * cos((2 * k + 1) * PI / (2 * NODES));
+        c->failed = false;
+        const double value = test_at(c, node);
+        if (c->failed || !isfinite(value))
+            continue;
+        fit->node[fit->count] = node;
+        fit->value[fit->count] = value;
+        at[fit->count++] = c->at;
+        most = fmax(most, fabs(value));
+    }
+    int kept = 0;
+    for (int k = 0; k < fit->count; k++) {
+        if (fabs(fit->value[k]) < TOO_NEAR * most)
+            continue;
+        fit->node[kept] = fit->node[k];
+        fit->value[kept] = fit->value[k];
+        at[kept++] = at[k];
+    }
+    fit->count = kept;
+    return kept >= NODES - 3 && signbit(fit->value[0]) != signbit(fit->value[kept - 1]);
+}
+
+/* The zero near `centre` of polynomials through places up to `half` from it. */
+static bool locate_crossing(struct chord *c, double centre, double half, struct curve_point *at,
+                            double *share)
+{
+    const int n = c->problem->n;
+    struct fitted_test fit;
+    struct curve_point place[NODES];
+    if (!gather(c, centre, half, &fit, place))
+        return false;
+    const int last = fit.count - 1;
+    *share = root_between(fitted_value, &fit, fit.node[0], fit.value[0], fit.node[last],
+                          fit.value[last], 4 * DBL_EPSILON);
+    double y[NODES];
+    *at = place[0];
+    for (int i = 0; i <= n; i++) {
+        for (int k = 0; k < fit.count; k++)
+            y[k] = place[k].u[i];
+        at->u[i] = interpolated(fit.count, fit.node, y, *share);
+        for (int k = 0; k < fit.count; k++)
+            y[k] = place[k].tangent[i];
+        at->tangent[i] = interpolated(fit.count, fit.node, y, *share);
+    }
+    at->test[c->test] = 0;
+    return true;
+}
+
+/* A place where another curve crosses: about ever smaller pieces, as long as that helps. */
+static bool find_crossing(struct chord *c, struct curve_point *at, double *near)
+{
+    double share = 0.5, half = 0.5, next;
+    *near = HUGE_VAL;
+    for (int k = 0; k < LEVELS; k++, half /= 4) {
+        struct curve_point better;
+        c->looks = 0;
+        if (!locate_crossing(c, share, half, &better, &next))
+            break;
+        *near = c->length * fabs(next - share);
+        *at = better;
+        share = next;
+        if (*near < 1e-12)
+            break;
+    }
+    return *near < CROSSES;
+}
+
+bool curve_locate(const struct curve_problem *problem, const struct curve_point *a,
+                  const struct curve_point *b, int test, struct curve_point *at, double *near)
+{
+    const int n = problem->n;
+    struct chord c = {.problem = problem, .a = a, .b = b, .test = test};
+    c.length = curve_distance(n + 1, a->u, b->u);
+    for (int i = 0; i <= n; i++)
+        c.direction[i] = (b->u[i] - a->u[i]) / c.length;
+    if (problem->singular >> test & 1)
+        return find_crossing(&c, at, near);
+    const double root =
+        root_between(test_at, &c, 0, a->test[test], 1, b->test[test], 4 * DBL_EPSILON);
+    if (c.failed)
+        return false;
+    test_at(&c, root);
+    *at = c.at;
+    *near = c.length * 4 * DBL_EPSILON;
+    return !c.failed;
+}

@@ -1,0 +1,57 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * Curves of solutions: n equations in n + 1 unknowns, the last of which is the parameter, all of
+ * them in units of their natural sizes. Pseudo-arclength (Keller 1977).
+ */
+#ifndef HOOKE_STUDY_DYNAMICS_CONTINUATION_H
+#define HOOKE_STUDY_DYNAMICS_CONTINUATION_H
+
+#include <hooke/base.h>
+
+#include "study/dynamics/field.h"
+
+#define CURVE_MAX MATRIX_MAX /* unknowns with the parameter */
+#define CURVE_TESTS 4
+
+struct curve_problem {
+    void *context;
+    int n; /* equations */
+    /* f [n] and its derivatives [n][n + 1]; false: there is no such place, or cancelled */
+    bool (*residual)(void *context, const double *u, double *f, double *jacobian);
+    /*
+     * Functions of a place on the curve that pass through 0 at special points [tests]: u, the
+     * derivatives there and the tangent. Only their signs and zeros count.
+     */
+    void (*test)(void *context, const double *u, const double *jacobian, const double *tangent,
+                 double *value);
+    int tests;
+    /* from here on residuals are wanted to rounding, or to what a step along the curve needs; NULL:
+     * they are always the same */
+    void (*aim)(void *context, bool fine);
+    unsigned singular; /* bits of tests whose zeros are places where two curves cross */
+};
+
+struct curve_point {
+    double u[CURVE_MAX], tangent[CURVE_MAX]; /* [n + 1], the tangent of length 1 */
+    double test[CURVE_TESTS];
+    int corrections;
+};
+
+/*
+ * From u along `direction` [n + 1] to where the curve meets the plane u . direction = const through
+ * it. guess == NULL: u itself. The new tangent goes the same way. `fine`: until rounding.
+ */
+bool curve_correct(const struct curve_problem *problem, const double *guess,
+                   const double *direction, bool fine, struct curve_point *point);
+/* The next point `by` along the tangent, with its tests. False: none was found there. */
+bool curve_step(const struct curve_problem *problem, const struct curve_point *from, double by,
+                struct curve_point *to);
+/* The zero of a test between two points of the curve, where its signs differ, or at which it is 0;
+ * where `tests` cross there the curve is singular. *near: half the width of what is uncertain. */
+bool curve_locate(const struct curve_problem *problem, const struct curve_point *a,
+                  const struct curve_point *b, int test, struct curve_point *at, double *near);
+/* The largest of [n] and 1: what has grown beyond its natural size is followed in longer steps. */
+double curve_unit(int n, const double *u);
+double curve_distance(int n, const double *a, const double *b);
+
+#endif

@@ -1,0 +1,375 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * All equilibria in a box: branch and prune. A box without a zero of every derivative's bounds is
+ * thrown away; the Krawczyk operator proves one zero, or none, or makes the box smaller; else it is
+ * cut in two (Neumaier 1990, Interval Methods for Systems of Equations, chapter 5). What is left at
+ * the smallest size is said.
+ */
+#include <hooke/scene/formula.h>
+#include <hooke/scene/typed.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "study/compare/verify.h"
+#include "study/dynamics/solutions.h"
+
+#define BOXES 200000  /* looked at */
+#define SMALLEST 1e-9 /* of the range: not cut any more */
+#define INFLATED 1e-7 /* of the range */
+#define SHRUNK 0.7    /* of the widest side: worth another look before it is cut */
+#define SAME 1e-7     /* of the range: two that are nearer are one */
+#define CORRECTIONS 20
+#define BEYOND 1e-6 /* of the range: what lies on the edge is inside */
+
+struct search {
+    struct field field;
+    const struct equilibria_request *request;
+    struct equilibria *found;
+    int n, boxes, capacity;
+    struct interval (*stack)[FIELD_VARIABLES];
+    int depth, room;
+    double width[FIELD_VARIABLES]; /* of the range */
+};
+
+static double middle(struct interval a)
+{
+    return a.lo + (a.hi - a.lo) / 2;
+}
+
+static bool push(struct search *s, const struct interval *box)
+{
+    if (s->depth == s->room) {
+        const int room = s->room > 0 ? 2 * s->room : 256;
+        void *more = realloc(s->stack, (size_t)room * sizeof *s->stack);
+        if (!more)
+            return false;
+        s->stack = more;
+        s->room = room;
+    }
+    memcpy(s->stack[s->depth++], box, sizeof s->stack[0]);
+    return true;
+}
+
+/* An approximate inverse of the middle of the bounds; false: singular. */
+static bool invert(int n, const struct interval *by, double *inverse)
+{
+    for (int column = 0; column < n; column++) {
+        double a[FIELD_VARIABLES * FIELD_VARIABLES], unit[FIELD_VARIABLES] = {0};
+        int ignored;
+        for (int i = 0; i < n * n; i++)
+            a[i] = middle(by[i]);
+        unit[column] = 1;
+        if (!matrix_solve(n, a, unit, NULL, &ignored))
+            return false;
+        for (int i = 0; i < n; i++)
+            inverse[i * n + column] = unit[i];
+    }
+    return true;
+}
+
+static struct interval product(double factor, struct interval a)
+{
+    const double lo = factor * (factor < 0 ? a.hi : a.lo), hi = factor * (factor < 0 ? a.lo : a.hi);
+    if (factor == 0)
+        return (struct interval){0, 0};
+    return (struct interval){nextafter(lo, -HUGE_VAL), nextafter(hi, HUGE_VAL)};
+}
+
+static struct interval sum(struct interval a, struct interval b)
+{
+    return (struct interval){nextafter(a.lo + b.lo, -HUGE_VAL), nextafter(a.hi + b.hi, HUGE_VAL)};
+}
+
+static struct interval times(struct interval a, struct interval b)
+{
+    const double p[] = {a.lo * b.lo, a.lo * b.hi, a.hi * b.lo, a.hi * b.hi};
+    struct interval out = {p[0], p[0]};
+    for (int i = 1; i < 4; i++) {
+        out.lo = fmin(out.lo, p[i]);
+        out.hi = fmax(out.hi, p[i]);
+    }
+    return (struct interval){nextafter(out.lo, -HUGE_VAL), nextafter(out.hi, HUGE_VAL)};
+}
+
+enum verdict { NONE, ONE, SMALLER, UNKNOWN };
+
+/* K(X) = m - C f(m) + (1 - C J(X)) (X - m), and what it says of the box, which is cut to it. */
+static enum verdict krawczyk(struct search *s, struct interval *box, const struct interval *by)
+{
+    const int n = s->n;
+    double inverse[FIELD_VARIABLES * FIELD_VARIABLES];
+    struct interval at[FIELD_VARIABLES], rate[FIELD_VARIABLES], k[FIELD_VARIABLES];
+    if (!invert(n, by, inverse))
+        return UNKNOWN;
+    for (int i = 0; i < n; i++)
+        at[i].lo = at[i].hi = middle(box[i]);
+    system_bounds(&s->field.system, at, rate, NULL);
+    bool inside = true, smaller = false;
+    for (int i = 0; i < n; i++) {
+        k[i] = at[i];
+        for (int j = 0; j < n; j++)
+            k[i] = sum(k[i], product(-inverse[i * n + j], rate[j]));
+        for (int j = 0; j < n; j++) {
+            struct interval rest = {i == j, i == j};
+            for (int l = 0; l < n; l++)
+                rest = sum(rest, product(-inverse[i * n + l], by[l * n + j]));
+            k[i] = sum(k[i], times(rest, sum(box[j], (struct interval){-at[j].lo, -at[j].lo})));
+        }
+        if (!(k[i].lo <= k[i].hi) || !isfinite(k[i].lo) || !isfinite(k[i].hi))
+            return UNKNOWN;
+        if (k[i].lo > box[i].hi || k[i].hi < box[i].lo)
+            return NONE;
+        inside = inside && k[i].lo > box[i].lo && k[i].hi < box[i].hi;
+    }
+    for (int i = 0; i < n; i++) {
+        const double before = box[i].hi - box[i].lo;
+        box[i].lo = fmax(box[i].lo, k[i].lo);
+        box[i].hi = fmin(box[i].hi, k[i].hi);
+        smaller = smaller || box[i].hi - box[i].lo < SHRUNK * before;
+    }
+    return inside ? ONE : smaller ? SMALLER : UNKNOWN;
+}
+
+/* ---- what is found ---- */
+
+/* Newton from the middle of a box with one zero; the mean field of a drive by its bounds. */
+static void correct(struct search *s, double *y)
+{
+    const int n = s->n;
+    for (int k = 0; k < CORRECTIONS; k++) {
+        struct interval at[FIELD_VARIABLES], rate[FIELD_VARIABLES],
+            by[FIELD_VARIABLES * FIELD_VARIABLES];
+        double a[FIELD_VARIABLES * FIELD_VARIABLES], f[FIELD_VARIABLES], most = 0;
+        int ignored;
+        for (int i = 0; i < n; i++)
+            at[i].lo = at[i].hi = y[i];
+        system_bounds(&s->field.system, at, rate, by);
+        for (int i = 0; i < n * n; i++)
+            a[i] = middle(by[i]);
+        for (int i = 0; i < n; i++)
+            f[i] = -middle(rate[i]);
+        if (!matrix_solve(n, a, f, NULL, &ignored))
+            return;
+        for (int i = 0; i < n; i++) {
+            y[i] += f[i];
+            most = fmax(most, fabs(f[i]) / s->width[i]);
+        }
+        if (most < 1e-16)
+            return;
+    }
+}
+
+static bool known(const struct search *s, const double *y)
+{
+    for (int k = 0; k < s->found->count; k++) {
+        double most = 0;
+        for (int i = 0; i < s->n; i++)
+            most = fmax(most, fabs(s->found->of[k].state[i] - y[i]) / s->width[i]);
+        if (most < SAME)
+            return true;
+    }
+    return false;
+}
+
+static bool keep(struct search *s, const struct interval *box)
+{
+    double y[FIELD_VARIABLES];
+    for (int i = 0; i < s->n; i++)
+        y[i] = middle(box[i]);
+    correct(s, y);
+    for (int i = 0; i < s->n; i++)
+        if (fabs(y[i]) < 1e-14 * s->width[i])
+            y[i] = 0;
+    if (known(s, y))
+        return true;
+    if (s->found->count == s->capacity) {
+        const int capacity = s->capacity > 0 ? 2 * s->capacity : 16;
+        struct solution *more = realloc(s->found->of, (size_t)capacity * sizeof *more);
+        if (!more)
+            return false;
+        s->found->of = more;
+        s->capacity = capacity;
+    }
+    struct solution *solution = &s->found->of[s->found->count++];
+    *solution = (struct solution){.kind = SOLUTION_EQUILIBRIUM, .n = s->n};
+    memcpy(solution->state, y, (size_t)s->n * sizeof *y);
+    return true;
+}
+
+static void doubt(struct search *s, const struct interval *box)
+{
+    struct equilibria *found = s->found;
+    if (found->complete) {
+        for (int i = 0; i < s->n; i++)
+            found->unsure[i] = middle(box[i]);
+        snprintf(found->reason, sizeof found->reason,
+                 "bounds do not decide how many there are near one place");
+    }
+    found->complete = false;
+}
+
+/* ---- the search ---- */
+
+/* Is there one zero near the middle of a box that has become too small for its bounds to say more?
+ * (epsilon inflation, Rump 1983) */
+static bool one_nearby(struct search *s, const struct interval *box)
+{
+    double y[FIELD_VARIABLES];
+    struct interval wide[FIELD_VARIABLES], rate[FIELD_VARIABLES],
+        by[FIELD_VARIABLES * FIELD_VARIABLES];
+    for (int i = 0; i < s->n; i++)
+        y[i] = middle(box[i]);
+    correct(s, y);
+    for (int i = 0; i < s->n; i++) {
+        const double by_most = INFLATED * s->width[i];
+        wide[i] = (struct interval){y[i] - by_most, y[i] + by_most};
+        if (!(box[i].lo >= wide[i].lo && box[i].hi <= wide[i].hi))
+            return false;
+    }
+    system_bounds(&s->field.system, wide, rate, by);
+    return krawczyk(s, wide, by) == ONE;
+}
+
+static bool cut(struct search *s, const struct interval *box)
+{
+    int widest = 0;
+    double most = 0;
+    for (int i = 0; i < s->n; i++) {
+        const double wide = (box[i].hi - box[i].lo) / s->width[i];
+        if (wide > most) {
+            most = wide;
+            widest = i;
+        }
+    }
+    if (most < SMALLEST) {
+        if (!one_nearby(s, box))
+            doubt(s, box);
+        return keep(s, box);
+    }
+    struct interval half[FIELD_VARIABLES];
+    /* not in the middle, where zeros like to be */
+    const double at = box[widest].lo + 0.4837 * (box[widest].hi - box[widest].lo);
+    memcpy(half, box, sizeof half);
+    half[widest].hi = at;
+    if (!push(s, half))
+        return false;
+    half[widest] = (struct interval){at, box[widest].hi};
+    return push(s, half);
+}
+
+static bool look(struct search *s, struct interval *box)
+{
+    struct interval rate[FIELD_VARIABLES], by[FIELD_VARIABLES * FIELD_VARIABLES];
+    for (;;) {
+        s->boxes++;
+        system_bounds(&s->field.system, box, rate, by);
+        for (int i = 0; i < s->n; i++)
+            if (rate[i].lo > 0 || rate[i].hi < 0 || rate[i].lo != rate[i].lo)
+                return true;
+        switch (krawczyk(s, box, by)) {
+        case NONE:
+            return true;
+        case ONE:
+            return keep(s, box);
+        case SMALLER:
+            continue;
+        case UNKNOWN:
+            return cut(s, box);
+        }
+    }
+}
+
+static bool search(struct search *s)
+{
+    while (s->depth > 0) {
+        struct interval box[FIELD_VARIABLES];
+        memcpy(box, s->stack[--s->depth], sizeof box);
+        if (s->boxes >= BOXES || cancelled(s->request->cancel)) {
+            s->found->complete = false;
+            snprintf(s->found->reason, sizeof s->found->reason,
+                     cancelled(s->request->cancel) ? "cancelled" : "after %d boxes", s->boxes);
+            return true;
+        }
+        if (!look(s, box))
+            return false;
+    }
+    return true;
+}
+
+/* Eigenvalues and what follows, of the mean field. */
+static bool describe(struct search *s, struct solution *solution)
+{
+    const int n = s->n;
+    struct interval at[FIELD_VARIABLES], rate[FIELD_VARIABLES],
+        by[FIELD_VARIABLES * FIELD_VARIABLES];
+    double jacobian[FIELD_VARIABLES * FIELD_VARIABLES], size = 0;
+    for (int i = 0; i < n; i++)
+        at[i].lo = at[i].hi = solution->state[i];
+    system_bounds(&s->field.system, at, rate, by);
+    for (int i = 0; i < n * n; i++) {
+        jacobian[i] = middle(by[i]);
+        size = fmax(size, fabs(jacobian[i]));
+    }
+    for (int i = 0; i < n; i++) {
+        solution->residual = fmax(solution->residual, fabs(middle(rate[i])));
+        solution->top[i] = solution->bottom[i] = solution->state[i];
+    }
+    solution->values = n;
+    solution->trivial = NAN;
+    if (!matrix_eigenvalues(n, jacobian, solution->value))
+        return false;
+    for (int i = 0; i < n; i++)
+        solution->unstable += solution->value[i].re > 1e-12 * size;
+    return true;
+}
+
+static int in_order(const void *a, const void *b)
+{
+    const struct solution *x = a, *y = b;
+    for (int i = 0; i < x->n; i++)
+        if (x->state[i] != y->state[i])
+            return x->state[i] < y->state[i] ? -1 : 1;
+    return 0;
+}
+
+bool equilibria_find(const struct equilibria_request *request, struct equilibria *found,
+                     struct error *error)
+{
+    const int64_t since = clock_ns();
+    struct search s = {.request = request, .found = found};
+    *found = (struct equilibria){.complete = true};
+    if (!field_init(&s.field, request->scene, NULL, 0, error))
+        return false;
+    s.n = s.field.n;
+    struct interval box[FIELD_VARIABLES], rate[FIELD_VARIABLES];
+    for (int i = 0; i < s.n; i++) {
+        s.width[i] = request->box[i][1] - request->box[i][0];
+        box[i] = (struct interval){request->box[i][0] - BEYOND * s.width[i],
+                                   request->box[i][1] + BEYOND * s.width[i]};
+    }
+    found->forced = !s.field.system.autonomous;
+    if (!system_bounds(&s.field.system, box, rate, NULL))
+        return error_set(error, ERROR_COMMAND,
+                         "equilibria are found of typed scenes whose drive has one period");
+    bool fine = push(&s, box) && search(&s);
+    for (int k = 0; fine && k < found->count; k++)
+        fine = describe(&s, &found->of[k]);
+    if (found->count > 0)
+        qsort(found->of, (size_t)found->count, sizeof *found->of, in_order);
+    free(s.stack);
+    field_free(&s.field);
+    found->boxes = s.boxes;
+    found->seconds = clock_seconds(since);
+    if (fine)
+        return true;
+    equilibria_free(found);
+    return error_memory(error);
+}
+
+void equilibria_free(struct equilibria *found)
+{
+    free(found->of);
+    *found = (struct equilibria){.count = 0};
+}

@@ -1,0 +1,230 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* A scene as a vector field with free parameters, and its flow with derivatives. */
+#include "study/dynamics/field.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <hooke/base/numeric.h>
+
+#include "study/compare/solve.h"
+
+#define FLOW_TOL 1e-13
+#define FLOW_MOST 400000 /* evaluations of one flow by the explicit method: then it is stiff */
+#define FLOW_STIFF 2000000
+#define DELTA 1e-6
+#define ROUGH 1e-7 /* what derivatives by a parameter may be off, in units of sizes */
+
+/* ---- what it is ---- */
+
+/* Does everything repeat when this variable goes on by 2 pi? Looked at in some places. */
+static bool is_angle(const struct system *system, int variable)
+{
+    const int n = system->n;
+    uint64_t seed = 17;
+    bool matters = false;
+    for (int k = 0; k < 8; k++) {
+        double y[LIMIT_VARIABLES], rate[2][LIMIT_VARIABLES], size = 0;
+        for (int i = 0; i < n; i++)
+            y[i] = system->start[i] + system->scale[i] * (2 * random_fraction(&seed) - 1);
+        const double t = system->t0 + random_fraction(&seed), at = y[variable];
+        system_derivative(system, t, y, rate[0]);
+        y[variable] = at + TWO_PI;
+        system_derivative(system, t, y, rate[1]);
+        for (int i = 0; i < n; i++)
+            size = fmax(size, fabs(rate[0][i]));
+        for (int i = 0; i < n; i++)
+            if (!(fabs(rate[1][i] - rate[0][i]) <= 1e-12 * (size + DBL_MIN)))
+                return false;
+        y[variable] = at + 1;
+        system_derivative(system, t, y, rate[1]);
+        for (int i = 0; i < n; i++)
+            matters = matters || fabs(rate[1][i] - rate[0][i]) > 1e-9 * size;
+    }
+    return matters;
+}
+
+bool field_init(struct field *field, const struct scene *scene, const int *param, int params,
+                struct error *error)
+{
+    *field = (struct field){.scene = *scene, .params = params, .tol = FLOW_TOL};
+    for (int j = 0; j < params; j++)
+        field->param[j] = param[j], field->unit[j] = fmax(fabs(scene->value[param[j]]), 1);
+    if (!scene_bind_motion(scene, &field->system, error))
+        return false;
+    const struct system *system = &field->system;
+    field->n = system->n;
+    if (system->n > FIELD_VARIABLES)
+        return error_set(error, ERROR_COMMAND,
+                         "the scene has %d variables: at most %d are followed", system->n,
+                         FIELD_VARIABLES);
+    for (int i = 0; i < system->n; i++) {
+        field->size[i] = system->scale[i];
+        field->turn[i] = is_angle(system, i) ? TWO_PI : 0;
+    }
+    return true;
+}
+
+void field_free(struct field *field)
+{
+    free(field->variation);
+    field->variation = NULL;
+}
+
+bool field_set(struct field *field, const double *value)
+{
+    struct error ignored;
+    bool same = true;
+    for (int j = 0; j < field->params; j++) {
+        same = same && field->scene.value[field->param[j]] == value[j];
+        field->scene.value[field->param[j]] = value[j];
+    }
+    return same || scene_bind_motion(&field->scene, &field->system, &ignored);
+}
+
+void field_rate(struct field *field, const double *y, double *rate)
+{
+    field->evals++;
+    system_derivative(&field->system, field->system.t0, y, rate);
+}
+
+void field_jacobian(struct field *field, const double *y, double *jacobian)
+{
+    field->evals++;
+    system_jacobian(&field->system, field->system.t0, y, jacobian);
+}
+
+/* Values of free parameter j on both sides; their distance. */
+static double sides(const struct field *field, int j, struct scene side[2])
+{
+    const int at = field->param[j];
+    const double value = field->scene.value[at], by = DELTA * fmax(fabs(value), 1e-3);
+    side[0] = side[1] = field->scene;
+    side[0].value[at] = value + by;
+    side[1].value[at] = value - by;
+    return side[0].value[at] - side[1].value[at];
+}
+
+bool field_by_parameter(struct field *field, int j, const double *y, double *slope)
+{
+    struct scene side[2];
+    struct system system;
+    struct error ignored;
+    double rate[2][LIMIT_VARIABLES];
+    const double apart = sides(field, j, side);
+    for (int s = 0; s < 2; s++) {
+        if (!scene_bind_motion(&side[s], &system, &ignored))
+            return false;
+        system_derivative(&system, field->system.t0, y, rate[s]);
+    }
+    field->evals += 2;
+    for (int i = 0; i < field->n; i++)
+        slope[i] = (rate[0][i] - rate[1][i]) / apart;
+    return true;
+}
+
+double field_drive(const struct field *field)
+{
+    return system_drive(&field->system);
+}
+
+double field_drive_by(const struct field *field, int j)
+{
+    struct scene side[2];
+    struct system system;
+    struct error ignored;
+    double period[2];
+    const double apart = sides(field, j, side);
+    for (int s = 0; s < 2; s++) {
+        if (!scene_bind_motion(&side[s], &system, &ignored))
+            return NAN;
+        period[s] = system_drive(&system);
+    }
+    return (period[0] - period[1]) / apart;
+}
+
+/* ---- the flow ---- */
+
+static bool go(struct field *field, const struct system *system, const char *name, double span,
+               int64_t most, double *end, double *grid)
+{
+    struct solver solver;
+    struct run_settings settings = {.tol = field->tol, .kernel = KERNEL_SPECIALISED};
+    const struct method *method = method_find(name);
+    struct error ignored;
+    if (!method_applies(method, system, &settings.drag, &ignored) ||
+        !solver_init(&solver, system, method, &settings, span))
+        return false;
+    solver.max = most;
+    const enum stop stop = solver_run(&solver, grid, field->cancel);
+    field->evals += solver_cost(&solver);
+    memcpy(end, solver.y, (size_t)system->n * sizeof *end);
+    solver_free(&solver);
+    return stop == STOP_END;
+}
+
+/* What is stiff takes too many explicit steps. */
+static bool go_on(struct field *field, const struct system *system, double span, double *end,
+                  double *grid)
+{
+    return (!field->stiff && go(field, system, "dop853", span, FLOW_MOST, end, grid)) ||
+           (!cancelled(field->cancel) &&
+            (field->stiff = go(field, system, "radau5", span, FLOW_STIFF, end, grid)));
+}
+
+bool field_follow(struct field *field, double t, const double *start, double span, double *grid)
+{
+    double end[LIMIT_VARIABLES];
+    struct system system = field->system;
+    const double tol = field->tol;
+    system.t0 = t;
+    memcpy(system.start, start, (size_t)field->n * sizeof *start);
+    memcpy(system.scale, field->size, (size_t)field->n * sizeof *start);
+    field->tol = 1e-10;
+    const bool fine = go_on(field, &system, span, end, grid);
+    field->tol = tol;
+    return fine;
+}
+
+static bool bind_variation(struct field *field, int j)
+{
+    if (!field->variation)
+        field->variation = malloc(sizeof *field->variation);
+    if (!field->variation)
+        return false;
+    variation_of_start(field->variation, &field->system, field->size);
+    return j < 0 || variation_add_parameter(field->variation, &field->scene, field->param[j]);
+}
+
+bool field_flow(struct field *field, double t, const double *start, double span, double *end,
+                double *by_start, int j, double *by_parameter)
+{
+    const int n = field->n;
+    double all[LIMIT_VARIABLES];
+    struct system own, *system = &own;
+    if (by_start) {
+        if (!bind_variation(field, by_parameter ? j : -1))
+            return false;
+        system = &field->variation->whole;
+    } else {
+        own = field->system;
+    }
+    system->t0 = t;
+    memcpy(system->start, start, (size_t)n * sizeof *start);
+    for (int i = 0; i < system->n; i++)
+        system->scale[i] = field->size[i % n];
+    /* derivatives by a parameter are differences: the step must not follow their rounding */
+    for (int i = 0; by_parameter && i < n; i++)
+        system->scale[n * (n + 1) + i] *= fmax(ROUGH / field->tol, 1) / field->unit[j];
+    if (!go_on(field, system, span, all, NULL))
+        return false;
+    memcpy(end, all, (size_t)n * sizeof *end);
+    for (int c = 0; by_start && c < n; c++)
+        for (int i = 0; i < n; i++)
+            by_start[i * n + c] = all[n * (c + 1) + i] / field->size[i];
+    for (int i = 0; by_start && by_parameter && i < n; i++)
+        by_parameter[i] = all[n * (n + 1) + i] / field->size[i];
+    return true;
+}

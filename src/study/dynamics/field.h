@@ -1,0 +1,76 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * A scene as a vector field with parameters that are free: what equilibria, orbits and branches of
+ * them ask of it.
+ */
+#ifndef HOOKE_STUDY_DYNAMICS_FIELD_H
+#define HOOKE_STUDY_DYNAMICS_FIELD_H
+
+#include <hooke/study.h>
+
+#include "study/fit/variation.h"
+
+#define FIELD_VARIABLES 7 /* n, n^2 derivatives by the start and n by a parameter are one system   \
+                           */
+
+struct field {
+    struct scene scene;
+    struct system system;         /* of the scene, as its parameters are now */
+    int n;                        /* at most FIELD_VARIABLES */
+    int params, param[2];         /* those that are free: places in the scene's */
+    double unit[2];               /* of the parameters: how far they go */
+    double size[FIELD_VARIABLES]; /* natural sizes of the variables, > 0 */
+    double tol;                   /* of integration, relative to the sizes */
+    double turn[FIELD_VARIABLES]; /* an angle's full turn; 0: no angle */
+    struct variation *variation;  /* NULL until an orbit is asked for */
+    bool stiff;                   /* explicit steps have turned out to be too many */
+    int64_t evals;                /* of right-hand sides and Jacobians so far */
+    const struct cancel *cancel;
+};
+
+/* Up to two parameters may be free. False: too many variables, kinks; the error says so. */
+bool field_init(struct field *field, const struct scene *scene, const int *param, int params,
+                struct error *error);
+void field_free(struct field *field);
+/* Gives the free parameters these values. False: the scene has no such values. */
+bool field_set(struct field *field, const double *value);
+
+/* y' [n] and its derivatives [n][n] by y and [n] by free parameter j, at the field's t0. */
+void field_rate(struct field *field, const double *y, double *rate);
+void field_jacobian(struct field *field, const double *y, double *jacobian);
+bool field_by_parameter(struct field *field, int j, const double *y, double *slope);
+
+/* [s] period of the drive, 0: nothing depends on time; NAN: it does, but not with one period. */
+double field_drive(const struct field *field);
+/* [s] its derivative by free parameter j */
+double field_drive_by(const struct field *field, int j);
+
+/*
+ * The state `span` [s] after t, in `end` [n]. by_start [n][n], NULL: not wanted: its derivatives by
+ * the state at t, both in units of size. by_parameter [n], NULL: likewise by free parameter j at a
+ * given time, in units of size. False: the solution does not get there, or cancelled.
+ */
+bool field_flow(struct field *field, double t, const double *start, double span, double *end,
+                double *by_start, int j, double *by_parameter);
+
+/* States at t + k span/256, k = 0 ... 256, to plotting accuracy (1e-10 of sizes); false: likewise.
+ */
+#define FIELD_TIMES STUDY_TIMES
+bool field_follow(struct field *field, double t, const double *start, double span, double *grid);
+
+/* ---- small matrices, row-major ---- */
+
+#define MATRIX_MAX 64
+
+/* a [n][n] x = b, both are spoilt, b becomes x; the determinant as mantissa 2^*exponent. False:
+ * singular or not finite. */
+bool matrix_solve(int n, double *a, double *b, double *mantissa, int *exponent);
+/* Of a [n][n], spoilt; 0: singular. */
+double matrix_determinant(int n, double *a, int *exponent);
+/* 2 J x 1 in the space of pairs i < j [n (n - 1)/2]^2: its eigenvalues are sums of two of J's
+ * (Govaerts 2000, 4.4). */
+void matrix_pair_sums(int n, const double *jacobian, double *pairs);
+/* M ^ M - 1 in that space: products of two of M's eigenvalues, less 1. */
+void matrix_pair_products(int n, const double *map, double *pairs);
+
+#endif

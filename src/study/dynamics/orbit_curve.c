@@ -1,0 +1,387 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * Periodic orbits as a curve, by multiple shooting: unknowns are the states at the beginning of
+ * each segment and the period, unless the drive gives it. Of an autonomous scene the start lies in
+ * the plane across the orbit before (Seydel 2010, Practical Bifurcation and Stability Analysis,
+ * 7.3).
+ */
+#include "study/dynamics/problem.h"
+
+#include <math.h>
+#include <string.h>
+
+#define FINE_TOL 1e-13 /* of flows, relative to sizes */
+#define WALK_TOL 1e-9
+#define GROWTH 1e4 /* of a new segment, at most; */
+#define GROWN 1e6  /* it is cut when it has become this */
+#define NOISE 1e8  /* of the map: products of its small multipliers are noise */
+
+static void state_of(const struct field *field, const double *u, double *y)
+{
+    for (int i = 0; i < field->n; i++)
+        y[i] = u[i] * field->size[i];
+}
+
+double orbit_curve_period(const struct orbit_curve *c, const double *u)
+{
+    return c->forced ? c->multiple * field_drive(c->field)
+                     : u[c->segments * c->field->n] * c->tsize;
+}
+
+/* In units of size, at a time of its own. */
+static void rate_of(struct field *field, double t, const double *y, double *rate)
+{
+    field->evals++;
+    system_derivative(&field->system, t, y, rate);
+    for (int i = 0; i < field->n; i++)
+        rate[i] /= field->size[i];
+}
+
+static void multiply(int n, const double *a, const double *b, double *product)
+{
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++) {
+            double sum = 0;
+            for (int k = 0; k < n; k++)
+                sum += a[i * n + k] * b[k * n + j];
+            product[i * n + j] = sum;
+        }
+}
+
+/* One segment: what it does to its start, its end, its derivatives by start, time and parameter. */
+struct segment {
+    double t, span, start[FIELD_VARIABLES], end[FIELD_VARIABLES];
+    double map[FIELD_VARIABLES * FIELD_VARIABLES], by_parameter[FIELD_VARIABLES];
+    double first[FIELD_VARIABLES], last[FIELD_VARIABLES]; /* rates at both ends */
+};
+
+static bool shoot(const struct orbit_curve *c, const double *u, int i, double period,
+                  struct segment *s)
+{
+    struct field *field = c->field;
+    s->span = period / c->segments;
+    s->t = field->system.t0 + i * s->span;
+    state_of(field, u + i * field->n, s->start);
+    if (!field_flow(field, s->t, s->start, s->span, s->end, s->map, 0, s->by_parameter))
+        return false;
+    rate_of(field, s->t, s->start, s->first);
+    rate_of(field, s->t + s->span, s->end, s->last);
+    return true;
+}
+
+/* By the parameter, where the period changes with it, too: both ends of a segment move in time. */
+static void add_drive(const struct orbit_curve *c, int i, double by, struct segment *s)
+{
+    const int n = c->field->n;
+    const double from = by * i / c->segments, to = by * (i + 1) / c->segments;
+    for (int k = 0; k < n; k++) {
+        s->by_parameter[k] += to * s->last[k];
+        for (int l = 0; l < n; l++)
+            s->by_parameter[k] -= from * s->map[k * n + l] * s->first[l];
+    }
+}
+
+static void put_rows(const struct orbit_curve *c, const double *u, int i, const struct segment *s,
+                     double *f, double *jacobian)
+{
+    const int n = c->field->n, all = c->problem.n + 1, next = (i + 1) % c->segments;
+    for (int k = 0; k < n; k++) {
+        const struct field *field = c->field;
+        const int row = i * n + k;
+        const double turned = next == 0 ? c->winding[k] * field->turn[k] : 0;
+        f[row] = (s->end[k] - turned) / field->size[k] - u[next * n + k];
+        for (int l = 0; l < n; l++)
+            jacobian[row * all + i * n + l] += s->map[k * n + l];
+        jacobian[row * all + next * n + k] -= 1;
+        if (!c->forced)
+            jacobian[row * all + c->segments * n] = s->last[k] * c->tsize / c->segments;
+        jacobian[row * all + all - 1] = s->by_parameter[k] * c->psize;
+    }
+}
+
+/*
+ * Where the last segment closes with the opposite sign the matrix is singular if the map has a
+ * multiplier -1; elimination with pivots keeps this right where the product of all segments would
+ * not (Fairgrieve, Jepson 1991).
+ */
+static double closes_turned(const struct orbit_curve *c, const double *jacobian)
+{
+    const int n = c->field->n, size = c->segments * n, all = c->problem.n + 1;
+    double a[CURVE_MAX * CURVE_MAX];
+    for (int i = 0; i < size; i++)
+        for (int j = 0; j < size; j++)
+            a[i * size + j] = jacobian[i * all + j];
+    for (int k = 0; k < n; k++)
+        a[(size - n + k) * size + k] += 2;
+    return plain_determinant(size, a);
+}
+
+static void put_phase(const struct orbit_curve *c, const double *u, double *f, double *jacobian)
+{
+    const int n = c->field->n, row = c->segments * n, all = c->problem.n + 1;
+    f[row] = 0;
+    for (int k = 0; k < n; k++) {
+        f[row] += c->along[k] * (u[k] - c->reference[k]);
+        jacobian[row * all + k] = c->along[k];
+    }
+}
+
+static double length_of(int n, const double *a)
+{
+    double sum = 0;
+    for (int i = 0; i < n; i++)
+        sum += a[i] * a[i];
+    return sqrt(sum);
+}
+
+static void keep_map(struct orbit_curve *c, const double *map, const double *rate)
+{
+    const int n = c->field->n;
+    double off[FIELD_VARIABLES];
+    memcpy(c->map, map, sizeof c->map);
+    memcpy(c->rate, rate, sizeof c->rate);
+    for (int i = 0; i < n; i++) {
+        off[i] = -rate[i];
+        for (int j = 0; j < n; j++)
+            off[i] += map[i * n + j] * rate[j];
+    }
+    c->drift = length_of(n, off) / length_of(n, rate);
+}
+
+static bool residual(void *context, const double *u, double *f, double *jacobian)
+{
+    struct orbit_curve *c = context;
+    struct field *field = c->field;
+    const int n = field->n, all = c->problem.n + 1;
+    double p = u[all - 1] * c->psize, map[2][FIELD_VARIABLES * FIELD_VARIABLES],
+           rate[FIELD_VARIABLES] = {0};
+    if (cancelled(field->cancel) || !field_set(field, &p))
+        return false;
+    const double period = orbit_curve_period(c, u),
+                 by = c->forced ? c->multiple * field_drive_by(field, 0) : 0;
+    if (!(period > 0) || !isfinite(period))
+        return false;
+    memset(jacobian, 0, (size_t)(c->problem.n * all) * sizeof *jacobian);
+    c->growth = 0;
+    for (int i = 0; i < c->segments; i++) {
+        struct segment s;
+        if (!shoot(c, u, i, period, &s))
+            return false;
+        if (i == 0) {
+            memcpy(map[0], s.map, sizeof map[0]);
+            memcpy(rate, s.first, sizeof rate);
+        } else {
+            multiply(n, s.map, map[(i + 1) % 2], map[i % 2]);
+        }
+        for (int k = 0; k < n * n; k++)
+            c->growth = fmax(c->growth, fabs(s.map[k]));
+        add_drive(c, i, by, &s);
+        put_rows(c, u, i, &s, f, jacobian);
+    }
+    if (!c->forced)
+        put_phase(c, u, f, jacobian);
+    keep_map(c, map[(c->segments + 1) % 2], rate);
+    return true;
+}
+
+/*
+ * The map on directions across the orbit, [reduced]^2: in a basis whose first vector is the rate
+ * the map is [1 *; 0 P] (Householder's reflection takes the rate to the first axis).
+ */
+int orbit_curve_multipliers(const struct orbit_curve *c, double *reduced)
+{
+    const int n = c->field->n;
+    if (c->forced) {
+        memcpy(reduced, c->map, (size_t)(n * n) * sizeof *reduced);
+        return n;
+    }
+    double v[FIELD_VARIABLES], h[FIELD_VARIABLES * FIELD_VARIABLES],
+        left[FIELD_VARIABLES * FIELD_VARIABLES], whole[FIELD_VARIABLES * FIELD_VARIABLES];
+    const double length = length_of(n, c->rate);
+    memcpy(v, c->rate, (size_t)n * sizeof *v);
+    v[0] += copysign(length, v[0]);
+    const double square = length_of(n, v) * length_of(n, v);
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++)
+            h[i * n + j] = (i == j) - 2 * v[i] * v[j] / square;
+    multiply(n, h, c->map, left);
+    multiply(n, left, h, whole);
+    for (int i = 1; i < n; i++)
+        for (int j = 1; j < n; j++)
+            reduced[(i - 1) * (n - 1) + j - 1] = whole[i * n + j];
+    return n - 1;
+}
+
+static void test(void *context, const double *u, const double *jacobian, const double *tangent,
+                 double *value)
+{
+    const struct orbit_curve *c = context;
+    const int n = c->problem.n;
+    double bordered[CURVE_MAX * CURVE_MAX], reduced[FIELD_VARIABLES * FIELD_VARIABLES],
+        products[21 * 21];
+    (void)u;
+    memcpy(bordered, jacobian, (size_t)(n * (n + 1)) * sizeof *bordered);
+    memcpy(bordered + n * (n + 1), tangent, (size_t)(n + 1) * sizeof *bordered);
+    const int size = orbit_curve_multipliers(c, reduced);
+    value[ORBIT_FOLD] = tangent[n];
+    value[ORBIT_CROSSING] = plain_determinant(n + 1, bordered);
+    value[ORBIT_DOUBLING] = closes_turned(c, jacobian);
+    double largest = 0;
+    for (int i = 0; i < size * size; i++)
+        largest = fmax(largest, fabs(reduced[i]));
+    if (size > 1 && largest < NOISE) {
+        matrix_pair_products(size, reduced, products);
+        value[ORBIT_TORUS] = plain_determinant(size * (size - 1) / 2, products);
+    } else {
+        value[ORBIT_TORUS] = 1;
+    }
+}
+
+static void aim(void *context, bool fine)
+{
+    struct orbit_curve *c = context;
+    c->field->tol = fine ? FINE_TOL : WALK_TOL;
+}
+
+/* Moves all of the orbit that the tangent leads to by the same time, so that it has this phase. */
+static void turn_tangent(const struct orbit_curve *c, const double *u, double *tangent)
+{
+    const int n = c->field->n, all = c->problem.n + 1;
+    double rate[CURVE_MAX], y[FIELD_VARIABLES], off = 0, by = 0, sum = 0;
+    const double span = orbit_curve_period(c, u) / c->segments;
+    for (int i = 0; i < c->segments; i++) {
+        state_of(c->field, u + i * n, y);
+        rate_of(c->field, c->field->system.t0 + i * span, y, rate + i * n);
+    }
+    for (int k = 0; k < n; k++) {
+        off += c->along[k] * tangent[k];
+        by += c->along[k] * rate[k];
+    }
+    for (int i = 0; i < c->segments * n; i++)
+        tangent[i] -= off / by * rate[i];
+    for (int i = 0; i < all; i++)
+        sum += tangent[i] * tangent[i];
+    for (int i = 0; i < all; i++)
+        tangent[i] /= sqrt(sum);
+}
+
+void orbit_curve_refer(struct orbit_curve *c, const double *u, double *tangent)
+{
+    double y[FIELD_VARIABLES];
+    memcpy(c->reference, u, sizeof c->reference);
+    state_of(c->field, u, y);
+    rate_of(c->field, c->field->system.t0, y, c->along);
+    const double length = length_of(c->field->n, c->along);
+    for (int i = 0; i < c->field->n; i++)
+        c->along[i] /= length;
+    if (tangent && !c->forced)
+        turn_tangent(c, u, tangent);
+}
+
+bool orbit_curve_unknowns(struct orbit_curve *c, const double *state, double period, double *u)
+{
+    struct field *field = c->field;
+    const int n = field->n;
+    double y[FIELD_VARIABLES], end[FIELD_VARIABLES];
+    memcpy(y, state, (size_t)n * sizeof *y);
+    for (int i = 0; i < c->segments; i++) {
+        for (int k = 0; k < n; k++)
+            u[i * n + k] = y[k] / field->size[k];
+        if (!field_flow(field, field->system.t0 + i * period / c->segments, y, period / c->segments,
+                        end, NULL, 0, NULL))
+            return false;
+        memcpy(y, end, sizeof y);
+    }
+    for (int k = 0; k < n; k++)
+        c->winding[k] = field->turn[k] > 0 ? (int)lrint((y[k] - state[k]) / field->turn[k]) : 0;
+    if (!c->forced)
+        u[c->segments * n] = period / c->tsize;
+    u[c->problem.n] = field->scene.value[field->param[0]] / c->psize;
+    return true;
+}
+
+bool orbit_curve_is_long(const struct orbit_curve *c)
+{
+    return c->growth > GROWN && 2 * c->segments * c->field->n + 2 <= CURVE_MAX;
+}
+
+/* Unknowns at twice the segments: each old one, and what it becomes half way. */
+static bool cut_unknowns(struct orbit_curve *c, const double *u, double *cut)
+{
+    struct field *field = c->field;
+    const int n = field->n, m = c->segments, rest = !c->forced;
+    double p = u[m * n + rest] * c->psize;
+    if (!field_set(field, &p))
+        return false;
+    const double span = orbit_curve_period(c, u) / m;
+    for (int i = 0; i < m; i++) {
+        double y[FIELD_VARIABLES], end[FIELD_VARIABLES];
+        state_of(field, u + i * n, y);
+        if (!field_flow(field, field->system.t0 + i * span, y, span / 2, end, NULL, 0, NULL))
+            return false;
+        memcpy(cut + 2 * i * n, u + i * n, (size_t)n * sizeof *cut);
+        for (int k = 0; k < n; k++)
+            cut[(2 * i + 1) * n + k] = end[k] / field->size[k];
+    }
+    memcpy(cut + 2 * m * n, u + m * n, (size_t)(rest + 1) * sizeof *cut);
+    return true;
+}
+
+#define ASIDE 1e-6
+
+bool orbit_curve_cut(struct orbit_curve *c, double *u, double *direction)
+{
+    double aside[CURVE_MAX], cut[2][CURVE_MAX], sum = 0;
+    for (int i = 0; i <= c->problem.n; i++)
+        aside[i] = u[i] + ASIDE * direction[i];
+    if (!cut_unknowns(c, u, cut[0]) || !cut_unknowns(c, aside, cut[1]))
+        return false;
+    c->problem.n += c->segments * c->field->n;
+    c->segments *= 2;
+    memcpy(u, cut[0], sizeof cut[0]);
+    for (int i = 0; i <= c->problem.n; i++) {
+        direction[i] = cut[1][i] - cut[0][i];
+        sum += direction[i] * direction[i];
+    }
+    for (int i = 0; i <= c->problem.n; i++)
+        direction[i] /= sqrt(sum);
+    return true;
+}
+
+/* How much a small difference grows over a period: into how many segments to cut it. */
+static int segments_for(struct field *field, const double *state, double period)
+{
+    double end[FIELD_VARIABLES], map[FIELD_VARIABLES * FIELD_VARIABLES], size = 0;
+    if (!field_flow(field, field->system.t0, state, period, end, map, 0, NULL))
+        return 0;
+    for (int i = 0; i < field->n * field->n; i++)
+        size = fmax(size, fabs(map[i]));
+    const int most = (CURVE_MAX - 2) / field->n,
+              wanted = 1 + (int)(log(fmax(size, 1)) / log(GROWTH));
+    return wanted < most ? wanted : most;
+}
+
+bool orbit_curve_init(struct orbit_curve *c, struct field *field, double psize, const double *state,
+                      double period, int multiple)
+{
+    const double drive = field_drive(field);
+    *c = (struct orbit_curve){
+        .field = field, .forced = drive != 0, .multiple = multiple, .psize = psize};
+    field->unit[0] = psize;
+    if (c->forced)
+        period = multiple * drive;
+    if (!(period > 0) || !isfinite(period))
+        return false;
+    c->tsize = period;
+    c->segments = segments_for(field, state, period);
+    if (c->segments == 0)
+        return false;
+    c->problem = (struct curve_problem){.context = c,
+                                        .n = c->segments * field->n + !c->forced,
+                                        .residual = residual,
+                                        .test = test,
+                                        .tests = 4,
+                                        .aim = aim,
+                                        .singular = 1u << ORBIT_CROSSING};
+    return true;
+}

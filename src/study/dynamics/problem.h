@@ -1,0 +1,60 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Equilibria and periodic orbits as curve problems. */
+#ifndef HOOKE_STUDY_DYNAMICS_PROBLEM_H
+#define HOOKE_STUDY_DYNAMICS_PROBLEM_H
+
+#include "study/dynamics/continuation.h"
+
+#define ORBIT_SEGMENTS 16
+
+/* Tests of the two kinds of curves, and what their zeros are. */
+enum equilibrium_test { EQUILIBRIUM_FOLD, EQUILIBRIUM_CROSSING, EQUILIBRIUM_HOPF };
+enum orbit_test { ORBIT_FOLD, ORBIT_CROSSING, ORBIT_DOUBLING, ORBIT_TORUS };
+
+struct equilibrium_curve {
+    struct field *field;
+    double psize; /* unit of the parameter */
+    struct curve_problem problem;
+};
+
+/* The field's first free parameter varies; psize: its range. */
+void equilibrium_curve_init(struct equilibrium_curve *curve, struct field *field, double psize);
+
+struct orbit_curve {
+    struct field *field;
+    int segments;
+    bool forced;
+    int multiple; /* of the drive's period */
+    double psize, tsize;
+    int winding[FIELD_VARIABLES];      /* turns of angles in a period */
+    double reference[FIELD_VARIABLES]; /* a state in units of size, and how it moves there: */
+    double along[FIELD_VARIABLES];     /* the orbit's start lies in the plane across */
+    double map[FIELD_VARIABLES * FIELD_VARIABLES]; /* of the last residual: over one period */
+    double rate[FIELD_VARIABLES];                  /* at the start, in units of size */
+    double growth;                                 /* largest entry of the map of a segment */
+    double drift; /* |map rate - rate| / |rate|: how far the trivial multiplier is from 1 */
+    struct curve_problem problem;
+};
+
+/* Starts at this state [SI], with the period [s] where it is not the drive's. `multiple` periods of
+ * the drive. False: the motion does not come that far. */
+bool orbit_curve_init(struct orbit_curve *curve, struct field *field, double psize,
+                      const double *state, double period, int multiple);
+/* Unknowns of the orbit that starts there, at the field's present parameter. */
+bool orbit_curve_unknowns(struct orbit_curve *curve, const double *state, double period, double *u);
+/* From here on the phase is fixed by this orbit; the tangent there, NULL: there is none, goes on to
+ * orbits of this phase. */
+void orbit_curve_refer(struct orbit_curve *curve, const double *u, double *tangent);
+/* Would shorter segments do better? Cuts the orbit anew: u, and a direction there, become those of
+ * the new unknowns; false: it cannot be cut. */
+bool orbit_curve_is_long(const struct orbit_curve *curve);
+bool orbit_curve_cut(struct orbit_curve *curve, double *u, double *direction);
+double orbit_curve_period(const struct orbit_curve *curve, const double *u); /* [s] */
+/* Multipliers without the trivial one, by the map of the last residual: [n - 1] or, forced, [n];
+ * how many. */
+int orbit_curve_multipliers(const struct orbit_curve *curve, double *reduced);
+
+/* A determinant as a number whose sign and zeros are right. */
+double plain_determinant(int n, double *a);
+
+#endif

@@ -1,0 +1,43 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* One curve of solutions of either kind, and where it begins. */
+#ifndef HOOKE_STUDY_DYNAMICS_SOLUTIONS_H
+#define HOOKE_STUDY_DYNAMICS_SOLUTIONS_H
+
+#include <hooke/study/dynamics.h>
+
+#include "study/dynamics/problem.h"
+
+struct solution_curve {
+    struct field field;
+    enum solution_kind kind;
+    union {
+        struct equilibrium_curve equilibrium;
+        struct orbit_curve orbit;
+    };
+    const struct curve_problem *problem; /* of the one that it is */
+};
+
+/* For a solution as a guess, at the field's present parameter; u [problem->n + 1] are its unknowns.
+ * psize: unit of the parameter. */
+bool solutions_begin(struct solution_curve *path, const struct scene *scene, int param,
+                     double psize, const struct solution *guess, const struct cancel *cancel,
+                     double *u, struct error *error);
+void solutions_end(struct solution_curve *path);
+/* Onto the curve at the guess's parameter. */
+bool solutions_correct_at(struct solution_curve *path, const double *u, struct curve_point *point);
+/* What the point is; looks at it again, which costs one orbit. `extremes`: along an orbit. */
+bool solutions_at(struct solution_curve *path, const struct curve_point *point, bool extremes,
+                  struct solution *solution);
+/* What has changed its kind there, if that is a special point: not so neutral saddles. */
+enum special solutions_special(const struct solution_curve *path, int test,
+                               const struct solution *solution);
+
+/*
+ * Where the branch that leaves a special point begins: a solution of the other branch as the guess,
+ * and the direction [problem->n + 1] in which it goes away. side: 1 or -1, of a crossing.
+ */
+bool solutions_leave(struct solution_curve *path, const struct scene *scene, int param,
+                     double psize, const struct branch_point *from, int side,
+                     const struct cancel *cancel, struct curve_point *first, struct error *error);
+
+#endif

@@ -1,0 +1,298 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Equilibria, orbits and branches against closed forms and published values. */
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include "long_form.h"
+#include "unit/study/testing.h"
+
+#include "unit/scene/typing.h"
+
+#include <hooke/base/numeric.h>
+
+static struct typed_models *models;
+
+static struct scene typed(const char *const *lines)
+{
+    struct scene scene;
+    scene_init(&scene, NULL);
+    assert_true(type_scene(models, &scene, lines));
+    return scene;
+}
+
+#define TYPED(...) typed((const char *const[]){__VA_ARGS__, NULL})
+
+static struct branch follow(const struct scene *scene, const char *param, double from, double to,
+                            const struct solution *start, const struct branch_point *leave,
+                            double step)
+{
+    const struct branch_request request = {.scene = scene,
+                                           .param = scene_param(scene, param),
+                                           .from = from,
+                                           .to = to,
+                                           .start = start,
+                                           .leave = leave,
+                                           .step = step};
+    struct branch branch;
+    struct error error = {0};
+    if (!branch_follow(&request, &branch, &error))
+        fail_msg("%s", error.text);
+    return branch;
+}
+
+/* The number-th special point of that kind along the branch; NULL: there are fewer. */
+static const struct branch_point *special(const struct branch *branch, enum special kind,
+                                          int number)
+{
+    for (int i = 0; i < branch->count; i++)
+        if (branch->point[i].special == kind && --number == 0)
+            return &branch->point[i];
+    return NULL;
+}
+
+static void relative(double value, double wanted, double tolerance)
+{
+    close_to(value, wanted, tolerance * fabs(wanted));
+}
+
+static struct scene lorenz(void)
+{
+    return TYPED("var x = 0.1", "var y = 0.1", "var z = 0.1", "param s = 10",
+                 "param b = 2.6666666666666665", "param r = 0.5", "x' = s*(y-x)", "y' = x*(r-z)-y",
+                 "z' = x*y-b*z");
+}
+
+/* The pitchfork at r = 1 is found whatever the steps are, also where one lands on it; on the branch
+ * that leaves it the Hopf point at 470/19 is subcritical. */
+static void test_lorenz_equilibria(void **state)
+{
+    (void)state;
+    const struct scene scene = lorenz();
+    const struct solution origin = {.kind = SOLUTION_EQUILIBRIUM, .n = 3, .param = {0.5}};
+    for (int k = 0; k < 20; k++) {
+        /* 0.5 + 0.5 of 30 is the point itself */
+        const double step = k == 0 ? 0.5 / 30 : 0.004 + 0.003 * k;
+        struct branch branch = follow(&scene, "r", 0, 30, &origin, NULL, step);
+        const struct branch_point *point = special(&branch, SPECIAL_CROSSING, 1);
+        assert_non_null(point);
+        assert_null(special(&branch, SPECIAL_CROSSING, 2));
+        close_to(point->solution.param[0], 1, 1e-10);
+        branch_free(&branch);
+    }
+    struct branch first = follow(&scene, "r", 0, 30, &origin, NULL, 0);
+    struct branch second =
+        follow(&scene, "r", 0, 30, NULL, special(&first, SPECIAL_CROSSING, 1), 0);
+    const struct branch_point *hopf = special(&second, SPECIAL_HOPF, 1);
+    assert_non_null(hopf);
+    relative(hopf->solution.param[0], 470.0 / 19, 1e-12);
+    assert_true(hopf->criticality > 0);
+    branch_free(&second);
+    branch_free(&first);
+}
+
+/* Orbits that are born at the Hopf point go to the homoclinic one at 13.926557407520 (Sparrow 1982:
+ * 13.926). */
+static void test_lorenz_orbits(void **state)
+{
+    (void)state;
+    const struct scene scene = lorenz();
+    const double c = sqrt(8.0 / 3 * 19);
+    const struct solution rest = {
+        .kind = SOLUTION_EQUILIBRIUM, .n = 3, .param = {20}, .state = {c, c, 19}};
+    struct branch still = follow(&scene, "r", 15, 30, &rest, NULL, 0);
+    const double from = is_long() ? 0 : 14.5;
+    struct branch orbits = follow(&scene, "r", from, 30, NULL, special(&still, SPECIAL_HOPF, 1), 0);
+    assert_int_equal(orbits.kind, SOLUTION_ORBIT);
+    const struct solution *last = &orbits.point[orbits.count - 1].solution;
+    if (is_long()) {
+        assert_true(last->period > 15.7);
+        close_to(last->param[0], 13.92655740752, 1e-8);
+    } else {
+        assert_true(last->param[0] == 14.5);
+    }
+    for (int i = 0; i < orbits.count; i++)
+        assert_int_not_equal(orbits.point[i].solution.unstable, 0);
+    assert_null(special(&orbits, SPECIAL_DOUBLING, 1));
+    assert_null(special(&orbits, SPECIAL_FOLD, 1));
+    branch_free(&orbits);
+    branch_free(&still);
+}
+
+/* Roessler's cascade, and one branch for each turn of it. */
+static void test_doublings(void **state)
+{
+    (void)state;
+    static const double at[] = {2.832445027862, 3.837358168410, 4.124214732075};
+    const struct scene scene =
+        TYPED("var x = 1", "var y = 1", "var z = 1", "param a = 0.2", "param b = 0.2",
+              "param c = 2.5", "x' = -y-z", "y' = x+a*y", "z' = b+z*(x-c)");
+    const struct solution start = {
+        .kind = SOLUTION_ORBIT, .n = 3, .param = {2.5}, .period = 5.77, .state = {4.5, 0, 1.5}};
+    struct branch branch = follow(&scene, "c", 1, 6, &start, NULL, 0);
+    for (int k = 0; k < 3; k++) {
+        const struct branch_point *point = special(&branch, SPECIAL_DOUBLING, 1);
+        assert_non_null(point);
+        relative(point->solution.param[0], at[k], 1e-11);
+        struct branch next = follow(&scene, "c", 1, 6, NULL, point, 0);
+        branch_free(&branch);
+        branch = next;
+    }
+    branch_free(&branch);
+}
+
+/* Both folds of a forced Duffing oscillator's response (harmonic balance with 24 harmonics agrees).
+ */
+static void test_response(void **state)
+{
+    (void)state;
+    const struct scene scene = TYPED("var x = 1", "var v = 0", "param d = 0.1", "param F = 0.3",
+                                     "param w = 0.8", "x' = v", "v' = -d*v-x-x^3+F*cos(w*t)");
+    const struct solution start = {
+        .kind = SOLUTION_RESPONSE, .n = 2, .param = {0.8}, .multiple = 1, .state = {0.5, 0}};
+    struct branch branch = follow(&scene, "w", 0.8, 2.2, &start, NULL, 0);
+    const struct branch_point *high = special(&branch, SPECIAL_FOLD, 1),
+                              *low = special(&branch, SPECIAL_FOLD, 2);
+    assert_non_null(high);
+    assert_non_null(low);
+    assert_null(special(&branch, SPECIAL_FOLD, 3));
+    relative(high->solution.param[0], 1.7797195242985731, 1e-12);
+    relative(low->solution.param[0], 1.3242362007705656, 1e-12);
+    relative(high->solution.top[0], 1.7222520193521275, 1e-8);
+    relative(low->solution.top[0], 0.59283219109489081, 1e-8);
+    branch_free(&branch);
+}
+
+/* van der Pol: period and multiplier, then the stiff one, by its asymptotic terms (Dorodnicyn 1947,
+ * with the constant of Urabe 1960): what is left is of order mu^(-4/3). */
+static void test_relaxation(void **state)
+{
+    (void)state;
+    const struct scene scene =
+        TYPED("var x = 2", "var y = 0", "param mm = 1", "x' = y", "y' = mm*(1-x^2)*y-x");
+    const struct solution start = {
+        .kind = SOLUTION_ORBIT, .n = 2, .param = {1}, .period = 6.66, .state = {2, 0}};
+    const double mu = is_long() ? 1000 : 10;
+    struct branch branch = follow(&scene, "mm", 1, mu, &start, NULL, 0);
+    const struct solution *first = &branch.point[0].solution,
+                          *last = &branch.point[branch.count - 1].solution;
+    relative(first->period, 6.6632868593231302, 1e-12);
+    relative(first->value[0].re, 8.596950636e-4, 1e-9);
+    close_to(last->param[0], mu, 0);
+    close_to(last->period,
+             (3 - 2 * log(2)) * mu + 3 * 2.338107410459767 / cbrt(mu) -
+                 (2 * log(mu) / 3 + 1.3233) / mu,
+             3 / mu);
+    branch_free(&branch);
+}
+
+/* Quadratic forms in rotated coordinates: zeros are known; none is missed, none invented. */
+static void test_all_equilibria(void **state)
+{
+    (void)state;
+    uint64_t seed = 11;
+    for (int k = 0; k < 100; k++) {
+        double a[2][3], m[4];
+        char lines[4][400];
+        int count[2], wanted = 0;
+        for (int i = 0; i < 4; i++)
+            m[i] = 3 * random_fraction(&seed) - 1.5;
+        const double d = m[0] * m[3] - m[1] * m[2];
+        if (fabs(d) < 0.2)
+            continue;
+        for (int i = 0; i < 2; i++) {
+            count[i] = 1 + (int)(3 * random_fraction(&seed));
+            int used = snprintf(lines[2 + i], sizeof lines[0], "%c' = 1", "xy"[i]);
+            for (int j = 0; j < count[i]; j++) {
+                a[i][j] = 4 * random_fraction(&seed) - 2;
+                used += snprintf(lines[2 + i] + used, sizeof lines[0] - (size_t)used,
+                                 "*(%.17g*x+(%.17g)*y-(%.17g))", m[2 * i], m[2 * i + 1], a[i][j]);
+            }
+        }
+        const struct scene scene = TYPED("var x = 0.1", "var y = 0.1", lines[2], lines[3]);
+        const struct equilibria_request request = {.scene = &scene, .box = {{-3, 3}, {-3, 3}}};
+        struct equilibria found;
+        struct error error = {0};
+        assert_true(equilibria_find(&request, &found, &error));
+        for (int i = 0; i < count[0]; i++)
+            for (int j = 0; j < count[1]; j++) {
+                const double x = (m[3] * a[0][i] - m[1] * a[1][j]) / d,
+                             y = (m[0] * a[1][j] - m[2] * a[0][i]) / d;
+                if (fabs(x) >= 3 || fabs(y) >= 3)
+                    continue;
+                wanted++;
+                bool there = false;
+                for (int l = 0; l < found.count; l++)
+                    there = there || (fabs(found.of[l].state[0] - x) < 1e-9 &&
+                                      fabs(found.of[l].state[1] - y) < 1e-9);
+                assert_true(there);
+            }
+        assert_int_equal(found.count, wanted);
+        assert_true(found.complete);
+        equilibria_free(&found);
+    }
+}
+
+/* A double zero is found, and that there may be more of them is said; where there is none it is
+ * proven. */
+static void test_doubtful_equilibria(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *line;
+        int count;
+        bool complete;
+    } cases[] = {{"x' = x^2", 1, false}, {"x' = x^2-1e-6", 2, true}, {"x' = x^2+1e-6", 0, true}};
+    for (size_t i = 0; i < COUNT_OF(cases); i++) {
+        const struct scene scene = TYPED("var x = 0.1", "var y = 0.1", cases[i].line, "y' = -y");
+        const struct equilibria_request request = {.scene = &scene, .box = {{-1, 1}, {-1, 1}}};
+        struct equilibria found;
+        struct error error = {0};
+        assert_true(equilibria_find(&request, &found, &error));
+        assert_int_equal(found.count, cases[i].count);
+        assert_int_equal(found.complete, cases[i].complete);
+        equilibria_free(&found);
+    }
+}
+
+/* The drive's period as expressions show it. */
+static void test_drive_period(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *line;
+        double period;
+    } cases[] = {{"v' = -x", 0},
+                 {"v' = -x+w*cos(w*t+1)", TWO_PI / 2},
+                 {"v' = -x*(1+sin(w*t)^2)+cos(3*t)", TWO_PI},
+                 {"v' = -x+sin(t)*sin(sqrt(2)*t)", NAN},
+                 {"v' = -x+t", NAN},
+                 {"v' = -x+mod(t, 3)+0*t", 3},
+                 {"v' = -x+cos(x*t)", NAN}};
+    for (size_t i = 0; i < COUNT_OF(cases); i++) {
+        const struct scene scene =
+            TYPED("var x = 0.1", "var v = 0.1", "param w = 2", "x' = v", cases[i].line);
+        struct system system;
+        struct error error = {0};
+        assert_true(scene_bind(&scene, &system, &error));
+        const double period = system_drive(&system);
+        if (isnan(cases[i].period) ? !isnan(period) : fabs(period - cases[i].period) > 1e-12)
+            fail_msg("%s: %g", cases[i].line, period);
+    }
+}
+
+int main(void)
+{
+    struct error error = {0};
+    models = typed_create(&error);
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_lorenz_equilibria),   cmocka_unit_test(test_lorenz_orbits),
+        cmocka_unit_test(test_doublings),           cmocka_unit_test(test_response),
+        cmocka_unit_test(test_relaxation),          cmocka_unit_test(test_all_equilibria),
+        cmocka_unit_test(test_doubtful_equilibria), cmocka_unit_test(test_drive_period)};
+    const int failed = cmocka_run_group_tests(tests, NULL, NULL);
+    typed_destroy(models);
+    return failed;
+}
