@@ -481,7 +481,8 @@ static bool fit_within(const struct fit_curve *curve, const struct series *serie
         return false;
     fit->residual = arena_array(arena, series->n, sizeof(double));
     if (!fit->residual || !prepare(&p, series, start, arena, work))
-        return error_memory(error);
+        return cancelled(o->cancel) ? error_set(error, ERROR_CANCELLED, "stopped")
+                                    : error_memory(error);
     fit->weight = p.weight;
     enum outcome outcome =
         o->robust ? minimise_robust(&p, x, max, fit) : minimise(&p, x, max, &iterations, fit);
