@@ -138,6 +138,19 @@ static void work(struct session *session, const struct options *options, enum fr
     }
 }
 
+/* What must be open is open; the state of a session is beside the folder of the user. */
+static void confine(const struct options *options, bool prompt, struct reply *reply)
+{
+    struct error error = {0};
+    if (!options->safe)
+        return;
+    char *state = prompt ? state_path("", true) : NULL;
+    const char *const folders[] = {".", state};
+    if (!confine_writing(folders, (int)COUNT_OF(folders), &error) && options->verbose)
+        reply_note(reply, "note: --safe is kept by the program alone: %s", error.text);
+    free(state);
+}
+
 static int run(const struct options *options)
 {
     const enum front_kind kind = choose_front(options);
@@ -179,6 +192,7 @@ static int run(const struct options *options)
         if (messages.len > 0) {
             reply_note(&reply, "%s", messages.data);
         }
+        confine(options, kind != FRONT_END, &reply);
         if (!options->norc && (kind != FRONT_END || options->rc)) {
             rc_run(session, &reply);
             /* a mistake in the rc file has been told; it does not make this run a failure */
@@ -228,16 +242,19 @@ int main(int argc, char **argv)
     struct options options;
     int status = ERROR_USAGE;
     if (options_read(&options, argc, argv)) {
+        struct buffer text = {0};
         if (options.help) {
-            struct buffer text = {0};
             options_help(&text);
-            status = fputs(text.data ? text.data : "", stdout) < 0 || fflush(stdout) ? ERROR_IO : 0;
-            buffer_free(&text);
         } else if (options.version) {
-            status = printf("hooke %s\n", HOOKE_VERSION) < 0 || fflush(stdout) ? ERROR_IO : 0;
+            buffer_put(&text, TEXT("hooke " HOOKE_VERSION "\n"));
+            confine_say(&text);
+        }
+        if (options.help || options.version) {
+            status = fputs(buffer_view(&text), stdout) < 0 || fflush(stdout) ? ERROR_IO : 0;
         } else {
             status = run(&options);
         }
+        buffer_free(&text);
     }
     options_free(&options);
     return status;

@@ -75,6 +75,14 @@ void streams_free(struct streams *streams);
 void streams_page(struct streams *streams, int width, int height);
 bool write_all(int fd, struct text text, int *failure); /* goes on after signals; failure: errno */
 
+/* ---- --safe, kept by the kernel (confine/landlock.c) ---- */
+
+int confine_version(void); /* of Landlock; 0: this kernel has none */
+/* From now on only what is beneath these folders (NULL: none) can be written by this program, and
+ * no program run; what is open stays open. False: the kernel does not do that. */
+bool confine_writing(const char *const *folder, int folders, struct error *error);
+void confine_say(struct buffer *text); /* a line for --version */
+
 /* ---- signals
  * ---------------------------------------------------------------------------------------------- */
 

@@ -1,0 +1,109 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * What --safe promises, kept by the kernel as well (Landlock, Linux 5.13 and later; Salaün 2021):
+ * whatever a hostile file might make of this program, it writes nowhere else, runs nothing and
+ * talks to nobody. Reading is as before. The numbers are the kernel's own, so that the program
+ * needs no newer headers than the system has.
+ */
+#define _GNU_SOURCE /* O_PATH */
+#include "terminal/terminal.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/prctl.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+/* The same for all processors, alpha apart. */
+#ifdef SYS_landlock_create_ruleset
+enum {
+    CREATE = SYS_landlock_create_ruleset,
+    ADD = SYS_landlock_add_rule,
+    RESTRICT = SYS_landlock_restrict_self
+};
+#else
+enum { CREATE = 444, ADD, RESTRICT };
+#endif
+
+enum { ASK_VERSION = 1, RULE_PATH_BENEATH = 1 };
+
+/* What a path may be used for. */
+#define EXECUTE (UINT64_C(1) << 0)
+#define WRITE_FILE (UINT64_C(1) << 1)
+#define REMOVE (UINT64_C(3) << 4)
+#define MAKE_FOLDER (UINT64_C(1) << 7)
+#define MAKE_FILE (UINT64_C(1) << 8)
+#define MAKE_OTHERS (UINT64_C(0x1e40)) /* devices, sockets, pipes, links */
+#define REFER (UINT64_C(1) << 13)      /* to other folders, version 2 */
+#define TRUNCATE (UINT64_C(1) << 14)   /* version 3 */
+#define NETWORK (UINT64_C(3))          /* bind and connect by TCP, version 4 */
+
+struct ruleset {
+    uint64_t files, network;
+};
+
+struct beneath {
+    uint64_t allowed;
+    int32_t folder;
+} __attribute__((packed));
+
+int confine_version(void)
+{
+    const long version = syscall(CREATE, NULL, (size_t)0, ASK_VERSION);
+    return version > 0 ? (int)version : 0;
+}
+
+static bool allow(int rules, const char *path, uint64_t allowed)
+{
+    struct beneath beneath = {.allowed = allowed};
+    beneath.folder = open(path, O_PATH | O_CLOEXEC);
+    if (beneath.folder < 0) /* nothing is there: nothing is written there */
+        return errno == ENOENT || errno == ENOTDIR || errno == EACCES;
+    const bool ok = syscall(ADD, rules, RULE_PATH_BENEATH, &beneath, 0) == 0;
+    const int number = errno;
+    close(beneath.folder);
+    errno = number;
+    return ok;
+}
+
+static bool allow_all(int rules, uint64_t writing, const char *const *folder, int folders)
+{
+    static const char *const devices[] = {"/dev/null", "/dev/tty"};
+    bool ok = true;
+    for (int i = 0; ok && i < folders; i++)
+        ok = !folder[i] || allow(rules, folder[i], writing);
+    for (size_t i = 0; ok && i < COUNT_OF(devices); i++)
+        ok = allow(rules, devices[i], WRITE_FILE);
+    return ok;
+}
+
+bool confine_writing(const char *const *folder, int folders, struct error *error)
+{
+    const int version = confine_version();
+    const uint64_t writing = WRITE_FILE | REMOVE | MAKE_FOLDER | MAKE_FILE |
+                             (version >= 2 ? REFER : 0) | (version >= 3 ? TRUNCATE : 0);
+    const struct ruleset ruleset = {writing | EXECUTE | MAKE_OTHERS, version >= 4 ? NETWORK : 0};
+    const size_t size = version >= 4 ? sizeof ruleset : sizeof ruleset.files;
+    if (version == 0)
+        return error_set(error, ERROR_IO, "this kernel has no Landlock");
+    const int rules = (int)syscall(CREATE, &ruleset, size, 0);
+    const bool ok = rules >= 0 && allow_all(rules, writing, folder, folders) &&
+                    prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) == 0 && syscall(RESTRICT, rules, 0) == 0;
+    if (!ok)
+        error_set(error, ERROR_IO, "Landlock: %s", strerror(errno));
+    if (rules >= 0)
+        close(rules);
+    return ok;
+}
+
+void confine_say(struct buffer *text)
+{
+    const int version = confine_version();
+    if (version > 0)
+        buffer_format(text, "--safe is kept by the kernel, too (Landlock %d)\n", version);
+    else
+        buffer_put(text,
+                   TEXT("--safe is kept by the program alone: this kernel has no Landlock\n"));
+}
