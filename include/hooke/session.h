@@ -183,6 +183,8 @@ struct front {
     /* between slices; fraction < 0: unknown; > 1: over, erase; run NULL: a study */
     void (*progress)(void *context, const struct run *run, double fraction);
     void (*clear)(void *context);
+    /* a line was executed, also one of a file: the session can be kept */
+    void (*executed)(void *context);
     /*
      * Live runs. `watched`: a person watches a screen of panes. Then run and continue advance in
      * slices of at most 10 ms and call `slice` between them: it polls the terminal, executes what

@@ -316,5 +316,7 @@ bool command_exec(struct session *session, struct text line, const struct source
         live_refresh(session);
         cursors_refresh(session);
     }
+    if (session->front.executed)
+        session->front.executed(session->front.context);
     return ok;
 }

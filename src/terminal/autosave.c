@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Sessions save themselves: records of what has changed are appended to the session's file, twice a
- * second at most, and less often where that takes long. The file comes with the first change, is
- * locked as long as the session lives, and is written anew when more than half of it is no longer
- * read. What was written survives the program; a thread has it put on the disk, so that nobody
- * waits for that.
+ * Sessions save themselves: records of what has changed are appended to the session's file, after
+ * each line that is executed, unless it follows so closely that writing would hold it up, and every
+ * AUTOSAVE_SECONDS while a line goes on. The file comes with the first change, is locked as long as
+ * the session lives, and is written anew when more than half of it is no longer read. What was
+ * written survives the program; a thread has it put on the disk, at most once a second, so that
+ * nobody waits for that.
  */
 #include "terminal/terminal.h"
 
@@ -19,7 +20,6 @@
 #include <time.h>
 #include <unistd.h>
 
-#define SPARSE 10 /* of the time that passes writing takes one part in these */
 #define COMPACT_BYTES ((uint64_t)4 << 20) /* so much may be left over before it is written anew */
 #define SYNC_NS 1000000000
 
@@ -41,7 +41,7 @@ static bool sink(void *context, struct text record, struct error *error)
 static void *sync_file(void *context)
 {
     struct autosave *autosave = context;
-    fdatasync(autosave->fd);
+    atomic_store(&autosave->sync_failure, fdatasync(autosave->fd) == 0 ? 0 : errno);
     atomic_store(&autosave->synced, true);
     return NULL;
 }
@@ -57,26 +57,27 @@ static void sync_wait(struct autosave *autosave)
 static void sync_begin(struct autosave *autosave)
 {
     sigset_t all, before;
+    const int64_t now = clock_ns();
+    if (autosave->fd < 0 || !autosave->unsynced || now < autosave->sync_due)
+        return;
+    autosave->sync_due = now + SYNC_NS;
     if (autosave->syncing && !atomic_load(&autosave->synced))
         return;
     sync_wait(autosave);
-    if (clock_ns() < autosave->sync_due)
-        return;
-    autosave->sync_due = clock_ns() + SYNC_NS;
     atomic_store(&autosave->synced, false);
     sigfillset(&all);
     pthread_sigmask(SIG_BLOCK, &all, &before);
     autosave->syncing = pthread_create(&autosave->thread, NULL, sync_file, autosave) == 0;
+    autosave->unsynced = !autosave->syncing;
     pthread_sigmask(SIG_SETMASK, &before, NULL);
 }
 
 /* ---- the file ---- */
 
-static int create(const char *path)
+static int create(struct autosave *autosave, const char *path)
 {
     const int fd = open(path, O_RDWR | O_APPEND | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600);
-    if (fd >= 0)
-        saved_lock(fd);
+    autosave->unlocked = fd >= 0 && !saved_lock(fd);
     return fd;
 }
 
@@ -93,7 +94,7 @@ static bool open_new(struct autosave *autosave, struct error *error)
         free(autosave->path);
         if (!(autosave->path = state_path(name, true)))
             return error_set(error, ERROR_IO, "HOME is not set");
-        autosave->fd = create(autosave->path);
+        autosave->fd = create(autosave, autosave->path);
         if (autosave->fd < 0 && errno != EEXIST)
             return error_set(error, ERROR_IO, "%s", strerror(errno));
     }
@@ -137,7 +138,7 @@ static void compact(struct autosave *autosave)
     const char *name = strrchr(autosave->path, '/') + 1;
     const bool named = stray_name(hidden, name, STRAY_NEW);
     buffer_format(&path, "%.*s%s", (int)(name - autosave->path), autosave->path, hidden);
-    int fd = !named || path.failed ? -1 : create(path.data);
+    int fd = !named || path.failed ? -1 : create(autosave, path.data);
     const struct store_sink to = {&fd, sink};
     if (fd >= 0 && put(fd, TEXT(STORE_HEADER), &ignored) &&
         session_store(autosave->session, &stored, &to, &ignored) && fdatasync(fd) == 0 &&
@@ -185,8 +186,10 @@ void autosave_begin(struct autosave *autosave, struct session *session)
                                   .fd = -1,
                                   .interval = (int64_t)(AUTOSAVE_SECONDS * 1e9)};
     if (wish && real_parse(text_of(wish), &seconds) == REAL_OK && seconds >= 0.1 &&
-        seconds <= 86400)
+        seconds <= 86400) {
         autosave->interval = (int64_t)(seconds * 1e9);
+        autosave->wished = true;
+    }
     clear_away();
 }
 
@@ -207,15 +210,21 @@ static bool has_changed(const struct autosave *autosave)
            (autosave->fd >= 0 && session->history.count != autosave->stored.entries);
 }
 
-int64_t autosave_due(struct autosave *autosave)
+int64_t autosave_due(const struct autosave *autosave)
 {
-    if (!has_changed(autosave))
-        autosave->due = 0;
-    else if (autosave->due == 0)
-        autosave->due =
-            clock_ns() + (autosave->interval > SPARSE * autosave->spent ? autosave->interval
-                                                                        : SPARSE * autosave->spent);
-    return autosave->due ? autosave->due : INT64_MAX;
+    if (has_changed(autosave))
+        return autosave->written + autosave->interval;
+    return autosave->fd >= 0 && autosave->unsynced ? autosave->sync_due : INT64_MAX;
+}
+
+bool autosave_keep(struct autosave *autosave, bool line, struct error *error)
+{
+    /* Lines that follow each other closely wait as long as writing took: at most half of the time
+     * goes into it. */
+    const bool waits = autosave->wished || autosave->spent > autosave->interval;
+    const int64_t pace = waits ? autosave->interval : autosave->spent;
+    const int64_t due = line ? autosave->written + pace : autosave_due(autosave);
+    return clock_ns() < due || autosave_write(autosave, error);
 }
 
 static bool is_bloated(const struct stored *stored)
@@ -223,31 +232,59 @@ static bool is_bloated(const struct stored *stored)
     return stored->bytes > 2 * (stored->live + stored->latest) + COMPACT_BYTES;
 }
 
+/* What a file system cannot do is said once each. False: it was said now. */
+static bool has_all(struct autosave *autosave, struct error *error)
+{
+    const int failure = atomic_exchange(&autosave->sync_failure, 0);
+    if (autosave->unlocked && !autosave->said_unlocked) {
+        autosave->said_unlocked = true;
+        error_set(error, ERROR_IO,
+                  "the session's file cannot be locked: other sessions take this one for ended");
+        return false;
+    }
+    if (failure != 0 && !autosave->said_unsynced) {
+        autosave->said_unsynced = true;
+        error_set(error, ERROR_IO,
+                  "the session's file is written, but may not be on the disk yet: %s",
+                  strerror(failure));
+        return false;
+    }
+    return true;
+}
+
+static bool has_room(const struct autosave *autosave, int left_out, struct error *error)
+{
+    const int now = autosave->stored.left_out;
+    if (now > left_out)
+        error_set(error, ERROR_IO,
+                  "the session's file has no room for the rows of the oldest %d run%s: at most "
+                  "%zu MiB are kept",
+                  now, now == 1 ? "" : "s", STORE_ROW_BYTES >> 20);
+    return now <= left_out;
+}
+
 bool autosave_write(struct autosave *autosave, struct error *error)
 {
     struct error why = {0};
     const int64_t begun = clock_ns();
-    if (!has_changed(autosave))
-        return true;
-    autosave->due = 0;
+    if (!has_changed(autosave)) {
+        sync_begin(autosave);
+        return has_all(autosave, error);
+    }
     const uint64_t changes = autosave->session->changes;
     const int left_out = autosave->stored.left_out;
-    if (append(autosave, &why)) {
+    const bool ok = append(autosave, &why);
+    if (ok) {
         autosave->saved = changes;
+        autosave->unsynced = true;
         if (is_bloated(&autosave->stored))
             compact(autosave);
         sync_begin(autosave);
-        autosave->spent = clock_ns() - begun;
-        if (autosave->stored.left_out <= left_out)
-            return true;
-        error_set(error, ERROR_IO,
-                  "the session's file has no room for the rows of the oldest %d run%s: at most "
-                  "%zu MiB are kept",
-                  autosave->stored.left_out, autosave->stored.left_out == 1 ? "" : "s",
-                  STORE_ROW_BYTES >> 20);
-        return false;
     }
-    autosave->spent = clock_ns() - begun;
+    autosave->written = clock_ns();
+    autosave->spent = autosave->written - begun;
+    if (ok)
+        return has_room(autosave, left_out, error) && has_all(autosave, error);
     const bool tell = !autosave->warned;
     autosave->warned = true;
     if (tell)

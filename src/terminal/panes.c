@@ -257,6 +257,15 @@ static int64_t earliest(int64_t a, int64_t b)
     return a < b ? a : b;
 }
 
+/* Where that is due; line: one was executed. */
+void panes_save(struct panes *panes, bool line)
+{
+    struct error error;
+    if (!autosave_keep(panes->program->autosave, line, &error)) {
+        panes_warn(panes, &error);
+    }
+}
+
 /* Draws, waits for something to happen, at most until then, and reads what there is. */
 void panes_wait(struct panes *panes, int64_t until)
 {
@@ -281,11 +290,7 @@ void panes_wait(struct panes *panes, int64_t until)
         /* what a Ctrl-C in between has left for us to read was typed after it */
         heed_signals(panes, false);
     }
-    struct error error;
-    if (clock_ns() >= autosave_due(panes->program->autosave) &&
-        !autosave_write(panes->program->autosave, &error)) {
-        panes_warn(panes, &error);
-    }
+    panes_save(panes, false);
 }
 
 /* ---- executing

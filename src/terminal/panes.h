@@ -146,6 +146,7 @@ static inline struct session *panes_session(const struct panes *panes)
 bool panes_over(const struct panes *panes);
 /* Draws, waits for something to happen, at most until then [clock_ns], and reads what there is. */
 void panes_wait(struct panes *panes, int64_t until);
+void panes_save(struct panes *panes, bool line);
 /* Everything that has been typed: keys to readline, complete lines to the session, one after the
  * other. */
 void panes_process(struct panes *panes);

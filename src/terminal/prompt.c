@@ -18,13 +18,18 @@
 
 static struct front_program *at_prompt; /* readline asks without a context */
 
-static void save_when_due(void)
+static void save_when_due(bool line)
 {
     struct error error;
-    if (clock_ns() >= autosave_due(at_prompt->autosave) &&
-        !autosave_write(at_prompt->autosave, &error)) {
+    if (!autosave_keep(at_prompt->autosave, line, &error)) {
         reply_warning(at_prompt->reply, "%s", error.text);
     }
+}
+
+static void executed(void *context)
+{
+    (void)context;
+    save_when_due(true);
 }
 
 /* Out of a search, of a sequence, or of a paste whose end a Ctrl-C has made the terminal forget:
@@ -47,7 +52,7 @@ static void heed_signals(void)
 {
     signals_drain();
     if (signals_happened(HAPPENED_ALARM)) {
-        save_when_due();
+        save_when_due(false);
     }
     if (signals_happened(HAPPENED_SUSPEND)) {
         rl_deprep_terminal();
@@ -132,7 +137,7 @@ static void progress(void *context, const struct run *run, double fraction)
 {
     progress_print(context, run, fraction);
     if (fraction <= 1)
-        save_when_due();
+        save_when_due(false);
 }
 
 /* ---- the loop
@@ -198,7 +203,6 @@ static void execute(struct front_program *program, const char *typed)
     if (ok) {
         offer_next(program, poll(&ahead, 1, 0) > 0 ? 0 : INT_MAX);
     }
-    save_when_due();
 }
 
 void prompt_explain(void)
@@ -223,6 +227,7 @@ static void set_front(struct front_program *program)
     front->interactive = true;
     front->confirm = confirm;
     front->progress = progress;
+    front->executed = executed;
     front->clear = clear_screen;
     front->change = change;
     screenshot_offer(front);

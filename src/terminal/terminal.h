@@ -252,21 +252,26 @@ struct autosave {
     int fd;               /* -1: not yet */
     struct stored stored; /* what the file has */
     int64_t interval;     /* [ns] */
-    int64_t spent;        /* [ns] the last time */
+    bool wished;          /* that somebody asked for: lines wait for it, too */
+    int64_t written;      /* [clock_ns] the last time, and */
+    int64_t spent;        /* [ns] what it took */
     uint64_t saved;       /* session->changes then */
-    int64_t due;          /* [clock_ns] 0: nothing to save */
     bool warned;          /* that it cannot be written: said once */
-    pthread_t thread;     /* where `syncing`: puts the file on the disk */
-    bool syncing;
+    bool unlocked, said_unlocked, said_unsynced; /* likewise what the file system cannot do */
+    pthread_t thread;                            /* where `syncing`: puts the file on the disk */
+    bool syncing, unsynced;                      /* unsynced: there is more to put there */
     atomic_bool synced;
-    int64_t sync_due; /* [clock_ns] not before */
+    atomic_int sync_failure; /* errno */
+    int64_t sync_due;        /* [clock_ns] not before */
 };
 
 /* Clears away what dead sessions left: temporaries, and all but the last AUTOSAVE_KEPT files. */
 void autosave_begin(struct autosave *autosave, struct session *session);
 void autosave_end(struct autosave *autosave);
 /* When autosave_write is wanted [clock_ns]; INT64_MAX: nothing has changed. */
-int64_t autosave_due(struct autosave *autosave);
+int64_t autosave_due(const struct autosave *autosave);
+/* Writes if that is due; line: one was executed, which makes it due unless writing takes long. */
+bool autosave_keep(struct autosave *autosave, bool line, struct error *error);
 /* Writes now if anything changed. False: something is not in the file, and why; that it cannot be
  * written at all is said once a session. */
 bool autosave_write(struct autosave *autosave, struct error *error);

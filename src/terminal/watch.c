@@ -97,6 +97,9 @@ static void show_progress(void *context, const struct run *run, double fraction)
     if (run) {
         return;
     }
+    if (fraction <= 1) {
+        panes_save(panes, false);
+    }
     const bool due = progress_due(fraction, &over);
     if (!due && !over) {
         return;
@@ -110,6 +113,11 @@ static void show_progress(void *context, const struct run *run, double fraction)
     signals_busy(busy);
 }
 
+static void executed(void *context)
+{
+    panes_save(context, true);
+}
+
 void watch_offer(struct panes *panes, struct front *front)
 {
     *front = (struct front){.interactive = true,
@@ -119,6 +127,7 @@ void watch_offer(struct panes *panes, struct front *front)
                             .confirm = confirm,
                             .clear = clear,
                             .progress = show_progress,
+                            .executed = executed,
                             .watched = true,
                             .slice = slice,
                             .screenshot = shot_file,

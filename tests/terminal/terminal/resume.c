@@ -95,6 +95,13 @@ static void expect_resumed(const char *argument)
     quit(&p);
 }
 
+/* So many milliseconds pass. */
+static void goes_on(struct person *p, int ms)
+{
+    for (const int64_t until = clock_ns() + ms * 1000000LL; clock_ns() < until;)
+        pump(p, 20);
+}
+
 static void test_closed_terminal(void **state)
 {
     (void)state;
@@ -127,11 +134,40 @@ static void test_killed(void **state)
     while (count_saved(name) == 0) {
         assert_true(pump(&p, 2000));
     }
+    goes_on(&p, 500); /* the file is there since the first line, the run soon after it has begun */
     kill(p.program, SIGKILL);
     wait_end(&p);
     forget(&p);
     *strrchr(name, '.') = '\0'; /* also without its ending */
     expect_resumed(name);
+}
+
+/* A line that was executed is in the file when its answer is seen: also one of several that were
+ * pasted, before another that takes long, in panes and at the plain prompt. */
+static void test_killed_after_a_line(void **state)
+{
+    (void)state;
+    for (int plain = 0; plain < 2; plain++) {
+        new_state();
+        struct person p;
+        begin(&p, (struct start){.argument = {plain ? "--plain" : NULL}});
+        expect(&p, plain ? "hooke>" : EMPTY_PROMPT);
+        type(&p, "let early = 6\r");
+        expect(&p, "early = 6");
+        settle(&p, 800); /* so that the next one is not the first for long */
+        type(&p, "let late = 7\rlet later = 35\rscene kepler\rprint 6*late\r");
+        expect(&p, "42");
+        type(&p, "stress\r");
+        goes_on(&p, 50);
+        kill(p.program, SIGKILL);
+        wait_end(&p);
+        forget(&p);
+        begin(&p, (struct start){.argument = {"--resume"}});
+        expect_prompt(&p, EMPTY_PROMPT);
+        enter(&p, "print early*late + later");
+        expect(&p, "77");
+        quit(&p);
+    }
 }
 
 /* Whose session is still there is seen by the lock of its file: no number of a process says it. */
@@ -148,6 +184,7 @@ static void test_living_by_lock(void **state)
     expect(&other, "no saved session");
     wait_end(&other);
     forget(&other);
+    goes_on(&p, 500);
     kill(p.program, SIGKILL);
     wait_end(&p);
     forget(&p);
@@ -342,6 +379,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_closed_terminal),
         cmocka_unit_test(test_killed),
+        cmocka_unit_test(test_killed_after_a_line),
         cmocka_unit_test(test_living_by_lock),
         cmocka_unit_test(test_plain_prompt_saves_too),
         cmocka_unit_test(test_plain_suspend),
