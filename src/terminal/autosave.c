@@ -2,10 +2,11 @@
 /*
  * Sessions save themselves: records of what has changed are appended to the session's file, after
  * each line that is executed, unless it follows so closely that writing would hold it up, and every
- * AUTOSAVE_SECONDS while a line goes on. The file comes with the first change, is locked as long as
- * the session lives, and is written anew when more than half of it is no longer read. What was
- * written survives the program; a thread has it put on the disk, at most once a second, so that
- * nobody waits for that.
+ * AUTOSAVE_SECONDS while a line goes on. The file comes with the first change and is locked as long
+ * as the session lives. What was written survives the program; a thread has it put on the disk, at
+ * most once a second, so that nobody waits for that. When more than half of the file is no longer
+ * read, another is written with what is, and takes its place once that is on the disk: what was
+ * appended meanwhile is copied.
  */
 #include "terminal/terminal.h"
 
@@ -41,7 +42,8 @@ static bool sink(void *context, struct text record, struct error *error)
 static void *sync_file(void *context)
 {
     struct autosave *autosave = context;
-    atomic_store(&autosave->sync_failure, fdatasync(autosave->fd) == 0 ? 0 : errno);
+    const int fd = autosave->fresh.fd >= 0 ? autosave->fresh.fd : autosave->fd;
+    atomic_store(&autosave->sync_failure, fdatasync(fd) == 0 ? 0 : errno);
     atomic_store(&autosave->synced, true);
     return NULL;
 }
@@ -53,23 +55,15 @@ static void sync_wait(struct autosave *autosave)
     autosave->syncing = false;
 }
 
-/* Signals are for the thread that owns the session. */
-static void sync_begin(struct autosave *autosave)
+/* A file that is not to take this one's place. */
+static void fresh_drop(struct fresh_file *fresh)
 {
-    sigset_t all, before;
-    const int64_t now = clock_ns();
-    if (autosave->fd < 0 || !autosave->unsynced || now < autosave->sync_due)
-        return;
-    autosave->sync_due = now + SYNC_NS;
-    if (autosave->syncing && !atomic_load(&autosave->synced))
-        return;
-    sync_wait(autosave);
-    atomic_store(&autosave->synced, false);
-    sigfillset(&all);
-    pthread_sigmask(SIG_BLOCK, &all, &before);
-    autosave->syncing = pthread_create(&autosave->thread, NULL, sync_file, autosave) == 0;
-    autosave->unsynced = !autosave->syncing;
-    pthread_sigmask(SIG_SETMASK, &before, NULL);
+    if (fresh->fd >= 0) {
+        unlink(fresh->path);
+        close(fresh->fd);
+    }
+    free(fresh->path);
+    *fresh = (struct fresh_file){.fd = -1};
 }
 
 /* ---- the file ---- */
@@ -105,6 +99,7 @@ static bool open_new(struct autosave *autosave, struct error *error)
 static void close_file(struct autosave *autosave)
 {
     sync_wait(autosave);
+    fresh_drop(&autosave->fresh);
     if (autosave->fd >= 0)
         close(autosave->fd);
     autosave->fd = -1;
@@ -128,33 +123,91 @@ static bool append(struct autosave *autosave, struct error *error)
     return false;
 }
 
-/* What is still read, in a file that takes this one's place; without room for it this one stays. */
-static void compact(struct autosave *autosave)
+static bool is_bloated(const struct autosave *autosave)
+{
+    const struct stored *stored = &autosave->stored;
+    return stored->bytes > 2 * (stored->live + stored->latest) + autosave->slack;
+}
+
+/* What is still read, in a file that will take this one's place; without room for it this one
+ * stays. */
+static void fresh_begin(struct autosave *autosave)
 {
     struct stored stored = {0};
     struct buffer path = {0};
     struct error ignored;
     char hidden[STRAY_NAME_SIZE];
+    struct fresh_file *fresh = &autosave->fresh;
     const char *name = strrchr(autosave->path, '/') + 1;
     const bool named = stray_name(hidden, name, STRAY_NEW);
     buffer_format(&path, "%.*s%s", (int)(name - autosave->path), autosave->path, hidden);
-    int fd = !named || path.failed ? -1 : create(autosave, path.data);
-    const struct store_sink to = {&fd, sink};
-    if (fd >= 0 && put(fd, TEXT(STORE_HEADER), &ignored) &&
-        session_store(autosave->session, &stored, &to, &ignored) && fdatasync(fd) == 0 &&
-        rename(path.data, autosave->path) == 0) {
-        close_file(autosave);
-        stored_free(&autosave->stored);
-        autosave->stored = stored;
-        autosave->fd = fd;
-    } else {
-        if (fd >= 0) {
-            unlink(path.data);
-            close(fd);
-        }
-        stored_free(&stored);
+    fresh->path = path.data;
+    fresh->fd = !named || path.failed ? -1 : create(autosave, path.data);
+    fresh->from = lseek(autosave->fd, 0, SEEK_END);
+    const struct store_sink to = {&fresh->fd, sink};
+    if (fresh->fd < 0 || !put(fresh->fd, TEXT(STORE_HEADER), &ignored) ||
+        !session_store(autosave->session, &stored, &to, &ignored)) {
+        fresh_drop(fresh);
+        autosave->slack *= 2;
     }
-    buffer_free(&path);
+    fresh->bytes = stored.bytes;
+    stored_free(&stored);
+}
+
+/* ---- another in its place ---- */
+
+/* Appends what the file has got since the fresh one was begun, and puts that in its place. */
+static bool fresh_take(struct autosave *autosave)
+{
+    struct fresh_file *fresh = &autosave->fresh;
+    char bytes[1 << 14];
+    struct error ignored;
+    ssize_t got;
+    while ((got = pread(autosave->fd, bytes, sizeof bytes, fresh->from)) > 0) {
+        if (!put(fresh->fd, (struct text){bytes, (size_t)got}, &ignored))
+            return false;
+        fresh->from += got;
+        fresh->bytes += (uint64_t)got;
+    }
+    if (got < 0 || rename(fresh->path, autosave->path) != 0)
+        return false;
+    close(autosave->fd);
+    autosave->fd = fresh->fd;
+    autosave->stored.bytes = fresh->bytes;
+    fresh->fd = -1;
+    return true;
+}
+
+/* The thread is done with the fresh file. */
+static void fresh_end(struct autosave *autosave)
+{
+    if (autosave->fresh.fd >= 0 &&
+        (atomic_load(&autosave->sync_failure) != 0 || !fresh_take(autosave)))
+        autosave->slack *= 2; /* not at once again */
+    fresh_drop(&autosave->fresh);
+}
+
+/* Signals are for the thread that owns the session. */
+static void sync_begin(struct autosave *autosave)
+{
+    sigset_t all, before;
+    const int64_t now = clock_ns();
+    const bool waits = autosave->fresh.fd < 0 && !is_bloated(autosave);
+    if (autosave->fd < 0 || !autosave->unsynced || (waits && now < autosave->sync_due))
+        return;
+    autosave->sync_due = now + SYNC_NS;
+    if (autosave->syncing && !atomic_load(&autosave->synced))
+        return;
+    sync_wait(autosave);
+    fresh_end(autosave);
+    if (is_bloated(autosave))
+        fresh_begin(autosave);
+    atomic_store(&autosave->synced, false);
+    sigfillset(&all);
+    pthread_sigmask(SIG_BLOCK, &all, &before);
+    autosave->syncing = pthread_create(&autosave->thread, NULL, sync_file, autosave) == 0;
+    autosave->unsynced = !autosave->syncing || autosave->fresh.fd >= 0;
+    pthread_sigmask(SIG_SETMASK, &before, NULL);
 }
 
 /* ---- when ---- */
@@ -184,6 +237,8 @@ void autosave_begin(struct autosave *autosave, struct session *session)
     *autosave = (struct autosave){.session = session,
                                   .saved = session->changes,
                                   .fd = -1,
+                                  .fresh = {.fd = -1},
+                                  .slack = COMPACT_BYTES,
                                   .interval = (int64_t)(AUTOSAVE_SECONDS * 1e9)};
     if (wish && real_parse(text_of(wish), &seconds) == REAL_OK && seconds >= 0.1 &&
         seconds <= 86400) {
@@ -225,11 +280,6 @@ bool autosave_keep(struct autosave *autosave, bool line, struct error *error)
     const int64_t pace = waits ? autosave->interval : autosave->spent;
     const int64_t due = line ? autosave->written + pace : autosave_due(autosave);
     return clock_ns() < due || autosave_write(autosave, error);
-}
-
-static bool is_bloated(const struct stored *stored)
-{
-    return stored->bytes > 2 * (stored->live + stored->latest) + COMPACT_BYTES;
 }
 
 /* What a file system cannot do is said once each. False: it was said now. */
@@ -277,8 +327,6 @@ bool autosave_write(struct autosave *autosave, struct error *error)
     if (ok) {
         autosave->saved = changes;
         autosave->unsynced = true;
-        if (is_bloated(&autosave->stored))
-            compact(autosave);
         sync_begin(autosave);
     }
     autosave->written = clock_ns();

@@ -246,17 +246,27 @@ struct saved_list saved_list(const char *folder);
 /* So that others see that this session lives; false: the file system cannot say so. */
 bool saved_lock(int fd);
 
+/* With what is still read of a session's file, to take its place once it is on the disk. */
+struct fresh_file {
+    char *path;
+    int fd;         /* -1: none */
+    int64_t from;   /* of the file, the first byte that it has not got */
+    uint64_t bytes; /* that it has */
+};
+
 struct autosave {
     struct session *session;
     char *path;           /* NULL: not yet */
     int fd;               /* -1: not yet */
     struct stored stored; /* what the file has */
-    int64_t interval;     /* [ns] */
-    bool wished;          /* that somebody asked for: lines wait for it, too */
-    int64_t written;      /* [clock_ns] the last time, and */
-    int64_t spent;        /* [ns] what it took */
-    uint64_t saved;       /* session->changes then */
-    bool warned;          /* that it cannot be written: said once */
+    struct fresh_file fresh;
+    uint64_t slack;   /* [byte] so many may be left over */
+    int64_t interval; /* [ns] */
+    bool wished;      /* that somebody asked for: lines wait for it, too */
+    int64_t written;  /* [clock_ns] the last time, and */
+    int64_t spent;    /* [ns] what it took */
+    uint64_t saved;   /* session->changes then */
+    bool warned;      /* that it cannot be written: said once */
     bool unlocked, said_unlocked, said_unsynced; /* likewise what the file system cannot do */
     pthread_t thread;                            /* where `syncing`: puts the file on the disk */
     bool syncing, unsynced;                      /* unsynced: there is more to put there */
