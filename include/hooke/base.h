@@ -483,6 +483,20 @@ static inline bool cancelled(const struct cancel *cancel)
 #define LIMIT_FILE (1u << 30)          /* bytes of a data file */
 #define LIMIT_SAMPLES (1u << 20)       /* samples of a trace before it is decimated */
 #define LIMIT_STEPS 9007199254740992.0 /* 2^53: t0 + i dt is exact in i up to here */
+#define LIMIT_SCRIPT (1u << 26)        /* bytes of a file of commands */
+#define LIMIT_LET 128                  /* variables made by let */
+#define LIMIT_RESULTS 128              /* names of results: measured_period, fit_gamma … */
+#define LIMIT_CHECKPOINTS 64           /* checkpoints */
+#define LIMIT_OWN 32                   /* scenes of the user's own, by name */
+#define LIMIT_SYMBOL 31                /* bytes in the name of a variable or scene of one's own */
+#define LIMIT_PARAMETERS 192           /* of a typed scene, initial values and t0 among them */
+#define LIMIT_OBSERVED 64              /* quantities that a typed scene observes */
+#define LIMIT_EVENTS 16                /* events looked for at once */
+#define LIMIT_EVENT_TEXT 4096          /* bytes of an event's formula, and of its commands */
+#define LIMIT_EVENT_RECORDS 1000000    /* kept of a run: one more is STOP_FULL */
+#define LIMIT_OVERLAY 4                /* runs laid over another: as have marks of their own */
+#define LIMIT_LOG 2000                 /* lines of the log pane */
+#define LIMIT_MODES 5                  /* damped sines fitted at once */
 
 struct limit {
     struct row row; /* name, unit, brief */

@@ -209,8 +209,6 @@ void run_destroy(struct run *run);
  * of the run; at its end, also where it is due but for rounding. Those at the same time but for
  * rounding are at one, in the order of definition.
  */
-#define LIMIT_EVENTS 16             /* looked for at once */
-#define LIMIT_EVENT_RECORDS 1000000 /* kept of a run: one more is STOP_FULL */
 
 struct event {
     char name[LIMIT_NAME + 1];

@@ -14,10 +14,6 @@
 
 /* ---- the session ---- */
 
-#define LIMIT_LET 128     /* variables made by let */
-#define LIMIT_RESULTS 128 /* names of results: measured_period, fit_gamma … */
-#define LIMIT_CHECKPOINTS 64
-#define LIMIT_OWN 32 /* scenes of the user's own, by name */
 
 struct named_value {
     char name[LIMIT_NAME + 1];

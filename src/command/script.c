@@ -5,8 +5,6 @@
 #include <string.h>
 #include <unistd.h>
 
-#define SCRIPT_MAX (64u * LIMIT_LINE) /* [byte] */
-
 void script_begin(struct script *script, struct session *session, const char *name,
                   const struct source *parent)
 {
@@ -154,7 +152,7 @@ bool script_file(struct session *session, const char *path, const struct source 
 {
     struct buffer content = {0};
     struct error error = {0};
-    if (!check_nesting(path, parent, &error) || !file_read(path, SCRIPT_MAX, &content, &error) ||
+    if (!check_nesting(path, parent, &error) || !file_read(path, LIMIT_SCRIPT, &content, &error) ||
         !check_content(path, buffer_text(&content), &error)) {
         error.code = ERROR_USAGE;
         reply->format = (enum output_format)session->setup.settings.format;

@@ -320,7 +320,7 @@ struct measured fit_stiffness(const struct fit *fit, struct measured mass);
 
 /* ---- modes: several damped sines at once ---- */
 
-#define MODES_MAX 5
+#define MODES_MAX LIMIT_MODES
 
 struct normal_mode {
     struct measured frequency; /* [Hz] the damped one: omega/(2 pi) */

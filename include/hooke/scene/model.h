@@ -14,7 +14,7 @@
 /* Of typed equations (scene/typed.h); and with that of dry friction. */
 #define LIMIT_TYPED_SWITCHES 12
 #define LIMIT_SWITCHES (LIMIT_TYPED_SWITCHES + 1)
-#define PARAM_MAX 192 /* of a typed scene: an initial value for each variable, t0 and its own */
+#define PARAM_MAX LIMIT_PARAMETERS
 
 struct param_row {
     struct row row; /* name, SI unit, brief */
@@ -124,7 +124,6 @@ const char *reynolds_regime(double reynolds);
 
 struct system;
 
-#define LIMIT_SYMBOL 31 /* bytes in the name of a variable */
 
 struct variable {
     char name[LIMIT_SYMBOL + 1];

@@ -181,8 +181,6 @@ bool system_switch_sees(const struct system *system, int i, double t, const doub
 bool system_bounds(const struct system *system, const struct interval *box, struct interval *rate,
                    struct interval *by);
 
-#define LIMIT_OBSERVED 64 /* quantities that a typed scene observes */
-
 /* These are 0 … count - 1. */
 int model_observed(const struct model *model);
 struct variable model_observed_variable(const struct model *model, int i);

@@ -5,9 +5,6 @@
 
 #include <hooke/session.h>
 
-#define LIMIT_EVENTS 16
-#define LIMIT_EVENT_TEXT 4096 /* bytes of the formula, and of the commands */
-
 enum event_action { EVENT_STOP, EVENT_RECORD, EVENT_COMMANDS };
 
 struct event_line {

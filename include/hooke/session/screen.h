@@ -55,7 +55,6 @@ struct cursors {
     enum quantity quantity;   /* of y */
 };
 
-#define LIMIT_OVERLAY 4 /* as many as have marks of their own */
 
 struct view {
     enum layout layout;
@@ -78,8 +77,6 @@ struct view {
 };
 
 /* The last lines that commands said, for the log pane. A ring: line `first` is the oldest. */
-#define LIMIT_LOG 2000
-
 struct log {
     /* [LIMIT_LOG], allocated when the first line comes; each made safe, without newline */
     char **line;
