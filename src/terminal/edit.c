@@ -29,9 +29,11 @@ struct panes *panes_active;
  */
 __attribute__((weak)) int _rl_abort_internal(void);
 __attribute__((weak)) int _rl_forward_char_internal(int count);
+__attribute__((weak)) void rl_redisplay(void);
 extern sigjmp_buf _rl_top_level __attribute__((weak));
 int _rl_pushed_input_available(void) __attribute__((weak));
 
+#define NARROWEST 12  /* a prompt and some of a line */
 #define KEY_TURNS 512 /* more than the queue holds */
 
 static struct {
@@ -66,6 +68,20 @@ int _rl_forward_char_internal(int count)
         find_own(&own, "_rl_forward_char_internal");
     const int next = own ? own(count) : rl_end;
     return count > 0 && next < rl_point ? rl_point : next;
+}
+
+/* Where lines cannot be broken (TERM=dumb, a height of 1) it divides by a third of the width. */
+void rl_redisplay(void)
+{
+    static void (*own)(void);
+    int rows, columns;
+    if (!own)
+        find_own(&own, "rl_redisplay");
+    rl_get_screen_size(&rows, &columns);
+    if (columns < NARROWEST)
+        rl_set_screen_size(rows, NARROWEST);
+    if (own)
+        own();
 }
 
 /* What is still in readline's queue belongs to what was given up. */

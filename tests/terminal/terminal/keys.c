@@ -204,6 +204,51 @@ static void test_random(void **state)
     }
 }
 
+/* ---- on any terminal
+ * ---------------------------------------------------------------------------------------------- */
+
+static void work_at(const char *term, int width, int height)
+{
+    struct person p;
+    begin(&p, (struct start){.term = term, .width = width, .height = height});
+    pump(&p, 1000);
+    type(&p, "pri\t\t 7\r");
+    settle(&p, 5);
+    type(&p, "\025print 6*7\r");
+    for (int64_t deadline = clock_ns() + PATIENCE_NS;
+         !p.raw.data || !memmem(p.raw.data, p.raw.len, "42", 2);) {
+        if (!pump(&p, 100) && (p.hung_up || clock_ns() > deadline)) {
+            fail_msg("TERM=%s, %dx%d: no answer", term, width, height);
+        }
+    }
+    type(&p, "quit\r");
+    const int status = wait_end(&p);
+    if (status != 0) {
+        fail_msg("TERM=%s, %dx%d: wait status %d", term, width, height, status);
+    }
+    same_modes(&p);
+    forget(&p);
+}
+
+/* Where lines cannot be broken readline divided by a third of the width. */
+static void test_any_size(void **state)
+{
+    (void)state;
+    static const char *const terms[] = {"dumb",   "xterm",    "vt100", "linux",
+                                        "screen", "nonsense", ""};
+    static const int some[][2] = {{1, 1}, {2, 1}, {3, 2}, {2, 24}, {24, 2}, {19, 6}};
+    for (size_t t = 0; t < COUNT_OF(terms); t++) {
+        for (size_t i = t % 2; i < COUNT_OF(some); i += 2) {
+            work_at(terms[t], some[i][0], some[i][1]);
+        }
+        for (int width = 1; is_long() && width <= 60; width += width < 9 ? 1 : 7) {
+            for (int height = 1; height <= 10; height += 3) {
+                work_at(terms[t], width, height);
+            }
+        }
+    }
+}
+
 int main(int argc, char **argv)
 {
     if (!make_folder(state_folder)) {
@@ -212,6 +257,7 @@ int main(int argc, char **argv)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_known),
         cmocka_unit_test(test_random),
+        cmocka_unit_test(test_any_size),
     };
     if (argc > 1) {
         cmocka_set_test_filter(argv[1]);
