@@ -61,15 +61,14 @@ static bool keeps_time(const struct ground *g, const struct crossing *crossing, 
 static bool find_hills(struct ground *g, struct error *error)
 {
     const struct overview *o = &g->overview;
-    size_t capacity = o->oscillates ? 2 * (size_t)o->periods + 16 : 64, count = SIZE_MAX;
-    struct crossing *crossing = NULL;
-    for (; count > capacity; capacity = count > capacity ? count : capacity) {
+    size_t count = o->oscillates ? 2 * (size_t)o->periods + 16 : 64, capacity;
+    struct crossing *crossing;
+    do {
+        capacity = count;
         if (!(crossing = arena_array(g->arena, capacity, sizeof *crossing)))
             return error_memory(error);
         count = series_crossings(&g->series, o, o->mean, crossing, capacity);
-        if (count <= capacity)
-            break;
-    }
+    } while (count > capacity);
     if (!(g->hill = arena_array(g->arena, count + 1, sizeof *g->hill)))
         return error_memory(error);
     struct period beat;
