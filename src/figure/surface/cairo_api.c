@@ -4,6 +4,7 @@
 #include "figure/surface/surface.h"
 
 #include <math.h>
+#include <stdlib.h>
 
 static const struct row picture_rows[] = {
     [PICTURE_SVG] = {"svg", "", "a picture for the web and for documents", "", NULL},
@@ -16,6 +17,8 @@ const struct catalog picture_catalog = CATALOG("picture", picture_rows);
 #ifdef HAVE_CAIRO
 
 #define LIBRARY "libcairo.so.2"
+#define ROOM ((size_t)48 << 20) /* libraries, fonts and a page: four times what was measured */
+#define BYTES 48                /* of pixels and their file, a square point */
 
 bool cairo_load(struct cairo_api *api, const char *library, struct error *error)
 {
@@ -41,10 +44,21 @@ void cairo_unload(struct cairo_api *api)
     library_unload(&api->library);
 }
 
+/* fontconfig and pixman crash on every fourth allocation that fails, and nobody outside can hinder
+ * that: they are asked only where there is more than they need. area: [pt^2] of pixels. */
+static bool is_room(double area)
+{
+    void *volatile room = malloc(ROOM + (size_t)(BYTES * area));
+    free(room);
+    return room != NULL;
+}
+
 static bool through_cairo(const struct figure *figure, enum picture kind, double width,
                           double height, struct buffer *out, struct error *error)
 {
     struct cairo_api api;
+    if (!is_room(kind == PICTURE_PDF ? 0 : width * height))
+        return error_memory(error);
     if (!cairo_load(&api, LIBRARY, error))
         return false;
     bool done = cairo_picture(&api, figure, kind, width, height, out, error);
