@@ -44,6 +44,7 @@ struct recording {
     char *path;
     char format[32];       /* the row that read it */
     const char *container; /* what it was packed in ("zip", "xlsx" …); NULL: plain text */
+    uint64_t sum;          /* bytes_sum() of its file; 0: that is larger than SUMMED_BYTES */
     size_t rows;           /* after what was dropped */
     size_t dropped;        /* rows in the file that could not be used */
     struct column *column;
@@ -78,6 +79,8 @@ struct recording {
     const struct cancel *cancel; /* as when it was loaded */
     struct arena arena;          /* owns all but the arrays of rows: column[].value, t, y, line */
 };
+
+#define SUMMED_BYTES ((size_t)128 << 20)
 
 struct load_options {
     struct text time, value;             /* column name, or number counted from 1; empty: choose */

@@ -199,6 +199,7 @@ static bool load(const char *path, const struct load_options *options, struct re
     if (done) {
         recording->path = arena_text(&recording->arena, text_of(path));
         recording->container = contents.container;
+        recording->sum = contents.sum;
         if (options->name.len > 0)
             snprintf(recording->name, sizeof recording->name, "%.*s", (int)options->name.len,
                      options->name.at);

@@ -245,6 +245,38 @@ static bool load_table(const char *path, const struct cancel *cancel, const stru
     return ok;
 }
 
+static bool read_sum(struct text text, uint64_t *sum, struct error *error)
+{
+    *sum = 0;
+    for (size_t i = 0; i < text.len; i++) {
+        const char *digit = memchr("0123456789abcdef", text.at[i], 16);
+        if (!digit || text.len != 16)
+            return error_at(error, text, "sum= takes the 16 digits that save wrote");
+        *sum = *sum << 4 | (uint64_t)(digit - "0123456789abcdef");
+    }
+    return true;
+}
+
+/* A recording that is no longer where it was saved from: the same bytes under the same name beside
+ * the file of commands, or here. NULL: the error of before, with a word. */
+static struct recording *load_moved(const struct arguments *args, const char *path, uint64_t sum,
+                                    const struct load_options *options, struct reply *reply,
+                                    struct error *error)
+{
+    const struct text name = text_last_component(text_of(path));
+    const char *here = arena_text(args->arena, name),
+               *found = here ? script_path(args->where, text_of(here), args->arena) : NULL;
+    struct error ignored;
+    struct recording *recording = found ? recording_load(found, options, &ignored) : NULL;
+    if (recording && recording->sum == sum) {
+        reply_note(reply, "%s is not there: the same recording was found as %s", path, found);
+        return recording;
+    }
+    recording_destroy(recording);
+    error_hint(error, "it was saved from there: put it back, beside the file of commands, or here");
+    return NULL;
+}
+
 HANDLER(load)
 {
     const struct argument_value *file = argument_value(args, "FILE");
@@ -273,7 +305,12 @@ HANDLER(load)
         if (!ok || found)
             return ok;
     }
+    uint64_t sum = 0;
+    if (has_argument(args, "sum") && !read_sum(text_of_argument(args, "sum"), &sum, error))
+        return false;
     struct recording *recording = path ? recording_load(path, &options, error) : NULL;
+    if (!recording && path && sum != 0 && error->code == ERROR_IO)
+        recording = load_moved(args, path, sum, &options, reply, error);
     if (!recording && path && session->checking && error->code == ERROR_IO)
         recording = recording_handed_in(session->checking, path, &options);
     if (!recording) {
@@ -300,6 +337,8 @@ HANDLER(load)
     if (!ok)
         return false;
     reply_description(recording, reply);
+    if (sum != 0 && sum != recording->sum)
+        reply_warning(reply, "%s has changed since the session was saved", recording->name);
     reply_recording(recording, reply);
     return true;
 }
@@ -459,7 +498,9 @@ COMMAND(
         "read back: as a recording where its times come first, else as the result "
         "'loaded'. --preview shows the first rows as they were understood and loads "
         "nothing. In a command "
-        "file, what is not\nfound is looked for beside that file.",
+        "file, what is not\nfound is looked for beside that file. sum= stands in files that "
+        "save wrote: a recording that has changed since is told, one that was moved is found by "
+        "its name beside the file.",
     .examples = "load disk.txt --preview\nload disk.txt y=2 unit=cm as=disk",
     .see = "data fit measure plot", .flags = COMMAND_CHANGES,
     ARGUMENTS(PLACE("FILE", TYPE_FILE, .flags = ARG_REQUIRED), KEY("t", TYPE_TEXT),
@@ -468,7 +509,7 @@ COMMAND(
               KEY("rate", TYPE_VALUE, .quantity = QUANTITY_FREQUENCY),
               KEY("decimal", TYPE_CHOICE, .choices = &decimal_catalog),
               KEY("sep", TYPE_CHOICE, .choices = &separator_catalog), KEY("as", TYPE_TEXT),
-              OPTION("preview", TYPE_NONE)))
+              KEY("sum", TYPE_TEXT), OPTION("preview", TYPE_NONE)))
 
 COMMAND(data,
         .row = {"data", "", "list recordings, choose one, clean it, choose the part in use", "",

@@ -310,6 +310,7 @@ bool contents_read(const char *path, const char *shown, const struct load_option
     const bool done =
         intake_read(path, &intake, &bytes, error) && unpack(path, &intake, &bytes, contents, error);
     contents->grew = intake.grew;
+    contents->sum = intake.sum;
     buffer_free(&bytes);
     if (!done)
         contents_free(contents);

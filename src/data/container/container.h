@@ -39,6 +39,7 @@ struct intake {
     bool sought; /* there is a table in the beginning */
     /* text that was being written: its last line is left out, as it may be half of one */
     bool grew;
+    uint64_t sum; /* of all bytes that were read; 0: more than SUMMED_BYTES */
 };
 
 /* The look of a read_watch whose context is a struct intake: refuses what is no text and no
@@ -56,6 +57,7 @@ struct container_part {
 struct contents {
     const char *container;       /* "gzip", "zip", "xlsx" …; NULL: a plain file */
     struct container_part *part; /* [PARTS_MAX] */
+    uint64_t sum;                /* of the file's bytes; 0: nobody has looked */
     size_t parts;                /* at least 1 after contents_read */
     bool grew;                   /* while it was read; its last line is left out */
     const struct cancel *cancel; /* of the options it was read with */

@@ -5,6 +5,7 @@
  * claims.
  */
 #include "data/container/container.h"
+#include <hooke/base/fields.h>
 #include "data/table/table.h"
 
 #include <string.h>
@@ -157,6 +158,7 @@ bool intake_read(const char *path, struct intake *intake, struct buffer *bytes, 
     struct read_watch watch = {.context = intake, .look = intake_look};
     if (!file_read_watched(path, LIMIT_FILE, &watch, bytes, error))
         return false;
+    intake->sum = bytes->len <= SUMMED_BYTES ? bytes_sum(buffer_text(bytes)) : 0;
     intake->grew = watch.grew && intake->packing == PACKING_NONE;
     for (bool whole = !intake->grew; !whole && bytes->len > 0;
          whole = whole || bytes->data[bytes->len - 1] == '\n')

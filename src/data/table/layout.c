@@ -35,7 +35,7 @@ static struct shape shape_of(struct text line, struct separator_pair reading)
     struct text field;
     double value;
     while (shape.fields <= (int)LIMIT_COLUMNS && table_field(&line, reading.separator, &field)) {
-        enum field cell = table_cell(field, reading.decimal, &value);
+        enum cell_kind cell = table_cell(field, reading.decimal, &value);
         shape.fields++;
         shape.numbers += cell == CELL_NUMBER || cell == CELL_STAMP;
         shape.words += cell == CELL_WORD;
@@ -111,7 +111,7 @@ static size_t first_row(const struct table_text *text, const struct found *found
             continue;
         if (!table_field(&line, found->reading.separator, &field))
             break;
-        const enum field cell = table_cell(field, found->reading.decimal, &value);
+        const enum cell_kind cell = table_cell(field, found->reading.decimal, &value);
         if (cell != CELL_NUMBER && cell != CELL_STAMP)
             break;
         first = i;

@@ -208,7 +208,7 @@ bool table_grouped(struct text field, char decimal, double *value)
     return odd_number(field, decimal, true, value);
 }
 
-enum field table_cell(struct text field, char decimal, double *value)
+enum cell_kind table_cell(struct text field, char decimal, double *value)
 {
     size_t used;
     double number;

@@ -142,9 +142,9 @@ static const char *plain_row(struct row_reader *reader, const char *at, const ch
     return at < end && *at == '\n' ? at + 1 : NULL;
 }
 
-static enum field cell_of(struct text field, const struct table_layout *layout, double *value)
+static enum cell_kind cell_of(struct text field, const struct table_layout *layout, double *value)
 {
-    const enum field cell = table_cell(field, layout->decimal, value);
+    const enum cell_kind cell = table_cell(field, layout->decimal, value);
     return cell == CELL_WORD && layout->grouped && table_grouped(field, layout->decimal, value)
                ? CELL_NUMBER
                : cell;
@@ -152,7 +152,7 @@ static enum field cell_of(struct text field, const struct table_layout *layout, 
 
 /* The next field, parsed. Numbers that end at the separator need no look at the field as text. */
 static bool next_cell(struct text *rest, const struct table_layout *layout, struct text *field,
-                      enum field *cell, double *value)
+                      enum cell_kind *cell, double *value)
 {
     size_t used = 0;
     if (rest->at == NULL)
@@ -193,7 +193,7 @@ static bool read_row(struct row_reader *reader, struct text line, size_t number)
     struct text rest = line, field, beyond = {0};
     int fields = 0, numbers = 0;
     bool words = false;
-    enum field cell;
+    enum cell_kind cell;
     double value;
     while (next_cell(&rest, reader->layout, &field, &cell, &value)) {
         if (fields < recording->columns) {
@@ -259,7 +259,7 @@ static bool is_cut(const struct row_reader *reader)
         agreed = here;
     }
     double value;
-    enum field cell = table_cell(last, layout->decimal, &value);
+    enum cell_kind cell = table_cell(last, layout->decimal, &value);
     struct text above = last_field(reader, reader->recent[(row - 1) % RECENT]);
     if (cell == CELL_WORD || text_is(last, "-"))
         return table_cell(above, layout->decimal, &value) != CELL_WORD;

@@ -55,7 +55,7 @@ struct table_block {
     struct text head[3]; /* lines of the header, as the format needs them */
 };
 
-enum field { CELL_NUMBER, CELL_EMPTY, CELL_WORD, CELL_STAMP /* a date or a time of day */ };
+enum cell_kind { CELL_NUMBER, CELL_EMPTY, CELL_WORD, CELL_STAMP /* a date or a time of day */ };
 
 /* lines.c: LF, CRLF, CR CR LF and CR end a line. False: nothing left. */
 bool table_line(struct text *rest, struct text *line);
@@ -66,7 +66,7 @@ bool table_skipped(struct text line); /* blank, a comment, or a line drawn below
 bool table_field(struct text *rest, char separator, struct text *field);
 /* NAN unless a number ("inf" is one) or a stamp, whose value is in seconds since 1970 or midnight.
  */
-enum field table_cell(struct text field, char decimal, double *value);
+enum cell_kind table_cell(struct text field, char decimal, double *value);
 /* a number with marks between thousands */
 bool table_grouped(struct text field, char decimal, double *value);
 size_t text_fitting(struct text text, size_t max); /* bytes of whole characters, at most `max` */

@@ -155,6 +155,8 @@ static void save_recording(const struct recording_slot *slot, struct buffer *tex
     buffer_put(text, TEXT("load "));
     buffer_word(text, text_of(recording->path));
     buffer_put(text, text_of(slot->options));
+    if (recording->sum != 0)
+        buffer_format(text, " sum=%016llx", (unsigned long long)recording->sum);
     buffer_char(text, '\n');
     for (int i = 0; i < RECORDING_FIELDS; i++)
         if (recording_fields[i].save)

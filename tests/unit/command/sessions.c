@@ -173,6 +173,65 @@ static void what_was_recorded_does_it_again(void **state)
     buffer_free(&got);
 }
 
+#define TABLE "time\tdistance\ns\tcm\n0\t1\n0.1\t2\n0.2\t1\n0.3\t2\n"
+
+static void move_file(const char *from, const char *to)
+{
+    assert_int_equal(rename(from, to), 0);
+}
+
+/* A recording that has changed since is told; one that was moved is found, if it is the same. */
+static void saved_recordings_are_known_again(void **state)
+{
+    (void)state;
+    struct bench b, again;
+    write_recordings();
+    write_file("./gone.txt", TABLE "0.4\t1\n", strlen(TABLE) + 6);
+    bench_open(&b, false);
+    type_ok(&b, "load swing.txt as=one; load ./gone.txt as=two");
+    save(b.session);
+    bench_close(&b);
+    bench_open(&again, false);
+    type_ok(&again, "source saved.hk");
+    assert_string_equal(said(&again.err), "");
+    move_file("gone.txt", "there.txt");
+    assert_false(type(&again, "source saved.hk"));
+    assert_says(&again.err, "cannot read");
+    assert_says(&again.err, "beside the file of commands");
+    move_file("there.txt", "gone.txt");
+    write_file("swing.txt", TABLE "0.4\t1\n", strlen(TABLE) + 6);
+    type_ok(&again, "source saved.hk");
+    assert_says(&again.err, "one has changed since");
+    assert_null(strstr(said(&again.err), "two has changed"));
+    assert_false(type(&again, "load gone.txt sum=12"));
+    assert_says(&again.err, "16 digits");
+    bench_close(&again);
+    remove("gone.txt");
+}
+
+/* The folder that a session was saved in, with its recordings, under another name. */
+static void moved_recordings_are_found(void **state)
+{
+    (void)state;
+    struct bench b, again;
+    char command[128];
+    assert_int_equal(system("rm -rf first second; mkdir first first/data"), 0); /* a test may */
+    write_file("first/data/r.txt", TABLE "0.4\t1\n", strlen(TABLE) + 6);
+    bench_open(&b, false);
+    snprintf(command, sizeof command, "load %s/first/data/r.txt as=two", bench_folder);
+    type_ok(&b, command);
+    save(b.session);
+    bench_close(&b);
+    assert_int_equal(system("mv first second; mv saved.hk second/data"), 0);
+    bench_open(&again, false);
+    type_ok(&again, "source second/data/saved.hk");
+    assert_says(&again.err, "found as second/data/r.txt");
+    write_file("second/data/r.txt", TABLE "0.4\t9\n", strlen(TABLE) + 6);
+    assert_false(type(&again, "source second/data/saved.hk")); /* another one */
+    bench_close(&again);
+    assert_int_equal(system("rm -r second"), 0);
+}
+
 /* A parameter that is not chosen any more is not chosen where the file is read, either, also where
  * it changed a run that waits. */
 static void what_is_unset_is_recorded_so(void **state)
@@ -230,6 +289,8 @@ int main(void)
         cmocka_unit_test(undo_and_redo_go_through_the_same_states),
         cmocka_unit_test(what_was_recorded_does_it_again),
         cmocka_unit_test(what_is_unset_is_recorded_so),
+        cmocka_unit_test(saved_recordings_are_known_again),
+        cmocka_unit_test(moved_recordings_are_found),
         cmocka_unit_test(an_interrupted_run_is_recorded),
     };
     return cmocka_run_group_tests(tests, enter_folder, leave_folder);
