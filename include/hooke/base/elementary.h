@@ -10,25 +10,30 @@
 #ifndef HOOKE_BASE_ELEMENTARY_H
 #define HOOKE_BASE_ELEMENTARY_H
 
-#include <stdint.h>
+/* Nothing but their arguments counts, and nothing is written. */
+#if defined(__GNUC__)
+#define FIXED __attribute__((const)) double
+#else
+#define FIXED double
+#endif
 
-double fixed_sin(double x);
-double fixed_cos(double x);
-double fixed_tan(double x);
-double fixed_asin(double x);
-double fixed_acos(double x);
-double fixed_atan(double x);
-double fixed_atan2(double y, double x);
-double fixed_exp(double x);
-double fixed_expm1(double x);
-double fixed_sinh(double x);
-double fixed_cosh(double x);
-double fixed_tanh(double x);
-double fixed_log(double x);
-double fixed_log10(double x);
-double fixed_pow(double x, double y);
-double fixed_cbrt(double x);
-double fixed_hypot(double x, double y);
+FIXED fixed_sin(double x);
+FIXED fixed_cos(double x);
+FIXED fixed_tan(double x);
+FIXED fixed_asin(double x);
+FIXED fixed_acos(double x);
+FIXED fixed_atan(double x);
+FIXED fixed_atan2(double y, double x);
+FIXED fixed_exp(double x);
+FIXED fixed_expm1(double x);
+FIXED fixed_sinh(double x);
+FIXED fixed_cosh(double x);
+FIXED fixed_tanh(double x);
+FIXED fixed_log(double x);
+FIXED fixed_log10(double x);
+FIXED fixed_pow(double x, double y);
+FIXED fixed_cbrt(double x);
+FIXED fixed_hypot(double x, double y);
 
 /* Of n numbers at once, in vectors as wide as the machine has; out may be x. The same bits. */
 void fixed_sines(int n, const double *x, double *out);

@@ -120,19 +120,28 @@ double fixed_acos(double x)
     return angle(leg(fabs(x)), (struct wide){x, 0});
 }
 
+static double length(double a, double b)
+{
+    const struct wide aa = wide_product(a, a), bb = wide_product(b, b),
+                      sum = ordered_sum(aa.high, bb.high);
+    const double square = sum.high, rest = sum.low + (aa.low + bb.low), root = sqrt(square);
+    const struct wide p = wide_product(root, root);
+    return root + ((square - p.high) - p.low + rest) / (2 * root);
+}
+
 double fixed_hypot(double x, double y)
 {
-    const double a = fmax(fabs(x), fabs(y)), b = fmin(fabs(x), fabs(y));
-    if (a == HUGE_VAL || fabs(x) == HUGE_VAL || fabs(y) == HUGE_VAL)
+    const double p = fabs(x), q = fabs(y), a = p < q ? q : p, b = p < q ? p : q;
+    if (a < 0x1p500 && b > 0x1p-400)
+        return length(a, b);
+    if (p == HUGE_VAL || q == HUGE_VAL)
         return HUGE_VAL;
     if (x != x || y != y)
         return x + y;
     if (b <= a * 0x1p-60)
         return a + b;
-    const double scale = a > 0x1p500 ? 0x1p-600 : b < 0x1p-400 ? 0x1p600 : 1;
-    const double p = a * scale, q = b * scale;
-    const struct wide pp = wide_product(p, p), qq = wide_product(q, q);
-    return wide_root(wide_add(pp, qq)).high / scale;
+    const double scale = a > 0x1p450 ? 0x1p-600 : 0x1p600;
+    return length(a * scale, b * scale) / scale;
 }
 
 /* Halley's steps, then Newton's with what is left in two parts. */

@@ -6,6 +6,7 @@
 #include <hooke/base/elementary.h>
 
 #include <math.h>
+#include <stdint.h>
 #include <string.h>
 
 #define INLINE static inline __attribute__((always_inline))
@@ -51,12 +52,11 @@ INLINE struct wide wide_sum(double a, double b)
     return (struct wide){high, (a - (high - of_b)) + (b - of_b)};
 }
 
-/* a b, to 2^-105 of it */
+/* a b; |a|, |b| < 2^900 (Veltkamp's halves, Dekker's product) */
 INLINE struct wide wide_product(double a, double b)
 {
-    const uint64_t upper = ~UINT64_C(0x7FFFFFF); /* 26 bits of each */
-    const double a1 = from_bits(to_bits(a) & upper), a2 = a - a1,
-                 b1 = from_bits(to_bits(b) & upper), b2 = b - b1, high = a * b;
+    const double a0 = a * 0x1.0000002p27, b0 = b * 0x1.0000002p27;
+    const double a1 = a0 - (a0 - a), a2 = a - a1, b1 = b0 - (b0 - b), b2 = b - b1, high = a * b;
     return (struct wide){high, ((a1 * b1 - high) + a1 * b2 + a2 * b1) + a2 * b2};
 }
 
@@ -68,10 +68,10 @@ INLINE struct wide wide_times(struct wide a, struct wide b)
 
 INLINE struct wide wide_quotient(struct wide a, struct wide b)
 {
-    const double q = a.high / b.high;
+    const double per_b = 1 / b.high, q = a.high * per_b;
     const struct wide p = wide_product(q, b.high);
     const double rest = ((a.high - p.high) - p.low) + (a.low - q * b.low);
-    return ordered_sum(q, rest / b.high);
+    return ordered_sum(q, rest * per_b);
 }
 
 INLINE struct wide wide_add(struct wide a, struct wide b)

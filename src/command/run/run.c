@@ -276,7 +276,10 @@ COMMAND(run, .row = {"run", "", "start a new run at t0", "", "r"}, .group = "RUN
                 "panes the run follows the clock (see speed) while commands can be typed; 'pause' "
                 "or Ctrl-C pauses it. "
                 "--number is for saved\n"
-                "sessions: the number of the new run.",
+                "sessions: the number of the new run. States have the same bits on every machine; "
+                "the last digits of\n"
+                "'exact', of cvode and of linear scenes may depend on it, as those of fits and "
+                "spectra do.",
         .examples = "run 10 s\nrun until y < 0", .see = "continue step back plan runs compare",
         .flags = COMMAND_STARTS | COMMAND_CHANGES | COMMAND_TABLES,
         ARGUMENTS(PLACE("DURATION", TYPE_VALUE, .flags = ARG_NEGATIVE, .quantity = QUANTITY_TIME,
