@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Angles of points, lengths and cube roots. */
+#include <stdbool.h>
+
 #include "base/elementary/wide.h"
 
 /* atan(j/16) */
@@ -27,14 +29,34 @@ static const struct wide centre_angle[] = {
 static const struct wide half_pi = {0x1.921fb54442d18p+0, 0x1.1a62633145c07p-54},
                          pi = {0x1.921fb54442d18p+1, 0x1.1a62633145c07p-53};
 
+/* atan x - x, |x| <= NEAR, by Remez exchange in 400 bits, to 2^-64.5 of atan x
+ */
+#define NEAR 0.1875
+static double angle_rest(double x)
+{
+    const double s = x * x, q = s * s;
+    const double low = (-0x1.5555555555553p-2 + s * 0x1.9999999998bf9p-3) +
+                       q * (-0x1.249249238b4a7p-3 + s * 0x1.c71c709407039p-4);
+    const double high = (-0x1.745cb3ef1dca2p-4 + s * 0x1.3b00e9ecf7c34p-4) +
+                        q * (-0x1.0efef093a3da2p-4 + s * 0x1.a2202f3a1672ep-5);
+    return x * s * (low + q * q * high);
+}
+
+/* a - b, a known in two parts */
+static double wide_less(struct wide a, struct wide b)
+{
+    const struct wide sum = ordered_sum(a.high, -b.high);
+    return sum.high + (sum.low + (a.low - b.low));
+}
+
 static struct wide negative(struct wide a)
 {
     return (struct wide){-a.high, -a.low};
 }
 
 /*
- * The angle of the point (x, y), 0 <= y <= x: with c = j/16 next to y/x that of the centre and
- * atan t, t = (y - c x)/(x + c y), |t| < 0.034, by its series.
+ * The angle of the point (x, y), 0 <= y <= x: with c = j/16 next to y/x that of
+ * the centre and atan t, t = (y - c x)/(x + c y), |t| < 0.034.
  */
 static struct wide first_angle(struct wide y, struct wide x)
 {
@@ -48,11 +70,8 @@ static struct wide first_angle(struct wide y, struct wide x)
         t = wide_quotient(wide_add(y, (struct wide){across.high, across.low - c * x.low}),
                           wide_add(x, (struct wide){along.high, along.low + c * y.low}));
     }
-    const double z = t.high * t.high;
-    const double sum =
-        -1. / 3 + z * (1. / 5 + z * (-1. / 7 + z * (1. / 9 + z * (-1. / 11 + z * (1. / 13)))));
     const struct wide most = ordered_sum(centre.high, t.high);
-    return ordered_sum(most.high, most.low + ((t.low + centre.low) + t.high * z * sum));
+    return ordered_sum(most.high, most.low + ((t.low + centre.low) + angle_rest(t.high)));
 }
 
 /* From 0 to pi; y >= 0 */
@@ -69,11 +88,19 @@ static double angle(struct wide y, struct wide x)
 double fixed_atan(double x)
 {
     const double size = fabs(x);
-    if (size < 0x1p-27 || x != x)
-        return x;
+    if (!(size > NEAR))
+        return size < 0x1p-27 || x != x ? x : x + angle_rest(x);
     if (size > 0x1p60)
         return copysign(half_pi.high, x);
-    return copysign(angle((struct wide){size, 0}, (struct wide){1, 0}), x);
+    const bool beyond = size > 1;
+    const double about = beyond ? 1 / size : size, j = (about * CENTRES + WHOLE) - WHOLE,
+                 c = about > NEAR ? j / CENTRES : 0,
+                 upper = from_bits(to_bits(size) & ~UINT64_C(0x7FFFFFF)), lower = size - upper;
+    const double t =
+        beyond ? ((1 - c * upper) - c * lower) / (size + c) : (size - c) / (1 + c * size);
+    const struct wide centre = centre_angle[(int)(c * CENTRES)], most = ordered_sum(centre.high, t),
+                      found = {most.high, most.low + (centre.low + angle_rest(t))};
+    return copysign(beyond ? wide_less(half_pi, found) : found.high + found.low, x);
 }
 
 double fixed_atan2(double y, double x)
@@ -97,10 +124,29 @@ double fixed_atan2(double y, double x)
     return copysign(angle((struct wide){along, 0}, (struct wide){x < 0 ? -across : across, 0}), y);
 }
 
-/* sqrt(1 - x^2) */
-static struct wide leg(double x)
+/* asin x - x, |x| <= 1/2, by Remez exchange in 400 bits, to 2^-59.9 of asin x
+ */
+static double arc_rest(double x)
 {
-    return wide_root(wide_times(wide_sum(1, -x), wide_sum(1, x)));
+    const double s = x * x, q = s * s, p = q * q;
+    const double low = (0x1.5555555555577p-3 + s * 0x1.333333332e089p-4) +
+                       q * (0x1.6db6db721a113p-5 + s * 0x1.f1c71a9213e51p-6);
+    const double middle = (0x1.6e8bdf31ec1cep-6 + s * 0x1.1c49ea8c925f8p-6) +
+                          q * (0x1.ca201b2f0494ep-7 + s * 0x1.7580ecd3344cdp-7);
+    const double high = (0x1.6156e2ff7f089p-7 + s * 0x1.e4600ba8a0358p-9) +
+                        q * (0x1.641a1bab40dddp-6 - s * 0x1.58b2aa90f948fp-6);
+    return x * s * (low + p * (middle + p * (high + p * 0x1.0b8072c58c6f9p-5)));
+}
+
+/* acos x = 2 asin sqrt((1 - x)/2), 1/2 <= x <= 1: the root, and the rest of the
+ * arc */
+static struct wide half_arc(double x)
+{
+    const double square = (1 - x) * 0.5, root = sqrt(square);
+    if (root == 0)
+        return (struct wide){0, 0};
+    const struct wide p = wide_product(root, root);
+    return (struct wide){root, ((square - p.high) - p.low) / (2 * root) + arc_rest(root)};
 }
 
 double fixed_asin(double x)
@@ -108,16 +154,20 @@ double fixed_asin(double x)
     const double size = fabs(x);
     if (!(size <= 1))
         return x != x ? x : (double)NAN;
-    if (size < 0x1p-27)
-        return x;
-    return copysign(angle((struct wide){size, 0}, leg(size)), x);
+    if (size <= 0.5)
+        return size < 0x1p-27 ? x : x + arc_rest(x);
+    const struct wide half = half_arc(size);
+    return copysign(wide_less(half_pi, (struct wide){2 * half.high, 2 * half.low}), x);
 }
 
 double fixed_acos(double x)
 {
     if (!(fabs(x) <= 1))
         return x != x ? x : (double)NAN;
-    return angle(leg(fabs(x)), (struct wide){x, 0});
+    if (fabs(x) <= 0.5)
+        return wide_less(half_pi, (struct wide){x, arc_rest(x)});
+    const struct wide half = half_arc(fabs(x)), arc = {2 * half.high, 2 * half.low};
+    return x > 0 ? arc.high + arc.low : wide_less(pi, arc);
 }
 
 static double length(double a, double b)

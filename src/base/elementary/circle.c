@@ -37,8 +37,9 @@ static uint64_t upper_product(uint64_t a, uint64_t b)
 }
 
 /*
- * x >= 2^-20, finite: with x = m 2^e the bits of 2/pi from 2^(1 - e) on times m, without those of
- * weight 4 and above: two are quarters, those behind a fraction.
+ * x >= 2^-20, finite: with x = m 2^e the bits of 2/pi from 2^(1 - e) on times
+ * m, without those of weight 4 and above: two are quarters, those behind a
+ * fraction.
  */
 static uint64_t quarters_far(double x, double *r, double *low)
 {
@@ -105,7 +106,8 @@ double fixed_cos(double x)
     return quarters & 2 ? -value : value;
 }
 
-/* The quotient of both, each with what its rounding leaves, the cosine also with that of r^2. */
+/* The quotient of both, each with what its rounding leaves, the cosine also
+ * with that of r^2. */
 double fixed_tan(double x)
 {
     const double size = fabs(x);

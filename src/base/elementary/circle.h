@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * sin and cos of what is not too large, without a branch: in loops it becomes vectors, and both
- * forms are one text.
+ * sin and cos of what is not too large, without a branch: in loops it becomes
+ * vectors, and both forms are one text.
  *
- * x = n pi/2 + r (Cody & Waite 1980), pi/2 in three parts, of which n of at most 19 bits times the
- * first two is exact. Polynomials for |r| <= pi/4 (Remez exchange in 400 bits, weights of the
- * relative error, coefficients rounded one after another, the others found again each time): sin r
- * = r + r^3 S(r^2) to 2^-57.9, cos r = 1 - r^2/2 + r^4 C(r^2) to 2^-64.
+ * x = n pi/2 + r (Cody & Waite 1980), pi/2 in three parts, of which n of at
+ * most 19 bits times the first two is exact. Polynomials for |r| <= pi/4 (Remez
+ * exchange in 400 bits, weights of the relative error, coefficients rounded one
+ * after another, the others found again each time): sin r = r + r^3 S(r^2) to
+ * 2^-57.9, cos r = 1 - r^2/2 + r^4 C(r^2) to 2^-64.
  */
 #ifndef HOOKE_BASE_ELEMENTARY_CIRCLE_H
 #define HOOKE_BASE_ELEMENTARY_CIRCLE_H
@@ -17,9 +18,11 @@
 #define HALF_PI_2 0x1.0b4611a600000p-34
 #define HALF_PI_3 0x1.3198a2e037073p-69
 #define TWO_OVER_PI 0x1.45f306dc9c883p-1
-#define CIRCLE_FAR 0x1p19    /* |x| beyond takes all of pi's digits */
-#define CIRCLE_CLOSE 0x1p-40 /* and so does what is left of n pi/2 where it is less than this n */
-#define CIRCLE_NEAR 0.785    /* nothing to reduce below */
+#define CIRCLE_FAR 0x1p19 /* |x| beyond takes all of pi's digits */
+#define CIRCLE_CLOSE                                                                               \
+    0x1p-40               /* and so does what is left of n pi/2 where it is less than this n       \
+                           */
+#define CIRCLE_NEAR 0.785 /* nothing to reduce below */
 
 /* sin(r + low) - r */
 INLINE double sine_rest(double r, double low)
@@ -54,8 +57,8 @@ INLINE double cosine_near(double r, double low)
     return most + rest;
 }
 
-/* |x|, 0 <= x <= CIRCLE_FAR, as quarters pi/2 + r + low; quarters in the lowest bits of what is
- * returned. *fine: all of these digits are right */
+/* |x|, 0 <= x <= CIRCLE_FAR, as quarters pi/2 + r + low; quarters in the lowest
+ * bits of what is returned. *fine: all of these digits are right */
 INLINE uint64_t quarters_near(double x, double *r, double *low, uint64_t *fine)
 {
     const double turned = x * TWO_OVER_PI + WHOLE, n = turned - WHOLE;

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * exp and what is made of it. x = n ln 2 + r, |r| <= ln 2/2, ln 2 in two parts, of which n times
- * the first is exact; polynomials by Remez exchange in 400 bits.
+ * exp and what is made of it. x = n ln 2 + r, |r| <= ln 2/2, ln 2 in two parts,
+ * of which n times the first is exact; polynomials by Remez exchange in 400
+ * bits.
  */
 #if defined(__GNUC__) && !defined(__clang__)
 #pragma GCC optimize("O3") /* vectors */
@@ -16,7 +17,8 @@
 #define EXP_SAFE 708 /* |x| up to which the result is normal */
 #define LOST 40      /* x where 1 beside e^x is less than its last place */
 
-double scaled(double x, int64_t n)
+/* 2^n x, rounded once, x about 1 */
+static double scaled(double x, int64_t n)
 {
     if (n > 1023)
         return x * 0x1p1023 * power_of_two(n < 2046 ? n - 1023 : 1023);
@@ -89,15 +91,22 @@ CLONES void fixed_exponentials(int n, const double *x, double *out)
     }
 }
 
+/* e^(x + low), |x| < 1000 */
+double exponential_of(double x, double low)
+{
+    double r, rest;
+    const int64_t n = (int64_t)(reduce(x, &r, &rest) - to_bits(WHOLE));
+    const struct wide reduced = wide_sum(r, rest + low);
+    return scaled(exp_near(reduced.high, reduced.low), n);
+}
+
 /* ---- with more digits ---- */
 
-/* e^r - 1 = r + r^2/2 + r^3 E(r), to 2^-61 */
-struct wide exponential_part(double x, double more, int64_t *n)
+/* e^x as 2^n (1 + what is returned): e^r - 1 = r + r^2/2 + r^3 E(r), to 2^-61 */
+static struct wide exponential_part(double x, int64_t *n)
 {
-    double near, rest;
-    *n = (int64_t)(reduce(x, &near, &rest) - to_bits(WHOLE));
-    const struct wide reduced = wide_sum(near, rest + more);
-    const double r = reduced.high, low = reduced.low;
+    double r, low;
+    *n = (int64_t)(reduce(x, &r, &low) - to_bits(WHOLE));
     const struct wide square = wide_product(r, r);
     const double s = square.high, q = s * s;
     const double sum = ((0x1.5555555555558p-3 + r * 0x1.5555555555558p-5) +
@@ -113,7 +122,7 @@ struct wide exponential_part(double x, double more, int64_t *n)
 static struct wide less_one(double x)
 {
     int64_t n;
-    const struct wide part = exponential_part(x, 0, &n), one = {-1, 0};
+    const struct wide part = exponential_part(x, &n), one = {-1, 0};
     if (n == 0)
         return part;
     const struct wide sum = wide_sum(1, part.high);

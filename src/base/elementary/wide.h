@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Numbers as sums of two doubles (Dekker 1971; Knuth, TAOCP 2, 4.2.2), and doubles as bits. */
+/* Numbers as sums of two doubles (Dekker 1971; Knuth, TAOCP 2, 4.2.2), and
+ * doubles as bits. */
 #ifndef HOOKE_BASE_ELEMENTARY_WIDE_H
 #define HOOKE_BASE_ELEMENTARY_WIDE_H
 
@@ -11,7 +12,9 @@
 
 #define INLINE static inline __attribute__((always_inline))
 
-#define WHOLE 0x1.8p52 /* numbers that this is added to lose their fraction: it is in its bits */
+#define WHOLE                                                                                      \
+    0x1.8p52 /* numbers that this is added to lose their fraction: it is in its                    \
+                bits */
 #define SIGN_BIT 0x8000000000000000u
 #define EXPONENT_SHIFT 52
 
@@ -80,21 +83,6 @@ INLINE struct wide wide_add(struct wide a, struct wide b)
     return ordered_sum(s.high, s.low + (a.low + b.low));
 }
 
-/* a >= 0 */
-INLINE struct wide wide_root(struct wide a)
-{
-    const double root = sqrt(a.high);
-    if (root == 0)
-        return (struct wide){0, 0};
-    const struct wide p = wide_product(root, root);
-    return ordered_sum(root, (((a.high - p.high) - p.low) + a.low) / (2 * root));
-}
-
-/* ---- between the files ---- */
-
-/* e^(x + low) as 2^n (1 + what is returned); |x| < 1000 */
-struct wide exponential_part(double x, double low, int64_t *n);
-/* 2^n x, rounded once, x about 1 */
-double scaled(double x, int64_t n);
+double exponential_of(double x, double low); /* e^(x + low), |x| < 1000 */
 
 #endif
