@@ -23,6 +23,8 @@ bool export_runs(const struct session *session, const struct argument_value *run
  * variable of the state in it. where: the option as typed. */
 bool export_band(const struct session *session, const struct argument_value *runs,
                  struct text where, struct export *export, struct error *error);
+/* Of a hand-in: t and y of every sample, and used (0, 1) where some are outside the window or
+ * masked. */
 bool export_recording(const struct session *session, struct export *export, struct error *error);
 /* column: t, y, v, energy; none means t and y. */
 bool export_recorded(const struct session *session, const struct argument_value *column,

@@ -327,9 +327,7 @@ static void conclude(struct check *check)
         if (!moved(session, i))
             continue;
         taken++;
-        reply_line(reply,
-                   "%s: its file is not here; recording-%d.csv was taken, the part of it that was "
-                   "in use at the end",
+        reply_line(reply, "%s: its file is not here; recording-%d.csv was taken",
                    session->recording[i]->recording->name, i + 1);
     }
     safe_text(&safe, text_of(check->folder), false);

@@ -245,6 +245,7 @@ static struct text whole_word(struct text statement, struct text where)
     return (struct text){where.at, len - (size_t)(where.at - statement.at)};
 }
 
+#define SENTENCE_MIN 3 /* blanks in what is no misspelt command */
 #define MEANINGS_SHOWN 3
 #define USAGE_SHORT 48 /* [B] a line of usage that leaves room beside it */
 
@@ -350,6 +351,30 @@ static bool is_law(const struct command *command, struct text statement)
                    : name.len < statement.len && name.at[name.len] == '\'';
 }
 
+/* "i have a spring and a recording": what is known of its other words, two at most; not of a few
+ * words behind a command that was only misspelt. */
+static void put_sentence(struct text statement, bool guessed, struct buffer *text)
+{
+    struct text rest = statement;
+    int blanks = 0;
+    for (size_t i = 0; i < statement.len; i++)
+        blanks += statement.at[i] == ' ';
+    if (guessed && blanks < SENTENCE_MIN)
+        return;
+    for (int count = 0; rest.len > 0 && count < 2;) {
+        const struct text word = peek_word(rest, ",;?.!");
+        struct buffer use = {0};
+        if (word.len > 2 && word.at > statement.at && put_uses(word, "", false, &use) &&
+            !(text->len > 0 && strstr(buffer_view(text), buffer_view(&use)))) {
+            buffer_format(text, "%s%s", count++ ? "; " : "", buffer_view(&use));
+        }
+        buffer_free(&use);
+        rest.at += word.len + (word.len < rest.len);
+        rest.len -= word.len + (word.len < rest.len);
+        text_skip_blanks(&rest);
+    }
+}
+
 static void explain(const struct session *session, struct text statement, const char *kind,
                     struct error *error)
 {
@@ -366,6 +391,8 @@ static void explain(const struct session *session, struct text statement, const 
     if (!known && !law)
         put_meanings(session, command, statement, where, kind,
                      strstr(error->hint, "did you mean") != NULL, &text);
+    if (is_kind(kind, "command") && text.len == 0)
+        put_sentence(statement, strstr(error->hint, "did you mean"), &text);
     if (!kind && own && text_is(text_of(own->row.name), "plot") &&
         catalog_find(&plot_catalog, where))
         put_use("'plot %1' is a plot of its own", where, &text);

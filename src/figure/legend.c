@@ -43,10 +43,13 @@ static bool entry_at(struct page *page, int e, struct legend_entry *entry)
     return true;
 }
 
-static void put_entry(struct page *page, const struct legend_entry *entry, double x, double y)
+/* sample: [pt] from x to the label */
+static void put_entry(struct page *page, const struct legend_entry *entry, double sample, double x,
+                      double y)
 {
-    (entry->band ? page_band_sample : page_sample)(page, entry->curve, x, y, true);
-    page_text(page, x + entry->sample, y, 0, style_black, shown_label(page, entry->label));
+    (entry->band ? page_band_sample : page_sample)(page, entry->curve,
+                                                   x + (sample - entry->sample) / 2, y, true);
+    page_text(page, x + sample, y, 0, style_black, shown_label(page, entry->label));
 }
 
 double page_heading(struct page *page, bool legend, bool draw)
@@ -85,7 +88,7 @@ double page_heading(struct page *page, bool legend, bool draw)
             y += style->leading;
         }
         if (draw)
-            put_entry(page, &entry, x, y);
+            put_entry(page, &entry, entry.sample, x, y);
         x += entry.width + style->entry_gap;
     }
     if (hidden && draw) {
@@ -132,22 +135,33 @@ static bool is_free(const struct page *page, const double box[4])
     return true;
 }
 
+/* Samples and labels stand below each other. [pt] *sample: the widest sample; returns the width of
+ * all. */
+static double measure_entries(struct page *page, double *sample, int *entries)
+{
+    double label = 0;
+    struct legend_entry entry;
+    *sample = *entries = 0;
+    for (int e = 0; e < 2 * page->figure->curves; e++) {
+        if (!entry_at(page, e, &entry))
+            continue;
+        *sample = fmax(*sample, entry.sample);
+        label = fmax(label, entry.width - entry.sample);
+        ++*entries;
+    }
+    return *sample + label;
+}
+
 bool legend_place(struct page *page, const struct page *panel, double box[4])
 {
     static const double places[][2] = {
         {1, 0},    {0, 0},    {1, 1},   {0, 1},   {0.5, 0}, {0.5, 1},  {1, 0.2},  {1, 0.8},
         {1, 0.35}, {1, 0.65}, {1, 0.5}, {0, 0.2}, {0, 0.8}, {0, 0.35}, {0, 0.65}, {0, 0.5}};
     const struct picture_style *style = &page->style;
-    double width = 0, height = 0;
-    int entries = 0;
-    struct legend_entry entry;
-    for (int e = 0; e < 2 * page->figure->curves; e++) {
-        if (!entry_at(page, e, &entry))
-            continue;
-        width = fmax(width, entry.width);
-        height += style->leading;
-        entries++;
-    }
+    int entries;
+    double sample;
+    const double width = measure_entries(page, &sample, &entries),
+                 height = entries * style->leading;
     const double gap = style->edge, from_x = panel->left + gap, from_y = panel->top + gap,
                  room_x = panel->right - gap - width - from_x,
                  room_y = panel->bottom - gap - height - from_y;
@@ -166,15 +180,17 @@ bool legend_place(struct page *page, const struct page *panel, double box[4])
 void legend_draw(struct page *page, const double box[4])
 {
     const double edge = page->style.edge / 2;
-    double y = box[1] + page->style.leading / 2;
+    double y = box[1] + page->style.leading / 2, sample;
+    int entries;
     struct legend_entry entry;
+    measure_entries(page, &sample, &entries);
     surface_box(page->surface, box[0] - edge, box[1] - edge / 2, box[2] + edge, box[3] + edge / 2);
     surface_paint(page->surface,
                   &(struct brush){.color = style_grid, .width = page->style.grid_line});
     for (int e = 0; e < 2 * page->figure->curves; e++) {
         if (!entry_at(page, e, &entry))
             continue;
-        put_entry(page, &entry, box[0], y);
+        put_entry(page, &entry, sample, box[0], y);
         y += page->style.leading;
     }
 }

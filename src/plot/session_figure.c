@@ -202,6 +202,19 @@ static double size_of(const struct drawing *d, bool x)
     return size;
 }
 
+/* Do the periods run together? In a picture dots stay apart, and lines much longer. */
+static bool is_smeared(const struct drawing *d)
+{
+    const int width = d->request->width;
+    const bool picture = width == PICTURE_COLUMNS;
+    bool lines = false;
+    for (int i = 0; i < d->curves; i++)
+        lines |= !d->curve[i].points;
+    return (lines || !picture) && isfinite(d->period) && kind_of(d)->periods &&
+           d->shown * (picture ? PERIOD_COLUMNS_PICTURE : PERIOD_COLUMNS_DOTS) >
+               d->period * (width - FRAME_COLUMNS);
+}
+
 static const char *make_note(const struct drawing *d)
 {
     const struct figure_request *request = d->request;
@@ -214,8 +227,7 @@ static const char *make_note(const struct drawing *d)
         buffer_format(&text, "last %.4g of %.4g s", d->shown, d->total);
     else if (part)
         buffer_format(&text, "last %.4g s", d->shown);
-    else if (isfinite(d->period) && kind_of(d)->periods &&
-             d->shown * PERIOD_COLUMNS_DOTS > d->period * (request->width - FRAME_COLUMNS))
+    else if (is_smeared(d))
         buffer_format(&text, "%.0f periods: envelope", d->shown / d->period);
     else if (kind_of(d)->note)
         kind_of(d)->note(d, &text);

@@ -126,8 +126,43 @@ bool export_recorded(const struct session *session, const struct argument_value 
     return keys_finish(&keys, export, error);
 }
 
+/* Those outside the window and those that were masked, too, where there are some: `used` is 0
+ * there. A session looks at several windows one after the other. */
+static bool add_unused(const struct recording *recording, struct export *export,
+                       struct error *error)
+{
+    const struct table_column *of = export->table.column;
+    const size_t n = recording->rows, used = export->table.rows;
+    struct table_column *all = arena_array(export->arena, 3, sizeof *all);
+    double *t = arena_array(export->arena, n, sizeof *t),
+           *y = arena_array(export->arena, n, sizeof *y),
+           *taken = arena_array(export->arena, n, sizeof *taken);
+    size_t rows = 0, next = 0;
+    if (!all || !t || !y || !taken)
+        return error_memory(error);
+    for (size_t i = 0; i < n; i++) {
+        if (isnan(recording->y[i]))
+            continue;
+        const bool is_used = next < used && !(recording->t[i] < of[0].value[next]);
+        t[rows] = recording->t[i];
+        y[rows] = recording->y[i] - recording->zero;
+        taken[rows++] = is_used;
+        next += is_used;
+    }
+    if (rows == used)
+        return true;
+    all[0] = (struct table_column){.name = of[0].name, .unit = of[0].unit, .value = t};
+    all[1] = (struct table_column){.name = of[1].name, .unit = of[1].unit, .value = y};
+    all[2] = (struct table_column){.name = "used", .unit = "", .value = taken};
+    export->table.column = all;
+    export->table.columns = 3;
+    export->table.rows = rows;
+    return true;
+}
+
 bool export_recording(const struct session *session, struct export *export, struct error *error)
 {
     const struct argument_value none = {.count = 0};
-    return export_recorded(session, &none, &none, export, error);
+    return export_recorded(session, &none, &none, export, error) &&
+           add_unused(session_recording(session), export, error);
 }

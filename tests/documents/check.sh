@@ -93,6 +93,11 @@ ok "no folder: exit status 2" $?
 (mkdir away && cd away && "$hooke" -n --check ../good >../out 2>&1)
 [ $? -eq 0 ] && grep -q '^bare: its file is not here; recording-1.csv was taken' out && grep -q 'they agree' out
 ok "where the recording is not, that of the hand-in is taken" $?
+"$hooke" -n -q -c 'load bare.txt; m = 200.0(1) g; measure period; data window 4:9; measure period; data clean; measure amplitude; fit damped
+    adopt; method rk4; run; report narrow' >out 2>&1
+(cd away && "$hooke" -n --check ../narrow >../out 2>&1)
+[ $? -eq 0 ] && grep -q '^bare: its file is not here; recording-1.csv was taken' out && grep -q 'they agree' out
+ok "also where the session looked at wider windows before" $?
 changed
 rm bad/recording-1.csv
 (cd away && "$hooke" -n --check ../bad >../out 2>&1)

@@ -11,16 +11,9 @@ cd "$work" || exit 2
 
 count=0
 ok() { count=$((count + 1)); echo "ok $count - $1"; }
-bad() { count=$((count + 1)); echo "not ok $count - $1"; sed 's/^/#   /' answer | tail -n 8; }
+bad() { count=$((count + 1)); echo "not ok $count - $1"; printf '%s\n' "$2" | sed 's/^/#   /' | tail -n 8; }
 
-while read -r line; do
-    IFS='|' read -r task asked named typed < <(sed 's/ *| */|/g' <<<"$line")
-    [ -n "$asked" ] || continue
-    "$hooke" -n --size 80x24 -c "$asked" >answer 2>&1
-    tr -s ' \n' ' ' <answer | grep -qF -- "$named" || { bad "$task: '$asked' does not name '$named'"; continue; }
-    "$hooke" -n -q --size 80x24 -c "$typed" >answer 2>&1 || { bad "$task: '$typed' fails"; continue; }
-    ok "$task"
-done <<'TASKS'
+mapfile -t lines < <(sed -n 's/ *| */|/gp' <<'TASKS'
 see the velocity               | velocity              | plot velocity         | run; plot velocity
 see position against time      | help                  | help start            | run; plot position
 draw the phase plane           | apropos phase         | phase plot            | run; plot phase
@@ -101,18 +94,51 @@ fewer rows                     | help export           | every=                |
 write over a file              | overwrite             | --force               | run; export r.csv --force
 no colours                     | nocolor               | set color never       | set color never; show
 comments in a script           | comment               | # begins              | run 1 s # comment
+two words                      | apropos save plot     | output                | run; plot position > q.txt --force
+a sentence                     | i have a spring and a recording | help recording | load swing.csv
+a question                     | how do I see the velocity? | plot velocity    | run; plot velocity
 method given to run            | run symplectic-euler  | method symplectic-euler | method symplectic-euler; run
 TASKS
+)
+
+declare -a task asked named typed
+for i in "${!lines[@]}"; do
+    IFS='|' read -r 'task[i]' 'asked[i]' 'named[i]' 'typed[i]' <<<"${lines[i]}"
+done
+
+# ask ARRAY: one process says what it thinks of each of them in turn, always from the same start.
+ask() {
+    local -n statements=$1
+    local i line
+    for i in "${!statements[@]}"; do
+        printf 'restore start\necho @@ %d\n%s\necho @@ 0\n' "$((i + 1))" "${statements[i]}"
+    done >statements
+    answer=()
+    i=0
+    while IFS= read -r line; do
+        if [[ $line == '@@ '* ]]; then i=${line#@@ }
+        else answer[i == 0 ? ${#lines[@]} : i - 1]+="$line "$'\n'; fi
+    done < <("$hooke" -n -k --size 80x24 -c 'checkpoint start' statements 2>&1)
+}
+ask asked
+told=("${answer[@]}")
+ask typed
+for i in "${!lines[@]}"; do
+    tr -s ' \n' ' ' <<<"${told[i]:-}" | grep -qF -- "${named[i]}" ||
+        { bad "${task[i]}: '${asked[i]}' does not name '${named[i]}'" "${told[i]:-}"; continue; }
+    [[ ${answer[i]:-} != *': error: '* ]] || { bad "${task[i]}: '${typed[i]}' fails" "${answer[i]}"; continue; }
+    ok "${task[i]}"
+done
 
 # What the topics of help show can be pasted, line after line.
 "$hooke" -n --size 200x60 -c help | awk '$1 == "help" && /^  / {print $2}' >topics
-[ "$(wc -l <topics)" -ge 10 ] && ok 'ten topics' || { cp topics answer; bad 'ten topics'; }
+[ "$(wc -l <topics)" -ge 10 ] && ok 'ten topics' || bad 'ten topics' "$(cat topics)"
 while read -r topic; do
     "$hooke" -n --size 1000x60 -c "help $topic" | tac | sed 1d | awk '/^  / {print; next} {exit}' | tac | grep -v '^  .*panes$' >"$topic.hk"
     # A build without cairo writes no pictures.
     sed -i 's/[.]svg/.txt/' "$topic.hk"
     if [ -s "$topic.hk" ] && "$hooke" -n -q --size 80x24 "$topic.hk" >answer 2>&1; then ok "help $topic: its lines run"
-    else bad "help $topic: its lines fail"; fi
+    else bad "help $topic: its lines fail" "$(cat answer)"; fi
 done <topics
-[ "$("$hooke" -n --size 80x24 -c help | wc -l)" -le 20 ] && ok 'help is one screen' || bad 'help is more than 20 lines'
+[ "$("$hooke" -n --size 80x24 -c help | wc -l)" -le 20 ] && ok 'help is one screen' || bad 'help is more than 20 lines' ''
 echo "1..$count"

@@ -456,12 +456,10 @@ HANDLER(plan)
 COMMAND(scene, .row = {"scene", "", "choose a scene, or show the present one", "", NULL},
         .group = "SCENE",
         .text = "Sets all parameters to those of the scene, and duration and tol to its own unless "
-                "they were set; method, dt "
-                "and\nrecordings stay. 'list scenes' shows what there is. "
-                "Without NAME it\nshows the present one, with the equations, forces and events "
-                "that were typed. 'scene new' "
-                "begins an empty one for equations\nof your own; under a NAME it can be chosen "
-                "again later.",
+                "they were set; method, dt and\nrecordings stay. 'list scenes' shows what there "
+                "is. Without NAME it\nshows the present one, with the equations, forces and events "
+                "that were typed. 'scene new' begins an empty one for equations\nof your own; "
+                "under a NAME it can be chosen again later.",
         .examples = "scene damped\nscene new decay; var x = 1; x' = -x; run 1 s",
         .see = "set show plan var force", .flags = COMMAND_CHANGES,
         ARGUMENTS(PLACE("NAME|new", TYPE_SCENE), PLACE("NAME", TYPE_TEXT)))

@@ -432,17 +432,33 @@ HANDLER(help)
 
 /* ---- apropos ---- */
 
-static int search(const struct catalog *catalog, struct text word, struct reply *reply)
+/* Each of the words, somewhere in what is said of the row. */
+static bool speaks_of(const struct catalog *catalog, const struct row *row, struct text words)
+{
+    const char *text = catalog == &command_catalog ? command_at(row)->text
+                       : catalog == &guide_catalog
+                           ? ((const struct guide_topic *)(const void *)row)->text
+                           : NULL;
+    const char *const said[] = {row->name, row->brief, row->citation, text};
+    bool all = true;
+    while (words.len > 0 && all) {
+        const struct text word = peek_word(words, "");
+        size_t i = 0;
+        while (i < COUNT_OF(said) && !mentions(said[i], word))
+            i++;
+        all = i < COUNT_OF(said);
+        words = (struct text){words.at + word.len, words.len - word.len};
+        text_skip_blanks(&words);
+    }
+    return all;
+}
+
+static int search(const struct catalog *catalog, struct text words, struct reply *reply)
 {
     int found = 0;
     for (size_t i = 0; i < catalog->count; i++) {
         const struct row *row = catalog_row(catalog, i);
-        const bool in_text =
-            (catalog == &command_catalog && mentions(command_at(row)->text, word)) ||
-            (catalog == &guide_catalog &&
-             mentions(((const struct guide_topic *)(const void *)row)->text, word));
-        if (mentions(row->name, word) || mentions(row->brief, word) ||
-            mentions(row->citation, word) || in_text) {
+        if (speaks_of(catalog, row, words)) {
             reply_line(reply, "%-18s %-10s %s", row->name, catalog->kind, row->brief);
             found++;
         }
@@ -473,7 +489,8 @@ COMMAND(
     ARGUMENTS(PLACE("WORD", TYPE_REST)))
 
 COMMAND(apropos, .row = {"apropos", "", "search names and explanations", "", NULL},
-        .group = "SESSION", .text = "Finds the word in names, one-line explanations and sources.",
+        .group = "SESSION",
+        .text = "Finds what speaks of all the words: in its name, explanation or source.",
         .examples = "apropos energy\napropos Hairer", .see = "help list",
         .flags = COMMAND_UNRECORDED | COMMAND_ANYTIME,
         ARGUMENTS(PLACE("WORD", TYPE_REST, .flags = ARG_REQUIRED)))

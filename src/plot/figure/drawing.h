@@ -10,6 +10,7 @@
 
 #define PERIOD_COLUMNS_ASCII 8 /* least columns a period that can still be followed */
 #define PERIOD_COLUMNS_DOTS 5
+#define PERIOD_COLUMNS_PICTURE 2          /* of PICTURE_COLUMNS */
 #define DRAWN_COLUMNS (LIMIT_OVERLAY + 1) /* of one run, as many as have marks of their own */
 #define FRAME_COLUMNS 10                  /* [cell] of the width that labels and frame take */
 

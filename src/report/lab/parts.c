@@ -158,7 +158,8 @@ enum run_column {
     RUN_STATUS
 };
 
-static void put_run_cell(struct document *document, const struct run *run, enum run_column column)
+/* False: there is nothing to say. */
+static bool put_run_cell(struct document *document, const struct run *run, enum run_column column)
 {
     struct buffer text = {0};
     struct ledger ledger;
@@ -199,9 +200,32 @@ static void put_run_cell(struct document *document, const struct run *run, enum 
         buffer_put(&text, text_of(stop_name(run->stop)));
         break;
     }
-    document_put(document, BLOCK_CELL,
-                 strcmp(buffer_view(&text), "nan") == 0 ? "-" : buffer_view(&text));
+    const bool known = strcmp(buffer_view(&text), "nan") != 0;
+    document_put(document, BLOCK_CELL, known ? buffer_view(&text) : "-");
     buffer_free(&text);
+    return known;
+}
+
+/* What the heads of the columns mean in which one of the cells is filled. */
+static void put_meaning(struct document *document, const bool filled[RUN_STATUS + 1])
+{
+    static const char *const meaning[RUN_STATUS + 1] = {
+        [RUN_ENERGY] = "E/E0: energy at the end over that at the start.",
+        [RUN_BALANCE] = "max dE/E0: largest error of the energy, of its balance where drag or "
+                        "drive do work.",
+        [RUN_ERROR] = "max error: largest distance from the exact motion, in amplitudes.",
+    };
+    bool begun = false;
+    for (int c = 0; c <= RUN_STATUS; c++) {
+        if (!meaning[c] || !filled[c])
+            continue;
+        if (!begun)
+            document_open(document, BLOCK_PARAGRAPH);
+        document_say(document, "%s%s", begun ? " " : "", meaning[c]);
+        begun = true;
+    }
+    if (begun)
+        document_close(document, BLOCK_PARAGRAPH);
 }
 
 static void put_notes(struct report *report, const int *run, int runs)
@@ -237,12 +261,13 @@ void put_runs(struct report *report, const int *run, int runs, bool distance)
         "run",  "method",    "step",      "steps",  "to t",
         "E/E0", "max dE/E0", "max error", "status", "rms from the data"};
     struct document *document = &report->document;
+    bool filled[RUN_STATUS + 1] = {false};
     put_heading(document, heads, (int)COUNT_OF(heads) - !distance);
     for (int i = 0; i < runs; i++) {
         const struct run *one = report->session->run[run[i]]->run;
         document_open(document, BLOCK_ROW);
         for (int c = RUN_NUMBER; c <= RUN_STATUS; c++)
-            put_run_cell(document, one, (enum run_column)c);
+            filled[c] |= put_run_cell(document, one, (enum run_column)c);
         const int data = distance ? recording_beside(report, run[i], PLOT_POSITION) : -1;
         if (data >= 0) {
             struct recording *recording = report->session->recording[data]->recording;
@@ -258,11 +283,7 @@ void put_runs(struct report *report, const int *run, int runs, bool distance)
         document_close(document, BLOCK_ROW);
     }
     document_close(document, BLOCK_TABLE);
-    document_put(document, BLOCK_PARAGRAPH,
-                 "E/E0: energy at the end over that at the start. max dE/E0: largest error of the "
-                 "energy, of its balance "
-                 "where drag or drive do work. max error: largest distance from the exact motion, "
-                 "in amplitudes.");
+    put_meaning(document, filled);
     put_notes(report, run, runs);
 }
 

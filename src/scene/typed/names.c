@@ -109,10 +109,11 @@ int typed_symbol(struct compile *c, struct text name, enum symbol_kind kind, int
             error_hint(c->error, "var NAME = VALUE begins an empty scene");
             return -1;
         }
-        error_at(c->error, where, "'%.*s' is there twice: %s", (int)name.len, name.at,
-                 c->symbol[i].kind == SYMBOL_VELOCITY ? "it is the velocity of another variable"
-                 : c->symbol[i].hidden                ? "it is an initial value"
-                                                      : "choose another name");
+        error_at(c->error, where, "'%.*s' is there twice%s", (int)name.len, name.at,
+                 c->symbol[i].kind == SYMBOL_VELOCITY ? ": it is the velocity of another variable"
+                 : c->symbol[i].hidden                ? ": it is an initial value"
+                                                      : "");
+        error_hint(c->error, "choose another name, as %.*s_1", (int)name.len, name.at);
         return -1;
     }
     *symbol = (struct symbol){.kind = kind, .index = index, .primed = -1};
