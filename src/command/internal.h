@@ -52,6 +52,9 @@ struct parser value_parser(struct session *session, const struct arguments *args
 bool read_value(struct parser *parser, const char *what, enum quantity quantity, struct item *item,
                 struct error *error);
 
+/* The next of NAME=… or --option, up to a blank with another behind it (study/sweep.c). */
+struct text next_key_argument(struct text *rest);
+
 /* The line and the record of a table that was written. */
 void reply_exported(struct reply *reply, struct text file, const struct table *table);
 

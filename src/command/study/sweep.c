@@ -14,7 +14,7 @@
 /* ---- reading NAME=FROM:TO[:STEP|:xFACTOR], measure=…, options ---- */
 
 /* The next argument: up to a blank with NAME= or --option behind it. */
-static struct text next_argument(struct text *rest)
+struct text next_key_argument(struct text *rest)
 {
     text_skip_blanks(rest);
     size_t end = 1;
@@ -192,7 +192,7 @@ static bool read_sweep(struct session *session, const struct arguments *args,
 {
     struct text rest = argument_value(args, "NAME=RANGE")->item->text;
     while (text_skip_blanks(&rest), rest.len > 0) {
-        const struct text argument = next_argument(&rest), name = peek_name(argument);
+        const struct text argument = next_key_argument(&rest), name = peek_name(argument);
         struct parser parser = {
             session, args->scope, args->arena, {argument.at + name.len, argument.len - name.len}};
         text_skip_blanks(&parser.rest);
