@@ -62,7 +62,8 @@ static const struct result_row rows[] = {
     STUDIED("stress", "a row for each case and method"),
     STUDIED("selftest", "a row for each method"),
     STUDIED("sweep", "a row for each point"),
-    {.row = {"equilibrium", "", "a row for each equilibrium", "", NULL},
+    {.row = {"equilibria", "", "a row for each equilibrium", "", NULL},
+     .kind = "equilibrium",
      .study = true,
      .type = "equilibria"},
     FOUND("fit", "the last one: its values, laws and parameters", "fit"),
@@ -80,10 +81,21 @@ static const struct result_row rows[] = {
 
 const struct catalog result_catalog = CATALOG("result", rows);
 
+static const struct result_row *result_at(const struct row *row)
+{
+    return (const struct result_row *)(const void *)row;
+}
+
+/* Of the records that are its rows. */
+static struct text kind_of(const struct result_row *row)
+{
+    return text_of(row->kind ? row->kind : row->row.name);
+}
+
 static const struct result_row *row_of(struct text kind)
 {
     for (size_t i = 0; i < COUNT_OF(rows); i++)
-        if (text_is(kind, rows[i].kind ? rows[i].kind : rows[i].row.name))
+        if (text_equal(kind, kind_of(&rows[i])))
             return &rows[i];
     return NULL;
 }
@@ -103,12 +115,12 @@ static void say_now(struct session *session, const struct result_row *row)
 bool export_result(struct session *session, const struct row *of, struct export *export,
                    struct error *error)
 {
-    const struct result_row *row = (const struct result_row *)(const void *)of;
+    const struct result_row *row = result_at(of);
     if (row->table)
         return row->table(session, export, error);
     if (row->say)
         say_now(session, row);
-    const struct stored_table *stored = table_store_find(&session->found, text_of(of->name));
+    const struct stored_table *stored = table_store_find(&session->found, kind_of(row));
     if (!stored) {
         error_set(error, ERROR_COMMAND, "there is no table of %s yet", of->name);
         return error_hint(error, "type: %s", row->type);
@@ -178,12 +190,12 @@ const struct row *session_keep_results(struct session *session, struct table_sto
         const struct result_row *row = row_of(text_of(said->of[i]->kind));
         if (!row && of && said->count == 1) /* rows of a catalog have the kind that it has */
             said->of[i]->kind = of->name;
-        if (row && (!of || !table_store_find(said, text_of(of->name))))
+        if (row && (!of || !table_store_find(said, kind_of(result_at(of)))))
             of = &row->row;
     }
     /* What was found by another statement is none of this one's. */
-    const struct result_row *row = (const struct result_row *)(const void *)of;
-    if (row && !row->table && !row->say && !table_store_find(said, text_of(of->name)))
+    const struct result_row *row = result_at(of);
+    if (row && !row->table && !row->say && !table_store_find(said, kind_of(row)))
         of = NULL;
     table_store_take(&session->found, said, keep, session);
     return of;

@@ -56,6 +56,9 @@ static bool read_side(struct session *session, const struct arguments *args, str
     const struct text name = peek_name(argument);
     const int i = name.len > 0 ? model_state(system->model, name) : -1;
     struct item item = {0};
+    if (text_starts(argument, TEXT("--")))
+        return error_at(error, argument, "equilibria has no option '%.*s'",
+                        (int)(argument.len < 64 ? argument.len : 64) - 2, argument.at + 2);
     if (i < 0) {
         error_at(error, name.len > 0 ? name : argument, "'%.*s' is no variable of the scene",
                  (int)argument.len, argument.at);

@@ -10,8 +10,9 @@
 
 #include "study/fit/variation.h"
 
-#define FIELD_VARIABLES 7 /* n, n^2 derivatives by the start and n by a parameter are one system   \
-                           */
+#define FIELD_VARIABLES                                                                            \
+    7 /* n, n^2 derivatives by the start and n by a parameter are one system                       \
+       */
 
 struct field {
     struct scene scene;
