@@ -23,6 +23,7 @@
 
 #define COMPACT_BYTES ((uint64_t)4 << 20) /* so much may be left over before it is written anew */
 #define SYNC_NS 1000000000
+#define SYNC_STACK ((size_t)1 << 17) /* [byte] more than one call takes */
 
 /* ---- bytes ---- */
 

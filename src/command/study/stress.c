@@ -223,9 +223,9 @@ HANDLER(stress)
     const struct argument_value *wanted = argument_value(args, "METHOD");
     const struct method **method =
         arena_array(args->arena, method_catalog.count + (size_t)wanted->count, sizeof *method);
-    struct stress stress;
+    struct stress *stress = arena_array(args->arena, 1, sizeof *stress);
     int methods = 0;
-    if (!method)
+    if (!method || !stress)
         return error_memory(error);
     for (int i = 0; i < wanted->count; i++)
         method[methods++] = (const struct method *)(const void *)wanted->item[i].row;
@@ -240,17 +240,17 @@ HANDLER(stress)
     if (present && !this_scene(session, args->arena, &of, error))
         return false;
     const bool ok =
-        study_stress(present ? &of : NULL, method, methods, session->front.cancel, &stress, error);
+        study_stress(present ? &of : NULL, method, methods, session->front.cancel, stress, error);
     struct buffer text = {0};
-    if (stress.rows > 0)
-        put_stress(session, &stress, method, methods, &text);
+    if (stress->rows > 0)
+        put_stress(session, stress, method, methods, &text);
     reply_text(reply, buffer_text(&text));
     buffer_free(&text);
-    for (int i = 0; i < stress.rows; i++) {
-        const struct stress_record record = {&stress, stress.row[i]};
+    for (int i = 0; i < stress->rows; i++) {
+        const struct stress_record record = {stress, stress->row[i]};
         reply_records(reply, "stress", &stress_columns, &record, 1);
     }
-    stress_free(&stress);
+    stress_free(stress);
     return ok;
 }
 #endif

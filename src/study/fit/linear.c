@@ -27,6 +27,7 @@ struct linear_motion {
     const struct variation *variation;
     double a[BLOCK * BLOCK], b[BLOCK];
     double by[LIMIT_VARIABLES * BLOCK], c[LIMIT_VARIABLES]; /* B_j, c_j one below the other */
+    double scratch[3][AUGMENTED * AUGMENTED];               /* 100 kB: too much for a stack */
     double storage[];                                       /* of the propagators */
 };
 
@@ -163,11 +164,11 @@ static void exponential(int n, double *x, double work[2][AUGMENTED * AUGMENTED])
 /* [A 0 b; B A c; 0 0 0] dt holds E, F, e and f in its exponential. */
 static void prepare(struct linear_motion *m, struct linear_propagator *p)
 {
-    double x[AUGMENTED * AUGMENTED], work[2][AUGMENTED * AUGMENTED];
+    double *x = m->scratch[0];
     const int n = m->n, blocks = m->directions > 0 ? m->directions : 1,
               all = m->directions > 0 ? 2 * n + 1 : n + 1;
     for (int block = 0; block < blocks; block++) {
-        memset(x, 0, sizeof x);
+        memset(x, 0, sizeof m->scratch[0]);
         for (int i = 0; i < n; i++) {
             for (int j = 0; j < n; j++) {
                 x[i * all + j] = m->a[i * n + j] * p->dt;
@@ -180,7 +181,7 @@ static void prepare(struct linear_motion *m, struct linear_propagator *p)
             if (m->directions > 0)
                 x[(n + i) * all + all - 1] = m->c[block * n + i] * p->dt;
         }
-        exponential(all, x, work);
+        exponential(all, x, m->scratch + 1);
         for (int i = 0; i < n; i++) {
             double *e = p->base + i * (n + 1), *f = p->direction + (block * n + i) * (n + 1);
             memcpy(e, x + i * all, (size_t)n * sizeof *e);

@@ -240,17 +240,25 @@ static void add_up(struct sweep *sweep, const struct helper *helper, int count)
     }
 }
 
+/* [byte] of each thread, whatever the main one has: eight times the largest frame, that of a long
+ * formula. */
+#define STACK ((size_t)1 << 20)
+
 static bool run_workers(struct sweep_job *job, struct error *error)
 {
     struct sweep *sweep = job->sweep;
     const int count = thread_count(job->request, job->lines * job->blocks);
     struct helper *helper = calloc((size_t)count, sizeof *helper);
+    pthread_attr_t stack;
     int ready = 0;
     if (!helper)
         return error_memory(error);
+    pthread_attr_init(&stack);
+    pthread_attr_setstacksize(&stack, STACK);
     for (; ready < count && sweep_worker_init(&helper[ready].worker, job); ready++)
         helper[ready].running =
-            pthread_create(&helper[ready].thread, NULL, help, &helper[ready]) == 0;
+            pthread_create(&helper[ready].thread, &stack, help, &helper[ready]) == 0;
+    pthread_attr_destroy(&stack);
     for (int i = 0; i < ready; i++)
         sweep->threads += helper[i].running;
     if (sweep->threads > 0)
