@@ -31,7 +31,8 @@ static const char *const known[] = {
     "aaa\033[A\033[A",
     "\033\r\033[1\t",
     "\033\r/x\r\033?y\rn",
-    "\033\r\305\247\200\0330=", /* to the end of a word that is no UTF-8 */
+    "\033\r\305\247\200\0330=",                  /* to the end of a word that is no UTF-8 */
+    "r\rp\033\r\r\033[Ay\033./\a\033-\r\022p\r", /* a search left by Ctrl-G */
 };
 
 /* A Ctrl-C that is found late forgets what was typed after it: so more than once. */
@@ -61,7 +62,8 @@ static void test_known(void **state)
     for (size_t plain = 0; plain < 2; plain++) {
         for (size_t i = is_long() ? 0 : plain; i < COUNT_OF(known); i += is_long() ? 1 : 2) {
             struct person p;
-            begin(&p, (struct start){.argument = {plain ? "--plain" : NULL}});
+            begin(&p, (struct start){.argument = {plain ? "--plain" : NULL},
+                                     .environment = "MALLOC_PERTURB_=165"});
             expect(&p, "hooke>");
             type(&p, known[i]);
             settle(&p, 20);
