@@ -397,6 +397,9 @@ bool writer_open(struct writer *writer, const char *path, struct write_policy po
 void writer_put(struct writer *writer, struct text text);
 bool writer_commit(struct writer *writer, struct error *error); /* closes in every case */
 void writer_abandon(struct writer *writer);
+/* All three in one. */
+bool file_write(const char *path, struct text content, struct write_policy policy,
+                struct error *error);
 
 /* All of it, going on after signals and after a part; 0 or an errno, *text: what is left. */
 int file_put(int fd, struct text *text);

@@ -239,5 +239,7 @@ extern const struct catalog picture_catalog;
  */
 bool figure_picture(const struct figure *figure, enum picture kind, double width, double height,
                     struct buffer *out, struct error *error);
+/* Can it be drawn here at all? If not, why. */
+bool picture_offered(enum picture kind, struct error *error);
 
 #endif

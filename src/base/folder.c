@@ -167,17 +167,27 @@ bool folder_open(struct folder *folder, const char *path, struct write_policy po
 
 /* ---- filling ---- */
 
+/* Which of its files. */
+static bool refuse_file(const struct folder *folder, const char *name, int number,
+                        struct error *error)
+{
+    char path[SAFE_NAME_SIZE], file[SAFE_NAME_SIZE];
+    return error_set(error, ERROR_IO, "cannot write %s/%s: %s",
+                     safe_name(text_of(folder->at.path), path), safe_name(text_of(name), file),
+                     system_message(number));
+}
+
 bool folder_put(struct folder *folder, const char *name, struct text content, struct error *error)
 {
     struct writer file = {.folder = -1};
     file.fd = openat(folder->fd, name, O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC | O_NOFOLLOW, 0666);
     if (file.fd < 0)
-        return writer_refuse(&folder->at, error, system_message(errno));
+        return refuse_file(folder, name, errno, error);
     writer_write(&file, content);
     int number = file.failed ? file.failure : file_synced(file.fd);
     if (close(file.fd) != 0 && errno != EINTR && number == 0)
         number = errno;
-    return number == 0 || writer_refuse(&folder->at, error, system_message(number));
+    return number == 0 || refuse_file(folder, name, number, error);
 }
 
 /* ---- putting in place: each step returns 0 or an errno ---- */

@@ -304,6 +304,16 @@ bool writer_commit(struct writer *writer, struct error *error)
     return done;
 }
 
+bool file_write(const char *path, struct text content, struct write_policy policy,
+                struct error *error)
+{
+    struct writer writer;
+    if (!writer_open(&writer, path, policy, error))
+        return false;
+    writer_put(&writer, content);
+    return writer_commit(&writer, error);
+}
+
 void writer_abandon(struct writer *writer)
 {
     if (!writer->path) /* not open, or all zeros: 0 would be the descriptor of somebody else */

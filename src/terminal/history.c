@@ -3,7 +3,9 @@
  */
 #include "terminal/terminal.h"
 
+#include <errno.h>
 #include <stdlib.h>
+#include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -37,12 +39,8 @@ static int open_locked(const char *path, bool *locked, struct error *error)
  */
 static void cut_back(const char *path, struct text last)
 {
-    struct writer writer;
     struct error ignored;
-    if (writer_open(&writer, path, (struct write_policy){.force = true}, &ignored)) {
-        writer_put(&writer, last);
-        writer_commit(&writer, &ignored);
-    }
+    file_write(path, last, (struct write_policy){.force = true}, &ignored);
 }
 
 static void load(const char *path, bool locked)
@@ -96,7 +94,9 @@ bool history_append(const char *line, struct error *error)
     if (fd >= 0) {
         saved =
             text.failed ? error_memory(&why) : append_lines(fd, buffer_text(&text), false, &why);
-        close(fd);
+        /* some file systems tell only now that the disk is full */
+        if (close(fd) != 0 && errno != EINTR && saved)
+            saved = error_set(&why, ERROR_IO, "%s", strerror(errno));
     }
     buffer_free(&text);
     if (!saved)

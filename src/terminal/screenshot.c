@@ -21,13 +21,8 @@ bool screenshot_file(const struct session *session, const struct prompt_line *pr
                      int height, const char *path, struct write_policy policy, struct error *error)
 {
     struct buffer text = {0};
-    struct writer writer;
-    bool ok = screenshot_text(session, prompt, width, height, &text, error) &&
-              writer_open(&writer, path, policy, error);
-    if (ok) {
-        writer_put(&writer, buffer_text(&text));
-        ok = writer_commit(&writer, error);
-    }
+    const bool ok = screenshot_text(session, prompt, width, height, &text, error) &&
+                    file_write(path, buffer_text(&text), policy, error);
     buffer_free(&text);
     return ok;
 }

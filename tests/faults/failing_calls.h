@@ -35,6 +35,7 @@ static struct {
     int at, calls, number;
     const char *struck; /* name of the call that failed */
     bool no_tmpfile, no_noreplace, torn;
+    bool dry; /* nothing is put on the disk: thousands of files would take long */
 } fault;
 
 static bool strikes(const char *name)
@@ -73,8 +74,6 @@ static void find_real(void *function, const char *name)
         return result;                                                                             \
     }
 
-INTERPOSE(int, fsync, (int fd), (fd))
-INTERPOSE(int, fdatasync, (int fd), (fd))
 INTERPOSE(int, ftruncate, (int fd, off_t size), (fd, size))
 INTERPOSE(int, flock, (int fd, int operation), (fd, operation))
 INTERPOSE(int, dup, (int fd), (fd))
@@ -89,6 +88,29 @@ INTERPOSE(ssize_t, getrandom, (void *bytes, size_t count, unsigned flags), (byte
 INTERPOSE(int, fstatat,
           (int folder, const char *restrict path, struct stat *restrict st, int flags),
           (folder, path, st, flags))
+
+static int sync_with(int (**real)(int), const char *name, int fd)
+{
+    if (!*real)
+        find_real(real, name);
+    if (strikes(name))
+        return -1;
+    const int result = fault.dry ? 0 : (*real)(fd);
+    afterwards();
+    return result;
+}
+
+int fsync(int fd)
+{
+    static int (*real)(int);
+    return sync_with(&real, "fsync", fd);
+}
+
+int fdatasync(int fd)
+{
+    static int (*real)(int);
+    return sync_with(&real, "fdatasync", fd);
+}
 
 ssize_t write(int fd, const void *bytes, size_t count)
 {

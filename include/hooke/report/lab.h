@@ -36,8 +36,8 @@ enum section {
     SECTION_COUNT
 };
 
-#define REPORT_FIGURES 128
-#define REPORT_OVERLAY 4 /* runs in one figure: as many as have marks of their own */
+#define REPORT_FIGURES 1024 /* a session that holds as much as it can has fewer */
+#define REPORT_OVERLAY 4    /* runs in one figure: as many as have marks of their own */
 
 struct material; /* private: material.h */
 

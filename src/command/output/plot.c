@@ -48,14 +48,10 @@ static bool write_file(const struct session *session, const struct arguments *ar
     const struct item *file = argument_value(args, ">")->item;
     const char *path = arena_text(args->arena, file->text);
     struct buffer shown = {0};
-    struct writer writer;
-    bool ok = path ? writer_open(&writer, path,
-                                 session_policy(session, has_argument(args, "force")), error)
-                   : error_memory(error);
-    if (ok) {
-        writer_put(&writer, buffer_text(content));
-        ok = writer_commit(&writer, error);
-    }
+    const bool ok = path && !content->failed
+                        ? file_write(path, buffer_text(content),
+                                     session_policy(session, has_argument(args, "force")), error)
+                        : error_memory(error);
     safe_text(&shown, file->text, false);
     if (ok)
         reply_line(reply, "figure written to %s", buffer_view(&shown));

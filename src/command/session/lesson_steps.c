@@ -146,20 +146,14 @@ bool lesson_files(struct session *session, struct error *error)
     if (!lesson_step(lesson, lesson->step, &step) || (!step.bare && !step.disk))
         return true;
     struct buffer wanted = {0}, there = {0};
-    struct writer writer;
     struct error missing;
     char name[64];
     snprintf(name, sizeof name, "%s-%ld.txt", step.disk ? "disk" : "bare", lesson->seed);
     put_recording(lesson->seed, step.disk, &wanted);
     bool ok = !wanted.failed || error_memory(error);
     if (ok && (!file_read(name, 1u << 24, &there, &missing) ||
-               !text_equal(buffer_text(&there), buffer_text(&wanted)))) {
-        ok = writer_open(&writer, name, session_policy(session, false), error);
-        if (ok) {
-            writer_put(&writer, buffer_text(&wanted));
-            ok = writer_commit(&writer, error);
-        }
-    }
+               !text_equal(buffer_text(&there), buffer_text(&wanted))))
+        ok = file_write(name, buffer_text(&wanted), session_policy(session, false), error);
     buffer_free(&wanted);
     buffer_free(&there);
     return ok;

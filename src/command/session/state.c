@@ -82,18 +82,13 @@ HANDLER(save)
         return false;
     char *path = arena_text(args->arena, file->text);
     struct buffer text = {0};
-    struct writer writer;
     session_save(session, &text);
     if (!path || text.failed) {
         buffer_free(&text);
         return error_memory(error);
     }
-    bool ok =
-        writer_open(&writer, path, session_policy(session, has_argument(args, "force")), error);
-    if (ok) {
-        writer_put(&writer, buffer_text(&text));
-        ok = writer_commit(&writer, error);
-    }
+    const bool ok = file_write(path, buffer_text(&text),
+                               session_policy(session, has_argument(args, "force")), error);
     buffer_free(&text);
     if (!ok && !error->where.at)
         error->where = file->text;

@@ -53,6 +53,16 @@ static bool is_room(double area)
     return room != NULL;
 }
 
+static bool has_cairo(enum picture kind, struct error *error)
+{
+    struct cairo_api api;
+    (void)kind;
+    if (!cairo_load(&api, LIBRARY, error))
+        return false;
+    cairo_unload(&api);
+    return true;
+}
+
 static bool through_cairo(const struct figure *figure, enum picture kind, double width,
                           double height, struct buffer *out, struct error *error)
 {
@@ -66,15 +76,20 @@ static bool through_cairo(const struct figure *figure, enum picture kind, double
     return done;
 }
 #else
-static bool through_cairo(const struct figure *figure, enum picture kind, double width,
-                          double height, struct buffer *out, struct error *error)
+static bool has_cairo(enum picture kind, struct error *error)
 {
-    (void)figure, (void)width, (void)height, (void)out;
     error_set(error, ERROR_COMMAND, "this hooke was built without cairo, which draws %s",
               kind == PICTURE_PDF ? "pdf files" : "pixels");
     return error_hint(
         error, "install libcairo2-dev and build it again, or write a picture into a file that ends "
                "in .svg");
+}
+
+static bool through_cairo(const struct figure *figure, enum picture kind, double width,
+                          double height, struct buffer *out, struct error *error)
+{
+    (void)figure, (void)width, (void)height, (void)out;
+    return has_cairo(kind, error);
 }
 #endif
 
@@ -96,6 +111,11 @@ static bool as_svg(const struct figure *figure, double width, double height, str
 static double page_length(double wanted, double usual)
 {
     return !(wanted > 0) ? usual : fmin(fmax(wanted, LENGTH_MIN), LENGTH_MAX);
+}
+
+bool picture_offered(enum picture kind, struct error *error)
+{
+    return kind == PICTURE_SVG || has_cairo(kind, error);
 }
 
 bool figure_picture(const struct figure *figure, enum picture kind, double width, double height,

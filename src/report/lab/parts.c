@@ -386,16 +386,19 @@ static bool write_figure(struct report *report, const struct figure_request *req
     ok = ok && figure_picture(&untitled, PICTURE_SVG, 0, 0, &svg, error) &&
          put_words(report, *request, &words, error) && put_file(report, name, "svg", &svg, error) &&
          put_file(report, name, "txt", &text, error);
-    bool drawn = ok && report->latex && !report->no_pdf[0];
-    if (drawn && !figure_picture(&untitled, PICTURE_PDF, 0, 0, &pdf, &why)) {
+    if (report->latex && !report->no_pdf[0] && !picture_offered(PICTURE_PDF, &why))
         snprintf(report->no_pdf, sizeof report->no_pdf, "%s", why.text);
-        drawn = false;
-    }
-    ok = ok && (!drawn || put_file(report, name, "pdf", &pdf, error));
+    const bool drawn = report->latex && !report->no_pdf[0];
+    ok = ok && (!drawn || (figure_picture(&untitled, PICTURE_PDF, 0, 0, &pdf, error) &&
+                           put_file(report, name, "pdf", &pdf, error)));
     document_figure(&report->document,
                     &(struct document_picture){name, buffer_view(&words), buffer_text(&svg),
                                                buffer_text(&text), drawn});
     put_caption(report, request);
+    if (!ok && error->code != ERROR_IO) { /* which says which file */
+        why = *error;
+        error_set(error, why.code, "%s: %s", name, why.text);
+    }
     buffer_free(&text);
     buffer_free(&svg);
     buffer_free(&pdf);
@@ -416,9 +419,10 @@ bool put_figure(struct report *report, enum section section, enum plot_kind kind
                                      .charset = CHARSET_BRAILLE,
                                      .trail = HUGE_VAL};
     struct figure figure;
-    if ((runs > 0 && !plot_fits(kind, session->run[run[0]]->run->system.model)) ||
-        report->figures == REPORT_FIGURES)
+    if (runs > 0 && !plot_fits(kind, session->run[run[0]]->run->system.model))
         return true;
+    if (report->figures == REPORT_FIGURES)
+        return error_set(error, ERROR_COMMAND, "a report has at most %d figures", REPORT_FIGURES);
     choose_window(session, &request);
     if (!session_figure(session, &request, report->arena, &figure, error))
         return false;
