@@ -40,6 +40,9 @@ mkdir mine && echo treasure >mine/thesis.tex
 status_is "a folder of something else is not replaced with --force" 4 "$hooke" -c 'run 1 s; report mine --force'
 grep -q treasure mine/thesis.tex
 ok "what is in it stays" $?
+status_is "a report without one of its figures is none" 4 bash -c "ulimit -f 3; exec '$hooke' -c 'run 10 s; report cut'"
+grep -q 'cannot write cut/figure-01-.*[.]svg: File too large' err.txt && [ -z "$(ls -d cut .hooke-* 2>/dev/null)" ]
+ok "it says which, and nothing is there" $? "$(cat err.txt; ls -A)"
 mkdir confined
 status_is "--safe confines reports to the current directory" 4 bash -c "cd confined && '$hooke' --safe -c 'run 1 s; report ../escaped'"
 [ ! -e escaped ]
