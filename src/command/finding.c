@@ -5,6 +5,7 @@
 
 #include <hooke/command.h>
 #include <hooke/plot.h>
+#include <hooke/report.h>
 
 #include <string.h>
 #include <strings.h>
@@ -162,6 +163,7 @@ static const struct use {
     {&list_catalog, "'list %1' shows them"},
     {&layout_catalog, "'layout %1' shows it"},
     {&observable_catalog, "'print %1' shows it, of a run"},
+    {&result_catalog, "'plot COLUMN against COLUMN of %1' draws its result"},
     {&guide_catalog, "'help %1' shows how"},
     {&command_catalog,
      "'%1' is a command: 'help %1'"}, /* the last: who is near a name wants that */
@@ -192,6 +194,7 @@ static bool put_uses(struct text name, const char *kind, bool guessed, struct bu
         const struct row *row = catalog_find(uses[i].catalog, name);
         /* what print shows stands for no choice, and expressions know it where it is there */
         if (!row || text_starts(text_of(kind), text_of(uses[i].catalog->kind)) ||
+            (uses[i].catalog == &result_catalog && !is_kind(kind, "plot")) ||
             (uses[i].catalog == &observable_catalog && *kind && !is_kind(kind, "command") &&
              !is_kind(kind, "plot") && !is_kind(kind, "quantity")))
             continue;

@@ -48,7 +48,11 @@ def upward(x, y, level):
             at.append(x[i - 1] + (x[i] - x[i - 1]) * (level - y[i - 1]) / (y[i] - y[i - 1]))
     return at
 
+def plain(text):  # VALUE +- UNCERTAINTY UNIT: the unit behind the value, too
+    return re.sub("(with a period of )" + NUM + r" \+- " + NUM + UNIT, lambda m: m.group(1) + m.group(2) + " " + (m.group(4) or "") + " +- " + m.group(3), text)
+
 def judge(text, x, y):
+    text = plain(text)
     pairs = [(a, b) for a, b in zip(x, y) if not (math.isnan(a) or math.isnan(b))]
     n = len(re.findall(r"[.](?= [A-Z]| [a-z]|$)", text))
     if not 3 <= n <= 6: raise Fault("%d sentences" % n)
@@ -185,10 +189,12 @@ def recordings():
 def judge_recording(text, T, rate):
     n = len(re.findall(r"[.](?= [A-Z]| [a-z]|$)", text))
     if not 3 <= n <= 6: raise Fault("%d sentences" % n)
+    text = plain(text)
     m = re.search("with a period of " + NUM + UNIT, text)
     if not m: raise Fault("no period")
     told = float(m.group(1)) * SI[m.group(2)]
-    if abs(told - T) > 0.002 * T: raise Fault("period %g, is %g" % (told, T))
+    # its digits follow its uncertainty: 0.76 +- 0.02
+    if abs(told - T) > max(0.002 * T, size(m.group(1)) * SI[m.group(2)]): raise Fault("period %g, is %g" % (told, T))
     if rate is None: return
     m = re.search(r"its amplitude shrinks from " + NUM + UNIT + " to " + NUM, text)
     if not m: raise Fault("it shrinks")

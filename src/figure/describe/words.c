@@ -3,6 +3,8 @@
 #include "figure/describe/internal.h"
 #include "figure/internal.h"
 
+#include <hooke/result.h>
+
 #include <math.h>
 
 #define DIGITS 4
@@ -186,10 +188,13 @@ static void put_oscillation(const struct described *s, struct buffer *out)
         figure_value(s->y, fabs(level) < SAME * large ? 0 : level, s->up, out);
     }
     buffer_put(out, TEXT(" with a period of "));
-    figure_value(s->x, c->period, NULL, out);
     if (isfinite(c->spread) && c->spread > 1e-6 * c->period) {
-        buffer_put(out, TEXT(" +- "));
-        put_digits(c->spread / axis_factor(s->x), 2, out);
+        const double factor = axis_factor(s->x);
+        buffer_measured(out, (struct measured){c->period / factor, c->spread / factor},
+                        QUANTITY_NUMBER, DIGITS);
+        put_unit(s->x, out);
+    } else {
+        figure_value(s->x, c->period, NULL, out);
     }
     buffer_format(out, " and crosses the middle %zu time%s", c->crossings,
                   c->crossings == 1 ? "" : "s");
@@ -223,6 +228,8 @@ static void put_winding(const struct described *s, struct buffer *out)
     figure_value(s->x, c->distance[0], NULL, out);
     buffer_put(out, TEXT(" to "));
     figure_value(s->x, c->distance[1], NULL, out);
+    const double turns = floor(fabs(c->winds));
+    buffer_format(out, " in %.0f turn%s", turns, turns > 1 ? "s" : "");
 }
 
 /* Without its subject; false: nothing more than its ends is known. */

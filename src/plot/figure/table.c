@@ -90,6 +90,18 @@ static const struct table_column *find_groups(const struct table *table, int *co
     return NULL;
 }
 
+/* Of a column that says yes or no, what it asks: fitted, not fitted. */
+static const char *group_label(struct drawing *d, const struct table_column *of, const char *group)
+{
+    struct buffer label = {0};
+    if (!of || (strcmp(group, "true") != 0 && strcmp(group, "false") != 0))
+        return group;
+    buffer_format(&label, "%s%s", strcmp(group, "true") == 0 ? "" : "not ", of->name);
+    const char *kept = label.failed ? group : arena_text(d->arena, buffer_text(&label));
+    buffer_free(&label);
+    return kept;
+}
+
 static bool add_curve(struct drawing *d, const struct table_column *x, const struct table_column *y,
                       const struct table_column *of, const char *group)
 {
@@ -106,7 +118,7 @@ static bool add_curve(struct drawing *d, const struct table_column *x, const str
         value[table->rows + n++] = y->value[i];
     }
     if (n > 0)
-        d->curve[d->curves++] = (struct curve){.label = group,
+        d->curve[d->curves++] = (struct curve){.label = group_label(d, of, group),
                                                .x = value,
                                                .y = value + table->rows,
                                                .n = n,
@@ -139,7 +151,7 @@ bool drawing_table(struct drawing *d, struct figure *figure)
             return false;
         }
         for (int g = 0; g < groups; g++)
-            if (!add_curve(d, x, y, of, request->columns > 1 ? y->name : group[g]))
+            if (!add_curve(d, x, y, of, of ? group[g] : y->name))
                 return false;
     }
     if (d->curves == 0)
