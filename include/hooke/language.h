@@ -103,6 +103,7 @@ enum completes {
     COMPLETES_SWEEP,    /* NAME=FROM:TO */
     COMPLETES_TOPICS,   /* of help */
     COMPLETES_ATOL,     /* variables, then values */
+    COMPLETES_KINDS,    /* kinds of lists, then kinds of methods */
     COMPLETES_SHOWN,    /* groups and names */
     COMPLETES_VALUES,   /* a name, then its unit or choices */
     COMPLETES_EQUATION, /* NAME' = EXPR */

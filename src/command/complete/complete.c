@@ -3,6 +3,7 @@
  * executed and no expression is evaluated. */
 #include "command/complete/complete.h"
 #include "command/internal.h"
+#include "command/session/list_methods.h"
 
 #include <string.h>
 
@@ -141,6 +142,9 @@ static void complete_arguments(struct completion *c, const struct command *comma
         complete_topics(c);
     else if (command->completes == COMPLETES_ATOL)
         complete_atol(c, count_words(before) > 0);
+    else if (command->completes == COMPLETES_KINDS &&
+             text_is(peek_name(text_trim(before)), "methods"))
+        complete_catalog(c, &method_kind_catalog);
     else if (command->completes == COMPLETES_SHOWN) {
         complete_catalog(c, &show_catalog);
         complete_names(c);

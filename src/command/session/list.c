@@ -151,5 +151,6 @@ COMMAND(list, .row = {"list", "", "list what there is of a kind", "", "ls"}, .gr
                 "explicit, multistep, exact, order N.",
         .examples = "list methods stiff adaptive\nlist measurements", .see = "help show",
         .flags = COMMAND_UNRECORDED | COMMAND_ANYTIME | COMMAND_TABLES,
+        .completes = COMPLETES_KINDS,
         ARGUMENTS(PLACE("KIND", TYPE_CHOICE, .flags = ARG_REQUIRED, .choices = &list_catalog),
                   PLACE("WORDS", TYPE_REST)))

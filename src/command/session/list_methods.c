@@ -25,7 +25,7 @@ static const struct method_filter {
     FILTER("multistep", "remembers steps", METHOD_MULTISTEP, METHOD_EXTERNAL),
     FILTER("exact", "the closed form", METHOD_EXACT, 0),
 };
-static const struct catalog filter_catalog = CATALOG("kind of method", filters);
+const struct catalog method_kind_catalog = CATALOG("kind of method", filters);
 
 struct wanted_methods {
     unsigned any[COUNT_OF(filters)], none[COUNT_OF(filters)];
@@ -48,9 +48,9 @@ static bool read_wanted(struct text words, struct wanted_methods *wanted, struct
             words = (struct text){words.at + number.len, words.len - number.len};
             continue;
         }
-        const struct row *row = catalog_find(&filter_catalog, word);
+        const struct row *row = catalog_find(&method_kind_catalog, word);
         if (!row) {
-            catalog_unknown(&filter_catalog, word, error);
+            catalog_unknown(&method_kind_catalog, word, error);
             return error_hint(error, "(or 'order N')");
         }
         const struct method_filter *filter = (const struct method_filter *)(const void *)row;

@@ -4,6 +4,8 @@
 
 #include <hooke/result.h>
 
+extern const struct catalog method_kind_catalog; /* stiff, adaptive, ... */
+
 /* Those methods that all of the words choose ("stiff adaptive", "order 4"; none: all) as a table,
  * each with its record. False: a word is unknown, or no method is all of that. */
 bool list_methods(struct text words, void (*record)(const struct row *row, struct reply *reply),

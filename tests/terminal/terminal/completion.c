@@ -93,6 +93,8 @@ static void test_no_end(void **state)
     expect(&p, "42");
     type(&p, "save --f\t");
     expect_prompt(&p, "hooke> save --force");
+    type(&p, "\x15list methods stiff ad\t");
+    expect_prompt(&p, "hooke> list methods stiff adaptive");
     quit(&p);
 }
 
