@@ -464,6 +464,12 @@ static inline bool cancelled(const struct cancel *cancel)
                                           memory_order_relaxed) != 0;
 }
 
+/* The look of a loop, at its row i. */
+static inline bool cancelled_at(const struct cancel *cancel, size_t i)
+{
+    return i % LOOK_EACH_ROWS == 0 && cancelled(cancel);
+}
+
 /* ---- limits: one table, shown in the man page ---- */
 
 #define LIMIT_LINE (1u << 20)          /* bytes in a command line */

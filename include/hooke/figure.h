@@ -84,7 +84,15 @@ struct curve {
     /* [n] of points in a picture: half the length of an error bar; NAN: without one; NULL: none
        has one. Text figures have no room for them. */
     const double *bar;
+    const struct cancel *cancel; /* ends every loop over its samples; NULL: nobody can */
 };
+
+/* Whether a loop over its samples has sample i to come to. Once it was cancelled it has none: what
+ * is made of it is dropped. */
+static inline bool curve_goes_on(const struct curve *curve, size_t i)
+{
+    return i < curve->n && (i % LOOK_EACH_ROWS != 0 || !cancelled(curve->cancel));
+}
 
 struct figure {
     const char *title;
@@ -110,6 +118,8 @@ struct figure {
     const char *caption;
 };
 
+/* Whether a curve was cancelled: what was made of it is to be dropped. */
+bool figure_stopped(const struct figure *figure);
 /* The first curve (of this panel) that has a band with a name; NULL: none. */
 const struct curve *figure_band(const struct figure *figure);
 
@@ -185,7 +195,7 @@ bool figure_cell(const struct figure_layout *layout, double x, double y, int *co
  * fits. */
 bool figure_draw(const struct figure *figure, struct canvas *canvas, int x, int y, int width,
                  int height, enum charset charset);
-/* The whole figure as text lines. */
+/* The whole figure as text lines; false: no memory, or it was stopped. */
 bool figure_print(const struct figure *figure, int width, int height, enum charset charset,
                   bool color, struct buffer *out);
 

@@ -57,6 +57,8 @@ bool series_derivative(const struct series *series, int points, struct arena *ar
     const double longest = GAP * median_step(series, gain);
     size_t begin = 0, end = 0, known = 0; /* [begin, end): without a gap */
     for (size_t i = 0; i < n; i++) {
+        if (cancelled_at(series->cancel, i))
+            return error_set(error, ERROR_CANCELLED, "stopped");
         if (i == end) {
             begin = i;
             for (end = i + 1; end < n && series->t[end] - series->t[end - 1] <= longest;)

@@ -249,7 +249,7 @@ static void widen_by_bars(const struct figure *figure, struct extent *extent)
 {
     for (int c = 0; c < figure->curves && !figure->y.log; c++) {
         const struct curve *curve = &figure->curve[c];
-        for (size_t i = 0; i < curve->n && curve->bar && curve_drawn(figure, c); i++) {
+        for (size_t i = 0; curve_goes_on(curve, i) && curve->bar && curve_drawn(figure, c); i++) {
             const bool beside =
                 figure->x.fixed && !(curve->x[i] >= figure->x.from && curve->x[i] <= figure->x.to);
             if (beside || !isfinite(curve->x[i]) || !isfinite(curve->y[i] + curve->bar[i]))

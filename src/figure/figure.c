@@ -356,6 +356,14 @@ bool figure_draw(const struct figure *figure, struct canvas *canvas, int x, int 
     return true;
 }
 
+bool figure_stopped(const struct figure *figure)
+{
+    bool stopped = false;
+    for (int i = 0; i < figure->curves; i++)
+        stopped |= cancelled(figure->curve[i].cancel);
+    return stopped;
+}
+
 bool figure_print(const struct figure *figure, int width, int height, enum charset charset,
                   bool color, struct buffer *out)
 {
@@ -368,5 +376,5 @@ bool figure_print(const struct figure *figure, int width, int height, enum chars
     bool done = figure_draw(figure, &canvas, 0, 0, width, height, charset);
     canvas_print(&canvas, color, out);
     canvas_free(&canvas);
-    return done && !out->failed;
+    return done && !out->failed && !figure_stopped(figure);
 }

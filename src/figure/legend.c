@@ -104,7 +104,7 @@ double page_heading(struct page *page, bool legend, bool draw)
 /* What lies between y - spread and y + spread. */
 static bool band_meets(const struct page *page, const struct curve *curve, const double box[4])
 {
-    for (size_t i = 1; i < curve->n; i++) {
+    for (size_t i = 1; curve_goes_on(curve, i); i++) {
         const double x[2] = {page_x(page, curve->x[i - 1]), page_x(page, curve->x[i])};
         double high = HUGE_VAL, low = -HUGE_VAL;
         for (size_t k = i - 1; k <= i; k++) {

@@ -21,7 +21,7 @@ void curve_outside(const struct figure *figure, const struct figure_layout *layo
     double farthest = 0;
 
     *outside = (struct curve_outside){.at = NAN};
-    for (size_t i = 0; i < curve->n; i++) {
+    for (size_t i = 0; curve_goes_on(curve, i); i++) {
         double x = fraction_of(&layout->x, curve->x[i]), y = fraction_of(&layout->y, curve->y[i]);
         if (isnan(x) || isnan(y) || (!figure->plane && beyond(x) > 0) ||
             (figure->y.log && curve->y[i] < figure->y.min))

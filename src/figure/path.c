@@ -183,7 +183,7 @@ static void trace_curve(const struct curve *curve, const struct plot_area *area,
 {
     struct tracer tracer = {.area = area,
                             .thinning = {.tolerance = tolerance, .put = put, .out = out}};
-    for (size_t i = 0; i < curve->n; i++) {
+    for (size_t i = 0; curve_goes_on(curve, i); i++) {
         const struct spot spot = {plot_x(area, curve->x[i]), plot_y(area, curve->y[i]), i};
         const double column = floor(spot.x * COLUMNS);
         if (isnan(spot.x) || isnan(spot.y)) {
@@ -284,6 +284,8 @@ static bool outline(const struct curve *curve, const struct plot_area *area, con
         const double width = fmax(pen->width, ways[i].width / density);
         if (density > finest)
             continue;
+        if (cancelled(curve->cancel))
+            return false;
         if (density != grains.density || width != inked) {
             struct follower f = {.grains = &grains, .width = width};
             if (!grains_init(&grains, area, density, arena) ||
@@ -384,7 +386,7 @@ static bool dot_at(const struct curve *curve, const struct plot_area *area, size
 static void draw_dots(const struct curve *curve, struct follower *f, const struct plot_area *area)
 {
     double at[2];
-    for (size_t i = 0; i < curve->n; i++)
+    for (size_t i = 0; curve_goes_on(curve, i); i++)
         if (dot_at(curve, area, i, at))
             grains_stroke(f->grains, at[0], at[1], at[0], at[1], f->width);
 }
@@ -398,7 +400,7 @@ static bool single_dots(const struct curve *curve, const struct plot_area *area,
     if (!grains_init(&grains, area, square > 1 ? 1 : (int)(1 / square), arena))
         return false;
     buffer_clear(&path->corners);
-    for (size_t i = 0; i < curve->n && path_count(path) <= most; i++) {
+    for (size_t i = 0; curve_goes_on(curve, i) && path_count(path) <= most; i++) {
         if (!dot_at(curve, area, i, at))
             continue;
         const double x = area->left + floor((at[0] - area->left) / square) * square,

@@ -204,7 +204,7 @@ bool picture_draw(struct surface *surface, const struct figure *figure, double w
     struct picture_sheet sheet = {.figure = figure, .page = {page, page}};
     struct arena arena = {0};
     sheet.parts = figure_parts(figure, sheet.part);
-    const bool drawn = draw_sheet(&sheet, &arena) && !surface->failed;
+    const bool drawn = draw_sheet(&sheet, &arena) && !surface->failed && !figure_stopped(figure);
     arena_reset(&arena);
     buffer_free(&text);
     return drawn;

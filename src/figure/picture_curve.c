@@ -188,7 +188,7 @@ static void paint_band(const struct page *page, int curve)
 static void add_edge(const struct page *page, const struct curve *curve, int side)
 {
     double bin = NAN, at = 0, edge = NAN;
-    for (size_t k = 0; k < curve->n; k++) {
+    for (size_t k = 0; curve_goes_on(curve, k); k++) {
         const size_t i = side > 0 ? k : curve->n - 1 - k;
         const double x = page_x(page, curve->x[i]),
                      y = page_y(page, curve->y[i] + side * curve->spread[i]);
@@ -243,7 +243,7 @@ static bool is_dense(const struct page *page, const struct curve *curve)
 {
     size_t inside = 0;
     double x, y;
-    for (size_t i = 0; i < curve->n && inside <= SPARSE && !has_letter(curve); i++)
+    for (size_t i = 0; curve_goes_on(curve, i) && inside <= SPARSE && !has_letter(curve); i++)
         inside += point_position(page, curve, i, &x, &y);
     return inside > SPARSE;
 }
@@ -266,7 +266,7 @@ static void draw_bars(struct page *page, int index, bool dense)
     double x, y;
     surface_clip(page->surface, page->left, page->top, page->right, page->bottom);
     add_path(page, path);
-    for (size_t i = 0; !dense && i < curve->n; i++) {
+    for (size_t i = 0; !dense && curve_goes_on(curve, i); i++) {
         for (int side = -1; side <= 1 && curve->bar[i] > 0; side += 2) {
             x = page_x(page, curve->x[i]);
             y = page_y(page, curve->y[i] + side * curve->bar[i]);
@@ -278,7 +278,7 @@ static void draw_bars(struct page *page, int index, bool dense)
     }
     surface_paint(page->surface, &line);
     surface_unclip(page->surface);
-    for (size_t i = 0; !dense && !has_letter(curve) && i < curve->n; i++)
+    for (size_t i = 0; !dense && !has_letter(curve) && curve_goes_on(curve, i); i++)
         if (point_position(page, curve, i, &x, &y))
             add_shape(page, kind_of(page->figure, index), x, y);
     surface_paint(page->surface, &paper);
@@ -304,7 +304,7 @@ static void draw_points(struct page *page, int index, bool dense)
         surface_move(page->surface, corner[i].x, corner[i].y);
         surface_line(page->surface, corner[i].x, corner[i].y);
     }
-    for (size_t i = 0; !dense && i < curve->n; i++) {
+    for (size_t i = 0; !dense && curve_goes_on(curve, i); i++) {
         if (!point_position(page, curve, i, &x, &y))
             continue;
         if (has_letter(curve))

@@ -24,14 +24,14 @@ static bool bar_curve(const struct page *page, const struct curve *curve, struct
            *y = arena_array(arena, 3 * curve->n + 1, sizeof *y);
     if (!x || !y)
         return false;
-    for (size_t i = 0; i < curve->n; i++) {
+    for (size_t i = 0; curve_goes_on(curve, i); i++) {
         const double low = curve->y[i] - curve->bar[i];
         x[3 * i] = x[3 * i + 1] = x[3 * i + 2] = curve->x[i];
         y[3 * i] = log && low <= 0 ? page->layout.y.from : low;
         y[3 * i + 1] = curve->y[i] + curve->bar[i];
         y[3 * i + 2] = NAN;
     }
-    *bars = (struct curve){.x = x, .y = y, .n = 3 * curve->n};
+    *bars = (struct curve){.x = x, .y = y, .n = 3 * curve->n, .cancel = curve->cancel};
     return true;
 }
 
@@ -55,7 +55,7 @@ static bool trace(const struct page *page, int index, size_t corners)
     if (ok && curve->bar)
         ok = bar_curve(page, curve, &arena, &bars) && path_of_line(&bars, &area, &thin, bar);
     arena_reset(&arena);
-    return ok;
+    return ok && !cancelled(curve->cancel);
 }
 
 bool page_trace(struct page *page, bool rough, struct arena *arena)

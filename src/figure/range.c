@@ -43,7 +43,7 @@ static void extend(struct extent *extent, const struct figure *figure, const str
     double min = min_of(axis), from = window ? other->from : min_of(other),
            to = window ? other->to : DBL_MAX;
 
-    for (size_t i = 0; i < curve->n; i++) {
+    for (size_t i = 0; curve_goes_on(curve, i); i++) {
         double v = value[i];
         if (!(v >= min && v <= DBL_MAX && across[i] >= from && across[i] <= to))
             continue;
@@ -68,7 +68,7 @@ static size_t count_hidden(const struct figure *figure, bool vertical)
     for (int c = 0; c < figure->curves; c++) {
         const struct curve *curve = &figure->curve[c];
         const double *value = vertical ? curve->y : curve->x;
-        for (size_t i = 0; i < curve->n && curve_drawn(figure, c); i++)
+        for (size_t i = 0; curve_goes_on(curve, i) && curve_drawn(figure, c); i++)
             hidden += value[i] < min && !is_beside(figure, curve, vertical, i);
     }
     return hidden;

@@ -165,7 +165,7 @@ void raster_line(const struct raster *raster, const struct curve *curve)
     struct cell_pen pen = {
         .raster = raster, .columns = layout->columns * grid.across, .heading = 1};
 
-    for (size_t i = 0; i < curve->n; i++) {
+    for (size_t i = 0; curve_goes_on(curve, i); i++) {
         double x = fraction_of(&layout->x, curve->x[i]), y = fraction_of(&layout->y, curve->y[i]);
         if (isnan(x) || isnan(y))
             pen_up(&pen);
@@ -203,7 +203,7 @@ void raster_band(const struct raster *raster, const struct curve *curve)
 {
     const double across = raster->layout->columns - 1;
     double before = NAN, from[2] = {NAN, NAN}, to[2];
-    for (size_t i = 0; i < curve->n; i++) {
+    for (size_t i = 0; curve_goes_on(curve, i); i++) {
         const double x = fraction_of(&raster->layout->x, curve->x[i]) * across;
         band_edges(raster, curve, i, to);
         if (isfinite(x + before + to[0] + to[1] + from[0] + from[1]))
@@ -222,7 +222,7 @@ void raster_points(const struct raster *raster, const struct curve *curve, int a
 {
     int seen = 0, last_column = 0, last_row = 0, column, row;
 
-    for (size_t i = 0; i < curve->n; i++) {
+    for (size_t i = 0; curve_goes_on(curve, i); i++) {
         if (!figure_cell(raster->layout, curve->x[i], curve->y[i], &column, &row))
             continue;
         int across = column > last_column ? column - last_column : last_column - column;
@@ -247,7 +247,7 @@ bool curve_exits(const struct figure *figure, const struct figure_layout *layout
     memset(exits, 0, 4 * sizeof *exits);
     if (!outside.leaves || curve->points)
         return false;
-    for (size_t i = 0; i < curve->n; i++) {
+    for (size_t i = 0; curve_goes_on(curve, i); i++) {
         double x = fraction_of(&layout->x, curve->x[i]), y = fraction_of(&layout->y, curve->y[i]);
         double before[4] = {-old_x, old_x - 1, -old_y, old_y - 1},
                after[4] = {-x, x - 1, -y, y - 1}; /* > 0: beyond */

@@ -185,10 +185,10 @@ static bool add_run(struct drawing *d, const struct run *run)
 
 /* ---- axes ---- */
 
-static double largest(const double *x, size_t n)
+static double largest(const struct curve *curve, const double *x)
 {
     double max = 0;
-    for (size_t i = 0; i < n; i++)
+    for (size_t i = 0; curve_goes_on(curve, i); i++)
         if (isfinite(x[i]))
             max = fmax(max, fabs(x[i]));
     return max;
@@ -198,7 +198,7 @@ static double size_of(const struct drawing *d, bool x)
 {
     double size = 0;
     for (int i = 0; i < d->curves; i++)
-        size = fmax(size, largest(x ? d->curve[i].x : d->curve[i].y, d->curve[i].n));
+        size = fmax(size, largest(&d->curve[i], x ? d->curve[i].x : d->curve[i].y));
     return size;
 }
 
@@ -375,8 +375,10 @@ static bool gather_curves(struct drawing *d, const struct plot_row *row)
     if (recording && !(row->residual ? drawing_residual : drawing_recording)(d, recording))
         return false;
     size_t points = 0;
-    for (int i = 0; i < d->curves; i++)
+    for (int i = 0; i < d->curves; i++) {
         points += d->curve[i].n;
+        d->curve[i].cancel = request->follow ? NULL : session->front.cancel;
+    }
     return points > 0 || request->follow ||
            error_set(error, ERROR_COMMAND, "nothing was recorded in this window of time");
 }
@@ -451,5 +453,7 @@ bool session_figure(const struct session *session, const struct figure_request *
                                          : row->across == ACROSS_FREQUENCY ? QUANTITY_FREQUENCY
                                                                            : QUANTITY_TIME,
                                          y_quantity(&d)};
-    return drawing_scales(&d, figure, quantities);
+    return drawing_scales(&d, figure, quantities) &&
+           (request->follow || !cancelled(session->front.cancel) ||
+            error_set(error, ERROR_CANCELLED, "stopped"));
 }

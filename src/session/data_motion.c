@@ -139,6 +139,8 @@ bool data_motion(const struct session *session, const struct recording *recordin
     if (energy && !find_spring(session, recording, motion, error))
         return false;
     for (size_t i = 0; i < s->n && energy; i++) {
+        if (cancelled_at(s->cancel, i))
+            return error_set(error, ERROR_CANCELLED, "stopped");
         const double y = s->y[i] - motion->middle, v = motion->v[i];
         motion->energy[i] = 0.5 * (motion->mass.value * v * v + motion->k.value * y * y);
     }
@@ -160,7 +162,7 @@ bool motion_series(const struct data_motion *motion, bool energy, double from, d
     size_t n = 0;
     if (!t || !y)
         return error_memory(error);
-    for (size_t i = 0; i < motion->n; i++)
+    for (size_t i = 0; i < motion->n && !cancelled_at(motion->cancel, i); i++)
         if (!isnan(value[i]) && motion->t[i] >= from && motion->t[i] <= to) {
             t[n] = motion->t[i];
             y[n++] = value[i];

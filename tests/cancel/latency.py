@@ -2,10 +2,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Ctrl-C at random times: how long each command takes to give the prompt back, and what it leaves.
 
-usage: latency.py [--trials N] [--rows N] [--batch] [--short] [--tap] [--limit MS] HOOKE FOLDER [NAME ...]
+usage: latency.py [--trials N] [--rows N] [--batch] [--short] [--tap] [--limit MS] [--longest S] HOOKE FOLDER [NAME ...]
 
 FOLDER receives the recordings that it does not have yet. The program runs at a prompt in a pseudo-terminal; a
-command is first run to its end, at most 30 s, then N times (10) with Ctrl-C after a time uniform in its length.
+command is first run to its end, at most 30 s (--longest), then N times (10) with Ctrl-C after a time uniform in its length.
 Latencies are from the signal to the next prompt (--batch: to the end of the process), in ms, less what the
 program and this script waited for a processor meanwhile. Afterwards the session has to be what it was before or
 what the whole command leaves, and the next command has to work.
@@ -23,7 +23,6 @@ import time
 
 import cases
 
-LONGEST = 30.0
 INSTANT = 0.02 # [s] nobody can be too late there
 PROMPT = b"hooke> "
 LOOKS = "show; list recordings; list measurements"
@@ -69,7 +68,7 @@ class Program:
         self.said = b""
         os.write(self.fd, line.encode() + b"\r")
 
-    def do(self, line, seconds=LONGEST):
+    def do(self, line, seconds=30.0):
         self.send(line)
         return self.wait(seconds) and not self.over
 
@@ -143,13 +142,13 @@ def try_once(at, case, after_seconds, result):
     return True
 
 
-def at_prompt(program, folder, case, trials, rng):
+def at_prompt(program, folder, case, trials, longest, rng):
     name, before, command, after, leaves = case
     result = Result()
     at = begin(program, folder, before, result)
     start = time.monotonic()
     if not at.over and not result.wrong:
-        whole = at.do(command)
+        whole = at.do(command, longest)
         result.length = time.monotonic() - start
         result.said.update(re.findall(rb"error:[^\r\n]*", at.said))
         if not whole and not at.over:
@@ -172,7 +171,7 @@ def at_prompt(program, folder, case, trials, rng):
     return result
 
 
-def in_batch(program, folder, case, trials, rng):
+def in_batch(program, folder, case, trials, longest, rng):
     name, before, command, after, leaves = case
     result = Result()
     lines = [] if not before else ["-c", before]
@@ -180,7 +179,7 @@ def in_batch(program, folder, case, trials, rng):
     def whole(*arguments):
         start = time.monotonic()
         at = Program(program, folder, *arguments)
-        at.wait(LONGEST + 30)
+        at.wait(longest + 30)
         length = time.monotonic() - start
         if not at.over:
             at.interrupt()
@@ -208,6 +207,7 @@ def main():
     ask.add_argument("--trials", type=int, default=10)
     ask.add_argument("--rows", type=int, default=2000000)
     ask.add_argument("--limit", type=float, default=100)
+    ask.add_argument("--longest", type=float, default=30.0)
     ask.add_argument("--batch", action="store_true")
     ask.add_argument("--short", action="store_true")
     ask.add_argument("--tap", action="store_true")
@@ -225,7 +225,8 @@ def main():
     if not asked.tap:
         print("%-32s %8s %8s %8s %8s" % ("command", "whole s", "p50 ms", "p90 ms", "p99 ms"))
     for number, case in enumerate(chosen, 1):
-        result = (in_batch if asked.batch else at_prompt)(program, asked.folder, case, asked.trials, rng)
+        result = (in_batch if asked.batch else at_prompt)(program, asked.folder, case, asked.trials,
+                                                               asked.longest, rng)
         all_of = sorted(result.latencies) or [0.0]
         at = [all_of[min(len(all_of) - 1, int(q * len(all_of)))] for q in (0.5, 0.9, 0.99)]
         late = at[2] > asked.limit

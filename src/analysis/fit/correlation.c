@@ -4,6 +4,7 @@
 #include "analysis/internal.h"
 
 #include <math.h>
+#include <string.h>
 
 enum { PEAKS_MAX = 12, BLOCKS = 16, BLOCK_MIN = 4096, PERIODS_IN_BLOCK = 4 * PEAKS_MAX };
 
@@ -12,6 +13,8 @@ enum { PEAKS_MAX = 12, BLOCKS = 16, BLOCK_MIN = 4096, PERIODS_IN_BLOCK = 4 * PEA
 struct blocks {
     double *y;
     size_t count, length;
+    double *product, *squares; /* [length], [length + 1], by shift, of all of them; NULL: not yet */
+    const struct cancel *cancel;
 };
 
 /* `length` values from t0 on; straight lines across gaps. Returns their sum. */
@@ -38,9 +41,9 @@ static bool fill_blocks(const struct series *s, double dt, double period, struct
 {
     const double min = fmax(BLOCK_MIN, PERIODS_IN_BLOCK * period);
     double sum = 0;
-    *b = (struct blocks){.count = 1, .length = s->n};
+    *b = (struct blocks){.count = 1, .length = s->n, .cancel = s->cancel};
     if (2 * BLOCKS * min < (double)s->n)
-        *b = (struct blocks){.count = BLOCKS, .length = (size_t)min};
+        *b = (struct blocks){.count = BLOCKS, .length = (size_t)min, .cancel = s->cancel};
     const size_t all = b->count * b->length;
     b->y = arena_array(arena, all, sizeof *b->y);
     if (!b->y)
@@ -67,34 +70,99 @@ static double correlation(const struct blocks *b, size_t shift)
 }
 
 /*
- * The shift of the highest correlation within a quarter of a period, uphill from where it is
- * expected, refined by a parabola; NAN: at the border.
+ * Products and squares at all shifts at once: the autocorrelation is the transform of the power
+ * (Wiener 1930, Khinchin 1934), of blocks followed by as many zeros. False: no memory, cancelled.
  */
-static double peak_about(const struct blocks *b, double shift, double period)
+static bool tabulate(struct blocks *b, struct arena *arena)
 {
-    const size_t low = (size_t)fmax(shift - 0.25 * period, 1);
-    const size_t high = (size_t)fmin(shift + 0.25 * period, (double)b->length - 3);
-    size_t at = (size_t)fmin(fmax(nearbyint(shift), (double)low + 1), (double)high - 1);
-    if (low + 2 > high)
-        return NAN;
-    double before = correlation(b, at - 1), best = correlation(b, at),
-           after = correlation(b, at + 1);
-    while (!(best >= before && best >= after)) {
-        const bool up = after > before;
-        at = up ? at + 1 : at - 1;
-        if (at <= low || at >= high)
-            return NAN;
-        if (up) {
-            before = best;
-            best = after;
-            after = correlation(b, at + 1);
-        } else {
-            after = best;
-            best = before;
-            before = correlation(b, at - 1);
-        }
+    size_t n = 4;
+    while (n < 2 * b->length)
+        n *= 2;
+    double *data = arena_array(arena, n, sizeof *data), *work = arena_array(arena, n, sizeof *work),
+           *power = arena_array(arena, n, sizeof *power),
+           *squares = arena_array(arena, b->length + 1, sizeof *squares);
+    if (!data || !work || !power || !squares)
+        return false;
+    for (const double *y = b->y; y < b->y + b->count * b->length; y += b->length) {
+        double sum = 0;
+        memset(data, 0, n * sizeof *data);
+        memcpy(data, y, b->length * sizeof *data);
+        for (size_t i = 0; i < b->length; i++)
+            squares[i + 1] += sum += y[i] * y[i];
+        if (!transform_real(data, n, work, b->cancel))
+            return false;
+        power[0] += data[0] * data[0];
+        power[n / 2] += data[n / 2] * data[n / 2];
+        for (size_t k = 1; k < n / 2; k++)
+            power[k] = power[n - k] += data[k] * data[k] + data[n - k] * data[n - k];
     }
-    return (double)at + 0.5 * (before - after) / (before - 2 * best + after);
+    if (!transform_real(power, n, work, b->cancel))
+        return false;
+    for (size_t i = 0; i < b->length; i++)
+        power[i] /= (double)n;
+    b->product = power;
+    b->squares = squares;
+    return true;
+}
+
+/* As correlation(), but for rounding. */
+static double tabulated(const struct blocks *b, size_t shift)
+{
+    const double first = b->squares[b->length - shift],
+                 second = b->squares[b->length] - b->squares[shift];
+    return b->product[shift] / sqrt(first * second);
+}
+
+/* Uphill from shift `at`, which lies between low and high: value [3] is what lies there and beside.
+ */
+struct climb {
+    double (*of)(const struct blocks *b, size_t shift);
+    size_t at, low, high;
+    double value[3];
+};
+
+/* At most so many steps. True: the top; at is the border or beyond: there is none. */
+static bool climb(struct climb *c, const struct blocks *b, size_t most)
+{
+    double *v = c->value;
+    for (size_t k = 0; k < 3; k++)
+        v[k] = c->of(b, c->at + k - 1);
+    for (size_t steps = 0; !(v[1] >= v[0] && v[1] >= v[2]); steps++) {
+        const bool up = v[2] > v[0];
+        if (steps == most || cancelled(b->cancel))
+            return false;
+        c->at = up ? c->at + 1 : c->at - 1;
+        if (c->at <= c->low || c->at >= c->high)
+            return false;
+        memmove(up ? v : v + 1, up ? v + 1 : v, 2 * sizeof *v);
+        v[up ? 2 : 0] = c->of(b, up ? c->at + 1 : c->at - 1);
+    }
+    return true;
+}
+
+/*
+ * The shift of the highest correlation within a quarter of a period, uphill from where it is
+ * expected, refined by a parabola; NAN: at the border. A long way goes by the table.
+ */
+static double peak_about(struct blocks *b, double shift, double period, struct arena *arena)
+{
+    enum { FEW_STEPS = 24 };
+    struct climb c = {.of = correlation,
+                      .low = (size_t)fmax(shift - 0.25 * period, 1),
+                      .high = (size_t)fmin(shift + 0.25 * period, (double)b->length - 3)};
+    if (c.low + 2 > c.high)
+        return NAN;
+    c.at = (size_t)fmin(fmax(nearbyint(shift), (double)c.low + 1), (double)c.high - 1);
+    bool top = climb(&c, b, FEW_STEPS);
+    const bool inside = c.at > c.low && c.at < c.high;
+    if (!top && inside && !cancelled(b->cancel) && (b->product || tabulate(b, arena))) {
+        c.of = tabulated;
+        top = climb(&c, b, SIZE_MAX);
+        c.of = correlation;
+        top = top && climb(&c, b, SIZE_MAX);
+    }
+    const double *v = c.value;
+    return top ? (double)c.at + 0.5 * (v[0] - v[2]) / (v[0] - 2 * v[1] + v[2]) : NAN;
 }
 
 bool series_correlation_period(const struct series *series, const struct period *known,
@@ -110,7 +178,7 @@ bool series_correlation_period(const struct series *series, const struct period 
         return false;
     int peaks = 0;
     while (peaks < PEAKS_MAX && 2 * (peaks + 1) <= periods) {
-        const double shift = peak_about(&blocks, (peaks + 1) * expected, expected);
+        const double shift = peak_about(&blocks, (peaks + 1) * expected, expected, arena);
         if (!isfinite(shift))
             break;
         at[peaks++] = shift * dt;

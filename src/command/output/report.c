@@ -145,7 +145,7 @@ HANDLER(report)
                               .latex = has_argument(args, "latex")};
     bool ok = folder_open(&folder, path, session_policy(session, has_argument(args, "force")),
                           report_owns, error);
-    if (ok && !report_write(report, error)) {
+    if (ok && !(report_write(report, error) && !cancelled(session->front.cancel))) {
         folder_abandon(&folder);
         ok = false;
     }

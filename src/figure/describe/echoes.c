@@ -28,16 +28,16 @@ bool drop_echoes(struct points *points, struct arena *arena)
     struct curve_point *left = arena_array(arena, n, sizeof *left);
     if (!off || !sorted || !left)
         return false;
-    for (size_t i = 0; i < n; i++)
+    for (size_t i = 0; points_go_on(points, i); i++)
         sorted[i] = off[i] =
             i < ABOUT || i + ABOUT >= n ? 0 : fabs(points->at[i].y - median_about(points, i));
     const double far = FAR * quantile(sorted, n, 0.95);
     size_t kept = 0;
-    for (size_t i = 0; i < n; i++)
+    for (size_t i = 0; points_go_on(points, i); i++)
         if (!(off[i] > far))
             left[kept++] = points->at[i];
     /* where many are, it is no sensor's fault but a curve with steps */
     if (far > 0 && kept >= n - n / 20)
-        *points = (struct points){left, kept, points->noise, points->measured};
+        *points = (struct points){left, kept, points->noise, points->measured, points->cancel};
     return true;
 }

@@ -16,7 +16,14 @@ struct points {
     size_t n;
     double noise;  /* standard deviation of y, of what was measured; 0: a line */
     bool measured; /* samples may be missing */
+    const struct cancel *cancel;
 };
+
+/* As curve_goes_on(). */
+static inline bool points_go_on(const struct points *points, size_t i)
+{
+    return i < points->n && (i % LOOK_EACH_ROWS != 0 || !cancelled(points->cancel));
+}
 
 /* Leaves out single samples far off their neighbours; false: no memory. */
 bool drop_echoes(struct points *points, struct arena *arena);

@@ -15,7 +15,7 @@
 
 static bool is_ascending(const struct curve *curve)
 {
-    for (size_t i = 1; i < curve->n; i++)
+    for (size_t i = 1; curve_goes_on(curve, i); i++)
         if (!(curve->x[i] >= curve->x[i - 1]))
             return false;
     return curve->n > 1;

@@ -50,7 +50,7 @@ static bool gather(const struct figure *figure, const struct curve *curve, struc
     size_t n = 0;
     if (!at)
         return false;
-    for (size_t i = 0; i < curve->n; i++) {
+    for (size_t i = 0; curve_goes_on(curve, i); i++) {
         const bool wanted = isnan(curve->x[i]) || axis_shows(x, curve->x[i], !figure->plane);
         if (wanted && isfinite(curve->x[i]) && axis_shows(y, curve->y[i], false)) {
             at[n] = (struct curve_point){curve->x[i], curve->y[i]};
@@ -67,7 +67,7 @@ static bool gather(const struct figure *figure, const struct curve *curve, struc
     }
     if (!ascending && !figure->plane)
         qsort(at, n, sizeof *at, by_x);
-    *points = (struct points){.at = at, .n = n};
+    *points = (struct points){.at = at, .n = n, .cancel = curve->cancel};
     return true;
 }
 
@@ -78,11 +78,11 @@ static void find_noise(const struct curve *curve, struct arena *arena, struct po
            *y = arena_array(arena, points->n + 1, sizeof *y);
     if (!curve->points || !t || !y)
         return;
-    for (size_t i = 0; i < points->n; i++) {
+    for (size_t i = 0; points_go_on(points, i); i++) {
         t[i] = points->at[i].x;
         y[i] = points->at[i].y;
     }
-    const struct series series = {t, y, points->n, QUANTITY_OTHER, NULL};
+    const struct series series = {t, y, points->n, QUANTITY_OTHER, curve->cancel};
     const double noise = series_noise(&series, arena);
     points->noise = noise > 0 ? noise : 0;
     points->measured = true;
@@ -96,7 +96,7 @@ static double slope_of_logarithm(const struct points *p, bool over_logarithm)
     double n = 0, sx = 0, sy = 0, sxx = 0, sxy = 0, far = 0, low = HUGE_VAL, high = -HUGE_VAL;
     for (int pass = 0; pass < 2; pass++) {
         const double slope = (n * sxy - sx * sy) / (n * sxx - sx * sx), at = (sy - slope * sx) / n;
-        for (size_t i = 0; i < p->n; i++) {
+        for (size_t i = 0; points_go_on(p, i); i++) {
             const double x = over_logarithm ? log(p->at[i].x) : p->at[i].x - p->at[0].x,
                          y = log(fabs(p->at[i].y));
             if (pass) {
@@ -121,7 +121,7 @@ static double slope_of_logarithm(const struct points *p, bool over_logarithm)
 static double goes_back(const struct points *p, bool rises)
 {
     double furthest = p->at[0].y, back = 0;
-    for (size_t i = 1; i < p->n; i++) {
+    for (size_t i = 1; points_go_on(p, i); i++) {
         const double y = p->at[i].y;
         furthest = rises ? fmax(furthest, y) : fmin(furthest, y);
         back = fmax(back, fabs(furthest - y));
@@ -143,9 +143,9 @@ static bool scatters(const struct points *p, struct curve_reading *reading)
     const double change = fabs(sum[1] - sum[0]) / (double)third;
     if (change > p->noise * fmax(1, 5 * sqrt(2 / (double)third)))
         return false;
-    for (size_t i = 0; i < p->n; i++)
+    for (size_t i = 0; points_go_on(p, i); i++)
         mean += p->at[i].y / (double)p->n;
-    for (size_t i = 0; i < p->n; i++)
+    for (size_t i = 0; points_go_on(p, i); i++)
         square += (p->at[i].y - mean) * (p->at[i].y - mean) / (double)(p->n - 1);
     reading->level[0] = reading->level[1] = mean;
     reading->spread = sqrt(square);
@@ -181,7 +181,7 @@ static void read_trend(const struct figure *figure, const struct curve *curve,
 
 static void read_band(const struct curve *curve, struct curve_reading *reading)
 {
-    for (size_t i = 0; curve->spread && i < curve->n; i++)
+    for (size_t i = 0; curve->spread && curve_goes_on(curve, i); i++)
         if (!(curve->spread[i] <= reading->widest.y))
             reading->widest = (struct curve_point){curve->x[i], curve->spread[i]};
 }
@@ -217,7 +217,7 @@ static bool read_curve(const struct figure *figure, int i, struct arena *arena,
     if (points->n == 0)
         return true;
     reading->low = reading->high = points->at[0];
-    for (size_t k = 1; k < points->n; k++) {
+    for (size_t k = 1; points_go_on(points, k); k++) {
         const struct curve_point at = points->at[k];
         reading->low = at.y < reading->low.y ? at : reading->low;
         reading->high = at.y > reading->high.y ? at : reading->high;
@@ -280,7 +280,7 @@ static struct curve_distance distance_between(const struct points *from, const s
     struct curve_distance distance = {.largest = NAN, .at = NAN, .rms = NAN};
     double sum = 0; /* of squares, in units of the largest */
     size_t n = 0;
-    for (size_t i = 0; i < here->n; i++) {
+    for (size_t i = 0; points_go_on(here, i); i++) {
         const double off = fabs(here->at[i].y - value_at(there, here->at[i].x));
         if (!isfinite(off))
             continue;
@@ -358,7 +358,7 @@ static void read_ranges(const struct figure *figure, const struct points *points
     double y[2][2] = {{HUGE_VAL, -HUGE_VAL}, {HUGE_VAL, -HUGE_VAL}};
     for (int i = 0; i < figure->curves; i++) {
         const int panel = figure->second && figure->curve[i].panel > 0;
-        for (size_t k = 0; k < points[i].n; k++) {
+        for (size_t k = 0; points_go_on(&points[i], k); k++) {
             const double at = points[i].at[k].x;
             extend(x[panel], at, at);
             if (!figure->plane && panel)
@@ -393,5 +393,6 @@ bool figure_read(const struct figure *figure, struct arena *arena, struct figure
         if (!read_curve(figure, i, arena, &points[i], &reading->curve[i]))
             return false;
     read_ranges(figure, points, reading);
-    return read_distances(figure, points, arena, reading) && read_order(figure, arena, reading);
+    return read_distances(figure, points, arena, reading) && read_order(figure, arena, reading) &&
+           !figure_stopped(figure);
 }

@@ -43,7 +43,7 @@ static size_t find_turns(const struct points *p, double least, struct turn *turn
     size_t count = 0, high = 0, low = 0;
     int way = 0;
     double swing = 0;
-    for (size_t i = 1; i < p->n; i++) {
+    for (size_t i = 1; points_go_on(p, i); i++) {
         const double y = p->at[i].y;
         high = y > p->at[high].y ? i : high;
         low = y < p->at[low].y ? i : low;

@@ -28,7 +28,7 @@ static double turns_about(const struct frame *f, const struct points *p, double 
     for (int pass = 0; pass < 2; pass++) {
         const double whole = pass ? TWO_PI * floor(fabs(sum) / TWO_PI) : HUGE_VAL;
         double turned = 0;
-        for (size_t i = 1; i < p->n; i++) {
+        for (size_t i = 1; points_go_on(p, i); i++) {
             const double step = remainder(angle(f, p->at[i]) - angle(f, p->at[i - 1]), TWO_PI),
                          before = fabs(turned);
             turned += step;
@@ -45,7 +45,7 @@ static double turns_about(const struct frame *f, const struct points *p, double 
 void read_winding(const struct points *points, bool equal, struct curve_reading *reading)
 {
     struct curve_point low = points->at[0], high = low;
-    for (size_t i = 1; i < points->n; i++) {
+    for (size_t i = 1; points_go_on(points, i); i++) {
         low.x = fmin(low.x, points->at[i].x);
         low.y = fmin(low.y, points->at[i].y);
         high.x = fmax(high.x, points->at[i].x);

@@ -198,6 +198,8 @@ bool values_at_rows(const struct run *run, const struct observable *observable,
     double exact[LIMIT_VARIABLES];
     struct sample sample = {.run = run, .exact = exact, .system = &run->system};
     for (size_t i = 0; i < rows->n; i++) {
+        if (i % LOOK_EACH_ROWS == 0 && cancelled(run->cancel))
+            return error_set(error, ERROR_CANCELLED, "stopped");
         sample.t = trace_time(run->trace, rows->row[i]);
         sample.y = trace_state(run->trace, rows->row[i]);
         if (observable->needs & NEED_EXACT)
@@ -279,6 +281,8 @@ bool run_even_series(const struct run *run, double from, double to, double perio
         return error_memory(error);
     *series = (struct series){t, y, 0, system_variable(&run->system, 0).quantity, run->cancel};
     for (size_t i = 0; i < n; i++) {
+        if (i % LOOK_EACH_ROWS == 0 && cancelled(run->cancel))
+            return error_set(error, ERROR_CANCELLED, "stopped");
         t[series->n] = to - (double)(n - i) * step;
         y[series->n] = run_position(run, t[series->n]);
         series->n += isfinite(y[series->n]) ? 1 : 0;

@@ -63,7 +63,7 @@ static bool add_theory(struct drawing *d, const struct scene *scene)
 {
     double min = HUGE_VAL, max = 0;
     for (int c = 0; c < d->curves; c++)
-        for (size_t i = 0; i < d->curve[c].n; i++) {
+        for (size_t i = 0; curve_goes_on(&d->curve[c], i); i++) {
             min = fmin(min, d->curve[c].x[i]);
             max = fmax(max, d->curve[c].x[i]);
         }

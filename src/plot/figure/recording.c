@@ -68,6 +68,8 @@ bool drawing_phase_data(struct drawing *d, const struct series *series, struct c
     if (!x || !y)
         return error_memory(d->error);
     for (size_t i = 0, row = 0; i < series->n; i++) {
+        if (i % LOOK_EACH_ROWS == 0 && cancelled(series->cancel))
+            return error_set(d->error, ERROR_CANCELLED, "stopped");
         while (motion->t[row] < series->t[i])
             row++;
         x[i] = motion->y[row] - motion->middle;
@@ -146,11 +148,14 @@ bool drawing_residual(struct drawing *d, const struct recording *recording)
         session_fit_values(d->session, curve->x, curve->n, left);
     else
         data = run_data_distance(run, d->session->recording[d->request->recording]->recording);
-    for (size_t i = 0; i < curve->n; i++)
+    for (size_t i = 0; i < curve->n; i++) {
+        if (i % LOOK_EACH_ROWS == 0 && cancelled(recording->cancel))
+            return error_set(d->error, ERROR_CANCELLED, "stopped");
         left[i] =
             curve->y[i] -
             (fitted ? left[i] - shift
                     : (run_motion(run, curve->x[i], data.derivative) - data.at_zero) / data.gain);
+    }
     curve->y = left;
     curve->label = fitted ? "data - fit" : "data - run";
     return true;

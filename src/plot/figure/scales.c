@@ -30,7 +30,7 @@ static void find_extent(const struct drawing *d, bool vertical, double extent[2]
         const struct curve *curve = &d->curve[c];
         const double *value = vertical ? curve->y : curve->x,
                      *other = vertical ? curve->x : curve->y;
-        for (size_t i = 0; i < curve->n; i++) {
+        for (size_t i = 0; curve_goes_on(curve, i); i++) {
             if (!isfinite(value[i]) ||
                 (across && (other[i] < across->end[0] || other[i] > across->end[1])))
                 continue;
@@ -93,7 +93,7 @@ static double size_of_curve(const struct drawing *d, int i, bool x)
     const struct curve *curve = &d->curve[i];
     const bool timed = plot_is_timed(d->request->kind);
     double max = 0;
-    for (size_t row = 0; row < curve->n; row++) {
+    for (size_t row = 0; curve_goes_on(curve, row); row++) {
         const double value = x ? curve->x[row] : curve->y[row];
         if (isfinite(value) &&
             (!timed || (curve->x[row] >= d->window[0] && curve->x[row] <= d->window[1])))
@@ -145,7 +145,7 @@ static bool is_positive(const struct drawing *d, enum quantity quantity)
     if (!kind_of(d)->positive && quantity != QUANTITY_ENERGY)
         return false;
     for (int c = 0; c < d->curves; c++)
-        for (size_t i = 0; i < d->curve[c].n; i++)
+        for (size_t i = 0; curve_goes_on(&d->curve[c], i); i++)
             if (d->curve[c].y[i] < 0)
                 return false;
     return true;

@@ -208,8 +208,11 @@ static bool put_table(struct report *report, const char *name, const struct tabl
                       struct error *error)
 {
     struct buffer content = {0};
-    table_format(table, TABLE_CSV, &content);
-    const bool ok = report_put(report, name, &content, error);
+    struct table whole = *table;
+    whole.cancel = report->session->front.cancel;
+    table_format(&whole, TABLE_CSV, &content);
+    const bool ok = (!cancelled(whole.cancel) || error_set(error, ERROR_CANCELLED, "stopped")) &&
+                    report_put(report, name, &content, error);
     buffer_free(&content);
     return ok;
 }

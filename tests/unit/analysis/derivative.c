@@ -114,6 +114,40 @@ static void the_autocorrelation_of_long_recordings(void **state)
     arena_reset(&arena);
 }
 
+/* [s] of processor for the period of so many samples a period, expected so far off: uphill from
+ * there each step is a sum over all samples, unless it is read off a transform. */
+static double seconds_uphill(int samples, double off)
+{
+    enum { PERIODS = 10 };
+    const int n = PERIODS * samples;
+    struct arena arena = {0};
+    double *t = arena_array(&arena, 2 * (size_t)n, sizeof *t), *y = t + n;
+    struct measured period;
+    assert_non_null(t);
+    for (int i = 0; i < n; i++) {
+        t[i] = i;
+        y[i] = cos(6.283185307179586 * i / samples + 1);
+    }
+    const struct series series = {t, y, (size_t)n, QUANTITY_LENGTH, NULL};
+    const struct period known = {.period = {(1 + off) * samples, 0}};
+    const int64_t begin = clock_cpu_ns();
+    assert_true(series_correlation_period(&series, &known, &arena, &period));
+    const double seconds = 1e-9 * (double)(clock_cpu_ns() - begin);
+    if (!near(period.value / samples, 1, 1e-3))
+        fail_msg("%.9g for %d", period.value, samples);
+    arena_reset(&arena);
+    return seconds;
+}
+
+static void a_long_way_to_the_autocorrelation_is_no_square(void **state)
+{
+    (void)state;
+    enum { SAMPLES = 10000 }; /* 300 steps of 1e5 samples, then 600, .. */
+    const double near_by = seconds_uphill(SAMPLES, 0), far = seconds_uphill(SAMPLES, 0.03);
+    if (far > 50 * near_by) /* step by step: 165 times; by the transform 10 to 15 */
+        fail_msg("%g s, and %g s where it begins at the top", far, near_by);
+}
+
 static void lines_have_the_uncertainties_of_the_book(void **state)
 {
     (void)state;
@@ -137,6 +171,7 @@ int main(void)
         cmocka_unit_test(loss_and_gain_are_as_stated),
         cmocka_unit_test(the_autocorrelation_finds_the_period),
         cmocka_unit_test(the_autocorrelation_of_long_recordings),
+        cmocka_unit_test(a_long_way_to_the_autocorrelation_is_no_square),
         cmocka_unit_test(lines_have_the_uncertainties_of_the_book),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
