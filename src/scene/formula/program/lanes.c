@@ -23,6 +23,7 @@ struct lane_operation {
     int output;
     const double *operand[3];
     const struct node *node;
+    void (*many)(int n, const double *x, double *out); /* NULL: one by one */
 };
 
 /* The frame: numbers and intermediate values, room for those that are fixed, then the operations.
@@ -86,6 +87,10 @@ CLONES static void run(struct lane_operation *i, double *output)
 {
     for (; i->node; i++) {
         double *out = i->out ? i->out : output + i->output * PROGRAM_LANES;
+        if (i->many) {
+            i->many(PROGRAM_LANES, i->operand[0], out);
+            continue;
+        }
         if (!i->once) {
             apply(i, out, i->operand[0], i->operand[1], i->operand[2]);
             continue;
@@ -97,6 +102,14 @@ CLONES static void run(struct lane_operation *i, double *output)
 }
 
 /* ---- preparing ---- */
+
+static void (*many_of(double (*one)(double)))(int n, const double *x, double *out)
+{
+    return one == fixed_sin   ? fixed_sines
+           : one == fixed_cos ? fixed_cosines
+           : one == fixed_exp ? fixed_exponentials
+                              : NULL;
+}
 
 /* What is known of the value at a place. */
 struct slot_value {
@@ -141,6 +154,7 @@ void program_prepare_lanes(const struct program *p, const double *input,
             lanes &= operand.lanes; /* one that it does not have is the first one again */
         }
         next->once = lanes & LANES_ALIKE && (next->kind == NODE_ONE || next->kind == NODE_TWO);
+        next->many = next->kind == NODE_ONE && !next->once ? many_of(i->node.one) : NULL;
         const bool now = lanes & LANES_FIXED && i->output < 0;
         double *out = now ? fixed : frame + (size_t)(i->out - p->names) * PROGRAM_LANES;
         *value_in_slot(p, frame, i->out) = (struct slot_value){lanes, out};
