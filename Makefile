@@ -43,6 +43,9 @@ OPT_asan     := -O1 -g -fsanitize=address,undefined -fno-sanitize-recover=undefi
 OPT_coverage := -O0 -g --coverage
 OPT_clang    := $(OPT_release)
 OPT_debug    := -O0 -g
+# The targets of tests/fuzz, guided by coverage (clang's libFuzzer).
+OPT_fuzz     := -O1 -g1 -fno-omit-frame-pointer -fsanitize=address,undefined,fuzzer-no-link \
+  -fno-sanitize-recover=undefined
 # Ends where 50 ms pass without a look at the flag of Ctrl-C.
 OPT_watch    := -O2 -g -DHOOKE_WATCH -fno-omit-frame-pointer $(FORTIFY)
 
@@ -76,9 +79,9 @@ OPTIONAL_SOURCES := $(wildcard src/figure/surface/*.c tests/unit/figure/*.c) src
 OPTIONAL_TESTS = $(shell grep -liE 'cairo|cvode|libarchive|"\# needs' $(TEST_SOURCES) $(TEST_SCRIPTS))
 
 CPPFLAGS += -D_DEFAULT_SOURCE -DHOOKE_VERSION='"$(VERSION)"' -Iinclude -Isrc -Ibuild
-TEST_CPPFLAGS := -D_GNU_SOURCE -Itests
+TEST_CPPFLAGS := -D_GNU_SOURCE -Itests $(if $(filter fuzz,$(CONFIG)),-DFUZZING)
 CFLAGS   := -std=c11 $(OPT_$(CONFIG)) $(WARNINGS) $(NUMBERS) $(HARDEN) -fPIE $(CFLAGS_EXTRA)
-LDFLAGS  := $(filter -fsanitize% --coverage,$(OPT_$(CONFIG))) $(LDHARDEN) $(LDFLAGS_EXTRA)
+LDFLAGS  := $(patsubst %-no-link,%,$(filter -fsanitize% --coverage,$(OPT_$(CONFIG)))) $(LDHARDEN) $(LDFLAGS_EXTRA)
 LIBS     := $(SUNDIALS_LIBS) $(GSL_LIBS) -lm -ldl
 
 # ---- what there is ----------------------------------------------------------------------------------------------------
@@ -171,6 +174,12 @@ O_FORMULA_LANES += -fno-math-errno
 O_KERNELS += $(call probe,-fno-tree-slp-vectorize) -fno-math-errno $(if $(findstring sanitize,$(OPT_$(CONFIG))),-fno-sanitize=all)
 
 KINDS := ONCE LOOPS WORK_TERMS FORMULA_LANES KERNELS FAST_KERNELS
+ifeq ($(CONFIG),fuzz)
+# What is compared there are numbers that no input has.
+COMPUTING := $(filter-out $(KERNELS),$(foreach l,scene method run analysis study,$(call objects,$(l))))
+O_COMPUTING := -fno-sanitize-coverage=trace-cmp
+KINDS += COMPUTING
+endif
 $(foreach kind,$(KINDS),$(eval $($(kind)): CFLAGS += $(O_$(kind))))
 
 # ---- objects ----------------------------------------------------------------------------------------------------------
@@ -232,7 +241,7 @@ $(filter $(D)/tests/%,$(OPTIONAL_OBJECTS)): $(D)/tests/%.o: tests/%.c $(FLAGS_ST
 	$(Q)$(compile_test)
 endif
 
-layer_of = $(if $(findstring fuzz/,$(1)),command,$(word 2,$(subst /, ,$(1))))
+layer_of = $(if $(findstring fuzz/,$(1)),$(if $(findstring fuzz/keys,$(1)),terminal,view),$(word 2,$(subst /, ,$(1))))
 
 .SECONDEXPANSION:
 $(TEST_PROGRAMS): $(D)/tests/%: $$(call object,tests/%.c) \

@@ -81,11 +81,21 @@ bool field_get(struct text in, const char *name, void *to, size_t bytes)
     return true;
 }
 
+static bool can_be(const struct field *field, struct text value)
+{
+    bool can = true;
+    for (size_t i = 0; i < value.len && field->kind == FIELD_BOOLS; i++)
+        can &= (unsigned char)value.at[i] <= 1;
+    return can && (field->kind != FIELD_TEXT || memchr(value.at, 0, value.len));
+}
+
 bool fields_get(struct text in, const struct field *field, size_t count, void *of)
 {
+    struct text value;
     bool all = true;
     for (size_t i = 0; i < count && all; i++)
-        all = field_get(in, field[i].name, (char *)of + field[i].offset, field[i].bytes);
+        all = field_find(in, field[i].name, &value) && can_be(&field[i], value) &&
+              field_get(in, field[i].name, (char *)of + field[i].offset, field[i].bytes);
     return all;
 }
 

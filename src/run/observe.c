@@ -290,8 +290,10 @@ bool run_column(const struct run *run, const struct observable *observable, doub
     struct walk walk;
     walk_begin(&walk, run, observable->needs);
     for (size_t row = 0; walk_next(&walk); row++) {
-        if (row % LOOK_EACH_ROWS == 0 && cancelled(run->cancel))
+        if (row % LOOK_EACH_ROWS == 0 && cancelled(run->cancel)) {
+            walk_leave(&walk);
             return error_set(error, ERROR_CANCELLED, "stopped");
+        }
         *out++ = observable->value(&walk.sample);
     }
     return true;
@@ -339,8 +341,10 @@ void run_errors(const struct run *run, struct run_errors *errors)
     const struct sample *sample = &walk.sample;
     walk_begin(&walk, run, NEED_EXACT);
     for (size_t row = 0; walk_next(&walk); row++) {
-        if (row % LOOK_EACH_ROWS == 0 && cancelled(run->cancel))
+        if (row % LOOK_EACH_ROWS == 0 && cancelled(run->cancel)) {
+            walk_leave(&walk);
             return;
+        }
         for (int i = 0; i < judged; i++) {
             distance[i] = fabs(sample->y[i] - sample->exact[i]);
             /* comparisons pass over NAN, as fmax() does */

@@ -445,8 +445,9 @@ struct walk {
 };
 
 void walk_begin(struct walk *walk, const struct run *run, unsigned needs);
-/* to be called until false: no more rows, nothing is held any longer */
+/* To be called until false: no more rows, nothing is held any longer; or it is left before. */
 bool walk_next(struct walk *walk);
+void walk_leave(struct walk *walk);
 void walk_present(struct walk *walk, const struct run *run, unsigned needs);
 
 /* ---- ledger.c ---- */

@@ -114,13 +114,18 @@ static void work_at(struct walk *walk, size_t i, double *work, double *drag)
     *drag = total(tally.drag);
 }
 
+void walk_leave(struct walk *walk)
+{
+    exact_table_free(walk->table);
+    walk->table = NULL;
+}
+
 bool walk_next(struct walk *walk)
 {
     const struct run *run = walk->run;
     size_t i = walk->next++;
     if (i >= trace_count(run->trace)) {
-        exact_table_free(walk->table);
-        walk->table = NULL;
+        walk_leave(walk);
         return false;
     }
     if (walk->needs & NEED_EXACT)

@@ -8,7 +8,7 @@ scripts/make-recordings --formats "$folder"
 n=0 bad=0
 for file in "$folder"/*; do
     n=$((n + 1))
-    if cmp -s "$file" "tests/fuzz/corpus/fuzz_recording/${file##*/}"; then
+    if cmp -s "$file" "tests/fuzz/corpus/recording/${file##*/}"; then
         echo "ok $n - ${file##*/}"
     else
         bad=1

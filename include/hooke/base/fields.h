@@ -13,11 +13,16 @@
 struct field {
     const char *name;
     size_t offset, bytes;
+    enum field_kind { FIELD_BYTES, FIELD_BOOLS, FIELD_TEXT } kind;
 };
 
+#define FIELD_KIND(member)                                                                         \
+    _Generic((member), bool : FIELD_BOOLS, bool * : FIELD_BOOLS, char * : FIELD_TEXT, default      \
+             : FIELD_BYTES)
 #define FIELD_OF(type, member)                                                                     \
     {                                                                                              \
-#member, offsetof(type, member), sizeof(((type *)0)->member)                               \
+#member, offsetof(type, member), sizeof(((type *)0)->member),                              \
+            FIELD_KIND(((type *)0)->member)                                                        \
     }
 
 void field_put(struct buffer *to, const char *name, const void *value, size_t bytes);
@@ -33,7 +38,7 @@ bool field_find(struct text in, const char *name, struct text *value);
 bool field_next(struct text *in, struct text *name, struct text *value);
 /* Exactly so many bytes, else false and *to as it was. */
 bool field_get(struct text in, const char *name, void *to, size_t bytes);
-/* All of them, or false. */
+/* All of them, or false; bools are 0 or 1, texts end. */
 bool fields_get(struct text in, const struct field *field, size_t count, void *of);
 
 /* A checksum of bytes: differs with all but 2^-64 of what chance makes of them. Not against malice.

@@ -19,7 +19,7 @@ static void record_names(const struct catalog *catalog, const struct row *row, s
     reply_string(reply, "alias", row->alias);
 }
 
-static void record_method(const struct row *row, struct reply *reply)
+static void record_method(const struct row *row, double stable, struct reply *reply)
 {
     const struct method *method = (const struct method *)(const void *)row;
     record_names(&method_catalog, row, reply);
@@ -29,7 +29,7 @@ static void record_method(const struct row *row, struct reply *reply)
     reply_bool(reply, "symplectic", (method->flags & METHOD_SYMPLECTIC) != 0);
     reply_bool(reply, "adaptive", (method->flags & METHOD_ADAPTIVE) != 0);
     reply_bool(reply, "yardstick", (method->flags & METHOD_EXTERNAL) != 0);
-    reply_real(reply, "stable_limit", method_stable_limit(method, DRAG_DEFAULT, 0));
+    reply_real(reply, "stable_limit", stable);
     reply_string(reply, "formula", method->formula);
     reply_end(reply);
 }
@@ -112,8 +112,8 @@ HANDLER(list)
     if (words->count && kind != LIST_METHODS)
         return error_at(error, words->where, "only methods can be chosen from: list methods stiff");
     if (kind == LIST_METHODS)
-        return list_methods(words->count ? words->item->text : TEXT(""), record_method, reply,
-                            error);
+        return list_methods(words->count ? words->item->text : TEXT(""), session->front.cancel,
+                            record_method, reply, error);
     if (kind == LIST_OBSERVABLES) {
         list_observables(session->setup.scene.model, reply);
     } else if (kind == LIST_MEASUREMENTS) {

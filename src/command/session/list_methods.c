@@ -104,7 +104,8 @@ static void put_stable(double limit, struct buffer *line)
         buffer_format(line, "%-8.3g ", limit);
 }
 
-bool list_methods(struct text words, void (*record)(const struct row *row, struct reply *reply),
+bool list_methods(struct text words, const struct cancel *cancel,
+                  void (*record)(const struct row *row, double stable, struct reply *reply),
                   struct reply *reply, struct error *error)
 {
     struct wanted_methods wanted = {.filters = 0};
@@ -116,6 +117,9 @@ bool list_methods(struct text words, void (*record)(const struct row *row, struc
         const struct method *method = (const struct method *)(const void *)row;
         if (!is_wanted(&wanted, method))
             continue;
+        if (cancelled(cancel))
+            return error_set(error, ERROR_CANCELLED, "stopped");
+        const double stable = method_stable_limit(method, DRAG_DEFAULT, 0);
         if (count++ == 0)
             reply_line(reply, "%-22s order forces stable to adapts for", "method");
         struct buffer line = {0};
@@ -125,12 +129,12 @@ bool list_methods(struct text words, void (*record)(const struct row *row, struc
         else
             buffer_put(&line, TEXT("exact "));
         buffer_format(&line, "%6d ", method->evals);
-        put_stable(method_stable_limit(method, DRAG_DEFAULT, 0), &line);
+        put_stable(stable, &line);
         buffer_format(&line, "%-6s %s", method->flags & METHOD_ADAPTIVE ? "yes" : "-",
                       use_of(method));
         reply_text(reply, buffer_text(&line));
         buffer_free(&line);
-        record(row, reply);
+        record(row, stable, reply);
     }
     if (count > 0)
         reply_line(reply, "stable to omega0 dt, undamped; 'help NAME' has formula "

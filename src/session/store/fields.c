@@ -4,28 +4,13 @@
 
 #define OF_SESSION(member) FIELD_OF(struct session, member)
 const struct field store_session[] = {
-    OF_SESSION(current_run),
-    OF_SESSION(next_run),
-    OF_SESSION(next_id),
-    OF_SESSION(said_method),
-    OF_SESSION(said_assumed),
-    OF_SESSION(current_recording),
-    OF_SESSION(data_is_latest),
-    OF_SESSION(has_fit),
-    OF_SESSION(fit),
-    OF_SESSION(fit_of),
-    OF_SESSION(fit_zero),
-    OF_SESSION(fit_free),
-    OF_SESSION(fit_modes),
-    OF_SESSION(adopted.known),
-    OF_SESSION(adopted.exact),
-    OF_SESSION(adopted.of),
-    OF_SESSION(studied_runs),
-    OF_SESSION(live.speed),
-    OF_SESSION(setup.method_chosen),
-    OF_SESSION(setup.drag),
-    OF_SESSION(setup.fixed),
-    OF_SESSION(setup.origin),
+    OF_SESSION(current_run),    OF_SESSION(next_run),      OF_SESSION(next_id),
+    OF_SESSION(said_method),    OF_SESSION(said_assumed),  OF_SESSION(current_recording),
+    OF_SESSION(data_is_latest), OF_SESSION(has_fit),       OF_SESSION(fit_of),
+    OF_SESSION(fit_zero),       OF_SESSION(fit_free),      OF_SESSION(fit_modes),
+    OF_SESSION(adopted.known),  OF_SESSION(adopted.exact), OF_SESSION(adopted.of),
+    OF_SESSION(studied_runs),   OF_SESSION(live.speed),    OF_SESSION(setup.method_chosen),
+    OF_SESSION(setup.drag),     OF_SESSION(setup.fixed),   OF_SESSION(setup.origin),
 };
 const size_t store_session_count = COUNT_OF(store_session);
 

@@ -4,6 +4,7 @@
 #include <hooke/session/log.h>
 #include "session/store/read.h"
 
+#include <limits.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -173,7 +174,9 @@ static bool read_parts(struct reader *reader, const struct read_run *of, struct 
     parts->in = of->content;
     if (!field_get(parts->in, "number", &parts->number, sizeof parts->number) ||
         !field_find(parts->in, "state", &parts->state) ||
-        !field_find(parts->in, "asked", &parts->asked) || !field_find(parts->in, "method", &method))
+        !field_find(parts->in, "asked", &parts->asked) ||
+        !field_find(parts->in, "method", &method) || parts->number < 1 ||
+        parts->number > INT_MAX / 2)
         return error_set(error, ERROR_IO, "it is damaged");
     const struct row *row = catalog_find(&method_catalog, method);
     parts->method = (const struct method *)(const void *)row;

@@ -4,6 +4,7 @@
 #include <hooke/session/log.h>
 #include "session/store/read.h"
 
+#include <limits.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -113,6 +114,7 @@ static void read_fits(struct reader *reader)
     struct text in = reader->state, name, value;
     struct error why = {0};
     int stored = 0;
+    session->has_fit &= field_get(in, "fit", &session->fit, sizeof session->fit);
     session->fit.model = NULL;
     if (session->has_fit)
         session->fit.model = model_name(field_find(in, "fit_model", &value) ? value : TEXT(""));
@@ -327,8 +329,10 @@ static void settle(struct session *session, int at, uint64_t run_id)
     for (int i = 0; i < session->runs && at >= 0; i++)
         if (session->run[i]->id == run_id)
             session->current_run = i;
-    if (session->current_recording >= session->recordings)
+    if (session->current_recording >= session->recordings || session->current_recording < -1)
         session->current_recording = session->recordings - 1;
+    if (session->next_run < 1 || session->next_run > INT_MAX / 2)
+        session->next_run = 1;
     for (int i = 0; i < session->runs; i++) {
         session->next_run = session->next_run > session->run[i]->run->number
                                 ? session->next_run

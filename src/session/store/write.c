@@ -393,6 +393,18 @@ static void put_settings(const struct settings *settings, struct buffer *to)
     field_end(to, begun);
 }
 
+/* Its bytes, without the address of a name that stands beside it: put_fit(). */
+static void put_item(const struct store_array *array, const void *item, struct buffer *to)
+{
+    struct stored_fit fit;
+    if (array->offset == offsetof(struct session, stored_fit)) {
+        memcpy(&fit, item, sizeof fit);
+        fit.fit.model = NULL;
+        item = &fit;
+    }
+    buffer_put(to, (struct text){item, array->item});
+}
+
 static void put_arrays(const struct session *session, struct buffer *to)
 {
     for (size_t i = 0; i < store_array_count; i++) {
@@ -404,7 +416,10 @@ static void put_arrays(const struct session *session, struct buffer *to)
             at = *(char *const *)(const void *)at;
         const size_t begun = field_begin(to, array->name);
         field_put(to, "item", &item, sizeof item);
-        field_put(to, "items", count > 0 ? at : NULL, (size_t)count * item);
+        const size_t items = field_begin(to, "items");
+        for (int k = 0; k < count; k++)
+            put_item(array, at + (size_t)k * item, to);
+        field_end(to, items);
         field_end(to, begun);
     }
 }
@@ -413,6 +428,10 @@ static void put_fit(const struct session *session, struct buffer *to)
 {
     if (session->has_fit)
         field_text(to, "fit_model", text_of(session->fit.model));
+    struct fit fit;
+    memcpy(&fit, &session->fit, sizeof fit);
+    fit.model = NULL;
+    field_put(to, "fit", &fit, sizeof fit);
     for (int i = 0; i < session->stored_fits; i++)
         field_text(to, "stored_model", text_of(session->stored_fit[i].fit.model));
     for (int i = 0; i < 2 && session->fit_samples > 0; i++)

@@ -6,7 +6,7 @@
  */
 #include "unit/data/fixture.h"
 
-#define FOLDER "tests/fuzz/corpus/fuzz_recording"
+#define FOLDER "tests/fuzz/corpus/recording"
 
 static const struct {
     const char *file, *options, *format, *value;

@@ -4,6 +4,7 @@
 #include <hooke/scene/formula.h>
 #include "unit/run/fixture.h"
 
+#include <malloc.h>
 #include <stdlib.h>
 
 static double now(const struct run *run, const char *name)
@@ -183,6 +184,32 @@ static void test_scope(void **state)
     run_destroy(run);
 }
 
+/* Each of these kept a table of the exact solution. */
+static void test_stopped_columns_hold_nothing(void **state)
+{
+    (void)state;
+    struct scene scene = spring();
+    struct cancel cancel = {0};
+    struct run *run = start(&scene, "rk4", (struct run_settings){.dt = 1e-3}, 1);
+    go_to(run, 0.3);
+    run->cancel = &cancel;
+    atomic_store(&cancel.requested, 1);
+    double *column = calloc(trace_count(run->trace), sizeof *column);
+    assert_non_null(column);
+    const size_t before = mallinfo2().uordblks;
+    for (int i = 0; i < 50; i++) {
+        struct run_errors errors;
+        struct error error = {0};
+        run_errors(run, &errors);
+        assert_true(isnan(errors.end));
+        assert_false(run_column(run, observable_named("error"), column, &error));
+        assert_int_equal(error.code, ERROR_CANCELLED);
+    }
+    assert_int_equal(mallinfo2().uordblks, before);
+    free(column);
+    run_destroy(run);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -191,6 +218,7 @@ int main(void)
         cmocka_unit_test(test_phase_counts_turns),
         cmocka_unit_test(test_undefined_says_why),
         cmocka_unit_test(test_scope),
+        cmocka_unit_test(test_stopped_columns_hold_nothing),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

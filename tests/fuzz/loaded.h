@@ -1,17 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Any bytes as an instrument's file: a recording or an error, never a crash; what loads can be
- * analysed. */
+/* Any bytes as a file that is loaded: as it is; by index; another run than the first. What loads
+ * can be analysed. */
+#ifndef HOOKE_TESTS_FUZZ_LOADED_H
+#define HOOKE_TESTS_FUZZ_LOADED_H
+
 #include <hooke/analysis.h>
 
 #include <stdio.h>
 #include <sys/mman.h>
 #include <unistd.h>
-
-#define CORPUS "fuzz_recording"
-#define MUTATIONS 20
-#include "fuzz/replay.h"
-
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
 static void analyse(struct recording *recording)
 {
@@ -31,11 +28,11 @@ static void analyse(struct recording *recording)
     recording_destroy(recording);
 }
 
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+static void load(const void *data, size_t size)
 {
     int fd = memfd_create("recording", MFD_CLOEXEC);
     if (fd < 0 || write(fd, data, size) != (ssize_t)size) {
-        return 0;
+        return;
     }
     char path[64];
     snprintf(path, sizeof path, "/proc/self/fd/%d", fd);
@@ -48,5 +45,6 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
             analyse(recording);
     }
     close(fd);
-    return 0;
 }
+
+#endif

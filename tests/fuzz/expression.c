@@ -6,8 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define CORPUS "fuzz_expression"
-#define MUTATIONS 300
+#define CORPUS "expression"
+#define UNIT "expressions"
 #include "fuzz/replay.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);

@@ -1,0 +1,216 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * A damaged file of a session: it is restored, with notes of what is missing, or refused; never a
+ * crash, and what was restored can be drawn, used and kept again. Any bytes as they are; and whole
+ * records and fields that are missing, doubled, cut or elsewhere, whose checksums are made right.
+ * Numbers within a field whose checksum is right are the program's own: a checksum is no seal.
+ */
+#include <hooke/view.h>
+
+#define CORPUS "session_file"
+#define UNIT "session files"
+#define FUZZ_SEEDS
+#define FUZZ_MUTATOR
+#include "fuzz/replay.h"
+#include "fuzz/scripted.h"
+#include "fuzz/stored.h"
+#include "session/store/store.h"
+
+#include <stddef.h>
+
+static const char *const sessions[] = {
+    "run 1 s; continue 0.3 s; note first; rename 1 a; k = 20; method verlet dt=3ms; run 0.2 s",
+    "load swing.txt as=x; data window 1:4; data zero 0.2; measure period; fit damped; layout duo",
+    ("scene pendulum; m = 200 +- 0.3 g; param q = 3.0(1); observe w = q*v; event top when v "
+     "falling "
+     "do record; run 0.5 s; change gamma 0.3; continue 0.2 s"),
+    "compare euler verlet rk4 dt=10ms,5ms; let A = 4.2 +- 0.1 cm; undo; checkpoint c; back 2",
+    "var z = 1; z' = -z; run 0.3 s until z < 0.8; cursor; range y 0:1; set record every 3; lesson",
+    "load swing.txt as=one; load speed.txt as=two; data join two; data clean apply; atol y = 1e-9",
+    "sweep k=10:20 3; stability; order; stress; precision; window 3; trail all; timing full",
+};
+
+/* The first byte of an input: what it is taken as. */
+enum { AS_IT_IS, MENDED };
+
+/* Played and kept. */
+size_t fuzz_seed(size_t i, uint8_t *data, size_t max)
+{
+    struct buffer file = {0};
+    struct reply reply;
+    scripted_settle();
+    const unsigned long units = fuzz_units;
+    if (i >= COUNT_OF(sessions))
+        return 0;
+    struct session *session = scripted_create(1, &reply);
+    if (!session)
+        abort();
+    scripted_play(session, &reply, text_of(sessions[i]), 0);
+    fuzz_units = units;
+    buffer_char(&file, MENDED);
+    stored_put(session, &file);
+    const size_t len = file.len < max ? file.len : max;
+    memcpy(data, file.data, len);
+    buffer_free(&file);
+    scripted_destroy(session, &reply);
+    return len;
+}
+
+static size_t next_record(const uint8_t *data, size_t size, size_t from)
+{
+    for (; from + sizeof(struct record_head) <= size; from++)
+        if (memcmp(data + from, RECORD_MAGIC, sizeof RECORD_MAGIC - 1) == 0)
+            return from;
+    return size;
+}
+
+/* Every record ends where the next begins, and its sums are right. */
+static void mend(uint8_t *data, size_t size)
+{
+    const size_t first = sizeof STORE_HEADER - 1;
+    memcpy(data, STORE_HEADER, first);
+    for (size_t at = next_record(data, size, first), next; at < size; at = next) {
+        struct record_head head;
+        const size_t content = at + sizeof head;
+        next = next_record(data, size, content);
+        memcpy(&head, data + at, sizeof head);
+        head.bytes = next - content;
+        head.sum = bytes_sum((struct text){(const char *)data + content, head.bytes});
+        head.own = bytes_sum((struct text){(const char *)&head, offsetof(struct record_head, own)});
+        memcpy(data + at, &head, sizeof head);
+    }
+}
+
+/* ---- what is wrong with a file whose sums are right: parts are missing, doubled, cut ---- */
+
+static size_t pick(uint64_t *random, size_t count)
+{
+    return (size_t)(fuzz_random(random) % count);
+}
+
+/* The numbers before the rows; the rows themselves stay. */
+static void change_rows(struct text content, struct buffer *out, uint64_t *random)
+{
+    static const uint64_t edges[] = {0, 1, 2, 0x7fffffff, 1ull << 62, UINT64_MAX};
+    struct rows_head head;
+    buffer_put(out, content);
+    if (content.len < sizeof head || out->failed)
+        return;
+    const uint64_t number = edges[pick(random, COUNT_OF(edges))];
+    memcpy(out->data + out->len - content.len + 8 * pick(random, sizeof head / 8), &number, 8);
+}
+
+/* One of its fields. */
+static void change_field(struct text content, struct buffer *out, uint64_t *random)
+{
+    struct text rest = content, name, value, before = content;
+    size_t count = 0;
+    while (field_next(&rest, &name, &value))
+        count++;
+    size_t chosen = count ? pick(random, count) : 0;
+    for (rest = content; before = rest, field_next(&rest, &name, &value); chosen--) {
+        const struct text whole = {before.at, before.len - rest.len};
+        const size_t act = chosen == 0 ? pick(random, 4) : 4;
+        if (act == 0)
+            continue;
+        if (act >= 2)
+            buffer_put(out, whole);
+        if (act == 2)
+            buffer_put(out, whole);
+        if (act == 3)
+            buffer_put(out, content);
+        if (act != 1)
+            continue;
+        buffer_char(out, (char)name.len);
+        buffer_put(out, name);
+        const uint32_t len = (uint32_t)pick(random, value.len + 1);
+        buffer_put(out, (struct text){(const char *)&len, sizeof len});
+        buffer_put(out, (struct text){value.at, len});
+    }
+}
+
+/* A record that is missing, doubled, elsewhere, or has another content. */
+static void change_record(struct text in, struct buffer *out, uint64_t *random)
+{
+    const uint8_t *data = (const uint8_t *)in.at;
+    const size_t from = next_record(data, in.len, 1 + pick(random, in.len));
+    const size_t end = from < in.len ? next_record(data, in.len, from + 1) : in.len;
+    const size_t act = pick(random, 8);
+    const struct text record = {in.at + from, end - from};
+    const size_t head = sizeof(struct record_head);
+    buffer_put(out, (struct text){in.at, from});
+    if (act >= 1 && act <= 2)
+        buffer_put(out, record);
+    if (act >= 2 && act <= 7 && record.len >= head) {
+        const struct text content = {record.at + head, record.len - head};
+        buffer_put(out, (struct text){record.at, head});
+        if (record.at[offsetof(struct record_head, kind)] == RECORD_ROWS)
+            change_rows(content, out, random);
+        else
+            change_field(content, out, random);
+    }
+    buffer_put(out, (struct text){in.at + end, in.len - end});
+}
+
+size_t LLVMFuzzerCustomMutator(uint8_t *data, size_t size, size_t max, unsigned seed)
+{
+    uint64_t random = seed * 2654435761u + 88172645463325252u;
+    if (size < 64 || pick(&random, 32) == 0)
+        return fuzz_seed(pick(&random, COUNT_OF(sessions)), data, max);
+    if (pick(&random, 16) == 0)
+        data[0] = AS_IT_IS;
+    if (data[0] == AS_IT_IS)
+        return 1 + LLVMFuzzerMutate(data + 1, size - 1, max - 1);
+    struct buffer out = {0};
+    change_record((struct text){(const char *)data, size}, &out, &random);
+    const size_t len = out.failed ? 0 : out.len < max ? out.len : max;
+    if (len > 0)
+        memcpy(data, out.data, len);
+    buffer_free(&out);
+    return len;
+}
+
+static void use(struct session *session, struct reply *reply)
+{
+    static const char lines[] =
+        "runs\nshow all\ncontinue 0.1 s\nmeasure period\nexport a.csv --force\ndata\nundo\nredo\n"
+        "run 0.1 s\nback 1\nplot\nreport r --force\nsave a.hk --force\n";
+    const struct prompt_line prompt = {.prompt = TEXT("hooke> ")};
+    struct canvas canvas;
+    if (canvas_init(&canvas, 80, 24)) {
+        screen_draw(session, &prompt, &canvas, NULL, NULL);
+        canvas_free(&canvas);
+    }
+    const unsigned long units = fuzz_units;
+    scripted_play(session, reply, TEXT(lines), 1);
+    fuzz_units = units;
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    scripted_settle();
+    const uint64_t choice = fuzz_hash(data, size);
+    struct buffer file = {0}, notes = {0}, kept = {0};
+    struct reply reply;
+    struct session *session = scripted_create(choice, &reply);
+    if (!session)
+        abort();
+    fuzz_units++;
+    if (size > 0)
+        buffer_put(&file, (struct text){(const char *)data + 1, size - 1});
+    if (size > sizeof STORE_HEADER && data[0] == MENDED)
+        mend((uint8_t *)file.data, file.len);
+    scripted_time(20 * SCRIPTED_NS);
+    if (stored_take(session, &reply, buffer_text(&file), &notes)) {
+        if (choice % 4 == 0)
+            use(session, &reply);
+        scripted_time(20 * SCRIPTED_NS);
+        stored_put(session, &kept);
+    }
+    scripted_time(0);
+    buffer_free(&kept);
+    buffer_free(&file);
+    buffer_free(&notes);
+    scripted_destroy(session, &reply);
+    return 0;
+}

@@ -1,0 +1,54 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* A session's file, in memory. */
+#ifndef HOOKE_TESTS_FUZZ_STORED_H
+#define HOOKE_TESTS_FUZZ_STORED_H
+
+#include <hooke/report.h>
+#include <hooke/session/store.h>
+
+static inline bool stored_add(void *context, struct text record, struct error *error)
+{
+    (void)error;
+    buffer_put(context, record);
+    return true;
+}
+
+/* All of it; aborts where that fails. */
+static inline void stored_put(struct session *session, struct buffer *file)
+{
+    struct stored stored = {0};
+    struct error error = {0};
+    buffer_put(file, TEXT(STORE_HEADER));
+    if (!session_store(session, &stored, &(struct store_sink){file, stored_add}, &error)) {
+        fprintf(stderr, "it is not stored: %s\n", error.text);
+        abort();
+    }
+    stored_free(&stored);
+}
+
+static inline bool stored_execute(void *context, struct session *session, struct text commands,
+                                  struct error *error)
+{
+    struct text line;
+    while (text_split(&commands, '\n', &line))
+        if (!command_exec(session, line, NULL, context))
+            return error_set(error, ERROR_COMMAND, "%.*s", (int)line.len, line.at);
+    return true;
+}
+
+/* Into a new session, as --resume does it. */
+static inline bool stored_take(struct session *session, struct reply *reply, struct text file,
+                               struct buffer *notes)
+{
+    struct error error = {0};
+    const struct restorer restorer = {reply, &plot_catalog, &result_catalog, stored_execute};
+    session->restoring = true;
+    const bool ok =
+        store_recognise(file) && session_restore(session, file, &restorer, notes, &error);
+    session->restoring = false;
+    if (!ok)
+        buffer_format(notes, "%s\n", error.text);
+    return ok;
+}
+
+#endif
