@@ -391,7 +391,9 @@ static void explain(const struct session *session, struct text statement, const 
     const bool known = unit ||
                        (is_kind(kind, "command") && put_rewritten(session, statement, &text)) ||
                        put_misplaced(session, kind, statement, where, &text);
-    if (!known && !law)
+    if (!kind && own && text_is(text_of(own->row.name), "save") && text_is(where, "plot"))
+        buffer_put(&text, text_of(catalog_find(&word_catalog, TEXT("picture"))->brief));
+    else if (!known && !law)
         put_meanings(session, command, statement, where, kind,
                      strstr(error->hint, "did you mean") != NULL, &text);
     if (is_kind(kind, "command") && text.len == 0)

@@ -94,6 +94,8 @@ fewer rows                     | help export           | every=                |
 write over a file              | overwrite             | --force               | run; export r.csv --force
 no colours                     | nocolor               | set color never       | set color never; show
 comments in a script           | comment               | # begins              | run 1 s # comment
+save it, in a sentence         | save the plot         | plot position > FILE.svg | run; plot position > s.txt --force
+which one, in a sentence       | which method for stiff | help methods         | help methods
 two words                      | apropos save plot     | output                | run; plot position > q.txt --force
 a sentence                     | i have a spring and a recording | help recording | load swing.csv
 a question                     | how do I see the velocity? | plot velocity    | run; plot velocity
