@@ -393,6 +393,9 @@ static void explain(const struct session *session, struct text statement, const 
                        put_misplaced(session, kind, statement, where, &text);
     if (!kind && own && text_is(text_of(own->row.name), "save") && text_is(where, "plot"))
         buffer_put(&text, text_of(catalog_find(&word_catalog, TEXT("picture"))->brief));
+    else if (!kind && own && text_is(where, ">"))
+        buffer_format(&text, "%s makes no table; 'export FILE table' writes the last one",
+                      own->row.name);
     else if (!known && !law)
         put_meanings(session, command, statement, where, kind,
                      strstr(error->hint, "did you mean") != NULL, &text);
