@@ -23,6 +23,7 @@
 
 #define COMPACT_BYTES ((uint64_t)4 << 20) /* so much may be left over before it is written anew */
 #define SYNC_NS 1000000000
+#define EMPTY_SECONDS 60             /* a session that has written nothing by then is no more */
 #define SYNC_STACK ((size_t)1 << 17) /* [byte] more than one call takes */
 
 /* ---- bytes ---- */
@@ -76,25 +77,37 @@ static int create(struct autosave *autosave, const char *path)
     return fd;
 }
 
-/* A name that nobody has, on a folder that several machines may share. */
-static bool open_new(struct autosave *autosave, struct error *error)
+/* Under a hidden name, until all of it is there. */
+static bool open_new(struct autosave *autosave, struct buffer *hidden, struct error *error)
 {
     const time_t now = time(NULL);
     struct tm local;
-    char stamp[32] = "", name[64];
+    char stamp[32] = "", name[64], random[STRAY_NAME_SIZE];
     localtime_r(&now, &local);
     strftime(stamp, sizeof stamp, "%Y%m%d-%H%M%S", &local);
-    for (long pid = (long)getpid(), tries = 0; tries < 100 && autosave->fd < 0; tries++, pid++) {
-        snprintf(name, sizeof name, AUTOSAVE_PREFIX "%s-%ld" AUTOSAVE_ENDING, stamp, pid);
-        free(autosave->path);
-        if (!(autosave->path = state_path(name, true)))
-            return error_set(error, ERROR_IO, "HOME is not set");
-        autosave->fd = create(autosave, autosave->path);
-        if (autosave->fd < 0 && errno != EEXIST)
-            return error_set(error, ERROR_IO, "%s", strerror(errno));
-    }
+    snprintf(name, sizeof name, AUTOSAVE_PREFIX "%s-%ld" AUTOSAVE_ENDING, stamp, (long)getpid());
+    free(autosave->path);
+    if (!(autosave->path = state_path(name, true)))
+        return error_set(error, ERROR_IO, "HOME is not set");
+    if (stray_name(random, name, STRAY_NEW))
+        buffer_format(hidden, "%.*s%s", (int)(strlen(autosave->path) - strlen(name)),
+                      autosave->path, random);
+    autosave->fd = hidden->len > 0 && !hidden->failed ? create(autosave, hidden->data) : -1;
+    if (autosave->fd < 0)
+        return error_set(error, ERROR_IO, "%s", strerror(errno));
     stored_free(&autosave->stored);
-    return autosave->fd >= 0 && put(autosave->fd, TEXT(STORE_HEADER), error);
+    return put(autosave->fd, TEXT(STORE_HEADER), error);
+}
+
+/* A name that nobody has, on a folder that several machines may share. */
+static bool name_new(const struct autosave *autosave, const char *hidden, struct error *error)
+{
+    if (link(hidden, autosave->path) == 0) {
+        unlink(hidden);
+        return true;
+    }
+    return (errno != EEXIST && rename(hidden, autosave->path) == 0) ||
+           error_set(error, ERROR_IO, "%s", strerror(errno));
 }
 
 static void close_file(struct autosave *autosave)
@@ -109,19 +122,22 @@ static void close_file(struct autosave *autosave)
 /* What cannot be written whole is not there: the file ends where it did, or goes. */
 static bool append(struct autosave *autosave, struct error *error)
 {
-    if (autosave->fd < 0 && !open_new(autosave, error)) {
-        close_file(autosave);
-        return false;
-    }
-    const off_t before = lseek(autosave->fd, 0, SEEK_END);
+    struct buffer hidden = {0};
+    const bool first = autosave->fd < 0;
+    bool ok = !first || open_new(autosave, &hidden, error);
+    const off_t before = ok ? lseek(autosave->fd, 0, SEEK_END) : 0;
     const struct store_sink to = {&autosave->fd, sink};
-    if (session_store(autosave->session, &autosave->stored, &to, error))
-        return true;
-    const bool first = before <= (off_t)strlen(STORE_HEADER);
-    if (first || ftruncate(autosave->fd, before) != 0)
-        unlink(autosave->path);
-    close_file(autosave); /* the next one is another file, with all of it */
-    return false;
+    ok = ok && session_store(autosave->session, &autosave->stored, &to, error) &&
+         (!first || name_new(autosave, hidden.data, error));
+    if (!ok) {
+        if (first && hidden.len > 0)
+            unlink(hidden.data);
+        else if (!first && ftruncate(autosave->fd, before) != 0)
+            unlink(autosave->path);
+        close_file(autosave); /* the next one is another file, with all of it */
+    }
+    buffer_free(&hidden);
+    return ok;
 }
 
 static bool is_bloated(const struct autosave *autosave)
@@ -220,10 +236,14 @@ static void clear_away(void)
         return;
     strays_sweep_path(folder);
     struct saved_list list = saved_list(folder);
-    for (int i = AUTOSAVE_KEPT; i < list.count; i++) {
+    for (int i = 0, kept = 0; i < list.count; i++) {
         struct buffer path = {0};
-        buffer_format(&path, "%s%s", folder, list.item[i].name);
-        if (!list.item[i].living && !path.failed)
+        const struct autosaved *saved = &list.item[i];
+        buffer_format(&path, "%s%s", folder, saved->name);
+        /* one that begins just now may not be locked yet */
+        const bool goes =
+            saved->empty ? time(NULL) - saved->time > EMPTY_SECONDS : ++kept > AUTOSAVE_KEPT;
+        if (goes && !saved->living && !path.failed)
             unlink(path.data);
         buffer_free(&path);
     }

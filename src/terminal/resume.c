@@ -96,6 +96,7 @@ struct saved_list saved_list(const char *folder)
         if (more) {
             list.item = more;
             saved.time = status.st_mtime;
+            saved.empty = status.st_size <= (saved.old ? 0 : (off_t)strlen(STORE_HEADER));
             list.item[list.count++] = saved;
         }
     }
@@ -170,7 +171,7 @@ static char *choose_saved(const char *folder, const char *name, struct error *er
     struct saved_list list = saved_list(folder);
     const struct autosaved *found = NULL;
     for (int i = 0; i < list.count && !found; i++)
-        if (name ? is_named(&list.item[i], name) : !list.item[i].living)
+        if (name ? is_named(&list.item[i], name) : !list.item[i].living && !list.item[i].empty)
             found = &list.item[i];
     /* its process number may be somebody else's by now */
     for (int i = 0; i < list.count && !found && !name; i++)

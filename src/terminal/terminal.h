@@ -234,6 +234,7 @@ struct autosaved {
     time_t time;
     bool old;    /* of a version that saved commands */
     bool living; /* the session is still there */
+    bool empty;  /* it was killed before it had written anything */
 };
 
 struct saved_list {

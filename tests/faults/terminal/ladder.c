@@ -83,6 +83,24 @@ static bool act_autosave(struct error *error)
     return ok;
 }
 
+/* A session can be taken up again, whole unless the program was killed, or there is none. */
+static bool can_resume(bool killed)
+{
+    int status;
+    const pid_t child = fork();
+    assert_true(child >= 0);
+    if (child == 0) {
+        struct buffer messages = {0};
+        struct error error = {0};
+        const bool resumed = autosave_resume(&bench.session, NULL, &messages, &error);
+        if (resumed)
+            _exit(killed || bench.session->runs == 2 ? 0 : 1);
+        _exit(strstr(error.text, "no saved session") ? 0 : 2);
+    }
+    assert_int_equal(waitpid(child, &status, 0), child);
+    return WIFEXITED(status) && WEXITSTATUS(status) == 0;
+}
+
 /* What is there: its name, what it may be instead of the bytes that were there before or would be
  * there without the fault, and where the status says nothing. */
 static const struct ladder {
@@ -249,7 +267,8 @@ static bool strike(const struct ladder *row, enum fault_kind kind, int at, int n
     buffer_clear(&now);
     look(".", &now, &strays);
     const bool is_new = row->end ? is_whole(row, &now) && !same(&now, old) : same(&now, new);
-    const bool torn = !row->any && !is_new && !same(&now, old);
+    const bool torn = row->act == act_autosave ? !can_resume(status > 128)
+                                               : !row->any && !is_new && !same(&now, old);
     const bool lie = (!row->any && !row->silent && status == 0 && !is_new) || status == UNSAID ||
                      (status > 128 && kind != FAULT_KILL_BEFORE && kind != FAULT_KILL_AFTER);
     total.tried += struck;

@@ -284,6 +284,22 @@ static void test_old_ones_go(void **state)
     assert_int_equal(count_saved(name), 5 + 1 + 1);
 }
 
+/* A session that was killed before it had written anything hides no other one. */
+static void test_empty_ones_are_passed_over(void **state)
+{
+    (void)state;
+    struct person p;
+    new_state();
+    plant("session-20200101-000001-41943041.hk", "m = 0.321 kg\n", 1000);
+    plant("session-20200101-000002-41943042.hks", STORE_HEADER, 0);
+    plant("session-20200101-000003-41943043.hks", "", 100);
+    begin(&p, (struct start){.argument = {"--resume"}});
+    expect(&p, "m=321 g");
+    quit(&p);
+    assert_true(is_there("session-20200101-000002-41943042.hks"));
+    assert_false(is_there("session-20200101-000003-41943043.hks"));
+}
+
 /* Restored is all of it or nothing, and only what makes a session. */
 static void test_bad_files(void **state)
 {
@@ -385,6 +401,7 @@ int main(void)
         cmocka_unit_test(test_plain_suspend),
         cmocka_unit_test(test_nothing_changed_nothing_saved),
         cmocka_unit_test(test_old_ones_go),
+        cmocka_unit_test(test_empty_ones_are_passed_over),
         cmocka_unit_test(test_bad_files),
         cmocka_unit_test(test_no_place_to_save),
         cmocka_unit_test(test_history_in_the_way),
