@@ -233,6 +233,7 @@ void edit_paste(struct panes *panes, struct text paste)
 void edit_clear(struct panes *panes)
 {
     rl_callback_sigcleanup();
+    line_drop_undo();
     rl_free_line_state();
     rl_clear_message();
     rl_replace_line("", 0);

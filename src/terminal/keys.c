@@ -423,11 +423,11 @@ static void bind(const struct key *rows, size_t count, Keymap map)
     }
 }
 
-/* A search that asks for its text, left by Ctrl-G on a line of the history that was edited, makes
- * readline 8.2 use that line's list of undo after it is freed: such a line has none any more. */
+/* A search that asks for its text, left by Ctrl-G on a line of the history that was edited, has
+ * readline 8.2 use that line's undo after it is freed. */
 static int on_search(int count, int key)
 {
-    rl_free_line_state();
+    line_drop_undo();
     return key == 'p'   ? rl_noninc_reverse_search(count, key)
            : key == 'n' ? rl_noninc_forward_search(count, key)
                         : rl_vi_search(count, key);

@@ -8,6 +8,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
+#include <readline/history.h>
 #include <readline/readline.h>
 #include <readline/tilde.h>
 
@@ -209,4 +210,12 @@ void line_begin(struct session *session)
     rl_read_init_file(NULL);
     rl_set_keymap_from_edit_mode();
     history_load();
+}
+
+void line_drop_undo(void)
+{
+    HIST_ENTRY *entry = current_history();
+    rl_undo_list = NULL;
+    if (entry)
+        entry->data = NULL;
 }

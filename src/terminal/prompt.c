@@ -63,6 +63,7 @@ static void heed_signals(void)
     if (cancelled(&interrupt) && !signals_ending()) {
         const bool inside = RL_ISSTATE(RL_STATE_MOREINPUT);
         atomic_store(&interrupt.requested, 0);
+        line_drop_undo();
         rl_free_line_state();
         rl_replace_line("", 0);
         rl_set_keymap_from_edit_mode(); /* vi's insertion mode */

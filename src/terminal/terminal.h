@@ -207,6 +207,10 @@ void progress_print(void *context, const struct run *run, double fraction);
 
 /* Settings and completion; once, before anything else of readline. */
 void line_begin(struct session *session);
+/* What was edited cannot be undone any more. Readline has the list in up to three places (the line,
+ * its entry of the history, the line that was left for it) and frees it in each: it is left to
+ * itself. */
+void line_drop_undo(void);
 
 /* ---- files of the user
  * ------------------------------------------------------------------------------------ */
