@@ -30,6 +30,7 @@ struct panes *panes_active;
 __attribute__((weak)) int _rl_abort_internal(void);
 __attribute__((weak)) int _rl_forward_char_internal(int count);
 __attribute__((weak)) void rl_redisplay(void);
+__attribute__((weak)) int rl_newline(int count, int key);
 extern sigjmp_buf _rl_top_level __attribute__((weak));
 int _rl_pushed_input_available(void) __attribute__((weak));
 
@@ -82,6 +83,17 @@ void rl_redisplay(void)
         rl_set_screen_size(rows, NARROWEST);
     if (own)
         own();
+}
+
+/* A line that was left and come back to would be undone by a list of which parts are freed. It need
+ * not be: the history keeps it as it is. */
+int rl_newline(int count, int key)
+{
+    static int (*own)(int, int);
+    if (!own)
+        find_own(&own, "rl_newline");
+    line_drop_undo();
+    return own ? own(count, key) : 0;
 }
 
 /* What is still in readline's queue belongs to what was given up. */
