@@ -111,6 +111,7 @@ static void take_key(void)
         given_up.valid = true;
         rl_callback_read_char();
     } else {
+        rl_readline_state &= ~(unsigned long)(RL_STATE_MOREINPUT | RL_STATE_METANEXT);
         drop_queue();
     }
     given_up.valid = false;
@@ -143,6 +144,9 @@ static int get_byte(FILE *ignored)
         } else if (item == INPUT_NONE) {
             panes_wait(panes, INT64_MAX);
         }
+    }
+    if (byte < 0 && panes->interrupted && given_up.valid) {
+        siglongjmp(given_up.frame, 1); /* what readline was reading for may be cleared */
     }
     return byte < 0 ? EOF : byte;
 }
