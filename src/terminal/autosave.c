@@ -77,21 +77,29 @@ static int create(struct autosave *autosave, const char *path)
     return fd;
 }
 
-/* Under a hidden name, until all of it is there. */
-static bool open_new(struct autosave *autosave, struct buffer *hidden, struct error *error)
+/* autosave->path: of this second, and a number that is the process's at first. */
+static bool choose_name(struct autosave *autosave, long number, struct error *error)
 {
     const time_t now = time(NULL);
     struct tm local;
-    char stamp[32] = "", name[64], random[STRAY_NAME_SIZE];
+    char stamp[32] = "", name[64];
     localtime_r(&now, &local);
     strftime(stamp, sizeof stamp, "%Y%m%d-%H%M%S", &local);
-    snprintf(name, sizeof name, AUTOSAVE_PREFIX "%s-%ld" AUTOSAVE_ENDING, stamp, (long)getpid());
+    snprintf(name, sizeof name, AUTOSAVE_PREFIX "%s-%ld" AUTOSAVE_ENDING, stamp, number);
     free(autosave->path);
-    if (!(autosave->path = state_path(name, true)))
-        return error_set(error, ERROR_IO, "HOME is not set");
+    autosave->path = state_path(name, true);
+    return autosave->path || error_set(error, ERROR_IO, "HOME is not set");
+}
+
+/* Under a hidden name, until all of it is there. */
+static bool open_new(struct autosave *autosave, struct buffer *hidden, struct error *error)
+{
+    char random[STRAY_NAME_SIZE];
+    if (!choose_name(autosave, (long)getpid(), error))
+        return false;
+    const char *name = strrchr(autosave->path, '/') + 1;
     if (stray_name(random, name, STRAY_NEW))
-        buffer_format(hidden, "%.*s%s", (int)(strlen(autosave->path) - strlen(name)),
-                      autosave->path, random);
+        buffer_format(hidden, "%.*s%s", (int)(name - autosave->path), autosave->path, random);
     autosave->fd = hidden->len > 0 && !hidden->failed ? create(autosave, hidden->data) : -1;
     if (autosave->fd < 0)
         return error_set(error, ERROR_IO, "%s", strerror(errno));
@@ -100,14 +108,19 @@ static bool open_new(struct autosave *autosave, struct buffer *hidden, struct er
 }
 
 /* A name that nobody has, on a folder that several machines may share. */
-static bool name_new(const struct autosave *autosave, const char *hidden, struct error *error)
+static bool name_new(struct autosave *autosave, const char *hidden, struct error *error)
 {
-    if (link(hidden, autosave->path) == 0) {
-        unlink(hidden);
-        return true;
+    int number = EEXIST;
+    for (long tries = 0; tries < 100 && number == EEXIST; tries++) {
+        if (tries > 0 && !choose_name(autosave, (long)getpid() + tries, error))
+            return false;
+        number = link(hidden, autosave->path) == 0 ? 0 : errno;
     }
-    return (errno != EEXIST && rename(hidden, autosave->path) == 0) ||
-           error_set(error, ERROR_IO, "%s", strerror(errno));
+    if (number == 0)
+        unlink(hidden);
+    else if (number != EEXIST && rename(hidden, autosave->path) == 0) /* no links there */
+        number = 0;
+    return number == 0 || error_set(error, ERROR_IO, "%s", strerror(number));
 }
 
 static void close_file(struct autosave *autosave)
