@@ -222,6 +222,9 @@ static void the_file_is_as_large_as_the_session(void **state)
     for (int i = 0; i < (is_long() ? 20000 : 600); i++) {
         type_ok(&saving.b, i % 3 ? "run 100 ms; measure energy; change k 17; step 2; drop all"
                                  : "force -3*y; run 1 ms; note good; drop all; undo; force off");
+        const struct timespec moment = {0, 100000};
+        while (saving.autosave.syncing && !atomic_load(&saving.autosave.synced))
+            nanosleep(&moment, NULL); /* a loaded machine */
         type_ok(&saving.b, "drop all");
         most = size_of(&saving) > most ? size_of(&saving) : most;
     }

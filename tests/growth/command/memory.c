@@ -29,7 +29,7 @@ struct kind {
 };
 
 #define TIMES 450
-#define AT_MOST 16 /* [byte] the heap's own rounding over a window */
+#define AT_MOST 64 /* [byte] the heap's own rounding over a window */
 /* [byte] what a run keeps of each thing that was asked of it, up to LIMIT_REQUESTS, and of each
  * change of parameters, up to LIMIT_CHANGES */
 #define OF_REQUEST 300
