@@ -357,12 +357,12 @@ static void read_all(struct reader *reader)
     read_setup(reader);
     if (!fields_get(reader->state, store_session, store_session_count, session))
         reader_note(reader, "some values are left out: another version wrote them");
-    read_fits(reader);
     const int at = session->current_run;
     if (field_find(reader->state, "runs", &ids) && at >= 0 &&
         ((size_t)at + 1) * sizeof current <= ids.len)
         memcpy(&current, ids.at + (size_t)at * sizeof current, sizeof current);
     settle(session, at, current);
+    read_fits(reader); /* executes commands: after a run that is damaged was taken out */
     read_tables(reader);
     read_view(reader);
     read_lesson(reader);
