@@ -79,8 +79,10 @@ static void executed(void *context)
     keep(context, true);
 }
 
+/* Names of files are of a second and a process: those of the session before go. */
 static void begin(struct saving *saving)
 {
+    assert_int_equal(system("rm -rf \"$XDG_STATE_HOME/hooke\""), 0); /* a test may */
     *saving = (struct saving){.words = 0};
     bench_open(&saving->b, true);
     autosave_begin(&saving->autosave, saving->b.session);
