@@ -106,7 +106,7 @@ struct taylor {
 static void moved(const struct taylor *t, const double *u, double by, const double *v, double *out)
 {
     const int n = t->field->n;
-    double y[FIELD_VARIABLES], jacobian[FIELD_VARIABLES * FIELD_VARIABLES];
+    double y[FIELD_VARIABLES] = {0}, jacobian[FIELD_VARIABLES * FIELD_VARIABLES];
     for (int i = 0; i < n; i++)
         y[i] = t->state[i] + by * u[i];
     field_jacobian(t->field, y, jacobian);

@@ -357,7 +357,7 @@ static void undo_of_every_setting_does_what_it_says(void **state)
         /* it is set back to read the answers */
         const bool is_format = setting->choices == &format_choice_catalog;
         struct bench b;
-        bench_open(&b, false);
+        bench_open(&b, setting->typed); /* some are taken from a person only */
         type_ok(&b, "k = 20");
         const struct settings before = b.session->setup.settings;
         change_setting(&b, setting);
