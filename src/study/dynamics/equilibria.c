@@ -100,7 +100,7 @@ static enum verdict krawczyk(struct search *s, struct interval *box, const struc
 {
     const int n = s->n;
     double inverse[FIELD_VARIABLES * FIELD_VARIABLES];
-    struct interval at[FIELD_VARIABLES], rate[FIELD_VARIABLES], k[FIELD_VARIABLES];
+    struct interval at[FIELD_VARIABLES] = {{0}}, rate[FIELD_VARIABLES], k[FIELD_VARIABLES];
     if (!invert(n, by, inverse))
         return UNKNOWN;
     for (int i = 0; i < n; i++)
@@ -139,8 +139,8 @@ static void correct(struct search *s, double *y)
 {
     const int n = s->n;
     for (int k = 0; k < CORRECTIONS; k++) {
-        struct interval at[FIELD_VARIABLES], rate[FIELD_VARIABLES],
-            by[FIELD_VARIABLES * FIELD_VARIABLES];
+        struct interval at[FIELD_VARIABLES] = {{0}}, rate[FIELD_VARIABLES],
+                        by[FIELD_VARIABLES * FIELD_VARIABLES];
         double a[FIELD_VARIABLES * FIELD_VARIABLES], f[FIELD_VARIABLES], most = 0;
         int ignored;
         for (int i = 0; i < n; i++)
@@ -302,8 +302,8 @@ static bool search(struct search *s)
 static bool describe(struct search *s, struct solution *solution)
 {
     const int n = s->n;
-    struct interval at[FIELD_VARIABLES], rate[FIELD_VARIABLES],
-        by[FIELD_VARIABLES * FIELD_VARIABLES];
+    struct interval at[FIELD_VARIABLES] = {{0}}, rate[FIELD_VARIABLES],
+                    by[FIELD_VARIABLES * FIELD_VARIABLES];
     double jacobian[FIELD_VARIABLES * FIELD_VARIABLES], size = 0;
     for (int i = 0; i < n; i++)
         at[i].lo = at[i].hi = solution->state[i];
