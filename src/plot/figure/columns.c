@@ -41,8 +41,9 @@ bool drawing_columns(struct drawing *d, const struct system *system)
 
 const char *drawing_label(const struct drawing *d, int i)
 {
+    const struct model *model = d->model ? d->model : &oscillator_model; /* a recording alone */
     if (!d->request->columns)
-        return vertical_variable(d->model, d->request->kind)[i].name;
+        return vertical_variable(model, d->request->kind)[i].name;
     const struct run *run = d->session->run[d->request->run[0]]->run;
     return arena_text(d->arena, text_of(chosen_variable(&run->system, &d->column[i]).name));
 }
