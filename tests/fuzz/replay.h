@@ -11,6 +11,7 @@
 #ifndef HOOKE_TESTS_FUZZ_REPLAY_H
 #define HOOKE_TESTS_FUZZ_REPLAY_H
 
+#include <limits.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -23,6 +24,9 @@ size_t LLVMFuzzerCustomMutator(uint8_t *data, size_t size, size_t max, unsigned 
 /* The i-th input that is made, of at most `max` bytes; 0: there are no more. */
 size_t fuzz_seed(size_t i, uint8_t *data, size_t max);
 
+#ifndef QUICK_INPUTS /* of the quick form, at most */
+#define QUICK_INPUTS ULONG_MAX
+#endif
 #ifndef UNIT
 #define UNIT "inputs"
 #endif
@@ -235,7 +239,9 @@ int main(int argc, char **argv)
         replay_one();
     }
     /* a chain of up to 8 mutations of each */
-    for (; replay.seeds > 0 && replay_seconds() - begin < most; inputs++) {
+    for (; replay.seeds > 0 && replay_seconds() - begin < most &&
+           (is_long() || inputs < QUICK_INPUTS);
+         inputs++) {
         if (inputs % 8 == 0) {
             const struct replay_input *from =
                 &replay.seed[fuzz_random(&replay.random) % (uint64_t)replay.seeds];
