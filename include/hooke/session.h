@@ -14,7 +14,6 @@
 
 /* ---- the session ---- */
 
-
 struct named_value {
     char name[LIMIT_NAME + 1];
     double value, uncertainty; /* SI */

@@ -299,6 +299,7 @@ void edit_begin(FILE *nowhere)
 
 void edit_end(void)
 {
+    rl_callback_sigcleanup(); /* a search would go on at the next prompt, in lines that are gone */
     rl_callback_handler_remove();
     rl_outstream = stdout;
     rl_getc_function = rl_getc;

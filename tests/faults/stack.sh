@@ -6,7 +6,8 @@ set -u
 hooke=$(realpath "${HOOKE:-build/hooke}")
 here=$(pwd)
 if [ "${CONFIG:-}" = asan ]; then
-    echo "1..0 # SKIP sanitizers have larger frames"
+    echo "ok 1 - every command with a small stack # SKIP sanitizers have larger frames"
+    echo "1..1"
     exit 0
 fi
 work=$(mktemp -d) || exit 2

@@ -124,7 +124,6 @@ const char *reynolds_regime(double reynolds);
 
 struct system;
 
-
 struct variable {
     char name[LIMIT_SYMBOL + 1];
     enum quantity quantity;

@@ -55,7 +55,6 @@ struct cursors {
     enum quantity quantity;   /* of y */
 };
 
-
 struct view {
     enum layout layout;
     /* pane that commands and zooming act on, of plot_catalog; NULL: the position */

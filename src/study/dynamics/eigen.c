@@ -97,7 +97,7 @@ bool matrix_second_null(int columns, const double *a, const double *known, doubl
 /* ---- derivatives of second and third order along directions ---- */
 
 struct taylor {
-    struct field *field;
+    struct vector_field *field;
     const double *state;
     double step; /* relative to natural sizes */
 };
@@ -245,7 +245,8 @@ static double coefficient(const struct taylor *t, double omega)
     return (sum + real_product(n, p, q, re, im)) / (2 * omega);
 }
 
-double lyapunov_coefficient(struct field *field, const double *state, double omega, double *error)
+double lyapunov_coefficient(struct vector_field *field, const double *state, double omega,
+                            double *error)
 {
     const struct taylor fine = {field, state, 2e-3}, coarse = {field, state, 4e-3};
     const double value = coefficient(&fine, omega);

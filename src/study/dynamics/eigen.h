@@ -15,6 +15,7 @@ bool matrix_second_null(int columns, const double *a, const double *known, doubl
  * 5.62, <q, q> = <p, q> = 1, in the scene's own units). < 0: the orbits that are born are stable
  * where everything else is. *error: what differences leave uncertain. NAN: not found.
  */
-double lyapunov_coefficient(struct field *field, const double *state, double omega, double *error);
+double lyapunov_coefficient(struct vector_field *field, const double *state, double omega,
+                            double *error);
 
 #endif

@@ -24,7 +24,7 @@
 #define BEYOND 1e-6 /* of the range: what lies on the edge is inside */
 
 struct search {
-    struct field field;
+    struct vector_field field;
     const struct equilibria_request *request;
     struct equilibria *found;
     int n, boxes, capacity;

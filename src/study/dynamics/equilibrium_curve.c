@@ -15,7 +15,7 @@ double plain_determinant(int n, double *a)
 static bool residual(void *context, const double *u, double *f, double *jacobian)
 {
     const struct equilibrium_curve *curve = context;
-    struct field *field = curve->field;
+    struct vector_field *field = curve->field;
     const int n = field->n;
     double y[FIELD_VARIABLES], j[FIELD_VARIABLES * FIELD_VARIABLES], slope[FIELD_VARIABLES];
     double p = u[n] * curve->psize;
@@ -56,7 +56,8 @@ static void test(void *context, const double *u, const double *jacobian, const d
     }
 }
 
-void equilibrium_curve_init(struct equilibrium_curve *curve, struct field *field, double psize)
+void equilibrium_curve_init(struct equilibrium_curve *curve, struct vector_field *field,
+                            double psize)
 {
     *curve = (struct equilibrium_curve){.field = field, .psize = psize};
     curve->problem = (struct curve_problem){.context = curve,

@@ -46,10 +46,10 @@ static bool is_angle(const struct system *system, int variable)
     return matters;
 }
 
-bool field_init(struct field *field, const struct scene *scene, const int *param, int params,
+bool field_init(struct vector_field *field, const struct scene *scene, const int *param, int params,
                 struct error *error)
 {
-    *field = (struct field){.scene = *scene, .params = params, .tol = FLOW_TOL};
+    *field = (struct vector_field){.scene = *scene, .params = params, .tol = FLOW_TOL};
     for (int j = 0; j < params; j++)
         field->param[j] = param[j], field->unit[j] = fmax(fabs(scene->value[param[j]]), 1);
     if (!scene_bind_motion(scene, &field->system, error))
@@ -67,13 +67,13 @@ bool field_init(struct field *field, const struct scene *scene, const int *param
     return true;
 }
 
-void field_free(struct field *field)
+void field_free(struct vector_field *field)
 {
     free(field->variation);
     field->variation = NULL;
 }
 
-bool field_set(struct field *field, const double *value)
+bool field_set(struct vector_field *field, const double *value)
 {
     struct error ignored;
     bool same = true;
@@ -84,20 +84,20 @@ bool field_set(struct field *field, const double *value)
     return same || scene_bind_motion(&field->scene, &field->system, &ignored);
 }
 
-void field_rate(struct field *field, const double *y, double *rate)
+void field_rate(struct vector_field *field, const double *y, double *rate)
 {
     field->evals++;
     system_derivative(&field->system, field->system.t0, y, rate);
 }
 
-void field_jacobian(struct field *field, const double *y, double *jacobian)
+void field_jacobian(struct vector_field *field, const double *y, double *jacobian)
 {
     field->evals++;
     system_jacobian(&field->system, field->system.t0, y, jacobian);
 }
 
 /* Values of free parameter j on both sides; their distance. */
-static double sides(const struct field *field, int j, struct scene side[2])
+static double sides(const struct vector_field *field, int j, struct scene side[2])
 {
     const int at = field->param[j];
     const double value = field->scene.value[at], by = DELTA * fmax(fabs(value), 1e-3);
@@ -107,7 +107,7 @@ static double sides(const struct field *field, int j, struct scene side[2])
     return side[0].value[at] - side[1].value[at];
 }
 
-bool field_by_parameter(struct field *field, int j, const double *y, double *slope)
+bool field_by_parameter(struct vector_field *field, int j, const double *y, double *slope)
 {
     struct scene side[2];
     struct system system;
@@ -125,12 +125,12 @@ bool field_by_parameter(struct field *field, int j, const double *y, double *slo
     return true;
 }
 
-double field_drive(const struct field *field)
+double field_drive(const struct vector_field *field)
 {
     return system_drive(&field->system);
 }
 
-double field_drive_by(const struct field *field, int j)
+double field_drive_by(const struct vector_field *field, int j)
 {
     struct scene side[2];
     struct system system;
@@ -147,8 +147,8 @@ double field_drive_by(const struct field *field, int j)
 
 /* ---- the flow ---- */
 
-static bool go(struct field *field, const struct system *system, const char *name, double span,
-               int64_t most, double *end, double *grid)
+static bool go(struct vector_field *field, const struct system *system, const char *name,
+               double span, int64_t most, double *end, double *grid)
 {
     struct solver solver;
     struct run_settings settings = {.tol = field->tol, .kernel = KERNEL_SPECIALISED};
@@ -166,7 +166,7 @@ static bool go(struct field *field, const struct system *system, const char *nam
 }
 
 /* What is stiff takes too many explicit steps. */
-static bool go_on(struct field *field, const struct system *system, double span, double *end,
+static bool go_on(struct vector_field *field, const struct system *system, double span, double *end,
                   double *grid)
 {
     return (!field->stiff && go(field, system, "dop853", span, FLOW_MOST, end, grid)) ||
@@ -174,7 +174,8 @@ static bool go_on(struct field *field, const struct system *system, double span,
             (field->stiff = go(field, system, "radau5", span, FLOW_STIFF, end, grid)));
 }
 
-bool field_follow(struct field *field, double t, const double *start, double span, double *grid)
+bool field_follow(struct vector_field *field, double t, const double *start, double span,
+                  double *grid)
 {
     double end[LIMIT_VARIABLES];
     struct system system = field->system;
@@ -188,7 +189,7 @@ bool field_follow(struct field *field, double t, const double *start, double spa
     return fine;
 }
 
-static bool bind_variation(struct field *field, int j)
+static bool bind_variation(struct vector_field *field, int j)
 {
     if (!field->variation)
         field->variation = malloc(sizeof *field->variation);
@@ -198,7 +199,7 @@ static bool bind_variation(struct field *field, int j)
     return j < 0 || variation_add_parameter(field->variation, &field->scene, field->param[j]);
 }
 
-bool field_flow(struct field *field, double t, const double *start, double span, double *end,
+bool field_flow(struct vector_field *field, double t, const double *start, double span, double *end,
                 double *by_start, int j, double *by_parameter)
 {
     const int n = field->n;

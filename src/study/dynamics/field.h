@@ -14,7 +14,7 @@
     7 /* n, n^2 derivatives by the start and n by a parameter are one system                       \
        */
 
-struct field {
+struct vector_field {
     struct scene scene;
     struct system system;         /* of the scene, as its parameters are now */
     int n;                        /* at most FIELD_VARIABLES */
@@ -30,34 +30,35 @@ struct field {
 };
 
 /* Up to two parameters may be free. False: too many variables, kinks; the error says so. */
-bool field_init(struct field *field, const struct scene *scene, const int *param, int params,
+bool field_init(struct vector_field *field, const struct scene *scene, const int *param, int params,
                 struct error *error);
-void field_free(struct field *field);
+void field_free(struct vector_field *field);
 /* Gives the free parameters these values. False: the scene has no such values. */
-bool field_set(struct field *field, const double *value);
+bool field_set(struct vector_field *field, const double *value);
 
 /* y' [n] and its derivatives [n][n] by y and [n] by free parameter j, at the field's t0. */
-void field_rate(struct field *field, const double *y, double *rate);
-void field_jacobian(struct field *field, const double *y, double *jacobian);
-bool field_by_parameter(struct field *field, int j, const double *y, double *slope);
+void field_rate(struct vector_field *field, const double *y, double *rate);
+void field_jacobian(struct vector_field *field, const double *y, double *jacobian);
+bool field_by_parameter(struct vector_field *field, int j, const double *y, double *slope);
 
 /* [s] period of the drive, 0: nothing depends on time; NAN: it does, but not with one period. */
-double field_drive(const struct field *field);
+double field_drive(const struct vector_field *field);
 /* [s] its derivative by free parameter j */
-double field_drive_by(const struct field *field, int j);
+double field_drive_by(const struct vector_field *field, int j);
 
 /*
  * The state `span` [s] after t, in `end` [n]. by_start [n][n], NULL: not wanted: its derivatives by
  * the state at t, both in units of size. by_parameter [n], NULL: likewise by free parameter j at a
  * given time, in units of size. False: the solution does not get there, or cancelled.
  */
-bool field_flow(struct field *field, double t, const double *start, double span, double *end,
+bool field_flow(struct vector_field *field, double t, const double *start, double span, double *end,
                 double *by_start, int j, double *by_parameter);
 
 /* States at t + k span/256, k = 0 ... 256, to plotting accuracy (1e-10 of sizes); false: likewise.
  */
 #define FIELD_TIMES STUDY_TIMES
-bool field_follow(struct field *field, double t, const double *start, double span, double *grid);
+bool field_follow(struct vector_field *field, double t, const double *start, double span,
+                  double *grid);
 
 /* ---- small matrices, row-major ---- */
 

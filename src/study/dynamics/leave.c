@@ -37,7 +37,7 @@ static bool step_aside(struct solution_curve *path, const double *u, const doubl
 static bool spread(struct solution_curve *path, const struct solution *at, double period,
                    const double *v, double *u, double *direction)
 {
-    const struct field *field = &path->field;
+    const struct vector_field *field = &path->field;
     const int n = field->n, all = path->problem->n;
     double moved[CURVE_MAX], state[FIELD_VARIABLES];
     for (int i = 0; i < n; i++)
@@ -50,7 +50,7 @@ static bool spread(struct solution_curve *path, const struct solution *at, doubl
     return unit(all + 1, direction);
 }
 
-static bool scaled_jacobian(struct field *field, const double *state, double *jacobian)
+static bool scaled_jacobian(struct vector_field *field, const double *state, double *jacobian)
 {
     const int n = field->n;
     field_jacobian(field, state, jacobian);
@@ -80,7 +80,7 @@ static bool leave_hopf(struct solution_curve *path, const struct scene *scene, i
     double jacobian[FIELD_VARIABLES * FIELD_VARIABLES], re[FIELD_VARIABLES], im[FIELD_VARIABLES],
         u[CURVE_MAX], direction[CURVE_MAX] = {0};
     struct solution orbit = *at;
-    struct field field;
+    struct vector_field field;
     struct scene there = *scene;
     there.value[param] = at->param[0];
     orbit.kind = SOLUTION_ORBIT;

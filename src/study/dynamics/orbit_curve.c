@@ -16,7 +16,7 @@
 #define GROWN 1e6  /* it is cut when it has become this */
 #define NOISE 1e8  /* of the map: products of its small multipliers are noise */
 
-static void state_of(const struct field *field, const double *u, double *y)
+static void state_of(const struct vector_field *field, const double *u, double *y)
 {
     for (int i = 0; i < field->n; i++)
         y[i] = u[i] * field->size[i];
@@ -29,7 +29,7 @@ double orbit_curve_period(const struct orbit_curve *c, const double *u)
 }
 
 /* In units of size, at a time of its own. */
-static void rate_of(struct field *field, double t, const double *y, double *rate)
+static void rate_of(struct vector_field *field, double t, const double *y, double *rate)
 {
     field->evals++;
     system_derivative(&field->system, t, y, rate);
@@ -58,7 +58,7 @@ struct segment {
 static bool shoot(const struct orbit_curve *c, const double *u, int i, double period,
                   struct segment *s)
 {
-    struct field *field = c->field;
+    struct vector_field *field = c->field;
     s->span = period / c->segments;
     s->t = field->system.t0 + i * s->span;
     state_of(field, u + i * field->n, s->start);
@@ -86,7 +86,7 @@ static void put_rows(const struct orbit_curve *c, const double *u, int i, const 
 {
     const int n = c->field->n, all = c->problem.n + 1, next = (i + 1) % c->segments;
     for (int k = 0; k < n; k++) {
-        const struct field *field = c->field;
+        const struct vector_field *field = c->field;
         const int row = i * n + k;
         const double turned = next == 0 ? c->winding[k] * field->turn[k] : 0;
         f[row] = (s->end[k] - turned) / field->size[k] - u[next * n + k];
@@ -151,7 +151,7 @@ static void keep_map(struct orbit_curve *c, const double *map, const double *rat
 static bool residual(void *context, const double *u, double *f, double *jacobian)
 {
     struct orbit_curve *c = context;
-    struct field *field = c->field;
+    struct vector_field *field = c->field;
     const int n = field->n, all = c->problem.n + 1;
     double p = u[all - 1] * c->psize, map[2][FIELD_VARIABLES * FIELD_VARIABLES],
            rate[FIELD_VARIABLES] = {0};
@@ -280,7 +280,7 @@ void orbit_curve_refer(struct orbit_curve *c, const double *u, double *tangent)
 
 bool orbit_curve_unknowns(struct orbit_curve *c, const double *state, double period, double *u)
 {
-    struct field *field = c->field;
+    struct vector_field *field = c->field;
     const int n = field->n;
     double y[FIELD_VARIABLES], end[FIELD_VARIABLES];
     memcpy(y, state, (size_t)n * sizeof *y);
@@ -308,7 +308,7 @@ bool orbit_curve_is_long(const struct orbit_curve *c)
 /* Unknowns at twice the segments: each old one, and what it becomes half way. */
 static bool cut_unknowns(struct orbit_curve *c, const double *u, double *cut)
 {
-    struct field *field = c->field;
+    struct vector_field *field = c->field;
     const int n = field->n, m = c->segments, rest = !c->forced;
     double p = u[m * n + rest] * c->psize;
     if (!field_set(field, &p))
@@ -349,7 +349,7 @@ bool orbit_curve_cut(struct orbit_curve *c, double *u, double *direction)
 }
 
 /* How much a small difference grows over a period: into how many segments to cut it. */
-static int segments_for(struct field *field, const double *state, double period)
+static int segments_for(struct vector_field *field, const double *state, double period)
 {
     double end[FIELD_VARIABLES], map[FIELD_VARIABLES * FIELD_VARIABLES], size = 0;
     if (!field_flow(field, field->system.t0, state, period, end, map, 0, NULL))
@@ -361,8 +361,8 @@ static int segments_for(struct field *field, const double *state, double period)
     return wanted < most ? wanted : most;
 }
 
-bool orbit_curve_init(struct orbit_curve *c, struct field *field, double psize, const double *state,
-                      double period, int multiple)
+bool orbit_curve_init(struct orbit_curve *c, struct vector_field *field, double psize,
+                      const double *state, double period, int multiple)
 {
     const double drive = field_drive(field);
     *c = (struct orbit_curve){

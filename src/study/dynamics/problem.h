@@ -12,16 +12,17 @@ enum equilibrium_test { EQUILIBRIUM_FOLD, EQUILIBRIUM_CROSSING, EQUILIBRIUM_HOPF
 enum orbit_test { ORBIT_FOLD, ORBIT_CROSSING, ORBIT_DOUBLING, ORBIT_TORUS };
 
 struct equilibrium_curve {
-    struct field *field;
+    struct vector_field *field;
     double psize; /* unit of the parameter */
     struct curve_problem problem;
 };
 
 /* The field's first free parameter varies; psize: its range. */
-void equilibrium_curve_init(struct equilibrium_curve *curve, struct field *field, double psize);
+void equilibrium_curve_init(struct equilibrium_curve *curve, struct vector_field *field,
+                            double psize);
 
 struct orbit_curve {
-    struct field *field;
+    struct vector_field *field;
     int segments;
     bool forced;
     int multiple; /* of the drive's period */
@@ -38,7 +39,7 @@ struct orbit_curve {
 
 /* Starts at this state [SI], with the period [s] where it is not the drive's. `multiple` periods of
  * the drive. False: the motion does not come that far. */
-bool orbit_curve_init(struct orbit_curve *curve, struct field *field, double psize,
+bool orbit_curve_init(struct orbit_curve *curve, struct vector_field *field, double psize,
                       const double *state, double period, int multiple);
 /* Unknowns of the orbit that starts there, at the field's present parameter. */
 bool orbit_curve_unknowns(struct orbit_curve *curve, const double *state, double period, double *u);

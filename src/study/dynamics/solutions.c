@@ -28,7 +28,7 @@ bool solutions_begin(struct solution_curve *path, const struct scene *scene, int
     path->kind = guess->kind;
     if (!field_init(&path->field, &at, &param, 1, error))
         return false;
-    struct field *field = &path->field;
+    struct vector_field *field = &path->field;
     field->cancel = cancel;
     /* sizes of what is followed, not of the scene's start */
     for (int i = 0; i < field->n; i++)
@@ -92,7 +92,7 @@ static void cubic_extremes(struct solution *s, int i, double h, double y0, doubl
 }
 
 /* Of the states on the way; between two an extremum is one of the cubic through both. */
-static bool find_extremes(struct field *field, struct solution *s)
+static bool find_extremes(struct vector_field *field, struct solution *s)
 {
     const int n = field->n;
     double grid[FIELD_TIMES * FIELD_VARIABLES], rate[2][FIELD_VARIABLES];
@@ -143,7 +143,7 @@ static bool fill_orbit(struct solution_curve *path, const double *u, struct solu
 bool solutions_at(struct solution_curve *path, const struct curve_point *point, bool extremes,
                   struct solution *s)
 {
-    struct field *field = &path->field;
+    struct vector_field *field = &path->field;
     const int n = field->n, all = path->problem->n;
     double f[CURVE_MAX], jacobian[CURVE_MAX * CURVE_MAX];
     *s = (struct solution){.kind = path->kind, .n = n};

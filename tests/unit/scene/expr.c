@@ -217,7 +217,8 @@ static void test_mistakes(void **state)
     expect_mistake("", "a number or a name is missing", "", "");
     expect_mistake("1 +", "a number or a name is missing after '+'", "", "");
     expect_mistake("1 + * 2", "a number or a name is missing after '+'", "*", "");
-    expect_mistake("2 ** 3", "a number or a name is missing after '*'", "*", "");
+    expect_mistake("2 ** 3", "a number or a name is missing after '*'", "*",
+                   "a power is written with ^: 2^3");
     expect_mistake("3 * )", "a number or a name is missing after '*'", ")", "");
     expect_mistake("()", "a number or a name is missing after '('", ")", "");
     expect_mistake("max(1,)", "a number or a name is missing after 'max('", ")", "");
