@@ -4,7 +4,13 @@
 # rises, oscillates, grows; recordings with gaps, no numbers and echoes by the sine they were made from.
 set -u
 hooke=$PWD/${HOOKE:-build/hooke}
-if ! command -v python3 >/dev/null; then echo "1..0 # SKIP no python3"; exit 0; fi
+if ! command -v python3 >/dev/null; then
+    echo "ok 1 - figures in words # SKIP python3 is not installed"
+    echo "1..1"
+    exit 0
+fi
+HOOKE_DATA=$(realpath -m "${HOOKE_DATA:-../shared/data}")
+export HOOKE_DATA
 folder=$(mktemp -d) || exit 2
 trap 'rm -rf "$folder"' EXIT
 cd "$folder" || exit 2
@@ -181,7 +187,7 @@ def recordings():
                 y = f(t)
                 if y is not None: out.write("%.2f\t%s\n" % (t, "NaN" if math.isnan(y) else "%.3f" % y))
         yield name, name + ".txt", 2 * math.pi / 8.66, -0.1
-    data = os.environ.get("HOOKE_DATA", "/work/shared/data")
+    data = os.environ["HOOKE_DATA"]
     for file, T in (("uoft-pandhi/position data.txt", 0.7226), ("uoft-pandhi/damped position.txt", 0.7525), ("uoft-kamjha/position_osc.txt", 0.6891),
                     ("uoft-travelwithwind/position.txt", 0.7352), ("uoft-travelwithwind/position_damped.txt", 0.765)):
         if os.path.exists(os.path.join(data, file)): yield os.path.basename(file), os.path.join(data, file), T, None
@@ -224,5 +230,7 @@ EOF
 python3 judge.py "$hooke" 70
 status=$?
 [ $status -eq 0 ] && echo "ok 1 - every sentence is true" || echo "not ok 1 - every sentence is true"
-echo "1..1"
+n=1
+[ -d "$HOOKE_DATA" ] || { n=2; echo "ok 2 - recordings of a sensor # SKIP there are none here"; }
+echo "1..$n"
 exit $status

@@ -19,7 +19,7 @@ ok() { # name status [detail]
     echo "not ok $n - $1"
     [ -z "${3:-}" ] || printf '%s\n' "$3" | head -25 | sed 's/^/#   /'
 }
-skip() { echo "1..0 # SKIP $1"; echo "ok 1 - rows # SKIP $1"; exit 0; }
+skip() { echo "ok 1 - rows # SKIP $1"; echo "1..1"; exit 0; }
 [ "$config" = release ] || [ "$config" = debug ] || skip "only of release and debug builds"
 command -v patch >/dev/null || skip "patch is not installed"
 [ -d "build/$config/base" ] || skip "there are no objects in build/$config"

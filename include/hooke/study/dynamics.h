@@ -118,11 +118,4 @@ bool branch_follow(const struct branch_request *request, struct branch *branch,
                    struct error *error);
 void branch_free(struct branch *branch);
 
-/*
- * Corrects a guess: equilibrium, orbit (state and period), response (state). With the scene's
- * parameters. False: it is not found from there.
- */
-bool solution_correct(const struct scene *scene, struct solution *solution,
-                      const struct cancel *cancel, struct error *error);
-
 #endif

@@ -48,8 +48,7 @@ static struct branch_point *append(struct walk *w)
     return &b->point[b->count++];
 }
 
-static bool record(struct walk *w, const struct curve_point *at, enum special special,
-                   const struct solution *known)
+static bool record(struct walk *w, const struct curve_point *at, enum special special)
 {
     struct branch_point *point = append(w);
     if (!point)
@@ -58,8 +57,6 @@ static bool record(struct walk *w, const struct curve_point *at, enum special sp
         w->out->count--;
         return false;
     }
-    if (known && known->period > 0 && w->path->kind == SOLUTION_EQUILIBRIUM)
-        point->solution = *known;
     point->special = special;
     const int n = w->path->problem->n + 1;
     if (n <= (int)COUNT_OF(point->tangent))
@@ -134,7 +131,7 @@ static bool record_specials(struct walk *w, const struct curve_point *to)
     leave_doubles_out(found, &count, n + 1);
     qsort(found, (size_t)count, sizeof *found, by_distance);
     for (int i = 0; i < count; i++) {
-        if (!record(w, &found[i].at, found[i].special, NULL))
+        if (!record(w, &found[i].at, found[i].special))
             return false;
         struct branch_point *point = &w->out->point[w->out->count - 1];
         struct solution *s = &point->solution;
@@ -302,7 +299,7 @@ static bool walk(struct walk *w, struct curve_point at)
         }
         if (!record_specials(w, &next))
             return false;
-        if (!record(w, &next, leaves ? SPECIAL_END : SPECIAL_NONE, NULL))
+        if (!record(w, &next, leaves ? SPECIAL_END : SPECIAL_NONE))
             return false;
         if (leaves) {
             double *value = &w->out->point[w->out->count - 1].solution.param[0];
@@ -390,7 +387,7 @@ bool branch_follow(const struct branch_request *r, struct branch *branch, struct
         const int up = first.tangent[path.problem->n] >= 0 ? 1 : -1;
         w.sign = r->leave ? 1 : r->forward || side == 1 ? up : -up;
         w.period = 0;
-        fine = (side == 1 && !crossing) || record(&w, &first, SPECIAL_NONE, NULL);
+        fine = (side == 1 && !crossing) || record(&w, &first, SPECIAL_NONE);
         fine = fine && walk(&w, first);
         if (side == 0 && !r->forward && (!r->leave || crossing))
             reverse(branch);
@@ -411,22 +408,4 @@ void branch_free(struct branch *branch)
 {
     free(branch->point);
     *branch = (struct branch){.count = 0};
-}
-
-bool solution_correct(const struct scene *scene, struct solution *solution,
-                      const struct cancel *cancel, struct error *error)
-{
-    struct solution_curve path;
-    struct curve_point point;
-    double u[CURVE_MAX];
-    const int param = 0;
-    solution->param[0] = scene->value[param];
-    if (!solutions_begin(&path, scene, param, fmax(fabs(scene->value[param]), 1), solution, cancel,
-                         u, error))
-        return false;
-    const bool found =
-        solutions_correct_at(&path, u, &point) && solutions_at(&path, &point, true, solution);
-    solutions_end(&path);
-    return found || error_set(error, ERROR_COMMAND, "no %s is found from there",
-                              solution->kind == SOLUTION_EQUILIBRIUM ? "equilibrium" : "orbit");
 }

@@ -51,10 +51,9 @@ double curve_distance(int n, const double *a, const double *b)
 static bool solve_bordered(int n, const double *jacobian, const double *direction, double *right)
 {
     double a[CURVE_MAX * CURVE_MAX];
-    int ignored;
     memcpy(a, jacobian, (size_t)(n * (n + 1)) * sizeof *a);
     memcpy(a + n * (n + 1), direction, (size_t)(n + 1) * sizeof *a);
-    return matrix_solve(n + 1, a, right, NULL, &ignored);
+    return matrix_solve(n + 1, a, right);
 }
 
 static bool find_tangent(int n, const double *jacobian, const double *direction, double *tangent)

@@ -38,8 +38,8 @@ struct curve_point {
 };
 
 /*
- * From u along `direction` [n + 1] to where the curve meets the plane u . direction = const through
- * it. guess == NULL: u itself. The new tangent goes the same way. `fine`: until rounding.
+ * From a guess to where the curve meets the plane across `direction` [n + 1] through it. The new
+ * tangent goes the same way. `fine`: until rounding.
  */
 bool curve_correct(const struct curve_problem *problem, const double *guess,
                    const double *direction, bool fine, struct curve_point *point);

@@ -21,7 +21,6 @@ static bool solve_shifted(int n, const double *a, double re, double im, double *
 {
     double m[4 * FIELD_VARIABLES * FIELD_VARIABLES];
     const int all = 2 * n;
-    int ignored;
     for (int i = 0; i < n; i++)
         for (int j = 0; j < n; j++) {
             const double diagonal = a[i * n + j] - (i == j ? re : 0), side = i == j ? im : 0;
@@ -29,7 +28,7 @@ static bool solve_shifted(int n, const double *a, double re, double im, double *
             m[i * all + n + j] = side;
             m[(n + i) * all + j] = -side;
         }
-    return matrix_solve(all, m, x, NULL, &ignored);
+    return matrix_solve(all, m, x);
 }
 
 static void to_length_one(int n, double *x)
@@ -79,11 +78,10 @@ bool matrix_second_null(int columns, const double *a, const double *known, doubl
         size = fmax(size, square[i * n + i]);
     for (int k = 0; k < ITERATIONS + 2; k++) {
         double work[MATRIX_MAX * MATRIX_MAX], along = 0;
-        int ignored;
         memcpy(work, square, (size_t)(n * n) * sizeof *work);
         for (int i = 0; i < n; i++)
             work[i * n + i] += 1e-14 * size;
-        if (!matrix_solve(n, work, vector, NULL, &ignored))
+        if (!matrix_solve(n, work, vector))
             return false;
         for (int i = 0; i < n; i++)
             along += vector[i] * known[i];
@@ -216,11 +214,10 @@ static double coefficient(const struct taylor *t, double omega)
     /* -2 B(q, A^-1 B(q, conj q)) */
     double still[FIELD_VARIABLES], work[FIELD_VARIABLES * FIELD_VARIABLES], x[FIELD_VARIABLES],
         y[FIELD_VARIABLES];
-    int ignored;
     for (int i = 0; i < n; i++)
         still[i] = aa[i] + bb[i];
     memcpy(work, jacobian, sizeof work);
-    if (!matrix_solve(n, work, still, NULL, &ignored))
+    if (!matrix_solve(n, work, still))
         return NAN;
     second(t, a, still, x);
     second(t, b, still, y);

@@ -57,11 +57,10 @@ static bool invert(int n, const struct interval *by, double *inverse)
 {
     for (int column = 0; column < n; column++) {
         double a[FIELD_VARIABLES * FIELD_VARIABLES], unit[FIELD_VARIABLES] = {0};
-        int ignored;
         for (int i = 0; i < n * n; i++)
             a[i] = middle(by[i]);
         unit[column] = 1;
-        if (!matrix_solve(n, a, unit, NULL, &ignored))
+        if (!matrix_solve(n, a, unit))
             return false;
         for (int i = 0; i < n; i++)
             inverse[i * n + column] = unit[i];
@@ -142,7 +141,6 @@ static void correct(struct search *s, double *y)
         struct interval at[FIELD_VARIABLES] = {{0}}, rate[FIELD_VARIABLES],
                         by[FIELD_VARIABLES * FIELD_VARIABLES];
         double a[FIELD_VARIABLES * FIELD_VARIABLES], f[FIELD_VARIABLES], most = 0;
-        int ignored;
         for (int i = 0; i < n; i++)
             at[i].lo = at[i].hi = y[i];
         system_bounds(&s->field.system, at, rate, by);
@@ -150,7 +148,7 @@ static void correct(struct search *s, double *y)
             a[i] = middle(by[i]);
         for (int i = 0; i < n; i++)
             f[i] = -middle(rate[i]);
-        if (!matrix_solve(n, a, f, NULL, &ignored))
+        if (!matrix_solve(n, a, f))
             return;
         for (int i = 0; i < n; i++) {
             y[i] += f[i];

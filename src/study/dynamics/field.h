@@ -64,9 +64,8 @@ bool field_follow(struct vector_field *field, double t, const double *start, dou
 
 #define MATRIX_MAX 64
 
-/* a [n][n] x = b, both are spoilt, b becomes x; the determinant as mantissa 2^*exponent. False:
- * singular or not finite. */
-bool matrix_solve(int n, double *a, double *b, double *mantissa, int *exponent);
+/* a [n][n] x = b, both are spoilt, b becomes x. False: singular or not finite. */
+bool matrix_solve(int n, double *a, double *b);
 /* Of a [n][n], spoilt; 0: singular. */
 double matrix_determinant(int n, double *a, int *exponent);
 /* 2 J x 1 in the space of pairs i < j [n (n - 1)/2]^2: its eigenvalues are sums of two of J's

@@ -140,11 +140,9 @@ static bool leave_crossing(struct solution_curve *path, const struct scene *scen
                            struct error *error)
 {
     double u[CURVE_MAX], f[CURVE_MAX], jacobian[CURVE_MAX * CURVE_MAX], direction[CURVE_MAX];
-    struct curve_point here;
     if (!solutions_begin(path, scene, param, psize, &at->solution, cancel, u, error))
         return false;
     const int n = path->problem->n;
-    memcpy(here.tangent, at->tangent, sizeof at->tangent);
     if (path->problem->residual(path->problem->context, u, f, jacobian)) {
         /* with several segments the tangent is not kept: the one that the matrix shows first */
         double known[CURVE_MAX] = {0};

@@ -28,20 +28,18 @@ static double diagonal_product(int n, const double *a, int sign, int *exponent)
     return product;
 }
 
-bool matrix_solve(int n, double *a, double *b, double *mantissa, int *exponent)
+bool matrix_solve(int n, double *a, double *b)
 {
     size_t place[MATRIX_MAX];
     gsl_permutation order = {(size_t)n, place};
-    int sign;
+    int sign, exponent;
     gsl_set_error_handler_off(); /* GSL's default ends the program; statuses are checked here */
     if (n > MATRIX_MAX || !factor(n, a, &order, &sign))
         return false;
-    const double product = diagonal_product(n, a, sign, exponent);
-    if (mantissa)
-        *mantissa = product;
     gsl_matrix_view view = gsl_matrix_view_array(a, (size_t)n, (size_t)n);
     gsl_vector_view right = gsl_vector_view_array(b, (size_t)n);
-    if (product == 0 || gsl_linalg_LU_svx(&view.matrix, &order, &right.vector) != GSL_SUCCESS)
+    if (diagonal_product(n, a, sign, &exponent) == 0 ||
+        gsl_linalg_LU_svx(&view.matrix, &order, &right.vector) != GSL_SUCCESS)
         return false;
     for (int i = 0; i < n; i++)
         if (!isfinite(b[i]))
@@ -67,36 +65,40 @@ static double entry(int n, const double *a, int i, int j)
     return a[i * n + j];
 }
 
-void matrix_pair_sums(int n, const double *a, double *pairs)
+/* Of the row of the pair p > q, the column of r > s. */
+static double pair_sum(int n, const double *a, int p, int q, int r, int s)
 {
-    int row = 0;
-    const int size = n * (n - 1) / 2;
-    for (int p = 1; p < n; p++)
-        for (int q = 0; q < p; q++, row++) {
-            int column = 0;
-            for (int r = 1; r < n; r++)
-                for (int s = 0; s < r; s++, column++)
-                    pairs[row * size + column] = r == q             ? -entry(n, a, p, s)
-                                                 : r != p && s == q ? entry(n, a, p, r)
-                                                 : r == p && s == q
-                                                     ? entry(n, a, p, p) + entry(n, a, q, q)
-                                                 : r == p ? entry(n, a, q, s)
-                                                 : s == p ? -entry(n, a, q, r)
-                                                          : 0;
-        }
+    return r == q             ? -entry(n, a, p, s)
+           : r != p && s == q ? entry(n, a, p, r)
+           : r == p && s == q ? entry(n, a, p, p) + entry(n, a, q, q)
+           : r == p           ? entry(n, a, q, s)
+           : s == p           ? -entry(n, a, q, r)
+                              : 0;
 }
 
-void matrix_pair_products(int n, const double *a, double *pairs)
+static double pair_product(int n, const double *a, int p, int q, int r, int s)
 {
-    int row = 0;
-    const int size = n * (n - 1) / 2;
+    return entry(n, a, p, r) * entry(n, a, q, s) - entry(n, a, p, s) * entry(n, a, q, r) -
+           (p == r && q == s);
+}
+
+static void fill_pairs(int n, const double *a,
+                       double (*of)(int n, const double *a, int p, int q, int r, int s),
+                       double *pairs)
+{
     for (int p = 1; p < n; p++)
-        for (int q = 0; q < p; q++, row++) {
-            int column = 0;
+        for (int q = 0; q < p; q++)
             for (int r = 1; r < n; r++)
-                for (int s = 0; s < r; s++, column++)
-                    pairs[row * size + column] = entry(n, a, p, r) * entry(n, a, q, s) -
-                                                 entry(n, a, p, s) * entry(n, a, q, r) -
-                                                 (row == column);
-        }
+                for (int s = 0; s < r; s++)
+                    *pairs++ = of(n, a, p, q, r, s);
+}
+
+void matrix_pair_sums(int n, const double *jacobian, double *pairs)
+{
+    fill_pairs(n, jacobian, pair_sum, pairs);
+}
+
+void matrix_pair_products(int n, const double *map, double *pairs)
+{
+    fill_pairs(n, map, pair_product, pairs);
 }

@@ -5,8 +5,6 @@
 
 #include "study/dynamics/continuation.h"
 
-#define ORBIT_SEGMENTS 16
-
 /* Tests of the two kinds of curves, and what their zeros are. */
 enum equilibrium_test { EQUILIBRIUM_FOLD, EQUILIBRIUM_CROSSING, EQUILIBRIUM_HOPF };
 enum orbit_test { ORBIT_FOLD, ORBIT_CROSSING, ORBIT_DOUBLING, ORBIT_TORUS };
