@@ -20,6 +20,8 @@
 #define INFLATED 1e-7 /* of the range */
 #define SHRUNK 0.7    /* of the widest side: worth another look before it is cut */
 #define SAME 1e-7     /* of the range: two that are nearer are one */
+#define DOUBTFUL 8    /* that are not proven, and listed */
+#define DOUBTS 200    /* places: no more are looked at */
 #define CORRECTIONS 20
 #define BEYOND 1e-6 /* of the range: what lies on the edge is inside */
 
@@ -27,7 +29,7 @@ struct search {
     struct vector_field field;
     const struct equilibria_request *request;
     struct equilibria *found;
-    int n, boxes, capacity;
+    int n, boxes, capacity, doubts;
     struct interval (*stack)[FIELD_VARIABLES];
     int depth, room;
     double width[FIELD_VARIABLES]; /* of the range */
@@ -171,7 +173,21 @@ static bool known(const struct search *s, const double *y)
     return false;
 }
 
-static bool keep(struct search *s, const struct interval *box)
+/* Is every derivative 0 there, but for rounding of its parts? */
+static bool rests(struct search *s, const double *y)
+{
+    struct interval at[FIELD_VARIABLES] = {{0}}, rate[FIELD_VARIABLES],
+                    by[FIELD_VARIABLES * FIELD_VARIABLES];
+    for (int i = 0; i < s->n; i++)
+        at[i].lo = at[i].hi = y[i];
+    system_bounds(&s->field.system, at, rate, by);
+    bool zero = true;
+    for (int i = 0; i < s->n; i++)
+        zero = zero && rate[i].lo <= 0 && rate[i].hi >= 0;
+    return zero;
+}
+
+static bool keep(struct search *s, const struct interval *box, bool proven)
 {
     double y[FIELD_VARIABLES];
     for (int i = 0; i < s->n; i++)
@@ -180,7 +196,7 @@ static bool keep(struct search *s, const struct interval *box)
     for (int i = 0; i < s->n; i++)
         if (fabs(y[i]) < 1e-14 * s->width[i])
             y[i] = 0;
-    if (known(s, y))
+    if (known(s, y) || (!proven && !rests(s, y)))
         return true;
     if (s->found->count == s->capacity) {
         const int capacity = s->capacity > 0 ? 2 * s->capacity : 16;
@@ -191,7 +207,8 @@ static bool keep(struct search *s, const struct interval *box)
         s->capacity = capacity;
     }
     struct solution *solution = &s->found->of[s->found->count++];
-    *solution = (struct solution){.kind = SOLUTION_EQUILIBRIUM, .n = s->n};
+    /* until all are found this says which are not proven */
+    *solution = (struct solution){.kind = SOLUTION_EQUILIBRIUM, .n = s->n, .multiple = !proven};
     memcpy(solution->state, y, (size_t)s->n * sizeof *y);
     return true;
 }
@@ -206,6 +223,26 @@ static void doubt(struct search *s, const struct interval *box)
                  "bounds do not decide how many there are near one place");
     }
     found->complete = false;
+    s->doubts++;
+}
+
+/* Where they lie on a curve, or the equations are flat, single ones of them say nothing. */
+static void leave_doubtful_out(struct search *s)
+{
+    struct equilibria *found = s->found;
+    int doubtful = 0, kept = 0;
+    for (int k = 0; k < found->count; k++)
+        doubtful += found->of[k].multiple;
+    const bool listed = doubtful <= DOUBTFUL && s->doubts <= DOUBTS;
+    for (int k = 0; k < found->count; k++)
+        if (listed || !found->of[k].multiple) {
+            found->of[k].multiple = 0;
+            found->of[kept++] = found->of[k];
+        }
+    if (kept < found->count)
+        snprintf(found->reason, sizeof found->reason,
+                 "bounds do not decide at many places, which are left out");
+    found->count = kept;
 }
 
 /* ---- the search ---- */
@@ -242,9 +279,10 @@ static bool cut(struct search *s, const struct interval *box)
         }
     }
     if (most < SMALLEST) {
-        if (!one_nearby(s, box))
+        const bool one = one_nearby(s, box);
+        if (!one)
             doubt(s, box);
-        return keep(s, box);
+        return keep(s, box, one);
     }
     struct interval half[FIELD_VARIABLES];
     /* not in the middle, where zeros like to be */
@@ -270,7 +308,7 @@ static bool look(struct search *s, struct interval *box)
         case NONE:
             return true;
         case ONE:
-            return keep(s, box);
+            return keep(s, box, true);
         case SMALLER:
             continue;
         case UNKNOWN:
@@ -284,6 +322,8 @@ static bool search(struct search *s)
     while (s->depth > 0) {
         struct interval box[FIELD_VARIABLES];
         memcpy(box, s->stack[--s->depth], sizeof box);
+        if (s->doubts > DOUBTS)
+            return true;
         if (s->boxes >= BOXES || cancelled(s->request->cancel)) {
             s->found->complete = false;
             snprintf(s->found->reason, sizeof s->found->reason,
@@ -352,6 +392,7 @@ bool equilibria_find(const struct equilibria_request *request, struct equilibria
         return error_set(error, ERROR_COMMAND,
                          "equilibria are found of typed scenes whose drive has one period");
     bool fine = push(&s, box) && search(&s);
+    leave_doubtful_out(&s);
     for (int k = 0; fine && k < found->count; k++)
         fine = describe(&s, &found->of[k]);
     if (found->count > 0)

@@ -244,7 +244,12 @@ static void test_doubtful_equilibria(void **state)
         const char *line;
         int count;
         bool complete;
-    } cases[] = {{"x' = x^2", 1, false}, {"x' = x^2-1e-6", 2, true}, {"x' = x^2+1e-6", 0, true}};
+    } cases[] = {{"x' = x^2", 1, false},
+                 {"x' = x^2-1e-6", 2, true},
+                 {"x' = x^2+1e-6", 0, true},
+                 {"x' = abs(x)-x", 0, false}, /* all that are not below 0 */
+                 {"x' = 1/x", 0, false},      /* a pole */
+                 {"x' = exp(-1/(x^2+1e-9))", 0, false}};
     for (size_t i = 0; i < COUNT_OF(cases); i++) {
         const struct scene scene = TYPED("var x = 0.1", "var y = 0.1", cases[i].line, "y' = -y");
         const struct equilibria_request request = {.scene = &scene, .box = {{-1, 1}, {-1, 1}}};
