@@ -33,6 +33,7 @@ struct solution {
     int values;
     struct eigenvalue value[DYNAMICS_VARIABLES];
     int unstable;    /* how many of them grow */
+    double noise;    /* multipliers smaller than this are not known */
     double trivial;  /* of an autonomous orbit: |M f - f| / |f|; NAN: there is none */
     double residual; /* largest, in natural sizes */
     double top[DYNAMICS_VARIABLES], bottom[DYNAMICS_VARIABLES]; /* extrema along the orbit */

@@ -30,6 +30,8 @@ struct walk {
     int start; /* place of the parameter among the unknowns at the start */
     struct curve_point known[CURVE_TESTS]; /* the last place where that test was not 0 */
     bool any[CURVE_TESTS];
+    struct curve_point before; /* the last place but one, if its phase is that of the last: */
+    bool bends;
     char *end; /* [96] why it ends */
 };
 
@@ -48,15 +50,13 @@ static struct branch_point *append(struct walk *w)
     return &b->point[b->count++];
 }
 
-static bool record(struct walk *w, const struct curve_point *at, enum special special)
+static bool record(struct walk *w, const struct curve_point *at, enum special special,
+                   const struct solution *solution)
 {
     struct branch_point *point = append(w);
     if (!point)
         return false;
-    if (!solutions_at(w->path, at, true, &point->solution)) {
-        w->out->count--;
-        return false;
-    }
+    point->solution = *solution;
     point->special = special;
     const int n = w->path->problem->n + 1;
     if (n <= (int)COUNT_OF(point->tangent))
@@ -68,6 +68,7 @@ static bool record(struct walk *w, const struct curve_point *at, enum special sp
 
 struct found_special {
     struct curve_point at;
+    struct solution solution;
     enum special special;
     double distance, near;
 };
@@ -90,12 +91,10 @@ static void locate_all(struct walk *w, const struct curve_point *to, struct foun
         w->known[k] = *to;
         w->any[k] = true;
         struct found_special *f = &found[*count];
-        if (!changed || !curve_locate(problem, &before, to, k, &f->at, &f->near))
+        if (!changed || !curve_locate(problem, &before, to, k, &f->at, &f->near) ||
+            !solutions_at(w->path, &f->at, true, &f->solution))
             continue;
-        struct solution solution;
-        if (!solutions_at(w->path, &f->at, false, &solution))
-            continue;
-        f->special = solutions_special(w->path, k, &solution);
+        f->special = solutions_special(w->path, k, &f->solution);
         f->distance = curve_distance(problem->n + 1, f->at.u, before.u);
         if (f->special != SPECIAL_NONE)
             ++*count;
@@ -131,7 +130,7 @@ static bool record_specials(struct walk *w, const struct curve_point *to)
     leave_doubles_out(found, &count, n + 1);
     qsort(found, (size_t)count, sizeof *found, by_distance);
     for (int i = 0; i < count; i++) {
-        if (!record(w, &found[i].at, found[i].special))
+        if (!record(w, &found[i].at, found[i].special, &found[i].solution))
             return false;
         struct branch_point *point = &w->out->point[w->out->count - 1];
         struct solution *s = &point->solution;
@@ -206,7 +205,8 @@ static bool next_place(struct walk *w, const struct curve_point *from, double *b
     while (fabs(*by) > SHORTEST * longest) {
         if (cancelled(w->request->cancel))
             return false;
-        if (curve_step(w->path->problem, from, *by, to) && good_step(w, from, to))
+        if (curve_step(w->path->problem, w->bends ? &w->before : NULL, from, *by, to) &&
+            good_step(w, from, to))
             return true;
         *by /= 2;
     }
@@ -254,6 +254,7 @@ static bool cut(struct walk *w, struct curve_point *at)
         !curve_correct(w->path->problem, u, direction, false, at))
         return false;
     know(w, at);
+    w->bends = false;
     return true;
 }
 
@@ -280,6 +281,7 @@ static bool walk(struct walk *w, struct curve_point at)
     const int max = w->request->max > 0 ? w->request->max : POINTS;
     const struct curve_point start = at;
     int upright = 0;
+    w->bends = false;
     w->start = w->path->problem->n;
     double by = w->sign * fmin(FIRST, longest);
     know(w, &at);
@@ -297,9 +299,13 @@ static bool walk(struct walk *w, struct curve_point at)
             ends(w, "the parameter's range");
             return true;
         }
-        if (!record_specials(w, &next))
-            return false;
-        if (!record(w, &next, leaves ? SPECIAL_END : SPECIAL_NONE))
+        struct solution solution;
+        if (!solutions_seen(w->path, &next, &solution)) {
+            ends(w, "what is there cannot be told");
+            return true;
+        }
+        if (!record_specials(w, &next) ||
+            !record(w, &next, leaves ? SPECIAL_END : SPECIAL_NONE, &solution))
             return false;
         if (leaves) {
             double *value = &w->out->point[w->out->count - 1].solution.param[0];
@@ -325,7 +331,9 @@ static bool walk(struct walk *w, struct curve_point at)
             ends(w, "it closes");
             return true;
         }
-        if (w->path->kind != SOLUTION_EQUILIBRIUM)
+        w->before = at;
+        w->bends = w->path->kind == SOLUTION_EQUILIBRIUM || orbit_curve_keeps(&w->path->orbit);
+        if (!w->bends)
             orbit_curve_refer(&w->path->orbit, next.u, next.tangent);
         if (next.corrections <= 3)
             by = copysign(fmin(1.5 * fabs(by), far), by);
@@ -387,7 +395,9 @@ bool branch_follow(const struct branch_request *r, struct branch *branch, struct
         const int up = first.tangent[path.problem->n] >= 0 ? 1 : -1;
         w.sign = r->leave ? 1 : r->forward || side == 1 ? up : -up;
         w.period = 0;
-        fine = (side == 1 && !crossing) || record(&w, &first, SPECIAL_NONE);
+        struct solution solution;
+        fine = solutions_at(&path, &first, true, &solution) &&
+               ((side == 1 && !crossing) || record(&w, &first, SPECIAL_NONE, &solution));
         fine = fine && walk(&w, first);
         if (side == 0 && !r->forward && (!r->leave || crossing))
             reverse(branch);

@@ -17,7 +17,8 @@
 #include <hooke/scene/formula.h>
 
 #define CORRECTIONS 8
-#define NEAR 1e-6  /* a correction below this has converged: the next would be its square */
+#define ALIKE 3e-6 /* derivatives so far away are those of the place */
+#define NEAR 1e-9  /* what the next correction would be where a step along the curve ends */
 #define CLOSE 1e-9 /* and below this does not get smaller by more than rounding */
 #define FINE 1e-15
 #define LOOKS 60 /* for a zero: its test is no smooth function */
@@ -90,8 +91,11 @@ bool curve_correct(const struct curve_problem *problem, const double *guess,
     for (point->corrections = 1; point->corrections <= CORRECTIONS; point->corrections++) {
         if (!problem->residual(problem->context, point->u, f, jacobian))
             return false;
-        for (int i = 0; i < n; i++)
+        point->residual = 0;
+        for (int i = 0; i < n; i++) {
+            point->residual = fmax(point->residual, fabs(f[i]));
             f[i] = -f[i];
+        }
         f[n] = dot(n + 1, direction, plane) - dot(n + 1, direction, point->u);
         if (!solve_bordered(n, jacobian, direction, f))
             return false;
@@ -100,7 +104,10 @@ bool curve_correct(const struct curve_problem *problem, const double *guess,
             return false;
         for (int i = 0; i <= n; i++)
             point->u[i] += f[i];
-        if (by < (fine ? FINE : NEAR) || (by < CLOSE && by >= last / 2)) {
+        /* the next, if they go on to shrink with their squares */
+        const double next = by * fmin(by / last, 1) * fmin(by / last, 1);
+        if (by < FINE || (by < CLOSE && by >= last / 2) ||
+            (!fine && (by < 100 * NEAR || (by < ALIKE && isfinite(last) && next < NEAR)))) {
             if (!find_tangent(n, jacobian, direction, point->tangent))
                 return false;
             if (problem->tests > 0)
@@ -112,12 +119,20 @@ bool curve_correct(const struct curve_problem *problem, const double *guess,
     return false;
 }
 
-bool curve_step(const struct curve_problem *problem, const struct curve_point *from, double by,
-                struct curve_point *to)
+bool curve_step(const struct curve_problem *problem, const struct curve_point *before,
+                const struct curve_point *from, double by, struct curve_point *to)
 {
-    double guess[CURVE_MAX];
-    for (int i = 0; i <= problem->n; i++)
-        guess[i] = from->u[i] + by * from->tangent[i];
+    const int n = problem->n;
+    double guess[CURVE_MAX], bend = 0;
+    if (before) {
+        double since = 0;
+        for (int i = 0; i <= n; i++)
+            since += (from->u[i] - before->u[i]) * from->tangent[i];
+        bend = since * by > 0 ? by * by / (2 * since) : 0;
+    }
+    for (int i = 0; i <= n; i++)
+        guess[i] = from->u[i] + by * from->tangent[i] +
+                   (before ? bend * (from->tangent[i] - before->tangent[i]) : 0);
     return curve_correct(problem, guess, from->tangent, false, to);
 }
 

@@ -34,6 +34,7 @@ struct curve_problem {
 struct curve_point {
     double u[CURVE_MAX], tangent[CURVE_MAX]; /* [n + 1], the tangent of length 1 */
     double test[CURVE_TESTS];
+    double residual; /* largest, before the last correction */
     int corrections;
 };
 
@@ -43,9 +44,10 @@ struct curve_point {
  */
 bool curve_correct(const struct curve_problem *problem, const double *guess,
                    const double *direction, bool fine, struct curve_point *point);
-/* The next point `by` along the tangent, with its tests. False: none was found there. */
-bool curve_step(const struct curve_problem *problem, const struct curve_point *from, double by,
-                struct curve_point *to);
+/* The next point `by` along the tangent, and along the bend since `before` (NULL: not known), with
+ * its tests. False: none was found there. */
+bool curve_step(const struct curve_problem *problem, const struct curve_point *before,
+                const struct curve_point *from, double by, struct curve_point *to);
 /* The zero of a test between two points of the curve, where its signs differ, or at which it is 0;
  * where `tests` cross there the curve is singular. *near: half the width of what is uncertain. */
 bool curve_locate(const struct curve_problem *problem, const struct curve_point *a,

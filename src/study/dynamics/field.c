@@ -189,24 +189,40 @@ bool field_follow(struct vector_field *field, double t, const double *start, dou
     return fine;
 }
 
-static bool bind_variation(struct vector_field *field, int j)
+static bool bind_variation(struct vector_field *field)
 {
     if (!field->variation)
         field->variation = malloc(sizeof *field->variation);
     if (!field->variation)
         return false;
     variation_of_start(field->variation, &field->system, field->size);
-    return j < 0 || variation_add_parameter(field->variation, &field->scene, field->param[j]);
+    for (int j = 0; j < field->params; j++)
+        if (!variation_add_parameter(field->variation, &field->scene, field->param[j]))
+            return false;
+    return variation_add_trace(field->variation);
+}
+
+static void take_slopes(const struct vector_field *field, const double *all,
+                        struct flow_slopes *slopes)
+{
+    const int n = field->n;
+    for (int c = 0; c < n; c++)
+        for (int i = 0; i < n; i++)
+            slopes->by_start[i * n + c] = all[n * (c + 1) + i] / field->size[i];
+    for (int j = 0; j < field->params; j++)
+        for (int i = 0; i < n; i++)
+            slopes->by_parameter[j][i] = all[n * (n + 1 + j) + i] / field->size[i];
+    slopes->log_determinant = all[field->variation->whole.n - 1];
 }
 
 bool field_flow(struct vector_field *field, double t, const double *start, double span, double *end,
-                double *by_start, int j, double *by_parameter)
+                struct flow_slopes *slopes)
 {
     const int n = field->n;
     double all[LIMIT_VARIABLES];
     struct system own, *system = &own;
-    if (by_start) {
-        if (!bind_variation(field, by_parameter ? j : -1))
+    if (slopes) {
+        if (!bind_variation(field))
             return false;
         system = &field->variation->whole;
     } else {
@@ -214,18 +230,16 @@ bool field_flow(struct vector_field *field, double t, const double *start, doubl
     }
     system->t0 = t;
     memcpy(system->start, start, (size_t)n * sizeof *start);
-    for (int i = 0; i < system->n; i++)
+    for (int i = 0; i < n * (1 + (slopes ? n + field->params : 0)); i++)
         system->scale[i] = field->size[i % n];
     /* derivatives by a parameter are differences: the step must not follow their rounding */
-    for (int i = 0; by_parameter && i < n; i++)
-        system->scale[n * (n + 1) + i] *= fmax(ROUGH / field->tol, 1) / field->unit[j];
+    for (int j = 0; slopes && j < field->params; j++)
+        for (int i = 0; i < n; i++)
+            system->scale[n * (n + 1 + j) + i] *= fmax(ROUGH / field->tol, 1) / field->unit[j];
     if (!go_on(field, system, span, all, NULL))
         return false;
     memcpy(end, all, (size_t)n * sizeof *end);
-    for (int c = 0; by_start && c < n; c++)
-        for (int i = 0; i < n; i++)
-            by_start[i * n + c] = all[n * (c + 1) + i] / field->size[i];
-    for (int i = 0; by_start && by_parameter && i < n; i++)
-        by_parameter[i] = all[n * (n + 1) + i] / field->size[i];
+    if (slopes)
+        take_slopes(field, all, slopes);
     return true;
 }

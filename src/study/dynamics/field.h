@@ -14,6 +14,8 @@
     7 /* n, n^2 derivatives by the start and n by a parameter are one system                       \
        */
 
+#define MOST_FREE 2 /* parameters */
+
 struct vector_field {
     struct scene scene;
     struct system system;         /* of the scene, as its parameters are now */
@@ -46,13 +48,19 @@ double field_drive(const struct vector_field *field);
 /* [s] its derivative by free parameter j */
 double field_drive_by(const struct vector_field *field, int j);
 
+/* How the end of a flow changes with what it began with, in units of size. */
+struct flow_slopes {
+    double by_start[FIELD_VARIABLES * FIELD_VARIABLES];
+    double log_determinant;                          /* of by_start */
+    double by_parameter[MOST_FREE][FIELD_VARIABLES]; /* by each free one, the time given */
+};
+
 /*
- * The state `span` [s] after t, in `end` [n]. by_start [n][n], NULL: not wanted: its derivatives by
- * the state at t, both in units of size. by_parameter [n], NULL: likewise by free parameter j at a
- * given time, in units of size. False: the solution does not get there, or cancelled.
+ * The state `span` [s] after t, in `end` [n], and its derivatives; NULL: not wanted. False: the
+ * solution does not get there, or cancelled.
  */
 bool field_flow(struct vector_field *field, double t, const double *start, double span, double *end,
-                double *by_start, int j, double *by_parameter);
+                struct flow_slopes *slopes);
 
 /* States at t + k span/256, k = 0 ... 256, to plotting accuracy (1e-10 of sizes); false: likewise.
  */

@@ -119,9 +119,12 @@ static bool leave_doubling(struct solution_curve *path, const struct scene *scen
     if (!solutions_begin(path, scene, param, psize, at, cancel, u, error))
         return false;
     memcpy(point.u, u, sizeof u);
-    bool fine =
-        solutions_at(path, &point, false, &ignored) &&
-        matrix_eigenvector(path->field.n, path->orbit.map, (struct eigenvalue){-1, 0}, re, im);
+    bool fine = solutions_at(path, &point, false, &ignored);
+    if (fine) {
+        double map[FIELD_VARIABLES * FIELD_VARIABLES];
+        orbit_curve_map(&path->orbit, map);
+        fine = matrix_eigenvector(path->field.n, map, (struct eigenvalue){-1, 0}, re, im);
+    }
     solutions_end(path);
     twice.period *= 2;
     twice.multiple *= 2;

@@ -11,10 +11,10 @@
 #include <string.h>
 
 #define FINE_TOL 1e-13 /* of flows, relative to sizes */
-#define WALK_TOL 1e-9
-#define GROWTH 1e4 /* of a new segment, at most; */
-#define GROWN 1e6  /* it is cut when it has become this */
-#define NOISE 1e8  /* of the map: products of its small multipliers are noise */
+#define WALK_TOL 1e-8
+#define GROWTH 1e2 /* of a new segment, at most; */
+#define GROWN 3e3  /* it is cut when it has become this */
+#define UPRIGHT 0.94
 
 static void state_of(const struct vector_field *field, const double *u, double *y)
 {
@@ -51,7 +51,7 @@ static void multiply(int n, const double *a, const double *b, double *product)
 /* One segment: what it does to its start, its end, its derivatives by start, time and parameter. */
 struct segment {
     double t, span, start[FIELD_VARIABLES], end[FIELD_VARIABLES];
-    double map[FIELD_VARIABLES * FIELD_VARIABLES], by_parameter[FIELD_VARIABLES];
+    struct flow_slopes by;
     double first[FIELD_VARIABLES], last[FIELD_VARIABLES]; /* rates at both ends */
 };
 
@@ -62,7 +62,7 @@ static bool shoot(const struct orbit_curve *c, const double *u, int i, double pe
     s->span = period / c->segments;
     s->t = field->system.t0 + i * s->span;
     state_of(field, u + i * field->n, s->start);
-    if (!field_flow(field, s->t, s->start, s->span, s->end, s->map, 0, s->by_parameter))
+    if (!field_flow(field, s->t, s->start, s->span, s->end, &s->by))
         return false;
     rate_of(field, s->t, s->start, s->first);
     rate_of(field, s->t + s->span, s->end, s->last);
@@ -75,9 +75,9 @@ static void add_drive(const struct orbit_curve *c, int i, double by, struct segm
     const int n = c->field->n;
     const double from = by * i / c->segments, to = by * (i + 1) / c->segments;
     for (int k = 0; k < n; k++) {
-        s->by_parameter[k] += to * s->last[k];
+        s->by.by_parameter[0][k] += to * s->last[k];
         for (int l = 0; l < n; l++)
-            s->by_parameter[k] -= from * s->map[k * n + l] * s->first[l];
+            s->by.by_parameter[0][k] -= from * s->by.by_start[k * n + l] * s->first[l];
     }
 }
 
@@ -91,29 +91,12 @@ static void put_rows(const struct orbit_curve *c, const double *u, int i, const 
         const double turned = next == 0 ? c->winding[k] * field->turn[k] : 0;
         f[row] = (s->end[k] - turned) / field->size[k] - u[next * n + k];
         for (int l = 0; l < n; l++)
-            jacobian[row * all + i * n + l] += s->map[k * n + l];
+            jacobian[row * all + i * n + l] += s->by.by_start[k * n + l];
         jacobian[row * all + next * n + k] -= 1;
         if (!c->forced)
             jacobian[row * all + c->segments * n] = s->last[k] * c->tsize / c->segments;
-        jacobian[row * all + all - 1] = s->by_parameter[k] * c->psize;
+        jacobian[row * all + all - 1] = s->by.by_parameter[0][k] * c->psize;
     }
-}
-
-/*
- * Where the last segment closes with the opposite sign the matrix is singular if the map has a
- * multiplier -1; elimination with pivots keeps this right where the product of all segments would
- * not (Fairgrieve, Jepson 1991).
- */
-static double closes_turned(const struct orbit_curve *c, const double *jacobian)
-{
-    const int n = c->field->n, size = c->segments * n, all = c->problem.n + 1;
-    double a[CURVE_MAX * CURVE_MAX];
-    for (int i = 0; i < size; i++)
-        for (int j = 0; j < size; j++)
-            a[i * size + j] = jacobian[i * all + j];
-    for (int k = 0; k < n; k++)
-        a[(size - n + k) * size + k] += 2;
-    return plain_determinant(size, a);
 }
 
 static void put_phase(const struct orbit_curve *c, const double *u, double *f, double *jacobian)
@@ -134,27 +117,12 @@ static double length_of(int n, const double *a)
     return sqrt(sum);
 }
 
-static void keep_map(struct orbit_curve *c, const double *map, const double *rate)
-{
-    const int n = c->field->n;
-    double off[FIELD_VARIABLES];
-    memcpy(c->map, map, sizeof c->map);
-    memcpy(c->rate, rate, sizeof c->rate);
-    for (int i = 0; i < n; i++) {
-        off[i] = -rate[i];
-        for (int j = 0; j < n; j++)
-            off[i] += map[i * n + j] * rate[j];
-    }
-    c->drift = length_of(n, off) / length_of(n, rate);
-}
-
 static bool residual(void *context, const double *u, double *f, double *jacobian)
 {
     struct orbit_curve *c = context;
     struct vector_field *field = c->field;
     const int n = field->n, all = c->problem.n + 1;
-    double p = u[all - 1] * c->psize, map[2][FIELD_VARIABLES * FIELD_VARIABLES],
-           rate[FIELD_VARIABLES] = {0};
+    double p = u[all - 1] * c->psize;
     if (cancelled(field->cancel) || !field_set(field, &p))
         return false;
     const double period = orbit_curve_period(c, u),
@@ -162,54 +130,43 @@ static bool residual(void *context, const double *u, double *f, double *jacobian
     if (!(period > 0) || !isfinite(period))
         return false;
     memset(jacobian, 0, (size_t)(c->problem.n * all) * sizeof *jacobian);
-    c->growth = 0;
+    c->growth = c->log_determinant = 0;
     for (int i = 0; i < c->segments; i++) {
         struct segment s;
         if (!shoot(c, u, i, period, &s))
             return false;
-        if (i == 0) {
-            memcpy(map[0], s.map, sizeof map[0]);
-            memcpy(rate, s.first, sizeof rate);
-        } else {
-            multiply(n, s.map, map[(i + 1) % 2], map[i % 2]);
-        }
+        memcpy(c->map + i * n * n, s.by.by_start, (size_t)(n * n) * sizeof *c->map);
+        memcpy(c->rate + i * n, s.first, (size_t)n * sizeof *c->rate);
         for (int k = 0; k < n * n; k++)
-            c->growth = fmax(c->growth, fabs(s.map[k]));
+            c->growth = fmax(c->growth, fabs(s.by.by_start[k]));
+        c->log_determinant += s.by.log_determinant;
         add_drive(c, i, by, &s);
         put_rows(c, u, i, &s, f, jacobian);
     }
     if (!c->forced)
         put_phase(c, u, f, jacobian);
-    keep_map(c, map[(c->segments + 1) % 2], rate);
     return true;
 }
 
-/*
- * The map on directions across the orbit, [reduced]^2: in a basis whose first vector is the rate
- * the map is [1 *; 0 P] (Householder's reflection takes the rate to the first axis).
- */
-int orbit_curve_multipliers(const struct orbit_curve *c, double *reduced)
+bool orbit_curve_multipliers(const struct orbit_curve *c, struct multipliers *multipliers)
+{
+    const struct orbit_maps maps = {.n = c->field->n,
+                                    .segments = c->segments,
+                                    .map = c->map,
+                                    .rate = c->forced ? NULL : c->rate,
+                                    .log_determinant = c->log_determinant};
+    return orbit_multipliers(&maps, c->field->tol, multipliers);
+}
+
+void orbit_curve_map(const struct orbit_curve *c, double *map)
 {
     const int n = c->field->n;
-    if (c->forced) {
-        memcpy(reduced, c->map, (size_t)(n * n) * sizeof *reduced);
-        return n;
+    double product[FIELD_VARIABLES * FIELD_VARIABLES];
+    memcpy(map, c->map, (size_t)(n * n) * sizeof *map);
+    for (int i = 1; i < c->segments; i++) {
+        multiply(n, c->map + i * n * n, map, product);
+        memcpy(map, product, (size_t)(n * n) * sizeof *map);
     }
-    double v[FIELD_VARIABLES], h[FIELD_VARIABLES * FIELD_VARIABLES],
-        left[FIELD_VARIABLES * FIELD_VARIABLES], whole[FIELD_VARIABLES * FIELD_VARIABLES];
-    const double length = length_of(n, c->rate);
-    memcpy(v, c->rate, (size_t)n * sizeof *v);
-    v[0] += copysign(length, v[0]);
-    const double square = length_of(n, v) * length_of(n, v);
-    for (int i = 0; i < n; i++)
-        for (int j = 0; j < n; j++)
-            h[i * n + j] = (i == j) - 2 * v[i] * v[j] / square;
-    multiply(n, h, c->map, left);
-    multiply(n, left, h, whole);
-    for (int i = 1; i < n; i++)
-        for (int j = 1; j < n; j++)
-            reduced[(i - 1) * (n - 1) + j - 1] = whole[i * n + j];
-    return n - 1;
 }
 
 static void test(void *context, const double *u, const double *jacobian, const double *tangent,
@@ -217,24 +174,16 @@ static void test(void *context, const double *u, const double *jacobian, const d
 {
     const struct orbit_curve *c = context;
     const int n = c->problem.n;
-    double bordered[CURVE_MAX * CURVE_MAX], reduced[FIELD_VARIABLES * FIELD_VARIABLES],
-        products[21 * 21];
+    double bordered[CURVE_MAX * CURVE_MAX];
+    struct multipliers multipliers;
     (void)u;
     memcpy(bordered, jacobian, (size_t)(n * (n + 1)) * sizeof *bordered);
     memcpy(bordered + n * (n + 1), tangent, (size_t)(n + 1) * sizeof *bordered);
-    const int size = orbit_curve_multipliers(c, reduced);
+    const bool known = orbit_curve_multipliers(c, &multipliers);
     value[ORBIT_FOLD] = tangent[n];
     value[ORBIT_CROSSING] = plain_determinant(n + 1, bordered);
-    value[ORBIT_DOUBLING] = closes_turned(c, jacobian);
-    double largest = 0;
-    for (int i = 0; i < size * size; i++)
-        largest = fmax(largest, fabs(reduced[i]));
-    if (size > 1 && largest < NOISE) {
-        matrix_pair_products(size, reduced, products);
-        value[ORBIT_TORUS] = plain_determinant(size * (size - 1) / 2, products);
-    } else {
-        value[ORBIT_TORUS] = 1;
-    }
+    value[ORBIT_DOUBLING] = known ? multipliers_doubling(&multipliers) : NAN;
+    value[ORBIT_TORUS] = known ? multipliers_torus(&multipliers) : NAN;
 }
 
 static void aim(void *context, bool fine)
@@ -278,6 +227,15 @@ void orbit_curve_refer(struct orbit_curve *c, const double *u, double *tangent)
         turn_tangent(c, u, tangent);
 }
 
+bool orbit_curve_keeps(const struct orbit_curve *c)
+{
+    const int n = c->field->n;
+    double cosine = 0;
+    for (int i = 0; i < n; i++)
+        cosine += c->along[i] * c->rate[i];
+    return c->forced || cosine > UPRIGHT * length_of(n, c->rate);
+}
+
 bool orbit_curve_unknowns(struct orbit_curve *c, const double *state, double period, double *u)
 {
     struct vector_field *field = c->field;
@@ -288,7 +246,7 @@ bool orbit_curve_unknowns(struct orbit_curve *c, const double *state, double per
         for (int k = 0; k < n; k++)
             u[i * n + k] = y[k] / field->size[k];
         if (!field_flow(field, field->system.t0 + i * period / c->segments, y, period / c->segments,
-                        end, NULL, 0, NULL))
+                        end, NULL))
             return false;
         memcpy(y, end, sizeof y);
     }
@@ -317,7 +275,7 @@ static bool cut_unknowns(struct orbit_curve *c, const double *u, double *cut)
     for (int i = 0; i < m; i++) {
         double y[FIELD_VARIABLES], end[FIELD_VARIABLES];
         state_of(field, u + i * n, y);
-        if (!field_flow(field, field->system.t0 + i * span, y, span / 2, end, NULL, 0, NULL))
+        if (!field_flow(field, field->system.t0 + i * span, y, span / 2, end, NULL))
             return false;
         memcpy(cut + 2 * i * n, u + i * n, (size_t)n * sizeof *cut);
         for (int k = 0; k < n; k++)
@@ -351,11 +309,12 @@ bool orbit_curve_cut(struct orbit_curve *c, double *u, double *direction)
 /* How much a small difference grows over a period: into how many segments to cut it. */
 static int segments_for(struct vector_field *field, const double *state, double period)
 {
-    double end[FIELD_VARIABLES], map[FIELD_VARIABLES * FIELD_VARIABLES], size = 0;
-    if (!field_flow(field, field->system.t0, state, period, end, map, 0, NULL))
+    double end[FIELD_VARIABLES], size = 0;
+    struct flow_slopes by;
+    if (!field_flow(field, field->system.t0, state, period, end, &by))
         return 0;
     for (int i = 0; i < field->n * field->n; i++)
-        size = fmax(size, fabs(map[i]));
+        size = fmax(size, fabs(by.by_start[i]));
     const int most = (CURVE_MAX - 2) / field->n,
               wanted = 1 + (int)(log(fmax(size, 1)) / log(GROWTH));
     return wanted < most ? wanted : most;

@@ -3,7 +3,7 @@
 #ifndef HOOKE_STUDY_DYNAMICS_PROBLEM_H
 #define HOOKE_STUDY_DYNAMICS_PROBLEM_H
 
-#include "study/dynamics/continuation.h"
+#include "study/dynamics/multipliers.h"
 
 /* Tests of the two kinds of curves, and what their zeros are. */
 enum equilibrium_test { EQUILIBRIUM_FOLD, EQUILIBRIUM_CROSSING, EQUILIBRIUM_HOPF };
@@ -28,10 +28,11 @@ struct orbit_curve {
     int winding[FIELD_VARIABLES];      /* turns of angles in a period */
     double reference[FIELD_VARIABLES]; /* a state in units of size, and how it moves there: */
     double along[FIELD_VARIABLES];     /* the orbit's start lies in the plane across */
-    double map[FIELD_VARIABLES * FIELD_VARIABLES]; /* of the last residual: over one period */
-    double rate[FIELD_VARIABLES];                  /* at the start, in units of size */
-    double growth;                                 /* largest entry of the map of a segment */
-    double drift; /* |map rate - rate| / |rate|: how far the trivial multiplier is from 1 */
+    /* of the last residual: what each segment does, and how the orbit moves where it begins, in
+     * units of size */
+    double map[CURVE_MAX * FIELD_VARIABLES], rate[CURVE_MAX];
+    double log_determinant; /* of the map of the whole orbit */
+    double growth;          /* largest entry of the map of a segment */
     struct curve_problem problem;
 };
 
@@ -44,14 +45,17 @@ bool orbit_curve_unknowns(struct orbit_curve *curve, const double *state, double
 /* From here on the phase is fixed by this orbit; the tangent there, NULL: there is none, goes on to
  * orbits of this phase. */
 void orbit_curve_refer(struct orbit_curve *curve, const double *u, double *tangent);
+/* Does the orbit last looked at still go across that plane nearly upright? */
+bool orbit_curve_keeps(const struct orbit_curve *curve);
 /* Would shorter segments do better? Cuts the orbit anew: u, and a direction there, become those of
  * the new unknowns; false: it cannot be cut. */
 bool orbit_curve_is_long(const struct orbit_curve *curve);
 bool orbit_curve_cut(struct orbit_curve *curve, double *u, double *direction);
 double orbit_curve_period(const struct orbit_curve *curve, const double *u); /* [s] */
-/* Multipliers without the trivial one, by the map of the last residual: [n - 1] or, forced, [n];
- * how many. */
-int orbit_curve_multipliers(const struct orbit_curve *curve, double *reduced);
+/* By the maps of the last residual. False: no eigenvalues are found. */
+bool orbit_curve_multipliers(const struct orbit_curve *curve, struct multipliers *multipliers);
+/* The map over the whole orbit [n][n], where it is not too far from 1. */
+void orbit_curve_map(const struct orbit_curve *curve, double *map);
 
 /* A determinant as a number whose sign and zeros are right. */
 double plain_determinant(int n, double *a);

@@ -128,35 +128,55 @@ static bool fill_equilibrium(struct solution_curve *path, const double *jacobian
 
 static bool fill_orbit(struct solution_curve *path, const double *u, struct solution *s)
 {
-    double reduced[FIELD_VARIABLES * FIELD_VARIABLES];
-    s->values = orbit_curve_multipliers(&path->orbit, reduced);
+    struct multipliers m;
+    if (!orbit_curve_multipliers(&path->orbit, &m))
+        return false;
+    s->values = m.count;
+    memcpy(s->value, m.value, sizeof s->value);
+    s->noise = m.noise;
+    s->trivial = m.trivial;
     s->period = orbit_curve_period(&path->orbit, u);
     s->multiple = path->orbit.forced ? path->orbit.multiple : 0;
-    s->trivial = path->orbit.forced ? NAN : path->orbit.drift;
-    if (s->values > 0 && !matrix_eigenvalues(s->values, reduced, s->value))
-        return false;
     for (int i = 0; i < s->values; i++)
         s->unstable += hypot(s->value[i].re, s->value[i].im) > 1 + 1e-10;
     return true;
+}
+
+static void place(const struct solution_curve *path, const struct curve_point *point,
+                  struct solution *s)
+{
+    const struct vector_field *field = &path->field;
+    *s = (struct solution){.kind = path->kind, .n = field->n};
+    for (int i = 0; i < field->n; i++)
+        s->state[i] = s->top[i] = s->bottom[i] = point->u[i] * field->size[i];
 }
 
 bool solutions_at(struct solution_curve *path, const struct curve_point *point, bool extremes,
                   struct solution *s)
 {
     struct vector_field *field = &path->field;
-    const int n = field->n, all = path->problem->n;
     double f[CURVE_MAX], jacobian[CURVE_MAX * CURVE_MAX];
-    *s = (struct solution){.kind = path->kind, .n = n};
+    place(path, point, s);
     if (!path->problem->residual(path->problem->context, point->u, f, jacobian))
         return false;
-    for (int i = 0; i < all; i++)
+    for (int i = 0; i < path->problem->n; i++)
         s->residual = fmax(s->residual, fabs(f[i]));
-    for (int i = 0; i < n; i++)
-        s->state[i] = s->top[i] = s->bottom[i] = point->u[i] * field->size[i];
     s->param[0] = field->scene.value[field->param[0]];
     if (path->kind == SOLUTION_EQUILIBRIUM)
         return fill_equilibrium(path, jacobian, s);
     return fill_orbit(path, point->u, s) && (!extremes || find_extremes(field, s));
+}
+
+bool solutions_seen(struct solution_curve *path, const struct curve_point *point,
+                    struct solution *s)
+{
+    struct vector_field *field = &path->field;
+    if (path->kind == SOLUTION_EQUILIBRIUM)
+        return solutions_at(path, point, false, s);
+    place(path, point, s);
+    s->residual = point->residual;
+    s->param[0] = point->u[path->problem->n] * path->orbit.psize;
+    return field_set(field, s->param) && fill_orbit(path, point->u, s) && find_extremes(field, s);
 }
 
 /* The pair nearest to where it is taken for: complex, or real ones that only look like it. */

@@ -28,6 +28,9 @@ bool solutions_correct_at(struct solution_curve *path, const double *u, struct c
 /* What the point is; looks at it again, which costs one orbit. `extremes`: along an orbit. */
 bool solutions_at(struct solution_curve *path, const struct curve_point *point, bool extremes,
                   struct solution *solution);
+/* The same of the point that has just been corrected, multipliers as before the last correction. */
+bool solutions_seen(struct solution_curve *path, const struct curve_point *point,
+                    struct solution *solution);
 /* What has changed its kind there, if that is a special point: not so neutral saddles. */
 enum special solutions_special(const struct solution_curve *path, int test,
                                const struct solution *solution);

@@ -132,6 +132,11 @@ static void variation_add(const double *c, double t, const double *y, double *a)
     system_jacobian(&v->base, t, y, jacobian);
     for (int j = 0; j < v->directions; j++)
         vary(v, &v->direction[j], t, y, jacobian, y + n * (j + 1), rate + n * (j + 1));
+    if (v->trace) {
+        rate[v->whole.n - 1] = 0;
+        for (int i = 0; i < n; i++)
+            rate[v->whole.n - 1] += jacobian[i * n + i];
+    }
     for (int i = 0; i < v->whole.n; i++)
         a[i] += rate[i];
 }
@@ -180,6 +185,7 @@ static void frame(struct variation *v, int directions)
     const struct variation *address = v;
     v->directions = directions;
     v->dry = 0;
+    v->trace = false;
     v->whole = (struct system){.model = base->model,
                                .n = base->n * (directions + 1),
                                .order = 1,
@@ -239,5 +245,16 @@ bool variation_add_parameter(struct variation *v, const struct scene *scene, int
     }
     v->whole.n += n;
     v->directions++;
+    return true;
+}
+
+bool variation_add_trace(struct variation *v)
+{
+    if (v->whole.n == LIMIT_VARIABLES)
+        return false;
+    v->whole.start[v->whole.n] = 0;
+    v->whole.scale[v->whole.n] = 1;
+    v->whole.n++;
+    v->trace = true;
     return true;
 }

@@ -33,6 +33,7 @@ struct variation {
     /* 1, -1: the base is frozen on the branch of dry friction on which the velocity has this
      * sign; 0: not */
     double dry;
+    bool trace; /* the last variable of the whole is the integral of the trace of df/dy */
 };
 
 /* n (1 + count) <= LIMIT_VARIABLES. The variation must stay where it is: its system points to it.
@@ -44,5 +45,8 @@ bool variation_bind(struct variation *variation, const struct scene *scene, cons
 void variation_of_start(struct variation *variation, const struct system *base, const double *size);
 /* And by one parameter of the scene, the start fixed. False: as variation_bind(). */
 bool variation_add_parameter(struct variation *variation, const struct scene *scene, int index);
+/* And, after these, the integral of the trace of df/dy from 0: the logarithm of the determinant of
+ * what is derived by the start (Liouville). False: too many variables. */
+bool variation_add_trace(struct variation *variation);
 
 #endif

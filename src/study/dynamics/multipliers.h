@@ -1,0 +1,30 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Multipliers of periodic orbits. */
+#ifndef HOOKE_STUDY_DYNAMICS_MULTIPLIERS_H
+#define HOOKE_STUDY_DYNAMICS_MULTIPLIERS_H
+
+#include <hooke/study/dynamics.h>
+
+#include "study/dynamics/continuation.h"
+
+struct orbit_maps {
+    int n, segments;
+    const double *map;      /* [segments][n][n] of each segment, in the order of time */
+    const double *rate;     /* [segments][n] where each begins; NULL: forced, none is trivial */
+    double log_determinant; /* of their product */
+};
+
+struct multipliers {
+    int count;                                /* without the trivial one: */
+    struct eigenvalue value[FIELD_VARIABLES]; /* the largest first */
+    double noise;                             /* what is smaller is not known */
+    double trivial;                           /* how far it is from 1; NAN: there is none */
+};
+
+/* tol: relative, of the maps. */
+bool orbit_multipliers(const struct orbit_maps *maps, double tol, struct multipliers *multipliers);
+/* Functions that pass 0 where one is -1; where the product of two is 1. */
+double multipliers_doubling(const struct multipliers *multipliers);
+double multipliers_torus(const struct multipliers *multipliers);
+
+#endif
