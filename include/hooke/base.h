@@ -3,7 +3,7 @@
  * base: text, errors, memory, catalogs, numbers, units, files, cancellation.
  *
  * Knows nothing of physics. Nothing here prints, exits, touches signals or keeps state between
- * calls.
+ * calls; base/child.h makes processes.
  */
 #ifndef HOOKE_BASE_H
 #define HOOKE_BASE_H

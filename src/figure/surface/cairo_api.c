@@ -3,8 +3,9 @@
 #include "figure/surface/cairo_api.h"
 #include "figure/surface/surface.h"
 
+#include <hooke/base/child.h>
+
 #include <math.h>
-#include <stdlib.h>
 
 static const struct row picture_rows[] = {
     [PICTURE_SVG] = {"svg", "", "a picture for the web and for documents", "", NULL},
@@ -17,8 +18,7 @@ const struct catalog picture_catalog = CATALOG("picture", picture_rows);
 #ifdef HAVE_CAIRO
 
 #define LIBRARY "libcairo.so.2"
-#define ROOM ((size_t)48 << 20) /* libraries, fonts and a page: four times what was measured */
-#define BYTES 48                /* of pixels and their file, a square point */
+#define PATIENCE 60 /* [s] that a picture may take: 1000 times what the largest took */
 
 bool cairo_load(struct cairo_api *api, const char *library, struct error *error)
 {
@@ -44,35 +44,46 @@ void cairo_unload(struct cairo_api *api)
     library_unload(&api->library);
 }
 
-/* fontconfig and pixman crash on every fourth allocation that fails, and nobody outside can hinder
- * that: they are asked only where there is more than they need. area: [pt^2] of pixels. */
-static bool is_room(double area)
+struct cairo_work {
+    const struct figure *figure; /* NULL: only whether the library is there */
+    enum picture kind;
+    double width, height; /* [pt] */
+};
+
+static bool work(const void *context, struct buffer *out, struct error *error)
 {
-    void *volatile room = malloc(ROOM + (size_t)(BYTES * area));
-    free(room);
-    return room != NULL;
+    const struct cairo_work *work = context;
+    struct cairo_api api;
+    return cairo_load(&api, LIBRARY, error) &&
+           (!work->figure ||
+            cairo_picture(&api, work->figure, work->kind, work->width, work->height, out, error));
+}
+
+static bool work_stopped(const void *context)
+{
+    const struct cairo_work *work = context;
+    return work->figure && figure_stopped(work->figure);
+}
+
+/* fontconfig and pixman crash on every fourth allocation that fails, or never end: that happens in
+ * a process of their own. */
+static bool through_cairo(const struct figure *figure, enum picture kind, double width,
+                          double height, struct buffer *out, struct error *error)
+{
+    const struct cairo_work of = {figure, kind, width, height};
+    const struct child child = {work, work_stopped, &of, "the picture could not be drawn",
+                                PATIENCE};
+    const bool done = child_run(&child, out, error);
+    if (!done && error->code == ERROR_IO)
+        error_hint(error, "a file that ends in .svg needs no library of the system's");
+    return done;
 }
 
 static bool has_cairo(enum picture kind, struct error *error)
 {
-    struct cairo_api api;
-    (void)kind;
-    if (!cairo_load(&api, LIBRARY, error))
-        return false;
-    cairo_unload(&api);
-    return true;
-}
-
-static bool through_cairo(const struct figure *figure, enum picture kind, double width,
-                          double height, struct buffer *out, struct error *error)
-{
-    struct cairo_api api;
-    if (!is_room(kind == PICTURE_PDF ? 0 : width * height))
-        return error_memory(error);
-    if (!cairo_load(&api, LIBRARY, error))
-        return false;
-    bool done = cairo_picture(&api, figure, kind, width, height, out, error);
-    cairo_unload(&api);
+    struct buffer nothing = {0};
+    const bool done = through_cairo(NULL, kind, 0, 0, &nothing, error);
+    buffer_free(&nothing);
     return done;
 }
 #else

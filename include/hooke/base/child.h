@@ -1,0 +1,32 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * base: work that runs in a process of its own, a copy of this one: what a foreign library crashes,
+ * exhausts or never ends there is that copy, and nothing of it stays in this process.
+ */
+#ifndef HOOKE_BASE_CHILD_H
+#define HOOKE_BASE_CHILD_H
+
+#include <hooke/base.h>
+
+struct child {
+    /* Appends to `out`, or fails with an error. What else it changes is lost. */
+    bool (*work)(const void *context, struct buffer *out, struct error *error);
+    /* NULL: never; asked all the time, in both processes */
+    bool (*stopped)(const void *context);
+    const void *context;
+    const char *what; /* is not done if the process fails: "the picture could not be drawn" */
+    double patience;  /* [s] that the work may take */
+};
+
+/*
+ * Appends to `out` what the work appended there. False, `out` as it was: the work failed (its own
+ * error), was stopped (ERROR_CANCELLED), or its process could not be started, crashed, was killed
+ * or took too long (ERROR_IO, "<what>: <why>").
+ *
+ * The child has neither the terminal nor standard input and output, flushes no stream, calls no
+ * atexit function, leaves no core, takes no signal of this process's terminal or handlers, and dies
+ * with this process. For the caller's signals: all are blocked while the process is copied.
+ */
+bool child_run(const struct child *child, struct buffer *out, struct error *error);
+
+#endif

@@ -1,0 +1,180 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The one place where the library makes a process and touches signals: those of that process. */
+#define _GNU_SOURCE /* pipe2 */
+#include <hooke/base/child.h>
+#include "base/internal.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <poll.h>
+#include <signal.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+#ifdef __linux__
+#include <sys/prctl.h>
+#endif
+
+#define PIECE 8192
+#define LOOK_MS 20
+
+/* The last that comes through the pipe, behind `len` bytes; without it the child has died. */
+struct child_answer {
+    size_t done, len;
+    struct error error;
+};
+
+/* ---- the copy ---- */
+
+/* Nobody is left to wait for it. */
+static bool dies_with(pid_t parent)
+{
+#ifdef __linux__
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
+    prctl(PR_SET_DUMPABLE, 0); /* no core, also where a program takes those */
+#endif
+    return getppid() == parent;
+}
+
+/* Reads and writes of the usual streams fail; signals do what they do in a new process. */
+static void leave_all(void)
+{
+    const struct rlimit none = {0, 0};
+    const struct sigaction usual = {.sa_handler = SIG_DFL};
+    const int nothing = open("/", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    sigset_t open_set;
+    setsid();
+    setrlimit(RLIMIT_CORE, &none);
+    for (int fd = STDIN_FILENO; fd <= STDERR_FILENO; fd++)
+        if (nothing < 0 || dup2(nothing, fd) < 0)
+            close(fd);
+    for (int number = 1; number <= SIGRTMAX; number++)
+        sigaction(number, &usual, NULL);
+    sigemptyset(&open_set);
+    sigprocmask(SIG_SETMASK, &open_set, NULL);
+}
+
+static _Noreturn void work_apart(const struct child *child, int end, pid_t parent)
+{
+    struct buffer made = {0};
+    struct child_answer answer;
+    const int to = fcntl(end, F_DUPFD_CLOEXEC, STDERR_FILENO + 1);
+    memset(&answer, 0, sizeof answer); /* what lies between the members is written, too */
+    leave_all();
+    if (to < 0 || !dies_with(parent))
+        _exit(1);
+    answer.done = child->work(child->context, &made, &answer.error) &&
+                  (!made.failed || error_memory(&answer.error));
+    answer.len = answer.done ? made.len : 0;
+    answer.error.where = (struct text){0};
+    struct text part[] = {{made.data, answer.len}, {(const char *)&answer, sizeof answer}};
+    _exit(file_put(to, &part[0]) != 0 || file_put(to, &part[1]) != 0);
+}
+
+/* ---- and we ---- */
+
+struct process {
+    pid_t pid;
+    int from, status;
+    bool gone; /* its status is known */
+};
+
+static bool not_done(const struct child *child, struct error *error, const char *why)
+{
+    return error_set(error, ERROR_IO, "%s: %s", child->what, why);
+}
+
+/* Everything that comes, until the end: of the pipe, or of the process if others hold that open. */
+static bool take_all(const struct child *child, struct process *process, struct buffer *all,
+                     struct error *error)
+{
+    double looks = child->patience * 1000 / LOOK_MS;
+    char piece[PIECE];
+    for (;;) {
+        if (child->stopped && child->stopped(child->context))
+            return error_set(error, ERROR_CANCELLED, "%s: it was stopped", child->what);
+        struct pollfd ready = {.fd = process->from, .events = POLLIN};
+        const int count = poll(&ready, 1, LOOK_MS);
+        const ssize_t got = count > 0 ? read(process->from, piece, sizeof piece) : -1;
+        if (got == 0 || (count == 0 && process->gone))
+            return true;
+        if (count == 0 && !(--looks > 0))
+            return not_done(child, error, "it took too long");
+        if (count == 0) /* what it wrote since then is still to be read */
+            process->gone = waitpid(process->pid, &process->status, WNOHANG) != 0;
+        else if (got < 0 && errno != EINTR)
+            return not_done(child, error, system_message(errno));
+        if (got > 0)
+            buffer_put(all, (struct text){piece, (size_t)got});
+        if (all->failed)
+            return error_memory(error);
+    }
+}
+
+static bool died(const struct child *child, int status, struct error *error)
+{
+    if (!WIFSIGNALED(status))
+        return not_done(child, error, "the process that does it ended before its time");
+    if (WTERMSIG(status) == SIGXCPU)
+        return not_done(child, error, "it took more processor time than is allowed");
+    if (WTERMSIG(status) == SIGKILL)
+        return not_done(child, error, "the process that does it was killed; is memory short?");
+    return error_set(error, ERROR_IO, "%s: the process that does it crashed (signal %d)",
+                     child->what, WTERMSIG(status));
+}
+
+/* What came behind the first `before` bytes, without the answer. */
+static bool read_answer(const struct child *child, int status, size_t before, struct buffer *out,
+                        struct error *error)
+{
+    struct child_answer answer = {0};
+    const size_t len = out->len - before;
+    if (len >= sizeof answer)
+        memcpy(&answer, out->data + out->len - sizeof answer, sizeof answer);
+    if (len < sizeof answer || len - sizeof answer != answer.len)
+        return died(child, status, error);
+    out->len -= sizeof answer;
+    if (!answer.done)
+        *error = answer.error;
+    return answer.done;
+}
+
+static bool wait_for(const struct child *child, pid_t pid, int from, struct buffer *out,
+                     struct error *error)
+{
+    const size_t before = out->len;
+    struct process process = {.pid = pid, .from = from};
+    bool ok = take_all(child, &process, out, error);
+    if (!ok && !process.gone)
+        kill(pid, SIGKILL);
+    while (!process.gone && waitpid(pid, &process.status, 0) < 0 && errno == EINTR)
+        ;
+    ok = ok && read_answer(child, process.status, before, out, error);
+    if (!ok)
+        out->len = before;
+    if (out->data)
+        out->data[out->len] = '\0';
+    return ok;
+}
+
+bool child_run(const struct child *child, struct buffer *out, struct error *error)
+{
+    int ends[2];
+    sigset_t all, before;
+    const pid_t parent = getpid();
+    if (pipe2(ends, O_CLOEXEC) != 0)
+        return not_done(child, error, system_message(errno));
+    sigfillset(&all);
+    pthread_sigmask(SIG_SETMASK, &all, &before);
+    const pid_t pid = fork();
+    const int number = errno;
+    if (pid == 0)
+        work_apart(child, ends[1], parent);
+    pthread_sigmask(SIG_SETMASK, &before, NULL);
+    close(ends[1]);
+    const bool ok = pid < 0 ? not_done(child, error, system_message(number))
+                            : wait_for(child, pid, ends[0], out, error);
+    close(ends[0]);
+    return ok;
+}
