@@ -259,6 +259,7 @@ struct session {
     /* Where the last fit was one of the scene or of a formula: */
     double *fit_curve[2]; /* [fit_samples] its times and values; NULL: fit_values() */
     size_t fit_samples;
+    uint64_t fit_curve_sum;   /* under which the session's file has it; 0: not yet */
     struct scene fit_scene;   /* as fitted; model NULL: it was no fit of the scene */
     bool fit_free[PARAM_MAX]; /* what was fitted there */
     struct adopted_fit adopted;

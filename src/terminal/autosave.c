@@ -132,17 +132,19 @@ static void close_file(struct autosave *autosave)
     autosave->fd = -1;
 }
 
-/* What cannot be written whole is not there: the file ends where it did, or goes. */
-static bool append(struct autosave *autosave, struct error *error)
+/* What cannot be written whole is not there: the file ends where it did, or goes. A new one that is
+ * stopped is not there either. */
+static bool append(struct autosave *autosave, const struct cancel *cancel, struct error *error)
 {
     struct buffer hidden = {0};
     const bool first = autosave->fd < 0;
     bool ok = !first || open_new(autosave, &hidden, error);
     const off_t before = ok ? lseek(autosave->fd, 0, SEEK_END) : 0;
-    const struct store_sink to = {&autosave->fd, sink};
-    ok = ok && session_store(autosave->session, &autosave->stored, &to, error) &&
-         (!first || name_new(autosave, hidden.data, error));
-    if (!ok) {
+    const struct store_sink to = {&autosave->fd, sink, cancel};
+    ok = ok && session_store(autosave->session, &autosave->stored, &to, error);
+    const bool given_up = first && autosave->stored.unfinished;
+    ok = ok && (!first || given_up || name_new(autosave, hidden.data, error));
+    if (!ok || given_up) {
         if (first && hidden.len > 0)
             unlink(hidden.data);
         else if (!first && ftruncate(autosave->fd, before) != 0)
@@ -159,9 +161,9 @@ static bool is_bloated(const struct autosave *autosave)
     return stored->bytes > 2 * (stored->live + stored->latest) + autosave->slack;
 }
 
-/* What is still read, in a file that will take this one's place; without room for it this one
- * stays. */
-static void fresh_begin(struct autosave *autosave)
+/* What is still read, in a file that will take this one's place; without room for it, or time, this
+ * one stays. */
+static void fresh_begin(struct autosave *autosave, const struct cancel *cancel)
 {
     struct stored stored = {0};
     struct buffer path = {0};
@@ -174,11 +176,13 @@ static void fresh_begin(struct autosave *autosave)
     fresh->path = path.data;
     fresh->fd = !named || path.failed ? -1 : create(autosave, path.data);
     fresh->from = lseek(autosave->fd, 0, SEEK_END);
-    const struct store_sink to = {&fresh->fd, sink};
+    const struct store_sink to = {&fresh->fd, sink, cancel};
     if (fresh->fd < 0 || !put(fresh->fd, TEXT(STORE_HEADER), &ignored) ||
         !session_store(autosave->session, &stored, &to, &ignored)) {
         fresh_drop(fresh);
         autosave->slack *= 2;
+    } else if (stored.unfinished) {
+        fresh_drop(fresh);
     }
     fresh->bytes = stored.bytes;
     stored_free(&stored);
@@ -218,7 +222,7 @@ static void fresh_end(struct autosave *autosave)
 }
 
 /* Signals are for the thread that owns the session. */
-static void sync_begin(struct autosave *autosave)
+static void sync_begin(struct autosave *autosave, const struct cancel *cancel)
 {
     sigset_t all, before;
     const int64_t now = clock_ns();
@@ -231,7 +235,7 @@ static void sync_begin(struct autosave *autosave)
     sync_wait(autosave);
     fresh_end(autosave);
     if (is_bloated(autosave))
-        fresh_begin(autosave);
+        fresh_begin(autosave, cancel);
     atomic_store(&autosave->synced, false);
     sigfillset(&all);
     pthread_sigmask(SIG_BLOCK, &all, &before);
@@ -296,24 +300,17 @@ static bool has_changed(const struct autosave *autosave)
 {
     const struct session *session = autosave->session;
     return session->changes != autosave->saved || session->live.state == LIVE_RUNNING ||
+           autosave->stored.unfinished ||
            (autosave->fd >= 0 && session->history.count != autosave->stored.entries);
 }
 
 int64_t autosave_due(const struct autosave *autosave)
 {
+    if (autosave->stored.unfinished)
+        return autosave->written;
     if (has_changed(autosave))
         return autosave->written + autosave->interval;
     return autosave->fd >= 0 && autosave->unsynced ? autosave->sync_due : INT64_MAX;
-}
-
-bool autosave_keep(struct autosave *autosave, bool line, struct error *error)
-{
-    /* Lines that follow each other closely wait as long as writing took: at most half of the time
-     * goes into it. */
-    const bool waits = autosave->wished || autosave->spent > autosave->interval;
-    const int64_t pace = waits ? autosave->interval : autosave->spent;
-    const int64_t due = line ? autosave->written + pace : autosave_due(autosave);
-    return clock_ns() < due || autosave_write(autosave, error);
 }
 
 /* What a file system cannot do is said once each. False: it was said now. */
@@ -347,29 +344,45 @@ static bool has_room(const struct autosave *autosave, int left_out, struct error
     return now <= left_out;
 }
 
-bool autosave_write(struct autosave *autosave, struct error *error)
+static bool write_until(struct autosave *autosave, const struct cancel *cancel, struct error *error)
 {
     struct error why = {0};
     const int64_t begun = clock_ns();
     if (!has_changed(autosave)) {
-        sync_begin(autosave);
+        sync_begin(autosave, cancel);
         return has_all(autosave, error);
     }
     const uint64_t changes = autosave->session->changes;
     const int left_out = autosave->stored.left_out;
-    const bool ok = append(autosave, &why);
-    if (ok) {
+    const bool ok = append(autosave, cancel, &why), whole = ok && !autosave->stored.unfinished;
+    if (whole) {
         autosave->saved = changes;
         autosave->unsynced = true;
-        sync_begin(autosave);
+        sync_begin(autosave, cancel);
     }
     autosave->written = clock_ns();
     autosave->spent = autosave->written - begun;
     if (ok)
-        return has_room(autosave, left_out, error) && has_all(autosave, error);
+        return !whole || (has_room(autosave, left_out, error) && has_all(autosave, error));
     const bool tell = !autosave->warned;
     autosave->warned = true;
     if (tell)
         error_set(error, ERROR_IO, "the session cannot be saved on its own: %s", why.text);
     return !tell;
+}
+
+bool autosave_write(struct autosave *autosave, struct error *error)
+{
+    return write_until(autosave, NULL, error);
+}
+
+bool autosave_keep(struct autosave *autosave, bool line, struct error *error)
+{
+    /* Lines that follow each other closely wait as long as writing took: at most half of the time
+     * goes into it. */
+    const bool waits = autosave->wished || autosave->spent > autosave->interval;
+    const int64_t pace = waits ? autosave->interval : autosave->spent;
+    const bool begun = autosave->stored.unfinished;
+    const int64_t due = line && !begun ? autosave->written + pace : autosave_due(autosave);
+    return clock_ns() < due || write_until(autosave, &interrupt, error);
 }

@@ -26,6 +26,16 @@ static void save_when_due(bool line)
     }
 }
 
+/* Whatever came before: the next alarm rings when the autosave is due. */
+static void set_alarm(struct autosave *autosave)
+{
+    const int64_t due = autosave_due(autosave), now = clock_ns();
+    const int64_t left = due == INT64_MAX ? 0 : due <= now ? 1000000 : due - now + 1000000;
+    const struct itimerval timer = {
+        .it_value = {.tv_sec = left / 1000000000, .tv_usec = left % 1000000000 / 1000}};
+    setitimer(ITIMER_REAL, &timer, NULL);
+}
+
 static void executed(void *context)
 {
     (void)context;
@@ -53,6 +63,7 @@ static void heed_signals(void)
     signals_drain();
     if (signals_happened(HAPPENED_ALARM)) {
         save_when_due(false);
+        set_alarm(at_prompt->autosave);
     }
     if (signals_happened(HAPPENED_SUSPEND)) {
         rl_deprep_terminal();
@@ -156,16 +167,6 @@ bool typed_run(struct session *session, struct text typed, struct reply *reply)
     return script_end(&script, session, reply);
 }
 
-/* Whatever came before: the next alarm rings when the autosave is due. */
-static void set_alarm(struct autosave *autosave)
-{
-    const int64_t due = autosave_due(autosave), now = clock_ns();
-    const int64_t left = due == INT64_MAX ? 0 : due <= now ? 1000000 : due - now + 1000000;
-    const struct itimerval timer = {
-        .it_value = {.tv_sec = left / 1000000000, .tv_usec = left % 1000000000 / 1000}};
-    setitimer(ITIMER_REAL, &timer, NULL);
-}
-
 static char *read_line(struct front_program *program)
 {
     set_alarm(program->autosave);
@@ -194,6 +195,7 @@ static void execute(struct front_program *program, const char *typed)
         warned = true;
         reply_warning(program->reply, "%s", error.text);
     }
+    save_when_due(false); /* what a Ctrl-C has put off: the line may last */
     struct session *session = program->session;
     program->streams->holding = session->setup.settings.pager == PAGER_ON;
     const bool ok = typed_run(session, text_of(typed), program->reply);

@@ -285,7 +285,8 @@ void autosave_begin(struct autosave *autosave, struct session *session);
 void autosave_end(struct autosave *autosave);
 /* When autosave_write is wanted [clock_ns]; INT64_MAX: nothing has changed. */
 int64_t autosave_due(const struct autosave *autosave);
-/* Writes if that is due; line: one was executed, which makes it due unless writing takes long. */
+/* Writes if that is due; line: one was executed, which makes it due unless writing takes long. A
+ * Ctrl-C puts the rest off until it is called again. */
 bool autosave_keep(struct autosave *autosave, bool line, struct error *error);
 /* Writes now if anything changed. False: something is not in the file, and why; that it cannot be
  * written at all is said once a session. */

@@ -17,7 +17,8 @@
  * Where a head does not fit its checksum, reading goes on at the next one that does; a record whose
  * content does not fit its own, or of a kind that is not known, is skipped and named. Kinds:
  *
- *     D  the bytes of a recording's file, once: fields sum, content
+ *     D  the bytes of a recording's file, or the times and values of the curve of a fit, once:
+ *        fields sum, content
  *     R  a run without its rows: fields id, number, method, scene, events, note, asked (what was
  *        asked of it), state (hooke/run/store.h). The last one of an id counts.
  *     W  rows of a run: 4 numbers of 8 bytes (id, the first row, how many, bytes of a row), rows.
@@ -44,6 +45,7 @@
 struct store_sink {
     void *context;
     bool (*write)(void *context, struct text record, struct error *error);
+    const struct cancel *cancel; /* NULL: nobody stops it */
 };
 
 /* What a file has of a session. All zeros: nothing yet. */
@@ -53,17 +55,22 @@ struct stored {
     uint64_t recording[LIMIT_RECORDINGS]; /* sums */
     uint64_t recording_bytes[LIMIT_RECORDINGS];
     int recordings;
-    size_t entries, text; /* of session->history */
-    uint64_t said;        /* of session->log */
-    uint64_t state;       /* sum of the last S */
-    uint64_t bytes;       /* written, and */
-    uint64_t live;        /* those of runs and recordings that are still read */
-    uint64_t latest;      /* of the latest S, and of all that was typed and said */
-    int left_out;         /* runs whose rows found no room */
+    uint64_t curve, curve_bytes; /* its sum; 0: none */
+    size_t entries, text;        /* of session->history */
+    uint64_t said;               /* of session->log */
+    uint64_t state;              /* sum of the last S */
+    uint64_t bytes;              /* written, and */
+    uint64_t live;               /* those of runs and recordings that are still read */
+    uint64_t latest;             /* of the latest S, and of all that was typed and said */
+    int left_out;                /* runs whose rows found no room */
+    struct buffer record;        /* the last one, of which `sent` bytes are written */
+    size_t sent;
+    bool unfinished; /* stopped: the next time goes on where this one ended */
 };
 
 void stored_free(struct stored *stored); /* and forgets: all is written again, to another file */
-/* Writes what has changed since the last time. False: it cannot be written, or no memory. */
+/* Writes what has changed since the last time; where it is stopped, `unfinished` is set, and what
+ * was written does not count yet. False: it cannot be written, or no memory. */
 bool session_store(struct session *session, struct stored *stored, const struct store_sink *sink,
                    struct error *error);
 

@@ -17,6 +17,7 @@ void session_drop_curve(struct session *session)
     free(session->fit_curve[1]);
     session->fit_curve[0] = session->fit_curve[1] = NULL;
     session->fit_samples = 0;
+    session->fit_curve_sum = 0;
     session->fit_scene.model = NULL;
     session->fit_modes = 0;
 }

@@ -257,7 +257,7 @@ void reader_runs(struct reader *reader, struct text ids)
 
 /* ---- recordings ---- */
 
-static bool find_bytes(const struct reader *reader, uint64_t sum, struct text *content)
+bool reader_bytes(const struct reader *reader, uint64_t sum, struct text *content)
 {
     uint64_t of;
     for (size_t i = 0; i < reader->records; i++)
@@ -330,7 +330,7 @@ static bool load_kept(struct reader *reader, struct text in, struct text path, s
     if (!field_find(in, "options", &options) || !field_find(in, "name", &name))
         return error_set(error, ERROR_IO, "it is damaged");
     field_get(in, "sum", &sum, sizeof sum);
-    if (!find_bytes(reader, sum, &content)) {
+    if (!reader_bytes(reader, sum, &content)) {
         if (!load(reader, path, options, error))
             return false;
         reader_note(reader, "recording %.*s was read again from its file, which may have changed",

@@ -58,4 +58,6 @@ bool reader_events(struct reader *reader, struct text in, const struct events **
                    struct error *error);
 void reader_runs(struct reader *reader, struct text ids);
 void reader_recordings(struct reader *reader);
+/* The bytes that the file has under that sum. */
+bool reader_bytes(const struct reader *reader, uint64_t sum, struct text *content);
 #endif

@@ -89,11 +89,21 @@ static const char *model_name(struct text name)
     return row ? row->name : "fit";
 }
 
-static void read_curve(struct session *session, struct text in)
+/* Older files have it among the rest. */
+static void read_curve(const struct reader *reader)
 {
+    struct session *session = reader->session;
     struct text times, values;
-    if (!field_find(in, "fit_times", &times) || !field_find(in, "fit_values", &values) ||
-        times.len != values.len)
+    uint64_t sum = 0;
+    if (field_get(reader->state, "fit_curve", &sum, sizeof sum) &&
+        reader_bytes(reader, sum, &times)) {
+        times.len /= 2;
+        values = (struct text){times.at + times.len, times.len};
+    } else if (!field_find(reader->state, "fit_times", &times) ||
+               !field_find(reader->state, "fit_values", &values)) {
+        return;
+    }
+    if (times.len != values.len || times.len % sizeof(double) != 0)
         return;
     double *t = malloc(times.len + 1), *y = malloc(values.len + 1);
     if (!t || !y) {
@@ -106,6 +116,7 @@ static void read_curve(struct session *session, struct text in)
     session->fit_curve[0] = t;
     session->fit_curve[1] = y;
     session->fit_samples = times.len / sizeof *t;
+    session->fit_curve_sum = sum;
 }
 
 static void read_fits(struct reader *reader)
@@ -123,7 +134,7 @@ static void read_fits(struct reader *reader)
     while (field_next(&in, &name, &value))
         if (text_is(name, "stored_model") && stored < session->stored_fits)
             session->stored_fit[stored++].fit.model = model_name(value);
-    read_curve(session, reader->state);
+    read_curve(reader);
     struct setup setup;
     memcpy(&setup, &session->setup, sizeof setup);
     if ((field_find(reader->state, "fit_scene", &value) &&

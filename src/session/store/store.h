@@ -49,4 +49,9 @@ struct store_array {
 extern const struct store_array store_arrays[];
 extern const size_t store_array_count;
 
+/* state.c: fields of a record. */
+void store_put_scene(const struct scene *scene, const char *name, struct buffer *to);
+void store_put_events(const struct events *events, struct buffer *to);
+void store_put_state(const struct session *session, struct buffer *to);
+
 #endif
