@@ -154,6 +154,7 @@ extern const struct model *const scene_models[]; /* all of them, the oscillator 
 #define TERM_COEFFICIENTS 6
 #define TERM_VALUES 64 /* of a typed term: what it is, and up to 63 parameters that it reads */
 #define TERM_MAX 16
+#define LIMIT_MODEL_ROWS 3 /* accelerations or derivatives of a built-in model */
 
 enum term_flag {
     TERM_LINEAR = 1,       /* linear in the state, or independent of it */
@@ -189,6 +190,9 @@ struct oscillator {
 struct term_row {
     struct row row; /* name, unit of what `add` adds, brief, citation */
     unsigned flags;
+    /* What it adds to each, as one types it: velocities are x', parameters go by their names. NULL:
+     * nothing */
+    const char *equation[LIMIT_MODEL_ROWS];
     int force; /* enum force of src/scene/model/forces.h: its text is compiled again by kernels */
     /* Coefficients from the parameters, also added into `oscillator`; false: the term is absent
      * (its coefficient is zero). */

@@ -147,4 +147,9 @@ void reply_advice(const struct subject *subject, struct arena *arena, struct rep
 /* The table, then what was done or would be done. */
 void reply_findings(const struct recording *recording, struct arena *arena, struct reply *reply);
 
+/* Where in the space of states equilibria are looked for, [n]: what the current run of the scene
+ * has shown and its natural sizes about 0, widened; of an angle one turn. */
+bool session_box(const struct session *session, const struct system *system, struct arena *arena,
+                 double box[][2], struct error *error);
+
 #endif

@@ -46,6 +46,31 @@ static inline bool solution_stable(const struct solution *solution)
 
 /* ---- equilibria ---- */
 
+/* Does everything repeat when this variable goes on by 2 pi? Looked at in some places. */
+bool variable_is_angle(const struct system *system, int variable);
+
+enum equilibrium_type {
+    EQUILIBRIUM_STABLE_NODE,
+    EQUILIBRIUM_STABLE_FOCUS,
+    EQUILIBRIUM_UNSTABLE_NODE,
+    EQUILIBRIUM_UNSTABLE_FOCUS,
+    EQUILIBRIUM_SADDLE,
+    EQUILIBRIUM_CENTRE,     /* Hamiltonian or reversible: linear theory alone does not say so */
+    EQUILIBRIUM_DEGENERATE, /* linear theory does not decide */
+    EQUILIBRIUM_STABLE,     /* of three variables or more */
+    EQUILIBRIUM_UNSTABLE,
+};
+
+extern const struct catalog equilibrium_catalog; /* struct row, at the enum's place */
+
+struct equilibrium_form {
+    enum equilibrium_type type;
+    int index; /* of Poincare and Hopf: the sign of det J; 0: not known */
+    /* [n] of each eigenvalue, real and imaginary part, of length 1 in SI units; of a conjugate pair
+     * the second is the conjugate. NAN: there is none */
+    double re[DYNAMICS_VARIABLES][DYNAMICS_VARIABLES], im[DYNAMICS_VARIABLES][DYNAMICS_VARIABLES];
+};
+
 struct equilibria_request {
     const struct scene *scene;
     double box[DYNAMICS_VARIABLES][2]; /* SI, from < to */
@@ -54,15 +79,17 @@ struct equilibria_request {
 
 struct equilibria {
     int count;
-    struct solution *of; /* in the order of the first variable */
-    bool forced;         /* of the mean over the drive's period: they are no rest */
-    bool complete;       /* proven that there are no others in the box */
-    char reason[96];     /* why not, and near where: */
+    struct solution *of;           /* in the order of the first variable */
+    struct equilibrium_form *form; /* [count] of each */
+    bool forced;                   /* of the mean over the drive's period: they are no rest */
+    bool complete;                 /* proven that there are no others in the box */
+    char reason[96];               /* why not, and near where: */
     double unsure[DYNAMICS_VARIABLES];
     int boxes;
     double seconds;
 };
 
+/* Of an angle whose range is one turn (2 pi) the two ends are one. */
 bool equilibria_find(const struct equilibria_request *request, struct equilibria *found,
                      struct error *error);
 void equilibria_free(struct equilibria *found);

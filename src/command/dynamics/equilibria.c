@@ -8,46 +8,7 @@
 
 #include <math.h>
 
-#define WIDER 0.5 /* of what was seen, to either side */
-#define TINY 1e-6
-
 /* ---- the box ---- */
-
-static void include(double range[2], double value)
-{
-    range[0] = fmin(range[0], value);
-    range[1] = fmax(range[1], value);
-}
-
-/* What runs of this scene have shown, and its natural sizes about 0, widened. */
-static bool usual_box(const struct session *session, const struct system *system,
-                      struct arena *arena, double box[][2], struct error *error)
-{
-    const struct run *run =
-        session->current_run >= 0 ? session->run[session->current_run]->run : NULL;
-    const bool same = run && run->scene.model == system->model;
-    const size_t rows = same ? trace_count(run->trace) : 0;
-    double *column = arena_array(arena, rows + 1, sizeof *column);
-    if (!column)
-        return error_memory(error);
-    double most = 0;
-    for (int i = 0; i < system->n; i++)
-        most = fmax(most, system->scale[i]);
-    for (int i = 0; i < system->n; i++) {
-        /* what the scene's start leaves at rest has no size of its own */
-        const double size = system->scale[i] < TINY * most ? most : system->scale[i];
-        double range[] = {-size, size};
-        include(range, system->start[i]);
-        if (rows > 0)
-            run_variable_column(run, i, column);
-        for (size_t k = 0; k < rows; k++)
-            include(range, column[k]);
-        const double by = WIDER * (range[1] - range[0]);
-        box[i][0] = range[0] - by;
-        box[i][1] = range[1] + by;
-    }
-    return true;
-}
 
 static bool read_side(struct session *session, const struct arguments *args, struct text argument,
                       const struct system *system, double box[][2], struct error *error)
@@ -83,27 +44,9 @@ static bool read_side(struct session *session, const struct arguments *args, str
 
 /* ---- what they are ---- */
 
-static const char *type_of(const struct solution *s, bool conservative)
+static const char *type_name(enum equilibrium_type type)
 {
-    double size = 0;
-    int zero = 0, turning = 0;
-    for (int i = 0; i < s->values; i++)
-        size = fmax(size, hypot(s->value[i].re, s->value[i].im));
-    for (int i = 0; i < s->values; i++) {
-        zero += fabs(s->value[i].re) <= 1e-10 * size;
-        turning += s->value[i].im != 0;
-    }
-    if (zero > 0 && zero < s->values && s->unstable > 0 && conservative)
-        return "saddle";
-    if (zero > 0)
-        return conservative && turning == s->values ? "centre" : "degenerate";
-    if (s->unstable > 0 && s->unstable < s->values)
-        return "saddle";
-    if (s->values > 2)
-        return s->unstable == 0 ? "stable" : "unstable";
-    if (turning > 0)
-        return s->unstable == 0 ? "stable focus" : "unstable focus";
-    return s->unstable == 0 ? "stable node" : "unstable node";
+    return catalog_row(&equilibrium_catalog, (size_t)type)->name;
 }
 
 static void put_eigenvalue(struct buffer *out, const struct eigenvalue *value, const char *sign)
@@ -143,10 +86,49 @@ static void put_table(struct buffer *out, const struct system *system,
         cell_count(&table, k + 1);
         for (int i = 0; i < system->n; i++)
             cell_quantity(&table, found->of[k].state[i], system_variable(system, i).quantity, 7);
-        cell_text(&table, type_of(&found->of[k], system->conservative));
+        cell_text(&table, type_name(found->form[k].type));
         cell_eigenvalues(&table, &found->of[k]);
     }
     text_table_put(&table, out);
+}
+
+/* Real ones as (1, 2), those of pairs once, as (1, 2) +- i (3, 4); the largest part is 1. */
+static void put_vector(struct buffer *out, const struct equilibrium_form *form, int k, int n)
+{
+    int largest = 0;
+    for (int i = 1; i < n; i++)
+        if (hypot(form->re[k][i], form->im[k][i]) >
+            (1 + 1e-9) * hypot(form->re[k][largest], form->im[k][largest]))
+            largest = i;
+    const double size = form->re[k][largest]; /* its imaginary part is 0 */
+    bool turns = false;
+    for (int part = 0; part < (turns ? 2 : 1); part++) {
+        buffer_put(out, part ? TEXT(" +- i (") : TEXT(" ("));
+        for (int i = 0; i < n; i++) {
+            const double value = (part ? form->im : form->re)[k][i] / size;
+            turns = turns || fabs(form->im[k][i]) > 1e-12 * size;
+            buffer_format(out, "%s%.6g", i > 0 ? ", " : "", fabs(value) < 1e-12 ? 0 : value);
+        }
+        buffer_char(out, ')');
+    }
+}
+
+static void put_vectors(struct buffer *out, const struct system *system,
+                        const struct equilibria *found)
+{
+    for (int e = 0; e < found->count; e++) {
+        const struct solution *s = &found->of[e];
+        buffer_format(out, "  %d: index ", e + 1);
+        buffer_format(out, found->form[e].index ? "%+d\n" : "not known\n", found->form[e].index);
+        for (int k = 0; k < s->values; k++) {
+            buffer_put(out, TEXT("     "));
+            put_eigenvalue(out, &s->value[k], "+-");
+            buffer_put(out, TEXT(" along"));
+            put_vector(out, &found->form[e], k, system->n);
+            buffer_char(out, '\n');
+            k += s->value[k].im != 0 && k + 1 < s->values;
+        }
+    }
 }
 
 static void put_box(struct buffer *out, const struct system *system, double box[][2])
@@ -180,7 +162,29 @@ static void put_found(struct buffer *out, const struct system *system, double bo
         put_table(out, system, found, arena);
 }
 
-static void reply_equilibria(const struct system *system, const struct equilibria *found,
+static void reply_part(const char *name, const double *part, int n, struct reply *reply)
+{
+    reply_array(reply, name);
+    for (int i = 0; i < n; i++)
+        reply_real(reply, NULL, part[i]);
+    reply_close(reply);
+}
+
+/* Each eigenvector as its real and its imaginary part. */
+static void reply_form(const struct equilibrium_form *form, int n, struct reply *reply)
+{
+    reply_int(reply, "index", form->index);
+    reply_array(reply, "eigenvectors");
+    for (int k = 0; k < n; k++) {
+        reply_array(reply, NULL);
+        reply_part(NULL, form->re[k], n, reply);
+        reply_part(NULL, form->im[k], n, reply);
+        reply_close(reply);
+    }
+    reply_close(reply);
+}
+
+static void reply_equilibria(const struct system *system, const struct equilibria *found, bool full,
                              struct reply *reply)
 {
     for (int k = 0; k < found->count; k++) {
@@ -191,7 +195,7 @@ static void reply_equilibria(const struct system *system, const struct equilibri
         for (int i = 0; i < system->n; i++)
             reply_real(reply, system_variable(system, i).name, s->state[i]);
         reply_close(reply);
-        reply_string(reply, "type", type_of(s, system->conservative));
+        reply_string(reply, "type", type_name(found->form[k].type));
         reply_bool(reply, "stable", solution_stable(s));
         reply_array(reply, "eigenvalues");
         for (int i = 0; i < s->values; i++) {
@@ -202,6 +206,8 @@ static void reply_equilibria(const struct system *system, const struct equilibri
         }
         reply_close(reply);
         reply_real(reply, "residual", s->residual);
+        if (full)
+            reply_form(&found->form[k], s->values, reply);
         reply_end(reply);
     }
     reply_begin(reply, "equilibria");
@@ -220,12 +226,17 @@ HANDLER(equilibria)
     struct equilibria found;
     double box[LIMIT_VARIABLES][2];
     if (!scene_bind(&session->setup.scene, &system, error) ||
-        !usual_box(session, &system, args->arena, box, error))
+        !session_box(session, &system, args->arena, box, error))
         return false;
     struct text rest = sides->count ? sides->item->text : TEXT("");
-    for (rest = text_trim(rest); rest.len > 0; rest = text_trim(rest))
-        if (!read_side(session, args, next_key_argument(&rest), &system, box, error))
+    bool full = false;
+    for (rest = text_trim(rest); rest.len > 0; rest = text_trim(rest)) {
+        const struct text argument = next_key_argument(&rest);
+        full = full || text_is(argument, "--full");
+        if (!text_is(argument, "--full") &&
+            !read_side(session, args, argument, &system, box, error))
             return false;
+    }
     for (int i = 0; i < system.n && i < DYNAMICS_VARIABLES; i++)
         for (int k = 0; k < 2; k++)
             request.box[i][k] = box[i][k];
@@ -233,27 +244,31 @@ HANDLER(equilibria)
         return false;
     struct buffer text = {0};
     put_found(&text, &system, box, &found, args->arena);
+    if (full)
+        put_vectors(&text, &system, &found);
     reply_text(reply, text_trim(buffer_text(&text)));
     buffer_free(&text);
-    reply_equilibria(&system, &found, reply);
+    reply_equilibria(&system, &found, full, reply);
     equilibria_free(&found);
     return true;
 }
 #endif
 
-COMMAND(equilibria,
-        .row = {"equilibria", "", "where the scene rests: all of them in a box, with their kind",
-                "", NULL},
-        .group = "DYNAMICS",
-        .text =
-            "All states in a box at which nothing changes, found by bounds of the equations: "
-            "none is missed and none\n"
-            "invented, or it says that there may be more. NAME=FROM:TO is a side of the box, of "
-            "a variable; without it\n"
-            "what runs have shown, widened. Kinds follow from the eigenvalues of the Jacobian. "
-            "Of a scene with a drive\n"
-            "those of the mean over its period.",
-        .examples = "var x = 1; var v = 0; x' = v; v' = x-x^3-0.2*v; equilibria x=-2:2 v=-2:2\n"
-                    "equilibria > rests.csv",
-        .see = "stability plot run", .flags = COMMAND_TABLES,
-        ARGUMENTS(PLACE("NAME=FROM:TO", TYPE_REST)))
+COMMAND(
+    equilibria,
+    .row = {"equilibria", "", "where the scene rests: all of them in a box, with their kind", "",
+            NULL},
+    .group = "DYNAMICS",
+    .text =
+        "All states in a box at which nothing changes, found by bounds of the equations: "
+        "none is missed and none\n"
+        "invented, or it says that there may be more. NAME=FROM:TO is a side of the box, of "
+        "a variable; without it\n"
+        "what runs have shown, widened. Kinds follow from the eigenvalues of the Jacobian. "
+        "Of a scene with a drive\n"
+        "those of the mean over its period; of an angle one turn. --full: index and eigenvectors, "
+        "too.",
+    .examples = "var x = 1; var v = 0; x' = v; v' = x-x^3-0.2*v; equilibria x=-2:2 v=-2:2\n"
+                "equilibria > rests.csv",
+    .see = "stability plot run", .flags = COMMAND_TABLES,
+    ARGUMENTS(PLACE("NAME=FROM:TO", TYPE_REST), OPTION("full", TYPE_NONE)))

@@ -44,6 +44,7 @@ TERM_POTENTIAL(attraction)
 static const struct term_row terms[] = {
     {.row = {"attraction", "", "r'' = -gm r/|r|^3", "Newton 1687, Principia I", NULL},
      .flags = TERM_CONSERVATIVE,
+     .equation = {"-gm*x/(x^2+y^2)^1.5", "-gm*y/(x^2+y^2)^1.5"},
      .force = FORCE_attraction,
      .bind = attraction_bind,
      .add = attraction_add,

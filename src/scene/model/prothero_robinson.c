@@ -30,6 +30,7 @@ TERM_JACOBIAN(pull)
 static const struct term_row terms[] = {
     {.row = {"pull", "1/s", "lambda (y - cos t) - sin t", "Prothero, Robinson 1974", NULL},
      .flags = TERM_LINEAR | TERM_TIME,
+     .equation = {"lambda*(y-cos(t))-sin(t)"},
      .bind = pull_bind,
      .add = pull_add,
      .jacobian = pull_jacobian},

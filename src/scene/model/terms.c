@@ -8,8 +8,9 @@
 #undef TERM_BODIES
 
 #define TERM_ROW(term, term_flags, text, source)                                                   \
-    .row = {#term, "m/s^2", (text), (source), NULL}, .flags = (term_flags), .force = FORCE_##term, \
-    .bind = term##_bind, .add = term##_add, .jacobian = term##_jacobian
+    .row = {#term, "m/s^2", (text), (source), NULL}, .flags = (term_flags),                        \
+    .equation = {term##_equation}, .force = FORCE_##term, .bind = term##_bind, .add = term##_add,  \
+    .jacobian = term##_jacobian
 
 static const struct term_row rows[] = {
 #define CONSERVATIVE_TERM(name, flags, brief, citation)                                            \

@@ -197,6 +197,27 @@ const struct model *typed_new(struct typed_models *models, struct text name, str
     return typed ? finish(models, typed, NULL, NULL, error) : NULL;
 }
 
+const struct model *typed_make(struct typed_models *models, struct text name,
+                               const struct typed_line *line, int count, struct error *error)
+{
+    struct typed *typed = begin(NULL, true, error);
+    if (!typed)
+        return NULL;
+    snprintf(typed->name, sizeof typed->name, "%.*s", (int)name.len, name.at);
+    typed->line = arena_array(&typed->arena, (size_t)count + 1, sizeof *line);
+    bool fine = typed->line;
+    for (; fine && typed->lines < count; typed->lines++) {
+        struct typed_line *copy = &typed->line[typed->lines];
+        *copy = line[typed->lines];
+        fine = copy_text(&typed->arena, &copy->name) && copy_text(&typed->arena, &copy->expr);
+    }
+    if (fine)
+        return finish(models, typed, NULL, NULL, error);
+    destroy(typed);
+    error_memory(error);
+    return NULL;
+}
+
 static void drop(struct typed *typed, int i)
 {
     memmove(&typed->line[i], &typed->line[i + 1],

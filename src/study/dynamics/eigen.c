@@ -14,6 +14,7 @@
 #define ASIDE                                                                                      \
     1e-10 /* of the largest entry: the shift of inverse iteration lies beside the value            \
            */
+#define FARTHER 1e-7
 #define ITERATIONS 4
 
 /* (A - re - i im) x = b as a real system of twice the size. */
@@ -40,7 +41,8 @@ static void to_length_one(int n, double *x)
         x[i] /= sqrt(sum);
 }
 
-bool matrix_eigenvector(int n, const double *a, struct eigenvalue at, double *re, double *im)
+static bool vector_beside(int n, const double *a, struct eigenvalue at, double aside, double *re,
+                          double *im)
 {
     double x[2 * FIELD_VARIABLES], size = fabs(at.re) + fabs(at.im);
     uint64_t seed = 5;
@@ -49,13 +51,19 @@ bool matrix_eigenvector(int n, const double *a, struct eigenvalue at, double *re
     for (int i = 0; i < 2 * n; i++)
         x[i] = i < n || at.im != 0 ? random_fraction(&seed) - 0.5 : 0;
     for (int k = 0; k < ITERATIONS; k++) {
-        if (!solve_shifted(n, a, at.re + ASIDE * size, at.im, x))
+        if (!solve_shifted(n, a, at.re + aside * size, at.im, x))
             return false;
         to_length_one(2 * n, x);
     }
     memcpy(re, x, (size_t)n * sizeof *re);
     memcpy(im, x + n, (size_t)n * sizeof *im);
     return true;
+}
+
+/* A value that is double has no inverse so near by. */
+bool matrix_eigenvector(int n, const double *a, struct eigenvalue at, double *re, double *im)
+{
+    return vector_beside(n, a, at, ASIDE, re, im) || vector_beside(n, a, at, FARTHER, re, im);
 }
 
 bool matrix_second_null(int columns, const double *a, const double *known, double *vector)

@@ -5,6 +5,7 @@
  * cut in two (Neumaier 1990, Interval Methods for Systems of Equations, chapter 5). What is left at
  * the smallest size is said.
  */
+#include <hooke/base/numeric.h>
 #include <hooke/scene/formula.h>
 #include <hooke/scene/typed.h>
 #include <math.h>
@@ -13,26 +14,32 @@
 #include <string.h>
 
 #include "study/compare/verify.h"
+#include "study/dynamics/forms.h"
 #include "study/dynamics/solutions.h"
 
-#define BOXES 200000  /* looked at */
-#define SMALLEST 1e-9 /* of the range: not cut any more */
-#define INFLATED 1e-7 /* of the range */
-#define SHRUNK 0.7    /* of the widest side: worth another look before it is cut */
-#define SAME 1e-7     /* of the range: two that are nearer are one */
-#define DOUBTFUL 8    /* that are not proven, and listed */
-#define DOUBTS 200    /* places: no more are looked at */
-#define CORRECTIONS 20
-#define BEYOND 1e-6 /* of the range: what lies on the edge is inside */
+#define BOXES 200000    /* looked at */
+#define SMALLEST 1e-9   /* of the range: not cut any more */
+#define INFLATED 1e-7   /* of the range */
+#define SHRUNK 0.7      /* of the widest side: worth another look before it is cut */
+#define SAME 1e-7       /* of the range: two that are nearer are one */
+#define DOUBTFUL 8      /* that are not proven, and listed */
+#define DOUBTS 200      /* places: no more are looked at */
+#define STARTS 100      /* of Newton's method, where bounds have not decided */
+#define CORRECTIONS 100 /* of zeros that are not simple, too */
+#define BEYOND 1e-6     /* of the range: what lies on the edge is inside */
 
 struct search {
     struct vector_field field;
+    struct system bounded; /* the same as equations that have bounds */
+    bool conservative;
+    struct typed_models *models; /* whose they are; NULL: the scene's */
     const struct equilibria_request *request;
     struct equilibria *found;
     int n, boxes, capacity, doubts;
     struct interval (*stack)[FIELD_VARIABLES];
     int depth, room;
     double width[FIELD_VARIABLES]; /* of the range */
+    double turn[FIELD_VARIABLES];  /* of an angle whose range is one turn; 0: of no other */
 };
 
 static double middle(struct interval a)
@@ -106,7 +113,7 @@ static enum verdict krawczyk(struct search *s, struct interval *box, const struc
         return UNKNOWN;
     for (int i = 0; i < n; i++)
         at[i].lo = at[i].hi = middle(box[i]);
-    system_bounds(&s->field.system, at, rate, NULL);
+    system_bounds(&s->bounded, at, rate, NULL);
     bool inside = true, smaller = false;
     for (int i = 0; i < n; i++) {
         k[i] = at[i];
@@ -145,7 +152,7 @@ static void correct(struct search *s, double *y)
         double a[FIELD_VARIABLES * FIELD_VARIABLES], f[FIELD_VARIABLES], most = 0;
         for (int i = 0; i < n; i++)
             at[i].lo = at[i].hi = y[i];
-        system_bounds(&s->field.system, at, rate, by);
+        system_bounds(&s->bounded, at, rate, by);
         for (int i = 0; i < n * n; i++)
             a[i] = middle(by[i]);
         for (int i = 0; i < n; i++)
@@ -161,12 +168,18 @@ static void correct(struct search *s, double *y)
     }
 }
 
+/* An angle and the same a turn on are one. */
+static double apart(const struct search *s, int i, double a, double b)
+{
+    return s->turn[i] > 0 ? fabs(remainder(a - b, s->turn[i])) : fabs(a - b);
+}
+
 static bool known(const struct search *s, const double *y)
 {
     for (int k = 0; k < s->found->count; k++) {
         double most = 0;
         for (int i = 0; i < s->n; i++)
-            most = fmax(most, fabs(s->found->of[k].state[i] - y[i]) / s->width[i]);
+            most = fmax(most, apart(s, i, s->found->of[k].state[i], y[i]) / s->width[i]);
         if (most < SAME)
             return true;
     }
@@ -180,7 +193,7 @@ static bool rests(struct search *s, const double *y)
                     by[FIELD_VARIABLES * FIELD_VARIABLES];
     for (int i = 0; i < s->n; i++)
         at[i].lo = at[i].hi = y[i];
-    system_bounds(&s->field.system, at, rate, by);
+    system_bounds(&s->bounded, at, rate, by);
     bool zero = true;
     for (int i = 0; i < s->n; i++)
         zero = zero && rate[i].lo <= 0 && rate[i].hi >= 0;
@@ -196,6 +209,9 @@ static bool keep(struct search *s, const struct interval *box, bool proven)
     for (int i = 0; i < s->n; i++)
         if (fabs(y[i]) < 1e-14 * s->width[i])
             y[i] = 0;
+    for (int i = 0; i < s->n; i++) /* of both ends of a turn, the upper one */
+        if (s->turn[i] > 0 && y[i] < s->request->box[i][0] + SAME * s->width[i])
+            y[i] += s->turn[i];
     if (known(s, y) || (!proven && !rests(s, y)))
         return true;
     if (s->found->count == s->capacity) {
@@ -263,7 +279,7 @@ static bool one_nearby(struct search *s, const struct interval *box)
         if (!(box[i].lo >= wide[i].lo && box[i].hi <= wide[i].hi))
             return false;
     }
-    system_bounds(&s->field.system, wide, rate, by);
+    system_bounds(&s->bounded, wide, rate, by);
     return krawczyk(s, wide, by) == ONE;
 }
 
@@ -300,7 +316,7 @@ static bool look(struct search *s, struct interval *box)
     struct interval rate[FIELD_VARIABLES], by[FIELD_VARIABLES * FIELD_VARIABLES];
     for (;;) {
         s->boxes++;
-        system_bounds(&s->field.system, box, rate, by);
+        system_bounds(&s->bounded, box, rate, by);
         for (int i = 0; i < s->n; i++)
             if (rate[i].lo > 0 || rate[i].hi < 0 || rate[i].lo != rate[i].lo)
                 return true;
@@ -336,33 +352,6 @@ static bool search(struct search *s)
     return true;
 }
 
-/* Eigenvalues and what follows, of the mean field. */
-static bool describe(struct search *s, struct solution *solution)
-{
-    const int n = s->n;
-    struct interval at[FIELD_VARIABLES] = {{0}}, rate[FIELD_VARIABLES],
-                    by[FIELD_VARIABLES * FIELD_VARIABLES];
-    double jacobian[FIELD_VARIABLES * FIELD_VARIABLES], size = 0;
-    for (int i = 0; i < n; i++)
-        at[i].lo = at[i].hi = solution->state[i];
-    system_bounds(&s->field.system, at, rate, by);
-    for (int i = 0; i < n * n; i++) {
-        jacobian[i] = middle(by[i]);
-        size = fmax(size, fabs(jacobian[i]));
-    }
-    for (int i = 0; i < n; i++) {
-        solution->residual = fmax(solution->residual, fabs(middle(rate[i])));
-        solution->top[i] = solution->bottom[i] = solution->state[i];
-    }
-    solution->values = n;
-    solution->trivial = NAN;
-    if (!matrix_eigenvalues(n, jacobian, solution->value))
-        return false;
-    for (int i = 0; i < n; i++)
-        solution->unstable += solution->value[i].re > 1e-12 * size;
-    return true;
-}
-
 static int in_order(const void *a, const void *b)
 {
     const struct solution *x = a, *y = b;
@@ -372,43 +361,107 @@ static int in_order(const void *a, const void *b)
     return 0;
 }
 
+/* Where bounds have not decided: zeros that Newton's method finds, and that are proven then. */
+static bool search_more(struct search *s)
+{
+    uint64_t seed = 7;
+    leave_doubtful_out(s);
+    for (int k = 0; k < STARTS && !s->found->complete && !cancelled(s->request->cancel); k++) {
+        double y[FIELD_VARIABLES];
+        struct interval at[FIELD_VARIABLES];
+        bool inside = true;
+        for (int i = 0; i < s->n; i++)
+            y[i] = s->request->box[i][0] + s->width[i] * random_fraction(&seed);
+        if (!deflated_newton(&s->bounded, s->width, s->found->of, s->found->count, y))
+            continue;
+        for (int i = 0; i < s->n; i++) {
+            at[i] = (struct interval){y[i], y[i]};
+            inside = inside && y[i] >= s->request->box[i][0] && y[i] <= s->request->box[i][1];
+        }
+        if (inside && one_nearby(s, at) && !keep(s, at, true))
+            return false;
+    }
+    return true;
+}
+
+/* Built-in scenes have bounds as the equations in the rows of their terms. */
+static bool bind_bounded(struct search *s, struct error *error)
+{
+    const struct scene *scene = s->request->scene;
+    struct scene written;
+    if (!typed_base(scene->model)) {
+        s->bounded = s->field.system;
+        return true;
+    }
+    return (s->models = typed_create(error)) && typed_written(s->models, scene, &written, error) &&
+           scene_bind_motion(&written, &s->bounded, error);
+}
+
+static bool begin(struct search *s, struct error *error)
+{
+    const struct equilibria_request *request = s->request;
+    struct interval box[FIELD_VARIABLES], rate[FIELD_VARIABLES];
+    if (!field_init(&s->field, request->scene, NULL, 0, error) || !bind_bounded(s, error))
+        return false;
+    struct system energetic; /* potentials are found by scene_bind() */
+    if (!scene_bind(request->scene, &energetic, error))
+        return false;
+    s->conservative = energetic.conservative;
+    s->n = s->field.n;
+    for (int i = 0; i < s->n; i++) {
+        const double turn = s->field.turn[i];
+        s->width[i] = request->box[i][1] - request->box[i][0];
+        s->turn[i] = turn > 0 && fabs(s->width[i] - turn) <= BEYOND * turn ? turn : 0;
+        box[i] = (struct interval){request->box[i][0] - BEYOND * s->width[i],
+                                   request->box[i][1] + BEYOND * s->width[i]};
+    }
+    s->found->forced = !s->field.system.autonomous;
+    if (!system_bounds(&s->bounded, box, rate, NULL))
+        return error_set(error, ERROR_COMMAND,
+                         "equilibria are found where the drive has one period");
+    return push(s, box) || error_memory(error);
+}
+
+/* All of them, in order, and what they are. */
+static bool finish(struct search *s)
+{
+    struct equilibria *found = s->found;
+    found->form = calloc((size_t)found->count + 1, sizeof *found->form);
+    if (!found->form)
+        return false;
+    if (found->count > 0)
+        qsort(found->of, (size_t)found->count, sizeof *found->of, in_order);
+    for (int k = 0; k < found->count; k++)
+        if (!equilibrium_form(&s->field, &s->bounded, s->conservative, &found->of[k],
+                              &found->form[k]))
+            return false;
+    if (!found->complete && s->field.system.dry)
+        snprintf(found->reason, sizeof found->reason,
+                 "dry friction holds it at rest all over a stretch");
+    return true;
+}
+
 bool equilibria_find(const struct equilibria_request *request, struct equilibria *found,
                      struct error *error)
 {
     const int64_t since = clock_ns();
     struct search s = {.request = request, .found = found};
     *found = (struct equilibria){.complete = true};
-    if (!field_init(&s.field, request->scene, NULL, 0, error))
-        return false;
-    s.n = s.field.n;
-    struct interval box[FIELD_VARIABLES], rate[FIELD_VARIABLES];
-    for (int i = 0; i < s.n; i++) {
-        s.width[i] = request->box[i][1] - request->box[i][0];
-        box[i] = (struct interval){request->box[i][0] - BEYOND * s.width[i],
-                                   request->box[i][1] + BEYOND * s.width[i]};
-    }
-    found->forced = !s.field.system.autonomous;
-    if (!system_bounds(&s.field.system, box, rate, NULL))
-        return error_set(error, ERROR_COMMAND,
-                         "equilibria are found of typed scenes whose drive has one period");
-    bool fine = push(&s, box) && search(&s);
-    leave_doubtful_out(&s);
-    for (int k = 0; fine && k < found->count; k++)
-        fine = describe(&s, &found->of[k]);
-    if (found->count > 0)
-        qsort(found->of, (size_t)found->count, sizeof *found->of, in_order);
+    const bool fine =
+        begin(&s, error) && ((search(&s) && search_more(&s) && finish(&s)) || error_memory(error));
     free(s.stack);
     field_free(&s.field);
+    typed_destroy(s.models);
     found->boxes = s.boxes;
     found->seconds = clock_seconds(since);
-    if (fine)
-        return true;
-    equilibria_free(found);
-    return error_memory(error);
+    if (!fine)
+        equilibria_free(found);
+    return fine;
 }
 
 void equilibria_free(struct equilibria *found)
 {
     free(found->of);
+    free(found->form);
     *found = (struct equilibria){.count = 0};
 }

@@ -19,8 +19,7 @@
 
 /* ---- what it is ---- */
 
-/* Does everything repeat when this variable goes on by 2 pi? Looked at in some places. */
-static bool is_angle(const struct system *system, int variable)
+bool variable_is_angle(const struct system *system, int variable)
 {
     const int n = system->n;
     uint64_t seed = 17;
@@ -62,7 +61,7 @@ bool field_init(struct vector_field *field, const struct scene *scene, const int
                          FIELD_VARIABLES);
     for (int i = 0; i < system->n; i++) {
         field->size[i] = system->scale[i];
-        field->turn[i] = is_angle(system, i) ? TWO_PI : 0;
+        field->turn[i] = variable_is_angle(system, i) ? TWO_PI : 0;
     }
     return true;
 }

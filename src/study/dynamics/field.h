@@ -8,6 +8,8 @@
 
 #include <hooke/study.h>
 
+#include <hooke/study/dynamics.h>
+
 #include "study/fit/variation.h"
 
 #define FIELD_VARIABLES                                                                            \

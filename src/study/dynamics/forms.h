@@ -1,0 +1,23 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What an equilibrium is: eigenvalues, eigenvectors, type, index. */
+#ifndef HOOKE_STUDY_DYNAMICS_FORMS_H
+#define HOOKE_STUDY_DYNAMICS_FORMS_H
+
+#include <hooke/study/dynamics.h>
+
+#include "study/dynamics/field.h"
+
+/* The field at a state, of a drive its mean over a period, and its Jacobian [n][n]; NULL: not
+ * wanted. */
+void mean_field(const struct system *bounded, const double *y, double *rate, double *jacobian);
+
+/* From y on, away from known solutions; width [n]: ranges of the variables. False: no zero. */
+bool deflated_newton(const struct system *bounded, const double *width,
+                     const struct solution *known, int count, double *y);
+
+/* Of the solution's state, by the Jacobian's bounds there (of a drive: its mean), which also gives
+ * the solution its eigenvalues and residual. False: they are not found. */
+bool equilibrium_form(const struct vector_field *field, const struct system *bounded,
+                      bool conservative, struct solution *solution, struct equilibrium_form *form);
+
+#endif
