@@ -269,9 +269,10 @@ check-asan: ## the quick tests under AddressSanitizer and UBSan
 check-valgrind: all tests-build ## the unit tests under valgrind
 	$(Q)$(RUN_TESTS) --under 'valgrind -q --error-exitcode=9 --leak-check=full' $(filter $(D)/tests/unit/%,$(TEST_PROGRAMS))
 
-coverage: ## line coverage of the quick tests
-	$(Q)$(MAKE) --no-print-directory check CONFIG=coverage
-	$(Q)scripts/coverage build/coverage
+coverage: ## lines that the quick tests execute, by layer (minutes; wanted by scripts/mutants)
+	$(Q)$(MAKE) --no-print-directory tests-build CONFIG=coverage
+	$(Q)HOOKE_DATA='$(HOOKE_DATA)' HOOKE_NIST='$(HOOKE_NIST)' scripts/coverage build/coverage \
+	  $(patsubst $(D)/%,build/coverage/%,$(TEST_PROGRAMS)) $(TEST_SCRIPTS)
 
 bench: all ## speed as ratios, measured in one run (never a test); BENCH=adaptive: that topic only
 	$(Q)CC='$(CC)' FLAGS='$(CFLAGS)' LIBS='$(LIBS)' BUILD='$(TOP)' BENCH='$(BENCH)' scripts/bench

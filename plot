@@ -1,1 +1,0 @@
-# set-up saved by hooke 0.1.0
