@@ -24,7 +24,6 @@ struct walk {
     const struct branch_request *request;
     struct solution_curve *path;
     struct branch *out; /* points of this direction are appended */
-    int sign;           /* of steps along the first tangent */
     double psize, largest[CURVE_TESTS], period;
     int capacity;
     int start; /* place of the parameter among the unknowns at the start */
@@ -202,7 +201,7 @@ static double longest_at(const struct walk *w, const struct curve_point *at, dou
 static bool next_place(struct walk *w, const struct curve_point *from, double *by, double longest,
                        struct curve_point *to)
 {
-    while (fabs(*by) > SHORTEST * longest) {
+    while (*by > SHORTEST * longest) {
         if (cancelled(w->request->cancel))
             return false;
         if (curve_step(w->path->problem, w->bends ? &w->before : NULL, from, *by, to) &&
@@ -268,10 +267,10 @@ static bool comes_back(const struct walk *w, const struct curve_point *at,
                        const struct curve_point *start, double by)
 {
     const int n = w->path->field.n;
-    return fabs(at->u[w->path->problem->n] - start->u[w->start]) < fabs(by) / 2 &&
+    return fabs(at->u[w->path->problem->n] - start->u[w->start]) < by / 2 &&
            (w->path->kind != SOLUTION_ORBIT ||
-            fabs(at->u[w->path->problem->n - 1] - start->u[w->start - 1]) < fabs(by) / 2) &&
-           curve_distance(n, at->u, start->u) < fabs(by) / 2;
+            fabs(at->u[w->path->problem->n - 1] - start->u[w->start - 1]) < by / 2) &&
+           curve_distance(n, at->u, start->u) < by / 2;
 }
 
 /* From `at`, which is recorded already, until it ends; false: no memory. */
@@ -283,13 +282,13 @@ static bool walk(struct walk *w, struct curve_point at)
     int upright = 0;
     w->bends = false;
     w->start = w->path->problem->n;
-    double by = w->sign * fmin(FIRST, longest);
+    double by = fmin(FIRST, longest);
     know(w, &at);
     ends(w, "as many points as were asked for");
     for (int i = 0; i < max; i++) {
         struct curve_point next;
         const double far = longest_at(w, &at, longest);
-        by = copysign(fmin(fabs(by), far), by);
+        by = fmin(by, far);
         if (!next_place(w, &at, &by, far, &next)) {
             ends(w, cancelled(w->request->cancel) ? "cancelled" : "no step leads on");
             return true;
@@ -336,7 +335,7 @@ static bool walk(struct walk *w, struct curve_point at)
         if (!w->bends)
             orbit_curve_refer(&w->path->orbit, next.u, next.tangent);
         if (next.corrections <= 3)
-            by = copysign(fmin(1.5 * fabs(by), far), by);
+            by = fmin(1.5 * by, far);
         at = next;
         if (!cut(w, &at)) {
             ends(w, "differences grow along the orbit by too much");
@@ -355,6 +354,7 @@ static void reverse(struct branch *b)
     }
 }
 
+/* Side -1 goes against growing values of the parameter, so that the branch is in order. */
 static bool begin(const struct branch_request *r, int side, double psize,
                   struct solution_curve *path, struct curve_point *first, struct error *error)
 {
@@ -364,7 +364,7 @@ static bool begin(const struct branch_request *r, int side, double psize,
     double u[CURVE_MAX];
     if (!solutions_begin(path, r->scene, r->param, psize, r->start, r->cancel, u, error))
         return false;
-    if (solutions_correct_at(path, u, first))
+    if (solutions_correct_at(path, u, r->forward ? 1 : side, first))
         return true;
     solutions_end(path);
     return error_set(error, ERROR_COMMAND, "there is no such %s at the start",
@@ -391,9 +391,6 @@ bool branch_follow(const struct branch_request *r, struct branch *branch, struct
         branch->kind = path.kind;
         w.path = &path;
         w.end = branch->ends[side == 0 && !r->forward && (!r->leave || crossing) ? 0 : 1];
-        /* against growing values first, so that the branch is in order */
-        const int up = first.tangent[path.problem->n] >= 0 ? 1 : -1;
-        w.sign = r->leave ? 1 : r->forward || side == 1 ? up : -up;
         w.period = 0;
         struct solution solution;
         fine = solutions_at(&path, &first, true, &solution) &&

@@ -59,10 +59,11 @@ void solutions_end(struct solution_curve *path)
     field_free(&path->field);
 }
 
-bool solutions_correct_at(struct solution_curve *path, const double *u, struct curve_point *point)
+bool solutions_correct_at(struct solution_curve *path, const double *u, int sign,
+                          struct curve_point *point)
 {
     double direction[CURVE_MAX] = {0};
-    direction[path->problem->n] = 1;
+    direction[path->problem->n] = sign;
     return curve_correct(path->problem, u, direction, true, point);
 }
 
