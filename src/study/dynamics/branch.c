@@ -15,7 +15,7 @@
 #define TOGETHER 1e-6 /* of the range: tests that become 0 there are of the same point */
 #define SLOW 25       /* times the first period: the orbit nears one that takes for ever */
 #define VERTICAL 1e-7 /* part of the parameter in a tangent that does not change it */
-#define UPRIGHT 12    /* so many of these in a row */
+#define LEVEL 12      /* so many of these in a row */
 #define STILL 1e-4    /* of a tangent: the parameter hardly changes any more */
 #define POINTS 1000
 #define TINY 1e-8 /* of the largest value so far: a test that is 0 */
@@ -26,7 +26,8 @@ struct walk {
     struct branch *out; /* points of this direction are appended */
     double psize, largest[CURVE_TESTS], period;
     int capacity;
-    int start; /* place of the parameter among the unknowns at the start */
+    double moved; /* relative, the parameter in the last step */
+    int start;    /* place of the parameter among the unknowns at the start */
     struct curve_point known[CURVE_TESTS]; /* the last place where that test was not 0 */
     bool any[CURVE_TESTS];
     struct curve_point before; /* the last place but one, if its phase is that of the last: */
@@ -57,9 +58,15 @@ static bool record(struct walk *w, const struct curve_point *at, enum special sp
         return false;
     point->solution = *solution;
     point->special = special;
-    const int n = w->path->problem->n + 1;
-    if (n <= (int)COUNT_OF(point->tangent))
-        memcpy(point->tangent, at->tangent, (size_t)n * sizeof *point->tangent);
+    /* of an orbit its beginning and what holds for all of it: the rest follows */
+    const int n = w->path->field.n, all = w->path->problem->n;
+    memcpy(point->tangent, at->tangent, (size_t)n * sizeof *point->tangent);
+    if (w->path->kind == SOLUTION_EQUILIBRIUM) {
+        point->tangent[n] = at->tangent[all];
+    } else {
+        point->tangent[n] = w->path->kind == SOLUTION_ORBIT ? at->tangent[all - 1] : 0;
+        point->tangent[n + 1] = at->tangent[all];
+    }
     return true;
 }
 
@@ -74,7 +81,12 @@ struct found_special {
 
 static bool zero(const struct walk *w, const struct curve_point *p, int test)
 {
-    return fabs(p->test[test]) <= TINY * w->largest[test];
+    if (test > 0)
+        return fabs(p->test[test]) <= TINY * w->largest[test];
+    /* the parameter's part of the tangent, in both kinds of curves: rounding where it stands still
+     */
+    return fabs(p->test[test]) <= CURVE_LEVEL ||
+           (fabs(p->test[test]) <= CURVE_STEEP && w->moved <= CURVE_LEVEL);
 }
 
 static void locate_all(struct walk *w, const struct curve_point *to, struct found_special *found,
@@ -279,8 +291,9 @@ static bool walk(struct walk *w, struct curve_point at)
     const double longest = w->request->step > 0 ? w->request->step : LONGEST;
     const int max = w->request->max > 0 ? w->request->max : POINTS;
     const struct curve_point start = at;
-    int upright = 0;
+    int level = 0;
     w->bends = false;
+    w->moved = 1;
     w->start = w->path->problem->n;
     double by = fmin(FIRST, longest);
     know(w, &at);
@@ -293,11 +306,22 @@ static bool walk(struct walk *w, struct curve_point at)
             ends(w, cancelled(w->request->cancel) ? "cancelled" : "no step leads on");
             return true;
         }
+        const double upright =
+            w->path->kind == SOLUTION_EQUILIBRIUM ? 1 : orbit_curve_upright(&w->path->orbit);
+        if (upright < 0) {
+            ends(w, "it shrinks to an equilibrium");
+            w->out->point[w->out->count - 1].special = SPECIAL_END;
+            return true;
+        }
         const bool leaves = !inside(w, &next);
         if (leaves && !step_to_edge(w, &at, &next, &next)) {
             ends(w, "the parameter's range");
             return true;
         }
+        const int p = w->path->problem->n;
+        w->moved = at.careful && next.careful
+                       ? fabs(next.u[p] - at.u[p]) / fmax(fabs(at.u[p]), CURVE_LEVEL)
+                       : 0;
         struct solution solution;
         if (!solutions_seen(w->path, &next, &solution)) {
             ends(w, "what is there cannot be told");
@@ -314,8 +338,8 @@ static bool walk(struct walk *w, struct curve_point at)
             ends(w, "the parameter's range");
             return true;
         }
-        upright = in_family(w, &next) ? upright + 1 : 0;
-        if (upright == UPRIGHT) {
+        level = in_family(w, &next) ? level + 1 : 0;
+        if (level == LEVEL) {
             ends(w, "a family at one value of the parameter");
             w->out->point[w->out->count - 1].special = SPECIAL_END;
             return true;
@@ -331,7 +355,7 @@ static bool walk(struct walk *w, struct curve_point at)
             return true;
         }
         w->before = at;
-        w->bends = w->path->kind == SOLUTION_EQUILIBRIUM || orbit_curve_keeps(&w->path->orbit);
+        w->bends = w->path->kind == SOLUTION_EQUILIBRIUM || upright > TURN;
         if (!w->bends)
             orbit_curve_refer(&w->path->orbit, next.u, next.tangent);
         if (next.corrections <= 3)

@@ -15,6 +15,7 @@ struct solution_curve {
         struct orbit_curve orbit;
     };
     const struct curve_problem *problem; /* of the one that it is */
+    struct curve_work *work;
 };
 
 /* For a solution as a guess, at the field's present parameter; u [problem->n + 1] are its unknowns.
