@@ -27,6 +27,7 @@ struct walk {
     double psize, largest[CURVE_TESTS], period;
     int capacity;
     double moved; /* relative, the parameter in the last step */
+    bool away;    /* from where it began */
     int start;    /* place of the parameter among the unknowns at the start */
     struct curve_point known[CURVE_TESTS]; /* the last place where that test was not 0 */
     bool any[CURVE_TESTS];
@@ -274,15 +275,23 @@ static void ends(struct walk *w, const char *why)
     snprintf(w->end, 96, "%s", why);
 }
 
-/* To where it began; as far as a period's beginning and the parameter show it. */
-static bool comes_back(const struct walk *w, const struct curve_point *at,
-                       const struct curve_point *start, double by)
+/* As far as a period's beginning, its length and the parameter show it. */
+static double apart(const struct walk *w, const struct curve_point *a, int a_last,
+                    const struct curve_point *b, int b_last)
 {
-    const int n = w->path->field.n;
-    return fabs(at->u[w->path->problem->n] - start->u[w->start]) < by / 2 &&
-           (w->path->kind != SOLUTION_ORBIT ||
-            fabs(at->u[w->path->problem->n - 1] - start->u[w->start - 1]) < by / 2) &&
-           curve_distance(n, at->u, start->u) < by / 2;
+    const double period = w->path->kind == SOLUTION_ORBIT ? a->u[a_last - 1] - b->u[b_last - 1] : 0;
+    return hypot(hypot(a->u[a_last] - b->u[b_last], period),
+                 curve_distance(w->path->field.n, a->u, b->u));
+}
+
+/* To where it began, after it has been elsewhere. */
+static bool comes_back(struct walk *w, const struct curve_point *at, const struct curve_point *next,
+                       const struct curve_point *start)
+{
+    const int last = w->path->problem->n;
+    const double far = apart(w, next, last, start, w->start), step = apart(w, next, last, at, last);
+    w->away = w->away || far > 2 * step;
+    return w->away && far < step / 2;
 }
 
 /* From `at`, which is recorded already, until it ends; false: no memory. */
@@ -294,6 +303,7 @@ static bool walk(struct walk *w, struct curve_point at)
     int level = 0;
     w->bends = false;
     w->moved = 1;
+    w->away = false;
     w->start = w->path->problem->n;
     double by = fmin(FIRST, longest);
     know(w, &at);
@@ -349,7 +359,7 @@ static bool walk(struct walk *w, struct curve_point at)
             w->out->point[w->out->count - 1].special = SPECIAL_END;
             return true;
         }
-        if (i > 4 && comes_back(w, &next, &start, by)) {
+        if (comes_back(w, &at, &next, &start)) {
             w->out->closed = true;
             ends(w, "it closes");
             return true;
