@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
  * Elementary functions that give the same bits on every machine: products, sums, quotients and
- * roots of doubles in one order, each rounded as IEEE 754 says, never a fused multiply-add, nothing
- * of the C library's. What enters steps of fixed size is made of these.
+ * roots of doubles in one order, each rounded as IEEE 754 says, nothing of the C library's; a
+ * fused multiply-add only where it rounds nothing. What enters steps of fixed size is made of
+ * these.
  *
- * Within 1 unit of the last place of the true value everywhere, with the special values of C11
+ * Within 0.9 units of the last place of the true value everywhere, with the special values of C11
  * annex F; errno and the exception flags are not theirs. For rounding to nearest.
  */
 #ifndef HOOKE_BASE_ELEMENTARY_H

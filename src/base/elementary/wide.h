@@ -7,6 +7,7 @@
 #include <hooke/base/elementary.h>
 
 #include <math.h>
+#include <stdbool.h>
 #include <stdint.h>
 #include <string.h>
 
@@ -55,12 +56,35 @@ INLINE struct wide wide_sum(double a, double b)
     return (struct wide){high, (a - (high - of_b)) + (b - of_b)};
 }
 
-/* a b; |a|, |b| < 2^900 (Veltkamp's halves, Dekker's product) */
+/*
+ * `fused`: products and sums in one operation, only where what comes out is a double anyway, so
+ * that both ways give the same bits. FUSED: all machines that this is compiled for can do it; else
+ * fused_here() asks the machine, and FUSED_CLONE is compiled for those that can.
+ */
+#ifdef __FP_FAST_FMA
+#define FUSED true
+#else
+#define FUSED false
+#endif
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__FP_FAST_FMA)
+#define FUSED_CLONE __attribute__((target("fma")))
+#define fused_here() __builtin_cpu_supports("fma")
+#endif
+
+/* a b; |a|, |b| < 2^900 (Veltkamp's halves, Dekker's product), |a b| > 2^-900 or 0 */
+INLINE struct wide exact_product(double a, double b, bool fused)
+{
+    const double high = a * b;
+    if (fused)
+        return (struct wide){high, fma(a, b, -high)};
+    const double a0 = a * 0x1.0000002p27, b0 = b * 0x1.0000002p27;
+    const double a1 = a0 - (a0 - a), a2 = a - a1, b1 = b0 - (b0 - b), b2 = b - b1;
+    return (struct wide){high, ((a1 * b1 - high) + a1 * b2 + a2 * b1) + a2 * b2};
+}
+
 INLINE struct wide wide_product(double a, double b)
 {
-    const double a0 = a * 0x1.0000002p27, b0 = b * 0x1.0000002p27;
-    const double a1 = a0 - (a0 - a), a2 = a - a1, b1 = b0 - (b0 - b), b2 = b - b1, high = a * b;
-    return (struct wide){high, ((a1 * b1 - high) + a1 * b2 + a2 * b1) + a2 * b2};
+    return exact_product(a, b, FUSED);
 }
 
 INLINE struct wide wide_times(struct wide a, struct wide b)
@@ -82,7 +106,5 @@ INLINE struct wide wide_add(struct wide a, struct wide b)
     const struct wide s = wide_sum(a.high, b.high);
     return ordered_sum(s.high, s.low + (a.low + b.low));
 }
-
-double exponential_of(double x, double low); /* e^(x + low), |x| < 1000 */
 
 #endif

@@ -1,0 +1,63 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * e^x after Tang (1989, ACM Trans. Math. Softw. 15:144): x = n ln 2/128 + r, ln 2/128 in two
+ * parts, of which n times the first is exact; 2^(n/128) by a table, e^r by a polynomial (Remez
+ * exchange, to 2^-65).
+ */
+#ifndef HOOKE_BASE_ELEMENTARY_EXPONENTIAL_H
+#define HOOKE_BASE_ELEMENTARY_EXPONENTIAL_H
+
+#include "base/elementary/tables.h"
+#include "base/elementary/wide.h"
+
+#define LN_2_1 0x1.62e42fef80000p-8 /* 34 bits, and what follows; of ln 2/128 */
+#define LN_2_2 0x1.1cf79abc9e3b4p-43
+#define ROWS_PER_LN_2 0x1.71547652b82fep+7
+
+/* x = n ln 2/128 + r, |r| <= ln 2/256, |x| < 1000; n, also negative */
+INLINE uint64_t exp_reduced(double x, double *r)
+{
+    const double turned = x * ROWS_PER_LN_2 + WHOLE, n = turned - WHOLE;
+    *r = (x - n * LN_2_1) - n * LN_2_2;
+    return to_bits(turned) - to_bits(WHOLE);
+}
+
+/* 2^(n/128) e^r - *most, the power of two without tail; 2^(n/128) from 2^-1021 to 2^1023 */
+INLINE double exp_rest(uint64_t n, double r, double *most)
+{
+    const uint64_t row = powers_of_two[n % TABLE_ROWS],
+                   less = row & ((UINT64_C(1) << TAIL_SHIFT) - 1);
+    const double scale = from_bits(to_bits(1) + (n << ROW_SHIFT) - less);
+    const double tail = from_bits(to_bits(TAIL_ONE) + (row >> TAIL_SHIFT)) - TAIL_ZERO;
+    const double s = r * r, curved = scale * s;
+    const double sum = curved * (0x1.ffffffffffdc7p-2 + r * 0x1.555555555543cp-3);
+    const double next = (curved * s) * (0x1.55555ce5531c9p-5 + r * 0x1.1111167a7d07bp-7);
+    *most = scale;
+    return (scale * (tail + r) + sum) + next;
+}
+
+INLINE double exp_sum(uint64_t n, double r)
+{
+    double most;
+    const double rest = exp_rest(n, r, &most);
+    return most + rest;
+}
+
+/* 2^n x, rounded once, x about 1 */
+INLINE double scaled(double x, int64_t n)
+{
+    if (n > 1023)
+        return x * 0x1p1023 * power_of_two(n < 2046 ? n - 1023 : 1023);
+    if (n < -1022) /* rounded once: the first product is exact */
+        return x * 0x1p-969 * power_of_two(n + 969 > -1022 ? n + 969 : -1022);
+    return x * power_of_two(n);
+}
+
+/* 2^(n/128 + shift) e^r, |shift| <= 1, also where that is too large or too small */
+INLINE double exp_scaled(uint64_t n, double r, int shift)
+{
+    const uint64_t row = n % TABLE_ROWS;
+    return scaled(exp_sum(row, r), (int64_t)(n - row) / TABLE_ROWS + shift);
+}
+
+#endif

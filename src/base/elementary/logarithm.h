@@ -1,0 +1,77 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * log and pow, after Tang (1990, ACM Trans. Math. Softw. 16:378): x = 2^k m, 0.697 <= m < 1.395,
+ * and m c = 1 + r with a short c near 1/m, so that r is a double, |r| < 0.00528; log x = k ln 2 -
+ * log c + log(1 + r). The table and the polynomial, to 2^-70, by scripts/elementary.
+ */
+#ifndef HOOKE_BASE_ELEMENTARY_LOGARITHM_H
+#define HOOKE_BASE_ELEMENTARY_LOGARITHM_H
+
+#include "base/elementary/exponential.h"
+
+#define LN_2_HIGH 0x1.62e42fefa2000p-1 /* 41 bits, and what follows */
+#define LN_2_LOW 0x1.9ef35793c7673p-41
+
+/* What log x is the sum of: `whole`, exact, 0 or more than r; log(1 + r); `rest`. */
+struct parts {
+    double whole, r, rest;
+};
+
+/* x > 0, finite */
+INLINE struct parts parts_of(double x, bool fused)
+{
+    const bool tiny = x < 0x1p-1022;
+    const uint64_t bits = to_bits(tiny ? x * 0x1p54 : x), from = bits - FIRST_M;
+    const int64_t power = (int64_t)from >> EXPONENT_SHIFT;
+    const uint64_t m = bits - ((uint64_t)power << EXPONENT_SHIFT);
+    const struct reciprocal *row = &reciprocals[from >> ROW_SHIFT & (TABLE_ROWS - 1)];
+    const double k = (double)(tiny ? power - 54 : power), value = from_bits(m),
+                 upper = fused ? 0 : from_bits(m & ~UINT64_C(0x1FFFFFFF)), lower = value - upper;
+    return (struct parts){k * LN_2_HIGH + row->high,
+                          fused ? fma(value, row->c, -1) : (upper * row->c - 1) + lower * row->c,
+                          row->low + k * LN_2_LOW};
+}
+
+/* log(1 + r) - r + r^2/2 */
+INLINE double cubic_part(double r)
+{
+    const double s = r * r, cube = r * s;
+    return cube * (0x1.555555555555dp-2 - r * 0x1.0000000000010p-2) +
+           cube * s *
+               ((0x1.999999965f971p-3 - r * 0x1.55555550c2215p-3) +
+                s * (0x1.24956082fa00ep-3 - r * 0x1.0003627cfacfbp-3));
+}
+
+INLINE double log_in(double x, bool fused)
+{
+    const struct parts parts = parts_of(x, fused);
+    const struct wide most = ordered_sum(parts.whole, parts.r);
+    return most.high + ((most.low + (parts.rest - parts.r * parts.r * 0.5)) + cubic_part(parts.r));
+}
+
+/* To 2^-67 of it. */
+INLINE struct wide wide_log(double x, bool fused)
+{
+    const struct parts parts = parts_of(x, fused);
+    const struct wide square = exact_product(parts.r, parts.r, fused),
+                      most = ordered_sum(parts.whole, parts.r),
+                      next = ordered_sum(most.high, -0.5 * square.high);
+    return ordered_sum(next.high, (most.low + next.low) +
+                                      ((parts.rest - 0.5 * square.low) + cubic_part(parts.r)));
+}
+
+/* e^(y log x), the logarithm and the product in two parts */
+INLINE double power_in(double x, double y, bool fused)
+{
+    const struct wide log = wide_log(x, fused);
+    const double about = y * log.high;
+    if (!(fabs(about) < 800))
+        return about > 0 ? HUGE_VAL : 0;
+    const struct wide product = exact_product(y, log.high, fused);
+    double r;
+    const uint64_t n = exp_reduced(product.high, &r);
+    r += product.low + y * log.low;
+    return fabs(about) < 690 ? exp_sum(n, r) : exp_scaled(n, r, 0);
+}
+
+#endif

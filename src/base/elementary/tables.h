@@ -1,0 +1,31 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What is known beforehand: powers of two, and reciprocals of few bits with their logarithms. */
+#ifndef HOOKE_BASE_ELEMENTARY_TABLES_H
+#define HOOKE_BASE_ELEMENTARY_TABLES_H
+
+#include <stdint.h>
+
+#define TABLE_ROWS 128
+#define ROW_SHIFT 45 /* of the bits of a double, to the number of the row */
+
+/*
+ * 2^(j/128) = T (1 + (t - 2^14) 2^-67), T = 1 + j/128 - d: t, and below TAIL_SHIFT d in bits of T.
+ * In one number, which vectors gather.
+ */
+#define TAIL_SHIFT 49
+#define TAIL_ONE 0x1p-15 /* its last place is that of tails */
+#define TAIL_ZERO (TAIL_ONE + 0x1p-53)
+extern const uint64_t powers_of_two[TABLE_ROWS];
+
+/*
+ * Of the doubles m with bits FIRST_M + (j << ROW_SHIFT) and following, 0.697 <= m < 1.395: c, of
+ * at most 9 bits, for which m c - 1 is a double of less than 0.00528; -log c, the first part a
+ * multiple of 2^-42. 1 is in the middle of a row, with c = 1.
+ */
+#define FIRST_M 0x3FE6500000000000
+struct reciprocal {
+    double c, high, low;
+};
+extern const struct reciprocal reciprocals[TABLE_ROWS];
+
+#endif
