@@ -505,6 +505,9 @@ static inline bool cancelled_at(const struct cancel *cancel, size_t i)
 #define LIMIT_EVENT_RECORDS 1000000    /* kept of a run: one more is STOP_FULL */
 #define LIMIT_OVERLAY 4                /* runs laid over another: as have marks of their own */
 #define LIMIT_LOG 2000                 /* lines of the log pane */
+#define LIMIT_ORBITS 64                /* periodic orbits kept: the oldest go */
+#define LIMIT_BRANCHES 32              /* branches kept: the oldest go */
+#define LIMIT_BRANCH_POINTS 20000      /* points that a branch goes on for, each way */
 #define LIMIT_MODES 5                  /* damped sines fitted at once */
 
 struct limit {

@@ -274,6 +274,8 @@ struct session {
     const char *studied;         /* kind of the last study; NULL: none */
     int studied_runs; /* next_run at that time: after a later run its table is the latest */
 
+    struct dynamics *dynamics; /* hooke/session/dynamics.h; NULL: nothing was found */
+
     struct references references; /* of the scenes that were studied last */
 
     struct snapshot *state[LIMIT_UNDO]; /* the first `undos` go back, the others forward again */

@@ -49,7 +49,9 @@ static const struct row lists[] = {
     [LIST_SETTINGS] = ROW("settings", ""),     [LIST_UNITS] = ROW("units", ""),
     [LIST_FUNCTIONS] = ROW("functions", ""),   [LIST_FORMATS] = ROW("formats", ""),
     [LIST_LIMITS] = ROW("limits", ""),         [LIST_MEASUREMENTS] = ROW("measurements", ""),
-    [LIST_EVENTS] = ROW("events", ""),         [LIST_RUNS] = ROW("runs", ""),
+    [LIST_EVENTS] = ROW("events", ""),         [LIST_EQUILIBRIA] = ROW("equilibria", ""),
+    [LIST_ORBITS] = ROW("orbits", ""),         [LIST_BRANCHES] = ROW("branches", ""),
+    [LIST_POINTS] = ROW("points", ""),         [LIST_RUNS] = ROW("runs", ""),
     [LIST_RECORDINGS] = ROW("recordings", ""),
 };
 const struct catalog list_catalog = CATALOG("list", lists);

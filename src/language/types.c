@@ -3,10 +3,12 @@
 #include <hooke/language/complete.h>
 #include <hooke/figure.h>
 #include <hooke/scene/formula.h>
+#include <hooke/session/dynamics.h>
 
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
+#include <strings.h>
 
 /* Not each needs all that it is given. */
 #define NEEDLESS __attribute__((__unused__))
@@ -47,7 +49,7 @@ static bool choose_row(struct parser *parser, const struct argument *argument, s
         return true;
     }
     catalog_unknown(argument->choices, item->text, error);
-    if (!error->hint[0] && argument->choices->count <= 16) {
+    if (!error->hint[0] && argument->choices->count <= 20) {
         struct buffer all = {0};
         for (size_t i = 0; i < argument->choices->count; i++)
             buffer_format(&all, "%s%s", i ? ", " : "", catalog_row(argument->choices, i)->name);
@@ -104,6 +106,30 @@ READ_ITEM(read_run)
     if (none)
         return error_hint(error, "type: run");
     return error_hint(error, "'runs' lists them");
+}
+
+/* Labels are two letters and a number. */
+static bool looks_like_label(struct text word)
+{
+    const struct row *row = NULL;
+    double number;
+    for (size_t i = 0; i < special_catalog.count && word.len > 2 && !row; i++)
+        if (strncasecmp(word.at, catalog_row(&special_catalog, i)->name, 2) == 0)
+            row = catalog_row(&special_catalog, i);
+    return row && real_parse((struct text){word.at + 2, word.len - 2}, &number) == REAL_OK;
+}
+
+READ_ITEM(read_kept)
+{
+    struct parser ahead = *parser;
+    struct error ignored;
+    if (parse_word(&ahead, ",", item, &ignored) &&
+        session_find_run(parser->session, item->text) < 0 && looks_like_label(item->text)) {
+        *parser = ahead;
+        item->index = -1;
+        return true;
+    }
+    return read_run(parser, argument, stops, item, error);
 }
 
 READ_ITEM(read_recording)
@@ -416,6 +442,20 @@ COMPLETE_ITEM(complete_run)
     }
     if ((argument->flags & ARG_ALL) && c->session->runs > 0)
         complete_offer(c, "all", "every run");
+}
+
+COMPLETE_ITEM(complete_kept)
+{
+    const struct dynamics *d = session_dynamics(c->session);
+    complete_run(c, argument, before);
+    for (int b = 0; d && b < d->branches; b++)
+        for (int k = 0; k < d->branch[b]->specials; k++) {
+            const struct kept_point *point = &d->branch[b]->special[k];
+            char label[KEPT_LABEL];
+            kept_point_label(point, label);
+            complete_offer(c, label,
+                           catalog_row(&special_catalog, (size_t)point->special - 1)->brief);
+        }
 }
 
 COMPLETE_ITEM(complete_recording)

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The session: its runs, recordings and results. */
 #include <hooke/base/numeric.h>
+#include <hooke/session/dynamics.h>
 #include <hooke/session/events.h>
 #include <hooke/session/log.h>
 #include <hooke/session/subject.h>
@@ -58,6 +59,7 @@ void session_destroy(struct session *session)
         precision_free(session->precision);
     free(session->precision);
     table_store_free(&session->found);
+    dynamics_free(session->dynamics);
     references_free(&session->references);
     log_clear(&session->log);
     typed_destroy(session->models);

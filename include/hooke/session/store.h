@@ -25,6 +25,8 @@
  *        All of that run's from the first on are replaced.
  *     L  what was typed since: fields from (the first entry), text_from, entries, text
  *     T  what was said since, for the log pane: lines
+ *     B  one thing that was found of the equations, once: fields id, kind (equilibria, orbit,
+ *        branch), value (of the parameters), and its own
  *     S  all the rest, as fields, in a few thousand bytes. Records count once an S follows them:
  *        what stands after the last one was being written when the program ended.
  *
@@ -42,6 +44,9 @@
 /* [byte] recordings that are larger are read from where they were */
 #define STORE_RECORDING_BYTES ((size_t)64 << 20)
 
+/* lists of equilibria, orbits and branches together */
+#define STORE_FOUND (1 + LIMIT_ORBITS + LIMIT_BRANCHES)
+
 struct store_sink {
     void *context;
     bool (*write)(void *context, struct text record, struct error *error);
@@ -55,6 +60,9 @@ struct stored {
     uint64_t recording[LIMIT_RECORDINGS]; /* sums */
     uint64_t recording_bytes[LIMIT_RECORDINGS];
     int recordings;
+    uint64_t found_id[STORE_FOUND]; /* of B */
+    uint64_t found_bytes[STORE_FOUND];
+    int found;
     uint64_t curve, curve_bytes; /* its sum; 0: none */
     size_t entries, text;        /* of session->history */
     uint64_t said;               /* of session->log */

@@ -3,8 +3,7 @@
 #ifndef COMMAND_ROWS
 #include <hooke/base/numeric.h>
 #include <hooke/report.h>
-#include <hooke/study/dynamics.h>
-#include "command/internal.h"
+#include "command/dynamics/dynamics.h"
 
 #include <math.h>
 
@@ -59,22 +58,19 @@ static void put_eigenvalue(struct buffer *out, const struct eigenvalue *value, c
         buffer_format(out, "%.5g %s %.5gi", value->re, sign, fabs(value->im));
 }
 
-/* Pairs once. */
-static void cell_eigenvalues(struct text_table *table, const struct solution *s)
+void put_eigenvalues(struct buffer *out, const struct solution *s)
 {
-    struct buffer out = {0};
     for (int i = 0; i < s->values; i++) {
         const bool pair = s->value[i].im != 0 && i + 1 < s->values;
         if (i > 0)
-            buffer_put(&out, TEXT(", "));
-        put_eigenvalue(&out, &s->value[i], "+-");
+            buffer_put(out, TEXT(", "));
+        put_eigenvalue(out, &s->value[i], "+-");
         i += pair;
     }
-    cell_take(table, &out);
 }
 
-static void put_table(struct buffer *out, const struct system *system,
-                      const struct equilibria *found, struct arena *arena)
+void put_equilibria(struct buffer *out, const struct system *system, const struct equilibria *found,
+                    struct arena *arena)
 {
     struct text_table table = {.arena = arena, .gap = 2, .indent = 2, .columns = system->n + 3};
     cell_text(&table, "");
@@ -87,7 +83,9 @@ static void put_table(struct buffer *out, const struct system *system,
         for (int i = 0; i < system->n; i++)
             cell_quantity(&table, found->of[k].state[i], system_variable(system, i).quantity, 7);
         cell_text(&table, type_name(found->form[k].type));
-        cell_eigenvalues(&table, &found->of[k]);
+        struct buffer values = {0};
+        put_eigenvalues(&values, &found->of[k]);
+        cell_take(&table, &values);
     }
     text_table_put(&table, out);
 }
@@ -159,7 +157,7 @@ static void put_found(struct buffer *out, const struct system *system, double bo
         buffer_put(out, TEXT("of the mean over the drive's period: with the drive nothing rests "
                              "there\n"));
     if (found->count > 0)
-        put_table(out, system, found, arena);
+        put_equilibria(out, system, found, arena);
 }
 
 static void reply_part(const char *name, const double *part, int n, struct reply *reply)
@@ -184,32 +182,27 @@ static void reply_form(const struct equilibrium_form *form, int n, struct reply 
     reply_close(reply);
 }
 
+void reply_equilibrium(const struct system *system, const struct equilibria *found, int k,
+                       bool full, struct reply *reply)
+{
+    const struct solution *s = &found->of[k];
+    reply_begin(reply, "equilibrium");
+    reply_int(reply, "n", k + 1);
+    reply_state(reply, system, "state", s->state);
+    reply_string(reply, "type", type_name(found->form[k].type));
+    reply_bool(reply, "stable", solution_stable(s));
+    reply_values(reply, "eigenvalues", s);
+    reply_real(reply, "residual", s->residual);
+    if (full)
+        reply_form(&found->form[k], s->values, reply);
+    reply_end(reply);
+}
+
 static void reply_equilibria(const struct system *system, const struct equilibria *found, bool full,
                              struct reply *reply)
 {
-    for (int k = 0; k < found->count; k++) {
-        const struct solution *s = &found->of[k];
-        reply_begin(reply, "equilibrium");
-        reply_int(reply, "n", k + 1);
-        reply_object(reply, "state");
-        for (int i = 0; i < system->n; i++)
-            reply_real(reply, system_variable(system, i).name, s->state[i]);
-        reply_close(reply);
-        reply_string(reply, "type", type_name(found->form[k].type));
-        reply_bool(reply, "stable", solution_stable(s));
-        reply_array(reply, "eigenvalues");
-        for (int i = 0; i < s->values; i++) {
-            reply_array(reply, NULL);
-            reply_real(reply, NULL, s->value[i].re);
-            reply_real(reply, NULL, s->value[i].im);
-            reply_close(reply);
-        }
-        reply_close(reply);
-        reply_real(reply, "residual", s->residual);
-        if (full)
-            reply_form(&found->form[k], s->values, reply);
-        reply_end(reply);
-    }
+    for (int k = 0; k < found->count; k++)
+        reply_equilibrium(system, found, k, full, reply);
     reply_begin(reply, "equilibria");
     reply_int(reply, "count", found->count);
     reply_bool(reply, "complete", found->complete);
@@ -249,8 +242,9 @@ HANDLER(equilibria)
     reply_text(reply, text_trim(buffer_text(&text)));
     buffer_free(&text);
     reply_equilibria(&system, &found, full, reply);
+    const bool kept = dynamics_keep_equilibria(session, &found, error);
     equilibria_free(&found);
-    return true;
+    return kept;
 }
 #endif
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* runs, use, rename, drop, note */
 #ifndef COMMAND_ROWS
-#include "command/internal.h"
+#include "command/dynamics/dynamics.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -49,8 +49,10 @@ HANDLER(runs)
 
 HANDLER(use)
 {
-    UNUSED(error);
-    session->current_run = argument_value(args, "N")->item->index;
+    const struct argument_value *run = argument_value(args, "N|LABEL");
+    if (!run->count || run->item->index < 0)
+        return use_kept(session, args, reply, error);
+    session->current_run = run->item->index;
     session->data_is_latest = false;
     session_changed(session);
     reply_row(session, session->current_run, reply);
@@ -122,10 +124,18 @@ COMMAND(runs, .row = {"runs", "", "list the runs", "", NULL}, .group = "RUNS",
         .text = "The current one has a star.", .examples = "runs\ncompare euler verlet; runs",
         .see = "use drop rename note", .flags = COMMAND_ANYTIME | COMMAND_TABLES)
 
-COMMAND(use, .row = {"use", "", "make a run the current one", "", NULL}, .group = "RUNS",
-        .text = "measure, plot, continue and names in expressions act on the current run.",
-        .examples = "compare euler verlet; use 1\nuse 1; measure period", .see = "runs",
-        .flags = COMMAND_CHANGES, ARGUMENTS(PLACE("N", TYPE_RUN, .flags = ARG_REQUIRED)))
+COMMAND(use,
+        .row = {"use", "", "make a run the current one, or a point found the scene's", "", NULL},
+        .group = "RUNS",
+        .text = "measure, plot, continue and names in expressions act on the current run. A label "
+                "of a branch (HB1, LP2 ..:\n"
+                "'list points'), an orbit or an equilibrium gives the scene its parameters and its "
+                "state, from which 'run' starts.",
+        .examples = "compare euler verlet; use 1; measure period\n"
+                    "var x = 1; var v = 0; x' = v; v' = x-x^3-v; equilibria; use equilibrium 2",
+        .see = "runs list equilibria", .flags = COMMAND_CHANGES,
+        ARGUMENTS(PLACE("N|LABEL", TYPE_KEPT, .group = 1), WORD("orbit", TYPE_INTEGER, .group = 1),
+                  WORD("equilibrium", TYPE_INTEGER, .group = 1)))
 
 COMMAND(rename, .row = {"rename", "", "give a run a name", "", NULL}, .group = "RUNS",
         .text = "The name can stand wherever the number can, and stands in the legend of plots.",

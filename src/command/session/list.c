@@ -3,7 +3,7 @@
 #ifndef COMMAND_ROWS
 #include <hooke/report.h>
 #include <hooke/scene/typed.h>
-#include "command/internal.h"
+#include "command/dynamics/dynamics.h"
 #include "command/session/list_methods.h"
 
 #include <math.h>
@@ -120,6 +120,8 @@ HANDLER(list)
         list_measurements(session, reply);
     } else if (kind == LIST_EVENTS) {
         reply_event_records(session, reply);
+    } else if (kind >= LIST_EQUILIBRIA && kind <= LIST_POINTS) {
+        return list_dynamics(session, kind, args->arena, reply, error);
     } else if (kind < LIST_MEASUREMENTS) {
         const struct scene *scene = &session->setup.scene;
         const struct catalog *catalog = kind == LIST_PARAMETERS ? scene_params(scene)
@@ -145,7 +147,8 @@ COMMAND(list, .row = {"list", "", "list what there is of a kind", "", "ls"}, .gr
         .text = "commands, scenes, methods, parameters, derived, observables, settings, units, "
                 "functions, formats, "
                 "limits, measurements,\n"
-                "events, runs, recordings. parameters and derived are those of the present scene. "
+                "events, equilibria, orbits, branches, points, runs, recordings. parameters and "
+                "derived are those of the present scene. "
                 "Methods: all, "
                 "or those that are stiff (made for it), symplectic, symmetric, adaptive, implicit, "
                 "explicit, multistep, exact, order N.",

@@ -60,4 +60,5 @@ void reader_runs(struct reader *reader, struct text ids);
 void reader_recordings(struct reader *reader);
 /* The bytes that the file has under that sum. */
 bool reader_bytes(const struct reader *reader, uint64_t sum, struct text *content);
+void reader_dynamics(struct reader *reader); /* dynamics.c */
 #endif

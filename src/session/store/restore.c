@@ -375,6 +375,7 @@ static void read_all(struct reader *reader)
     settle(session, at, current);
     read_fits(reader); /* executes commands: after a run that is damaged was taken out */
     read_tables(reader);
+    reader_dynamics(reader);
     read_view(reader);
     read_lesson(reader);
     undo_clear(session);

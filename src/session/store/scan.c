@@ -43,7 +43,7 @@ static bool find_record(struct text *at, struct record_head *head)
 
 static bool known(uint32_t kind)
 {
-    return kind != 0 && kind < 128 && strchr("DRWLTS", (int)kind);
+    return kind != 0 && kind < 128 && strchr("DRWLTBS", (int)kind);
 }
 
 /* What is torn at the end was being written; elsewhere it is damage. */

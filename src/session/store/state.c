@@ -164,6 +164,7 @@ void store_put_state(const struct session *session, struct buffer *to)
     put_arrays(session, to);
     put_fit(session, to);
     put_tables(session, to);
+    dynamics_put_head(session->dynamics, to);
     put_lesson(session->lesson, to);
     const size_t runs = field_begin(to, "runs");
     for (int i = 0; i < session->runs; i++)

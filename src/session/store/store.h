@@ -14,6 +14,7 @@ enum record_kind {
     RECORD_ROWS = 'W',
     RECORD_LINES = 'L',
     RECORD_SAID = 'T',
+    RECORD_FOUND = 'B',
     RECORD_STATE = 'S',
 };
 
@@ -45,6 +46,13 @@ struct store_array {
     size_t count;        /* offset of the int */
     int max;             /* 0: the array is allocated */
 };
+
+/* dynamics.c: what was found of the equations; NULL: nothing. */
+void dynamics_put_head(const struct dynamics *dynamics, struct buffer *to);
+/* The next that the file has not yet, from *next on, into its record; false: there is none. */
+bool dynamics_put_next(const struct dynamics *dynamics, struct stored *stored, int *next);
+/* Those that are gone are live no more. */
+void dynamics_forget(const struct dynamics *dynamics, struct stored *stored);
 
 extern const struct store_array store_arrays[];
 extern const size_t store_array_count;

@@ -357,6 +357,26 @@ static bool put_curve(struct output *out, struct session *session)
     return record_end(out, RECORD_BYTES, bytes_sum(content_of(out)));
 }
 
+/* ---- what was found ---- */
+
+static bool put_found(struct output *out, const struct session *session)
+{
+    struct stored *stored = out->stored;
+    const struct dynamics *dynamics = session->dynamics;
+    int next = 0;
+    dynamics_forget(dynamics, stored);
+    while (dynamics && !stops(out)) {
+        record_begin(out);
+        if (!dynamics_put_next(dynamics, stored, &next))
+            return true;
+        const bool whole = !stored->record.failed;
+        stored->found -= !whole; /* another time */
+        if (!record_end(out, RECORD_FOUND, whole ? bytes_sum(content_of(out)) : 0))
+            return false;
+    }
+    return !dynamics;
+}
+
 /* ---- what was typed and said ---- */
 
 /* A statement that goes on while this is written will be another entry at its end. */
@@ -420,8 +440,8 @@ static bool put_all(struct output *out, struct session *session)
     for (int i = 0; i < session->recordings; i++)
         if (!put_recording(out, session->recording[i]))
             return false;
-    if (!put_curve(out, session) || !put_runs(out, session) || !put_lines(out, session) ||
-        !put_said(out, &session->log))
+    if (!put_curve(out, session) || !put_found(out, session) || !put_runs(out, session) ||
+        !put_lines(out, session) || !put_said(out, &session->log))
         return false;
     record_begin(out);
     store_put_state(session, &out->stored->record);

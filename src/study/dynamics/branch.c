@@ -15,7 +15,7 @@
 #define TOGETHER 1e-6 /* of the range: tests that become 0 there are of the same point */
 #define SLOW 25       /* times the first period: the orbit nears one that takes for ever */
 #define VERTICAL 1e-7 /* part of the parameter in a tangent that does not change it */
-#define LEVEL 12      /* so many of these in a row */
+#define UPRIGHT 12    /* so many of these in a row */
 #define STILL 1e-4    /* of a tangent: the parameter hardly changes any more */
 #define POINTS 1000
 #define TINY 1e-8 /* of the largest value so far: a test that is 0 */
@@ -24,11 +24,10 @@ struct walk {
     const struct branch_request *request;
     struct solution_curve *path;
     struct branch *out; /* points of this direction are appended */
+    int sign;           /* of steps along the first tangent */
     double psize, largest[CURVE_TESTS], period;
     int capacity;
-    double moved; /* relative, the parameter in the last step */
-    bool away;    /* from where it began */
-    int start;    /* place of the parameter among the unknowns at the start */
+    int start; /* place of the parameter among the unknowns at the start */
     struct curve_point known[CURVE_TESTS]; /* the last place where that test was not 0 */
     bool any[CURVE_TESTS];
     struct curve_point before; /* the last place but one, if its phase is that of the last: */
@@ -59,15 +58,9 @@ static bool record(struct walk *w, const struct curve_point *at, enum special sp
         return false;
     point->solution = *solution;
     point->special = special;
-    /* of an orbit its beginning and what holds for all of it: the rest follows */
-    const int n = w->path->field.n, all = w->path->problem->n;
-    memcpy(point->tangent, at->tangent, (size_t)n * sizeof *point->tangent);
-    if (w->path->kind == SOLUTION_EQUILIBRIUM) {
-        point->tangent[n] = at->tangent[all];
-    } else {
-        point->tangent[n] = w->path->kind == SOLUTION_ORBIT ? at->tangent[all - 1] : 0;
-        point->tangent[n + 1] = at->tangent[all];
-    }
+    const int n = w->path->problem->n + 1;
+    if (n <= (int)COUNT_OF(point->tangent))
+        memcpy(point->tangent, at->tangent, (size_t)n * sizeof *point->tangent);
     return true;
 }
 
@@ -82,12 +75,7 @@ struct found_special {
 
 static bool zero(const struct walk *w, const struct curve_point *p, int test)
 {
-    if (test > 0)
-        return fabs(p->test[test]) <= TINY * w->largest[test];
-    /* the parameter's part of the tangent, in both kinds of curves: rounding where it stands still
-     */
-    return fabs(p->test[test]) <= CURVE_LEVEL ||
-           (fabs(p->test[test]) <= CURVE_STEEP && w->moved <= CURVE_LEVEL);
+    return fabs(p->test[test]) <= TINY * w->largest[test];
 }
 
 static void locate_all(struct walk *w, const struct curve_point *to, struct found_special *found,
@@ -214,7 +202,7 @@ static double longest_at(const struct walk *w, const struct curve_point *at, dou
 static bool next_place(struct walk *w, const struct curve_point *from, double *by, double longest,
                        struct curve_point *to)
 {
-    while (*by > SHORTEST * longest) {
+    while (fabs(*by) > SHORTEST * longest) {
         if (cancelled(w->request->cancel))
             return false;
         if (curve_step(w->path->problem, w->bends ? &w->before : NULL, from, *by, to) &&
@@ -275,23 +263,15 @@ static void ends(struct walk *w, const char *why)
     snprintf(w->end, 96, "%s", why);
 }
 
-/* As far as a period's beginning, its length and the parameter show it. */
-static double apart(const struct walk *w, const struct curve_point *a, int a_last,
-                    const struct curve_point *b, int b_last)
+/* To where it began; as far as a period's beginning and the parameter show it. */
+static bool comes_back(const struct walk *w, const struct curve_point *at,
+                       const struct curve_point *start, double by)
 {
-    const double period = w->path->kind == SOLUTION_ORBIT ? a->u[a_last - 1] - b->u[b_last - 1] : 0;
-    return hypot(hypot(a->u[a_last] - b->u[b_last], period),
-                 curve_distance(w->path->field.n, a->u, b->u));
-}
-
-/* To where it began, after it has been elsewhere. */
-static bool comes_back(struct walk *w, const struct curve_point *at, const struct curve_point *next,
-                       const struct curve_point *start)
-{
-    const int last = w->path->problem->n;
-    const double far = apart(w, next, last, start, w->start), step = apart(w, next, last, at, last);
-    w->away = w->away || far > 2 * step;
-    return w->away && far < step / 2;
+    const int n = w->path->field.n;
+    return fabs(at->u[w->path->problem->n] - start->u[w->start]) < fabs(by) / 2 &&
+           (w->path->kind != SOLUTION_ORBIT ||
+            fabs(at->u[w->path->problem->n - 1] - start->u[w->start - 1]) < fabs(by) / 2) &&
+           curve_distance(n, at->u, start->u) < fabs(by) / 2;
 }
 
 /* From `at`, which is recorded already, until it ends; false: no memory. */
@@ -300,27 +280,18 @@ static bool walk(struct walk *w, struct curve_point at)
     const double longest = w->request->step > 0 ? w->request->step : LONGEST;
     const int max = w->request->max > 0 ? w->request->max : POINTS;
     const struct curve_point start = at;
-    int level = 0;
+    int upright = 0;
     w->bends = false;
-    w->moved = 1;
-    w->away = false;
     w->start = w->path->problem->n;
-    double by = fmin(FIRST, longest);
+    double by = w->sign * fmin(FIRST, longest);
     know(w, &at);
     ends(w, "as many points as were asked for");
     for (int i = 0; i < max; i++) {
         struct curve_point next;
         const double far = longest_at(w, &at, longest);
-        by = fmin(by, far);
+        by = copysign(fmin(fabs(by), far), by);
         if (!next_place(w, &at, &by, far, &next)) {
             ends(w, cancelled(w->request->cancel) ? "cancelled" : "no step leads on");
-            return true;
-        }
-        const double upright =
-            w->path->kind == SOLUTION_EQUILIBRIUM ? 1 : orbit_curve_upright(&w->path->orbit);
-        if (upright < 0) {
-            ends(w, "it shrinks to an equilibrium");
-            w->out->point[w->out->count - 1].special = SPECIAL_END;
             return true;
         }
         const bool leaves = !inside(w, &next);
@@ -328,10 +299,6 @@ static bool walk(struct walk *w, struct curve_point at)
             ends(w, "the parameter's range");
             return true;
         }
-        const int p = w->path->problem->n;
-        w->moved = at.careful && next.careful
-                       ? fabs(next.u[p] - at.u[p]) / fmax(fabs(at.u[p]), CURVE_LEVEL)
-                       : 0;
         struct solution solution;
         if (!solutions_seen(w->path, &next, &solution)) {
             ends(w, "what is there cannot be told");
@@ -348,8 +315,8 @@ static bool walk(struct walk *w, struct curve_point at)
             ends(w, "the parameter's range");
             return true;
         }
-        level = in_family(w, &next) ? level + 1 : 0;
-        if (level == LEVEL) {
+        upright = in_family(w, &next) ? upright + 1 : 0;
+        if (upright == UPRIGHT) {
             ends(w, "a family at one value of the parameter");
             w->out->point[w->out->count - 1].special = SPECIAL_END;
             return true;
@@ -359,17 +326,17 @@ static bool walk(struct walk *w, struct curve_point at)
             w->out->point[w->out->count - 1].special = SPECIAL_END;
             return true;
         }
-        if (comes_back(w, &at, &next, &start)) {
+        if (i > 4 && comes_back(w, &next, &start, by)) {
             w->out->closed = true;
             ends(w, "it closes");
             return true;
         }
         w->before = at;
-        w->bends = w->path->kind == SOLUTION_EQUILIBRIUM || upright > TURN;
+        w->bends = w->path->kind == SOLUTION_EQUILIBRIUM || orbit_curve_keeps(&w->path->orbit);
         if (!w->bends)
             orbit_curve_refer(&w->path->orbit, next.u, next.tangent);
         if (next.corrections <= 3)
-            by = fmin(1.5 * by, far);
+            by = copysign(fmin(1.5 * fabs(by), far), by);
         at = next;
         if (!cut(w, &at)) {
             ends(w, "differences grow along the orbit by too much");
@@ -388,7 +355,6 @@ static void reverse(struct branch *b)
     }
 }
 
-/* Side -1 goes against growing values of the parameter, so that the branch is in order. */
 static bool begin(const struct branch_request *r, int side, double psize,
                   struct solution_curve *path, struct curve_point *first, struct error *error)
 {
@@ -398,7 +364,7 @@ static bool begin(const struct branch_request *r, int side, double psize,
     double u[CURVE_MAX];
     if (!solutions_begin(path, r->scene, r->param, psize, r->start, r->cancel, u, error))
         return false;
-    if (solutions_correct_at(path, u, r->forward ? 1 : side, first))
+    if (solutions_correct_at(path, u, first))
         return true;
     solutions_end(path);
     return error_set(error, ERROR_COMMAND, "there is no such %s at the start",
@@ -425,6 +391,9 @@ bool branch_follow(const struct branch_request *r, struct branch *branch, struct
         branch->kind = path.kind;
         w.path = &path;
         w.end = branch->ends[side == 0 && !r->forward && (!r->leave || crossing) ? 0 : 1];
+        /* against growing values first, so that the branch is in order */
+        const int up = first.tangent[path.problem->n] >= 0 ? 1 : -1;
+        w.sign = r->leave ? 1 : r->forward || side == 1 ? up : -up;
         w.period = 0;
         struct solution solution;
         fine = solutions_at(&path, &first, true, &solution) &&

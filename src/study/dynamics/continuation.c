@@ -22,8 +22,7 @@
 #define CLOSE 1e-9 /* and below this does not get smaller by more than rounding */
 #define FINE 1e-15
 #define LOOKS 60 /* for a zero: its test is no smooth function */
-#define HALVINGS 12
-#define FAR 0.5 /* of a unit: a correction of this size goes somewhere else */
+#define FAR 0.5  /* of a unit: a correction of this size goes somewhere else */
 
 static double dot(int n, const double *a, const double *b)
 {
@@ -50,24 +49,20 @@ double curve_distance(int n, const double *a, const double *b)
 }
 
 /* [jacobian; direction] x = right, which becomes x [n + 1]. */
-static bool solve_bordered(const struct curve_problem *problem, const double *direction,
-                           double *right)
+static bool solve_bordered(int n, const double *jacobian, const double *direction, double *right)
 {
-    const int n = problem->n;
-    double *a = problem->work->matrix;
-    memcpy(a, problem->work->jacobian, (size_t)(n * (n + 1)) * sizeof *a);
+    double a[CURVE_MAX * CURVE_MAX];
+    memcpy(a, jacobian, (size_t)(n * (n + 1)) * sizeof *a);
     memcpy(a + n * (n + 1), direction, (size_t)(n + 1) * sizeof *a);
     return matrix_solve(n + 1, a, right);
 }
 
-static bool find_tangent(const struct curve_problem *problem, const double *direction,
-                         double *tangent)
+static bool find_tangent(int n, const double *jacobian, const double *direction, double *tangent)
 {
-    const int n = problem->n;
     for (int i = 0; i < n; i++)
         tangent[i] = 0;
     tangent[n] = 1;
-    if (!solve_bordered(problem, direction, tangent))
+    if (!solve_bordered(n, jacobian, direction, tangent))
         return false;
     const double length = sqrt(dot(n + 1, tangent, tangent));
     for (int i = 0; i <= n; i++)
@@ -84,11 +79,13 @@ static double correction_size(int n, const double *by, const double *u)
     return most;
 }
 
-static bool correct(const struct curve_problem *problem, const double *guess,
-                    const double *direction, bool fine, struct curve_point *point)
+bool curve_correct(const struct curve_problem *problem, const double *guess,
+                   const double *direction, bool fine, struct curve_point *point)
 {
     const int n = problem->n;
-    double *jacobian = problem->work->jacobian, f[CURVE_MAX], plane[CURVE_MAX], last = HUGE_VAL;
+    double jacobian[CURVE_MAX * CURVE_MAX], f[CURVE_MAX], plane[CURVE_MAX], last = HUGE_VAL;
+    if (problem->aim)
+        problem->aim(problem->context, fine);
     memcpy(plane, guess, (size_t)(n + 1) * sizeof *plane);
     memmove(point->u, guess, (size_t)(n + 1) * sizeof *plane);
     for (point->corrections = 1; point->corrections <= CORRECTIONS; point->corrections++) {
@@ -100,7 +97,7 @@ static bool correct(const struct curve_problem *problem, const double *guess,
             f[i] = -f[i];
         }
         f[n] = dot(n + 1, direction, plane) - dot(n + 1, direction, point->u);
-        if (!solve_bordered(problem, direction, f))
+        if (!solve_bordered(n, jacobian, direction, f))
             return false;
         const double by = correction_size(n + 1, f, point->u);
         if (!(by < FAR))
@@ -111,7 +108,7 @@ static bool correct(const struct curve_problem *problem, const double *guess,
         const double next = by * fmin(by / last, 1) * fmin(by / last, 1);
         if (by < FINE || (by < CLOSE && by >= last / 2) ||
             (!fine && (by < 100 * NEAR || (by < ALIKE && isfinite(last) && next < NEAR)))) {
-            if (!find_tangent(problem, direction, point->tangent))
+            if (!find_tangent(n, jacobian, direction, point->tangent))
                 return false;
             if (problem->tests > 0)
                 problem->test(problem->context, point->u, jacobian, point->tangent, point->test);
@@ -120,27 +117,6 @@ static bool correct(const struct curve_problem *problem, const double *guess,
         last = by;
     }
     return false;
-}
-
-static void aim(const struct curve_problem *problem, bool fine)
-{
-    if (problem->aim)
-        problem->aim(problem->context, fine);
-}
-
-bool curve_correct(const struct curve_problem *problem, const double *guess,
-                   const double *direction, bool fine, struct curve_point *point)
-{
-    aim(problem, fine);
-    point->careful = fine;
-    return correct(problem, guess, direction, fine, point);
-}
-
-/* Where the parameter hardly changes it must be seen which way it does, as long as it can be. */
-static bool is_steep(const struct curve_problem *problem, const struct curve_point *at)
-{
-    const double along = fabs(at->tangent[problem->n]);
-    return along < CURVE_STEEP && along > CURVE_LEVEL;
 }
 
 bool curve_step(const struct curve_problem *problem, const struct curve_point *before,
@@ -157,9 +133,7 @@ bool curve_step(const struct curve_problem *problem, const struct curve_point *b
     for (int i = 0; i <= n; i++)
         guess[i] = from->u[i] + by * from->tangent[i] +
                    (before ? bend * (from->tangent[i] - before->tangent[i]) : 0);
-    to->careful = is_steep(problem, from);
-    aim(problem, to->careful);
-    return correct(problem, guess, from->tangent, false, to);
+    return curve_correct(problem, guess, from->tangent, false, to);
 }
 
 /* ---- special points ---- */
@@ -302,9 +276,8 @@ static bool find_crossing(struct chord *c, struct curve_point *at, double *near)
     return *near < CROSSES;
 }
 
-static bool locate_on_chord(const struct curve_problem *problem, const struct curve_point *a,
-                            const struct curve_point *b, int test, struct curve_point *at,
-                            double *near)
+bool curve_locate(const struct curve_problem *problem, const struct curve_point *a,
+                  const struct curve_point *b, int test, struct curve_point *at, double *near)
 {
     const int n = problem->n;
     struct chord c = {.problem = problem, .a = a, .b = b, .test = test};
@@ -321,28 +294,4 @@ static bool locate_on_chord(const struct curve_problem *problem, const struct cu
     *at = c.at;
     *near = c.length * 4 * DBL_EPSILON;
     return !c.failed;
-}
-
-/* Where the chord is too far from the curve: one end steps towards the other. */
-bool curve_locate(const struct curve_problem *problem, const struct curve_point *a,
-                  const struct curve_point *b, int test, struct curve_point *at, double *near)
-{
-    struct curve_point left = *a, right = *b, middle;
-    for (int k = 0; k < HALVINGS; k++) {
-        if (locate_on_chord(problem, &left, &right, test, at, near))
-            return true;
-        if (problem->singular >> test & 1)
-            return false;
-        double by = curve_distance(problem->n + 1, left.u, right.u) / 2;
-        int tries = 0;
-        while (!curve_step(problem, NULL, &left, by, &middle) && ++tries < HALVINGS)
-            by /= 2;
-        if (tries == HALVINGS)
-            return false;
-        if (signbit(middle.test[test]) == signbit(left.test[test]))
-            left = middle;
-        else
-            right = middle;
-    }
-    return false;
 }

@@ -3,7 +3,6 @@
 #include "study/dynamics/solutions.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include <hooke/base/numeric.h>
@@ -20,13 +19,6 @@ static const struct row special_rows[] = {
 };
 const struct catalog special_catalog = CATALOG("special point", special_rows);
 
-void solutions_end(struct solution_curve *path)
-{
-    field_free(&path->field);
-    free(path->work);
-    path->work = NULL;
-}
-
 bool solutions_begin(struct solution_curve *path, const struct scene *scene, int param,
                      double psize, const struct solution *guess, const struct cancel *cancel,
                      double *u, struct error *error)
@@ -38,17 +30,11 @@ bool solutions_begin(struct solution_curve *path, const struct scene *scene, int
         return false;
     struct vector_field *field = &path->field;
     field->cancel = cancel;
-    path->work = malloc(sizeof *path->work);
-    if (!path->work) {
-        field_free(field);
-        return error_memory(error);
-    }
     /* sizes of what is followed, not of the scene's start */
     for (int i = 0; i < field->n; i++)
         field->size[i] = fmax(field->size[i], fabs(guess->state[i]));
     if (guess->kind == SOLUTION_EQUILIBRIUM) {
         equilibrium_curve_init(&path->equilibrium, field, psize);
-        path->equilibrium.problem.work = path->work;
         path->problem = &path->equilibrium.problem;
         for (int i = 0; i < field->n; i++)
             u[i] = guess->state[i] / field->size[i];
@@ -62,18 +48,21 @@ bool solutions_begin(struct solution_curve *path, const struct scene *scene, int
             &path->orbit, guess->state,
             path->orbit.forced ? guess->multiple * field_drive(field) : guess->period, u)) {
         orbit_curve_refer(&path->orbit, u, NULL);
-        path->orbit.problem.work = path->work;
         return true;
     }
-    solutions_end(path);
+    field_free(field);
     return error_set(error, ERROR_COMMAND, "the motion from there does not get through a period");
 }
 
-bool solutions_correct_at(struct solution_curve *path, const double *u, int sign,
-                          struct curve_point *point)
+void solutions_end(struct solution_curve *path)
+{
+    field_free(&path->field);
+}
+
+bool solutions_correct_at(struct solution_curve *path, const double *u, struct curve_point *point)
 {
     double direction[CURVE_MAX] = {0};
-    direction[path->problem->n] = sign;
+    direction[path->problem->n] = 1;
     return curve_correct(path->problem, u, direction, true, point);
 }
 
@@ -166,7 +155,7 @@ bool solutions_at(struct solution_curve *path, const struct curve_point *point, 
                   struct solution *s)
 {
     struct vector_field *field = &path->field;
-    double f[CURVE_MAX], *jacobian = path->work->jacobian;
+    double f[CURVE_MAX], jacobian[CURVE_MAX * CURVE_MAX];
     place(path, point, s);
     if (!path->problem->residual(path->problem->context, point->u, f, jacobian))
         return false;

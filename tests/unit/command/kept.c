@@ -12,6 +12,7 @@
 
 #include <hooke/base/fields.h>
 #include <hooke/run/store.h>
+#include <hooke/session/dynamics.h>
 
 /* ---- all there is, as text ---- */
 
@@ -76,6 +77,27 @@ static void put_recorded(const struct recording *recording, struct buffer *text)
     buffer_format(text, "'%s' %s\n", slash ? slash + 1 : recording->path, recording->format);
 }
 
+static void put_found(const struct dynamics *d, struct buffer *text)
+{
+    if (!d)
+        return;
+    buffer_format(text, "found of %s\n", d->equations);
+    put_bits(text, "equilibria", d->equilibria.of,
+             (size_t)d->equilibria.count * sizeof *d->equilibria.of);
+    for (int i = 0; i < d->orbits; i++) {
+        put_bits(text, "orbit", &d->orbit[i].solution, sizeof d->orbit[i].solution);
+        put_bits(text, "sample", d->orbit[i].sample,
+                 (size_t)(d->orbit[i].samples * (d->n + 1)) * sizeof *d->orbit[i].sample);
+    }
+    for (int i = 0; i < d->branches; i++) {
+        const struct kept_branch *b = d->branch[i];
+        buffer_format(text, "branch %d of %s\n", b->number, b->of);
+        put_bits(text, "points", b->branch.point,
+                 (size_t)b->branch.count * sizeof *b->branch.point);
+        put_bits(text, "special", b->special, (size_t)b->specials * sizeof *b->special);
+    }
+}
+
 static void describe_all(const struct session *session, struct buffer *text)
 {
     describe(session, (unsigned)-1, text);
@@ -84,6 +106,7 @@ static void describe_all(const struct session *session, struct buffer *text)
     for (int i = 0; i < session->recordings; i++)
         put_recorded(session->recording[i]->recording, text);
     put_results(session, text);
+    put_found(session->dynamics, text);
     buffer_format(text, "next run %d\n", session->next_run);
     history_put(session, 0, HISTORY_RECORD, text);
     assert_false(text->failed);
@@ -103,12 +126,12 @@ static const char *study_or_result(void)
 static const char *other_command(void)
 {
     return ONE_OF("plan", "show", "runs",
-                  "scene new; var x = 0.5; var z = 0; x' = z; z' = -x - z; equilibria", "stability",
-                  "sweep k=1:3:1 measure=max --threads 1", "cursor A 0.1 s", "cursor off",
-                  "plot position", "describe energy", "zoom 2", "pan 0.1 s", "overlay all",
-                  "overlay off", "export e.csv --force", "echo hello", "save s.hk --force",
-                  "source s.hk", "history 3", "help run", "apropos energy", "list limits",
-                  "speed 2", "param own = 3", "observe two = 2*t");
+                  "scene new; var x = 0.5; var z = 0; x' = z; z' = -x - z; equilibria",
+                  "use equilibrium 1", "stability", "sweep k=1:3:1 measure=max --threads 1",
+                  "cursor A 0.1 s", "cursor off", "plot position", "describe energy", "zoom 2",
+                  "pan 0.1 s", "overlay all", "overlay off", "export e.csv --force", "echo hello",
+                  "save s.hk --force", "source s.hk", "history 3", "help run", "apropos energy",
+                  "list limits", "speed 2", "param own = 3", "observe two = 2*t");
 }
 
 /*

@@ -1,0 +1,47 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What the commands of dynamics share. */
+#ifndef HOOKE_COMMAND_DYNAMICS_DYNAMICS_H
+#define HOOKE_COMMAND_DYNAMICS_DYNAMICS_H
+
+#include <hooke/session/dynamics.h>
+#include "command/internal.h"
+
+/* equilibria.c: their table for people. */
+void put_equilibria(struct buffer *out, const struct system *system, const struct equilibria *found,
+                    struct arena *arena);
+void reply_equilibrium(const struct system *system, const struct equilibria *found, int k,
+                       bool full, struct reply *reply);
+/* Pairs once: "-0.1 +- 1.4i, -3". */
+void put_eigenvalues(struct buffer *out, const struct solution *solution);
+
+/* kept.c: values by their names, in SI, as an object of the record. */
+void reply_state(struct reply *reply, const struct system *system, const char *key,
+                 const double *state);
+void reply_values(struct reply *reply, const char *key, const struct solution *solution);
+/* list equilibria, orbits, branches, points; false: the scene is none. */
+bool list_dynamics(struct session *session, enum listed kind, struct arena *arena,
+                   struct reply *reply, struct error *error);
+/* The points that a branch keeps as a table for people, and their records. */
+void put_points(const struct session *session, const struct kept_branch *const *branch, int count,
+                struct arena *arena, struct buffer *out);
+void reply_points(const struct session *session, const struct kept_branch *branch,
+                  struct reply *reply);
+/* What is kept under a number or a label, with the scene that it was found in. */
+struct kept_reference {
+    const struct kept_orbit *orbit;
+    const struct kept_branch *branch; /* with point: a label's */
+    const struct kept_point *point;
+    struct solution solution;
+    struct scene scene; /* there */
+};
+/* number NULL: the first equilibrium, the last orbit. */
+bool find_equilibrium(const struct session *session, const struct dynamics *dynamics,
+                      const struct item *number, struct kept_reference *found, struct error *error);
+bool find_orbit(const struct session *session, const struct dynamics *dynamics,
+                const struct item *number, struct kept_reference *found, struct error *error);
+bool find_label(const struct session *session, const struct dynamics *dynamics, struct text label,
+                struct kept_reference *found, struct error *error);
+/* `use` of what is no run. */
+bool use_kept(HANDLER_PARAMETERS);
+
+#endif
