@@ -49,40 +49,36 @@ static double wide_less(struct wide a, struct wide b)
     return sum.high + (sum.low + (a.low - b.low));
 }
 
-static struct wide negative(struct wide a)
-{
-    return (struct wide){-a.high, -a.low};
-}
-
 /*
- * The angle of the point (x, y), 0 <= y <= x: with c = j/16 next to y/x that of
- * the centre and atan t, t = (y - c x)/(x + c y), |t| < 0.034.
+ * The angle of the point (x, y), 0 <= y <= x: with c = j/16 next to y/x that of the centre and atan
+ * t, t = (y - c x)/(x + c y), |t| < 0.034; c x in two exact parts. Where y/x is small it is t.
  */
-static struct wide first_angle(struct wide y, struct wide x)
+INLINE struct wide first_angle(double y, double x)
 {
-    const double j = (y.high / x.high * CENTRES + WHOLE) - WHOLE, c = j / CENTRES;
-    const struct wide centre = centre_angle[(int)j];
-    struct wide t;
-    if (j == 0) {
-        t = wide_quotient(y, x);
-    } else {
-        const struct wide across = wide_product(-c, x.high), along = wide_product(c, y.high);
-        t = wide_quotient(wide_add(y, (struct wide){across.high, across.low - c * x.low}),
-                          wide_add(x, (struct wide){along.high, along.low + c * y.low}));
+    const double about = y / x;
+    if (about <= NEAR) {
+        const struct wide above = {y, 0}, below = {x, 0}, t = wide_quotient(above, below);
+        return (struct wide){t.high, t.low + angle_rest(t.high)};
     }
-    const struct wide most = ordered_sum(centre.high, t.high);
-    return ordered_sum(most.high, most.low + ((t.low + centre.low) + angle_rest(t.high)));
+    const double j = (about * CENTRES + WHOLE) - WHOLE, c = j / CENTRES, upper = upper_part(x);
+    const double t = ((y - c * upper) - c * (x - upper)) / (x + c * y);
+    const struct wide centre = centre_angle[(int)j], most = ordered_sum(centre.high, t);
+    return (struct wide){most.high, most.low + (centre.low + angle_rest(t))};
 }
 
 /* From 0 to pi; y >= 0 */
-static double angle(struct wide y, struct wide x)
+static double angle(double y, double x)
 {
-    const struct wide across = x.high < 0 ? negative(x) : x;
-    struct wide a = y.high > across.high ? wide_add(half_pi, negative(first_angle(across, y)))
-                                         : first_angle(y, across);
-    if (x.high < 0)
-        a = wide_add(pi, negative(a));
-    return a.high;
+    const double across = fabs(x);
+    const bool steep = y > across;
+    const struct wide none = {0, 0},
+                      base = steep   ? half_pi
+                             : x < 0 ? pi
+                                     : none,
+                      a = steep ? first_angle(across, y) : first_angle(y, across);
+    const double sign = steep == (x < 0) ? 1 : -1;
+    const struct wide sum = ordered_sum(base.high, sign * a.high);
+    return sum.high + (sum.low + (base.low + sign * a.low));
 }
 
 double fixed_atan(double x)
@@ -94,8 +90,7 @@ double fixed_atan(double x)
         return copysign(half_pi.high, x);
     const bool beyond = size > 1;
     const double about = beyond ? 1 / size : size, j = (about * CENTRES + WHOLE) - WHOLE,
-                 c = about > NEAR ? j / CENTRES : 0,
-                 upper = from_bits(to_bits(size) & ~UINT64_C(0x7FFFFFF)), lower = size - upper;
+                 c = about > NEAR ? j / CENTRES : 0, upper = upper_part(size), lower = size - upper;
     const double t =
         beyond ? ((1 - c * upper) - c * lower) / (size + c) : (size - c) / (1 + c * size);
     const struct wide centre = centre_angle[(int)(c * CENTRES)], most = ordered_sum(centre.high, t),
@@ -121,7 +116,7 @@ double fixed_atan2(double y, double x)
         across *= scale;
         along *= scale;
     }
-    return copysign(angle((struct wide){along, 0}, (struct wide){x < 0 ? -across : across, 0}), y);
+    return copysign(angle(along, x < 0 ? -across : across), y);
 }
 
 /* asin x - x, |x| <= 1/2, by Remez exchange in 400 bits, to 2^-59.9 of asin x
@@ -194,26 +189,29 @@ double fixed_hypot(double x, double y)
     return length(a * scale, b * scale) / scale;
 }
 
-/* Halley's steps, then Newton's with what is left in two parts. */
+/*
+ * |x| = u 2^3k, 1 <= u < 8: u^(-1/3) by a polynomial (Remez exchange, to 2^-14.7) and Newton's
+ * step to 2^-28; of it the root to 26 bits, whose square is exact, and what its cube leaves.
+ */
 double fixed_cbrt(double x)
 {
-    double size = fabs(x), scale = 1;
+    static const double shrunk[] = {1, 0x1.965fea53d6e3dp-1, 0x1.428a2f98d728bp-1}; /* 2^(-i/3) */
+    const double size = fabs(x);
     if (!(size > 0 && size < HUGE_VAL))
         return x;
-    if (size < 0x1p-1000) {
-        size *= 0x1p300;
-        scale = 0x1p-100;
-    } else if (size > 0x1p1000) {
-        size *= 0x1p-300;
-        scale = 0x1p100;
-    }
-    double root = from_bits(to_bits(size) / 3 + 0x2A9F7893782DA1CE);
-    for (int i = 0; i < 3; i++) {
-        const double cube = root * root * root;
-        root *= (cube + 2 * size) / (2 * cube + size);
-    }
-    const struct wide square = wide_product(root, root), one = {root, 0},
-                      cube = wide_times(square, one);
-    const double rest = ((cube.high - size) + cube.low) / (3 * square.high);
-    return copysign((root - rest) * scale, x);
+    const bool tiny = size < 0x1p-1022;
+    const uint64_t bits = to_bits(tiny ? size * 0x1p54 : size), one = to_bits(1),
+                   fraction = bits & ((UINT64_C(1) << EXPONENT_SHIFT) - 1);
+    const unsigned power =
+                       (unsigned)(bits >> EXPONENT_SHIFT) + (tiny ? 1200 - 1023 - 54 : 1200 - 1023),
+                   third = power / 3, left = power % 3;
+    const double m = from_bits(fraction | one),
+                 u = from_bits((fraction | one) + ((uint64_t)left << EXPONENT_SHIFT)), q = m * m;
+    const double about = shrunk[left] * ((0x1.ab8596af04ee3p+0 - m * 0x1.2c41f3a38517ap+0) +
+                                         q * (0x1.6416732975902p-1 - m * 0x1.c5189e25e481dp-3) +
+                                         q * q * 0x1.d46fcca0c71dap-6);
+    const double y = about + about * (1. / 3) * (1 - u * about * (about * about));
+    const double root = upper_part(u * y * y), square = root * root, upper = upper_part(square);
+    const double off = ((u - upper * root) - (square - upper) * root) * (1 / (3 * square));
+    return copysign((root + (off - off * off * y)) * power_of_two((int64_t)third - 400), x);
 }

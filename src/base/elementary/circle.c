@@ -6,6 +6,7 @@
 #include <hooke/base/numeric.h>
 
 #include "base/elementary/circle.h"
+#include "base/elementary/tables.h"
 
 /* ---- large arguments (Payne & Hanek 1983) ---- */
 
@@ -106,24 +107,63 @@ double fixed_cos(double x)
     return quarters & 2 ? -value : value;
 }
 
-/* The quotient of both, each with what its rounding leaves, the cosine also
- * with that of r^2. */
+#define TANGENT_SERIES 0.125 /* up to there by series, of 1/x for cot */
+
+/* tan(r + low), 0 <= r < TANGENT_SERIES, to 2^-60.9 of it */
+INLINE double tangent_small(double r, double low)
+{
+    const double s = r * r, q = s * s;
+    const double sum = (0x1.5555555555553p-2 + s * 0x1.1111111112e12p-3) +
+                       q * ((0x1.ba1ba1ae03cacp-5 + s * 0x1.664f5ad4ec377p-6) +
+                            q * (0x1.22604617f9c4dp-7 + s * 0x1.e1319c5aa6e9ep-9));
+    return r + (r * s * sum + (low + low * s));
+}
+
+/* cot(r + low), 0 < r < TANGENT_SERIES, to 2^-62.5 of it */
+INLINE double cotangent_small(double r, double low)
+{
+    const double s = r * r;
+    const double sum =
+        (0x1.5555555555556p-2 + s * 0x1.6c16c16c13badp-6) +
+        s * s *
+            ((0x1.1566abdc8a718p-9 + s * 0x1.bbd69154682eap-13) + s * s * 0x1.6853706f40314p-16);
+    const struct wide one = {1, 0}, arc = {r, low}, inverse = wide_quotient(one, arc);
+    return inverse.high + (inverse.low - r * sum);
+}
+
+/* tan(r + low) or, where odd, cot(r + low), r from TANGENT_SERIES to pi/4: with that of j/32, T,
+ * and t = tan(r + low - j/32) T + (1 + T^2) t/(1 - T t), of cot with other signs. */
+INLINE double tangent_rows(uint64_t odd, double r, double low)
+{
+    const double j = (r * 32 + WHOLE) - WHOLE, arc = (r - j * (1. / 32)) + low, s = arc * arc;
+    const double t = arc + arc * s *
+                               ((0x1.5555555555951p-2 + s * 0x1.111110dfe8db2p-3) +
+                                s * s * 0x1.ba31059ee0839p-5);
+    const struct wide row = tangents[odd][(int)j];
+    const double along = odd ? -t : t,
+                 value = row.high +
+                         (row.low + (along + row.high * row.high * along) / (1 - row.high * along));
+    return odd ? -value : value;
+}
+
 double fixed_tan(double x)
 {
     const double size = fabs(x);
-    double r, low;
-    if (!(size < HUGE_VAL))
-        return x != x ? x : (double)NAN;
-    if (size < 0x1p-27)
+    double r = size, low = 0;
+    uint64_t quarters = 0;
+    if (!(size <= CIRCLE_NEAR)) {
+        if (!(size < HUGE_VAL))
+            return x != x ? x : (double)NAN;
+        quarters = quarters_of(size, &r, &low);
+    } else if (size < 0x1p-27) {
         return x;
-    const uint64_t quarters = quarters_of(size, &r, &low);
-    double most;
-    const double rest = cosine_rest(r, low, &most) - wide_product(r, r).low * 0.5;
-    const struct wide above = ordered_sum(r, sine_rest(r, low)), below = ordered_sum(most, rest);
-    const struct wide tangent =
-        quarters & 1 ? wide_quotient(below, above) : wide_quotient(above, below);
-    const double value = quarters & 1 ? -tangent.high : tangent.high;
-    return x < 0 ? -value : value;
+    }
+    const uint64_t odd = quarters & 1;
+    const double sign = r < 0 ? -1 : 1, arc = fabs(r), rest = sign * low;
+    const double value = arc > TANGENT_SERIES ? tangent_rows(odd, arc, rest)
+                         : odd                ? -cotangent_small(arc, rest)
+                                              : tangent_small(arc, rest);
+    return (x < 0) != (r < 0) ? -value : value;
 }
 
 /* ---- many ---- */

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What is known beforehand: powers of two, and reciprocals of few bits with their logarithms. */
+/* What is known beforehand: powers of two, reciprocals of few bits with their logarithms, tangents.
+ */
 #ifndef HOOKE_BASE_ELEMENTARY_TABLES_H
 #define HOOKE_BASE_ELEMENTARY_TABLES_H
 
-#include <stdint.h>
+#include "base/elementary/wide.h"
 
 #define TABLE_ROWS 128
 #define ROW_SHIFT 45 /* of the bits of a double, to the number of the row */
@@ -27,5 +28,9 @@ struct reciprocal {
     double c, high, low;
 };
 extern const struct reciprocal reciprocals[TABLE_ROWS];
+
+/* tan j/32 and cot j/32, 4 <= j */
+#define TANGENT_ROWS 26
+extern const struct wide tangents[2][TANGENT_ROWS];
 
 #endif

@@ -93,18 +93,18 @@ INLINE struct wide wide_times(struct wide a, struct wide b)
     return ordered_sum(p.high, p.low + (a.high * b.low + a.low * b.high));
 }
 
-INLINE struct wide wide_quotient(struct wide a, struct wide b)
+/* x to 26 bits: products of two such are exact */
+INLINE double upper_part(double x)
 {
-    const double per_b = 1 / b.high, q = a.high * per_b;
-    const struct wide p = wide_product(q, b.high);
-    const double rest = ((a.high - p.high) - p.low) + (a.low - q * b.low);
-    return ordered_sum(q, rest * per_b);
+    return from_bits(to_bits(x) & ~UINT64_C(0x7FFFFFF));
 }
 
-INLINE struct wide wide_add(struct wide a, struct wide b)
+/* The quotient's upper part, of which the products with both parts of b are exact, and the rest. */
+INLINE struct wide wide_quotient(struct wide a, struct wide b)
 {
-    const struct wide s = wide_sum(a.high, b.high);
-    return ordered_sum(s.high, s.low + (a.low + b.low));
+    const double per_b = 1 / b.high, q = upper_part(a.high * per_b), b1 = upper_part(b.high);
+    const double rest = ((a.high - q * b1) - q * (b.high - b1)) + (a.low - q * b.low);
+    return ordered_sum(q, rest * per_b);
 }
 
 #endif
