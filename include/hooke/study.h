@@ -11,5 +11,6 @@
 #include <hooke/study/fit.h>
 #include <hooke/study/sweep.h>
 #include <hooke/study/dynamics.h>
+#include <hooke/study/chaos.h>
 
 #endif

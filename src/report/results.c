@@ -62,6 +62,7 @@ static const struct result_row rows[] = {
     STUDIED("stress", "a row for each case and method"),
     STUDIED("selftest", "a row for each method"),
     STUDIED("sweep", "a row for each point"),
+    STUDIED("lyapunov", "exponents with errors, what was checked"),
     {.row = {"equilibria", "", "a row for each equilibrium", "", NULL},
      .kind = "equilibrium",
      .study = true,

@@ -121,6 +121,7 @@ CASES = [
     ("sweep map", "scene pendulum; method dopri5; duration = 60 s", "sweep y0=0.1:3:0.01 gamma=0.1:1:0.1", "", ""),
     ("sweep long points", "scene pendulum; method radau5 dt=1ms; duration = 3000 s", "sweep gamma=0.1:1:0.1 --force",
      "", ""),
+    ("lyapunov", CHAOS, "lyapunov over 1e6", "", ""),
     ("sweep threads", CHAOS + "; method radau5; duration = 300", "sweep rho=20:30:0.1 --threads 2", "", ""),
     ("plan", LORENZ, "plan", "", ""),
     ("timing full", "timing full; scene pendulum; duration = 100 s", "compare rk4 radau5 dt=1ms --force", "drop all",

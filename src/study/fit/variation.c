@@ -222,10 +222,16 @@ bool variation_bind(struct variation *v, const struct scene *scene, const int *i
 
 void variation_of_start(struct variation *v, const struct system *base, const double *size)
 {
+    variation_of_tangents(v, base, size, base->n);
+}
+
+void variation_of_tangents(struct variation *v, const struct system *base, const double *size,
+                           int count)
+{
     const int n = base->n;
     v->base = *base;
-    frame(v, n);
-    for (int j = 0; j < n; j++) {
+    frame(v, count);
+    for (int j = 0; j < count; j++) {
         v->direction[j].changes = 0;
         v->direction[j].apart = 1;
         for (int i = 0; i < n; i++)

@@ -43,6 +43,9 @@ bool variation_bind(struct variation *variation, const struct scene *scene, cons
 
 /* Derivatives by the state at the start, in units of size [n]: n (1 + n) <= LIMIT_VARIABLES. */
 void variation_of_start(struct variation *variation, const struct system *base, const double *size);
+/* The same by the first `count` of its variables only. */
+void variation_of_tangents(struct variation *variation, const struct system *base,
+                           const double *size, int count);
 /* And by one parameter of the scene, the start fixed. False: as variation_bind(). */
 bool variation_add_parameter(struct variation *variation, const struct scene *scene, int index);
 /* And, after these, the integral of the trace of df/dy from 0: the logarithm of the determinant of
