@@ -113,10 +113,7 @@ void panes_prompt(const struct panes *panes, struct prompt_line *prompt, struct 
     if (memchr(rl_line_buffer, '\n', (size_t)rl_end)) {
         prompt->hint = TEXT(LINES_HINT);
     }
-    if (panes->question) {
-        buffer_format(scratch, "%s [y/N] ", panes->question);
-        *prompt = (struct prompt_line){.prompt = buffer_text(scratch)};
-    } else if (keys_on_plot()) {
+    if (keys_on_plot()) {
         prompt->prompt = TEXT("cursors (q leaves, : types a command)> ");
         prompt->line = TEXT("");
         prompt->cursor = 0;
@@ -240,7 +237,7 @@ static void heed_signals(struct panes *panes, bool forget)
         /* The system itself has thrown away what was under way, in both directions. */
         panes->pacing.requested = 0;
         panes_repaint(panes);
-        if (!panes->running && !panes->question) {
+        if (!panes->running) {
             if (keys_on_text())
                 panes_enqueue(panes, TEXT("scroll close"), LINE_SILENT);
             else

@@ -128,12 +128,11 @@ struct panes {
     int aside_point;     /* [byte] of the cursor in it */
     /* what a key could not do: shown instead of the numbers until the next line */
     struct buffer notice;
-    bool echo_stale;      /* the prompt has changed */
-    bool screen_stale;    /* more than that has */
-    bool interrupted;     /* Ctrl-C while a run goes on */
-    bool running;         /* inside front.slice: a run goes on */
-    bool history_warned;  /* that it cannot be kept: said once */
-    const char *question; /* asked at the prompt, NULL: none */
+    bool echo_stale;     /* the prompt has changed */
+    bool screen_stale;   /* more than that has */
+    bool interrupted;    /* Ctrl-C while a run goes on */
+    bool running;        /* inside front.slice: a run goes on */
+    bool history_warned; /* that it cannot be kept: said once */
 };
 
 #define PANES_PROMPT "hooke> "

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What the session asks of the panes: to look after the terminal between two slices of a run, to
- * ask, to draw into a file. */
+ * draw into a file. */
 #include "terminal/panes.h"
 
 #include <limits.h>
@@ -20,30 +20,6 @@ static bool slice(void *context, struct session *session, int64_t until)
     const bool go_on = !panes_over(panes) && !panes->interrupted;
     panes->interrupted = false;
     return go_on;
-}
-
-static bool confirm(void *context, const char *question)
-{
-    struct panes *panes = context;
-    enum input_item item = INPUT_NONE;
-    unsigned char byte = 0;
-    struct text paste;
-    const bool busy = signals_busy(false);
-    panes->question = question;
-    panes->screen_stale = true;
-    panes->interrupted = false;
-    while (item != INPUT_BYTE && !panes_over(panes) && !panes->interrupted) {
-        panes_wait(panes, INT64_MAX);
-        while ((item = input_next(&panes->input, clock_ns(), &byte, &paste)) == INPUT_PASTE ||
-               item == INPUT_REPLY) {
-        }
-    }
-    panes->interrupted = false;
-    panes->question = NULL;
-    panes->screen_stale = true;
-    panes_show(panes, false, INT_MAX);
-    signals_busy(busy);
-    return item == INPUT_BYTE && (byte == 'y' || byte == 'Y');
 }
 
 static void clear(void *context)
@@ -124,7 +100,6 @@ void watch_offer(struct panes *panes, struct front *front)
                             .utf8 = front->utf8,
                             .cancel = &interrupt,
                             .context = panes,
-                            .confirm = confirm,
                             .clear = clear,
                             .progress = show_progress,
                             .executed = executed,

@@ -232,6 +232,42 @@ static void work_at(const char *term, int width, int height)
     forget(&p);
 }
 
+/* Each key that is a command line says which; those of the cursors are silent, and are seen in what
+ * is typed next. */
+static void test_lines_of_keys(void **state)
+{
+    (void)state;
+    struct person p;
+    start_panes(&p, (struct start){0});
+    enter(&p, "speed max; run 5 s");
+    expect(&p, "t=5.00 s");
+    type(&p, "\030\063"); /* C-x 3 */
+    expect(&p, "focus velocity full");
+    type(&p, "\030\063");
+    expect(&p, "focus velocity shared");
+    type(&p, "\030\064");
+    expect(&p, "focus energy full");
+    type(&p, "\030\061\030+\030>");
+    expect(&p, "hooke> pan ");
+    type(&p, "\033[18~"); /* F7: the cursors have the keys */
+    expect(&p, "cursors (q leaves");
+    type(&p, "sq");
+    expect_prompt(&p, EMPTY_PROMPT);
+    enter(&p, "cursor");
+    type(&p, "g");
+    expect_prompt(&p, "hooke> cursor go");
+    type(&p, "2.5\r");
+    expect(&p, "2.5");
+    type(&p, "\033[D\033[Ce");
+    expect_prompt(&p, "hooke> export measurements.csv measurements");
+    type(&p, "\x15print 6*7\r");
+    expect_prompt(&p, "cursors (q leaves, : types a command)>");
+    type(&p, "q");
+    expect(&p, "42");
+    expect_prompt(&p, EMPTY_PROMPT);
+    quit(&p);
+}
+
 /* Where lines cannot be broken readline divided by a third of the width. */
 static void test_any_size(void **state)
 {
@@ -259,6 +295,7 @@ int main(int argc, char **argv)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_known),
         cmocka_unit_test(test_random),
+        cmocka_unit_test(test_lines_of_keys),
         cmocka_unit_test(test_any_size),
     };
     if (argc > 1) {

@@ -198,7 +198,15 @@ static void test_interrupt_stops_a_run(void **state)
     expect(&p, PROMPT);
     type(&p, "method rk4 dt=1ms\r");
     expect(&p, PROMPT);
-    type(&p, "run 20000000 s --force\r");
+    type(&p, "run 20000000 s\r"); /* asked for first */
+    expect(&p, "this takes about");
+    expect(&p, "[y/N] ");
+    type(&p, "n\r");
+    expect(&p, "not run");
+    expect(&p, PROMPT);
+    type(&p, "run 20000000 s\r");
+    expect(&p, "[y/N] ");
+    type(&p, "y\r");
     expect(&p, "steps"); /* the progress line */
     type(&p, "\x03");
     expect(&p, PROMPT);
