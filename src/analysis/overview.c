@@ -42,7 +42,7 @@ static void extremes(struct motion *m)
     size_t used = 0;
     o->low = HUGE_VAL;
     o->high = -HUGE_VAL;
-    for (size_t i = 0; i < m->samples.n; i++) {
+    for (size_t i = 0; i < m->samples.n && !cancelled_at(m->samples.cancel, i); i++) {
         if (m->samples.use[i]) {
             o->low = fmin(o->low, m->samples.y[i]);
             o->high = fmax(o->high, m->samples.y[i]);
@@ -59,7 +59,7 @@ static double find_quantum(const struct samples *x)
 {
     const double rounding = 1e-12 * fmax(fabs(x->y[0]), fabs(x->y[x->n - 1]));
     double quantum = HUGE_VAL;
-    for (size_t i = 1; i < x->n; i++) {
+    for (size_t i = 1; i < x->n && !cancelled_at(x->cancel, i); i++) {
         double step = fabs(x->y[i] - x->y[i - 1]);
         quantum = step > rounding && step < quantum ? step : quantum;
     }

@@ -279,18 +279,20 @@ bool recording_series(const struct recording *recording, struct arena *arena, si
                       struct series *series, struct error *error)
 {
     const size_t begin = first_from(recording->t, recording->rows, recording->window[0]);
-    size_t end = begin, n = 0;
-    while (end < recording->rows && recording->t[end] <= recording->window[1])
-        end++;
+    size_t end = first_from(recording->t, recording->rows, recording->window[1]), n = 0;
+    end += end < recording->rows && recording->t[end] == recording->window[1];
     double *t = arena_array(arena, end - begin, sizeof *t),
            *y = arena_array(arena, end - begin, sizeof *y);
     if (!t || !y)
         return error_memory(error);
-    for (size_t i = begin; i < end; i++)
+    for (size_t i = begin; i < end; i++) {
+        if (cancelled_at(recording->cancel, i))
+            return error_set(error, ERROR_CANCELLED, "stopped");
         if (!isnan(recording->y[i]) && !(recording->cleaned && recording->findings->mask[i])) {
             t[n] = recording->t[i];
             y[n++] = recording->y[i] - recording->zero;
         }
+    }
     if (n < min)
         return error_set(error, ERROR_COMMAND,
                          "%s has %zu samples in the window %.6g:%.6g; at least %zu are needed",

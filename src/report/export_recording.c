@@ -141,6 +141,8 @@ static bool add_unused(const struct recording *recording, struct export *export,
     if (!all || !t || !y || !taken)
         return error_memory(error);
     for (size_t i = 0; i < n; i++) {
+        if (cancelled_at(recording->cancel, i))
+            return error_set(error, ERROR_CANCELLED, "stopped");
         if (isnan(recording->y[i]))
             continue;
         const bool is_used = next < used && !(recording->t[i] < of[0].value[next]);

@@ -8,7 +8,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/time.h>
 #include <unistd.h>
 
 #include <readline/readline.h>
@@ -30,10 +29,7 @@ static void save_when_due(bool line)
 static void set_alarm(struct autosave *autosave)
 {
     const int64_t due = autosave_due(autosave), now = clock_ns();
-    const int64_t left = due == INT64_MAX ? 0 : due <= now ? 1000000 : due - now + 1000000;
-    const struct itimerval timer = {
-        .it_value = {.tv_sec = left / 1000000000, .tv_usec = left % 1000000000 / 1000}};
-    setitimer(ITIMER_REAL, &timer, NULL);
+    signals_alarm(due == INT64_MAX ? 0 : due <= now ? 1000000 : due - now + 1000000);
 }
 
 static void executed(void *context)
@@ -169,17 +165,15 @@ bool typed_run(struct session *session, struct text typed, struct reply *reply)
 
 static char *read_line(struct front_program *program)
 {
-    set_alarm(program->autosave);
     signals_watch(1u << HAPPENED_SUSPEND | 1u << HAPPENED_ALARM);
+    set_alarm(program->autosave);
     const struct lesson *lesson = program->session->lesson;
     char prompt[40] = "hooke> ";
     if (lesson && lesson->step < lesson->steps) {
         snprintf(prompt, sizeof prompt, "lab %d/%d> ", lesson->step + 1, lesson->steps);
     }
     char *typed = readline(prompt);
-    if (!signals_ending()) {
-        alarm(0);
-    }
+    signals_alarm(0);
     signals_watch(0);
     return typed;
 }

@@ -6,6 +6,7 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <signal.h>
+#include <sys/time.h>
 #include <unistd.h>
 
 #define OVERDUE_SECONDS 10 /* after SIGHUP or SIGTERM everything should be saved by then */
@@ -118,6 +119,20 @@ void signals_watch(unsigned set)
             handle(number_of[i], set & 1u << i ? on_event : SIG_DFL);
         }
     }
+}
+
+void signals_alarm(int64_t ns)
+{
+    const struct itimerval timer = {
+        .it_value = {.tv_sec = ns / 1000000000, .tv_usec = ns % 1000000000 / 1000}};
+    sigset_t ends_it, before;
+    sigemptyset(&ends_it);
+    sigaddset(&ends_it, SIGHUP);
+    sigaddset(&ends_it, SIGTERM);
+    sigprocmask(SIG_BLOCK, &ends_it, &before); /* or its own alarm would be set anew */
+    if (!ending)
+        setitimer(ITIMER_REAL, &timer, NULL);
+    sigprocmask(SIG_SETMASK, &before, NULL);
 }
 
 bool signals_busy(bool now)

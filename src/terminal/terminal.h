@@ -108,6 +108,8 @@ bool signals_happened(enum signalled what); /* and forgets it */
 /* While nobody looks because a command takes long, Ctrl-Z stops the program from inside the
  * handler. Returns what it was. */
 bool signals_busy(bool now);
+/* SIGALRM, which is to be watched, comes after that time; 0: none. Not once the end has begun. */
+void signals_alarm(int64_t ns);
 /* A descriptor that becomes readable with every signal; -1: no pipe could be made. Reading it empty
  * is signals_drain().
  */

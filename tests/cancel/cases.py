@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What can take long: recordings of 2e6 rows (ROWS), runs of 1e6 steps, and what is done with them."""
+"""What can take long: recordings of 2e6 rows (--rows), runs of 1e6 steps, and what is done with them."""
+import gzip
 import math
 import os
 import random
@@ -15,15 +16,45 @@ CHAOS = ("var x = 1; var y = 1; var z = 1; param rho = 28; x' = 10*(y - x); y' =
 LORENZ = CHAOS + "; method rk4 dt=1ms"
 LAID = FITTED + "; method verlet dt=1ms; run 1000 s --force"
 BANDED = FITTED + "; method verlet dt=1ms; run 60 s"
-TOPS = LORENZ + "; event top when z falling do record; set record all; run 1000 --force"
+TOPS = LORENZ + "; event top when x*y - 8/3*z falling do record; set record all; run 1000 --force"
+LARGE = STEPS + "; " + RECORDING
 ROBERTSON = ("var x = 1; var y = 0; var z = 0; x' = -0.04*x + 1e4*y*z; "
              "y' = 0.04*x - 1e4*y*z - 3e7*y^2; z' = 3e7*y^2")
+KEPLER = "scene kepler; method rk4 dt=1ms; set record all; run 1000 --force"
+RESUMED = "load ../big.txt; m = 200 g; fit a*cos(w*t)+c w=8.7; " + STEPS + "; run 500 s --force; run 1000 s --force"
 FIXED = "euler verlet rk4 ab4 bdf2 tr-bdf2 radau5 gauss4"
-PLOTS = "position energy phase velocity error residual spectrum orbit acceleration envelope period"
+MANY = ("heun ralston kutta3 rk38 dop853 yoshida8 kahan-li8 backward-euler implicit-midpoint trapezoid sdirk2 gauss6 "
+        "radau3 ros3p rodas5p ab5 abm5 bdf4 bdf6 avf")
+PLOTS = "position energy phase velocity error residual spectrum acceleration envelope period"
 DRAWN = {"svg": "a.svg", "pdf": "a.pdf", "png": "a.png", "txt": "a.txt"}
 
+COUPLED = "; ".join(["var %s = 1" % a for a in "abcdef"] + [
+    "%s' = sin(%s*%s) - %s^3 + cos(%s)" % (a, a, b, b, a) for a, b in zip("abcdef", "bcdefa")])
+ADAPTIVE = "bogacki-shampine dopri5 tsit5 dop853 rkn43 ros2 ros3p rodas4 rodas5p sdirk2 tr-bdf2 radau5 odex".split()
+IMPLICIT = ("backward-euler implicit-midpoint trapezoid sdirk2 tr-bdf2 gauss4 gauss6 radau3 radau5 bdf4 avf hht rodas5p "
+            "exact").split()
+
+# recordings in the forms of instruments: the heading, a row, what load has to be told
+FORMS = {
+    "capstone.csv": ('"Time (s) Run #1";"Position (m) Run #1"\n', "%.3f;%.5f", ","),
+    "runs.csv": ("Run 1: Time (s);Run 1: Position (m)\n", "%.3f;%.5f", ","),
+    "vernier.txt": ("Vernier Format 2\nMotion readings\nData Set\nTime\tTop\nt\td\ns\tcm\n\n", "%.3f\t%.4f", "."),
+    "labview.lvm": ("LabVIEW Measurement\t\nSeparator\tTab\n***End_of_Header***\t\n\t\nChannels\t1\t\nX0\t0.0E+0\t\n"
+                    "Delta_X\t0.001\t\n***End_of_Header***\t\nX_Value\tAcc\tComment\n", "%.3f\t%.5f", "."),
+    "cassy.lab": ("MIN=0\nSCALE=1\nt / s\tWeg / mm\n", "%.3f\t%.5f", ","),
+    "picoscope.csv": ("Time,Channel A\n(s),(V)\n\n", "%.3f,%.5f", "."),
+    "tracker.txt": ("mass_A\nt\tx\n", "%.3f\t%.5f", "."),
+    "sensor.txt": ("Motion Sensor Data File\nTime (s)\tDistance (cm)\tDist Error (cm)\n", "%.3f\t%.3f\t0.239", "."),
+    "hand.txt": ("", "%.3f %.5f", "."),
+    "labelled.txt": ("", "t=%.3f s x=%.5f cm", "."),
+    "words.log": ("", "Time: %.3f s, Distance: %.4f cm", "."),
+    "phyphox.csv": ('"Time (s)","Distance (cm)"\n', "%.6E,%.6E", "."),
+    "scope.csv": ("nr,time,ch1,ch2\n", "1,%.6f,%.5f,0.5", "."),
+    "wide.csv": ("t," + ",".join("c%d" % i for i in range(40)) + "\n", "%.3f,%.4f" + ",1.5" * 39, "."),
+}
+
 # name, what is set up, the command, what follows each trial, and what an interrupted one may leave:
-# "" nothing but what the whole command leaves; "+" runs, which it keeps
+# "" nothing but what the whole command leaves; "+" runs, which it keeps; "=" anything: the next one goes on with it
 CASES = [
     ("load", "", "load big.txt", "data drop big", ""),
     ("load 100 MB", "", "load huge.csv", "data drop huge", ""),
@@ -32,6 +63,9 @@ CASES = [
     ("load json", "", "load big.json", "data drop big", ""),
     ("load comma", "", "load comma.csv", "data drop comma", ""),
     ("load zip", "", "load big.zip", "data drop big", ""),
+    ("load gz", "", "load big.txt.gz", "data drop big", ""),
+    ("load utf-16", "", "load utf16.txt", "data drop utf16", ""),
+    ("load clock", "", "load clock.csv", "data drop clock", ""),
     ("load xlsx", "", "load big.xlsx", "data drop big", ""),
     ("load preview", "", "load big.txt --preview", "", ""),
     ("data clean", RECORDING, "data clean", "", ""),
@@ -40,7 +74,7 @@ CASES = [
     ("data list", RECORDING, "data", "", ""),
     ("data zero", RECORDING, "data zero 20 cm", "", ""),
     ("data restore", RECORDING, "data restore", "", ""),
-    ("data join", RECORDING + "; load speed.txt", "data join speed", "", ""),
+    ("data join", RECORDING + "; load speed.txt; data use big", "data join speed", "", ""),
     ("data drop", RECORDING, "data drop big", "load big.txt; m = 200 g", ""),
     ("adopt", FITTED, "adopt", "undo", ""),
     ("band", BANDED, "plot position --band", "", ""),
@@ -48,10 +82,11 @@ CASES = [
     ("report", LAID, "report handed --force", "", ""),
     ("repeat fits", RECORDING + "; load big.txt as=two", "measure repeat big two what=decay", "", ""),
     ("run", "scene damped; method verlet dt=1ms; set record all", "run 1000 s --force", "drop all", "+"),
+    ("--resume", "", "", "", ""),
     ("run long", "scene pendulum; method radau5 dt=1ms", "run 3000 s --force", "drop all", "+"),
     ("run adaptive", CHAOS + "; method dop853; tol = 1e-10", "run 2000", "drop all", "+"),
     ("run until", "scene pendulum; method rk4 dt=1ms; duration = 1000 s", "run until theta > 10 rad", "drop all", "+"),
-    ("run events", LORENZ + "; event top when z falling do record", "run 1000 --force", "drop all", "+"),
+    ("run events", LORENZ + "; event top when x*y - 8/3*z falling do record", "run 1000 --force", "drop all", "+"),
     ("run typed", "var x = 2; var y = 0; x' = y; y' = 5*(1 - x^2)*y - x; method rk4 dt=1ms",
      "run 1000 --force", "drop all", "+"),
     ("run odex", CHAOS + "; method odex; tol = 1e-12", "run 2000", "drop all", "+"),
@@ -78,10 +113,12 @@ CASES = [
     ("cursor periods", STEPS + "; cursor", "cursor periods 300", "", ""),
     ("cursor next", STEPS + "; cursor", "cursor next", "", ""),
     ("cursor chaotic", DRIVEN, "cursor", "cursor off", ""),
+    ("plot orbit", KEPLER, "plot orbit", "", ""),
+    ("describe orbit", KEPLER, "describe orbit", "", ""),
     ("plot against", STEPS, "plot v against y", "", ""),
     ("plot at event", TOPS, "plot x at top", "", ""),
     ("plot next", TOPS, "plot z against z at top --next", "", ""),
-    ("plot full log", STEPS, "plot y,v --full --log", "", ""),
+    ("plot full log", STEPS, "plot y,y --full --log", "", ""),
     ("screenshot", STEPS, "screenshot", "", ""),
     ("screenshot data", LAID, "screenshot", "", ""),
     ("export data", RECORDING, "export - data", "", ""),
@@ -98,12 +135,16 @@ CASES = [
     ("export events", TOPS, "export a.csv events --force", "", ""),
     ("save", STEPS, "save a.hk --force", "", ""),
     ("save data", LAID, "save a.hk --force", "", ""),
+    ("source recorded", "", "source recorded.hk", "unset m", "+"),
+    ("source runs", "", "source runs.hk", "drop all", "+"),
     ("source", "", "source long.hk", "drop all", "+"),
     ("compare", "scene pendulum; duration = 1000 s", "compare euler rk4 tr-bdf2 radau5 dt=1ms --force",
      "drop all", "+"),
     ("compare closed", "scene damped; duration = 1000 s", "compare " + FIXED + " dt=1ms --force", "drop all", "+"),
+    ("compare many", "scene pendulum; duration = 200 s", "compare " + MANY + " dt=1ms --force", "drop all", "+"),
+    ("compare many typed", CHAOS + "; duration = 20", "compare " + MANY.replace("yoshida8 kahan-li8", "rk4 dopri5") + " dt=1ms --force", "drop all", "+"),
     ("compare adaptive", CHAOS + "; duration = 50; tol = 1e-12",
-     "compare dop853 dopri5 odex rodas5p adams bdf --force", "drop all", "+"),
+     "compare dop853 dopri5 tsit5 odex rodas5p radau5 --force", "drop all", "+"),
     ("compare stiff", ROBERTSON + "; duration = 1000; tol = 1e-10", "compare radau5 rodas5p dopri5 --force",
      "drop all", "+"),
     ("compare recording", LAID + "; duration = 1000 s", "compare euler verlet rk4 dt=1ms --force", "drop all", "+"),
@@ -118,25 +159,40 @@ CASES = [
     ("stress", "", "stress", "", ""),
     ("stress scene", CHAOS, "stress scene", "", ""),
     ("sweep", "scene driven; method rk4; duration = 600 s", "sweep omega=6:12:0.01", "", ""),
-    ("sweep map", "scene pendulum; method dopri5; duration = 60 s", "sweep y0=0.1:3:0.01 gamma=0.1:1:0.1", "", ""),
+    ("sweep map", "scene pendulum; method dopri5; duration = 60 s", "sweep theta0=0.1:3:0.01 gamma=0.1:1:0.1", "", ""),
     ("sweep long points", "scene pendulum; method radau5 dt=1ms; duration = 3000 s", "sweep gamma=0.1:1:0.1 --force",
      "", ""),
     ("lyapunov", CHAOS, "lyapunov over 1e6", "", ""),
+    ("sweep typed", LORENZ + "; duration = 100", "sweep rho=20:30:0.05 measure=max(z) --force", "", ""),
+    ("sweep typed map", CHAOS + "; param beta = 8/3; z' = x*y - beta*z; method dopri5; duration = 100",
+     "sweep rho=20:30:0.5 beta=1:3:0.1 measure=mean --force", "", ""),
+    ("sweep stiff", "var x = 2; var y = 0; param mu = 100; x' = y; y' = mu*(1 - x^2)*y - x; method rodas5p; "
+     "duration = 1000", "sweep mu=1:1000:x1.05 --force", "", ""),
+    ("sweep tol", CHAOS + "; method dop853; duration = 100", "sweep tol=1e-13:1e-3:x1.2 measure=steps", "", ""),
     ("sweep threads", CHAOS + "; method radau5; duration = 300", "sweep rho=20:30:0.1 --threads 2", "", ""),
     ("plan", LORENZ, "plan", "", ""),
+    ("equilibria", "var x = 1; var v = 0; param a = 3; x' = sin(a*v) - x*v^3; v' = cos(a*x*v) - v",
+     "equilibria x=-30:30 v=-30:30", "", ""),
+    ("equilibria of many", COUPLED, "equilibria " + " ".join("%s=-9:9" % name for name in "abcdef"), "", ""),
+    ("equilibria zeros", "var x = 1; var y = 1; x' = abs(x) - x; y' = sin(1/y)*y^2", "equilibria x=-5:5 y=-5:5",
+     "", ""),
     ("timing full", "timing full; scene pendulum; duration = 100 s", "compare rk4 radau5 dt=1ms --force", "drop all",
      "+"),
     ("lab", "", "lab", "lab off", "+"),
     ("lab resonance", "", "lab resonance", "lab off", "+"),
-    ("check", "lab", "check 1", "", "+"),
+    ("check", "lab resonance", "check 8.7 rad/s", "", "+"),
 ]
-for _what in ("period", "frequency", "period windows=8", "amplitude windows=6", "decay", "spectrum", "spring", "k",
+for _what in ("period", "frequency", "period windows=8", "amplitude windows=6", "decay", "spectrum", "k",
               "repeat big windows=20"):
     CASES.append(("measure %s data" % _what, RECORDING, "measure " + _what, "", ""))
-for _what in ("period", "amplitude", "decay", "energy", "drift", "spectrum", "reynolds", "k", "period of energy"):
+CASES.append(("measure spring data", "load big.txt; data mass 200 g; load big.txt as=two; data mass 300 g",
+              "measure spring", "", ""))
+CASES.append(("fit modes 2", "load modes.txt", "fit modes 2", "", ""))
+for _what in ("period", "amplitude", "decay", "energy", "drift", "spectrum", "reynolds", "k", "period of v"):
     CASES.append(("measure %s run" % _what, STEPS, "measure " + _what, "", ""))
-for _what in ("damped", "sine", "drag", "law", "modes 2", "a*exp(-b*t)*cos(w*t+p)+c b=0.001 w=8.7",
-              "a*exp(-b*t)*cos(w*t+p)+c b=0.001 w=8.7 --robust", "damped --bootstrap 50", "damped --robust"):
+for _what in ("damped", "sine", "drag", "law", "a*exp(-b*t)*cos(w*t+p)+c b=0.001 w=8.7",
+              "a*exp(-b*t)*cos(w*t+p)+c b=0.001 w=8.7 --robust",
+              "a*cos(w*t+p)+c w=8.7 --bootstrap 50"):
     CASES.append(("fit %s" % _what, RECORDING, "fit " + _what, "", ""))
 CASES.append(("fit scene", FITTED, "fit scene", "", ""))
 for _what in ("damped", "drag"):
@@ -149,36 +205,63 @@ for _what in ("position", "velocity", "energy", "phase", "spectrum", "envelope",
     CASES.append(("describe %s data" % _what, RECORDING, "describe " + _what, "", ""))
 for _form, _file in DRAWN.items():
     CASES.append(("plot %s data" % _form, RECORDING, "plot position > %s --force" % _file, "", ""))
-    CASES.append(("plot %s run" % _form, STEPS, "plot y,v,energy > %s --force" % _file, "", ""))
+    CASES.append(("plot %s run" % _form, STEPS, "plot y,y > %s --full --force" % _file, "", ""))
+
+for _file in FORMS:
+    CASES.append(("load " + _file, "", "load " + _file, "data drop " + _file.split(".")[0], ""))
+for _method in ADAPTIVE:
+    CASES.append(("run adaptive " + _method, CHAOS + "; method %s tol=1e-11" % _method, "run 5000", "drop all", "+"))
+for _method in IMPLICIT:
+    _set_up = "scene driven; gamma = 0.1" if _method in ("exact", "hht") else CHAOS
+    CASES.append(("run implicit " + _method, _set_up + "; method %s dt=1ms" % _method, "run 2000 --force", "drop all",
+                  "+"))
+for _what in ("k = 5 N/m", "let a = 2*y", "observe p = m*v", "event top when v falling do record", "scene pendulum",
+              "method rk4 dt=2ms", "atol y = 1e-9", "unset gamma", "overlay all", "overlay off", "zoom 2", "pan 1 s",
+              "range 1:2", "window 5 s", "trail 3", "speed 2", "layout", "note good", "rename first", "history",
+              "help run", "help", "apropos energy", "list", "list limits", "list methods", "list scenes", "echo hello",
+              "checkpoint a", "scroll 5", "focus plot", "timing", "set record every 2", "var q = 1", "param c = 3",
+              "recipe sweep", "show all", "list recordings", "data", "export - data every=1s", "export b.csv --force",
+              "clear", "redraw", "record r.hk", "record off", "equation", "potential y^2", "force -y", "pause",
+              "lab off", "hint", "list results"):
+    CASES.append((_what, LARGE, _what, "", "="))
 
 # what a short look takes, of fewer rows
 SHORT = ("load", "data clean", "plot svg data", "compare", "run until")
 
 
-def workbook(path, rows, ods):
-    """An .xlsx or .ods as small as one can be."""
+def workbook(path, rows):
+    """An .xlsx as small as one can be."""
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as out:
-        if ods:
-            out.writestr("mimetype", "application/vnd.oasis.opendocument.spreadsheet")
-            name, number = "content.xml", '<table:table-cell office:value-type="float" office:value="%s"/>'
-            word = "<table:table-cell><text:p>%s</text:p></table:table-cell>"
-            row = "<table:table-row>%s</table:table-row>"
-            begin = '<office:document-content><office:body><office:spreadsheet><table:table table:name="a">'
-            end = "</table:table></office:spreadsheet></office:body></office:document-content>"
-        else:
-            out.writestr("xl/workbook.xml", '<workbook xmlns:r="r"><sheets><sheet name="a" sheetId="1" r:id="rId1"/>'
-                         "</sheets></workbook>")
-            out.writestr("xl/_rels/workbook.xml.rels", '<Relationships><Relationship Id="rId1" '
-                         'Target="worksheets/sheet1.xml"/></Relationships>')
-            name, number = "xl/worksheets/sheet1.xml", "<c><v>%s</v></c>"
-            word, row = '<c t="inlineStr"><is><t>%s</t></is></c>', "<row>%s</row>"
-            begin, end = "<worksheet><sheetData>", "</sheetData></worksheet>"
-        with out.open(name, "w") as part:
-            part.write((begin + row % (word % "t (s)" + word % "y (cm)")).encode())
+        out.writestr("xl/workbook.xml", '<workbook xmlns:r="r"><sheets><sheet name="a" sheetId="1" r:id="rId1"/>'
+                     "</sheets></workbook>")
+        out.writestr("xl/_rels/workbook.xml.rels", '<Relationships><Relationship Id="rId1" '
+                     'Target="worksheets/sheet1.xml"/></Relationships>')
+        word, row, number = '<c t="inlineStr"><is><t>%s</t></is></c>', "<row>%s</row>", "<c><v>%s</v></c>"
+        with out.open("xl/worksheets/sheet1.xml", "w") as part:
+            part.write(("<worksheet><sheetData>" + row % (word % "t (s)" + word % "y (cm)")).encode())
             for i in range(min(rows, 1000000)):
                 t = i * 0.001
                 part.write((row % (number % ("%.3f" % t) + number % ("%.4f" % math.cos(8.7 * t)))).encode())
-            part.write(end.encode())
+            part.write(b"</sheetData></worksheet>")
+
+
+def written(path, rows, heading, row, mark="."):
+    with open(path, "w") as out:
+        out.write(heading)
+        for i in range(rows):
+            line = row % (i * 0.001, 20 + 5 * math.cos(0.0087 * i))
+            out.write((line if mark == "." else line.replace(".", mark)) + "\n")
+
+
+def commands(folder):
+    """Files with commands: a run, many lines that were recorded, many runs."""
+    for name, text in (
+        ("long.hk", "scene pendulum; method rk4 dt=1ms\nrun 3000 s --force\n"),
+        ("recorded.hk", "scene damped\n" + "".join("m = %d g\n" % (100 + i % 900) for i in range(100000))),
+        ("runs.hk", "scene pendulum; method rk4 dt=1ms\n" + "run 20 s\nmeasure period\n" * 200),
+    ):
+        with open(os.path.join(folder, name), "w") as out:
+            out.write(text)
 
 
 def recordings(program, folder, rows, names):
@@ -214,8 +297,27 @@ def recordings(program, folder, rows, names):
     if wanted("big.zip"):
         with zipfile.ZipFile(os.path.join(folder, "big.zip"), "w", zipfile.ZIP_DEFLATED) as out:
             out.writestr("big.txt", text)
-    for name in ("big.xlsx", "big.ods"):
+    if wanted("big.xlsx"):
+        workbook(os.path.join(folder, "big.xlsx"), rows)
+    if wanted("big.txt.gz"):
+        with gzip.open(os.path.join(folder, "big.txt.gz"), "wt", compresslevel=1) as out:
+            out.write(text)
+    if wanted("utf16.txt"):
+        with open(os.path.join(folder, "utf16.txt"), "w", encoding="utf-16") as out:
+            out.write(text)
+    if wanted("clock.csv"):
+        with open(os.path.join(folder, "clock.csv"), "w") as out:
+            out.write("Timestamp,Distance (cm)\n" + "".join(
+                "2024-05-01T%02d:%02d:%06.3f,%.4f\n" % (i // 3600000, i // 60000 % 60, i % 60000 * 0.001,
+                                                       20 + 5 * math.cos(0.0087 * i)) for i in range(rows)))
+    if wanted("speed.txt"):
+        written(os.path.join(folder, "speed.txt"), rows, "t (s)\tv (cm/s)\n", "%.3f\t%.4f")
+    if wanted("modes.txt"):
+        with open(os.path.join(folder, "modes.txt"), "w") as out:
+            out.write("t (s)\ty (cm)\n" + "".join(
+                "%.3f\t%.4f\n" % (t, 20 + 5 * math.cos(8.7 * t) + 3 * math.cos(11.3 * t + 1))
+                for t in (i * 0.001 for i in range(rows))))
+    for name, (heading, row, mark) in FORMS.items():
         if wanted(name):
-            workbook(os.path.join(folder, name), rows, name.endswith("ods"))
-    with open(os.path.join(folder, "long.hk"), "w") as out:
-        out.write("scene pendulum; method rk4 dt=1ms\nrun 3000 s --force\n")
+            written(os.path.join(folder, name), rows, heading, row, mark)
+    commands(folder)

@@ -347,7 +347,7 @@ double residual_autocorrelation(const struct samples *x, const double *residual)
 {
     double product = 0, square = 0;
     size_t pairs = 0, used = x->n > 0 && x->use[0];
-    for (size_t i = 0; i < x->n; i++) {
+    for (size_t i = 0; i < x->n && !cancelled_at(x->cancel, i); i++) {
         square += x->use[i] ? residual[i] * residual[i] : 0;
         if (i > 0 && x->use[i]) {
             used++;

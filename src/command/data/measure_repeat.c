@@ -22,9 +22,8 @@ struct repeated {
 /* ---- one value ---- */
 
 static bool value_of(struct measuring *m, const struct recording *recording, enum measurable what,
-                     const struct series *series, struct measured *value)
+                     const struct series *series, struct arena *arena, struct measured *value)
 {
-    struct arena *arena = m->args->arena;
     struct period p;
     struct decay d;
     struct reading a;
@@ -58,7 +57,10 @@ static bool value_of(struct measuring *m, const struct recording *recording, enu
 static bool add(struct measuring *m, struct repeated *r, const struct recording *recording,
                 const struct series *series, const char *name)
 {
-    if (!value_of(m, recording, r->what, series, &r->value[r->count])) {
+    struct arena scratch = {0}; /* of each: all of them at once would take long to be given back */
+    const bool ok = value_of(m, recording, r->what, series, &scratch, &r->value[r->count]);
+    arena_reset(&scratch);
+    if (!ok) {
         struct error why = *m->error;
         return error_set(m->error, why.code, "%s: %s", name, why.text);
     }

@@ -102,14 +102,14 @@ static bool from_utf16(struct text bytes, bool big, const struct cancel *cancel,
  * another: units of which both bytes are of numbers, so many in a row as no script has. The length
  * of `bytes`: nowhere.
  */
-static size_t narrow_numbers(struct text bytes)
+static size_t narrow_numbers(struct text bytes, const struct cancel *cancel)
 {
     enum { UNITS = 16 };
     size_t units = 0;
-    for (size_t i = 2; i + 1 < bytes.len; i += 2) {
-        bool both = true;
+    for (size_t i = 2; i + 1 < bytes.len && !cancelled_at(cancel, i); i += 2) {
+        bool both = bytes.at[i] && bytes.at[i + 1];
         for (size_t k = i; k < i + 2; k++)
-            both = both && bytes.at[k] && strchr("0123456789.,;\t\r\n -+eE", bytes.at[k]);
+            both = both && strchr("0123456789.,;\t\r\n -+eE", bytes.at[k]);
         units = both ? units + 1 : 0;
         if (units == UNITS)
             return i - 2 * (UNITS - 1);
@@ -126,10 +126,11 @@ static bool add_text(struct contents *contents, struct text name, struct buffer 
         return contents->parts == PARTS_MAX || error_memory(error);
     const struct text raw = buffer_text(bytes);
     const bool wide = packing_of(raw) == PACKING_UTF16;
-    if (wide && narrow_numbers(raw) < raw.len) {
+    const size_t narrow = wide ? narrow_numbers(raw, contents->cancel) : raw.len;
+    if (narrow < raw.len) {
         error_set(error, ERROR_IO,
                   "the file begins in UTF-16, but from byte %zu on has one byte a character",
-                  narrow_numbers(raw) + 1);
+                  narrow + 1);
         return error_hint(error, "split it there, or export the data anew as UTF-8");
     }
     if (wide)

@@ -234,14 +234,14 @@ static void drop_rows(struct recording *recording)
         last = recording->t[rising];
     if (rising == recording->rows && last < HUGE_VAL) /* as it should be */
         return;
-    for (size_t i = 0; i < recording->rows; i++)
+    for (size_t i = 0; i < recording->rows && !cancelled_at(recording->cancel, i); i++)
         if (isfinite(recording->t[i]))
             keep(recording, rows_used++, i);
         else
             drop(&missing, recording->line[i]);
     recording->rows = rows_used;
     rows_used = 0;
-    for (size_t i = 0; i < recording->rows; i++) {
+    for (size_t i = 0; i < recording->rows && !cancelled_at(recording->cancel, i); i++) {
         const double before = rows_used > 0 ? recording->t[rows_used - 1] : -HUGE_VAL,
                      now = recording->t[i];
         const bool ahead =
@@ -268,7 +268,7 @@ static void swap(double *a, double *b)
 
 void recording_reverse(struct recording *recording)
 {
-    for (size_t i = 0, j = recording->rows; i + 1 < j; i++) {
+    for (size_t i = 0, j = recording->rows; i + 1 < j && !cancelled_at(recording->cancel, i); i++) {
         j--;
         for (int k = 0; k < recording->columns; k++)
             swap(&recording->column[k].value[i], &recording->column[k].value[j]);
@@ -295,7 +295,7 @@ static void warn_steps(struct recording *recording)
     const double median = median_step(recording);
     double min = HUGE_VAL, max = 0, longest = 0;
     size_t uneven = 0, gaps = 0, first = 0;
-    for (size_t i = 0; i + 1 < recording->rows; i++) {
+    for (size_t i = 0; i + 1 < recording->rows && !cancelled_at(recording->cancel, i); i++) {
         const double step = recording->t[i + 1] - recording->t[i];
         longest = step > longest ? step : longest;
         if (step > GAP * median) {
@@ -326,7 +326,7 @@ static bool fill_values(struct recording *recording)
     if (!(recording->y = malloc(recording->rows * sizeof *recording->y)))
         return false;
     to_si(column->value, recording->rows, column->factor, recording->y);
-    for (size_t i = 0; i < recording->rows; i++)
+    for (size_t i = 0; i < recording->rows && !cancelled_at(recording->cancel, i); i++)
         if (!isfinite(recording->y[i])) {
             recording->y[i] = NAN;
             drop(&missing, recording->line[i]);
@@ -344,6 +344,13 @@ bool enough_rows(const struct recording *recording, struct error *error)
                      recording->rows, recording->rows == 1 ? "row" : "rows");
 }
 
+/* Between two passes over the rows. */
+static bool goes_on(const struct recording *recording, struct error *error)
+{
+    return !cancelled(recording->cancel) ||
+           error_set(error, ERROR_CANCELLED, "reading was stopped");
+}
+
 bool recording_time(struct recording *recording, const struct load_options *options,
                     struct error *error)
 {
@@ -358,11 +365,13 @@ bool recording_time(struct recording *recording, const struct load_options *opti
         for (size_t i = 0; i < recording->rows; i++)
             recording->t[i] = (options->rate > 0 ? 0 : recording->header_start) +
                               (time ? time->value[i] : recording->t[i]) / rate;
-    if (!take_run_below(recording, options, error))
+    if (!goes_on(recording, error) || !take_run_below(recording, options, error))
         return false;
     spread_stamps(recording);
+    if (!goes_on(recording, error))
+        return false;
     drop_rows(recording);
-    if (!enough_rows(recording, error))
+    if (!goes_on(recording, error) || !enough_rows(recording, error))
         return false;
     recording->dt =
         (recording->t[recording->rows - 1] - recording->t[0]) / (double)(recording->rows - 1);
@@ -371,5 +380,5 @@ bool recording_time(struct recording *recording, const struct load_options *opti
     if (!fill_values(recording))
         return error_memory(error);
     recording_restore(recording);
-    return true;
+    return goes_on(recording, error);
 }
