@@ -104,10 +104,14 @@ enum special {
     SPECIAL_DOUBLING, /* PD: an orbit of twice the period branches off */
     SPECIAL_TORUS,    /* NS: Neimark-Sacker */
     SPECIAL_END,      /* EP */
+    /* on curves of such points in two parameters: */
+    SPECIAL_CUSP,   /* CP: two folds meet */
+    SPECIAL_DOUBLE, /* BT: Bogdanov-Takens, two eigenvalues are 0 */
+    SPECIAL_BAUTIN, /* GH: generalised Hopf, the first Lyapunov coefficient is 0 */
     SPECIAL_COUNT
 };
 
-extern const struct catalog special_catalog; /* struct row: LP HB BP PD NS EP, from 1 on */
+extern const struct catalog special_catalog; /* struct row: LP HB BP PD NS EP CP BT GH, from 1 on */
 
 struct branch_point {
     struct solution solution;
@@ -117,6 +121,12 @@ struct branch_point {
     double tangent[2 + DYNAMICS_VARIABLES]; /* private: where the branch goes from there */
 };
 
+/* The second parameter of a curve of special points. */
+struct branch_axis {
+    int param;
+    double from, to; /* SI */
+};
+
 struct branch_request {
     const struct scene *scene;
     int param;       /* place in the scene's, which varies */
@@ -124,6 +134,8 @@ struct branch_request {
     const struct solution *start;
     /* start on the branch that leaves it there: of a crossing, a doubling or a Hopf point */
     const struct branch_point *leave;
+    /* not NULL: the curve of points like that one (LP, HB, PD, NS) in both parameters */
+    const struct branch_axis *second;
     double step;  /* of the range, 0: chosen */
     int max;      /* points in each direction, 0: 1000 */
     bool forward; /* towards growing values only, at the start */

@@ -7,6 +7,7 @@
 
 #include "study/dynamics/eigen.h"
 #include "study/dynamics/solutions.h"
+#include "study/dynamics/two_parameters.h"
 
 #define FIRST 0.01 /* arclength of the first step, where the range is 1 */
 #define LONGEST 0.05
@@ -15,7 +16,7 @@
 #define TOGETHER 1e-6 /* of the range: tests that become 0 there are of the same point */
 #define SLOW 25       /* times the first period: the orbit nears one that takes for ever */
 #define VERTICAL 1e-7 /* part of the parameter in a tangent that does not change it */
-#define UPRIGHT 12    /* so many of these in a row */
+#define LEVEL 12      /* so many of these in a row */
 #define STILL 1e-4    /* of a tangent: the parameter hardly changes any more */
 #define POINTS 1000
 #define TINY 1e-8 /* of the largest value so far: a test that is 0 */
@@ -24,10 +25,11 @@ struct walk {
     const struct branch_request *request;
     struct solution_curve *path;
     struct branch *out; /* points of this direction are appended */
-    int sign;           /* of steps along the first tangent */
     double psize, largest[CURVE_TESTS], period;
     int capacity;
-    int start; /* place of the parameter among the unknowns at the start */
+    double moved; /* relative, the parameter in the last step */
+    bool away;    /* from where it began */
+    int start;    /* place of the parameter among the unknowns at the start */
     struct curve_point known[CURVE_TESTS]; /* the last place where that test was not 0 */
     bool any[CURVE_TESTS];
     struct curve_point before; /* the last place but one, if its phase is that of the last: */
@@ -58,9 +60,15 @@ static bool record(struct walk *w, const struct curve_point *at, enum special sp
         return false;
     point->solution = *solution;
     point->special = special;
-    const int n = w->path->problem->n + 1;
-    if (n <= (int)COUNT_OF(point->tangent))
-        memcpy(point->tangent, at->tangent, (size_t)n * sizeof *point->tangent);
+    /* of an orbit its beginning and what holds for all of it: the rest follows */
+    const int n = w->path->field.n, all = w->path->problem->n;
+    memcpy(point->tangent, at->tangent, (size_t)n * sizeof *point->tangent);
+    if (w->path->kind == SOLUTION_EQUILIBRIUM) {
+        point->tangent[n] = at->tangent[all];
+    } else {
+        point->tangent[n] = w->path->kind == SOLUTION_ORBIT ? at->tangent[all - 1] : 0;
+        point->tangent[n + 1] = at->tangent[all];
+    }
     return true;
 }
 
@@ -75,7 +83,12 @@ struct found_special {
 
 static bool zero(const struct walk *w, const struct curve_point *p, int test)
 {
-    return fabs(p->test[test]) <= TINY * w->largest[test];
+    if (test > 0)
+        return fabs(p->test[test]) <= TINY * w->largest[test];
+    /* the parameter's part of the tangent, in both kinds of curves: rounding where it stands still
+     */
+    return fabs(p->test[test]) <= CURVE_LEVEL ||
+           (fabs(p->test[test]) <= CURVE_STEEP && w->moved <= CURVE_LEVEL);
 }
 
 static void locate_all(struct walk *w, const struct curve_point *to, struct found_special *found,
@@ -202,7 +215,7 @@ static double longest_at(const struct walk *w, const struct curve_point *at, dou
 static bool next_place(struct walk *w, const struct curve_point *from, double *by, double longest,
                        struct curve_point *to)
 {
-    while (fabs(*by) > SHORTEST * longest) {
+    while (*by > SHORTEST * longest) {
         if (cancelled(w->request->cancel))
             return false;
         if (curve_step(w->path->problem, w->bends ? &w->before : NULL, from, *by, to) &&
@@ -263,15 +276,23 @@ static void ends(struct walk *w, const char *why)
     snprintf(w->end, 96, "%s", why);
 }
 
-/* To where it began; as far as a period's beginning and the parameter show it. */
-static bool comes_back(const struct walk *w, const struct curve_point *at,
-                       const struct curve_point *start, double by)
+/* As far as a period's beginning, its length and the parameter show it. */
+static double apart(const struct walk *w, const struct curve_point *a, int a_last,
+                    const struct curve_point *b, int b_last)
 {
-    const int n = w->path->field.n;
-    return fabs(at->u[w->path->problem->n] - start->u[w->start]) < fabs(by) / 2 &&
-           (w->path->kind != SOLUTION_ORBIT ||
-            fabs(at->u[w->path->problem->n - 1] - start->u[w->start - 1]) < fabs(by) / 2) &&
-           curve_distance(n, at->u, start->u) < fabs(by) / 2;
+    const double period = w->path->kind == SOLUTION_ORBIT ? a->u[a_last - 1] - b->u[b_last - 1] : 0;
+    return hypot(hypot(a->u[a_last] - b->u[b_last], period),
+                 curve_distance(w->path->field.n, a->u, b->u));
+}
+
+/* To where it began, after it has been elsewhere. */
+static bool comes_back(struct walk *w, const struct curve_point *at, const struct curve_point *next,
+                       const struct curve_point *start)
+{
+    const int last = w->path->problem->n;
+    const double far = apart(w, next, last, start, w->start), step = apart(w, next, last, at, last);
+    w->away = w->away || far > 2 * step;
+    return w->away && far < step / 2;
 }
 
 /* From `at`, which is recorded already, until it ends; false: no memory. */
@@ -280,18 +301,27 @@ static bool walk(struct walk *w, struct curve_point at)
     const double longest = w->request->step > 0 ? w->request->step : LONGEST;
     const int max = w->request->max > 0 ? w->request->max : POINTS;
     const struct curve_point start = at;
-    int upright = 0;
+    int level = 0;
     w->bends = false;
+    w->moved = 1;
+    w->away = false;
     w->start = w->path->problem->n;
-    double by = w->sign * fmin(FIRST, longest);
+    double by = fmin(FIRST, longest);
     know(w, &at);
     ends(w, "as many points as were asked for");
     for (int i = 0; i < max; i++) {
         struct curve_point next;
         const double far = longest_at(w, &at, longest);
-        by = copysign(fmin(fabs(by), far), by);
+        by = fmin(by, far);
         if (!next_place(w, &at, &by, far, &next)) {
             ends(w, cancelled(w->request->cancel) ? "cancelled" : "no step leads on");
+            return true;
+        }
+        const double upright =
+            w->path->kind == SOLUTION_EQUILIBRIUM ? 1 : orbit_curve_upright(&w->path->orbit);
+        if (upright < 0) {
+            ends(w, "it shrinks to an equilibrium");
+            w->out->point[w->out->count - 1].special = SPECIAL_END;
             return true;
         }
         const bool leaves = !inside(w, &next);
@@ -299,6 +329,10 @@ static bool walk(struct walk *w, struct curve_point at)
             ends(w, "the parameter's range");
             return true;
         }
+        const int p = w->path->problem->n;
+        w->moved = at.careful && next.careful
+                       ? fabs(next.u[p] - at.u[p]) / fmax(fabs(at.u[p]), CURVE_LEVEL)
+                       : 0;
         struct solution solution;
         if (!solutions_seen(w->path, &next, &solution)) {
             ends(w, "what is there cannot be told");
@@ -315,8 +349,8 @@ static bool walk(struct walk *w, struct curve_point at)
             ends(w, "the parameter's range");
             return true;
         }
-        upright = in_family(w, &next) ? upright + 1 : 0;
-        if (upright == UPRIGHT) {
+        level = in_family(w, &next) ? level + 1 : 0;
+        if (level == LEVEL) {
             ends(w, "a family at one value of the parameter");
             w->out->point[w->out->count - 1].special = SPECIAL_END;
             return true;
@@ -326,17 +360,17 @@ static bool walk(struct walk *w, struct curve_point at)
             w->out->point[w->out->count - 1].special = SPECIAL_END;
             return true;
         }
-        if (i > 4 && comes_back(w, &next, &start, by)) {
+        if (comes_back(w, &at, &next, &start)) {
             w->out->closed = true;
             ends(w, "it closes");
             return true;
         }
         w->before = at;
-        w->bends = w->path->kind == SOLUTION_EQUILIBRIUM || orbit_curve_keeps(&w->path->orbit);
+        w->bends = w->path->kind == SOLUTION_EQUILIBRIUM || upright > TURN;
         if (!w->bends)
             orbit_curve_refer(&w->path->orbit, next.u, next.tangent);
         if (next.corrections <= 3)
-            by = copysign(fmin(1.5 * fabs(by), far), by);
+            by = fmin(1.5 * by, far);
         at = next;
         if (!cut(w, &at)) {
             ends(w, "differences grow along the orbit by too much");
@@ -355,6 +389,7 @@ static void reverse(struct branch *b)
     }
 }
 
+/* Side -1 goes against growing values of the parameter, so that the branch is in order. */
 static bool begin(const struct branch_request *r, int side, double psize,
                   struct solution_curve *path, struct curve_point *first, struct error *error)
 {
@@ -364,7 +399,7 @@ static bool begin(const struct branch_request *r, int side, double psize,
     double u[CURVE_MAX];
     if (!solutions_begin(path, r->scene, r->param, psize, r->start, r->cancel, u, error))
         return false;
-    if (solutions_correct_at(path, u, first))
+    if (solutions_correct_at(path, u, r->forward ? 1 : side, first))
         return true;
     solutions_end(path);
     return error_set(error, ERROR_COMMAND, "there is no such %s at the start",
@@ -373,6 +408,8 @@ static bool begin(const struct branch_request *r, int side, double psize,
 
 bool branch_follow(const struct branch_request *r, struct branch *branch, struct error *error)
 {
+    if (r->second)
+        return special_follow(r, branch, error);
     const int64_t since = clock_ns();
     const double psize = r->to - r->from;
     *branch = (struct branch){.count = 0};
@@ -391,9 +428,6 @@ bool branch_follow(const struct branch_request *r, struct branch *branch, struct
         branch->kind = path.kind;
         w.path = &path;
         w.end = branch->ends[side == 0 && !r->forward && (!r->leave || crossing) ? 0 : 1];
-        /* against growing values first, so that the branch is in order */
-        const int up = first.tangent[path.problem->n] >= 0 ? 1 : -1;
-        w.sign = r->leave ? 1 : r->forward || side == 1 ? up : -up;
         w.period = 0;
         struct solution solution;
         fine = solutions_at(&path, &first, true, &solution) &&

@@ -22,7 +22,8 @@
 #define CLOSE 1e-9 /* and below this does not get smaller by more than rounding */
 #define FINE 1e-15
 #define LOOKS 60 /* for a zero: its test is no smooth function */
-#define FAR 0.5  /* of a unit: a correction of this size goes somewhere else */
+#define HALVINGS 12
+#define FAR 0.5 /* of a unit: a correction of this size goes somewhere else */
 
 static double dot(int n, const double *a, const double *b)
 {
@@ -49,20 +50,23 @@ double curve_distance(int n, const double *a, const double *b)
 }
 
 /* [jacobian; direction] x = right, which becomes x [n + 1]. */
-static bool solve_bordered(int n, const double *jacobian, const double *direction, double *right)
+static bool solve_bordered(const struct curve_problem *problem, const double *direction,
+                           double *right)
 {
-    double a[CURVE_MAX * CURVE_MAX];
-    memcpy(a, jacobian, (size_t)(n * (n + 1)) * sizeof *a);
+    const int n = problem->n;
+    double *a = problem->work->matrix;
+    memcpy(a, problem->work->jacobian, (size_t)(n * (n + 1)) * sizeof *a);
     memcpy(a + n * (n + 1), direction, (size_t)(n + 1) * sizeof *a);
     return matrix_solve(n + 1, a, right);
 }
 
-static bool find_tangent(int n, const double *jacobian, const double *direction, double *tangent)
+bool curve_tangent(const struct curve_problem *problem, const double *direction, double *tangent)
 {
+    const int n = problem->n;
     for (int i = 0; i < n; i++)
         tangent[i] = 0;
     tangent[n] = 1;
-    if (!solve_bordered(n, jacobian, direction, tangent))
+    if (!solve_bordered(problem, direction, tangent))
         return false;
     const double length = sqrt(dot(n + 1, tangent, tangent));
     for (int i = 0; i <= n; i++)
@@ -79,13 +83,11 @@ static double correction_size(int n, const double *by, const double *u)
     return most;
 }
 
-bool curve_correct(const struct curve_problem *problem, const double *guess,
-                   const double *direction, bool fine, struct curve_point *point)
+static bool correct(const struct curve_problem *problem, const double *guess,
+                    const double *direction, bool fine, struct curve_point *point)
 {
     const int n = problem->n;
-    double jacobian[CURVE_MAX * CURVE_MAX], f[CURVE_MAX], plane[CURVE_MAX], last = HUGE_VAL;
-    if (problem->aim)
-        problem->aim(problem->context, fine);
+    double *jacobian = problem->work->jacobian, f[CURVE_MAX], plane[CURVE_MAX], last = HUGE_VAL;
     memcpy(plane, guess, (size_t)(n + 1) * sizeof *plane);
     memmove(point->u, guess, (size_t)(n + 1) * sizeof *plane);
     for (point->corrections = 1; point->corrections <= CORRECTIONS; point->corrections++) {
@@ -97,7 +99,7 @@ bool curve_correct(const struct curve_problem *problem, const double *guess,
             f[i] = -f[i];
         }
         f[n] = dot(n + 1, direction, plane) - dot(n + 1, direction, point->u);
-        if (!solve_bordered(n, jacobian, direction, f))
+        if (!solve_bordered(problem, direction, f))
             return false;
         const double by = correction_size(n + 1, f, point->u);
         if (!(by < FAR))
@@ -108,7 +110,7 @@ bool curve_correct(const struct curve_problem *problem, const double *guess,
         const double next = by * fmin(by / last, 1) * fmin(by / last, 1);
         if (by < FINE || (by < CLOSE && by >= last / 2) ||
             (!fine && (by < 100 * NEAR || (by < ALIKE && isfinite(last) && next < NEAR)))) {
-            if (!find_tangent(n, jacobian, direction, point->tangent))
+            if (!curve_tangent(problem, direction, point->tangent))
                 return false;
             if (problem->tests > 0)
                 problem->test(problem->context, point->u, jacobian, point->tangent, point->test);
@@ -117,6 +119,27 @@ bool curve_correct(const struct curve_problem *problem, const double *guess,
         last = by;
     }
     return false;
+}
+
+static void aim(const struct curve_problem *problem, bool fine)
+{
+    if (problem->aim)
+        problem->aim(problem->context, fine);
+}
+
+bool curve_correct(const struct curve_problem *problem, const double *guess,
+                   const double *direction, bool fine, struct curve_point *point)
+{
+    aim(problem, fine);
+    point->careful = fine;
+    return correct(problem, guess, direction, fine, point);
+}
+
+/* Where the parameter hardly changes it must be seen which way it does, as long as it can be. */
+static bool is_steep(const struct curve_problem *problem, const struct curve_point *at)
+{
+    const double along = fabs(at->tangent[problem->n]);
+    return along < CURVE_STEEP && along > CURVE_LEVEL;
 }
 
 bool curve_step(const struct curve_problem *problem, const struct curve_point *before,
@@ -133,7 +156,9 @@ bool curve_step(const struct curve_problem *problem, const struct curve_point *b
     for (int i = 0; i <= n; i++)
         guess[i] = from->u[i] + by * from->tangent[i] +
                    (before ? bend * (from->tangent[i] - before->tangent[i]) : 0);
-    return curve_correct(problem, guess, from->tangent, false, to);
+    to->careful = is_steep(problem, from);
+    aim(problem, to->careful);
+    return correct(problem, guess, from->tangent, false, to);
 }
 
 /* ---- special points ---- */
@@ -258,9 +283,10 @@ static bool locate_crossing(struct chord *c, double centre, double half, struct 
 }
 
 /* A place where another curve crosses: about ever smaller pieces, as long as that helps. */
-static bool find_crossing(struct chord *c, struct curve_point *at, double *near)
+static bool look_about(struct chord *c, double share, double half, struct curve_point *at,
+                       double *near)
 {
-    double share = 0.5, half = 0.5, next;
+    double next;
     *near = HUGE_VAL;
     for (int k = 0; k < LEVELS; k++, half /= 4) {
         struct curve_point better;
@@ -276,8 +302,28 @@ static bool find_crossing(struct chord *c, struct curve_point *at, double *near)
     return *near < CROSSES;
 }
 
-bool curve_locate(const struct curve_problem *problem, const struct curve_point *a,
-                  const struct curve_point *b, int test, struct curve_point *at, double *near)
+/* Where the test is no polynomial along the whole chord it is one along a part of it. */
+static bool find_crossing(struct chord *c, struct curve_point *at, double *near)
+{
+    double from = 0, to = 1;
+    bool below = signbit(c->a->test[c->test]);
+    for (int k = 0; k < HALVINGS; k++) {
+        const double middle = (from + to) / 2;
+        if (look_about(c, middle, (to - from) / 2, at, near))
+            return true;
+        c->failed = false;
+        c->looks = 0;
+        const double value = test_at(c, middle);
+        if (c->failed || !isfinite(value))
+            return false;
+        *(signbit(value) == below ? &from : &to) = middle;
+    }
+    return false;
+}
+
+static bool locate_on_chord(const struct curve_problem *problem, const struct curve_point *a,
+                            const struct curve_point *b, int test, struct curve_point *at,
+                            double *near)
 {
     const int n = problem->n;
     struct chord c = {.problem = problem, .a = a, .b = b, .test = test};
@@ -294,4 +340,28 @@ bool curve_locate(const struct curve_problem *problem, const struct curve_point 
     *at = c.at;
     *near = c.length * 4 * DBL_EPSILON;
     return !c.failed;
+}
+
+/* Where the chord is too far from the curve: one end steps towards the other. */
+bool curve_locate(const struct curve_problem *problem, const struct curve_point *a,
+                  const struct curve_point *b, int test, struct curve_point *at, double *near)
+{
+    struct curve_point left = *a, right = *b, middle;
+    for (int k = 0; k < HALVINGS; k++) {
+        if (locate_on_chord(problem, &left, &right, test, at, near))
+            return true;
+        if (problem->singular >> test & 1)
+            return false;
+        double by = curve_distance(problem->n + 1, left.u, right.u) / 2;
+        int tries = 0;
+        while (!curve_step(problem, NULL, &left, by, &middle) && ++tries < HALVINGS)
+            by /= 2;
+        if (tries == HALVINGS)
+            return false;
+        if (signbit(middle.test[test]) == signbit(left.test[test]))
+            left = middle;
+        else
+            right = middle;
+    }
+    return false;
 }

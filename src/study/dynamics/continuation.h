@@ -12,6 +12,8 @@
 
 #define CURVE_MAX MATRIX_MAX /* unknowns with the parameter */
 #define CURVE_TESTS 4
+#define CURVE_STEEP 1e-8  /* part of the parameter in a tangent that a step does not know, */
+#define CURVE_LEVEL 1e-12 /* and that is rounding */
 
 struct curve_problem {
     void *context;
@@ -29,6 +31,13 @@ struct curve_problem {
      * they are always the same */
     void (*aim)(void *context, bool fine);
     unsigned singular; /* bits of tests whose zeros are places where two curves cross */
+    struct curve_work *work;
+};
+
+/* Room for two matrices: too much for a stack. */
+struct curve_work {
+    double jacobian[CURVE_MAX * CURVE_MAX]; /* of the place looked at last */
+    double matrix[CURVE_MAX * CURVE_MAX];   /* spoilt by whoever wants to solve */
 };
 
 struct curve_point {
@@ -36,6 +45,7 @@ struct curve_point {
     double test[CURVE_TESTS];
     double residual; /* largest, before the last correction */
     int corrections;
+    bool careful; /* to rounding, for the parameter hardly changes */
 };
 
 /*
@@ -44,6 +54,8 @@ struct curve_point {
  */
 bool curve_correct(const struct curve_problem *problem, const double *guess,
                    const double *direction, bool fine, struct curve_point *point);
+/* Of the place looked at last, to the side of `direction`. False: it is across the curve. */
+bool curve_tangent(const struct curve_problem *problem, const double *direction, double *tangent);
 /* The next point `by` along the tangent, and along the bend since `before` (NULL: not known), with
  * its tests. False: none was found there. */
 bool curve_step(const struct curve_problem *problem, const struct curve_point *before,

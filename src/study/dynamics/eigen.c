@@ -7,6 +7,7 @@
 
 #include <float.h>
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include <hooke/base/numeric.h>
@@ -66,26 +67,18 @@ bool matrix_eigenvector(int n, const double *a, struct eigenvalue at, double *re
     return vector_beside(n, a, at, ASIDE, re, im) || vector_beside(n, a, at, FARTHER, re, im);
 }
 
-bool matrix_second_null(int columns, const double *a, const double *known, double *vector)
+/* Inverse iteration of the symmetric matrix `square`, which has one eigenvalue near 0. */
+static bool null_across(int n, const double *square, const double *known, double *work,
+                        double *vector)
 {
-    double square[MATRIX_MAX * MATRIX_MAX];
-    const int n = columns;
-    for (int i = 0; i < n; i++)
-        for (int j = 0; j < n; j++) {
-            double sum = known[i] * known[j]; /* makes the known one no null vector any more */
-            for (int k = 0; k < n - 1; k++)
-                sum += a[k * n + i] * a[k * n + j];
-            square[i * n + j] = sum;
-        }
-    /* inverse iteration of a symmetric matrix with one eigenvalue near 0 */
     uint64_t seed = 3;
-    for (int i = 0; i < n; i++)
-        vector[i] = random_fraction(&seed) - 0.5;
     double size = 0;
-    for (int i = 0; i < n; i++)
+    for (int i = 0; i < n; i++) {
+        vector[i] = random_fraction(&seed) - 0.5;
         size = fmax(size, square[i * n + i]);
+    }
     for (int k = 0; k < ITERATIONS + 2; k++) {
-        double work[MATRIX_MAX * MATRIX_MAX], along = 0;
+        double along = 0;
         memcpy(work, square, (size_t)(n * n) * sizeof *work);
         for (int i = 0; i < n; i++)
             work[i * n + i] += 1e-14 * size;
@@ -98,6 +91,24 @@ bool matrix_second_null(int columns, const double *a, const double *known, doubl
         to_length_one(n, vector);
     }
     return isfinite(vector[0]);
+}
+
+bool matrix_second_null(int columns, const double *a, const double *known, double *vector)
+{
+    const int n = columns;
+    double *square = malloc(2 * (size_t)(n * n) * sizeof *square);
+    if (!square)
+        return false;
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++) {
+            double sum = known[i] * known[j]; /* makes the known one no null vector any more */
+            for (int k = 0; k < n - 1; k++)
+                sum += a[k * n + i] * a[k * n + j];
+            square[i * n + j] = sum;
+        }
+    const bool found = null_across(n, square, known, square + n * n, vector);
+    free(square);
+    return found;
 }
 
 /* ---- derivatives of second and third order along directions ---- */

@@ -83,6 +83,15 @@ bool field_set(struct vector_field *field, const double *value)
     return same || scene_bind_motion(&field->scene, &field->system, &ignored);
 }
 
+bool field_hold(struct vector_field *field, int place, double value)
+{
+    struct error ignored;
+    if (field->scene.value[place] == value)
+        return true;
+    field->scene.value[place] = value;
+    return scene_bind_motion(&field->scene, &field->system, &ignored);
+}
+
 void field_rate(struct vector_field *field, const double *y, double *rate)
 {
     field->evals++;

@@ -39,6 +39,8 @@ bool field_init(struct vector_field *field, const struct scene *scene, const int
 void field_free(struct vector_field *field);
 /* Gives the free parameters these values. False: the scene has no such values. */
 bool field_set(struct vector_field *field, const double *value);
+/* Gives any parameter of the scene a value that it keeps. */
+bool field_hold(struct vector_field *field, int place, double value);
 
 /* y' [n] and its derivatives [n][n] by y and [n] by free parameter j, at the field's t0. */
 void field_rate(struct vector_field *field, const double *y, double *rate);
@@ -81,7 +83,5 @@ double matrix_determinant(int n, double *a, int *exponent);
 /* 2 J x 1 in the space of pairs i < j [n (n - 1)/2]^2: its eigenvalues are sums of two of J's
  * (Govaerts 2000, 4.4). */
 void matrix_pair_sums(int n, const double *jacobian, double *pairs);
-/* M ^ M - 1 in that space: products of two of M's eigenvalues, less 1. */
-void matrix_pair_products(int n, const double *map, double *pairs);
 
 #endif

@@ -3,8 +3,12 @@
 #include <math.h>
 #include <string.h>
 
+#include <hooke/base/numeric.h>
+
 #include "study/dynamics/eigen.h"
 #include "study/dynamics/solutions.h"
+
+#define ASIDE 1e-6 /* of units */
 
 static const double distances[] = {0.1, 0.02, 0.005, 0.001, 1e-4};
 
@@ -33,20 +37,27 @@ static bool step_aside(struct solution_curve *path, const double *u, const doubl
     return false;
 }
 
-/* A direction in the space of states [n] as one of unknowns: how all segments move with it. */
+/*
+ * A direction in the space of states [n] as one of unknowns: how all segments move with it. by
+ * [n + 2], of which the last two are those of period and parameter, all in their units. u: the
+ * unknowns there.
+ */
 static bool spread(struct solution_curve *path, const struct solution *at, double period,
-                   const double *v, double *u, double *direction)
+                   const double *by, double *u, double *direction)
 {
-    const struct vector_field *field = &path->field;
+    struct vector_field *field = &path->field;
+    struct orbit_curve *orbit = &path->orbit;
     const int n = field->n, all = path->problem->n;
+    const double p = at->param[0], aside = p + ASIDE * by[n + 1] * orbit->psize;
     double moved[CURVE_MAX], state[FIELD_VARIABLES];
     for (int i = 0; i < n; i++)
-        state[i] = at->state[i] + 1e-6 * v[i] * field->size[i];
-    if (!orbit_curve_unknowns(&path->orbit, state, period, moved) ||
-        !orbit_curve_unknowns(&path->orbit, at->state, period, u))
+        state[i] = at->state[i] + ASIDE * by[i] * field->size[i];
+    if (!field_set(field, &aside) ||
+        !orbit_curve_unknowns(orbit, state, period + ASIDE * by[n] * orbit->tsize, moved) ||
+        !field_set(field, &p) || !orbit_curve_unknowns(orbit, at->state, period, u))
         return false;
     for (int i = 0; i <= all; i++)
-        direction[i] = i < path->orbit.segments * n ? moved[i] - u[i] : 0;
+        direction[i] = moved[i] - u[i];
     return unit(all + 1, direction);
 }
 
@@ -84,7 +95,7 @@ static bool leave_hopf(struct solution_curve *path, const struct scene *scene, i
     struct scene there = *scene;
     there.value[param] = at->param[0];
     orbit.kind = SOLUTION_ORBIT;
-    orbit.period = 2 * acos(-1) / omega;
+    orbit.period = TWO_PI / omega;
     if (!field_init(&field, &there, &param, 1, error))
         return false;
     for (int i = 0; i < field.n; i++)
@@ -93,15 +104,18 @@ static bool leave_hopf(struct solution_curve *path, const struct scene *scene, i
     if (!matrix_eigenvector(field.n, jacobian, (struct eigenvalue){0, omega}, re, im) ||
         !solutions_begin(path, scene, param, psize, &orbit, cancel, u, error))
         return error_set(error, ERROR_COMMAND, "no orbit was found near the Hopf point");
-    memcpy(direction, re, sizeof re);
+    for (int k = 0; k < path->orbit.segments; k++)
+        for (int i = 0; i < field.n; i++) {
+            const double turned = TWO_PI * path->orbit.share[k];
+            direction[k * field.n + i] = re[i] * cos(turned) - im[i] * sin(turned);
+            u[k * field.n + i] = at->state[i] / path->field.size[i];
+        }
     unit(path->problem->n + 1, direction);
     /* the phase: across the orbit, which moves along -im */
     memcpy(path->orbit.reference, u, sizeof path->orbit.reference);
     for (int i = 0; i < field.n; i++)
         path->orbit.along[i] = -im[i];
     unit(field.n, path->orbit.along);
-    for (int i = 0; i < field.n; i++)
-        u[i] = at->state[i] / path->field.size[i];
     if (step_aside(path, u, direction, first))
         return true;
     solutions_end(path);
@@ -113,7 +127,7 @@ static bool leave_doubling(struct solution_curve *path, const struct scene *scen
                            double psize, const struct solution *at, const struct cancel *cancel,
                            struct curve_point *first, struct error *error)
 {
-    double u[CURVE_MAX], re[FIELD_VARIABLES], im[FIELD_VARIABLES], direction[CURVE_MAX];
+    double u[CURVE_MAX], re[FIELD_VARIABLES + 2] = {0}, im[FIELD_VARIABLES], direction[CURVE_MAX];
     struct curve_point point = {.corrections = 0};
     struct solution ignored, twice = *at;
     if (!solutions_begin(path, scene, param, psize, at, cancel, u, error))
@@ -137,20 +151,29 @@ static bool leave_doubling(struct solution_curve *path, const struct scene *scen
     return error_set(error, ERROR_COMMAND, "no orbit of twice the period was found there");
 }
 
+static bool leave_nothing(struct solution_curve *path, struct error *error)
+{
+    solutions_end(path);
+    return error_set(error, ERROR_COMMAND, "no other branch was found at the branch point");
+}
+
 static bool leave_crossing(struct solution_curve *path, const struct scene *scene, int param,
                            double psize, const struct branch_point *at, int side,
                            const struct cancel *cancel, struct curve_point *first,
                            struct error *error)
 {
-    double u[CURVE_MAX], f[CURVE_MAX], jacobian[CURVE_MAX * CURVE_MAX], direction[CURVE_MAX];
+    double u[CURVE_MAX], f[CURVE_MAX], direction[CURVE_MAX];
     if (!solutions_begin(path, scene, param, psize, &at->solution, cancel, u, error))
         return false;
+    double *jacobian = path->work->jacobian;
     const int n = path->problem->n;
     if (path->problem->residual(path->problem->context, u, f, jacobian)) {
-        /* with several segments the tangent is not kept: the one that the matrix shows first */
-        double known[CURVE_MAX] = {0};
-        if (n + 1 <= (int)COUNT_OF(at->tangent))
+        double known[CURVE_MAX];
+        if (path->kind == SOLUTION_EQUILIBRIUM)
             memcpy(known, at->tangent, (size_t)(n + 1) * sizeof *known);
+        else if (!spread(path, &at->solution, orbit_curve_period(&path->orbit, u), at->tangent, u,
+                         known))
+            return leave_nothing(path, error);
         if (matrix_second_null(n + 1, jacobian, known, direction)) {
             for (int i = 0; i <= n; i++)
                 direction[i] *= side;
@@ -158,8 +181,7 @@ static bool leave_crossing(struct solution_curve *path, const struct scene *scen
                 return true;
         }
     }
-    solutions_end(path);
-    return error_set(error, ERROR_COMMAND, "no other branch was found at the branch point");
+    return leave_nothing(path, error);
 }
 
 bool solutions_leave(struct solution_curve *path, const struct scene *scene, int param,

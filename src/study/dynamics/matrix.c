@@ -76,29 +76,11 @@ static double pair_sum(int n, const double *a, int p, int q, int r, int s)
                               : 0;
 }
 
-static double pair_product(int n, const double *a, int p, int q, int r, int s)
-{
-    return entry(n, a, p, r) * entry(n, a, q, s) - entry(n, a, p, s) * entry(n, a, q, r) -
-           (p == r && q == s);
-}
-
-static void fill_pairs(int n, const double *a,
-                       double (*of)(int n, const double *a, int p, int q, int r, int s),
-                       double *pairs)
+void matrix_pair_sums(int n, const double *jacobian, double *pairs)
 {
     for (int p = 1; p < n; p++)
         for (int q = 0; q < p; q++)
             for (int r = 1; r < n; r++)
                 for (int s = 0; s < r; s++)
-                    *pairs++ = of(n, a, p, q, r, s);
-}
-
-void matrix_pair_sums(int n, const double *jacobian, double *pairs)
-{
-    fill_pairs(n, jacobian, pair_sum, pairs);
-}
-
-void matrix_pair_products(int n, const double *map, double *pairs)
-{
-    fill_pairs(n, map, pair_product, pairs);
+                    *pairs++ = pair_sum(n, jacobian, p, q, r, s);
 }

@@ -13,8 +13,8 @@
 #define FINE_TOL 1e-13 /* of flows, relative to sizes */
 #define WALK_TOL 1e-8
 #define GROWTH 1e2 /* of a new segment, at most; */
+#define FEWEST 5   /* what grows and dies within a period is seen in its parts */
 #define GROWN 3e3  /* it is cut when it has become this */
-#define UPRIGHT 0.94
 
 static void state_of(const struct vector_field *field, const double *u, double *y)
 {
@@ -59,8 +59,8 @@ static bool shoot(const struct orbit_curve *c, const double *u, int i, double pe
                   struct segment *s)
 {
     struct vector_field *field = c->field;
-    s->span = period / c->segments;
-    s->t = field->system.t0 + i * s->span;
+    s->span = period * (c->share[i + 1] - c->share[i]);
+    s->t = field->system.t0 + period * c->share[i];
     state_of(field, u + i * field->n, s->start);
     if (!field_flow(field, s->t, s->start, s->span, s->end, &s->by))
         return false;
@@ -73,7 +73,7 @@ static bool shoot(const struct orbit_curve *c, const double *u, int i, double pe
 static void add_drive(const struct orbit_curve *c, int i, double by, struct segment *s)
 {
     const int n = c->field->n;
-    const double from = by * i / c->segments, to = by * (i + 1) / c->segments;
+    const double from = by * c->share[i], to = by * c->share[i + 1];
     for (int k = 0; k < n; k++) {
         s->by.by_parameter[0][k] += to * s->last[k];
         for (int l = 0; l < n; l++)
@@ -94,7 +94,8 @@ static void put_rows(const struct orbit_curve *c, const double *u, int i, const 
             jacobian[row * all + i * n + l] += s->by.by_start[k * n + l];
         jacobian[row * all + next * n + k] -= 1;
         if (!c->forced)
-            jacobian[row * all + c->segments * n] = s->last[k] * c->tsize / c->segments;
+            jacobian[row * all + c->segments * n] =
+                s->last[k] * c->tsize * (c->share[i + 1] - c->share[i]);
         jacobian[row * all + all - 1] = s->by.by_parameter[0][k] * c->psize;
     }
 }
@@ -130,15 +131,16 @@ static bool residual(void *context, const double *u, double *f, double *jacobian
     if (!(period > 0) || !isfinite(period))
         return false;
     memset(jacobian, 0, (size_t)(c->problem.n * all) * sizeof *jacobian);
-    c->growth = c->log_determinant = 0;
+    c->log_determinant = 0;
     for (int i = 0; i < c->segments; i++) {
         struct segment s;
         if (!shoot(c, u, i, period, &s))
             return false;
         memcpy(c->map + i * n * n, s.by.by_start, (size_t)(n * n) * sizeof *c->map);
         memcpy(c->rate + i * n, s.first, (size_t)n * sizeof *c->rate);
+        c->growth[i] = 0;
         for (int k = 0; k < n * n; k++)
-            c->growth = fmax(c->growth, fabs(s.by.by_start[k]));
+            c->growth[i] = fmax(c->growth[i], fabs(s.by.by_start[k]));
         c->log_determinant += s.by.log_determinant;
         add_drive(c, i, by, &s);
         put_rows(c, u, i, &s, f, jacobian);
@@ -174,7 +176,7 @@ static void test(void *context, const double *u, const double *jacobian, const d
 {
     const struct orbit_curve *c = context;
     const int n = c->problem.n;
-    double bordered[CURVE_MAX * CURVE_MAX];
+    double *bordered = c->problem.work->matrix;
     struct multipliers multipliers;
     (void)u;
     memcpy(bordered, jacobian, (size_t)(n * (n + 1)) * sizeof *bordered);
@@ -197,10 +199,10 @@ static void turn_tangent(const struct orbit_curve *c, const double *u, double *t
 {
     const int n = c->field->n, all = c->problem.n + 1;
     double rate[CURVE_MAX], y[FIELD_VARIABLES], off = 0, by = 0, sum = 0;
-    const double span = orbit_curve_period(c, u) / c->segments;
+    const double period = orbit_curve_period(c, u);
     for (int i = 0; i < c->segments; i++) {
         state_of(c->field, u + i * n, y);
-        rate_of(c->field, c->field->system.t0 + i * span, y, rate + i * n);
+        rate_of(c->field, c->field->system.t0 + period * c->share[i], y, rate + i * n);
     }
     for (int k = 0; k < n; k++) {
         off += c->along[k] * tangent[k];
@@ -227,13 +229,13 @@ void orbit_curve_refer(struct orbit_curve *c, const double *u, double *tangent)
         turn_tangent(c, u, tangent);
 }
 
-bool orbit_curve_keeps(const struct orbit_curve *c)
+double orbit_curve_upright(const struct orbit_curve *c)
 {
     const int n = c->field->n;
     double cosine = 0;
     for (int i = 0; i < n; i++)
         cosine += c->along[i] * c->rate[i];
-    return c->forced || cosine > UPRIGHT * length_of(n, c->rate);
+    return c->forced ? 1 : cosine / length_of(n, c->rate);
 }
 
 bool orbit_curve_unknowns(struct orbit_curve *c, const double *state, double period, double *u)
@@ -245,8 +247,8 @@ bool orbit_curve_unknowns(struct orbit_curve *c, const double *state, double per
     for (int i = 0; i < c->segments; i++) {
         for (int k = 0; k < n; k++)
             u[i * n + k] = y[k] / field->size[k];
-        if (!field_flow(field, field->system.t0 + i * period / c->segments, y, period / c->segments,
-                        end, NULL))
+        if (!field_flow(field, field->system.t0 + period * c->share[i], y,
+                        period * (c->share[i + 1] - c->share[i]), end, NULL))
             return false;
         memcpy(y, end, sizeof y);
     }
@@ -258,31 +260,59 @@ bool orbit_curve_unknowns(struct orbit_curve *c, const double *state, double per
     return true;
 }
 
-bool orbit_curve_is_long(const struct orbit_curve *c)
+static bool is_long(const struct orbit_curve *c, int i)
 {
-    return c->growth > GROWN && 2 * c->segments * c->field->n + 2 <= CURVE_MAX;
+    return c->growth[i] > GROWN;
 }
 
-/* Unknowns at twice the segments: each old one, and what it becomes half way. */
-static bool cut_unknowns(struct orbit_curve *c, const double *u, double *cut)
+bool orbit_curve_is_long(const struct orbit_curve *c)
+{
+    bool any = false;
+    for (int i = 0; i < c->segments; i++)
+        any = any || is_long(c, i);
+    return any && c->problem.n + 1 + c->field->n <= CURVE_MAX;
+}
+
+/* Unknowns with those segments cut into two: each old one, and what it becomes half way. */
+static bool cut_unknowns(struct orbit_curve *c, const bool *halved, const double *u, double *cut)
 {
     struct vector_field *field = c->field;
     const int n = field->n, m = c->segments, rest = !c->forced;
     double p = u[m * n + rest] * c->psize;
     if (!field_set(field, &p))
         return false;
-    const double span = orbit_curve_period(c, u) / m;
+    const double period = orbit_curve_period(c, u);
+    int to = 0;
     for (int i = 0; i < m; i++) {
         double y[FIELD_VARIABLES], end[FIELD_VARIABLES];
+        memcpy(cut + to++ * n, u + i * n, (size_t)n * sizeof *cut);
+        if (!halved[i])
+            continue;
         state_of(field, u + i * n, y);
-        if (!field_flow(field, field->system.t0 + i * span, y, span / 2, end, NULL))
+        if (!field_flow(field, field->system.t0 + period * c->share[i], y,
+                        period * (c->share[i + 1] - c->share[i]) / 2, end, NULL))
             return false;
-        memcpy(cut + 2 * i * n, u + i * n, (size_t)n * sizeof *cut);
         for (int k = 0; k < n; k++)
-            cut[(2 * i + 1) * n + k] = end[k] / field->size[k];
+            cut[to * n + k] = end[k] / field->size[k];
+        to++;
     }
-    memcpy(cut + 2 * m * n, u + m * n, (size_t)(rest + 1) * sizeof *cut);
+    memcpy(cut + to * n, u + m * n, (size_t)(rest + 1) * sizeof *cut);
     return true;
+}
+
+static void cut_shares(struct orbit_curve *c, const bool *halved)
+{
+    double share[CURVE_MAX];
+    int to = 0;
+    for (int i = 0; i < c->segments; i++) {
+        share[to++] = c->share[i];
+        if (halved[i])
+            share[to++] = (c->share[i] + c->share[i + 1]) / 2;
+    }
+    share[to] = 1;
+    memcpy(c->share, share, sizeof share);
+    c->problem.n += (to - c->segments) * c->field->n;
+    c->segments = to;
 }
 
 #define ASIDE 1e-6
@@ -290,12 +320,16 @@ static bool cut_unknowns(struct orbit_curve *c, const double *u, double *cut)
 bool orbit_curve_cut(struct orbit_curve *c, double *u, double *direction)
 {
     double aside[CURVE_MAX], cut[2][CURVE_MAX], sum = 0;
+    bool halved[CURVE_MAX] = {false};
+    for (int i = 0, n = c->problem.n; i < c->segments; i++) {
+        halved[i] = is_long(c, i) && n + 1 + c->field->n <= CURVE_MAX;
+        n += halved[i] ? c->field->n : 0;
+    }
     for (int i = 0; i <= c->problem.n; i++)
         aside[i] = u[i] + ASIDE * direction[i];
-    if (!cut_unknowns(c, u, cut[0]) || !cut_unknowns(c, aside, cut[1]))
+    if (!cut_unknowns(c, halved, u, cut[0]) || !cut_unknowns(c, halved, aside, cut[1]))
         return false;
-    c->problem.n += c->segments * c->field->n;
-    c->segments *= 2;
+    cut_shares(c, halved);
     memcpy(u, cut[0], sizeof cut[0]);
     for (int i = 0; i <= c->problem.n; i++) {
         direction[i] = cut[1][i] - cut[0][i];
@@ -316,7 +350,7 @@ static int segments_for(struct vector_field *field, const double *state, double 
     for (int i = 0; i < field->n * field->n; i++)
         size = fmax(size, fabs(by.by_start[i]));
     const int most = (CURVE_MAX - 2) / field->n,
-              wanted = 1 + (int)(log(fmax(size, 1)) / log(GROWTH));
+              wanted = FEWEST + (int)(log(fmax(size, 1)) / log(GROWTH));
     return wanted < most ? wanted : most;
 }
 
@@ -335,6 +369,8 @@ bool orbit_curve_init(struct orbit_curve *c, struct vector_field *field, double 
     c->segments = segments_for(field, state, period);
     if (c->segments == 0)
         return false;
+    for (int i = 0; i <= c->segments; i++)
+        c->share[i] = (double)i / c->segments;
     c->problem = (struct curve_problem){.context = c,
                                         .n = c->segments * field->n + !c->forced,
                                         .residual = residual,

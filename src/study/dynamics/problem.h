@@ -22,6 +22,7 @@ void equilibrium_curve_init(struct equilibrium_curve *curve, struct vector_field
 struct orbit_curve {
     struct vector_field *field;
     int segments;
+    double share[CURVE_MAX]; /* of the period: where each begins, and 1 */
     bool forced;
     int multiple; /* of the drive's period */
     double psize, tsize;
@@ -31,8 +32,8 @@ struct orbit_curve {
     /* of the last residual: what each segment does, and how the orbit moves where it begins, in
      * units of size */
     double map[CURVE_MAX * FIELD_VARIABLES], rate[CURVE_MAX];
-    double log_determinant; /* of the map of the whole orbit */
-    double growth;          /* largest entry of the map of a segment */
+    double log_determinant;   /* of the map of the whole orbit */
+    double growth[CURVE_MAX]; /* largest entry of the map of each segment */
     struct curve_problem problem;
 };
 
@@ -45,10 +46,11 @@ bool orbit_curve_unknowns(struct orbit_curve *curve, const double *state, double
 /* From here on the phase is fixed by this orbit; the tangent there, NULL: there is none, goes on to
  * orbits of this phase. */
 void orbit_curve_refer(struct orbit_curve *curve, const double *u, double *tangent);
-/* Does the orbit last looked at still go across that plane nearly upright? */
-bool orbit_curve_keeps(const struct orbit_curve *curve);
-/* Would shorter segments do better? Cuts the orbit anew: u, and a direction there, become those of
- * the new unknowns; false: it cannot be cut. */
+/* How upright the orbit last looked at goes across that plane: 1, and below 0 where it has shrunk
+ * to an equilibrium and grows again on the other side, half a period later. Forced: 1. */
+double orbit_curve_upright(const struct orbit_curve *curve);
+/* Would shorter segments do better? Halves those in which differences grow too much: u, and a
+ * direction there, become those of the new unknowns; false: it cannot be cut. */
 bool orbit_curve_is_long(const struct orbit_curve *curve);
 bool orbit_curve_cut(struct orbit_curve *curve, double *u, double *direction);
 double orbit_curve_period(const struct orbit_curve *curve, const double *u); /* [s] */

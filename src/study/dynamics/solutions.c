@@ -3,6 +3,7 @@
 #include "study/dynamics/solutions.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include <hooke/base/numeric.h>
@@ -16,8 +17,18 @@ static const struct row special_rows[] = {
     {"PD", "", "period doubling", "", NULL},
     {"NS", "", "Neimark-Sacker: motion with two frequencies is born", "", NULL},
     {"EP", "", "end of the branch", "", NULL},
+    {"CP", "", "cusp: two folds meet", "", NULL},
+    {"BT", "", "Bogdanov-Takens point: two eigenvalues are 0", "", NULL},
+    {"GH", "", "generalised Hopf point: the first Lyapunov coefficient is 0", "", NULL},
 };
 const struct catalog special_catalog = CATALOG("special point", special_rows);
+
+void solutions_end(struct solution_curve *path)
+{
+    field_free(&path->field);
+    free(path->work);
+    path->work = NULL;
+}
 
 bool solutions_begin(struct solution_curve *path, const struct scene *scene, int param,
                      double psize, const struct solution *guess, const struct cancel *cancel,
@@ -30,11 +41,17 @@ bool solutions_begin(struct solution_curve *path, const struct scene *scene, int
         return false;
     struct vector_field *field = &path->field;
     field->cancel = cancel;
+    path->work = malloc(sizeof *path->work);
+    if (!path->work) {
+        field_free(field);
+        return error_memory(error);
+    }
     /* sizes of what is followed, not of the scene's start */
     for (int i = 0; i < field->n; i++)
         field->size[i] = fmax(field->size[i], fabs(guess->state[i]));
     if (guess->kind == SOLUTION_EQUILIBRIUM) {
         equilibrium_curve_init(&path->equilibrium, field, psize);
+        path->equilibrium.problem.work = path->work;
         path->problem = &path->equilibrium.problem;
         for (int i = 0; i < field->n; i++)
             u[i] = guess->state[i] / field->size[i];
@@ -48,21 +65,18 @@ bool solutions_begin(struct solution_curve *path, const struct scene *scene, int
             &path->orbit, guess->state,
             path->orbit.forced ? guess->multiple * field_drive(field) : guess->period, u)) {
         orbit_curve_refer(&path->orbit, u, NULL);
+        path->orbit.problem.work = path->work;
         return true;
     }
-    field_free(field);
+    solutions_end(path);
     return error_set(error, ERROR_COMMAND, "the motion from there does not get through a period");
 }
 
-void solutions_end(struct solution_curve *path)
-{
-    field_free(&path->field);
-}
-
-bool solutions_correct_at(struct solution_curve *path, const double *u, struct curve_point *point)
+bool solutions_correct_at(struct solution_curve *path, const double *u, int sign,
+                          struct curve_point *point)
 {
     double direction[CURVE_MAX] = {0};
-    direction[path->problem->n] = 1;
+    direction[path->problem->n] = sign;
     return curve_correct(path->problem, u, direction, true, point);
 }
 
@@ -155,7 +169,7 @@ bool solutions_at(struct solution_curve *path, const struct curve_point *point, 
                   struct solution *s)
 {
     struct vector_field *field = &path->field;
-    double f[CURVE_MAX], jacobian[CURVE_MAX * CURVE_MAX];
+    double f[CURVE_MAX], *jacobian = path->work->jacobian;
     place(path, point, s);
     if (!path->problem->residual(path->problem->context, point->u, f, jacobian))
         return false;

@@ -15,6 +15,7 @@ struct solution_curve {
         struct orbit_curve orbit;
     };
     const struct curve_problem *problem; /* of the one that it is */
+    struct curve_work *work;
 };
 
 /* For a solution as a guess, at the field's present parameter; u [problem->n + 1] are its unknowns.
@@ -23,8 +24,9 @@ bool solutions_begin(struct solution_curve *path, const struct scene *scene, int
                      double psize, const struct solution *guess, const struct cancel *cancel,
                      double *u, struct error *error);
 void solutions_end(struct solution_curve *path);
-/* Onto the curve at the guess's parameter. */
-bool solutions_correct_at(struct solution_curve *path, const double *u, struct curve_point *point);
+/* Onto the curve at the guess's parameter; the tangent goes to growing (1) or falling (-1) ones. */
+bool solutions_correct_at(struct solution_curve *path, const double *u, int sign,
+                          struct curve_point *point);
 /* What the point is; looks at it again, which costs one orbit. `extremes`: along an orbit. */
 bool solutions_at(struct solution_curve *path, const struct curve_point *point, bool extremes,
                   struct solution *solution);

@@ -1,0 +1,12 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Curves of special points in two parameters. */
+#ifndef HOOKE_STUDY_DYNAMICS_TWO_PARAMETERS_H
+#define HOOKE_STUDY_DYNAMICS_TWO_PARAMETERS_H
+
+#include <hooke/study/dynamics.h>
+
+/* branch_follow() where there is a second parameter. */
+bool special_follow(const struct branch_request *request, struct branch *branch,
+                    struct error *error);
+
+#endif
