@@ -11,7 +11,7 @@
 #include <hooke/base/numeric.h>
 
 #include "study/compare/verify.h"
-#include "study/dynamics/eigen.h"
+#include "study/branches/eigen.h"
 #include "study/dynamics/solutions.h"
 
 #define ZERO 1e-13     /* of the largest eigenvalue */

@@ -5,7 +5,7 @@
 
 #include <hooke/base/numeric.h>
 
-#include "study/dynamics/eigen.h"
+#include "study/branches/eigen.h"
 #include "study/dynamics/solutions.h"
 
 #define ASIDE 1e-6 /* of units */

@@ -6,14 +6,14 @@
  * Derivatives of that equation are differences: they only lead to the point, which is as exact as
  * the equations are.
  */
-#include "study/dynamics/two_parameters.h"
+#include "study/branches/two_parameters.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "study/dynamics/eigen.h"
+#include "study/branches/eigen.h"
 #include "study/dynamics/solutions.h"
 
 #define DELTA 1e-6

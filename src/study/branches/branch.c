@@ -5,9 +5,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "study/dynamics/eigen.h"
+#include "study/branches/eigen.h"
 #include "study/dynamics/solutions.h"
-#include "study/dynamics/two_parameters.h"
+#include "study/branches/two_parameters.h"
 
 #define FIRST 0.01 /* arclength of the first step, where the range is 1 */
 #define LONGEST 0.05

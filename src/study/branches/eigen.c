@@ -3,7 +3,7 @@
  * Eigenvectors by inverse iteration, and the first Lyapunov coefficient from differences of the
  * symbolic Jacobian in the directions that it needs.
  */
-#include "study/dynamics/eigen.h"
+#include "study/branches/eigen.h"
 
 #include <float.h>
 #include <math.h>
