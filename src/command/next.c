@@ -155,10 +155,12 @@ void command_next(const struct session *session, struct buffer *line)
         return;
     }
     struct done done = {session, session_recording(session), {0}, false};
+    if (!done.recording)
+        return;
     history_put(session, 0, HISTORY_RECORD, &script);
     done.script = buffer_text(&script);
     const char *loaded = last(done.script, "load");
-    if (loaded && done.recording && !script.failed) {
+    if (loaded && !script.failed) {
         done.script.len -= (size_t)(loaded - done.script.at);
         done.script.at = loaded;
         done.decays = span(done.recording) > LONG_S;

@@ -3,10 +3,8 @@
  * Readline under the panes: it takes its bytes from our input, draws nothing and leaves the
  * terminal's modes alone. Its callbacks have no context: panes_active is it.
  */
-#define _GNU_SOURCE /* RTLD_NEXT */
 #include "terminal/panes.h"
 
-#include <dlfcn.h>
 #include <setjmp.h>
 #include <stdlib.h>
 #include <string.h>
@@ -42,18 +40,11 @@ static struct {
     bool valid;
 } given_up;
 
-/* ISO C has no cast from an object pointer to a function pointer: the bytes are copied. */
-static void find_own(void *function, const char *name)
-{
-    void *found = dlsym(RTLD_NEXT, name);
-    memcpy(function, &found, sizeof found);
-}
-
 int _rl_abort_internal(void)
 {
     static int (*own)(void);
     if (!own)
-        find_own(&own, "_rl_abort_internal");
+        line_find_own(&own, "_rl_abort_internal");
     sigjmp_buf *top = &_rl_top_level;
     if (top && given_up.valid)
         memcpy(top, &given_up.frame, sizeof *top);
@@ -66,7 +57,7 @@ int _rl_forward_char_internal(int count)
 {
     static int (*own)(int);
     if (!own)
-        find_own(&own, "_rl_forward_char_internal");
+        line_find_own(&own, "_rl_forward_char_internal");
     const int next = own ? own(count) : rl_end;
     return count > 0 && next < rl_point ? rl_point : next;
 }
@@ -77,7 +68,7 @@ void rl_redisplay(void)
     static void (*own)(void);
     int rows, columns;
     if (!own)
-        find_own(&own, "rl_redisplay");
+        line_find_own(&own, "rl_redisplay");
     rl_get_screen_size(&rows, &columns);
     if (columns < NARROWEST)
         rl_set_screen_size(rows, NARROWEST);
@@ -91,7 +82,7 @@ int rl_newline(int count, int key)
 {
     static int (*own)(int, int);
     if (!own)
-        find_own(&own, "rl_newline");
+        line_find_own(&own, "rl_newline");
     line_drop_undo();
     return own ? own(count, key) : 0;
 }
@@ -105,11 +96,26 @@ static void drop_queue(void)
     panes_active->echo_stale = true;
 }
 
+static void on_line(char *typed);
+
+/* A line that is entered behind a count (ESC 2 Enter) would be over with the next key only, which
+ * were a key of that line. */
+static void end_line(void)
+{
+    if (!rl_done)
+        return;
+    char *line = strndup(rl_line_buffer, (size_t)rl_end);
+    rl_callback_handler_install(PANES_PROMPT, on_line);
+    if (line)
+        on_line(line);
+}
+
 static void take_key(void)
 {
     if (sigsetjmp(given_up.frame, 0) == 0) {
         given_up.valid = true;
         rl_callback_read_char();
+        end_line();
     } else {
         rl_readline_state &= ~(unsigned long)(RL_STATE_MOREINPUT | RL_STATE_METANEXT);
         drop_queue();
@@ -120,6 +126,9 @@ static void take_key(void)
 /* Readline takes what is in its queue first: the key may wait for its next turn. */
 void edit_key(struct panes *panes, unsigned char byte)
 {
+    if (panes->line_ended)
+        line_over();
+    panes->line_ended = false;
     panes->next_byte = byte;
     for (int turns = 0; panes->next_byte >= 0 && turns < KEY_TURNS; turns++) {
         take_key();
@@ -145,8 +154,9 @@ static int get_byte(FILE *ignored)
             panes_wait(panes, INT64_MAX);
         }
     }
-    if (byte < 0 && panes->interrupted && given_up.valid) {
-        siglongjmp(given_up.frame, 1); /* what readline was reading for may be cleared */
+    if (byte < 0 && given_up.valid) {
+        /* What readline was reading for may be cleared, and a paste that is cut is not ended. */
+        siglongjmp(given_up.frame, 1);
     }
     return byte < 0 ? EOF : byte;
 }
@@ -185,7 +195,7 @@ static void on_line(char *typed)
 {
     struct panes *panes = panes_active;
     struct error error;
-    panes->echo_stale = true;
+    panes->echo_stale = panes->line_ended = true;
     if (typed && !panes->running && !panes_session(panes)->view.reading) {
         typed = offer_take(panes->program, typed);
     }
@@ -255,7 +265,7 @@ void edit_clear(struct panes *panes)
     rl_replace_line("", 0);
     rl_set_keymap_from_edit_mode(); /* vi's insertion mode */
     keys_choose(panes_session(panes));
-    panes->echo_stale = true;
+    panes->echo_stale = panes->line_ended = true;
 }
 
 void edit_put_aside(struct panes *panes)
@@ -301,6 +311,7 @@ void edit_end(void)
 {
     rl_callback_sigcleanup(); /* a search would go on at the next prompt, in lines that are gone */
     rl_callback_handler_remove();
+    line_over();
     rl_outstream = stdout;
     rl_getc_function = rl_getc;
     rl_input_available_hook = NULL;

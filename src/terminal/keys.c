@@ -423,27 +423,8 @@ static void bind(const struct key *rows, size_t count, Keymap map)
     }
 }
 
-/* A search that asks for its text, left by Ctrl-G on a line of the history that was edited, has
- * readline 8.2 use that line's undo after it is freed. */
-static int on_search(int count, int key)
-{
-    line_drop_undo();
-    return key == 'p'   ? rl_noninc_reverse_search(count, key)
-           : key == 'n' ? rl_noninc_forward_search(count, key)
-                        : rl_vi_search(count, key);
-}
-
-static void bind_searches(void)
-{
-    rl_bind_key_in_map('p', on_search, emacs_meta_keymap);
-    rl_bind_key_in_map('n', on_search, emacs_meta_keymap);
-    rl_bind_key_in_map('/', on_search, vi_movement_keymap);
-    rl_bind_key_in_map('?', on_search, vi_movement_keymap);
-}
-
 void keys_bind(void)
 {
-    bind_searches();
     Keymap const maps[] = {emacs_standard_keymap, vi_insertion_keymap, vi_movement_keymap};
     for (size_t i = 0; i < COUNT_OF(maps); i++) {
         bind(keys, COUNT_OF(keys), maps[i]);

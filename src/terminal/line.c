@@ -1,8 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Readline as both prompts use it: its settings and completion by the interpreter. It asks without
  * a context, so what it needs stands here. */
+#define _GNU_SOURCE /* RTLD_NEXT */
 #include "terminal/panes.h"
 
+#include <dlfcn.h>
+#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -11,6 +14,13 @@
 #include <readline/history.h>
 #include <readline/readline.h>
 #include <readline/tilde.h>
+
+/* ISO C has no cast from an object pointer to a function pointer: the bytes are copied. */
+void line_find_own(void *function, const char *name)
+{
+    void *found = dlsym(RTLD_NEXT, name);
+    memcpy(function, &found, sizeof found);
+}
 
 static struct session *completing;
 static bool begun;
@@ -212,10 +222,86 @@ void line_begin(struct session *session)
     history_load();
 }
 
+/* ---- what readline frees ---- */
+
+/*
+ * Readline's lists of undo have no owner: the line, its entry of the history and the line that was
+ * left for it have the same one, and free it one after the other, or none does. So each part of
+ * them is known here, and what readline frees is kept until the line is over: then nobody has a
+ * list, and each part is freed once.
+ */
+struct pointers {
+    void **at;
+    size_t count, capacity;
+};
+
+static struct pointers parts, freed;
+
+void xfree(void *memory); /* as xmalloc() in crash.c, in readline's place */
+extern HIST_ENTRY *_rl_saved_line_for_history __attribute__((weak));
+
+/* Without memory it is lost. */
+static void put_pointer(struct pointers *all, void *pointer)
+{
+    if (all->count == all->capacity) {
+        const size_t capacity = all->capacity ? 2 * all->capacity : 256;
+        void **more = realloc(all->at, capacity * sizeof *more);
+        if (!more)
+            return;
+        all->at = more;
+        all->capacity = capacity;
+    }
+    all->at[all->count++] = pointer;
+}
+
+void xfree(void *memory)
+{
+    if (memory)
+        put_pointer(&freed, memory);
+}
+
+/* Weak as those of edit.c are. */
+__attribute__((weak)) void rl_add_undo(enum undo_code what, int start, int end, char *text)
+{
+    static void (*own)(enum undo_code, int, int, char *);
+    if (!own)
+        line_find_own(&own, "rl_add_undo");
+    if (own)
+        own(what, start, end, text);
+    put_pointer(&parts, rl_undo_list);
+}
+
 void line_drop_undo(void)
 {
     HIST_ENTRY *entry = current_history();
     rl_undo_list = NULL;
     if (entry)
         entry->data = NULL;
+}
+
+static int by_address(const void *a, const void *b)
+{
+    const uintptr_t one = (uintptr_t) * (void *const *)a, two = (uintptr_t) * (void *const *)b;
+    return (one > two) - (one < two);
+}
+
+void line_over(void)
+{
+    HIST_ENTRY **entry = history_list();
+    rl_undo_list = NULL;
+    for (size_t i = 0; entry && entry[i]; i++)
+        entry[i]->data = NULL;
+    if (&_rl_saved_line_for_history && _rl_saved_line_for_history)
+        _rl_saved_line_for_history->data = NULL;
+    for (size_t i = 0; i < parts.count; i++) {
+        const UNDO_LIST *part = parts.at[i];
+        xfree(part && part->what == UNDO_DELETE ? part->text : NULL);
+        xfree(parts.at[i]);
+    }
+    if (freed.count > 1)
+        qsort(freed.at, freed.count, sizeof *freed.at, by_address);
+    for (size_t i = 0; i < freed.count; i++)
+        if (i == 0 || freed.at[i] != freed.at[i - 1])
+            free(freed.at[i]);
+    freed.count = parts.count = 0;
 }

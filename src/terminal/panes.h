@@ -128,6 +128,7 @@ struct panes {
     int aside_point;     /* [byte] of the cursor in it */
     /* what a key could not do: shown instead of the numbers until the next line */
     struct buffer notice;
+    bool line_ended;     /* since the last key */
     bool echo_stale;     /* the prompt has changed */
     bool screen_stale;   /* more than that has */
     bool interrupted;    /* Ctrl-C while a run goes on */

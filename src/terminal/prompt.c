@@ -173,6 +173,7 @@ static char *read_line(struct front_program *program)
         snprintf(prompt, sizeof prompt, "lab %d/%d> ", lesson->step + 1, lesson->steps);
     }
     char *typed = readline(prompt);
+    line_over();
     signals_alarm(0);
     signals_watch(0);
     return typed;

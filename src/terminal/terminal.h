@@ -209,10 +209,12 @@ void progress_print(void *context, const struct run *run, double fraction);
 
 /* Settings and completion; once, before anything else of readline. */
 void line_begin(struct session *session);
-/* What was edited cannot be undone any more. Readline has the list in up to three places (the line,
- * its entry of the history, the line that was left for it) and frees it in each: it is left to
- * itself. */
+/* The function of that name before which ours stands; `function` points at a pointer to it. */
+void line_find_own(void *function, const char *name);
+/* What was edited cannot be undone any more. */
 void line_drop_undo(void);
+/* Between two lines: what readline has freed since the last one is free now, and lists of undo. */
+void line_over(void);
 
 /* ---- files of the user
  * ------------------------------------------------------------------------------------ */

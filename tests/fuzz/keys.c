@@ -8,23 +8,30 @@
 
 #define CORPUS "keys"
 #define UNIT "keys"
-#define QUICK_INPUTS 60 /* readline has faults that more of them find: README.md */
 #define FUZZ_SEEDS
 #define FUZZ_MUTATOR
 #include "fuzz/replay.h"
 #include "fuzz/scripted.h"
 
 #include <fcntl.h>
+#include <locale.h>
 #include <poll.h>
 
 #include <readline/history.h>
+#include <readline/readline.h>
 
-enum { KEYS_CHUNK = 40, KEYS_NS = 5000000, KEYS_IDLE = 3 };
+enum {
+    KEYS_CHUNK = 40, /* [byte] at once, where not all of it comes so */
+    KEYS_NS = 5000000,
+    KEYS_IDLE = 3,
+    KEYS_SHORTEST = 16 /* [byte] at most, of an input: this, or up to 32 times as much */
+};
 
 static struct {
     struct text rest;
     uint64_t random;
     int pipe[2], idle;
+    bool at_once;
     struct session *session;
 } keys;
 
@@ -36,6 +43,8 @@ static void on_time(int number)
 
 int poll(struct pollfd *ready, nfds_t count, int timeout)
 {
+    if (strlen(rl_line_buffer) != (size_t)rl_end || rl_point < 0 || rl_point > rl_end)
+        abort(); /* the line is not whole */
     for (nfds_t i = 0; i < count; i++)
         ready[i].revents = 0;
     scripted_time(KEYS_NS);
@@ -46,7 +55,7 @@ int poll(struct pollfd *ready, nfds_t count, int timeout)
     }
     if (timeout == 0 && fuzz_random(&keys.random) % 2)
         return 0;
-    const size_t wish = 1 + fuzz_random(&keys.random) % KEYS_CHUNK;
+    const size_t wish = keys.at_once ? SIZE_MAX : 1 + fuzz_random(&keys.random) % KEYS_CHUNK;
     const ssize_t put =
         write(keys.pipe[1], keys.rest.at, wish < keys.rest.len ? wish : keys.rest.len);
     if (put > 0)
@@ -67,6 +76,10 @@ static void settle(void)
     if (nowhere < 0 || dup2(nowhere, STDOUT_FILENO) < 0 || pipe2(keys.pipe, O_NONBLOCK) != 0 ||
         dup2(keys.pipe[0], STDIN_FILENO) < 0 || sigaction(SIGRTMIN, &action, NULL) != 0)
         abort();
+    /* UTF-8 where the environment does not say otherwise */
+    if (!getenv("LC_ALL"))
+        setenv("LC_ALL", "C.UTF-8", 1);
+    setlocale(LC_CTYPE, "");
     setenv("TERM", "xterm-256color", 1);
     setenv("INPUTRC", "/dev/null", 1);
     setenv("HOOKE_AUTOSAVE", "86400", 1);
@@ -130,7 +143,7 @@ size_t fuzz_seed(size_t i, uint8_t *data, size_t max)
         return 0;
     tokens_begin();
     tokens.random = (i + 1) * 88172645463325252u;
-    for (int n = 0; n < 40; n++)
+    for (size_t n = 0; n <= i % 24; n++)
         put_key(&out);
     const size_t len = out.len < max ? out.len : max;
     memcpy(data, out.data, len);
@@ -144,6 +157,9 @@ size_t LLVMFuzzerCustomMutator(uint8_t *data, size_t size, size_t max, unsigned 
     tokens.random = seed * 2654435761u + 88172645463325252u;
     if (size == 0)
         return fuzz_seed(tokens_choose(64), data, max);
+    const size_t most = (size_t)KEYS_SHORTEST << tokens_choose(6);
+    max = most < max ? most : max;
+    size = size < max ? size : max;
     if (tokens_choose(4) == 0)
         return LLVMFuzzerMutate(data, size, max);
     struct buffer out = {0};
@@ -177,6 +193,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     keys.session = session;
     keys.rest = (struct text){(const char *)data, size};
     keys.idle = 0;
+    keys.at_once = keys.random >> 3 & 1;
     char number[16];
     snprintf(number, sizeof number, "%d", 6 + (int)(keys.random >> 8) % 60);
     setenv("LINES", number, 1);

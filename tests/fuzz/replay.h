@@ -81,6 +81,7 @@ static struct {
     int seeds, output, top; /* descriptors: of what is said, of the folder it began in */
     uint8_t data[REPLAY_ROOM];
     size_t size;
+    timer_t endless;
 } replay;
 
 /* Flips, overwrites, cuts and doubles bytes. */
@@ -158,12 +159,16 @@ void __sanitizer_set_death_callback(void (*act)(void)) __attribute__((weak));
 
 static void replay_catch(void)
 {
-    static const int ends[] = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGALRM};
+    const int ends[] = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGRTMAX};
     if (__sanitizer_set_death_callback)
         __sanitizer_set_death_callback(replay_keep);
     for (size_t i = 0; i < sizeof ends / sizeof ends[0]; i++)
-        if (!__sanitizer_set_death_callback || ends[i] == SIGALRM)
+        if (!__sanitizer_set_death_callback || ends[i] == SIGRTMAX)
             signal(ends[i], replay_on_end);
+    /* not alarm(), which the program takes for itself */
+    struct sigevent event = {.sigev_notify = SIGEV_SIGNAL, .sigev_signo = SIGRTMAX};
+    if (timer_create(CLOCK_MONOTONIC, &event, &replay.endless) != 0)
+        abort();
 }
 
 /* ---- inputs ---- */
@@ -206,7 +211,8 @@ static int replay_read(void)
 
 static void replay_one(void)
 {
-    alarm(REPLAY_ENDLESS);
+    const struct itimerspec end = {.it_value.tv_sec = REPLAY_ENDLESS};
+    timer_settime(replay.endless, 0, &end, NULL);
     LLVMFuzzerTestOneInput(replay.data, replay.size);
 }
 
@@ -250,7 +256,7 @@ int main(int argc, char **argv)
         replay.size = replay_next();
         replay_one();
     }
-    alarm(0);
+    timer_delete(replay.endless);
     const double took = replay_seconds() - begin;
     const unsigned long units = fuzz_units ? fuzz_units : inputs;
     dprintf(replay.output,

@@ -74,6 +74,23 @@ static void test_known(void **state)
     }
 }
 
+/* A count before Enter: readline, driven by keys, ended such a line with the key after it. */
+static void test_count_before_enter(void **state)
+{
+    (void)state;
+    for (int plain = 0; plain < 2; plain++) {
+        struct person p;
+        begin(&p, (struct start){.argument = {plain ? "--plain" : NULL}});
+        expect(&p, "hooke>");
+        type(&p, "print 6*7\0332\r");
+        expect(&p, "42");
+        type(&p, "print 2*14\033-\r"); /* a sign alone */
+        expect(&p, "28");
+        type(&p, "quit\r");
+        assert_int_equal(end(&p), 0);
+    }
+}
+
 /* ---- at random
  * ---------------------------------------------------------------------------------------------- */
 
@@ -294,6 +311,7 @@ int main(int argc, char **argv)
     }
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_known),
+        cmocka_unit_test(test_count_before_enter),
         cmocka_unit_test(test_random),
         cmocka_unit_test(test_lines_of_keys),
         cmocka_unit_test(test_any_size),
