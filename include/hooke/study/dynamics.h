@@ -118,6 +118,7 @@ struct branch_point {
     enum special special;
     double criticality; /* of HB: first Lyapunov coefficient (Kuznetsov 2004, 5.62); NAN */
     double accuracy;    /* relative, of the parameter */
+    int verified;       /* 1: runs on both sides do what it says, -1: they do not, 0: not told */
     double tangent[2 + DYNAMICS_VARIABLES]; /* private: where the branch goes from there */
 };
 
@@ -156,6 +157,9 @@ struct branch {
 /* False: the start is no solution, or out of memory. Cancelled: what there is so far. */
 bool branch_follow(const struct branch_request *request, struct branch *branch,
                    struct error *error);
+/* Holds the special points against runs on both sides of them. Cancelled: those that are left stay
+ * as they are. */
+void branch_verify(const struct branch_request *request, struct branch *branch);
 void branch_free(struct branch *branch);
 
 #endif

@@ -19,7 +19,8 @@
 #define LEVEL 12      /* so many of these in a row */
 #define STILL 1e-4    /* of a tangent: the parameter hardly changes any more */
 #define POINTS 1000
-#define TINY 1e-8 /* of the largest value so far: a test that is 0 */
+#define DOUBLE 1e-6 /* of a frequency: an eigenvalue that is 0 */
+#define TINY 1e-8   /* of the largest value so far: a test that is 0 */
 
 struct walk {
     const struct branch_request *request;
@@ -134,6 +135,22 @@ static int by_distance(const void *a, const void *b)
     return (x->distance > y->distance) - (x->distance < y->distance);
 }
 
+/* NAN: a real eigenvalue is 0, too, and linear theory says nothing of one pair alone. */
+static double criticality(struct walk *w, const struct solution *s)
+{
+    double omega = 0, best = HUGE_VAL, error;
+    for (int k = 0; k < s->values; k++)
+        if (s->value[k].im > 0 && fabs(s->value[k].re) < best) {
+            best = fabs(s->value[k].re);
+            omega = s->value[k].im;
+        }
+    for (int k = 0; k < s->values; k++)
+        if (hypot(s->value[k].re, s->value[k].im) < DOUBLE * omega)
+            return NAN;
+    const double first = lyapunov_coefficient(&w->path->field, s->state, omega, &error);
+    return fabs(first) <= 4 * error ? 0 : first;
+}
+
 static bool record_specials(struct walk *w, const struct curve_point *to)
 {
     struct found_special found[CURVE_TESTS];
@@ -148,17 +165,8 @@ static bool record_specials(struct walk *w, const struct curve_point *to)
         struct branch_point *point = &w->out->point[w->out->count - 1];
         struct solution *s = &point->solution;
         point->accuracy = found[i].near / fmax(fabs(found[i].at.u[n]), 1e-3);
-        if (point->special == SPECIAL_HOPF) {
-            double omega = 0, best = HUGE_VAL, error;
-            for (int k = 0; k < s->values; k++)
-                if (s->value[k].im > 0 && fabs(s->value[k].re) < best) {
-                    best = fabs(s->value[k].re);
-                    omega = s->value[k].im;
-                }
-            point->criticality = lyapunov_coefficient(&w->path->field, s->state, omega, &error);
-            if (fabs(point->criticality) <= 4 * error)
-                point->criticality = 0;
-        }
+        if (point->special == SPECIAL_HOPF)
+            point->criticality = criticality(w, s);
     }
     return true;
 }

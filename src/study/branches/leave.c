@@ -61,6 +61,16 @@ static bool spread(struct solution_curve *path, const struct solution *at, doubl
     return unit(all + 1, direction);
 }
 
+bool solutions_along(struct solution_curve *path, const struct branch_point *at, double *u,
+                     double *direction)
+{
+    const struct solution *s = &at->solution;
+    if (path->kind != SOLUTION_EQUILIBRIUM)
+        return spread(path, s, orbit_curve_period(&path->orbit, u), at->tangent, u, direction);
+    memcpy(direction, at->tangent, (size_t)(path->problem->n + 1) * sizeof *direction);
+    return true;
+}
+
 static bool scaled_jacobian(struct vector_field *field, const double *state, double *jacobian)
 {
     const int n = field->n;
@@ -169,10 +179,7 @@ static bool leave_crossing(struct solution_curve *path, const struct scene *scen
     const int n = path->problem->n;
     if (path->problem->residual(path->problem->context, u, f, jacobian)) {
         double known[CURVE_MAX];
-        if (path->kind == SOLUTION_EQUILIBRIUM)
-            memcpy(known, at->tangent, (size_t)(n + 1) * sizeof *known);
-        else if (!spread(path, &at->solution, orbit_curve_period(&path->orbit, u), at->tangent, u,
-                         known))
+        if (!solutions_along(path, at, u, known))
             return leave_nothing(path, error);
         if (matrix_second_null(n + 1, jacobian, known, direction)) {
             for (int i = 0; i <= n; i++)

@@ -37,6 +37,10 @@ bool solutions_seen(struct solution_curve *path, const struct curve_point *point
 enum special solutions_special(const struct solution_curve *path, int test,
                                const struct solution *solution);
 
+/* How the unknowns u of a special point, which solutions_begin() has found, go on along its branch,
+ * [problem->n + 1]. */
+bool solutions_along(struct solution_curve *path, const struct branch_point *at, double *u,
+                     double *direction);
 /*
  * Where the branch that leaves a special point begins: a solution of the other branch as the guess,
  * and the direction [problem->n + 1] in which it goes away. side: 1 or -1, of a crossing.

@@ -380,6 +380,7 @@ static double nearest_special(const struct special_row *row, const struct branch
 static void test_specials(void **state)
 {
     (void)state;
+    int confirmed = 0;
     for (size_t k = 0; k < COUNT_OF(special_rows); k++) {
         const struct special_row *row = &special_rows[k];
         if (row->leave != SPECIAL_NONE && !is_long())
@@ -405,11 +406,47 @@ static void test_specials(void **state)
             request.leave = &left;
             branch = follow(row->name, &request);
         }
+        branch_verify(&request, &branch);
+        for (int i = 0; i < branch.count; i++)
+            if (branch.point[i].verified > 0)
+                confirmed++;
+            else if (branch.point[i].verified < 0)
+                fail_msg("%s: runs contradict a point at %.17g", row->name,
+                         branch.point[i].solution.param[0]);
         const double error = nearest_special(row, &branch);
         if (!(error <= (row->criticality ? 10 : 1) * pow(10, -row->digits)))
             fail_msg("%s: no such point within %g of %.17g", row->name, error, row->value);
         branch_free(&branch);
     }
+    assert_true(confirmed >= 70);
+}
+
+/* A label that is put where nothing happens is not confirmed. */
+static void test_false_labels(void **state)
+{
+    (void)state;
+    const struct scene scene =
+        typed((const char *const[]){"var x = 7", "var y = 7", "var z = 19", "param r = 20",
+                                    "x' = 10*(y-x)", "y' = x*(r-z)-y", "z' = x*y-8/3*z", NULL});
+    const struct solution start = {
+        .kind = SOLUTION_EQUILIBRIUM, .n = 3, .param = {20}, .state = {7.118, 7.118, 19}};
+    const struct branch_request request = {
+        .scene = &scene, .param = scene_param(&scene, "r"), .from = 15, .to = 30, .start = &start};
+    struct branch branch = follow("Lorenz", &request);
+    static const enum special labels[] = {SPECIAL_FOLD, SPECIAL_HOPF, SPECIAL_CROSSING};
+    int real = 0;
+    for (int i = 0; i < branch.count; i++)
+        if (branch.point[i].special == SPECIAL_NONE)
+            branch.point[i].special = labels[i % 3];
+        else
+            real += branch.point[i].special == SPECIAL_HOPF;
+    branch_verify(&request, &branch);
+    int confirmed = 0;
+    for (int i = 0; i < branch.count; i++)
+        confirmed += branch.point[i].verified > 0;
+    assert_int_equal(real, 1);
+    assert_int_equal(confirmed, 1);
+    branch_free(&branch);
 }
 
 static void test_orbits(void **state)
@@ -487,8 +524,8 @@ static void test_hopf_curve(void **state)
 {
     (void)state;
     const struct scene scene = typed((const char *const[]){
-        "var x = 7", "var y = 7", "var z = 19", "param s = 10", "param b = 2.6666666666666665", "param r = 20",
-        "x' = s*(y-x)", "y' = x*(r-z)-y", "z' = x*y-b*z", NULL});
+        "var x = 7", "var y = 7", "var z = 19", "param s = 10", "param b = 2.6666666666666665",
+        "param r = 20", "x' = s*(y-x)", "y' = x*(r-z)-y", "z' = x*y-b*z", NULL});
     const struct solution start = {
         .kind = SOLUTION_EQUILIBRIUM, .n = 3, .param = {20}, .state = {7.118, 7.118, 19}};
     const struct branch_axis second = {scene_param(&scene, "s"), 5, 30};
@@ -549,12 +586,11 @@ int main(void)
 {
     struct error error = {0};
     models = typed_create(&error);
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_specials),
-                                       cmocka_unit_test(test_orbits),
-                                       cmocka_unit_test(test_cusp),
-                                       cmocka_unit_test(test_hopf_curve),
-                                       cmocka_unit_test(test_bogdanov_takens),
-                                       cmocka_unit_test(test_tongue)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_specials),   cmocka_unit_test(test_false_labels),
+        cmocka_unit_test(test_orbits),     cmocka_unit_test(test_cusp),
+        cmocka_unit_test(test_hopf_curve), cmocka_unit_test(test_bogdanov_takens),
+        cmocka_unit_test(test_tongue)};
     const int failed = cmocka_run_group_tests(tests, NULL, NULL);
     typed_destroy(models);
     return failed;
