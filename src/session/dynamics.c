@@ -102,12 +102,12 @@ static struct dynamics *dynamics_for(struct session *session)
     return session->dynamics = fresh;
 }
 
-static double *copy_values(const struct session *session)
+static double *copy_values(const struct session *session, const double *of)
 {
     const size_t bytes = scene_params(&session->setup.scene)->count * sizeof(double);
     double *value = malloc(bytes + sizeof *value);
     if (value)
-        memcpy(value, session->setup.scene.value, bytes);
+        memcpy(value, of, bytes);
     return value;
 }
 
@@ -131,7 +131,7 @@ bool dynamics_keep_equilibria(struct session *session, const struct equilibria *
 {
     struct dynamics *dynamics = dynamics_for(session);
     const size_t count = (size_t)found->count;
-    double *value = copy_values(session);
+    double *value = copy_values(session, session->setup.scene.value);
     struct solution *of = malloc((count + 1) * sizeof *of);
     struct equilibrium_form *form = malloc((count + 1) * sizeof *form);
     if (!dynamics || !value || !of || !form) {
@@ -174,7 +174,8 @@ const struct kept_orbit *dynamics_keep_orbit(struct session *session, const stru
 {
     struct dynamics *dynamics = dynamics_for(session);
     const size_t bytes = (size_t)samples * (size_t)(orbit->n + 1) * sizeof *sample;
-    double *value = copy_values(session), *copy = malloc(bytes + sizeof *copy);
+    double *value = copy_values(session, session->setup.scene.value),
+           *copy = malloc(bytes + sizeof *copy);
     if (!dynamics || !value || !copy) {
         free(value);
         free(copy);
@@ -262,7 +263,7 @@ static bool label_points(struct dynamics *dynamics, struct kept_branch *branch)
         if (special == SPECIAL_NONE)
             continue;
         struct kept_point *point = &branch->special[branch->specials];
-        *point = (struct kept_point){.at = i, .special = special, .verified = -1};
+        *point = (struct kept_point){.at = i, .special = special};
         point->number = known_number(dynamics, branch, point);
         if (point->number == 0)
             point->number = dynamics->next_point[special]++;
@@ -272,11 +273,11 @@ static bool label_points(struct dynamics *dynamics, struct kept_branch *branch)
 }
 
 struct kept_branch *dynamics_keep_branch(struct session *session, struct kept_branch *like,
-                                         struct error *error)
+                                         const double *value, struct error *error)
 {
     struct dynamics *dynamics = dynamics_for(session);
     struct kept_branch *kept = malloc(sizeof *kept);
-    like->value = copy_values(session);
+    like->value = copy_values(session, value);
     like->special = NULL;
     like->specials = 0;
     if (!dynamics || !kept || !like->value || !label_points(dynamics, like)) {

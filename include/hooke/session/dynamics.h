@@ -32,8 +32,7 @@ struct kept_orbit {
 struct kept_point {
     int at; /* place in the branch */
     enum special special;
-    int number;   /* its label is the letters of `special` with it */
-    int verified; /* 1: runs do what it says; 0: they do not; -1: nothing was run */
+    int number; /* its label is the letters of `special` with it */
 };
 
 struct kept_branch {
@@ -74,11 +73,12 @@ const struct kept_orbit *dynamics_keep_orbit(struct session *session, const stru
                                              struct error *error);
 /*
  * Takes over the branch in *like, also when it fails; of the rest only what varies, from where and
- * which way is read. Its special points get labels: the one that is there already at the same
- * place. The oldest branch goes where there are LIMIT_BRANCHES. NULL: no memory.
+ * which way is read. value [params]: of the scene that it was followed in. Its special points get
+ * labels: the one that is there already at the same place. The oldest branch goes where there are
+ * LIMIT_BRANCHES. NULL: no memory.
  */
 struct kept_branch *dynamics_keep_branch(struct session *session, struct kept_branch *like,
-                                         struct error *error);
+                                         const double *value, struct error *error);
 
 /* The number-th, from 1, by number; NULL: there is none. */
 const struct kept_orbit *dynamics_orbit(const struct dynamics *dynamics, int number);

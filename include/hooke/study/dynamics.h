@@ -94,6 +94,34 @@ bool equilibria_find(const struct equilibria_request *request, struct equilibria
                      struct error *error);
 void equilibria_free(struct equilibria *found);
 
+/* ---- periodic orbits ---- */
+
+struct orbit_request {
+    const struct scene *scene;
+    double state[DYNAMICS_VARIABLES], t; /* SI: from there, [s] */
+    double period;                       /* [s] about; 0: as the motion shows it */
+    double span;                         /* [s] of the motion that is looked at first, > 0 */
+    bool settles; /* it may go on until it has settled: what attracts is wanted */
+    const struct cancel *cancel;
+};
+
+struct found_orbit {
+    struct solution solution;
+    bool family;      /* a multiplier is 1: others are beside it (or a fold of orbits is) */
+    double error;     /* of states and period, relative to natural sizes; NAN: of a family */
+    double energy_in; /* [J] by the drive over a period; NAN: there is no energy */
+    int samples;      /* of one period */
+    double
+        *sample; /* [samples][n + 1] time since its beginning [s], state; denser where it jumps */
+    int64_t evals;
+    double seconds;
+};
+
+/* The smallest period first; with a drive, multiples of its. */
+bool orbit_find(const struct orbit_request *request, struct found_orbit *found,
+                struct error *error);
+void orbit_free(struct found_orbit *found);
+
 /* ---- branches ---- */
 
 enum special {

@@ -41,6 +41,10 @@ bool find_orbit(const struct session *session, const struct dynamics *dynamics,
                 const struct item *number, struct kept_reference *found, struct error *error);
 bool find_label(const struct session *session, const struct dynamics *dynamics, struct text label,
                 struct kept_reference *found, struct error *error);
+/* orbit.c: from where the current run is, if it is one of this scene as it is, else from the start;
+ * in words. */
+const char *orbit_begin(const struct session *session, const struct system *system,
+                        struct orbit_request *request);
 /* `use` of what is no run. */
 bool use_kept(HANDLER_PARAMETERS);
 

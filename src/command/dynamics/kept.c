@@ -6,13 +6,16 @@
 #include <math.h>
 #include <string.h>
 
-static const char *const special_types[] = {
+static const char *const special_types[SPECIAL_COUNT] = {
     [SPECIAL_FOLD] = "fold",
     [SPECIAL_HOPF] = "Hopf",
     [SPECIAL_CROSSING] = "branch point",
     [SPECIAL_DOUBLING] = "period doubling",
     [SPECIAL_TORUS] = "Neimark-Sacker",
     [SPECIAL_END] = "end",
+    [SPECIAL_CUSP] = "cusp",
+    [SPECIAL_DOUBLE] = "Bogdanov-Takens",
+    [SPECIAL_BAUTIN] = "generalised Hopf",
 };
 
 static const char *const solution_kinds[] = {[SOLUTION_EQUILIBRIUM] = "equilibrium",
@@ -91,8 +94,10 @@ static void put_point(struct text_table *table, const struct scene *scene,
     for (int j = 0; j < branch->params; j++) {
         buffer_format(&where, "%s%s = ", j ? ", " : "",
                       param_at(scene, branch->param[j])->row.name);
-        buffer_quantity(&where, at->solution.param[j], param_at(scene, branch->param[j])->quantity,
-                        10);
+        /* rounding of 0 is 0 */
+        const double value = at->solution.param[j], range = branch->to[j] - branch->from[j];
+        buffer_quantity(&where, fabs(value) < 1e-13 * range ? 0 : value,
+                        param_at(scene, branch->param[j])->quantity, 10);
     }
     cell_take(table, &where);
     for (int i = 0; i < system->n; i++)
@@ -101,7 +106,7 @@ static void put_point(struct text_table *table, const struct scene *scene,
         cell_quantity(table, at->solution.period, QUANTITY_TIME, 7);
     else
         cell_text(table, "-");
-    cell_text(table, point->verified > 0 ? "yes" : point->verified == 0 ? "NO" : "-");
+    cell_text(table, at->verified > 0 ? "yes" : at->verified < 0 ? "NO" : "-");
 }
 
 void put_points(const struct session *session, const struct kept_branch *const *branch, int count,
@@ -147,10 +152,10 @@ static void reply_point(const struct scene *scene, const struct system *system,
     reply_values(reply, s->kind == SOLUTION_EQUILIBRIUM ? "eigenvalues" : "multipliers", s);
     const char *way = criticality_of(at);
     reply_string(reply, "criticality", at->criticality != 0 ? way : NULL);
-    if (point->verified < 0)
+    if (at->verified == 0)
         reply_null(reply, "verified");
     else
-        reply_bool(reply, "verified", point->verified > 0);
+        reply_bool(reply, "verified", at->verified > 0);
     reply_real(reply, "accuracy", at->accuracy);
     reply_end(reply);
 }

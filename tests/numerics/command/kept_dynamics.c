@@ -44,7 +44,8 @@ static const struct kept_branch *keep_branch(struct bench *b, double at, enum sp
             (struct solution){.n = 2, .param = {at + i - 1}, .state = {0.25, 0.5}, .values = 2};
         point->special = i == 1 ? special : SPECIAL_NONE;
     }
-    const struct kept_branch *kept = dynamics_keep_branch(b->session, &like, &error);
+    const struct kept_branch *kept =
+        dynamics_keep_branch(b->session, &like, b->session->setup.scene.value, &error);
     assert_non_null(kept);
     return kept;
 }
