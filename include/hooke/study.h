@@ -12,5 +12,6 @@
 #include <hooke/study/sweep.h>
 #include <hooke/study/dynamics.h>
 #include <hooke/study/chaos.h>
+#include <hooke/study/portrait.h>
 
 #endif

@@ -384,24 +384,12 @@ static bool search_more(struct search *s)
     return true;
 }
 
-/* Built-in scenes have bounds as the equations in the rows of their terms. */
-static bool bind_bounded(struct search *s, struct error *error)
-{
-    const struct scene *scene = s->request->scene;
-    struct scene written;
-    if (!typed_base(scene->model)) {
-        s->bounded = s->field.system;
-        return true;
-    }
-    return (s->models = typed_create(error)) && typed_written(s->models, scene, &written, error) &&
-           scene_bind_motion(&written, &s->bounded, error);
-}
-
 static bool begin(struct search *s, struct error *error)
 {
     const struct equilibria_request *request = s->request;
     struct interval box[FIELD_VARIABLES], rate[FIELD_VARIABLES];
-    if (!field_init(&s->field, request->scene, NULL, 0, error) || !bind_bounded(s, error))
+    if (!field_init(&s->field, request->scene, NULL, 0, error) ||
+        !scene_with_bounds(request->scene, &s->field.system, &s->models, &s->bounded, error))
         return false;
     struct system energetic; /* potentials are found by scene_bind() */
     if (!scene_bind(request->scene, &energetic, error))

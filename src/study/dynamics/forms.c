@@ -50,6 +50,17 @@ void mean_field(const struct system *bounded, const double *y, double *rate, dou
         jacobian[i] = middle(by[i]);
 }
 
+bool scene_with_bounds(const struct scene *scene, const struct system *system,
+                       struct typed_models **models, struct system *bounded, struct error *error)
+{
+    struct scene written;
+    *models = NULL;
+    *bounded = *system;
+    return !typed_base(scene->model) ||
+           ((*models = typed_create(error)) && typed_written(*models, scene, &written, error) &&
+            scene_bind_motion(&written, bounded, error));
+}
+
 /* ---- symmetries of the plane ---- */
 
 struct plane {

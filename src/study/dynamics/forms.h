@@ -3,9 +3,15 @@
 #ifndef HOOKE_STUDY_DYNAMICS_FORMS_H
 #define HOOKE_STUDY_DYNAMICS_FORMS_H
 
+#include <hooke/scene/typed.h>
 #include <hooke/study/dynamics.h>
 
 #include "study/dynamics/field.h"
+
+/* The system as equations that have bounds: built-in scenes as those in the rows of their terms,
+ * whose models, in *models, have to stay (NULL: none). */
+bool scene_with_bounds(const struct scene *scene, const struct system *system,
+                       struct typed_models **models, struct system *bounded, struct error *error);
 
 /* The field at a state, of a drive its mean over a period, and its Jacobian [n][n]; NULL: not
  * wanted. */
