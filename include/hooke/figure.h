@@ -74,6 +74,7 @@ struct curve {
     const double *x, *y; /* [n] NaN is a gap */
     size_t n;
     bool points;  /* data: marks instead of a line, drawn last */
+    bool arrows;  /* pieces between gaps are arrows: tail, tip, then in pictures their heads */
     bool cloud;   /* points, so many that each is the smallest dot there is */
     char mark;    /* glyph of this overlay in ASCII ('#', 'o', 'x', '+'); 0: choose by position */
     int panel;    /* 0, or 1 where the figure has a second one */
@@ -116,6 +117,8 @@ struct figure {
     int gutter;       /* least width of the y labels (hysteresis of live plots) */
     /* right end of the upper frame, after the legend, or NULL: "last 2 T, equal axes" */
     const char *caption;
+    /* what there is to say about it, where its curves do not say it; NULL: they do */
+    const char *words;
 };
 
 /* Whether a curve was cancelled: what was made of it is to be dropped. */

@@ -23,6 +23,7 @@ enum plot_kind {
     PLOT_ENVELOPE,  /* amplitudes read window by window */
     PLOT_PERIOD,    /* against the amplitude, window by window */
     PLOT_PRECISION, /* of the last precision study, not of runs */
+    PLOT_PORTRAIT,  /* of the scene: where two of its variables go */
 };
 
 enum plot_across { ACROSS_TIME, ACROSS_STATE, ACROSS_FREQUENCY, ACROSS_OTHER };
@@ -53,6 +54,7 @@ struct plot_row {
     bool of_motion;     /* of a recording's velocities, which are found from its positions */
     bool residual;      /* what is left of a recording beside a fit or a run */
     bool study;         /* of the last precision study, not of runs */
+    bool of_scene;      /* of the scene, and of its run where there is one */
     /* Its curves; NULL: columns of the trace. Of the whole figure nothing else is done then. */
     bool (*run_curve)(struct drawing *d, const struct run *run, struct curve *curve);
     bool (*data_curve)(struct drawing *d, const struct series *series, struct curve *curve);
@@ -102,6 +104,12 @@ struct figure_range {
     struct text text;       /* as typed, for messages */
 };
 
+/* A side of a portrait: a variable and its range, SI. */
+struct figure_side {
+    int variable;
+    double range[2];
+};
+
 #define PEAKS_EACH 3 /* lines that are named of one spectrum */
 #define PEAKS_MAX 16 /* and in all */
 
@@ -132,6 +140,8 @@ struct figure_request {
     bool next;
     double window[2];                 /* [s] NAN: choose */
     const struct figure_range *x, *y; /* of the axes; NULL: automatic */
+    struct figure_side side[2];       /* of a portrait */
+    int sides;
     struct text band; /* as typed: with the band of the adopted fit's uncertainty; empty: without */
     bool stored_band; /* with the one that the session keeps, if that is of this run */
     bool full;        /* all of it: the whole time, all curves on one axis */

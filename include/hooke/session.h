@@ -302,7 +302,8 @@ struct session {
     bool passing;   /* the run goes on after them: what they set is not told each time */
     bool restoring; /* a session that saved itself is read: nothing but what recreates it */
 
-    struct lesson *lesson; /* NULL: none */
+    struct stored_portrait *portrait; /* what 'plot portrait' and its pane show */
+    struct lesson *lesson;            /* NULL: none */
     struct view view;
     struct log log;
     struct live live;

@@ -281,6 +281,10 @@ static void draw_curves(const struct text_sheet *sheet)
     if (figure->zero_line && figure_cell(layout, layout->x.from, 0, &column, &row))
         for (column = 0; column < layout->columns; column += 2)
             raster_put(&raster, column, row, sheet->strokes->zero);
+    raster.style = STYLE_DIM;
+    for (int i = 0; i < figure->curves; i++)
+        if (curve_drawn(figure, i) && figure->curve[i].arrows)
+            raster_arrows(&raster, &figure->curve[i]);
     for (int pass = 0; pass < 3; pass++) { /* overlays, the first line above them, data above all */
         for (int i = figure->curves - 1; i >= 0; i--) {
             const struct curve *curve = &figure->curve[i];
@@ -290,7 +294,8 @@ static void draw_curves(const struct text_sheet *sheet)
                               ? 0
                               : figure_mark(figure, i);
             raster.style = style_of(i);
-            if (!curve_drawn(figure, i) || pass != (curve->points ? 2 : !raster.mark))
+            if (!curve_drawn(figure, i) || curve->arrows ||
+                pass != (curve->points ? 2 : !raster.mark))
                 continue;
             if (curve->cloud)
                 raster.mark = 0;
@@ -304,7 +309,7 @@ static void draw_curves(const struct text_sheet *sheet)
     }
     for (int i = 0; i < figure->curves; i++) {
         raster.style = style_of(i);
-        if (curve_drawn(figure, i))
+        if (curve_drawn(figure, i) && !figure->curve[i].arrows)
             raster_exits(&raster, figure, i);
     }
     raster.style = STYLE_BOLD;

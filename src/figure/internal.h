@@ -110,6 +110,8 @@ struct raster {
 };
 
 void raster_line(const struct raster *raster, const struct curve *curve);
+/* Arrows of one cell, by their directions on the paper. */
+void raster_arrows(const struct raster *raster, const struct curve *curve);
 /* Fills the cells of the curve's band; where it is thinner than a dot there is only the line. */
 void raster_band(const struct raster *raster, const struct curve *curve);
 /* Marks no nearer to each other than `apart` columns along the curve, so that what lies under them

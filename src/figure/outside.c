@@ -100,7 +100,7 @@ static void put_outside(struct buffer *out, const struct figure *figure,
     int count = 0;
 
     for (int i = 0; i < figure->curves; i++) {
-        if (!curve_drawn(figure, i))
+        if (!curve_drawn(figure, i) || figure->words)
             continue;
         curve_outside(figure, layout, i, &outside);
         if (!outside.count)

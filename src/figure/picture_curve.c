@@ -157,12 +157,16 @@ static void draw_line(struct page *page, int curve, bool marked)
     const struct brush line = line_ink(page, curve, many ? style->thin_line : style->curve_line),
                        inside = {.color = color_of(curve), .fill = true},
                        halo = {.color = style_white, .width = 3 * style->mark_line, .fill = true};
+    const bool arrows = page->figure->curve[curve].arrows;
+    const struct brush thin = {.color = style_gray, .width = style->thin_line};
     const int marks =
-        marked ? (path->region ? places_inside : places_along)(page, curve, place, MARKS + 1) : 0;
+        marked && !arrows
+            ? (path->region ? places_inside : places_along)(page, curve, place, MARKS + 1)
+            : 0;
 
     surface_clip(page->surface, page->left, page->top, page->right, page->bottom);
     add_path(page, path);
-    surface_paint(page->surface, path->region ? &inside : &line);
+    surface_paint(page->surface, path->region ? &inside : arrows ? &thin : &line);
     surface_unclip(page->surface);
     for (int around = path->region; around >= 0; around--) {
         for (int i = 0; i < marks; i++)
@@ -424,6 +428,6 @@ void page_curves(struct page *page)
             draw_lines(page);
     }
     for (int i = 0; i < figure->curves; i++)
-        if (curve_drawn(figure, i))
+        if (curve_drawn(figure, i) && !figure->curve[i].arrows)
             draw_exits(page, i);
 }

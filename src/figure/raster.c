@@ -235,6 +235,31 @@ void raster_points(const struct raster *raster, const struct curve *curve, int a
     }
 }
 
+void raster_arrows(const struct raster *raster, const struct curve *curve)
+{
+    /* from right on, counterclockwise; lines of plain text have four directions only */
+    static const uint32_t arrow[] = {0x2192, 0x2197, 0x2191, 0x2196,
+                                     0x2190, 0x2199, 0x2193, 0x2198};
+    static const char plain[] = ">^<v";
+    const struct figure_layout *layout = raster->layout;
+    const double eighth = acos(-1) / 4;
+    for (size_t i = 0; i + 1 < curve->n; i++) {
+        int column, row;
+        if ((i > 0 && !isnan(curve->x[i - 1])) || isnan(curve->x[i]) || isnan(curve->x[i + 1]) ||
+            !figure_cell(layout, (curve->x[i] + curve->x[i + 1]) / 2,
+                         (curve->y[i] + curve->y[i + 1]) / 2, &column, &row))
+            continue;
+        const double x = fraction_of(&layout->x, curve->x[i + 1]) -
+                         fraction_of(&layout->x, curve->x[i]),
+                     y = fraction_of(&layout->y, curve->y[i + 1]) -
+                         fraction_of(&layout->y, curve->y[i]);
+        const double turn = atan2(2 * layout->rows * y, layout->columns * x) / eighth;
+        const bool lines = charset_is_plain(layout->charset);
+        const int at = (int)floor((lines ? turn / 2 : turn) + 0.5) & (lines ? 3 : 7);
+        raster_put(raster, column, row, lines ? (uint32_t)plain[at] : arrow[at]);
+    }
+}
+
 bool curve_exits(const struct figure *figure, const struct figure_layout *layout, int index,
                  struct curve_exit exits[4])
 {

@@ -245,6 +245,27 @@ READ_ITEM(read_start)
     return true;
 }
 
+/* NAME=FROM:TO */
+READ_ITEM(read_side)
+{
+    const struct text name = peek_name(parser->rest);
+    if (name.len == 0 || name.len > LIMIT_NAME)
+        return error_at(error, peek_word(parser->rest, ","), "NAME=FROM:TO is missing");
+    parser->rest = (struct text){name.at + name.len, parser->rest.len - name.len};
+    text_skip_blanks(&parser->rest);
+    if (!text_starts(parser->rest, TEXT("=")))
+        return error_at(error, name, "%.*s needs a range, as in %.*s=-1:1", (int)name.len, name.at,
+                        (int)name.len, name.at);
+    parser->rest = (struct text){parser->rest.at + 1, parser->rest.len - 1};
+    const int variable = model_state(parser->session->setup.scene.model, name);
+    const char *known =
+        variable < 0 ? "range" : parser->session->setup.scene.model->variable[variable].name;
+    if (!parse_range(parser, known, QUANTITY_OTHER, item, error))
+        return false;
+    item->text = name;
+    return true;
+}
+
 READ_ITEM(read_model)
 {
     struct formula formula;
@@ -292,7 +313,7 @@ READ_ITEM(read_range)
 }
 
 /* "12", "120mm": in cm unless a unit of length follows. */
-static bool read_side(struct text text, double *side)
+static bool read_length(struct text text, double *side)
 {
     size_t used;
     if (real_scan(text, '.', side, &used) != REAL_OK || used == 0)
@@ -309,8 +330,8 @@ READ_ITEM(read_size)
         return false;
     const char *cross = memchr(item->text.at, 'x', item->text.len);
     const size_t first = cross ? (size_t)(cross - item->text.at) : 0;
-    if (!cross || !read_side((struct text){item->text.at, first}, &item->range[0]) ||
-        !read_side((struct text){cross + 1, item->text.len - first - 1}, &item->range[1])) {
+    if (!cross || !read_length((struct text){item->text.at, first}, &item->range[0]) ||
+        !read_length((struct text){cross + 1, item->text.len - first - 1}, &item->range[1])) {
         error_at(error, item->text, "%s is WIDTHxHEIGHT in cm, got '%.*s'", argument->name,
                  (int)(item->text.len < 64 ? item->text.len : 64), item->text.at);
         return error_hint(error, "for example %s=12x8, or %s=120mmx80mm", argument->name,

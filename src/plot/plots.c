@@ -38,6 +38,11 @@ static bool precision_known(const struct session *session)
     return session->precision;
 }
 
+static bool scene_has_two(const struct session *session)
+{
+    return session->setup.scene.model->n > 1 && session->setup.scene.model->n <= STARTS_VARIABLES;
+}
+
 /* ---- the rows ---- */
 
 #define ROW(name, brief)                                                                           \
@@ -148,6 +153,16 @@ static const struct plot_row rows[] = {
                         .study = true,
                         .figure = drawing_precision,
                         .offered = precision_known},
+    [PLOT_PORTRAIT] = {.row = ROW("portrait",
+                                  "phase portrait of the scene: directions, nullclines, equilibria "
+                                  "by kind, separatrices"),
+                       .across = ACROSS_OTHER,
+                       .title = "portrait",
+                       .of_scene = true,
+                       .figure = portrait_figure,
+                       .fits = has_two,
+                       .needs = "that needs two variables",
+                       .offered = scene_has_two},
 };
 const struct catalog plot_catalog = CATALOG("plot", rows);
 

@@ -4,6 +4,7 @@
 #include <hooke/session/dynamics.h>
 #include <hooke/session/events.h>
 #include <hooke/session/log.h>
+#include <hooke/session/portrait.h>
 #include <hooke/session/subject.h>
 #include <hooke/scene/typed.h>
 
@@ -19,7 +20,9 @@ struct session *session_create(const struct front *front)
     if (!session)
         return NULL;
     session->front = *front;
-    if (!(session->models = typed_create(&ignored))) {
+    session->portrait = calloc(1, sizeof *session->portrait);
+    if (!session->portrait || !(session->models = typed_create(&ignored))) {
+        free(session->portrait);
         free(session);
         return NULL;
     }
@@ -39,6 +42,8 @@ void session_destroy(struct session *session)
 {
     if (!session)
         return;
+    stored_portrait_clear(session->portrait);
+    free(session->portrait);
     undo_clear(session);
     for (int i = 0; i < session->checkpoints; i++)
         snapshot_free(session->checkpoint[i]);

@@ -22,6 +22,11 @@ ROBERTSON = ("var x = 1; var y = 0; var z = 0; x' = -0.04*x + 1e4*y*z; "
              "y' = 0.04*x - 1e4*y*z - 3e7*y^2; z' = 3e7*y^2")
 KEPLER = "scene kepler; method rk4 dt=1ms; set record all; run 1000 --force"
 RESUMED = "load ../big.txt; m = 200 g; fit a*cos(w*t)+c w=8.7; " + STEPS + "; run 500 s --force; run 1000 s --force"
+HODGKIN = ("param Iext = 10; var v = 5; var m = 0.1; var h = 0.5; var n = 0.3; "
+           "v' = Iext-120*m^3*h*(v-115)-36*n^4*(v+12)-0.3*(v-10.599); "
+           "m' = 0.1*(25-v)/(exp((25-v)/10)-1)*(1-m)-4*exp(-v/18)*m; "
+           "h' = 0.07*exp(-v/20)*(1-h)-h/(exp((30-v)/10)+1); "
+           "n' = 0.01*(10-v)/(exp((10-v)/10)-1)*(1-n)-0.125*exp(-v/80)*n")
 FIXED = "euler verlet rk4 ab4 bdf2 tr-bdf2 radau5 gauss4"
 MANY = ("heun ralston kutta3 rk38 dop853 yoshida8 kahan-li8 backward-euler implicit-midpoint trapezoid sdirk2 gauss6 "
         "radau3 ros3p rodas5p ab5 abm5 bdf4 bdf6 avf")
@@ -115,6 +120,8 @@ CASES = [
     ("cursor chaotic", DRIVEN, "cursor", "cursor off", ""),
     ("plot orbit", KEPLER, "plot orbit", "", ""),
     ("describe orbit", KEPLER, "describe orbit", "", ""),
+    ("plot portrait", "scene pendulum; gamma = 0.1; start rate=3", "plot portrait", "plot portrait", ""),
+    ("equilibria at poles", HODGKIN, "equilibria v=-20:120 m=0:1 h=0:1 n=0:1", "plot portrait", ""),
     ("plot against", STEPS, "plot v against y", "", ""),
     ("plot at event", TOPS, "plot x at top", "", ""),
     ("plot next", TOPS, "plot z against z at top --next", "", ""),

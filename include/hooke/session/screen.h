@@ -55,6 +55,9 @@ struct cursors {
     enum quantity quantity;   /* of y */
 };
 
+#define LIMIT_STARTS 16
+#define STARTS_VARIABLES 7 /* of a scene that has a portrait */
+
 struct view {
     enum layout layout;
     /* pane that commands and zooming act on, of plot_catalog; NULL: the position */
@@ -73,6 +76,9 @@ struct view {
     int overlay[LIMIT_OVERLAY];
     int overlays;
     struct cursors cursors;
+    /* [starts] where trajectories of the portrait begin, of scenes with start_n variables, SI */
+    double start[LIMIT_STARTS][STARTS_VARIABLES];
+    int starts, start_n;
 };
 
 /* The last lines that commands said, for the log pane. A ring: line `first` is the oldest. */

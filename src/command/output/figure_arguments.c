@@ -112,6 +112,67 @@ static bool choose_ranges(const struct arguments *args, struct figure_request *r
     return true;
 }
 
+static bool add_side(const struct session *session, struct figure_request *request,
+                     struct text name, struct text where, const double range[2],
+                     struct error *error)
+{
+    const int variable = model_state(session->setup.scene.model, name);
+    if (variable < 0)
+        return error_at(error, where, "'%.*s' is no variable of the scene", (int)name.len, name.at);
+    if (request->sides == 2)
+        return error_at(error, where, "a portrait has two sides");
+    if (!(range[0] < range[1]))
+        return error_at(error, where, "%.*s: a range goes from a smaller to a larger value",
+                        (int)name.len, name.at);
+    struct figure_side *side = &request->side[request->sides++];
+    side->variable = variable;
+    memcpy(side->range, range, sizeof side->range);
+    return true;
+}
+
+/* Of a portrait, where x= and y= are variables of these names, in the order of typing. */
+static bool choose_sides(const struct session *session, const struct arguments *args,
+                         struct figure_request *request, struct error *error)
+{
+    const struct argument_value *named = argument_value(args, "NAME"),
+                                *axis[2] = {argument_value(args, "x"), argument_value(args, "y")};
+    for (int k = 0; k < 2; k++)
+        if (axis[k]->count && !add_side(session, request, text_of(k ? "y" : "x"), axis[k]->where,
+                                        axis[k]->item->range, error))
+            return false;
+    for (int i = 0; i < named->count; i++)
+        if (!add_side(session, request, named->item[i].text, named->where, named->item[i].range,
+                      error))
+            return false;
+    if (request->sides == 2 && axis[0]->count + axis[1]->count + named->count == 2 &&
+        named->count == 1 && named->where.at < axis[axis[0]->count == 0]->where.at) {
+        const struct figure_side first = request->side[0];
+        request->side[0] = request->side[1];
+        request->side[1] = first;
+    }
+    if (session->current_run >= 0) {
+        int *index = arena_array(args->arena, 1, sizeof *index);
+        if (!index)
+            return error_memory(error);
+        *index = session->current_run;
+        request->run = index;
+        request->runs = 1;
+    }
+    request->recording = -1;
+    return true;
+}
+
+static bool refuse_sides(const struct arguments *args, const struct figure_request *request,
+                         struct error *error)
+{
+    const struct argument_value *named = argument_value(args, "NAME");
+    if (!named->count || plot_row(request->kind)->of_scene)
+        return true;
+    error_at(error, named->where, "%s has no argument '%.*s'", plot_row(request->kind)->row.name,
+             (int)named->item->text.len, named->item->text.at);
+    return error_hint(error, "axes are x=FROM:TO and y=FROM:TO");
+}
+
 static bool has_study(const struct session *session, struct error *error)
 {
     if (session->precision)
@@ -134,11 +195,13 @@ bool make_figure(struct session *session, const struct arguments *args,
         request->band = argument_value(args, "band")->where;
     if (window->count)
         memcpy(request->window, window->item->range, sizeof request->window);
-    if (!choose_ranges(args, request, error))
+    if (!refuse_sides(args, request, error) ||
+        (!plot_row(request->kind)->of_scene && !choose_ranges(args, request, error)))
         return false;
-    if (of->count                        ? !export_result(session, of->item->row, &export, error)
-        : plot_row(request->kind)->study ? !has_study(session, error)
-                                         : !choose_runs(session, args, request, error))
+    if (of->count                           ? !export_result(session, of->item->row, &export, error)
+        : plot_row(request->kind)->study    ? !has_study(session, error)
+        : plot_row(request->kind)->of_scene ? !choose_sides(session, args, request, error)
+                                            : !choose_runs(session, args, request, error))
         return false;
     if (of->count) {
         struct table *table = arena_alloc(args->arena, sizeof *table);

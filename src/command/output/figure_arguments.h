@@ -20,6 +20,9 @@ bool make_figure(struct session *session, const struct arguments *args,
 bool label_methods(const struct session *session, const struct figure_request *request,
                    struct arena *arena, struct figure *figure, struct error *error);
 
+/* Where the separatrices of the portrait that was made last cross the lines through equilibria. */
+void reply_portrait(const struct session *session, struct reply *reply);
+
 /* What both take; WHAT and what is special stand before and behind. */
 #define FIGURE_ARGUMENTS                                                                           \
     WORD("against", TYPE_COLUMN, .flags = ARG_OF), WORD("at", TYPE_EVENT),                         \
@@ -27,7 +30,8 @@ bool label_methods(const struct session *session, const struct figure_request *r
         WORD("run", TYPE_RUN, .flags = ARG_MANY | ARG_ALL), WORD("data", TYPE_RECORDING),          \
         KEY("window", TYPE_RANGE, .quantity = QUANTITY_TIME),                                      \
         KEY("x", TYPE_RANGE, .quantity = QUANTITY_OTHER),                                          \
-        KEY("y", TYPE_RANGE, .quantity = QUANTITY_OTHER), OPTION("full", TYPE_NONE),               \
+        KEY("y", TYPE_RANGE, .quantity = QUANTITY_OTHER),                                          \
+        KEY("NAME", TYPE_SIDE, .flags = ARG_MANY), OPTION("full", TYPE_NONE),                      \
         OPTION("log", TYPE_NONE), OPTION("band", TYPE_NONE), OPTION("next", TYPE_NONE)
 
 #endif

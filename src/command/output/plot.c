@@ -191,9 +191,11 @@ static bool shows_pixels(const struct session *session, const struct arguments *
 }
 
 /* Behind the figure: what it holds in numbers. */
-static void reply_numbers(const struct figure_request *request, const struct figure *figure,
-                          struct reply *reply)
+static void reply_numbers(const struct session *session, const struct figure_request *request,
+                          const struct figure *figure, struct reply *reply)
 {
+    if (request->kind == PLOT_PORTRAIT)
+        reply_portrait(session, reply);
     spectrum_report(request->peaks, request->runs + (request->recording >= 0), reply);
     report_band(figure, reply);
 }
@@ -219,7 +221,7 @@ static bool into_file(const struct session *session, const struct arguments *arg
              figure_picture(figure, *picture, page[0], page[1], &content, error);
     ok = ok && write_file(session, args, &content, reply, error);
     if (ok)
-        reply_numbers(request, figure, reply);
+        reply_numbers(session, request, figure, reply);
     buffer_free(&content);
     return ok;
 }
@@ -277,7 +279,7 @@ HANDLER(plot)
     if (pixels ? !session->front.pixels(&session->front, &figure, width, height, error)
                : !as_text(session, &request, &figure, width, height, reply, error))
         return false;
-    reply_numbers(&request, &figure, reply);
+    reply_numbers(session, &request, &figure, reply);
     if (in_log)
         reply_where(session, &request, reply);
     return true;

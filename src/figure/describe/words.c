@@ -447,6 +447,10 @@ bool describe_reading(const struct figure_reading *reading, struct buffer *out)
         buffer_format(out, "%s: nothing that can be shown.", title_of(figure));
         return !out->failed;
     }
+    if (figure->words) {
+        buffer_put(out, text_of(figure->words));
+        return !out->failed;
+    }
     put_intro(reading, out);
     if (figure->curves == 1) {
         const struct described s = subject_of(reading, 0);

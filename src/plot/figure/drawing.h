@@ -104,6 +104,8 @@ bool drawing_precision(struct drawing *d, struct figure *figure);
 /* The period against the amplitude (figure_period.c). */
 bool period_figure(struct drawing *d, struct figure *figure);
 
+bool portrait_figure(struct drawing *d, struct figure *figure);
+
 /* [s] that the scene, or the sizes of what moves, lead to expect of a run; NAN: none. */
 double run_rhythm(const struct run *run);
 bool run_goes_back(const struct run *run); /* time falls from row to row */

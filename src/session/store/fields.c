@@ -18,6 +18,7 @@ const size_t store_session_count = COUNT_OF(store_session);
 const struct field store_view[] = {
     OF_VIEW(layout), OF_VIEW(full),   OF_VIEW(x),       OF_VIEW(y),        OF_VIEW(window),
     OF_VIEW(trail),  OF_VIEW(paging), OF_VIEW(overlay), OF_VIEW(overlays), OF_VIEW(cursors),
+    OF_VIEW(start),  OF_VIEW(starts), OF_VIEW(start_n),
 };
 const size_t store_view_count = COUNT_OF(store_view);
 

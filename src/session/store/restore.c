@@ -307,7 +307,8 @@ static void read_view(struct reader *reader)
     view.focus =
         field_find(in, "focus", &focus) ? catalog_find(reader->restorer->panes, focus) : NULL;
     if (fields_get(in, store_view, store_view_count, &view) && view.layout <= LAYOUT_LOG &&
-        view.overlays >= 0 && view.overlays <= LIMIT_OVERLAY)
+        view.overlays >= 0 && view.overlays <= LIMIT_OVERLAY && view.starts >= 0 &&
+        view.starts <= LIMIT_STARTS)
         session->view = view;
 }
 

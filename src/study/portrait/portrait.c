@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define LEVELS 8 /* of the energy, up to a corner of the box */
+#define LEVELS 5 /* of the energy, up to a corner of the box */
 
 bool polyline_put(struct polyline *line, double x, double y)
 {

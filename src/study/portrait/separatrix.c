@@ -203,7 +203,9 @@ static bool follow(struct portrait_work *work, int e, int value, int side)
                  side * AWAY / (size > 0 ? size : 1) * portrait->found.form[e].re[value][i];
     if (!polyline_put(w.line, from->state[variable_of(&w, 0)], from->state[variable_of(&w, 1)]))
         return false;
-    wrap(&w);
+    if (wrap(&w) && (!polyline_gap(w.line) ||
+                     !polyline_put(w.line, w.y[variable_of(&w, 0)], w.y[variable_of(&w, 1)])))
+        return false;
     enum walk_end end = WALK_ON;
     bool away = false;
     for (int i = 0; i < POINTS && end == WALK_ON && !cancelled(work->request->cancel); i++) {

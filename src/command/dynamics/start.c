@@ -1,0 +1,122 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* start */
+#ifndef COMMAND_ROWS
+#include <hooke/report.h>
+#include "command/internal.h"
+
+#include <string.h>
+
+/* What is not named is as the scene, or its run, has it at present. */
+static void present_state(const struct session *session, const struct system *system, double *state)
+{
+    const struct run *run = session_run(session);
+    const bool present = run && run->scene.model == system->model;
+    memcpy(state, present ? run->y : system->start, (size_t)system->n * sizeof *state);
+}
+
+static bool read_part(struct session *session, const struct arguments *args, struct text item,
+                      const struct system *system, double *state, struct error *error)
+{
+    struct parser parser = {session, args->scope, args->arena, item};
+    struct item value = {0};
+    struct text name = peek_name(item);
+    name.len += name.len < item.len && item.at[name.len] == '\'';
+    const int i = name.len > 0 ? model_state(system->model, name) : -1;
+    if (i < 0) {
+        error_at(error, name.len > 0 ? name : item, "'%.*s' is no variable of the scene",
+                 (int)item.len, item.at);
+        return error_hint(error, "a start is NAME=VALUE,NAME=VALUE, for example %s=1",
+                          system->model->variable[0].name);
+    }
+    parser.rest = text_trim((struct text){item.at + name.len, item.len - name.len});
+    if (!text_starts(parser.rest, TEXT("=")))
+        return error_at(error, item, "%.*s needs a value", (int)name.len, name.at);
+    parser.rest = text_trim((struct text){parser.rest.at + 1, parser.rest.len - 1});
+    const struct variable variable = system_variable(system, i);
+    if (!parse_value(&parser, variable.name, variable.quantity, &value, error) ||
+        !refuse_rest(&parser, &value, error))
+        return false;
+    state[i] = value.value.value;
+    return true;
+}
+
+static void list_starts(const struct session *session, const struct system *system,
+                        struct reply *reply)
+{
+    const struct view *view = &session->view;
+    const int starts = view->start_n == system->n ? view->starts : 0;
+    if (starts == 0)
+        reply_line(reply, "no trajectory has been started: start %s=VALUE",
+                   system->model->variable[0].name);
+    for (int k = 0; k < starts; k++) {
+        struct buffer text = {0};
+        buffer_format(&text, "%3d ", k + 1);
+        reply_begin(reply, "start");
+        reply_int(reply, "n", k + 1);
+        reply_object(reply, "state");
+        for (int i = 0; i < system->n; i++) {
+            const struct variable variable = system_variable(system, i);
+            buffer_format(&text, " %s = ", variable.name);
+            buffer_quantity(&text, view->start[k][i], variable.quantity, 6);
+            reply_real(reply, variable.name, view->start[k][i]);
+        }
+        reply_close(reply);
+        reply_end(reply);
+        reply_text(reply, buffer_text(&text));
+        buffer_free(&text);
+    }
+}
+
+HANDLER(start)
+{
+    const struct argument_value *what = argument_value(args, "NAME=VALUE");
+    struct view *view = &session->view;
+    struct system system;
+    double state[LIMIT_VARIABLES];
+    if (!scene_bind(&session->setup.scene, &system, error))
+        return false;
+    if (system.n < 2 || system.n > STARTS_VARIABLES)
+        return error_set(error, ERROR_COMMAND, "a portrait is of scenes with 2 to %d variables",
+                         STARTS_VARIABLES);
+    struct text rest = what->count ? text_trim(what->item->text) : TEXT(""), item;
+    if (text_is(rest, "clear")) {
+        view->starts = 0;
+        reply_line(reply, "no trajectory is drawn from a start any more");
+        session_changed(session);
+        return true;
+    }
+    if (rest.len == 0) {
+        list_starts(session, &system, reply);
+        return true;
+    }
+    present_state(session, &system, state);
+    while (text_split(&rest, ',', &item))
+        if (!read_part(session, args, text_trim(item), &system, state, error))
+            return false;
+    if (view->start_n != system.n)
+        view->starts = 0;
+    if (view->starts == LIMIT_STARTS) {
+        error_at(error, what->item->text, "there are %d starts already", LIMIT_STARTS);
+        return error_hint(error, "start clear");
+    }
+    view->start_n = system.n;
+    memset(view->start[view->starts], 0, sizeof view->start[0]);
+    memcpy(view->start[view->starts++], state, (size_t)system.n * sizeof *state);
+    list_starts(session, &system, reply);
+    session_changed(session);
+    return true;
+}
+#endif
+
+COMMAND(
+    start,
+    .row = {"start", "", "one more trajectory in the portrait, from a state, both ways", "", NULL},
+    .group = "DYNAMICS",
+    .text = "A state, values that are not named as they are at present: 'plot portrait' and its "
+            "pane draw where it goes\n"
+            "and where it comes from. At most 16; without a state they are listed, 'start clear' "
+            "takes them away.",
+    .examples = "scene pendulum; start theta=1,rate=2; plot portrait\n"
+                "start clear",
+    .see = "plot equilibria focus", .flags = COMMAND_ANYTIME,
+    ARGUMENTS(PLACE("NAME=VALUE", TYPE_REST)))
