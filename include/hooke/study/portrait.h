@@ -43,6 +43,8 @@ struct separatrix {
     } crossing[CROSSINGS_MAX];
 };
 
+bool polyline_put(struct polyline *line, double x, double y); /* false: no memory */
+
 enum portrait_line {
     PORTRAIT_NULLCLINE, /* of the variable across */
     PORTRAIT_NULLCLINE_UP,

@@ -72,9 +72,10 @@ HANDLER(focus)
     /* A saved session may have one whose run has changed, or whose fit is gone. */
     if (pane->count && !session->restoring && !plot_offered(session, wanted)) {
         struct buffer offered = {0};
+        const bool some = session_run(session) || session_recording(session);
         error_at(error, pane->item->text, "there is nothing to show in the pane %s: %s", row->name,
                  row->brief);
-        for (size_t i = 0; i < plot_catalog.count; i++)
+        for (size_t i = 0; i < plot_catalog.count && some; i++)
             if (plot_offered(session, (enum plot_kind)i))
                 buffer_format(&offered, "%s%s", offered.len ? ", " : "",
                               catalog_row(&plot_catalog, i)->name);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The phase portrait as a figure: what is shown of it, and words about it. */
+#include <hooke/session/dynamics.h>
 #include <hooke/session/portrait.h>
 
 #include "plot/figure/drawing.h"
@@ -182,6 +183,37 @@ static bool add_starts(struct drawing *d, const struct system *system,
     free(line.x);
     free(line.y);
     return fine;
+}
+
+/* Orbits that were found with the present values: stable ones are lines, others dots. */
+static bool add_orbits(struct drawing *d, const struct portrait_request *wanted)
+{
+    const struct dynamics *kept = session_dynamics(d->session);
+    const int n = wanted->scene->model->n;
+    bool fine = true;
+    for (int stable = 1; stable >= 0 && kept && fine; stable--) {
+        struct polyline line = {NULL, NULL, 0, 0};
+        for (int k = 0; k < kept->orbits && fine; k++) {
+            const struct kept_orbit *orbit = &kept->orbit[k];
+            if (solution_stable(&orbit->solution) != stable ||
+                memcmp(orbit->value, wanted->scene->value,
+                       (size_t)kept->params * sizeof *orbit->value) != 0)
+                continue;
+            for (int i = 0; i < orbit->samples && fine; i++) {
+                const double *at = orbit->sample + i * (n + 1) + 1;
+                fine = polyline_put(&line, at[wanted->variable[0]], at[wanted->variable[1]]);
+            }
+            fine = fine && polyline_put(&line, NAN, NAN);
+        }
+        const int before = d->curves;
+        fine = fine &&
+               add_line(d, &line, stable ? "stable orbit" : "unstable orbit", stable ? '=' : ',');
+        if (d->curves > before)
+            d->curve[before].points = d->curve[before].cloud = !stable;
+        free(line.x);
+        free(line.y);
+    }
+    return fine || error_memory(d->error);
 }
 
 /* One curve a type: letters, large where it is stable. */
@@ -386,10 +418,10 @@ bool portrait_figure(struct drawing *d, struct figure *figure)
     if (!portrait)
         return false;
     d->curve =
-        arena_array(d->arena, PORTRAIT_LINES + 4 + equilibrium_catalog.count, sizeof *d->curve);
+        arena_array(d->arena, PORTRAIT_LINES + 6 + equilibrium_catalog.count, sizeof *d->curve);
     if (!d->curve)
         return error_memory(d->error);
-    if (!add_run(d, &wanted) || !add_starts(d, &system, &wanted) ||
+    if (!add_run(d, &wanted) || !add_starts(d, &system, &wanted) || !add_orbits(d, &wanted) ||
         !add_lines(d, &wanted, portrait, &system) ||
         !add_equilibria(d, &wanted, &portrait->found) || !add_directions(d, &system, &wanted))
         return false;

@@ -14,7 +14,6 @@ struct portrait_work {
     const struct system *bounded; /* has bounds; NULL: it has none */
 };
 
-bool polyline_put(struct polyline *line, double x, double y); /* false: no memory */
 bool polyline_gap(struct polyline *line);
 
 /* Lines f = 0 in the box by marching squares; `bounds`: of f on a cell, NULL: none, then what is
