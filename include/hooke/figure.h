@@ -74,6 +74,7 @@ struct curve {
     const double *x, *y; /* [n] NaN is a gap */
     size_t n;
     bool points;  /* data: marks instead of a line, drawn last */
+    bool plain;   /* in text without a colour: its mark is all that it needs */
     bool arrows;  /* pieces between gaps are arrows: tail, tip, then in pictures their heads */
     bool cloud;   /* points, so many that each is the smallest dot there is */
     char mark;    /* glyph of this overlay in ASCII ('#', 'o', 'x', '+'); 0: choose by position */

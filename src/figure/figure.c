@@ -283,8 +283,10 @@ static void draw_curves(const struct text_sheet *sheet)
             raster_put(&raster, column, row, sheet->strokes->zero);
     raster.style = STYLE_DIM;
     for (int i = 0; i < figure->curves; i++)
-        if (curve_drawn(figure, i) && figure->curve[i].arrows)
+        if (curve_drawn(figure, i) && figure->curve[i].arrows) {
+            raster.style = figure->curve[i].plain ? STYLE_PLAIN : STYLE_DIM;
             raster_arrows(&raster, &figure->curve[i]);
+        }
     for (int pass = 0; pass < 3; pass++) { /* overlays, the first line above them, data above all */
         for (int i = figure->curves - 1; i >= 0; i--) {
             const struct curve *curve = &figure->curve[i];
@@ -293,7 +295,7 @@ static void draw_curves(const struct text_sheet *sheet)
                                   alone_in_panel(figure, i)
                               ? 0
                               : figure_mark(figure, i);
-            raster.style = style_of(i);
+            raster.style = curve->plain ? STYLE_PLAIN : style_of(i);
             if (!curve_drawn(figure, i) || curve->arrows ||
                 pass != (curve->points ? 2 : !raster.mark))
                 continue;

@@ -14,6 +14,22 @@ static void present_state(const struct session *session, const struct system *sy
     memcpy(state, present ? run->y : system->start, (size_t)system->n * sizeof *state);
 }
 
+/* Of the run where cursor A stands. */
+static bool state_at_cursor(const struct session *session, const struct system *system,
+                            double *state, struct error *error)
+{
+    const struct run *run = session_run(session);
+    const struct cursors *cursors = &session->view.cursors;
+    if (!run || run->scene.model != system->model || !cursors->at[0].set) {
+        error_set(error, ERROR_COMMAND, "no cursor stands on a run of this scene");
+        return error_hint(error, "cursor A TIME sets one");
+    }
+    size_t row = trace_row_at(run->trace, cursors->at[0].t);
+    row = row < trace_count(run->trace) ? row : trace_count(run->trace) - 1;
+    memcpy(state, trace_state(run->trace, row), (size_t)system->n * sizeof *state);
+    return true;
+}
+
 static bool read_part(struct session *session, const struct arguments *args, struct text item,
                       const struct system *system, double *state, struct error *error)
 {
@@ -89,7 +105,13 @@ HANDLER(start)
         list_starts(session, &system, reply);
         return true;
     }
-    present_state(session, &system, state);
+    if (text_is(rest, "cursor")) {
+        if (!state_at_cursor(session, &system, state, error))
+            return false;
+        rest = TEXT("");
+    } else {
+        present_state(session, &system, state);
+    }
     while (text_split(&rest, ',', &item))
         if (!read_part(session, args, text_trim(item), &system, state, error))
             return false;
@@ -114,7 +136,8 @@ COMMAND(
     .group = "DYNAMICS",
     .text = "A state, values that are not named as they are at present: 'plot portrait' and its "
             "pane draw where it goes\n"
-            "and where it comes from. At most 16; without a state they are listed, 'start clear' "
+            "and where it comes from. 'start cursor' takes the run's state at cursor A. At most "
+            "16; without a state they are listed, 'start clear' "
             "takes them away.",
     .examples = "scene pendulum; start theta=1,rate=2; plot portrait\n"
                 "start clear",

@@ -295,6 +295,7 @@ static bool add_directions(struct drawing *d, const struct system *system,
         }
     struct curve *curve = add(d, NULL, 0);
     curve->arrows = true;
+    curve->plain = pane;
     curve->x = x;
     curve->y = y;
     curve->n = count;
@@ -402,8 +403,11 @@ static bool add_lines(struct drawing *d, const struct portrait_request *wanted,
             label = arena_text(d->arena, buffer_text(&text));
             buffer_free(&text);
         }
+        const int before = d->curves;
         if (!label || !add_line(d, &portrait->line[i], label, look[i].mark))
             return label || error_memory(d->error);
+        if (d->curves > before)
+            d->curve[before].plain = true;
     }
     return true;
 }
