@@ -14,6 +14,11 @@ FUSED_CLONE static double log_fused(double x)
     return log_in(x, true);
 }
 
+FUSED_CLONE static double log10_fused(double x)
+{
+    return log10_in(x, true);
+}
+
 FUSED_CLONE static double power_fused(double x, double y)
 {
     return power_in(x, y, true);
@@ -21,6 +26,7 @@ FUSED_CLONE static double power_fused(double x, double y)
 #else
 #define fused_here() false
 #define log_fused(x) log_in(x, true)
+#define log10_fused(x) log10_in(x, true)
 #define power_fused(x, y) power_in(x, y, true)
 #endif
 
@@ -33,10 +39,9 @@ double fixed_log(double x)
 
 double fixed_log10(double x)
 {
-    const struct wide per_ln_10 = {0x1.bcb7b1526e50ep-2, 0x1.95355baaafad3p-57};
     if (!(x > 0 && x < HUGE_VAL))
         return no_logarithm(x);
-    return wide_times(wide_log(x, FUSED), per_ln_10).high;
+    return fused_here() ? log10_fused(x) : log10_in(x, FUSED);
 }
 
 /* ---- powers ---- */

@@ -60,6 +60,17 @@ INLINE struct wide wide_log(double x, bool fused)
                                       ((parts.rest - 0.5 * square.low) + cubic_part(parts.r)));
 }
 
+#define PER_LN_10_1 0x1.bcb7b10000000p-2 /* 25 bits, and what follows */
+#define PER_LN_10_2 0x1.49b9438ca9aaep-28
+
+INLINE double log10_in(double x, bool fused)
+{
+    const struct wide log = wide_log(x, fused);
+    const double upper = upper_part(log.high), lower = log.high - upper;
+    return upper * PER_LN_10_1 +
+           (lower * PER_LN_10_1 + (log.high * PER_LN_10_2 + log.low * PER_LN_10_1));
+}
+
 /* e^(y log x), the logarithm and the product in two parts */
 INLINE double power_in(double x, double y, bool fused)
 {

@@ -342,6 +342,7 @@ static void test_fused(void **state)
                 continue;
             assert_true(same(log_in(x, true), log_in(x, false)));
             assert_true(same(fixed_log(x), log_in(x, false)));
+            assert_true(same(log10_in(x, true), log10_in(x, false)));
             assert_true(same(power_in(x, y, true), power_in(x, y, false)));
             assert_true(same(fixed_pow(x, y), power_in(x, y, false)));
         }
