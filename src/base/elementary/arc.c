@@ -57,7 +57,8 @@ INLINE struct wide first_angle(double y, double x)
 {
     const double about = y / x;
     if (about <= NEAR) {
-        const struct wide above = {y, 0}, below = {x, 0}, t = wide_quotient(above, below);
+        const struct wide above = {y, 0}, below = {x, 0}, parts = wide_quotient(above, below),
+                          t = ordered_sum(parts.high, parts.low);
         return (struct wide){t.high, t.low + angle_rest(t.high)};
     }
     const double j = (about * CENTRES + WHOLE) - WHOLE, c = j / CENTRES, upper = upper_part(x);

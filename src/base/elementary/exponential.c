@@ -100,32 +100,32 @@ double fixed_cosh(double x)
     return size <= LOST ? both_signs(size, 1) * 0.5 : exp_shifted(size, -1);
 }
 
-/* tanh x - x, |x| < 9/16, to 2^-57.3 of tanh x */
+#define TANH_SERIES 0.25
+
+/* tanh x - x, |x| < TANH_SERIES, to 2^-57.6 of tanh x */
 INLINE double tanh_rest(double x)
 {
-    const double s = x * x, q = s * s, p = q * q;
-    const double low = (-0x1.5555555555550p-2 + s * 0x1.11111111106fcp-3) +
-                       q * (-0x1.ba1ba1b967a74p-5 + s * 0x1.664f4852a07a8p-6);
-    const double middle = (-0x1.226e2e072308ap-7 + s * 0x1.d6d26b7b314ffp-9) +
-                          q * (-0x1.7d8d2eb3c9010p-10 + s * 0x1.346c6a0706af3p-11);
+    const double s = x * x, q = s * s;
+    const double low = (-0x1.5555555555507p-2 + s * 0x1.11111111001dep-3) +
+                       q * (-0x1.ba1ba193d35b3p-5 + s * 0x1.664f345118e0cp-6);
     const double high =
-        (-0x1.e87633f5c5e9cp-13 + s * 0x1.5a8a1df2a8713p-14) - q * 0x1.3f9d956166497p-16;
-    return x * s * (low + p * (middle + p * high));
+        (-0x1.22688c3862785p-7 + s * 0x1.d515c3a1ba173p-9) - q * 0x1.59d20ef416414p-10;
+    return x * s * (low + q * q * high);
 }
 
-/* 1 - 2/(e^2x + 1), the quotient with what its divisor's rounding leaves */
+/* 1 - 2/(e^2x + 1), the quotient in two parts */
 double fixed_tanh(double x)
 {
     const double size = fabs(x);
-    if (size < 0.5625)
+    if (size < TANH_SERIES)
         return size < 0x1p-28 ? x : x + tanh_rest(x);
     if (!(size <= LOST / 2))
         return x != x ? x : copysign(1, x);
     double r, most;
     const uint64_t n = exp_reduced(2 * size, &r);
     const double rest = exp_rest(n, r, &most);
-    const struct wide more = ordered_sum(most, 1), below = ordered_sum(more.high, rest);
-    const double q = 2 / below.high, left = q * q * 0.5 * (more.low + below.low);
-    const struct wide value = ordered_sum(1, -q);
-    return copysign(value.high + (value.low + left), x);
+    const struct wide more = ordered_sum(most, 1), sum = ordered_sum(more.high, rest), two = {2, 0},
+                      below = {sum.high, more.low + sum.low}, part = wide_quotient(two, below),
+                      less = ordered_sum(1, -part.high);
+    return copysign(less.high + (less.low - part.low), x);
 }

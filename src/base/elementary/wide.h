@@ -99,12 +99,12 @@ INLINE double upper_part(double x)
     return from_bits(to_bits(x) & ~UINT64_C(0x7FFFFFF));
 }
 
-/* The quotient's upper part, of which the products with both parts of b are exact, and the rest. */
+/* The quotient to 26 bits, of which the products with both parts of b are exact, and the rest. */
 INLINE struct wide wide_quotient(struct wide a, struct wide b)
 {
     const double per_b = 1 / b.high, q = upper_part(a.high * per_b), b1 = upper_part(b.high);
     const double rest = ((a.high - q * b1) - q * (b.high - b1)) + (a.low - q * b.low);
-    return ordered_sum(q, rest * per_b);
+    return (struct wide){q, rest * per_b};
 }
 
 #endif

@@ -152,13 +152,14 @@ static void test_one_unit_of_two(void **state)
  * one formula to the next. */
 static void test_edges(void **state)
 {
-    static const double borders[] = {0x1p-54, 0x1p-28, 0x1p-27, 0.125, 0.1875, 0.5,
-                                     0.5625,  0.785,   1,       20,    40,     690};
+    static const double borders[] = {0x1p-54, 0x1p-28, 0x1p-27, 0.125, 0.1875, 0.25,
+                                     0.5,     0.785,   1,       20,    40,     690};
     if (LDBL_MANT_DIG < 64)
         skip();
     for (int i = 0; i < 3 * 12000; i++) {
         const int j = i / 3 - 6000, side = i % 3 - 1;
-        const double edge = from_bits((uint64_t)((int64_t)FIRST_M + ((int64_t)j << ROW_SHIFT))),
+        const double edge = from_bits(FIRST_M + (uint64_t)(j + 8192) * (UINT64_C(1) << ROW_SHIFT) -
+                                      (UINT64_C(64) << EXPONENT_SHIFT)),
                      m = nextafter(edge, side * HUGE_VAL + edge), x = side ? m : edge;
         assert_true(units_off(fixed_log(x), logl((long double)x)) <= UNITS);
         const double half = (j + 0.5 + side * 1e-13) * 0x1.62e42fefa39efp-8;
@@ -373,7 +374,7 @@ static void test_known_bits(void **state)
                 const double x = drawn(&pairs[i].first[j], &random);
                 take(&hash, pairs[i].fixed(x, drawn(&pairs[i].second[j], &random)));
             }
-    if (hash != UINT64_C(0x895434adf260d1be))
+    if (hash != UINT64_C(0xa1d645121f6348d2))
         fail_msg("the bits are those of 0x%016llx", (unsigned long long)hash);
     (void)state;
 }
