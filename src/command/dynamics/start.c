@@ -112,7 +112,7 @@ HANDLER(start)
     } else {
         present_state(session, &system, state);
     }
-    while (text_split(&rest, ',', &item))
+    while (rest.len > 0 && text_split(&rest, ',', &item))
         if (!read_part(session, args, text_trim(item), &system, state, error))
             return false;
     if (view->start_n != system.n)
