@@ -69,6 +69,7 @@ void rl_redisplay(void)
     int rows, columns;
     if (!own)
         line_find_own(&own, "rl_redisplay");
+    line_mend();
     rl_get_screen_size(&rows, &columns);
     if (columns < NARROWEST)
         rl_set_screen_size(rows, NARROWEST);
@@ -115,6 +116,7 @@ static void take_key(void)
     if (sigsetjmp(given_up.frame, 0) == 0) {
         given_up.valid = true;
         rl_callback_read_char();
+        line_mend();
         end_line();
     } else {
         rl_readline_state &= ~(unsigned long)(RL_STATE_MOREINPUT | RL_STATE_METANEXT);
@@ -168,6 +170,7 @@ static int is_pending(void)
 
 static void redisplay(void)
 {
+    line_mend();
     panes_active->echo_stale = true;
 }
 

@@ -279,6 +279,16 @@ void line_drop_undo(void)
         entry->data = NULL;
 }
 
+void line_mend(void)
+{
+    const int end = (int)strlen(rl_line_buffer);
+    if (end == rl_end)
+        return;
+    rl_end = end;
+    rl_point = rl_point < end ? rl_point : end;
+    line_drop_undo();
+}
+
 static int by_address(const void *a, const void *b)
 {
     const uintptr_t one = (uintptr_t) * (void *const *)a, two = (uintptr_t) * (void *const *)b;

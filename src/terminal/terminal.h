@@ -213,6 +213,9 @@ void line_begin(struct session *session);
 void line_find_own(void *function, const char *name);
 /* What was edited cannot be undone any more. */
 void line_drop_undo(void);
+/* What readline takes for the line's end may lie behind it (in vi's command mode: a yank that is
+ * repeated), where its searches never end. */
+void line_mend(void);
 /* Between two lines: what readline has freed since the last one is free now, and lists of undo. */
 void line_over(void);
 

@@ -47,17 +47,15 @@ static void put_parameter(struct buffer *out, const struct scene *scene, int i, 
 static void put_parameters(struct buffer *out, const struct scene *scene, int max, bool start)
 {
     const int count = (int)scene_params(scene)->count, t0 = scene_param(scene, "t0");
-    bool is_start[PARAM_MAX];
-    for (int i = 0; i < count; i++) {
-        is_start[i] = param_is_start(scene, i);
-        if (is_start[i] || max <= 0 || !param_matters(scene, i))
+    for (int i = 0; i < count && max > 0; i++) {
+        if (!param_matters(scene, i) || param_is_start(scene, i))
             continue;
         put_parameter(out, scene, i, "  ");
         max--;
     }
     const char *gap = "  ";
     for (int i = 0; i < count && start; i++) {
-        if (!is_start[i] || i == t0)
+        if (i == t0 || !param_is_start(scene, i))
             continue;
         put_parameter(out, scene, i, gap);
         gap = " ";

@@ -24,7 +24,7 @@ enum {
     KEYS_CHUNK = 40, /* [byte] at once, where not all of it comes so */
     KEYS_NS = 5000000,
     KEYS_IDLE = 3,
-    KEYS_SHORTEST = 16 /* [byte] at most, of an input: this, or up to 32 times as much */
+    KEYS_SHORTEST = 8 /* [byte] at most, of an input: this, or up to 32 times as much */
 };
 
 static struct {

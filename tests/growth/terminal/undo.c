@@ -21,6 +21,7 @@ static void edit(void)
     rl_replace_line("", 1);
     rl_insert_text("k = 20 N/m");
     rl_delete_text(0, 3);
+    rl_point = 0;
     rl_insert_text("m");
 }
 
@@ -73,8 +74,26 @@ static void test_lists(void **state)
     }
 }
 
+/* Nothing behind a NUL is of the line: there, and in undoing, readline would not find its end. */
+static void test_end(void **state)
+{
+    (void)state;
+    edit();
+    const int end = rl_end;
+    rl_point = end;
+    line_mend();
+    assert_int_equal(rl_end, end);
+    assert_non_null(rl_undo_list);
+    rl_line_buffer[2] = '\0';
+    line_mend();
+    assert_int_equal(rl_end, 2);
+    assert_int_equal(rl_point, 2);
+    assert_null(rl_undo_list);
+    line_over();
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_lists)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_lists), cmocka_unit_test(test_end)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
