@@ -447,6 +447,9 @@ HANDLER(plan)
     }
     events_plan(setup->events, &text);
     band_plan(session, &system, &text);
+    if (view_focus(&session->view) == PLOT_PORTRAIT && plot_offered(session, PLOT_PORTRAIT))
+        buffer_put(&text, TEXT("portrait  arrows in each frame, its lines again only when a value "
+                               "or the box changes\n"));
     reply_text(reply, buffer_text(&text));
     buffer_free(&text);
     return true;
