@@ -16,14 +16,14 @@
 #define HALVINGS 46
 #define CELLS 150000 /* looked at */
 
-struct segment {
+struct level_segment {
     double x[2], y[2];
     bool used;
 };
 
 struct marching {
     const struct level_request *request;
-    struct segment *segment;
+    struct level_segment *segment;
     size_t segments, capacity;
     int cells;
     bool failed;
@@ -61,7 +61,7 @@ static void add(struct marching *m, const double a[2], const double b[2])
 {
     if (m->segments == m->capacity) {
         const size_t capacity = m->capacity > 0 ? 2 * m->capacity : 256;
-        struct segment *more = realloc(m->segment, capacity * sizeof *more);
+        struct level_segment *more = realloc(m->segment, capacity * sizeof *more);
         if (!more) {
             m->failed = true;
             return;
@@ -69,7 +69,7 @@ static void add(struct marching *m, const double a[2], const double b[2])
         m->segment = more;
         m->capacity = capacity;
     }
-    m->segment[m->segments++] = (struct segment){{a[0], b[0]}, {a[1], b[1]}, false};
+    m->segment[m->segments++] = (struct level_segment){{a[0], b[0]}, {a[1], b[1]}, false};
 }
 
 /* ---- cells ---- */
@@ -127,10 +127,10 @@ static void look(struct marching *m, const double box[2][2], int cells)
 /* ---- lines ---- */
 
 /* A segment that goes on from this point; its other end. NULL: there is none. */
-static const struct segment *next(struct marching *m, double *x, double *y)
+static const struct level_segment *next(struct marching *m, double *x, double *y)
 {
     for (size_t i = 0; i < m->segments; i++) {
-        struct segment *s = &m->segment[i];
+        struct level_segment *s = &m->segment[i];
         for (int end = 0; end < 2 && !s->used; end++)
             if (s->x[end] == *x && s->y[end] == *y) {
                 s->used = true;
@@ -145,7 +145,7 @@ static const struct segment *next(struct marching *m, double *x, double *y)
 static bool join(struct marching *m, struct polyline *line)
 {
     for (size_t i = 0; i < m->segments; i++) {
-        struct segment *first = &m->segment[i];
+        struct level_segment *first = &m->segment[i];
         if (first->used)
             continue;
         first->used = true;

@@ -19,7 +19,7 @@
 #define BEYOND 1e-9 /* of the box: the frame */
 #define REFINEMENTS 12
 
-struct walk {
+struct plane_walk {
     struct portrait_work *work;
     double y[LIMIT_VARIABLES], rate[LIMIT_VARIABLES], t;
     double width[2];
@@ -30,18 +30,18 @@ struct walk {
     struct separatrix *separatrix; /* NULL: a trajectory */
 };
 
-static int variable_of(const struct walk *w, int k)
+static int variable_of(const struct plane_walk *w, int k)
 {
     return w->work->request->variable[k];
 }
 
-static void rate_here(struct walk *w)
+static void rate_here(struct plane_walk *w)
 {
     system_derivative(&w->work->field.system, w->t, w->y, w->rate);
 }
 
 /* [s] to the next point */
-static double stride(const struct walk *w)
+static double stride(const struct plane_walk *w)
 {
     double speed = 0;
     for (int k = 0; k < 2; k++)
@@ -51,7 +51,7 @@ static double stride(const struct walk *w)
 }
 
 /* An angle that has left its range comes back on the other side: the line has a gap there. */
-static bool wrap(struct walk *w)
+static bool wrap(struct plane_walk *w)
 {
     bool turned = false;
     for (int k = 0; k < 2; k++) {
@@ -65,7 +65,7 @@ static bool wrap(struct walk *w)
     return turned;
 }
 
-static bool outside(const struct walk *w)
+static bool outside(const struct plane_walk *w)
 {
     for (int k = 0; k < 2; k++) {
         const double *range = w->work->request->box[k], y = w->y[variable_of(w, k)];
@@ -76,7 +76,7 @@ static bool outside(const struct walk *w)
 }
 
 /* [of the box] from a state; an angle the short way round */
-static double distance(const struct walk *w, const double *state)
+static double distance(const struct plane_walk *w, const double *state)
 {
     double far = 0;
     for (int k = 0; k < 2; k++) {
@@ -89,7 +89,7 @@ static double distance(const struct walk *w, const double *state)
 }
 
 /* The equilibrium, but for `except`, that the walk has come to; -1: none. */
-static int reached(const struct walk *w, int except)
+static int reached(const struct plane_walk *w, int except)
 {
     const struct equilibria *found = &w->work->portrait->found;
     for (int e = 0; e < found->count; e++)
@@ -101,7 +101,7 @@ static int reached(const struct walk *w, int except)
 /* ---- crossings ---- */
 
 /* Where variable k has this value, between the state before and the one `span` later. */
-static void cross(struct walk *w, const double *before, double span, int k, double value)
+static void cross(struct plane_walk *w, const double *before, double span, int k, double value)
 {
     struct separatrix *s = w->separatrix;
     double at[LIMIT_VARIABLES], rate[LIMIT_VARIABLES], low = 0, high = 1;
@@ -122,7 +122,7 @@ static void cross(struct walk *w, const double *before, double span, int k, doub
         s->crossing[s->crossings++] = (struct portrait_crossing){k, value, at[variable_of(w, !k)]};
 }
 
-static void look_for_crossings(struct walk *w, const double *before, double span)
+static void look_for_crossings(struct plane_walk *w, const double *before, double span)
 {
     const struct equilibria *found = &w->work->portrait->found;
     for (int k = 0; k < 2; k++) {
@@ -146,7 +146,7 @@ static void look_for_crossings(struct walk *w, const double *before, double span
 enum walk_end { WALK_ON, WALK_FRAME, WALK_REST, WALK_MEMORY };
 
 /* One stride; past the frame it ends on it. */
-static enum walk_end advance(struct walk *w, double span, int except)
+static enum walk_end advance(struct plane_walk *w, double span, int except)
 {
     double before[LIMIT_VARIABLES];
     memcpy(before, w->y, sizeof before);
@@ -168,9 +168,9 @@ static enum walk_end advance(struct walk *w, double span, int except)
     return at >= 0 ? WALK_REST : WALK_ON;
 }
 
-static void begin(struct walk *w, struct portrait_work *work)
+static void begin(struct plane_walk *w, struct portrait_work *work)
 {
-    *w = (struct walk){.work = work, .sign = 1, .t = work->request->t};
+    *w = (struct plane_walk){.work = work, .sign = 1, .t = work->request->t};
     for (int k = 0; k < 2; k++) {
         const double *range = work->request->box[k], turn = work->field.turn[variable_of(w, k)];
         w->width[k] = range[1] - range[0];
@@ -189,7 +189,7 @@ static bool follow(struct portrait_work *work, int e, int value, int side)
     portrait->separatrix = more;
     struct separatrix *s = &more[portrait->separatrices++];
     *s = (struct separatrix){e, from->value[value].re < 0, side, "goes on", -1, 0, {{0}}};
-    struct walk w;
+    struct plane_walk w;
     begin(&w, work);
     w.sign = s->stable ? -1 : 1;
     w.rate_max = fabs(from->value[value].re);
@@ -244,7 +244,7 @@ bool portrait_trajectory(const struct portrait_request *request, const double *s
 {
     struct portrait none = {.cancelled = false};
     struct portrait_work work = {.request = request, .portrait = &none};
-    struct walk w;
+    struct plane_walk w;
     struct error ignored;
     if (!field_init(&work.field, request->scene, NULL, 0, &ignored))
         return true;

@@ -134,8 +134,8 @@ static const char *other_command(void)
                   "plot position", "describe energy", "zoom 2", "pan 0.1 s", "overlay all",
                   "overlay off", "export e.csv --force", "echo hello", "save s.hk --force",
                   "source s.hk", "history 3", "help run", "apropos energy", "list limits",
-                  "speed 2", "param own = 3", "observe two = 2*t",
-                  "start y=0.02,v=0.1", "start clear; start v=0.3; plot portrait");
+                  "speed 2", "param own = 3", "observe two = 2*t", "start y=0.02,v=0.1",
+                  "start clear; start v=0.3; plot portrait");
 }
 
 /*
