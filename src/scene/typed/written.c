@@ -107,10 +107,10 @@ static bool write_observed(struct writing *w)
 {
     const struct model *model = w->scene->model;
     for (int i = 0; i < w->system.n / 2 && w->system.order == 2; i++) {
-        char known[LIMIT_SYMBOL + 2] = "v";
-        const struct text own = variable_name(w, w->system.n / 2 + i);
-        strncat(known, w->system.model->variable[i].name, LIMIT_SYMBOL);
-        struct typed_line *line = text_is(own, known) ? NULL : next(w, TYPED_OBSERVE, own);
+        const struct text own = variable_name(w, w->system.n / 2 + i), of = variable_name(w, i);
+        const bool usual = own.len == of.len + 1 && own.at[0] == 'v' &&
+                           text_equal((struct text){own.at + 1, of.len}, of);
+        struct typed_line *line = usual ? NULL : next(w, TYPED_OBSERVE, own);
         if (line && !primed(w, i, &line->expr))
             return false;
     }

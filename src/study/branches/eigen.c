@@ -187,7 +187,7 @@ static double real_product(int n, const double *p, const double *q, const double
 static bool adjoint(int n, const double *jacobian, double omega, const double *a, const double *b,
                     double *p, double *q)
 {
-    double turned[FIELD_VARIABLES * FIELD_VARIABLES];
+    double turned[FIELD_VARIABLES * FIELD_VARIABLES] = {0};
     transpose(n, jacobian, turned);
     if (!matrix_eigenvector(n, turned, (struct eigenvalue){0, -omega}, p, q))
         return false;
