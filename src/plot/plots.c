@@ -163,6 +163,13 @@ static const struct plot_row rows[] = {
                        .fits = has_two,
                        .needs = "that needs two variables",
                        .offered = scene_has_two},
+    [PLOT_BRANCHES] = {.row = ROW("branches", "branches over their parameter: stable lines, "
+                                              "unstable dots, letters of special points"),
+                       .across = ACROSS_OTHER,
+                       .title = "branches",
+                       .of_scene = true,
+                       .figure = branches_figure,
+                       .offered = branches_known},
 };
 const struct catalog plot_catalog = CATALOG("plot", rows);
 

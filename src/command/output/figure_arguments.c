@@ -59,7 +59,11 @@ bool choose_figure(const struct arguments *args, struct figure_request *request,
         error_at(error, of->where, "of a table one column is drawn against another");
         return error_hint(error, "plot COLUMN against COLUMN of %s", of->item->row->name);
     }
-    if (what->count == 1 && what->item->index >= 0 && !against->count && !at->count) {
+    /* of branches a variable may follow */
+    const bool branches = what->count == 2 && what->item->index == PLOT_BRANCHES;
+    if ((what->count == 1 || branches) && what->item->index >= 0 && !against->count && !at->count) {
+        request->column = branches ? &what->item[1].text : NULL;
+        request->columns = branches;
         request->kind = (enum plot_kind)what->item->index;
         return true;
     }

@@ -101,6 +101,9 @@ bool drawing_phase_data(struct drawing *d, const struct series *series, struct c
 bool drawing_data_envelope(struct drawing *d, const struct series *series, struct curve *curve);
 bool drawing_run_envelope(struct drawing *d, const struct run *run, struct curve *curve);
 bool drawing_precision(struct drawing *d, struct figure *figure);
+/* Branches over their parameter (branches.c). */
+bool branches_known(const struct session *session);
+bool branches_figure(struct drawing *d, struct figure *figure);
 /* The period against the amplitude (figure_period.c). */
 bool period_figure(struct drawing *d, struct figure *figure);
 
