@@ -167,6 +167,9 @@ static bool find_response(struct session *session, struct kept_reference *found,
     struct system system;
     if (!scene_bind_motion(&session->setup.scene, &system, error))
         return false;
+    if (system.n > DYNAMICS_VARIABLES)
+        return error_set(error, ERROR_COMMAND, "responses are followed of at most %d variables",
+                         DYNAMICS_VARIABLES);
     orbit_begin(session, &system, &request);
     if (system_drive(&system) == 0)
         return error_set(error, ERROR_COMMAND, "a response is one to a drive: this scene has none");

@@ -512,6 +512,8 @@ bool orbit_find(const struct orbit_request *request, struct found_orbit *found, 
                 : drive > 0 ? find_driven(&s, drive, error)
                             : find_own(&s, error);
     fine = fine && finish(&s, error);
+    if (fine && cancelled(request->cancel))
+        fine = error_set(error, ERROR_CANCELLED, "cancelled");
     found->evals = s.field.evals;
     found->seconds = clock_seconds(since);
     field_free(&s.field);
