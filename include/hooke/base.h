@@ -48,6 +48,8 @@ bool text_split(struct text *rest, char separator, struct text *head);
  * NULL; the caller then reports error_memory() and leaves its object as it was.
  */
 
+struct cancel;
+
 struct arena {
     struct arena_block *blocks;
 };
@@ -57,6 +59,10 @@ void *arena_alloc(struct arena *arena, size_t size);
 void *arena_array(struct arena *arena, size_t count, size_t size); /* overflow-checked */
 char *arena_text(struct arena *arena, struct text text);           /* NUL-terminated copy */
 void arena_reset(struct arena *arena); /* frees everything; the arena can be used again */
+/* All that `from` has handed out belongs to `to`. */
+void arena_move(struct arena *from, struct arena *to);
+/* The same as arena_reset() until it is stopped: gigabytes take 0.1 s. */
+void arena_give_back(struct arena *arena, const struct cancel *cancel);
 
 /* Text that grows. After a failed allocation `failed` is set and later writes are ignored: check
  * once at the end. */

@@ -298,9 +298,10 @@ struct session {
     int nesting;          /* command_exec inside command_exec */
     /* a run was paused: what stands after it on the line and in the file is not executed */
     bool halted;
-    bool reacting;  /* commands of an event are executed: part of the statement that ran into it */
-    bool passing;   /* the run goes on after them: what they set is not told each time */
-    bool restoring; /* a session that saved itself is read: nothing but what recreates it */
+    bool reacting; /* commands of an event are executed: part of the statement that ran into it */
+    bool passing;  /* the run goes on after them: what they set is not told each time */
+    struct arena leftover; /* of statements: what Ctrl-C left to be given back */
+    bool restoring;        /* a session that saved itself is read: nothing but what recreates it */
 
     struct stored_portrait *portrait; /* what 'plot portrait' and its pane show */
     struct lesson *lesson;            /* NULL: none */

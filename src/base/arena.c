@@ -58,11 +58,26 @@ char *arena_text(struct arena *arena, struct text text)
     return copy;
 }
 
-void arena_reset(struct arena *arena)
+void arena_move(struct arena *from, struct arena *to)
 {
-    while (arena->blocks) {
+    struct arena_block **end = &from->blocks;
+    while (*end)
+        end = &(*end)->next;
+    *end = to->blocks;
+    to->blocks = from->blocks;
+    from->blocks = NULL;
+}
+
+void arena_give_back(struct arena *arena, const struct cancel *cancel)
+{
+    while (arena->blocks && !cancelled(cancel)) {
         struct arena_block *block = arena->blocks;
         arena->blocks = block->next;
         free(block);
     }
+}
+
+void arena_reset(struct arena *arena)
+{
+    arena_give_back(arena, NULL);
 }

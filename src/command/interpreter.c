@@ -244,6 +244,13 @@ static void note_left_out(struct text rest, struct reply *reply)
                    rest.len > 0 ? "; ..." : "");
 }
 
+/* What a Ctrl-C leaves is given back by the next statement. */
+static void give_back(struct session *session, struct arena *arena)
+{
+    arena_move(arena, &session->leftover);
+    arena_give_back(&session->leftover, session->front.cancel);
+}
+
 static bool exec_line(struct session *session, struct text line, const struct source *where,
                       struct reply *reply)
 {
@@ -274,7 +281,7 @@ static bool exec_line(struct session *session, struct text line, const struct so
             reply_error(reply, &error, where, line);
             note_failure(session, &error);
         }
-        arena_reset(&arena);
+        give_back(session, &arena);
         if (!ok && !session->halted)
             return false;
     }

@@ -45,6 +45,7 @@ void session_destroy(struct session *session)
     stored_portrait_clear(session->portrait);
     free(session->portrait);
     undo_clear(session);
+    arena_reset(&session->leftover);
     for (int i = 0; i < session->checkpoints; i++)
         snapshot_free(session->checkpoint[i]);
     while (session->runs > 0)

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Ctrl-C at random times: the prompt is back within 100 ms, the session is what it was, the next command works.
-# LONG=1: 150 commands on 2e6 rows and 1e6 steps; then the same in the program that ends itself where it is late.
+# LONG=1: 280 commands on 2e6 rows and 1e6 steps; then the same in the program that ends itself where it is late.
 set -u
 hooke=$PWD/${HOOKE:-build/hooke}
 tool=$PWD/tests/cancel

@@ -229,16 +229,19 @@ static double robust_scale(struct problem *p, const double *residual, double mid
     return MAD_TO_SIGMA * quantile(p->scratch + from, to - from, 0.5);
 }
 
-/* Weights of the residuals in robust standard deviations. Returns the largest change. */
+/* Weights of the residuals in robust standard deviations. Returns the largest change; INFINITY:
+ * stopped. */
 static double set_weights(struct problem *p, const double *residual, bool soft)
 {
     const size_t stretches = p->stretch > 0 && p->n >= 2 * p->stretch ? p->n / p->stretch : 1;
     for (size_t i = 0; i < p->n; i++)
         p->scratch[i] = residual[i];
     double middle = quantile(p->scratch, p->n, 0.5), change = 0;
+    if (cancelled(p->cancel))
+        return INFINITY;
     p->scale =
         fmax(robust_scale(p, residual, middle, 0, p->n), 4e-16 * p->size / sqrt((double)p->n));
-    for (size_t k = 0; k < stretches; k++) {
+    for (size_t k = 0; k < stretches && !cancelled(p->cancel); k++) {
         const size_t from = p->n * k / stretches, to = p->n * (k + 1) / stretches;
         const double local = stretches > 1 ? robust_scale(p, residual, middle, from, to) : 0;
         const double width = fmax(p->scale, local) * (soft ? SOFT_L1 : BISQUARE);
@@ -251,7 +254,7 @@ static double set_weights(struct problem *p, const double *residual, bool soft)
             p->weight[i] = weight;
         }
     }
-    return change;
+    return cancelled(p->cancel) ? INFINITY : change;
 }
 
 /* A few steps towards the minimum, which is not asked for: the weights are about to change. */
@@ -286,7 +289,7 @@ static bool settle_on_tangent(struct problem *p, const struct curve_fit *fit, do
             break;
         if (cancelled(p->cancel) || !tangent_step(p, fit, fit->residual, step))
             return false;
-        for (size_t i = 0; i < p->n; i++) {
+        for (size_t i = 0; i < p->n && !cancelled_at(p->cancel, i); i++) {
             left[i] = fit->residual[i];
             for (size_t j = 0; j < count; j++)
                 left[i] -= p->derivative[i * count + j] * step[j];

@@ -402,7 +402,7 @@ bool series_modes(const struct series *series, int count, struct arena *arena,
                                  : error_memory(error);
     if (sure < count)
         return too_many(count, sure, error);
-    mode_curve_init(&f.curve, count, series->t[0]);
+    mode_curve_init(&f.curve, count, series);
     double *x = start[count].value;
     if (!fit_from(&f, x, error))
         return false;

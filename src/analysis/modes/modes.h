@@ -17,12 +17,13 @@ enum { MODE_OMEGA, MODE_GAMMA, MODE_A, MODE_B, MODE_PARAMETERS };
 struct mode_curve {
     int modes;
     double origin; /* [s] */
+    const struct cancel *cancel;
     struct fit_curve curve;
     bool linear[CURVE_PARAMETERS];
 };
 
 /* The curve's context is the structure, which has to stay where it is. */
-void mode_curve_init(struct mode_curve *curve, int modes, double origin);
+void mode_curve_init(struct mode_curve *curve, int modes, const struct series *series);
 
 /* What a search for so many modes leaves. */
 struct mode_start {

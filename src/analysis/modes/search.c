@@ -52,19 +52,19 @@ static bool evaluate(void *context, const double *x, const double *t, size_t n, 
             slope[MODE_B] = v;
         }
         value[i] = sum;
-        if (!isfinite(sum))
+        if (!isfinite(sum) || cancelled_at(c->cancel, i))
             return false;
     }
     return true;
 }
 
-void mode_curve_init(struct mode_curve *c, int modes, double origin)
+void mode_curve_init(struct mode_curve *c, int modes, const struct series *series)
 {
     static const char *const names[CURVE_PARAMETERS] = {
         "offset", "slope", "omega1", "gamma1", "a1", "b1", "omega2", "gamma2",
         "a2",     "b2",    "omega3", "gamma3", "a3", "b3", "omega4", "gamma4",
         "a4",     "b4",    "omega5", "gamma5", "a5", "b5"};
-    *c = (struct mode_curve){.modes = modes, .origin = origin};
+    *c = (struct mode_curve){.modes = modes, .origin = series->t[0], .cancel = series->cancel};
     c->curve = (struct fit_curve){MODES_FIRST + modes * MODE_PARAMETERS, names, c, evaluate};
     for (int j = 0; j < c->curve.parameters; j++)
         c->linear[j] = j < MODES_FIRST || (j - MODES_FIRST) % MODE_PARAMETERS >= MODE_A;
@@ -103,7 +103,7 @@ static bool thin_out(const struct samples *x, size_t wanted, struct arena *arena
     if (!t || !y)
         return false;
     *thin = (struct series){.t = t, .y = y, .cancel = x->cancel};
-    for (size_t i = 0; i < x->n; i += each) {
+    for (size_t i = 0, bin = 0; i < x->n && !cancelled_at(x->cancel, bin++); i += each) {
         double count = 0, at = 0, mean = 0;
         for (size_t k = i; k < i + each && k < x->n; k++) {
             count += x->use[k];
@@ -252,7 +252,7 @@ static bool add_mode(struct modes_search *s, const struct mode_start *start,
     }
     s->modes++;
     s->count = 0;
-    mode_curve_init(&s->curve, s->modes, s->series.t[0]);
+    mode_curve_init(&s->curve, s->modes, &s->series);
     if (!projection_init(&s->projection, &s->curve.curve, s->curve.linear, &s->series, s->arena))
         return false;
     try_lines(s, known, residual);
@@ -266,7 +266,7 @@ static bool straight_line(struct modes_search *s, struct mode_start *start, doub
     struct error ignored = {0};
     const struct curve_options options = {.rough = true, .cancel = s->cancel};
     const double x[MODES_FIRST] = {0, 0};
-    mode_curve_init(&s->curve, 0, s->series.t[0]);
+    mode_curve_init(&s->curve, 0, &s->series);
     if (!curve_fit(&s->curve.curve, &s->series, x, &options, s->arena, &fit, &ignored))
         return false;
     start->value[MODES_OFFSET] = fit.value[MODES_OFFSET].value;

@@ -5,6 +5,7 @@
 #include "command/internal.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #define NAME_WIDTH 22
@@ -90,22 +91,19 @@ static const char *skip(const char *at, const char *name)
     }
 }
 
-/* The same reason but for names and numbers. */
-static bool alike(const struct stress_row *a, const struct stress_row *b)
+/* The same for the same reason but for names and numbers (FNV-1a; Fowler, Noll, Vo 1991), of the
+ * same verdict. */
+static uint64_t kind_of(const struct stress_row *row)
 {
-    const char *x = a->reason, *y = b->reason;
-    if (a->verdict != b->verdict)
-        return false;
-    for (;; x++, y++) {
-        x = skip(x, a->method->row.name);
-        y = skip(y, b->method->row.name);
-        if (*x != *y || !*x)
-            return *x == *y;
-    }
+    uint64_t sum = 0xCBF29CE484222325u + (uint64_t)row->verdict;
+    for (const char *at = row->reason; *(at = skip(at, row->method->row.name)); at++)
+        sum = (sum ^ (unsigned char)*at) * 0x100000001B3u;
+    return sum;
 }
 
-/* What is not good, by reason: the first method that has it, and how many more. */
-static void put_case(const struct stress *stress, int index, int methods, int width,
+/* What is not good, by reason: the first method that has it, and how many more. kind: [methods]
+ * scratch. */
+static void put_case(const struct stress *stress, int index, int methods, int width, uint64_t *kind,
                      struct buffer *out)
 {
     const struct stress_case *what = &stress->cases[index];
@@ -114,13 +112,16 @@ static void put_case(const struct stress *stress, int index, int methods, int wi
     put_wrapped(out, buffer_text(&line), width, index + 1 < 10, 3);
     for (int m = 0; m < methods; m++) {
         const struct stress_row *row = row_of(stress, index, m, methods);
+        kind[m] = row && row->reason[0] ? kind_of(row) : 0;
+    }
+    for (int m = 0; m < methods; m++) {
+        const struct stress_row *row = row_of(stress, index, m, methods);
         bool before = false;
         int more = 0;
         if (!row || !row->reason[0])
             continue;
         for (int i = 0; i < methods; i++) {
-            const struct stress_row *other = row_of(stress, index, i, methods);
-            const bool same = i != m && other && alike(row, other);
+            const bool same = i != m && kind[i] == kind[m];
             before |= same && i < m;
             more += same && i > m;
         }
@@ -155,8 +156,11 @@ static void put_stress(const struct session *session, const struct stress *stres
                           catalog_row(&stress_verdict_catalog, v)->name,
                           catalog_row(&stress_verdict_catalog, v)->brief);
     buffer_char(out, '\n');
-    for (int c = 0; c < finished; c++)
-        put_case(stress, c, methods, width, out);
+    uint64_t *kind = calloc((size_t)methods + 1, sizeof *kind);
+    for (int c = 0; c < finished && kind; c++)
+        put_case(stress, c, methods, width, kind, out);
+    out->failed |= !kind;
+    free(kind);
     buffer_format(out, "%d methods, %d cases, %.1f s\n", methods, finished, stress->seconds);
 }
 

@@ -436,6 +436,8 @@ static uint64_t live_text(const struct session *session)
 
 static bool put_all(struct output *out, struct session *session)
 {
+    if (stops(out))
+        return false;
     forget_recordings(out->stored, session);
     for (int i = 0; i < session->recordings; i++)
         if (!put_recording(out, session->recording[i]))

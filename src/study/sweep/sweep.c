@@ -208,7 +208,7 @@ static void watch_over(struct sweep_job *job, struct helper *helper, int count)
             for (int i = 0; i < count; i++)
                 busy |= helper[i].running && !atomic_load(&helper[i].done);
         }
-        if (busy && request->progress)
+        if (busy && !cancelled(request->cancel) && request->progress)
             request->progress(request->context, (double)atomic_load(&job->finished) / tasks);
     }
 }

@@ -105,6 +105,29 @@ static void arena_memory_is_zeroed_aligned_and_apart(void **state)
     arena_reset(&arena);
 }
 
+/* Stopped, it leaves what another arena takes over, with what that has. */
+static void arenas_are_given_back_until_stopped(void **state)
+{
+    (void)state;
+    struct cancel cancel = {0};
+    struct arena one = {0}, two = {0}, none = {0};
+    for (int i = 0; i < 5; i++)
+        assert_non_null(arena_alloc(&one, 1u << 20));
+    char *kept = arena_text(&two, TEXT("kept"));
+    char *given = arena_text(&one, TEXT("given"));
+    atomic_store(&cancel.requested, 1);
+    arena_give_back(&one, &cancel);
+    assert_non_null(one.blocks);
+    arena_move(&one, &two);
+    arena_move(&none, &two);
+    assert_null(one.blocks);
+    assert_string_equal(kept, "kept");
+    assert_string_equal(given, "given");
+    atomic_store(&cancel.requested, 0);
+    arena_give_back(&two, &cancel);
+    assert_null(two.blocks);
+}
+
 static void buffers_grow_and_stay_terminated(void **state)
 {
     (void)state;
@@ -353,6 +376,7 @@ int main(void)
         cmocka_unit_test(splitting_gives_every_field_once),
         cmocka_unit_test(distances),
         cmocka_unit_test(arena_memory_is_zeroed_aligned_and_apart),
+        cmocka_unit_test(arenas_are_given_back_until_stopped),
         cmocka_unit_test(buffers_grow_and_stay_terminated),
         cmocka_unit_test(errors_carry_a_sentence),
         cmocka_unit_test(long_errors_end_between_characters),
