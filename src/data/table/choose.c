@@ -399,8 +399,11 @@ bool recording_choose(struct recording *recording, const struct load_options *op
         arena_array(&recording->arena, (size_t)recording->columns, sizeof *profile);
     if (!profile)
         return error_memory(error);
-    for (int i = 0; i < recording->columns; i++)
+    for (int i = 0; i < recording->columns; i++) {
+        if (cancelled(recording->cancel))
+            return error_set(error, ERROR_CANCELLED, "reading was stopped");
         profile[i] = profile_of(recording, recording->column[i].value);
+    }
     if (runs_backwards(recording, profile)) {
         recording_reverse(recording);
         for (int i = 0; i < recording->columns; i++)
