@@ -167,7 +167,7 @@ static void replay_catch(void)
             signal(ends[i], replay_on_end);
     /* not alarm(), which the program takes for itself */
     struct sigevent event = {.sigev_notify = SIGEV_SIGNAL, .sigev_signo = SIGRTMAX};
-    if (timer_create(CLOCK_MONOTONIC, &event, &replay.endless) != 0)
+    if (timer_create(CLOCK_PROCESS_CPUTIME_ID, &event, &replay.endless) != 0)
         abort();
 }
 
