@@ -164,6 +164,10 @@ static void test_types_and_answers(void **state)
     expect(&p, PROMPT);
     type(&p, "met rk4\r"); /* prefixes hold at the prompt */
     expect(&p, "rk4");
+    type(&p, "plain\r");
+    expect(&p, "this is the plain prompt already");
+    type(&p, "clear\r");
+    expect(&p, "\033[H\033[2J");
     quit(&p);
 }
 

@@ -30,6 +30,7 @@ static struct {
     int boxes;
     long lines, fills;
     double lowest, highest; /* of the first curve */
+    double bottom, top;     /* of its band, an area of many corners */
 } heard;
 
 static void read_picture(const char *svg)
@@ -37,7 +38,7 @@ static void read_picture(const char *svg)
     static struct svg_path path;
     struct svg_element element;
     memset(&heard, 0, sizeof heard);
-    heard.highest = INFINITY;
+    heard.highest = heard.top = INFINITY;
     for (const char *at = NULL; svg_next(svg, &at, &element, &path);) {
         if (element.is_text) {
             assert_in_range(heard.boxes, 0, COUNT_OF(heard.box) - 1);
@@ -50,6 +51,10 @@ static void read_picture(const char *svg)
             if (!path.joined[i])
                 continue;
             heard.lines++;
+            if (element.filled && !element.stroke[0] && path.n > 200) {
+                heard.bottom = fmax(heard.bottom, path.y[i]);
+                heard.top = fmin(heard.top, path.y[i]);
+            }
             if (strcmp(element.stroke, "#0072b2") != 0)
                 continue;
             heard.lowest = fmax(heard.lowest, path.y[i]);
@@ -344,6 +349,13 @@ static void test_many_samples_stay_small_and_keep_peaks(void **state)
     draw(&figure, PICTURE_SVG, &out);
     assert_true(heard.highest < highest - 5 && heard.lowest > lowest + 5);
     curve.points = false;
+    /* A band that is wide at one sample: both edges have it. */
+    for (size_t i = 0; i < MANY; i++)
+        y[i] = 0, noise[i] = i == MANY / 2 ? 2.1 : 1e-3;
+    curve.spread = noise;
+    draw(&figure, PICTURE_SVG, &out);
+    assert_true(heard.top < highest - 5 && heard.bottom > lowest + 5);
+    curve.spread = NULL;
     figure.x = (struct axis){.fixed = true, .from = 200, .to = 300};
     draw(&figure, PICTURE_SVG, &out);
     assert_true(isinf(heard.highest));
