@@ -202,6 +202,8 @@ static enum step_status adapt_between_switches(const struct method *method, stru
                       : adapt(method, step, controller, t_end, &controller->switches);
     step->system = whole;
     step->kernel = kernel;
+    if (status == STEP_OK && !switch_is_there(step))
+        return STEP_NONFINITE;
     if (controller->switches.begins)
         step->warm = false;
     return status;

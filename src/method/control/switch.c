@@ -230,6 +230,19 @@ enum step_status switch_step(const struct method *method, struct step *step, dou
 
 /* ---- from one to the next ---- */
 
+bool switch_is_there(struct step *step)
+{
+    double rate[LIMIT_VARIABLES];
+    bool there = true;
+    if (!step->system->extended)
+        return true;
+    step->cost.evals++;
+    system_derivative(step->system, step->t, step->y, rate);
+    for (int i = 0; i < step->system->n; i++)
+        there = there && isfinite(rate[i]);
+    return there;
+}
+
 void switch_next(struct step *step, struct switches_state *state, int ended)
 {
     memcpy(state->taken, state->branch, sizeof state->taken);

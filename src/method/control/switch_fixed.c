@@ -100,6 +100,8 @@ enum step_status switched_step(const struct method *method, struct step *step)
     step->kernel = kernel;
     step->h = h;
     step->t = t + h;
+    if (status == STEP_OK && !switch_is_there(step))
+        status = STEP_NONFINITE;
     if (status == STEP_OK && step->switches)
         *step->switches = state;
     if (status == STEP_OK)

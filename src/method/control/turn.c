@@ -218,7 +218,8 @@ int64_t method_turning_march(const struct method *method, march_function *kernel
         struct march part = *march;
         part.first += done;
         part.row += done * N;
-        try = fast && done >= 2 && step->y[1] != 0 ? steps_to_try(part.row, try) : 0;
+        try = fast && done >= 2 && step->y[1] != 0 && !whole->extended ? steps_to_try(part.row, try)
+                                                                       : 0;
         if (try > 0) {
             part.count = try < march->count - done ?
             try : march

@@ -204,10 +204,12 @@ bool typed_turns_only(const struct system *system)
     return system->kinks && part_of(system)->turns_only;
 }
 
-int typed_switches(const struct system *system)
+int typed_switches(struct system *system)
 {
     const struct typed_part *part = part_of(system);
-    return system->oscillator.whole ? 0 : part->switches.count;
+    const int count = system->oscillator.whole ? 0 : part->switches.count;
+    system->extended = count > 0 && part->switches.extended;
+    return count;
 }
 
 /* The arguments of switches, and into c, of a frozen term, their branches, on which the arguments

@@ -153,7 +153,7 @@ double sliding_leaves(const struct sliding *s, int i, double t, const double *y)
 /* Is the only switch that of a speed, across which the force is continuous? */
 bool typed_turns_only(const struct system *system);
 /* that are located: 0 for an oscillator, which has turning points */
-int typed_switches(const struct system *system);
+int typed_switches(struct system *system);
 
 /* ---- switches of all kinds (switches.c) ---- */
 

@@ -169,6 +169,9 @@ struct switches {
     int argument[LIMIT_TYPED_SWITCHES];
     enum switch_kind kind[LIMIT_TYPED_SWITCHES];
     bool full; /* there are more */
+    /* under if(), functions go on beyond the switch that ends their domain, and so might on this
+     * side of it */
+    bool extended;
 };
 
 /*

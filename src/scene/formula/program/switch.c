@@ -15,6 +15,7 @@ struct freezing {
     struct switches *found;
     int *map;     /* [nodes] the frozen node */
     bool *moving; /* [nodes] does the frozen node depend on what moves? */
+    bool *always; /* [nodes] is it wanted whatever the branches are? */
 };
 
 static int apply(struct freezing *f, enum node_kind kind, int a, int b, int c)
@@ -112,6 +113,59 @@ static int freeze(struct freezing *f, const struct node *node, const int *x, boo
     }
 }
 
+static bool is_number(const struct freezing *f, int node, double number)
+{
+    const struct node *n = &f->e->graph.node[node];
+    return n->kind == NODE_NUMBER && n->number == number;
+}
+
+/* |u|, or max(u, 0), which is u < 0 ? 0 : u: never below 0, but for their frozen branches beyond
+ * the switch */
+static bool never_below(const struct freezing *f, int node)
+{
+    const struct node *n = &f->e->graph.node[node], *less = &f->e->graph.node[n->operand[0]];
+    return n->kind == NODE_ABS ||
+           (n->kind == NODE_IF && less->kind == NODE_LESS && less->operand[0] == n->operand[2] &&
+            less->operand[1] == n->operand[1] &&
+            (is_number(f, n->operand[1], 0) || is_number(f, n->operand[2], 0)));
+}
+
+/* Does it want an argument above 0? Of powers: with this exponent. */
+static bool wants_positive(const struct freezing *f, const struct node *node)
+{
+    if (node->kind != NODE_TWO || node->two != function_power)
+        return node->kind == NODE_SQRT ||
+               (node->kind == NODE_ONE && (node->one == fixed_log || node->one == fixed_log10));
+    const struct node *power = &f->e->graph.node[node->operand[1]];
+    return power->kind == NODE_NUMBER && power->number != floor(power->number);
+}
+
+/*
+ * A step looks beyond the switch that it ends at, where sqrt(y) of if(y > 0, sqrt(y), 0), or the
+ * branch y of max(y, 0)^1.5, is no number: there it goes on as that of |y|. Under if() it might be
+ * none on this side, too: `extended`, who takes the step asks the equations themselves.
+ */
+static void go_on_beyond(struct freezing *f, int node, const struct node *kind, int *map)
+{
+    const int from = kind->operand[0];
+    const bool power = kind->kind == NODE_TWO && kind->two == function_power;
+    const bool inside = never_below(f, from) && (power || wants_positive(f, kind));
+    if (!inside && (f->always[node] || !wants_positive(f, kind)))
+        return;
+    f->found->extended = f->found->extended || !inside;
+    map[from] = apply(f, NODE_ABS, map[from], 0, 0);
+}
+
+/* Marks what is wanted on all branches of if(). */
+static void mark_always(struct freezing *f, int count)
+{
+    const struct node *node = f->e->graph.node;
+    for (int i = count - 1; i >= 0; i--)
+        for (int k = 0;
+             f->always[i] && k < (node[i].kind == NODE_IF ? 1 : node_arity(node[i].kind)); k++)
+            f->always[node[i].operand[k]] = true;
+}
+
 static void freeze_nodes(struct freezing *f, int count, const bool *reached)
 {
     for (int i = 0; i < count && !f->e->graph.failed && !f->found->full; i++) {
@@ -130,8 +184,13 @@ static void freeze_nodes(struct freezing *f, int count, const bool *reached)
             frozen = freeze(f, &node, x, f->moving[node.operand[0]]);
         if (frozen >= 0) /* a switch moves no more where it is only a number on each branch */
             moving = node.kind == NODE_ABS || node.kind == NODE_IF || node.kind == NODE_TWO;
-        else if (arity > 0)
+        else if (arity > 0) {
+            const int from = f->map[node.operand[0]];
+            if (moving)
+                go_on_beyond(f, i, &node, f->map);
             frozen = graph_copy(&f->e->graph, &node, f->map);
+            f->map[node.operand[0]] = from;
+        }
         f->moving[i] = moving;
         f->map[i] = frozen >= 0 ? frozen : i;
     }
@@ -142,15 +201,18 @@ bool equations_freeze(struct equations *e, int first, int count, struct switches
 {
     const int nodes = e->graph.count;
     struct freezing f = {e, found, calloc((size_t)nodes, sizeof *f.map),
-                         calloc((size_t)nodes, sizeof *f.moving)};
+                         calloc((size_t)nodes, sizeof *f.moving),
+                         calloc((size_t)nodes, sizeof *f.always)};
     bool *reached = calloc((size_t)nodes, sizeof *reached);
-    const bool allocated =
-        f.map && f.moving && reached && equations_reserve(e, count + LIMIT_TYPED_SWITCHES);
+    const bool allocated = f.map && f.moving && f.always && reached &&
+                           equations_reserve(e, count + LIMIT_TYPED_SWITCHES);
     found->count = 0;
     found->full = false;
     for (int i = 0; allocated && i < count; i++)
-        reached[e->output[first + i]] = true;
+        reached[e->output[first + i]] = f.always[e->output[first + i]] = true;
+    found->extended = false;
     if (allocated) {
+        mark_always(&f, nodes);
         graph_reach(e->graph.node, nodes, reached);
         freeze_nodes(&f, nodes, reached);
     }
@@ -162,6 +224,7 @@ bool equations_freeze(struct equations *e, int first, int count, struct switches
         e->output[e->outputs++] = f.map[e->output[first + i]];
     free(f.map);
     free(f.moving);
+    free(f.always);
     free(reached);
     return allocated ? graph_check(&e->graph, error) : error_memory(error);
 }
