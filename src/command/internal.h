@@ -54,6 +54,9 @@ bool read_value(struct parser *parser, const char *what, enum quantity quantity,
 
 /* The next of NAME=… or --option, up to a blank with another behind it (study/sweep.c). */
 struct text next_key_argument(struct text *rest);
+/* FROM:TO[:STEP] of an axis that has a name and a quantity (study/sweep.c). */
+struct sweep_axis;
+bool read_axis_range(struct parser *parser, struct sweep_axis *axis, struct error *error);
 
 /* The line and the record of a table that was written. */
 void reply_exported(struct reply *reply, struct text file, const struct table *table);

@@ -63,6 +63,8 @@ static const struct result_row rows[] = {
     STUDIED("selftest", "a row for each method"),
     STUDIED("sweep", "a row for each point"),
     STUDIED("lyapunov", "exponents with errors, what was checked"),
+    STUDIED("basins", "a row for each start, after basins"),
+    FOUND("basin", "a row for each attractor: its share of the starts", "basins"),
     {.row = {"equilibria", "", "a row for each equilibrium", "", NULL},
      .kind = "equilibrium",
      .study = true,

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* How motions that begin near each other go apart: Lyapunov exponents. */
+/* How motions that begin near each other go apart: Lyapunov exponents; and where they end: basins
+ * of attraction. */
 #ifndef HOOKE_STUDY_CHAOS_H
 #define HOOKE_STUDY_CHAOS_H
 
@@ -52,5 +53,68 @@ struct lyapunov {
 /* False: nothing can be said, and why; or out of memory. Cancelled: of the time so far. */
 bool lyapunov_find(const struct lyapunov_request *request, struct lyapunov *found,
                    struct error *error);
+
+/* ---- basins of attraction ----
+ *
+ * Where motions end that begin on a grid of two variables, the others at the scene's start. They
+ * are looked at once a period of the drive, else once a time that is natural to the scene. What
+ * they end in is found by itself: a state or a few that come again, a closed orbit, or, of up to
+ * three variables, a region that is not left. Steps are those of rk4, side by side in lanes where
+ * that can be.
+ */
+#define BASINS_MOST 26
+
+enum basin_kind {
+    BASIN_EQUILIBRIUM,
+    BASIN_ORBIT,
+    BASIN_RESPONSE, /* with the drive's period, or a multiple of it */
+    BASIN_IRREGULAR /* does not repeat */
+};
+
+enum { BASIN_ESCAPES = -1, BASIN_UNDECIDED = -2, BASIN_MISSING = -3 };
+
+struct basin {
+    enum basin_kind kind;
+    double state[DYNAMICS_VARIABLES]; /* SI, on it */
+    double period;                    /* [s] 0: equilibrium; NAN: it does not repeat */
+    int multiple;                     /* of the drive's period */
+    double growth; /* largest modulus of a multiplier, without the trivial one; of an equilibrium
+                    * largest real part [1/s]; NAN: not known */
+    bool stable;
+    int64_t count; /* starts that end there */
+};
+
+struct basins_request {
+    const struct scene *scene;
+    struct {
+        int variable;
+        double from, to; /* SI */
+        int count;
+    } axis[2];
+    int threads; /* 0: as many as there are processors */
+    const struct cancel *cancel;
+    void (*progress)(void *context, double fraction); /* NULL: nobody wants to know */
+    void *context;
+};
+
+struct basins {
+    int count;
+    struct basin of[BASINS_MOST]; /* the largest first */
+    int64_t total, finished, escaping, undecided;
+    signed char *fate; /* [total] place in `of`, or one of the above; the second axis fastest */
+    double strobe;     /* [s] between looks */
+    int steps;         /* of a look; 0: adaptive, alone */
+    int threads;
+    double seconds;
+    bool cancelled;
+};
+
+/* False: no such basins, out of memory. Cancelled: what is finished. basins_free() after both. */
+bool basins_find(const struct basins_request *request, struct basins *basins, struct error *error);
+void basins_free(struct basins *basins);
+/* The value of an axis at its place. */
+double basins_value(const struct basins_request *request, int axis, int64_t place);
+/* Of a share of so many starts, as if they were drawn: one standard error. */
+double basins_error(int64_t count, int64_t of);
 
 #endif

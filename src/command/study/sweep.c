@@ -82,13 +82,10 @@ static bool count_points(struct sweep_axis *axis, double step, struct text where
     return true;
 }
 
-static bool read_axis(struct parser *parser, struct text name, struct sweep_axis *axis,
-                      struct error *error)
+/* FROM:TO[:STEP] of an axis that has a name and a quantity. */
+bool read_axis_range(struct parser *parser, struct sweep_axis *axis, struct error *error)
 {
-    struct session *session = parser->session;
     const struct text range = parser->rest;
-    if (!sweep_axis_find(&session->setup.scene, name, axis))
-        return unknown_parameter(session, name, TEXT(""), error);
     if (!read_end(parser, axis, &axis->from, error))
         return false;
     if (!take_colon(parser)) {
@@ -116,6 +113,14 @@ static bool read_axis(struct parser *parser, struct text name, struct sweep_axis
                         "%s: factors lead from one end to the other only on one side of 0",
                         axis->name);
     return count_points(axis, step.value.value, text_trim(range), error);
+}
+
+static bool read_axis(struct parser *parser, struct text name, struct sweep_axis *axis,
+                      struct error *error)
+{
+    if (!sweep_axis_find(&parser->session->setup.scene, name, axis))
+        return unknown_parameter(parser->session, name, TEXT(""), error);
+    return read_axis_range(parser, axis, error);
 }
 
 static bool read_measures(struct parser *parser, struct sweep_request *request, struct error *error)

@@ -36,7 +36,8 @@ static const struct {
     {"spring drag vanderpol friction damped",
      "a force, what it depends on, the scene that shows it"},
     {"potential record timing precision scene", "a command, and what it sets, makes or fits"},
-    {"compare order stability stress selftest sweep equilibria orbit branch lyapunov run runs fit "
+    {"compare order stability stress selftest sweep equilibria orbit branch lyapunov basins run "
+     "runs fit "
      "measure "
      "adopt "
      "cursor "
