@@ -2,6 +2,8 @@
 /* hooke: options, then the front end that fits. */
 #include "terminal/terminal.h"
 
+#include <hooke/session/log.h>
+
 #include <langinfo.h>
 #include <locale.h>
 #include <stdio.h>
@@ -215,6 +217,10 @@ static int run(const struct options *options)
     if (!ready || !split_end(&split, &error)) {
         fprintf(stderr, "hooke: error: %s%s%s\n", error.text, *error.hint ? "; " : "", error.hint);
         status = ready ? ERROR_IO : ERROR_USAGE;
+    }
+    if (session && !record_close(session, &error)) {
+        fprintf(stderr, "hooke: error: %s\n", error.text);
+        status = ERROR_IO;
     }
     bool written = streams_flush(&streams);
     if (!written) {

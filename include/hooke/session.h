@@ -287,6 +287,8 @@ struct session {
     bool confirmed;    /* the present statement was asked about, and allowed */
     char *record_path; /* file that executed lines are appended to, NULL: none */
     int record_fd;
+    int64_t record_synced; /* [ns] when what it holds was put on the disk; 0: never */
+    bool record_owed;      /* more was written since then */
     bool keep_going;      /* option -k */
     bool verbose;         /* option -v: lines of scripts are shown before they are executed */
     bool safe;            /* option --safe: write only below the current directory */

@@ -8,7 +8,7 @@
 #include <time.h>
 #include <unistd.h>
 
-#define PIECE 65536u
+#define PIECE 16384u
 #define PATIENCE_NS 200000000 /* [ns] that a named pipe waits for a writer … */
 #define PATIENCE_LOOKS 20     /* … in so many looks */
 

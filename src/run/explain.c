@@ -5,6 +5,7 @@
 #include "run/private.h"
 
 #include <math.h>
+#include <stdlib.h>
 
 /* Rounded down to one digit: advice, not a bound. */
 static double one_digit(double x)
@@ -47,16 +48,17 @@ static double fastest_rate(const struct run *run)
 {
     double t;
     const double *y = sound_state(run, &t);
-    double jac[LIMIT_VARIABLES * LIMIT_VARIABLES], max = 0;
+    double max = 0;
     const struct system *system = &run->system;
-    int n = system->n;
-    system_jacobian(system, t, y, jac);
-    for (int i = 0; i < n; i++) {
+    const int n = system->n;
+    double *jac = system_new_jacobian(system, t, y);
+    for (int i = 0; jac && i < n; i++) {
         double sum = 0;
         for (int j = 0; j < n; j++)
             sum += fabs(jac[i * n + j]) * system->scale[j] / system->scale[i];
         max = fmax(max, sum);
     }
+    free(jac);
     return max;
 }
 

@@ -27,7 +27,7 @@ void inside_state(const struct inside *inside, double theta, double *y)
 {
     struct run *run = inside->run;
     struct run_private *p = run->private_state;
-    struct sliding sliding;
+    struct sliding sliding = {0};
     struct system frozen;
     const struct step last = inside_step(inside, &sliding, &frozen);
     if (p->side) {
@@ -43,8 +43,11 @@ void inside_state(const struct inside *inside, double theta, double *y)
         copy_state(y, p->before, run->system.n);
         const enum step_status status = method_turning_step(run->method, &step);
         p->step.cost = step.cost;
-        if (status == STEP_OK)
+        if (status == STEP_OK) {
+            sliding_free(&sliding);
             return;
+        }
     }
     method_dense(&inside->method, &last, p->before, theta, y);
+    sliding_free(&sliding);
 }

@@ -189,9 +189,9 @@ static double stiffness_over(const struct run *run)
 {
     const struct system *system = &run->system;
     const size_t rows = trace_count(run->trace) - 1, count = rows < LOOKS ? rows : LOOKS;
-    double jacobian[LIMIT_VARIABLES * LIMIT_VARIABLES], sum = 0;
+    double *jacobian = malloc((size_t)system->n * (size_t)system->n * sizeof *jacobian), sum = 0;
     size_t row = 0;
-    for (size_t k = 0; k < count; k++) {
+    for (size_t k = 0; jacobian && k < count; k++) {
         const size_t next = spread_row(run, 1, k, count);
         system_jacobian(system, trace_time(run->trace, row), trace_state(run->trace, row),
                         jacobian);
@@ -199,6 +199,7 @@ static double stiffness_over(const struct run *run)
                fabs(trace_time(run->trace, next) - trace_time(run->trace, row));
         row = next;
     }
+    free(jacobian);
     return sum;
 }
 

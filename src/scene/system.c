@@ -69,6 +69,14 @@ void system_jacobian(const struct system *system, double t, const double *y, dou
             system->term[i].row->jacobian(system->term[i].c, t, y, jac + positions * n);
 }
 
+double *system_new_jacobian(const struct system *system, double t, const double *y)
+{
+    double *jac = malloc((size_t)system->n * (size_t)system->n * sizeof *jac);
+    if (jac)
+        system_jacobian(system, t, y, jac);
+    return jac;
+}
+
 double system_kinetic(const struct system *system, const double *y)
 {
     double sum = 0;

@@ -286,6 +286,9 @@ static inline double drag_flow_apply(const struct drag_flow *flow, double v)
 }
 /* d y'/d y, [n][n] row-major */
 void system_jacobian(const struct system *system, double t, const double *y, double *jac);
+/* The same as new memory, to be given back by free(); NULL: there is none. For 64 variables it
+ * would be half a stack. */
+double *system_new_jacobian(const struct system *system, double t, const double *y);
 
 /*
  * Short times at which a typed equation does something that samples would miss, as bounds of it

@@ -153,14 +153,18 @@ void system_guards(const struct system *frozen, double t, const double *y, doubl
 struct sliding {
     int count;
     int at[LIMIT_SLIDING];
-    double level[LIMIT_SLIDING];           /* of the argument, at the switch */
-    double near;                           /* [s] over which arguments are differentiated */
-    struct system side[LIMIT_SLIDING + 1]; /* below all of them, then above each alone */
+    double level[LIMIT_SLIDING]; /* of the argument, at the switch */
+    double near;                 /* [s] over which arguments are differentiated */
+    /* [LIMIT_SLIDING + 1] below all of them, then above each alone: by system_slide(), to be given
+     * back by sliding_free(); NULL: along none */
+    struct system *side;
 };
 
-/* `slides` [system->switches]: along which; false: too many. *frozen refers to *sliding. */
+/* `slides` [system->switches]: along which; false: too many, or no memory. *frozen refers to
+ * *sliding, which is {0} or made before. */
 bool system_slide(const struct system *system, const double *branch, const bool *slides,
                   double near, struct sliding *sliding, struct system *frozen);
+void sliding_free(struct sliding *sliding);
 /* Puts the state back on the switches from which it is off by what steps leave; false: it is there.
  */
 bool sliding_return(const struct sliding *sliding, double t, double *y);

@@ -141,9 +141,10 @@ bool history_fails(const struct session *session);
 /* What `undo` calls a statement: as it was typed, as much of it as fits. */
 void history_label(const struct session *session, size_t index, char label[LIMIT_NAME + 1]);
 bool record_open(struct session *session, const char *path, struct error *error);
-void record_close(struct session *session);
-/* Appends the statements from `first` on to the file of `record`, if there is one; a failure ends
- * the recording. */
+/* Puts the rest on the disk; false: that failed. There need not be such a file. */
+bool record_close(struct session *session, struct error *error);
+/* Appends the statements from `first` on to the file of `record`, if there is one, at once; on the
+ * disk they are put once a second at most. A failure ends the recording. */
 bool record_append(struct session *session, size_t first, struct error *error);
 
 /* The commands that choose a scene's preset and type its lines; no parameters. */

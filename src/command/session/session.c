@@ -26,8 +26,7 @@ HANDLER(record)
         if (session->record_fd < 0)
             return error_set(error, ERROR_COMMAND, "nothing is being recorded");
         reply_line(reply, "commands are no longer recorded in %s", session->record_path);
-        record_close(session);
-        return true;
+        return record_close(session, error);
     }
     if (!record_open(session, path, error)) {
         error->where = name;

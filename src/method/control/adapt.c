@@ -189,12 +189,14 @@ static enum step_status adapt_between_switches(const struct method *method, stru
     const struct system *whole = step->system;
     step_function *kernel = step->kernel;
     struct system frozen;
-    struct sliding sliding;
+    struct sliding sliding = {0};
     const double by = PROBE * fmin(fabs(controller->h), fabs(t_end - step->t));
     if (!switch_begin(step, &controller->switches, copysign(by, t_end - step->t), &sliding,
-                      &frozen))
+                      &frozen)) {
+        sliding_free(&sliding);
         return method->adapt ? method->adapt(method, step, controller, t_end)
                              : adapt(method, step, controller, t_end, NULL);
+    }
     step->system = &frozen;
     step->kernel = NULL;
     const enum step_status status =
@@ -202,6 +204,7 @@ static enum step_status adapt_between_switches(const struct method *method, stru
                       : adapt(method, step, controller, t_end, &controller->switches);
     step->system = whole;
     step->kernel = kernel;
+    sliding_free(&sliding);
     if (status == STEP_OK && !switch_is_there(step))
         return STEP_NONFINITE;
     if (controller->switches.begins)

@@ -97,11 +97,12 @@ static bool slide_along(struct step *step, struct switches_state *state,
                         const struct system *frozen, int i)
 {
     const struct switches_state was = *state;
-    struct sliding sliding;
+    struct sliding sliding = {0};
     struct system between;
     slide(step, state, frozen, i);
     const bool passes = freeze(step, state, &sliding, &between) &&
                         sliding_passes(&sliding, i, step->t, step->y, state->by);
+    sliding_free(&sliding);
     if (passes)
         *state = was;
     return !passes;
@@ -187,7 +188,7 @@ static void pile_up(struct step *step, struct switches_state *state, double by)
 {
     const struct switches_state was = *state;
     struct system frozen, between;
-    struct sliding sliding;
+    struct sliding sliding = {0};
     system_freeze(step->system, state->branch, &frozen);
     state->by = fabs(by);
     for (int i = 0; i < frozen.switches; i++)
@@ -203,6 +204,7 @@ static void pile_up(struct step *step, struct switches_state *state, double by)
                 state->branch[i] = was.branch[i];
             }
     }
+    sliding_free(&sliding);
     state->piles++;
     state->piled = state->begins = false;
     state->shorter = 0;

@@ -57,11 +57,13 @@ static enum step_status piece(const struct method *method, struct step *step,
     const double from = step->t;
     double before[LIMIT_VARIABLES], low[LIMIT_VARIABLES];
     struct system frozen;
-    struct sliding sliding;
+    struct sliding sliding = {0};
     *ended = -1;
     step->h = rest;
-    if (!switch_begin(step, state, PROBE * rest, &sliding, &frozen))
+    if (!switch_begin(step, state, PROBE * rest, &sliding, &frozen)) {
+        sliding_free(&sliding);
         return method_step(method, step);
+    }
     memcpy(before, step->y, size);
     if (step->low)
         memcpy(low, step->low, size);
@@ -74,6 +76,7 @@ static enum step_status piece(const struct method *method, struct step *step,
         switch_next(step, state, *ended);
     }
     step->system = whole;
+    sliding_free(&sliding);
     if (*ended >= 0)
         step->warm = false;
     return status;

@@ -51,12 +51,15 @@ static int jacobian(double t, N_Vector y, N_Vector f, SUNMatrix matrix, void *da
     (void)f, (void)u, (void)v, (void)w;
     struct cvode *c = data;
     const int n = c->system->n;
-    double rows[LIMIT_VARIABLES * LIMIT_VARIABLES], *columns = SUNDenseMatrix_Data(matrix);
-    system_jacobian(c->system, t, N_VGetArrayPointer(y), rows);
+    double *rows = system_new_jacobian(c->system, t, N_VGetArrayPointer(y)),
+           *columns = SUNDenseMatrix_Data(matrix);
+    if (!rows)
+        return -1;
     for (int i = 0; i < n; i++)
         for (int j = 0; j < n; j++)
             columns[j * n + i] = rows[i * n + j];
-    return checked(c, rows, n * n);
+    free(rows);
+    return checked(c, columns, n * n);
 }
 
 /* ---- its memory ---- */

@@ -7,6 +7,7 @@
 #include "method/step/step.h"
 
 #include <assert.h>
+#include <stdlib.h>
 
 /* Growth above 1 that is taken for rounding. */
 static const double MARGIN = 1e-12;
@@ -19,8 +20,6 @@ static double next_x(double x)
 {
     return x * (x > 3.05 && x < 3.25 ? 1.00005 : x > 0.3 && x < 30 ? 1.003 : 1.03);
 }
-
-enum { WORK_MAX = 4096 };
 
 struct linear_scene {
     const struct method *method;
@@ -62,8 +61,7 @@ static bool oscillation_init(struct linear_scene *oscillation, const struct meth
 /* Columns are the images of the unit vectors; NaN where the step fails. */
 static void amplify(const struct linear_scene *oscillation, double x, double matrix[4])
 {
-    double work[WORK_MAX];
-    assert(method_work_size(oscillation->method, 2) <= WORK_MAX);
+    double *work = malloc((method_work_size(oscillation->method, 2) + 1) * sizeof *work);
     for (int column = 0; column < 2; column++) {
         double y[2] = {column == 0, column == 1};
         struct step step = {.system = &oscillation->system,
@@ -71,10 +69,11 @@ static void amplify(const struct linear_scene *oscillation, double x, double mat
                             .h = x,
                             .y = y,
                             .work = work};
-        bool ok = method_step(oscillation->method, &step) == STEP_OK;
+        const bool ok = work && method_step(oscillation->method, &step) == STEP_OK;
         matrix[column] = ok ? y[0] : NAN;
         matrix[2 + column] = ok ? y[1] : NAN;
     }
+    free(work);
 }
 
 bool method_amplification(const struct method *method, enum drag drag, double x, double zeta,

@@ -110,7 +110,7 @@ static bool across_dry(const struct system *system, const struct quintic *p, dou
                there = method && method_work_size(method, 2) <= STEP_MEMORY;
     *work = *drag = 0;
     for (int i = 0; there && i < PARTS && step.t != t + p->h; i++) {
-        struct sliding sliding;
+        struct sliding sliding = {0};
         struct system frozen;
         const double from = step.t, q0 = y[0], v0 = y[1];
         double a[2];
@@ -119,6 +119,7 @@ static bool across_dry(const struct system *system, const struct quintic *p, dou
         const struct system *smooth = method_adapted(system, &controller, &sliding, &frozen);
         system_acceleration(smooth, from, (const double[]){q0, v0}, &a[0]);
         system_acceleration(smooth, step.t, y, &a[1]);
+        sliding_free(&sliding);
         const struct quintic part = {step.t - from, q0, v0, a[0], y[0], y[1], a[1]};
         if (part.h != 0)
             add_part(system, drags, &part, from, 0, 1, work, drag);

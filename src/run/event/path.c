@@ -102,12 +102,13 @@ static void through_ends(struct step_path *path)
 {
     const struct inside *inside = &path->inside;
     const double *before = inside->run->private_state->before, h = inside->h;
-    struct sliding sliding;
+    struct sliding sliding = {0};
     struct system frozen;
     const struct step last = inside_step(inside, &sliding, &frozen);
     double f0[LIMIT_VARIABLES], f1[LIMIT_VARIABLES];
     system_derivative(last.system, last.t - last.h, before, f0);
     system_derivative(last.system, last.t, path->end, f1);
+    sliding_free(&sliding);
     path->degree = 3;
     for (int i = 0; i < inside->run->system.n; i++) {
         const double rise = path->end[i] - before[i], bent = h * (f1[i] - f0[i]),

@@ -9,6 +9,7 @@
  */
 #include <float.h>
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "scene/model/exact.h"
@@ -29,15 +30,16 @@ struct matrix {
 static void coefficients(const struct system *system, struct matrix *x)
 {
     const int n = system->n;
-    double jac[LIMIT_VARIABLES * LIMIT_VARIABLES], b[LIMIT_VARIABLES], rest[LIMIT_VARIABLES] = {0};
-    system_jacobian(system, system->t0, rest, jac);
+    double b[LIMIT_VARIABLES], rest[LIMIT_VARIABLES] = {0};
+    double *jac = system_new_jacobian(system, system->t0, rest);
     system_derivative(system, system->t0, rest, b);
     x->n = n + 1;
     for (int i = 0; i <= n; i++) {
         for (int j = 0; j < n; j++)
-            x->at[i][j] = i < n ? (real)jac[i * n + j] : 0;
+            x->at[i][j] = i == n ? 0 : jac ? (real)jac[i * n + j] : NAN;
         x->at[i][n] = i < n ? (real)b[i] : 0;
     }
+    free(jac);
 }
 
 bool linear_has_exact(const struct system *system)

@@ -266,8 +266,9 @@ static void add_line(const struct typed_term *term, const double *c, struct osci
 static void add_drag(const struct typed_term *term, const double *c, struct oscillator *o)
 {
     const int n = term->typed->model.n, rows = n / 2;
-    double jac[LIMIT_VARIABLES * LIMIT_VARIABLES], a[LIMIT_VARIABLES], rest[LIMIT_VARIABLES] = {0};
-    bool fits = term->row.flags & TERM_LINEAR && !(term->row.flags & TERM_TIME);
+    double a[LIMIT_VARIABLES], rest[LIMIT_VARIABLES] = {0};
+    double *jac = malloc((size_t)(rows * n) * sizeof *jac);
+    bool fits = jac && term->row.flags & TERM_LINEAR && !(term->row.flags & TERM_TIME);
     if (fits) {
         typed_evaluate(term->jacobian, c, 0, rest, jac);
         typed_evaluate(term->add, c, 0, rest, a);
@@ -281,6 +282,7 @@ static void add_drag(const struct typed_term *term, const double *c, struct osci
         o->damping -= jac[rows];
     else
         o->drag_whole = false;
+    free(jac);
 }
 
 void typed_recognise(const struct typed_term *term, const double *c, struct oscillator *o)

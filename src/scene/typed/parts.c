@@ -6,8 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define FRAME_SMALL 128
-#define FRAME_MAX 16384 /* doubles on the stack */
+#define FRAME_MAX 16384 /* doubles */
+#define ADDED_FEW 256   /* of 16 variables the Jacobian */
 
 /* ---- evaluation ---- */
 
@@ -18,48 +18,42 @@ const struct typed_term *typed_term_of(const double *c)
     return term;
 }
 
-static inline void run(const struct program *program, const double *c, double t, const double *y,
-                       double *out, double *frame)
-{
-    program_prepare(program, frame);
-    program_run(program, t, y, c + 1, out, frame);
-}
-
-static __attribute__((__noinline__)) void run_large(const struct program *program, const double *c,
-                                                    double t, const double *y, double *out)
-{
-    double frame[FRAME_MAX];
-    run(program, c, t, y, out, frame);
-}
-
 void typed_evaluate(const struct program *program, const double *c, double t, const double *y,
                     double *out)
 {
-    double frame[FRAME_SMALL];
-    if (program_frame(program) <= FRAME_SMALL)
-        run(program, c, t, y, out, frame);
-    else
-        run_large(program, c, t, y, out);
+    double few[PROGRAM_FEW], *frame = program_place(program, few);
+    for (int i = 0; !frame && i < program->outputs; i++)
+        out[i] = NAN;
+    if (frame) {
+        program_prepare(program, frame);
+        program_run(program, t, y, c + 1, out, frame);
+    }
+    if (frame != few)
+        free(frame);
 }
 
-static void add(const double *c, double t, const double *y, double *a)
+static void typed_sum(const struct program *program, const double *c, double t, const double *y,
+                      int count, double *sum)
 {
-    const struct typed_term *term = typed_term_of(c);
-    const int rows = typed_rows(term->typed);
-    double out[LIMIT_VARIABLES];
-    typed_evaluate(term->add, c, t, y, out);
-    for (int i = 0; i < rows; i++)
-        a[i] += out[i];
-}
-
-static void jacobian(const double *c, double t, const double *y, double *jac)
-{
-    const struct typed_term *term = typed_term_of(c);
-    const int count = typed_rows(term->typed) * term->typed->model.n;
-    double out[LIMIT_VARIABLES * LIMIT_VARIABLES];
-    typed_evaluate(term->jacobian, c, t, y, out);
+    double few[ADDED_FEW], *out = count <= ADDED_FEW ? few : malloc((size_t)count * sizeof *out);
+    if (out)
+        typed_evaluate(program, c, t, y, out);
     for (int i = 0; i < count; i++)
-        jac[i] += out[i];
+        sum[i] += out ? out[i] : NAN;
+    if (out != few)
+        free(out);
+}
+
+void typed_add_force(const double *c, double t, const double *y, double *a)
+{
+    const struct typed_term *term = typed_term_of(c);
+    typed_sum(term->add, c, t, y, typed_rows(term->typed), a);
+}
+
+void typed_add_jacobian(const double *c, double t, const double *y, double *jac)
+{
+    const struct typed_term *term = typed_term_of(c);
+    typed_sum(term->jacobian, c, t, y, typed_rows(term->typed) * term->typed->model.n, jac);
 }
 
 static double potential(const double *c, const double *y)
@@ -190,8 +184,8 @@ static bool make_term(const struct part_making *m, struct typed_term *term, int 
     if (!term->jacobian || !typed_look(m->typed, term->add, &affine, &kinks, m->error))
         return false;
     term->row.flags = flags_of(term, affine, kinks);
-    term->row.add = add;
-    term->row.jacobian = all_zero(term->jacobian, rows * n) ? NULL : jacobian;
+    term->row.add = typed_add_force;
+    term->row.jacobian = all_zero(term->jacobian, rows * n) ? NULL : typed_add_jacobian;
     return true;
 }
 

@@ -30,25 +30,27 @@
 static double fastest_rate(const struct system *system)
 {
     const int n = system->n;
-    double jac[LIMIT_VARIABLES * LIMIT_VARIABLES], v[LIMIT_VARIABLES], w[LIMIT_VARIABLES], sum = 0;
-    system_jacobian(system, system->t0, system->start, jac);
+    double v[LIMIT_VARIABLES], w[LIMIT_VARIABLES], sum = 0, size = 1;
+    double *jac = system_new_jacobian(system, system->t0, system->start);
     for (int i = 0; i < n; i++)
         v[i] = 1;
-    for (int k = 0; k < POWERS; k++) {
-        double size = 0;
+    for (int k = 0; jac && k < POWERS && size > 0; k++) {
+        size = 0;
         for (int i = 0; i < n; i++) {
             w[i] = 0;
             for (int j = 0; j < n; j++)
                 w[i] += jac[i * n + j] * v[j];
             size = fmax(size, fabs(w[i]));
         }
-        if (!(size > 0) || !isfinite(size))
-            return 0;
+        if (!isfinite(size))
+            size = 0;
         for (int i = 0; i < n; i++)
             v[i] = w[i] / size;
         sum += fixed_log(size);
     }
-    return fixed_exp(sum / POWERS);
+    const double rate = jac && size > 0 ? fixed_exp(sum / POWERS) : 0;
+    free(jac);
+    return rate;
 }
 
 static bool all_finite(const double *y, int n)

@@ -6,6 +6,7 @@
  * and Optimization, 2).
  */
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "scene/typed/typed.h"
@@ -243,11 +244,13 @@ bool system_slide(const struct system *system, const double *branch, const bool 
     memcpy(below, branch, (size_t)system->switches * sizeof *below);
     sliding->count = 0;
     sliding->near = near;
-    system_freeze(system, below, &sliding->side[0]);
+    system_freeze(system, below, frozen);
     for (int i = 0; i < system->switches; i++) {
         if (!slides[i])
             continue;
-        if (sliding->count == LIMIT_SLIDING)
+        if (!sliding->side)
+            sliding->side = malloc((LIMIT_SLIDING + 1) * sizeof *sliding->side);
+        if (!sliding->side || sliding->count == LIMIT_SLIDING)
             return false;
         const int k = sliding->count++;
         sliding->at[k] = i;
@@ -256,9 +259,9 @@ bool system_slide(const struct system *system, const double *branch, const bool 
         system_freeze(system, below, &sliding->side[1 + k]);
         below[i]--;
     }
-    *frozen = sliding->side[0];
     if (sliding->count == 0)
         return true;
+    sliding->side[0] = *frozen;
     frozen->sliding = sliding;
     if (sliding_rests(sliding)) {
         sliding_freeze_rest(frozen);
@@ -268,6 +271,11 @@ bool system_slide(const struct system *system, const double *branch, const bool 
     frozen->typed.row = &sliding_row;
     memcpy(frozen->typed.c, &sliding, sizeof sliding);
     return true;
+}
+
+void sliding_free(struct sliding *sliding)
+{
+    free(sliding->side);
 }
 
 /* y moves by so much of each direction. */

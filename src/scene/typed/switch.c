@@ -15,25 +15,6 @@ static int first_branch(const struct typed *typed)
     return 1 + typed->reads + typed->observes;
 }
 
-static void add(const double *c, double t, const double *y, double *a)
-{
-    const struct typed_term *term = typed_term_of(c);
-    double out[LIMIT_VARIABLES];
-    typed_evaluate(term->add, c, t, y, out);
-    for (int i = 0; i < typed_rows(term->typed); i++)
-        a[i] += out[i];
-}
-
-static void jacobian(const double *c, double t, const double *y, double *jac)
-{
-    const struct typed_term *term = typed_term_of(c);
-    const int count = typed_rows(term->typed) * term->typed->model.n;
-    double out[LIMIT_VARIABLES * LIMIT_VARIABLES];
-    typed_evaluate(term->jacobian, c, t, y, out);
-    for (int i = 0; i < count; i++)
-        jac[i] += out[i];
-}
-
 /* ---- making them ---- */
 
 struct switch_making {
@@ -173,8 +154,9 @@ bool typed_freeze(const struct typed *typed, uint64_t zeros, struct typed_part *
         bound[first + i] = zeros >> i & 1;
     part->frozen.typed = typed;
     part->frozen.part = part;
-    part->frozen.row = (struct term_row){
-        .row = {"equations", "", "on frozen branches", "", NULL}, .add = add, .jacobian = jacobian};
+    part->frozen.row = (struct term_row){.row = {"equations", "", "on frozen branches", "", NULL},
+                                         .add = typed_add_force,
+                                         .jacobian = typed_add_jacobian};
     fine = fine && (!m.equations || make_programs(&m, part));
     part->turns_only = fine && turns_only(part);
     equations_destroy(m.equations);

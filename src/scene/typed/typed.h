@@ -116,6 +116,9 @@ struct typed_part {
 void typed_evaluate(const struct program *program, const double *c, double t, const double *y,
                     double *out);
 const struct typed_term *typed_term_of(const double *c);
+/* Of a term's row: add, and jacobian. Without memory for large ones they add NaN. */
+void typed_add_force(const double *c, double t, const double *y, double *a);
+void typed_add_jacobian(const double *c, double t, const double *y, double *jac);
 /* Is there room for ratios of masses behind the values of a bound term? The last is that of the
  * first coordinate. */
 static inline bool typed_ratios_fit(const struct typed_term *term)

@@ -134,7 +134,8 @@ void history_trim(struct session *session)
 void history_free(struct session *session)
 {
     struct history *log = &session->history;
-    record_close(session);
+    struct error ignored;
+    record_close(session, &ignored);
     buffer_free(&log->text);
     buffer_free(&log->happened);
     free(log->entry);
@@ -249,19 +250,41 @@ bool record_open(struct session *session, const char *path, struct error *error)
         free(copy);
         return copy ? false : error_memory(error);
     }
-    record_close(session);
+    if (!record_close(session, error)) { /* of another file */
+        close(fd);
+        free(copy);
+        return false;
+    }
     session->record_fd = fd;
     session->record_path = copy;
+    session->record_synced = 0;
     return true;
 }
 
-void record_close(struct session *session)
+static bool cannot_append(const struct session *session, const struct error *why,
+                          const char *before, struct error *error)
 {
+    struct buffer path = {0};
+    safe_text(&path, text_of(session->record_path), false);
+    error_set(error, ERROR_IO, "cannot append to %.200s: %s%s%s", buffer_view(&path), why->text,
+              *before ? "; the recording of commands ends before: " : "", before);
+    buffer_free(&path);
+    return false;
+}
+
+bool record_close(struct session *session, struct error *error)
+{
+    struct error why = {0};
+    bool ok = true;
+    if (session->record_owed && !append_lines(session->record_fd, TEXT(""), true, &why))
+        ok = cannot_append(session, &why, "", error);
     if (session->record_fd >= 0)
         close(session->record_fd);
     free(session->record_path);
     session->record_fd = -1;
     session->record_path = NULL;
+    session->record_owed = false;
+    return ok;
 }
 
 bool record_append(struct session *session, size_t first, struct error *error)
@@ -274,21 +297,20 @@ bool record_append(struct session *session, size_t first, struct error *error)
     bool ok = !text.failed || error_memory(&why);
     if (ok && text.len > 0) {
         const bool locked = file_lock(session->record_fd, true);
-        ok = append_lines(session->record_fd, buffer_text(&text), true, &why);
+        const bool sync = !session->record_synced || clock_seconds(session->record_synced) >= 1;
+        ok = append_lines(session->record_fd, buffer_text(&text), sync, &why);
         if (locked)
             file_unlock(session->record_fd);
+        session->record_owed = !sync;
+        session->record_synced = sync ? clock_ns() : session->record_synced;
     }
     buffer_free(&text);
     if (!ok) {
         char lost[LIMIT_NAME + 1];
-        struct buffer path = {0};
+        struct error ignored;
         history_label(session, first, lost);
-        safe_text(&path, text_of(session->record_path), false);
-        error_set(error, ERROR_IO,
-                  "cannot append to %.200s: %s; the recording of commands ends before: %s",
-                  buffer_view(&path), why.text, lost);
-        buffer_free(&path);
-        record_close(session);
+        cannot_append(session, &why, lost, error);
+        record_close(session, &ignored);
     }
     return ok;
 }

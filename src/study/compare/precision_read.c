@@ -5,6 +5,7 @@
 
 #include <hooke/base/numeric.h>
 
+#include <stdlib.h>
 #include <string.h>
 
 /* ---- slopes ---- */
@@ -280,14 +281,14 @@ static const char *const stiff[] = {
 bool precision_is_stiff(const struct system *system, double duration)
 {
     const int n = system->n;
-    double jacobian[LIMIT_VARIABLES * LIMIT_VARIABLES], norm = 0;
-    system_jacobian(system, system->t0, system->start, jacobian);
-    for (int i = 0; i < n; i++) {
+    double norm = 0, *jacobian = system_new_jacobian(system, system->t0, system->start);
+    for (int i = 0; jacobian && i < n; i++) {
         double sum = 0;
         for (int j = 0; j < n; j++)
             sum += fabs(jacobian[i * n + j]) * system->scale[j] / system->scale[i];
         norm = fmax(norm, sum);
     }
+    free(jacobian);
     return norm * duration > STIFF;
 }
 

@@ -201,10 +201,10 @@ static void take_closed_form(const struct system *system, struct reference *refe
  */
 static bool shrinks_fast(const struct system *system, double span)
 {
-    double jacobian[LIMIT_VARIABLES * LIMIT_VARIABLES], trace = 0;
-    system_jacobian(system, system->t0, system->start, jacobian);
-    for (int i = 0; i < system->n; i++)
+    double trace = 0, *jacobian = system_new_jacobian(system, system->t0, system->start);
+    for (int i = 0; jacobian && i < system->n; i++)
         trace += jacobian[i * system->n + i];
+    free(jacobian);
     return -trace * span > SHRINKS;
 }
 

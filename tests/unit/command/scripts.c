@@ -14,6 +14,8 @@
  */
 #include <hooke/command.h>
 
+#include "painted_stack.h"
+
 #include <dirent.h>
 #include <math.h>
 #include <stdio.h>
@@ -126,6 +128,30 @@ static struct text without_marks(struct text line)
     return text_trim((struct text){line.at, i});
 }
 
+struct statement {
+    struct scenario *scenario;
+    const struct source *where;
+    struct text line;
+    bool ok;
+};
+
+static void *execute(void *context)
+{
+    struct statement *statement = context;
+    struct scenario *s = statement->scenario;
+    statement->ok = command_exec(s->session, statement->line, statement->where, &s->reply);
+    return NULL;
+}
+
+static bool execute_line(struct scenario *s, const struct source *where, struct text line)
+{
+    struct statement statement = {s, where, line, false};
+    const size_t used = painted_run(execute, &statement);
+    if (getenv("STACKS"))
+        printf("#S %zu %s:%d\n", used, s->file, s->number);
+    return statement.ok;
+}
+
 static void run_lines(struct scenario *s, struct text content)
 {
     struct text rest = content, line;
@@ -136,7 +162,7 @@ static void run_lines(struct scenario *s, struct text content)
             continue;
         buffer_clear(&s->capture.out);
         buffer_clear(&s->capture.err);
-        const bool ok = command_exec(s->session, without_marks(line), &where, &s->reply);
+        const bool ok = execute_line(s, &where, without_marks(line));
         bool expected = check_marks(s, line);
         /* Marks on the lines below belong to the same statement. */
         for (struct text after = rest, next;

@@ -279,15 +279,22 @@ static bool schedule_in_parts(struct program *p, const struct steady_names *stea
 
 void program_keep(const struct program *p, double *steady)
 {
-    double frame[PROGRAM_KEEP];
+    double few[PROGRAM_FEW], *frame = p->keep ? program_place(p->keep, few) : few;
+    struct leading leading = {NAN, NAN};
     if (!p->keep)
         return;
-    program_prepare(p->keep, frame);
     double *const retained = steady + p->names - p->keeps - p->moving;
-    const struct leading leading = p->keep->run(p->keep, 0, 0, 0, NULL, steady, retained, frame);
+    for (int i = 0; !frame && i < p->keeps; i++)
+        retained[i] = NAN;
+    if (frame) {
+        program_prepare(p->keep, frame);
+        leading = p->keep->run(p->keep, 0, 0, 0, NULL, steady, retained, frame);
+    }
     retained[0] = leading.first;
     if (p->keeps > 1)
         retained[1] = leading.second;
+    if (frame != few)
+        free(frame);
 }
 
 /* ---- making and destroying ---- */

@@ -5,6 +5,8 @@
 
 #include "scene/formula/expr.h"
 
+#include <stdlib.h>
+
 /* ---- the graph ----
  *
  * A node is a number, a name, or an operation on earlier nodes; equal nodes are one. Made simpler
@@ -232,6 +234,15 @@ struct program *program_create_keeping(const struct equations *e, int first, int
 bool program_depends_on(const struct program *p, int first, int count, int name, int names);
 /* Once for each set of given values. */
 void program_keep(const struct program *program, double *steady);
+
+#define PROGRAM_FEW 128
+
+/* A frame: those few doubles if they are enough; else memory, to be given back, or NULL: there is
+ * none. */
+static inline double *program_place(const struct program *p, double few[PROGRAM_FEW])
+{
+    return program_frame(p) <= PROGRAM_FEW ? few : malloc(program_frame(p) * sizeof *few);
+}
 
 /* The outputs, where `moving` names are t and a state. */
 static inline void program_run(const struct program *p, double t, const double *state,
