@@ -163,7 +163,7 @@ bool reject_outliers(struct motion *motion, struct arena *arena);
  * its residuals and the counts. False: no memory. */
 bool censor_clipped(struct motion *motion, struct arena *arena);
 
-/* ---- curve_fit.c ---- */
+/* ---- samples.c ---- */
 
 /* More than parameters, or the reason. */
 bool enough_samples(const struct series *series, int parameters, struct error *error);

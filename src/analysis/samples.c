@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A series prepared for analysis: its time grid, its noise, its spikes. */
 #include "analysis/internal.h"
+#include "analysis/fit/projection.h"
 
 #include <math.h>
 #include <string.h>
@@ -176,4 +177,30 @@ void samples_flag_spikes(struct samples *samples, double *scratch)
     if ((double)flagged > SPIKES_MAX * (double)n) {
         memset(samples->use, 1, n);
     }
+}
+
+/* ---- for fits ---- */
+
+bool enough_samples(const struct series *series, int parameters, struct error *error)
+{
+    return series->n > (size_t)parameters ||
+           error_set(error, ERROR_COMMAND, "%zu samples cannot determine %d parameters", series->n,
+                     parameters);
+}
+
+bool curve_part(const struct series *series, struct arena *arena, struct series *part)
+{
+    const size_t stride = series->n / CURVE_MANY + 1, n = series->n / stride;
+    *part = *series;
+    if (stride == 1)
+        return true;
+    double *t = arena_array(arena, n, sizeof *t), *y = arena_array(arena, n, sizeof *y);
+    for (size_t i = 0; i < n && t && y; i++) {
+        t[i] = series->t[i * stride];
+        y[i] = series->y[i * stride];
+    }
+    part->t = t;
+    part->y = y;
+    part->n = n;
+    return t && y;
 }

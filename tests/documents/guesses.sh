@@ -4,6 +4,7 @@
 # what they type (its last statement fails) | what the error has to name | that, filled in and typed | what it then says.
 # Words in capitals stand for what is filled in. "=" : it is understood as it is.
 set -u
+. "$(dirname "$0")/ask.bash"
 hooke=$(realpath "${HOOKE:-build/hooke}")
 work=$(mktemp -d) || exit 2
 trap 'rm -rf "$work"' EXIT
@@ -161,33 +162,14 @@ run 5 s; measure nu       | it is one of: period   | run 5 s; measure period    
 GUESSES
 )
 
-count=0
-ok() { count=$((count + 1)); echo "ok $count - $1"; }
-bad() { count=$((count + 1)); echo "not ok $count - $1"; printf '%s\n' "$2" | tail -n 6 | sed 's/^/#   /'; }
-
 declare -a guess named typed says
 for i in "${!lines[@]}"; do
     IFS='|' read -r 'guess[i]' 'named[i]' 'typed[i]' 'says[i]' <<<"${lines[i]}"
 done
 
-# ask ARRAY: one process says what it thinks of each of them in turn, always from the same start.
-ask() {
-    local -n statements=$1
-    local i line
-    for i in "${!statements[@]}"; do
-        printf 'restore start\necho @@ %d\n%s\necho @@ 0\n' "$((i + 1))" "${statements[i]}"
-    done >statements
-    answer=()
-    i=0
-    while IFS= read -r line; do
-        # Not what is quoted of the line, nor the marks under it.
-        if [[ $line == '@@ '* ]]; then i=${line#@@ }
-        elif [[ $line != '    '* ]]; then answer[i - 1 + (i == 0 ? ${#lines[@]} + 1 : 0)]+="$line "$'\n'; fi
-    done < <("$hooke" -n -k --size 900x12 -c 'checkpoint start' statements 2>&1)
-}
-ask guess
+ask guess 900x12 '    ' # not what is quoted of the line, nor the marks under it
 hints=("${answer[@]}")
-ask typed
+ask typed 900x12 '    '
 for i in "${!lines[@]}"; do
     name="${guess[i]}"
     hint=${hints[i]:-} reply=${answer[i]:-}

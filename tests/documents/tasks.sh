@@ -3,15 +3,12 @@
 # What newcomers ask: at most two commands, found by help, apropos or the hint of an error, solve it. A line is the
 # task | what somebody types to find out | what the answer has to name | that, as it is then typed (it has to succeed).
 set -u
+. "$(dirname "$0")/ask.bash"
 hooke=$(realpath "${HOOKE:-build/hooke}")
 work=$(mktemp -d) || exit 2
 trap 'rm -rf "$work"' EXIT
 cd "$work" || exit 2
 "$hooke" -n -q -c 'scene damped; method rk4; run 30 s; export swing.csv t,y' >/dev/null || exit 2
-
-count=0
-ok() { count=$((count + 1)); echo "ok $count - $1"; }
-bad() { count=$((count + 1)); echo "not ok $count - $1"; printf '%s\n' "$2" | sed 's/^/#   /' | tail -n 8; }
 
 mapfile -t lines < <(sed -n 's/ *| */|/gp' <<'TASKS'
 see the velocity               | velocity              | plot velocity         | run; plot velocity
@@ -108,23 +105,9 @@ for i in "${!lines[@]}"; do
     IFS='|' read -r 'task[i]' 'asked[i]' 'named[i]' 'typed[i]' <<<"${lines[i]}"
 done
 
-# ask ARRAY: one process says what it thinks of each of them in turn, always from the same start.
-ask() {
-    local -n statements=$1
-    local i line
-    for i in "${!statements[@]}"; do
-        printf 'restore start\necho @@ %d\n%s\necho @@ 0\n' "$((i + 1))" "${statements[i]}"
-    done >statements
-    answer=()
-    i=0
-    while IFS= read -r line; do
-        if [[ $line == '@@ '* ]]; then i=${line#@@ }
-        else answer[i == 0 ? ${#lines[@]} : i - 1]+="$line "$'\n'; fi
-    done < <("$hooke" -n -k --size 80x24 -c 'checkpoint start' statements 2>&1)
-}
-ask asked
+ask asked 80x24
 told=("${answer[@]}")
-ask typed
+ask typed 80x24
 for i in "${!lines[@]}"; do
     tr -s ' \n' ' ' <<<"${told[i]:-}" | grep -qF -- "${named[i]}" ||
         { bad "${task[i]}: '${asked[i]}' does not name '${named[i]}'" "${told[i]:-}"; continue; }

@@ -68,6 +68,8 @@ bool journal_list(const struct request *last, int first, const struct request **
 /* The times [s] of the latest changes of parameters, at most `max`, in order; not those by events.
  * Returns how many. */
 int journal_changes(const struct request *last, double *t, int max);
+/* The last REQUEST_GO up to this request; NULL: none. */
+const struct request *journal_last_go(const struct request *last);
 /* What is still to be done after a pause: the last REQUEST_GO; NULL: nothing. */
 const struct request *journal_pending(const struct run_slot *slot);
 /* The same, of this run alone, so that it may be changed. NULL: no memory (there has to be one). */

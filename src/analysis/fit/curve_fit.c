@@ -410,30 +410,6 @@ static bool prepare(struct problem *p, const struct series *series, const double
     return true;
 }
 
-bool enough_samples(const struct series *series, int parameters, struct error *error)
-{
-    return series->n > (size_t)parameters ||
-           error_set(error, ERROR_COMMAND, "%zu samples cannot determine %d parameters", series->n,
-                     parameters);
-}
-
-bool curve_part(const struct series *series, struct arena *arena, struct series *part)
-{
-    const size_t stride = series->n / MANY + 1, n = series->n / stride;
-    *part = *series;
-    if (stride == 1)
-        return true;
-    double *t = arena_array(arena, n, sizeof *t), *y = arena_array(arena, n, sizeof *y);
-    for (size_t i = 0; i < n && t && y; i++) {
-        t[i] = series->t[i * stride];
-        y[i] = series->y[i * stride];
-    }
-    part->t = t;
-    part->y = y;
-    part->n = n;
-    return t && y;
-}
-
 /*
  * Of very many samples the start comes from a fit of every so manieth. False: an error that ends
  * everything; a part that has no answer leaves the start as it was.

@@ -124,20 +124,20 @@ bool journal_list(const struct request *last, int first, const struct request **
     return *list != NULL;
 }
 
-static const struct request *last_go(const struct request *last)
+const struct request *journal_last_go(const struct request *last)
 {
     return !last || last->kind == REQUEST_GO ? last : last->go;
 }
 
 const struct request *journal_pending(const struct run_slot *slot)
 {
-    return last_go(slot->last);
+    return journal_last_go(slot->last);
 }
 
 struct request *journal_edit_pending(struct run_slot *slot, struct error *error)
 {
     struct request *last = slot->last, *request = last;
-    const struct request *pending = last_go(last);
+    const struct request *pending = journal_last_go(last);
     bool alone = request->references == 1;
     for (; request != pending; alone &= request->references == 1)
         request = request->before;
@@ -262,7 +262,7 @@ static bool replay(struct session *session, struct run_slot *slot, struct reques
         done = done->before;
     if (!journal_list(last, journal_count(done), &list, &count))
         return false;
-    const struct request *going = last_go(done);
+    const struct request *going = journal_last_go(done);
     struct run_slot so_far = {.run = run, .events = slot->events, .last = done};
     for (int i = 0; i < count; i++) {
         if (going)
@@ -352,150 +352,4 @@ bool journal_restore(struct session *session, struct run_slot *slot, struct requ
         slot->last = last;
     }
     return ok;
-}
-
-/* ---- as commands ---- */
-
-/* Whether a condition reads the same in a session that has no variables and results. */
-static bool portable(const struct session *session, const struct run *run, const char *condition)
-{
-    struct names names = {.session = session, .run = run, .saved_only = true};
-    const struct expr_scope scope = names_scope(&names);
-    struct arena arena = {0};
-    struct condition compiled;
-    struct error ignored;
-    size_t used;
-    const bool ok =
-        condition_compile(text_of(condition), &scope, &arena, &compiled, &used, &ignored);
-    arena_reset(&arena);
-    return ok;
-}
-
-struct composer {
-    const struct session *session;
-    const struct run *run;
-    int number;   /* of the run, 0: the next */
-    bool started; /* it exists already */
-    bool waits;   /* it has not got where the last line of these sends it */
-    struct buffer *text;
-};
-
-static void put_number(const struct composer *c)
-{
-    if (!c->started && c->number > 0)
-        buffer_format(c->text, " --number %d", c->number);
-}
-
-/* The run at its start, for what happened before its first step. */
-static void put_start(struct composer *c)
-{
-    if (c->started)
-        return;
-    buffer_put(c->text, TEXT("run --steps 1"));
-    put_number(c);
-    buffer_put(c->text, TEXT("\nreset\n"));
-    c->started = true;
-}
-
-/* Along a request from step `from` to step `to`, which was reached at time t. last: nothing was
- * asked of the run after it. */
-static bool put_go(struct composer *c, const struct request *request, int64_t from, int64_t to,
-                   double t, bool last)
-{
-    const struct run *run = c->run;
-    const bool met = request->condition && request->met == to;
-    if (met && !portable(c->session, run, request->condition))
-        return false;
-    /* `step` leaves nothing to be gone on with; it would go on with what the line before left. */
-    const bool ends = request->end < INT64_MAX || (last && !run->plan.adaptive),
-               waits = last && stop_is_pause(run->stop);
-    if (ends && !waits && !met && !c->waits && t != request->t &&
-        (c->started || request->t > request->from_t)) {
-        put_start(c);
-        buffer_format(c->text, "step %lld\n", (long long)(to - from));
-        return true;
-    }
-    c->waits = !met && t != request->t;
-    /* Options first: after a condition they would be read as minus signs. */
-    buffer_put(c->text, c->started ? TEXT("continue") : TEXT("run"));
-    put_number(c);
-    if (met) {
-        buffer_format(c->text, " until %s", request->condition);
-    } else {
-        /* Without a target any time that is far enough does. */
-        const double far = copysign(2 * (double)(to + 1) * run->settings.dt, request->t);
-        if (t != request->t)
-            buffer_format(c->text, " --steps %lld", (long long)(to - from));
-        buffer_put(c->text, TEXT(" to "));
-        buffer_real(c->text,
-                    run->plan.adaptive || fabs(request->t) < FAR ? request->t : run->t + far);
-        buffer_put(c->text, TEXT(" s"));
-    }
-    buffer_char(c->text, '\n');
-    c->started = true;
-    return true;
-}
-
-void journal_put_change(const struct run *run, const struct request *request, struct buffer *text)
-{
-    const struct param_row *param =
-        request->kind == REQUEST_SET ? param_at(&run->scene, request->param) : NULL;
-    const struct variable *variable = &run->system.model->variable[param ? 0 : request->param];
-    buffer_format(text, "%s ", param ? param->row.name : variable->name);
-    buffer_exact(text, request->value, param ? param->quantity : variable->quantity);
-}
-
-bool journal_write(const struct session *session, const struct run_slot *slot, int first,
-                   int64_t since, int number, bool by_events, struct buffer *text)
-{
-    const struct run *run = slot->run;
-    const size_t before = text->len;
-    struct composer c = {session, run, number, since >= 0, false, text};
-    const struct request **list, *going = slot->last;
-    int64_t at = since < 0 ? 0 : since;
-    int count;
-    if (!journal_list(slot->last, first, &list, &count)) {
-        text->failed = true;
-        return false;
-    }
-    going = last_go(count > 0 ? list[0]->before : slot->last);
-    while (going && going->by_event && !by_events)
-        going = going->go;
-    for (int i = 0; i <= count; i++) {
-        const struct request *next = i < count ? list[i] : NULL;
-        if (next && next->by_event && !by_events)
-            continue;
-        const int64_t to = next ? next->from : run->steps;
-        /* No step, but the time: it was the one asked for but for rounding. */
-        const bool ends = !next && going && going->from == at && going->from_t != run->t;
-        if (going && (to > at || ends)) {
-            if (!put_go(&c, going, at, to, next ? next->from_t : run->t, !next)) {
-                text->len = before;
-                free(list);
-                return false;
-            }
-            at = to;
-        }
-        if (next && next->kind == REQUEST_GO)
-            going = next;
-        if (!next || next->kind == REQUEST_GO)
-            continue;
-        put_start(&c);
-        if (next->kind == REQUEST_BACK) {
-            buffer_format(text, "back %lld", (long long)next->rows);
-        } else {
-            buffer_put(text, TEXT("change "));
-            journal_put_change(run, next, text);
-        }
-        buffer_char(text, '\n');
-        at = next->kind == REQUEST_BACK   ? next->end
-             : next->kind == REQUEST_KICK ? next->from + 1
-                                          : at;
-    }
-    free(list);
-    /* Taken back to its start, but still on its way. */
-    if (!c.started && going && stop_is_pause(run->stop) && put_go(&c, going, 0, 1, NAN, true))
-        buffer_put(text, TEXT("back 1\n"));
-    put_start(&c);
-    return true;
 }
