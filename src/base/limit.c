@@ -33,6 +33,7 @@ static const struct limit limits[] = {
     {{"observed", "", "quantities that a typed scene observes", "", NULL}, LIMIT_OBSERVED},
     {{"modes", "", "damped sines fitted at once", "", NULL}, LIMIT_MODES},
     {{"measurements", "", "measurements kept: the oldest go", "", NULL}, LIMIT_MEASUREMENTS},
+    {{"results", "", "results kept by name: the oldest go", "", NULL}, LIMIT_RESULTS},
     {{"fits", "", "fits kept: the oldest go", "", NULL}, LIMIT_FITS},
     {{"orbits", "", "periodic orbits kept: the oldest go", "", NULL}, LIMIT_ORBITS},
     {{"branches", "", "branches kept: the oldest go", "", NULL}, LIMIT_BRANCHES},

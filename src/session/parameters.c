@@ -5,6 +5,7 @@
 #include <hooke/scene/typed.h>
 
 #include <string.h>
+#include <stdlib.h>
 
 void scene_lines(const struct scene *scene, const char *before, struct buffer *text)
 {
@@ -32,21 +33,31 @@ enum effect { EFFECT_NONE, EFFECT_START, EFFECT_FORCE };
 
 /* What the parameter does in the scene as it is: the frequency of a drive that is not there does
  * nothing. */
-static enum effect effect_of(const struct scene *scene, int index)
+static enum effect effect_between(const struct scene *scene, int index, struct system *a,
+                                  struct system *b)
 {
     struct scene other = *scene;
-    struct system a, b;
     struct error ignored;
     const double value = scene->value[index];
     other.value[index] = value == 0 ? 0.125 : 0.875 * value; /* towards 0: within bounds */
-    if (!scene_bind(scene, &a, &ignored) || !scene_bind(&other, &b, &ignored) ||
-        a.terms != b.terms || a.mass != b.mass)
+    if (!scene_bind(scene, a, &ignored) || !scene_bind(&other, b, &ignored) ||
+        a->terms != b->terms || a->mass != b->mass)
         return EFFECT_FORCE;
-    for (int i = 0; i < a.terms; i++)
-        if (!bound_term_equal(&a.term[i], &b.term[i]))
+    for (int i = 0; i < a->terms; i++)
+        if (!bound_term_equal(&a->term[i], &b->term[i]))
             return EFFECT_FORCE;
-    const bool moved = a.t0 != b.t0 || memcmp(a.start, b.start, (size_t)a.n * sizeof *a.start) != 0;
+    const bool moved =
+        a->t0 != b->t0 || memcmp(a->start, b->start, (size_t)a->n * sizeof *a->start) != 0;
     return moved ? EFFECT_START : EFFECT_NONE;
+}
+
+static enum effect effect_of(const struct scene *scene, int index)
+{
+    struct system *both = malloc(2 * sizeof *both);
+    const enum effect effect =
+        both ? effect_between(scene, index, &both[0], &both[1]) : EFFECT_FORCE;
+    free(both);
+    return effect;
 }
 
 bool param_is_start(const struct scene *scene, int index)

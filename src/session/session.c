@@ -230,7 +230,8 @@ void session_set_result(struct session *session, const char *name, struct measur
         if (strcmp(session->result[i].name, name) == 0)
             result = &session->result[i];
     if (!result && session->results == LIMIT_RESULTS)
-        return;
+        memmove(session->result, session->result + 1,
+                (size_t)--session->results * sizeof *session->result);
     if (!result)
         result = &session->result[session->results++];
     *result = (struct named_value){

@@ -24,15 +24,17 @@
 /* Where every parameter of the start is free, the start may as well be at the first sample. */
 static bool start_is_free(const struct scene_curve *c)
 {
-    for (int i = 0; i < (int)scene_params(&c->scene)->count; i++) {
-        struct parameter_change d;
+    struct parameter_change *d = malloc(sizeof *d);
+    bool free_all = d != NULL;
+    for (int i = 0; free_all && i < (int)scene_params(&c->scene)->count; i++) {
         bool fitted = i == scene_param(&c->scene, "t0");
         for (int j = 0; j < c->frees; j++)
             fitted = fitted || c->index[j] == i;
-        if (!fitted && direction_find(&c->scene, i, &d) && d.starts && d.changes == 0)
-            return false;
+        if (!fitted && direction_find(&c->scene, i, d) && d->starts && d->changes == 0)
+            free_all = false;
     }
-    return true;
+    free(d);
+    return free_all;
 }
 
 static double value_of(const struct scene *scene, const char *name)
@@ -87,16 +89,17 @@ static void improve_start(struct scene_curve *c, const struct fit *fit, double *
     const double middle = o->whole && o->stiffness != 0 ? -o->gravity / o->stiffness : 0;
     const double wanted[2] = {A * cos(phi) + (c->offset || order > 0 ? middle : fit->offset.value),
                               A * (-0.5 * gamma * cos(phi) - omega * sin(phi))};
-    for (int j = 0; j < c->frees; j++) {
-        struct parameter_change d;
-        if (!direction_find(&c->scene, c->index[j], &d) || d.changes > 0 || d.t0 != 0)
+    struct parameter_change *d = malloc(sizeof *d);
+    for (int j = 0; d && j < c->frees; j++) {
+        if (!direction_find(&c->scene, c->index[j], d) || d->changes > 0 || d->t0 != 0)
             continue;
         for (int half = 0; half < 2; half++) {
             const int i = half * system.n / 2;
-            if (d.start[i] != 0)
-                propose(c, j, start[j] + (wanted[half] - system.start[i]) / d.start[i], start);
+            if (d->start[i] != 0)
+                propose(c, j, start[j] + (wanted[half] - system.start[i]) / d->start[i], start);
         }
     }
+    free(d);
     if (c->offset)
         start[c->frees] = fit->offset.value - (order == 0 ? middle : 0);
 }
@@ -419,11 +422,13 @@ static bool fit_all(struct scene_fitting *f, struct scene_fit *fit, struct error
 {
     const struct series *series = f->request->series;
     struct overview overview;
-    struct fit motion = {.model = NULL};
+    struct fit *motion = arena_alloc(f->arena, sizeof *motion);
     struct error ignored = {0};
     struct arena scratch = {
         0}; /* of what is known of the motion beforehand: large, and not needed any more */
     double proposed[CURVE_PARAMETERS];
+    if (!motion)
+        return error_memory(error);
     memcpy(proposed, f->at, (size_t)f->as_curve.parameters * sizeof *proposed);
     series_overview(series, &scratch, &overview);
     f->stretch = stretch_of(series, &overview);
@@ -431,8 +436,8 @@ static bool fit_all(struct scene_fitting *f, struct scene_fit *fit, struct error
     if (overview.oscillates) {
         const struct fit_model *row =
             (const struct fit_model *)(const void *)catalog_find(&fit_catalog, TEXT("damped"));
-        if (row->fit(series, &scratch, f->request->cancel, &motion, &ignored) && motion.converged)
-            improve_start(f->curve, &motion, f->at);
+        if (row->fit(series, &scratch, f->request->cancel, motion, &ignored) && motion->converged)
+            improve_start(f->curve, motion, f->at);
     }
     arena_reset(&scratch);
     if (!approach(f, overview.oscillates ? overview.period : NAN, error) ||

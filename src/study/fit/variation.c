@@ -8,6 +8,7 @@
 
 #include <float.h>
 #include <string.h>
+#include <stdlib.h>
 
 #define DELTA 1e-6 /* relative to the parameter */
 #define SMALL 1e-3 /* SI; below it, unless it must be > 0, a parameter counts as that large */
@@ -40,13 +41,13 @@ static void find_changes(const struct system side[2], struct parameter_change *d
     }
 }
 
-bool direction_find(const struct scene *scene, int index, struct parameter_change *d)
+static bool find_between(const struct scene *scene, int index, struct system side[2],
+                         struct parameter_change *d)
 {
     const struct param_row *row = param_at(scene, index);
     const double value = scene->value[index],
                  size = row->min_excluded ? fabs(value) : fmax(fabs(value), SMALL);
     struct scene trial = *scene;
-    struct system side[2];
     struct error ignored;
     double at[2];
     for (int s = 0; s < 2; s++) {
@@ -68,6 +69,14 @@ bool direction_find(const struct scene *scene, int index, struct parameter_chang
         d->starts = d->starts || d->start[i] != 0;
     }
     return true;
+}
+
+bool direction_find(const struct scene *scene, int index, struct parameter_change *d)
+{
+    struct system *side = malloc(2 * sizeof *side);
+    const bool found = side && find_between(scene, index, side, d);
+    free(side);
+    return found;
 }
 
 /* df/dp, zero but for the rows that terms add to. */

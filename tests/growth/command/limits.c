@@ -81,8 +81,8 @@ static const struct pair {
 };
 
 /* Of these the oldest goes. */
-static const char *const sliding[] = {"undo", "log",     "measurements",
-                                      "fits", "history", "history-text"};
+static const char *const sliding[] = {"undo",    "log",     "measurements", "fits",
+                                      "results", "history", "history-text"};
 /* Not tested here, and why. */
 static const char *const elsewhere[] = {
     "samples",       /* the trace is thinned there: tests/unit/run */
@@ -252,6 +252,18 @@ static void the_oldest_goes(void **state)
                                                .of = {(char)(1 + i / 100), (char)(1 + i % 100)}});
     assert_int_equal(b.session->stored_fits, (int)limit_of("fits"));
     assert_true(b.session->stored_fit[0].fit.rms == 1);
+    const int results = (int)limit_of("results");
+    for (int i = b.session->results; i <= results; i++) {
+        assert_int_equal(b.session->results, i); /* up to there nothing has gone */
+        const struct named_value oldest = b.session->result[0], next = b.session->result[1];
+        snprintf(line, sizeof line, "fit_of_%d", i);
+        session_set_result(b.session, line, (struct measured){i, 0}, QUANTITY_NUMBER);
+        assert_string_equal(b.session->result[0].name, i < results ? oldest.name : next.name);
+    }
+    assert_int_equal(b.session->results, results);
+    snprintf(line, sizeof line, "print fit_of_%d", results);
+    type_ok(&b, line);
+    assert_says(&b.out, "128");
     for (int i = 0; i <= (int)limit_of("log"); i++)
         log_add(&b.session->log, text_of(i ? "later" : "first"));
     assert_int_equal(b.session->log.count, (int)limit_of("log"));

@@ -8,7 +8,7 @@
  *   # warning: TEXT   a message that is no error contains TEXT
  *   # never: TEXT     neither output nor messages contain TEXT
  *
- * A line without `# error:` has to succeed.
+ * A line without `# error:` has to succeed, on a small stack.
  * Every line starts where the one before left the session. Files are written in a folder of their
  * own. A file with the line `# needs: METHOD` is skipped where the build is without that method.
  */
@@ -128,6 +128,18 @@ static struct text without_marks(struct text line)
     return text_trim((struct text){line.at, i});
 }
 
+/*
+ * [byte] No statement uses more of the stack: builds that are not optimised have larger frames. The
+ * aim is 64 KiB, which all but a few keep.
+ */
+#define STACK_MAX (120 << 10)
+
+static struct depth {
+    size_t used;
+    int number;
+    char file[64];
+} deepest;
+
 struct statement {
     struct scenario *scenario;
     const struct source *where;
@@ -147,8 +159,15 @@ static bool execute_line(struct scenario *s, const struct source *where, struct 
 {
     struct statement statement = {s, where, line, false};
     const size_t used = painted_run(execute, &statement);
-    if (getenv("STACKS"))
-        printf("#S %zu %s:%d\n", used, s->file, s->number);
+    if (used > deepest.used) {
+        deepest = (struct depth){used, s->number, ""};
+        snprintf(deepest.file, sizeof deepest.file, "%s", s->file);
+    }
+    if (used > STACK_MAX) {
+        s->failed = true;
+        printf("# %s:%d: used %zu bytes of stack, more than %d\n", s->file, s->number, used,
+               STACK_MAX);
+    }
     return statement.ok;
 }
 
@@ -259,6 +278,7 @@ int main(void)
     }
     if (count >= 0)
         free(entries);
+    printf("# at most %zu bytes of stack, in %s:%d\n", deepest.used, deepest.file, deepest.number);
     remove_folder(work);
     buffer_free(&cli);
     return failures > 0 || count <= 0;
