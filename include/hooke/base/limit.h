@@ -25,7 +25,7 @@
 #define LIMIT_STEPS 9007199254740992.0 /* 2^53: t0 + i dt is exact in i up to here */
 #define LIMIT_SCRIPT (1u << 26)        /* bytes of a file of commands */
 #define LIMIT_LET 128                  /* variables made by let */
-#define LIMIT_RESULTS 128              /* names of results: measured_period, fit_gamma … */
+#define LIMIT_RESULTS 128              /* results by name (fit_gamma …): the oldest go */
 #define LIMIT_CHECKPOINTS 64           /* checkpoints */
 #define LIMIT_OWN 32                   /* scenes of the user's own, by name */
 #define LIMIT_SYMBOL 31                /* bytes in the name of a variable or scene of one's own */
