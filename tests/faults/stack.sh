@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
 # A stack of 160 KiB, with what the system, the start and the libraries take of it, is enough for every command: of its own none uses more
-# than 120 KiB (tests/unit/command/scripts.c measures each statement of tests/cli). What nests is limited, in formulas, scripts and files.
+# than 144 KiB (tests/unit/command/scripts.c measures each statement of tests/cli). What nests is limited, in formulas, scripts and files.
 set -u
 hooke=$(realpath "${HOOKE:-build/hooke}")
 here=$(pwd)

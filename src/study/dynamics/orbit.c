@@ -41,13 +41,14 @@ struct orbit_search {
 
 /* ---- closing it ---- */
 
-/* Gauss and Newton with the least step: also where orbits come in families. */
-static bool close_least(struct solution_curve *path, double *u)
+#define SQUARE ((size_t)CURVE_MAX * CURVE_MAX)
+
+/* Gauss and Newton with the least step: also where orbits come in families. room: [2][SQUARE] */
+static bool close_least(struct solution_curve *path, double *room, double *u)
 {
     const struct curve_problem *problem = path->problem;
     const int n = problem->n, all = n + 1;
-    double f[CURVE_MAX], jacobian[CURVE_MAX * CURVE_MAX], a[CURVE_MAX * CURVE_MAX], by[CURVE_MAX],
-        last = HUGE_VAL;
+    double f[CURVE_MAX], *jacobian = room, *a = room + SQUARE, by[CURVE_MAX], last = HUGE_VAL;
     bool fine = false;
     problem->aim(problem->context, fine);
     for (int look = 0; look < 40; look++) {
@@ -104,10 +105,10 @@ static double extent_of(const struct vector_field *field, const struct solution 
 }
 
 /* How far a solution at a looser tolerance is off. */
-static double error_of(struct solution_curve *path, const struct curve_point *point)
+static double error_of(struct solution_curve *path, const struct curve_point *point, double *room)
 {
     const int n = path->problem->n;
-    double f[CURVE_MAX], jacobian[CURVE_MAX * CURVE_MAX], a[CURVE_MAX * CURVE_MAX], most = 0;
+    double f[CURVE_MAX], *jacobian = room, *a = room + SQUARE, most = 0;
     path->field.tol = LOOSE;
     const bool fine = path->problem->residual(path->problem->context, point->u, f, jacobian);
     for (int i = 0; fine && i < n; i++)
@@ -150,14 +151,16 @@ static bool close_orbit(struct orbit_search *s, const double *state, double peri
     if (!solutions_begin(&path, s->request->scene, s->field.param[0], s->field.unit[0], &guess,
                          s->request->cancel, point.u, &ignored))
         return false;
-    bool fine = close_least(&path, point.u) && solutions_at(&path, &point, true, &orbit->solution);
+    double *room = malloc(2 * SQUARE * sizeof *room);
+    bool fine = room && close_least(&path, room, point.u) &&
+                solutions_at(&path, &point, true, &orbit->solution);
     orbit->family = fine && near_one(&orbit->solution) > 0;
     if (fine && !orbit->family && orbit->solution.residual > POLISHED &&
         solutions_correct_at(&path, point.u, 1, &better)) {
         memcpy(point.u, better.u, sizeof point.u);
         fine = solutions_at(&path, &point, true, &orbit->solution);
     }
-    orbit->error = fine && !orbit->family ? error_of(&path, &point) : NAN;
+    orbit->error = fine && !orbit->family ? error_of(&path, &point, room) : NAN;
     if (fine && orbit->family) { /* double ones are no more exact than that */
         orbit->solution.unstable = 0;
         for (int i = 0; i < orbit->solution.values; i++)
@@ -166,6 +169,7 @@ static bool close_orbit(struct orbit_search *s, const double *state, double peri
     }
     s->field.evals += path.field.evals;
     solutions_end(&path);
+    free(room);
     const double extent = fine ? extent_of(&s->field, &orbit->solution) : 0;
     return fine && orbit->solution.period > 0 && orbit->solution.residual < CLOSED &&
            (multiple > 0 || (extent > 1e-6 && extent > 1e-3 * s->extent));

@@ -18,7 +18,8 @@
 bool tangents_init(struct tangents *t, const struct scene *scene, int count,
                    const struct cancel *cancel, struct error *error)
 {
-    *t = (struct tangents){.count = count, .method = method_find("dop853")};
+    memset(t, 0, sizeof *t); /* a literal would be a copy of all its 440 KiB on the stack */
+    t->method = method_find("dop853");
     if (!field_init(&t->field, scene, NULL, 0, error))
         return false;
     t->n = t->field.n;
