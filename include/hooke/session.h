@@ -289,15 +289,15 @@ struct session {
     int record_fd;
     int64_t record_synced; /* [ns] when what it holds was put on the disk; 0: never */
     bool record_owed;      /* more was written since then */
-    bool keep_going;      /* option -k */
-    bool verbose;         /* option -v: lines of scripts are shown before they are executed */
-    bool safe;            /* option --safe: write only below the current directory */
-    const char *checking; /* the folder of a hand-in that is run again: nothing is written; NULL */
-    bool quit;            /* the user asked to leave */
-    int status;           /* exit status so far */
-    uint64_t changes;     /* counts changes: autosave compares it */
-    bool typed;           /* the statement being executed was typed by a person */
-    int nesting;          /* command_exec inside command_exec */
+    bool keep_going;       /* option -k */
+    bool verbose;          /* option -v: lines of scripts are shown before they are executed */
+    bool safe;             /* option --safe: write only below the current directory */
+    const char *checking;  /* the folder of a hand-in that is run again: nothing is written; NULL */
+    bool quit;             /* the user asked to leave */
+    int status;            /* exit status so far */
+    uint64_t changes;      /* counts changes: autosave compares it */
+    bool typed;            /* the statement being executed was typed by a person */
+    int nesting;           /* command_exec inside command_exec */
     /* a run was paused: what stands after it on the line and in the file is not executed */
     bool halted;
     bool reacting; /* commands of an event are executed: part of the statement that ran into it */
