@@ -233,7 +233,7 @@ struct system {
     /* of typed equations, then that of dry friction: with branches that can be frozen */
     int switches;
     bool extended; /* frozen, they may give numbers where there are none: ask what is not frozen */
-    bool dry; /* the last of them is that of dry friction, at v = 0 */
+    bool dry;      /* the last of them is that of dry friction, at v = 0 */
     /* steps of fixed size, too, end at switches: unless they go across, or it is frozen */
     bool pieces;
     const struct sliding *sliding; /* of a frozen system; NULL: along none of them */

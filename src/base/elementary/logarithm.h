@@ -13,12 +13,12 @@
 #define LN_2_LOW 0x1.9ef35793c7673p-41
 
 /* What log x is the sum of: `whole`, exact, 0 or more than r; log(1 + r); `rest`. */
-struct parts {
+struct log_parts {
     double whole, r, rest;
 };
 
 /* x > 0, finite */
-INLINE struct parts parts_of(double x, bool fused)
+INLINE struct log_parts parts_of(double x, bool fused)
 {
     const bool tiny = x < 0x1p-1022;
     const uint64_t bits = to_bits(tiny ? x * 0x1p54 : x), from = bits - FIRST_M;
@@ -27,9 +27,10 @@ INLINE struct parts parts_of(double x, bool fused)
     const struct reciprocal *row = &reciprocals[from >> ROW_SHIFT & (TABLE_ROWS - 1)];
     const double k = (double)(tiny ? power - 54 : power), value = from_bits(m),
                  upper = fused ? 0 : from_bits(m & ~UINT64_C(0x1FFFFFFF)), lower = value - upper;
-    return (struct parts){k * LN_2_HIGH + row->high,
-                          fused ? fma(value, row->c, -1) : (upper * row->c - 1) + lower * row->c,
-                          row->low + k * LN_2_LOW};
+    return (struct log_parts){k * LN_2_HIGH + row->high,
+                              fused ? fma(value, row->c, -1)
+                                    : (upper * row->c - 1) + lower * row->c,
+                              row->low + k * LN_2_LOW};
 }
 
 /* log(1 + r) - r + r^2/2 */
@@ -44,7 +45,7 @@ INLINE double cubic_part(double r)
 
 INLINE double log_in(double x, bool fused)
 {
-    const struct parts parts = parts_of(x, fused);
+    const struct log_parts parts = parts_of(x, fused);
     const struct wide most = ordered_sum(parts.whole, parts.r);
     return most.high + ((most.low + (parts.rest - parts.r * parts.r * 0.5)) + cubic_part(parts.r));
 }
@@ -52,7 +53,7 @@ INLINE double log_in(double x, bool fused)
 /* To 2^-67 of it. */
 INLINE struct wide wide_log(double x, bool fused)
 {
-    const struct parts parts = parts_of(x, fused);
+    const struct log_parts parts = parts_of(x, fused);
     const struct wide square = exact_product(parts.r, parts.r, fused),
                       most = ordered_sum(parts.whole, parts.r),
                       next = ordered_sum(most.high, -0.5 * square.high);

@@ -22,23 +22,24 @@
 #define DOUBLE 1e-6 /* of a frequency: an eigenvalue that is 0 */
 #define TINY 1e-8   /* of the largest value so far: a test that is 0 */
 
-struct walk {
+struct branch_walk {
     const struct branch_request *request;
     struct solution_curve *path;
     struct branch *out; /* points of this direction are appended */
     double psize, largest[CURVE_TESTS], period;
     int capacity;
     double moved; /* relative, the parameter in the last step */
+    int level;    /* places in a row at one value of the parameter */
     bool away;    /* from where it began */
     int start;    /* place of the parameter among the unknowns at the start */
-    struct curve_point known[CURVE_TESTS]; /* the last place where that test was not 0 */
+    struct curve_place known[CURVE_TESTS]; /* the last place where that test was not 0 */
     bool any[CURVE_TESTS];
-    struct curve_point before; /* the last place but one, if its phase is that of the last: */
+    struct curve_place before; /* the last place but one, if its phase is that of the last: */
     bool bends;
     char *end; /* [96] why it ends */
 };
 
-static struct branch_point *append(struct walk *w)
+static struct branch_point *append(struct branch_walk *w)
 {
     struct branch *b = w->out;
     if (b->count == w->capacity) {
@@ -53,7 +54,7 @@ static struct branch_point *append(struct walk *w)
     return &b->point[b->count++];
 }
 
-static bool record(struct walk *w, const struct curve_point *at, enum special special,
+static bool record(struct branch_walk *w, const struct curve_place *at, enum special special,
                    const struct solution *solution)
 {
     struct branch_point *point = append(w);
@@ -76,13 +77,13 @@ static bool record(struct walk *w, const struct curve_point *at, enum special sp
 /* ---- special points between two places ---- */
 
 struct found_special {
-    struct curve_point at;
+    struct curve_place at;
     struct solution solution;
     enum special special;
     double distance, near;
 };
 
-static bool zero(const struct walk *w, const struct curve_point *p, int test)
+static bool zero(const struct branch_walk *w, const struct curve_place *p, int test)
 {
     if (test > 0)
         return fabs(p->test[test]) <= TINY * w->largest[test];
@@ -92,15 +93,15 @@ static bool zero(const struct walk *w, const struct curve_point *p, int test)
            (fabs(p->test[test]) <= CURVE_STEEP && w->moved <= CURVE_LEVEL);
 }
 
-static void locate_all(struct walk *w, const struct curve_point *to, struct found_special *found,
-                       int *count)
+static void locate_all(struct branch_walk *w, const struct curve_place *to,
+                       struct found_special *found, int *count)
 {
     const struct curve_problem *problem = w->path->problem;
     for (int k = 0; k < problem->tests; k++) {
         w->largest[k] = fmax(w->largest[k], fabs(to->test[k]));
         if (zero(w, to, k) || !isfinite(to->test[k]))
             continue;
-        const struct curve_point before = w->known[k];
+        const struct curve_place before = w->known[k];
         const bool changed = w->any[k] && signbit(before.test[k]) != signbit(to->test[k]);
         w->known[k] = *to;
         w->any[k] = true;
@@ -136,7 +137,7 @@ static int by_distance(const void *a, const void *b)
 }
 
 /* NAN: a real eigenvalue is 0, too, and linear theory says nothing of one pair alone. */
-static double criticality(struct walk *w, const struct solution *s)
+static double criticality(struct branch_walk *w, const struct solution *s)
 {
     double omega = 0, best = HUGE_VAL, error;
     for (int k = 0; k < s->values; k++)
@@ -151,7 +152,7 @@ static double criticality(struct walk *w, const struct solution *s)
     return fabs(first) <= 4 * error ? 0 : first;
 }
 
-static bool record_specials(struct walk *w, const struct curve_point *to)
+static bool record_specials(struct branch_walk *w, const struct curve_place *to)
 {
     struct found_special found[CURVE_TESTS];
     int count = 0;
@@ -173,15 +174,15 @@ static bool record_specials(struct walk *w, const struct curve_point *to)
 
 /* ---- the walk ---- */
 
-static bool inside(const struct walk *w, const struct curve_point *p)
+static bool inside(const struct branch_walk *w, const struct curve_place *p)
 {
     const double value = p->u[w->path->problem->n] * w->psize;
     return value >= w->request->from && value <= w->request->to;
 }
 
 /* The place between two where the parameter leaves its range. */
-static bool step_to_edge(struct walk *w, const struct curve_point *a, const struct curve_point *b,
-                         struct curve_point *edge)
+static bool step_to_edge(struct branch_walk *w, const struct curve_place *a,
+                         const struct curve_place *b, struct curve_place *edge)
 {
     const int n = w->path->problem->n;
     const double value = b->u[n] * w->psize,
@@ -199,8 +200,8 @@ static bool step_to_edge(struct walk *w, const struct curve_point *a, const stru
     return true;
 }
 
-static bool good_step(const struct walk *w, const struct curve_point *from,
-                      const struct curve_point *to)
+static bool good_step(const struct branch_walk *w, const struct curve_place *from,
+                      const struct curve_place *to)
 {
     double cosine = 0;
     for (int i = 0; i <= w->path->problem->n; i++)
@@ -210,7 +211,7 @@ static bool good_step(const struct walk *w, const struct curve_point *from,
 
 /* As long as the parameter changes by no more than `longest` of its range, and the state by three
  * times that of its size. */
-static double longest_at(const struct walk *w, const struct curve_point *at, double longest)
+static double longest_at(const struct branch_walk *w, const struct curve_place *at, double longest)
 {
     const int n = w->path->problem->n;
     double sum = 0;
@@ -220,8 +221,8 @@ static double longest_at(const struct walk *w, const struct curve_point *at, dou
 }
 
 /* The next place, with as long a step as is safe; false: none can be found. */
-static bool next_place(struct walk *w, const struct curve_point *from, double *by, double longest,
-                       struct curve_point *to)
+static bool next_place(struct branch_walk *w, const struct curve_place *from, double *by,
+                       double longest, struct curve_place *to)
 {
     while (*by > SHORTEST * longest) {
         if (cancelled(w->request->cancel))
@@ -234,7 +235,7 @@ static bool next_place(struct walk *w, const struct curve_point *from, double *b
     return false;
 }
 
-static bool too_slow(struct walk *w, const struct curve_point *at)
+static bool too_slow(struct branch_walk *w, const struct curve_place *at)
 {
     if (w->path->kind != SOLUTION_ORBIT)
         return false;
@@ -245,7 +246,7 @@ static bool too_slow(struct walk *w, const struct curve_point *at)
 }
 
 /* Neither the parameter nor what differences do along the way changes: of conservative motion. */
-static bool in_family(const struct walk *w, const struct curve_point *at)
+static bool in_family(const struct branch_walk *w, const struct curve_place *at)
 {
     const struct solution *s = &w->out->point[w->out->count - 1].solution;
     bool one = w->path->kind == SOLUTION_EQUILIBRIUM;
@@ -254,7 +255,7 @@ static bool in_family(const struct walk *w, const struct curve_point *at)
     return one && fabs(at->tangent[w->path->problem->n]) < VERTICAL;
 }
 
-static void know(struct walk *w, const struct curve_point *at)
+static void know(struct branch_walk *w, const struct curve_place *at)
 {
     for (int k = 0; k < w->path->problem->tests; k++) {
         w->largest[k] = k == 0 ? 1 : fabs(at->test[k]); /* the first is part of a unit vector */
@@ -264,7 +265,7 @@ static void know(struct walk *w, const struct curve_point *at)
 }
 
 /* Orbits that differences grow along too much are cut into more segments. */
-static bool cut(struct walk *w, struct curve_point *at)
+static bool cut(struct branch_walk *w, struct curve_place *at)
 {
     if (w->path->kind == SOLUTION_EQUILIBRIUM || !orbit_curve_is_long(&w->path->orbit))
         return true;
@@ -279,14 +280,14 @@ static bool cut(struct walk *w, struct curve_point *at)
     return true;
 }
 
-static void ends(struct walk *w, const char *why)
+static void ends(struct branch_walk *w, const char *why)
 {
     snprintf(w->end, 96, "%s", why);
 }
 
 /* As far as a period's beginning, its length and the parameter show it. */
-static double apart(const struct walk *w, const struct curve_point *a, int a_last,
-                    const struct curve_point *b, int b_last)
+static double apart(const struct branch_walk *w, const struct curve_place *a, int a_last,
+                    const struct curve_place *b, int b_last)
 {
     const double period = w->path->kind == SOLUTION_ORBIT ? a->u[a_last - 1] - b->u[b_last - 1] : 0;
     return hypot(hypot(a->u[a_last] - b->u[b_last], period),
@@ -294,8 +295,8 @@ static double apart(const struct walk *w, const struct curve_point *a, int a_las
 }
 
 /* To where it began, after it has been elsewhere. */
-static bool comes_back(struct walk *w, const struct curve_point *at, const struct curve_point *next,
-                       const struct curve_point *start)
+static bool comes_back(struct branch_walk *w, const struct curve_place *at,
+                       const struct curve_place *next, const struct curve_place *start)
 {
     const int last = w->path->problem->n;
     const double far = apart(w, next, last, start, w->start), step = apart(w, next, last, at, last);
@@ -303,13 +304,42 @@ static bool comes_back(struct walk *w, const struct curve_point *at, const struc
     return w->away && far < step / 2;
 }
 
+static bool end_there(struct branch_walk *w, const char *why)
+{
+    w->out->point[w->out->count - 1].special = SPECIAL_END;
+    ends(w, why);
+    return true;
+}
+
+/* Does the branch end with the point that has been recorded? */
+static bool is_over(struct branch_walk *w, const struct curve_place *at,
+                    const struct curve_place *next, const struct curve_place *start, bool leaves)
+{
+    const struct branch_request *r = w->request;
+    double *value = &w->out->point[w->out->count - 1].solution.param[0];
+    if (leaves) {
+        *value = fabs(*value - r->from) < fabs(*value - r->to) ? r->from : r->to;
+        return end_there(w, "the parameter's range");
+    }
+    w->level = in_family(w, next) ? w->level + 1 : 0;
+    if (w->level == LEVEL)
+        return end_there(w, "a family at one value of the parameter");
+    if (too_slow(w, next))
+        return end_there(w, "the period grows without bound");
+    if (!comes_back(w, at, next, start))
+        return false;
+    w->out->closed = true;
+    ends(w, "it closes");
+    return true;
+}
+
 /* From `at`, which is recorded already, until it ends; false: no memory. */
-static bool walk(struct walk *w, struct curve_point at)
+static bool walk(struct branch_walk *w, struct curve_place at)
 {
     const double longest = w->request->step > 0 ? w->request->step : LONGEST;
     const int max = w->request->max > 0 ? w->request->max : POINTS;
-    const struct curve_point start = at;
-    int level = 0;
+    const struct curve_place start = at;
+    w->level = 0;
     w->bends = false;
     w->moved = 1;
     w->away = false;
@@ -318,7 +348,7 @@ static bool walk(struct walk *w, struct curve_point at)
     know(w, &at);
     ends(w, "as many points as were asked for");
     for (int i = 0; i < max; i++) {
-        struct curve_point next;
+        struct curve_place next;
         const double far = longest_at(w, &at, longest);
         by = fmin(by, far);
         if (!next_place(w, &at, &by, far, &next)) {
@@ -327,11 +357,8 @@ static bool walk(struct walk *w, struct curve_point at)
         }
         const double upright =
             w->path->kind == SOLUTION_EQUILIBRIUM ? 1 : orbit_curve_upright(&w->path->orbit);
-        if (upright < 0) {
-            ends(w, "it shrinks to an equilibrium");
-            w->out->point[w->out->count - 1].special = SPECIAL_END;
-            return true;
-        }
+        if (upright < 0)
+            return end_there(w, "it shrinks to an equilibrium");
         const bool leaves = !inside(w, &next);
         if (leaves && !step_to_edge(w, &at, &next, &next)) {
             ends(w, "the parameter's range");
@@ -349,30 +376,8 @@ static bool walk(struct walk *w, struct curve_point at)
         if (!record_specials(w, &next) ||
             !record(w, &next, leaves ? SPECIAL_END : SPECIAL_NONE, &solution))
             return false;
-        if (leaves) {
-            double *value = &w->out->point[w->out->count - 1].solution.param[0];
-            *value = fabs(*value - w->request->from) < fabs(*value - w->request->to)
-                         ? w->request->from
-                         : w->request->to;
-            ends(w, "the parameter's range");
+        if (is_over(w, &at, &next, &start, leaves))
             return true;
-        }
-        level = in_family(w, &next) ? level + 1 : 0;
-        if (level == LEVEL) {
-            ends(w, "a family at one value of the parameter");
-            w->out->point[w->out->count - 1].special = SPECIAL_END;
-            return true;
-        }
-        if (too_slow(w, &next)) {
-            ends(w, "the period grows without bound");
-            w->out->point[w->out->count - 1].special = SPECIAL_END;
-            return true;
-        }
-        if (comes_back(w, &at, &next, &start)) {
-            w->out->closed = true;
-            ends(w, "it closes");
-            return true;
-        }
         w->before = at;
         w->bends = w->path->kind == SOLUTION_EQUILIBRIUM || upright > TURN;
         if (!w->bends)
@@ -399,7 +404,7 @@ static void reverse(struct branch *b)
 
 /* Side -1 goes against growing values of the parameter, so that the branch is in order. */
 static bool begin(const struct branch_request *r, int side, double psize,
-                  struct solution_curve *path, struct curve_point *first, struct error *error)
+                  struct solution_curve *path, struct curve_place *first, struct error *error)
 {
     if (r->leave)
         return solutions_leave(path, r->scene, r->param, psize, r->leave, side, r->cancel, first,
@@ -421,12 +426,12 @@ bool branch_follow(const struct branch_request *r, struct branch *branch, struct
     const int64_t since = clock_ns();
     const double psize = r->to - r->from;
     *branch = (struct branch){.count = 0};
-    struct walk w = {.request = r, .out = branch, .psize = psize};
+    struct branch_walk w = {.request = r, .out = branch, .psize = psize};
     const bool crossing = r->leave && r->leave->special == SPECIAL_CROSSING;
     bool fine = true;
     for (int side = 0; fine && side < 2 && !branch->closed; side++) {
         struct solution_curve path;
-        struct curve_point first;
+        struct curve_place first;
         if (side == 1 && (r->forward || (r->leave && !crossing)))
             break;
         if (!begin(r, side == 0 ? -1 : 1, psize, &path, &first, error)) {

@@ -24,7 +24,7 @@ static bool unit(int n, double *x)
 
 /* A place at one of those distances; what is found must not be the branch that was left. */
 static bool step_aside(struct solution_curve *path, const double *u, const double *direction,
-                       struct curve_point *first)
+                       struct curve_place *first)
 {
     const int n = path->problem->n;
     for (size_t k = 0; k < COUNT_OF(distances); k++) {
@@ -95,7 +95,7 @@ static double frequency(const struct solution *s)
 /* A small ellipse in the plane of the eigenvectors. */
 static bool leave_hopf(struct solution_curve *path, const struct scene *scene, int param,
                        double psize, const struct solution *at, const struct cancel *cancel,
-                       struct curve_point *first, struct error *error)
+                       struct curve_place *first, struct error *error)
 {
     const double omega = frequency(at);
     double jacobian[FIELD_VARIABLES * FIELD_VARIABLES], re[FIELD_VARIABLES], im[FIELD_VARIABLES],
@@ -135,10 +135,10 @@ static bool leave_hopf(struct solution_curve *path, const struct scene *scene, i
 /* Twice the period, along the eigenvector of the multiplier -1. */
 static bool leave_doubling(struct solution_curve *path, const struct scene *scene, int param,
                            double psize, const struct solution *at, const struct cancel *cancel,
-                           struct curve_point *first, struct error *error)
+                           struct curve_place *first, struct error *error)
 {
     double u[CURVE_MAX], re[FIELD_VARIABLES + 2] = {0}, im[FIELD_VARIABLES], direction[CURVE_MAX];
-    struct curve_point point = {.corrections = 0};
+    struct curve_place point = {.corrections = 0};
     struct solution ignored, twice = *at;
     if (!solutions_begin(path, scene, param, psize, at, cancel, u, error))
         return false;
@@ -169,7 +169,7 @@ static bool leave_nothing(struct solution_curve *path, struct error *error)
 
 static bool leave_crossing(struct solution_curve *path, const struct scene *scene, int param,
                            double psize, const struct branch_point *at, int side,
-                           const struct cancel *cancel, struct curve_point *first,
+                           const struct cancel *cancel, struct curve_place *first,
                            struct error *error)
 {
     double u[CURVE_MAX], f[CURVE_MAX], direction[CURVE_MAX];
@@ -193,7 +193,7 @@ static bool leave_crossing(struct solution_curve *path, const struct scene *scen
 
 bool solutions_leave(struct solution_curve *path, const struct scene *scene, int param,
                      double psize, const struct branch_point *from, int side,
-                     const struct cancel *cancel, struct curve_point *first, struct error *error)
+                     const struct cancel *cancel, struct curve_place *first, struct error *error)
 {
     switch (from->special) {
     case SPECIAL_HOPF:

@@ -164,7 +164,7 @@ static void test(void *context, const double *u, const double *jacobian, const d
     struct special_curve *c = context;
     struct solution_curve *base = &c->base;
     const int n = base->field.n;
-    struct curve_point point;
+    struct curve_place point;
     struct solution s;
     (void)jacobian;
     (void)tangent;
@@ -213,7 +213,7 @@ static void end(struct special_curve *c)
 }
 
 static bool begin(struct special_curve *c, const struct branch_request *r, int side,
-                  struct curve_point *first, struct error *error)
+                  struct curve_place *first, struct error *error)
 {
     double u[CURVE_MAX];
     const double now = r->scene->value[r->second->param];
@@ -267,7 +267,7 @@ static void ends(struct special_walk *w, const char *why)
     snprintf(w->end, 96, "%s", why);
 }
 
-static bool record(struct special_walk *w, const struct curve_point *at, enum special special)
+static bool record(struct special_walk *w, const struct curve_place *at, enum special special)
 {
     struct branch *b = w->out;
     struct special_curve *c = w->curve;
@@ -286,7 +286,7 @@ static bool record(struct special_walk *w, const struct curve_point *at, enum sp
     return true;
 }
 
-static double part(const struct special_walk *w, const struct curve_point *at, int axis)
+static double part(const struct special_walk *w, const struct curve_place *at, int axis)
 {
     const struct branch_request *r = w->request;
     const int n = w->curve->base.problem->n;
@@ -295,8 +295,8 @@ static double part(const struct special_walk *w, const struct curve_point *at, i
 }
 
 /* To the edge of the parameters' ranges, where the step leads out of them. */
-static bool step_to_edge(struct special_walk *w, const struct curve_point *from,
-                         struct curve_point *to)
+static bool step_to_edge(struct special_walk *w, const struct curve_place *from,
+                         struct curve_place *to)
 {
     const int n = w->curve->base.problem->n;
     int axis = -1;
@@ -317,14 +317,14 @@ static bool step_to_edge(struct special_walk *w, const struct curve_point *from,
     return curve_correct(&w->curve->problem, guess, direction, true, to);
 }
 
-static bool is_inside(const struct special_walk *w, const struct curve_point *at)
+static bool is_inside(const struct special_walk *w, const struct curve_place *at)
 {
     const double p = part(w, at, 0), q = part(w, at, 1);
     return p >= 0 && p <= 1 && q >= 0 && q <= 1;
 }
 
-static bool next_place(struct special_walk *w, const struct curve_point *from, double *by,
-                       struct curve_point *to)
+static bool next_place(struct special_walk *w, const struct curve_place *from, double *by,
+                       struct curve_place *to)
 {
     const int all = w->curve->problem.n;
     for (; *by > SHORTEST; *by /= 2) {
@@ -342,12 +342,12 @@ static bool next_place(struct special_walk *w, const struct curve_point *from, d
 }
 
 /* False: no memory, or it ends there. */
-static bool record_specials(struct special_walk *w, const struct curve_point *from,
-                            const struct curve_point *to)
+static bool record_specials(struct special_walk *w, const struct curve_place *from,
+                            const struct curve_place *to)
 {
     struct special_curve *c = w->curve;
     for (int k = 0; k < c->problem.tests; k++) {
-        struct curve_point at;
+        struct curve_place at;
         double near;
         if (!isfinite(from->test[k]) || !isfinite(to->test[k]) ||
             signbit(from->test[k]) == signbit(to->test[k]) ||
@@ -365,7 +365,7 @@ static bool record_specials(struct special_walk *w, const struct curve_point *fr
 }
 
 /* Differences that grow too much along the orbit: it is cut anew, as far as there is room. */
-static bool prepare(struct special_walk *w, struct curve_point *at, double upright)
+static bool prepare(struct special_walk *w, struct curve_place *at, double upright)
 {
     struct special_curve *c = w->curve;
     struct orbit_curve *orbit = &c->base.orbit;
@@ -389,14 +389,14 @@ static bool prepare(struct special_walk *w, struct curve_point *at, double uprig
     return curve_correct(&c->problem, u, direction, false, at);
 }
 
-static void walk(struct special_walk *w, struct curve_point at)
+static void walk(struct special_walk *w, struct curve_place at)
 {
     const double longest = w->request->step > 0 ? w->request->step : LONGEST;
     const int max = w->request->max > 0 ? w->request->max : POINTS;
     double by = fmin(FIRST, longest);
     ends(w, "as many points as were asked for");
     for (int i = 0; i < max; i++) {
-        struct curve_point next;
+        struct curve_place next;
         if (!next_place(w, &at, &by, &next)) {
             ends(w, cancelled(w->request->cancel) ? "cancelled" : "no step leads on");
             return;
@@ -450,7 +450,7 @@ bool special_follow(const struct branch_request *r, struct branch *branch, struc
                          "a curve in two parameters begins at LP, HB, PD or NS");
     for (int side = -1; side <= 1; side += 2) {
         struct special_curve curve;
-        struct curve_point first;
+        struct curve_place first;
         if (r->forward && side < 0)
             continue;
         if (!begin(&curve, r, side, &first, error))

@@ -129,7 +129,7 @@ static struct side look_at_side(const struct branch_request *r, const struct bra
 {
     struct side side = {.found = false};
     struct solution_curve path;
-    struct curve_point point;
+    struct curve_place point;
     struct solution s;
     struct error ignored;
     double u[CURVE_MAX], direction[CURVE_MAX], guess[CURVE_MAX];
@@ -163,7 +163,7 @@ static struct side look_at_side(const struct branch_request *r, const struct bra
 static bool is_empty(const struct branch_request *r, const struct branch_point *at, double param)
 {
     struct solution_curve path;
-    struct curve_point point;
+    struct curve_place point;
     struct error ignored;
     double u[CURVE_MAX];
     struct solution guess = at->solution;
@@ -182,7 +182,7 @@ static bool is_born_there(const struct branch_request *r, const struct branch_po
                           double unstable)
 {
     struct solution_curve path;
-    struct curve_point first;
+    struct curve_place first;
     struct error ignored;
     const double psize = r->to - r->from, here = at->solution.param[0] / psize;
     if (at->criticality == 0 || !isfinite(at->criticality))

@@ -84,7 +84,7 @@ static double correction_size(int n, const double *by, const double *u)
 }
 
 static bool correct(const struct curve_problem *problem, const double *guess,
-                    const double *direction, bool fine, struct curve_point *point)
+                    const double *direction, bool fine, struct curve_place *point)
 {
     const int n = problem->n;
     double *jacobian = problem->work->jacobian, f[CURVE_MAX], plane[CURVE_MAX], last = HUGE_VAL;
@@ -128,7 +128,7 @@ static void aim(const struct curve_problem *problem, bool fine)
 }
 
 bool curve_correct(const struct curve_problem *problem, const double *guess,
-                   const double *direction, bool fine, struct curve_point *point)
+                   const double *direction, bool fine, struct curve_place *point)
 {
     aim(problem, fine);
     point->careful = fine;
@@ -136,14 +136,14 @@ bool curve_correct(const struct curve_problem *problem, const double *guess,
 }
 
 /* Where the parameter hardly changes it must be seen which way it does, as long as it can be. */
-static bool is_steep(const struct curve_problem *problem, const struct curve_point *at)
+static bool is_steep(const struct curve_problem *problem, const struct curve_place *at)
 {
     const double along = fabs(at->tangent[problem->n]);
     return along < CURVE_STEEP && along > CURVE_LEVEL;
 }
 
-bool curve_step(const struct curve_problem *problem, const struct curve_point *before,
-                const struct curve_point *from, double by, struct curve_point *to)
+bool curve_step(const struct curve_problem *problem, const struct curve_place *before,
+                const struct curve_place *from, double by, struct curve_place *to)
 {
     const int n = problem->n;
     double guess[CURVE_MAX], bend = 0;
@@ -165,11 +165,11 @@ bool curve_step(const struct curve_problem *problem, const struct curve_point *b
 
 struct chord {
     const struct curve_problem *problem;
-    const struct curve_point *a, *b;
+    const struct curve_place *a, *b;
     double direction[CURVE_MAX], length;
     int test;
     int looks;
-    struct curve_point at;
+    struct curve_place at;
     bool failed;
 };
 
@@ -229,7 +229,7 @@ static double fitted_value(void *context, double at)
 /* Places on both sides of the crossing, from which it is not so near that the correction goes to
  * the other curve. */
 static bool gather(struct chord *c, double centre, double half, struct fitted_test *fit,
-                   struct curve_point *at)
+                   struct curve_place *at)
 {
     double most = 0;
     fit->count = 0;
@@ -257,12 +257,12 @@ static bool gather(struct chord *c, double centre, double half, struct fitted_te
 }
 
 /* The zero near `centre` of polynomials through places up to `half` from it. */
-static bool locate_crossing(struct chord *c, double centre, double half, struct curve_point *at,
+static bool locate_crossing(struct chord *c, double centre, double half, struct curve_place *at,
                             double *share)
 {
     const int n = c->problem->n;
     struct fitted_test fit;
-    struct curve_point place[NODES];
+    struct curve_place place[NODES];
     if (!gather(c, centre, half, &fit, place))
         return false;
     const int last = fit.count - 1;
@@ -283,13 +283,13 @@ static bool locate_crossing(struct chord *c, double centre, double half, struct 
 }
 
 /* A place where another curve crosses: about ever smaller pieces, as long as that helps. */
-static bool look_about(struct chord *c, double share, double half, struct curve_point *at,
+static bool look_about(struct chord *c, double share, double half, struct curve_place *at,
                        double *near)
 {
     double next;
     *near = HUGE_VAL;
     for (int k = 0; k < LEVELS; k++, half /= 4) {
-        struct curve_point better;
+        struct curve_place better;
         c->looks = 0;
         if (!locate_crossing(c, share, half, &better, &next))
             break;
@@ -303,7 +303,7 @@ static bool look_about(struct chord *c, double share, double half, struct curve_
 }
 
 /* Where the test is no polynomial along the whole chord it is one along a part of it. */
-static bool find_crossing(struct chord *c, struct curve_point *at, double *near)
+static bool find_crossing(struct chord *c, struct curve_place *at, double *near)
 {
     double from = 0, to = 1;
     bool below = signbit(c->a->test[c->test]);
@@ -321,8 +321,8 @@ static bool find_crossing(struct chord *c, struct curve_point *at, double *near)
     return false;
 }
 
-static bool locate_on_chord(const struct curve_problem *problem, const struct curve_point *a,
-                            const struct curve_point *b, int test, struct curve_point *at,
+static bool locate_on_chord(const struct curve_problem *problem, const struct curve_place *a,
+                            const struct curve_place *b, int test, struct curve_place *at,
                             double *near)
 {
     const int n = problem->n;
@@ -343,10 +343,10 @@ static bool locate_on_chord(const struct curve_problem *problem, const struct cu
 }
 
 /* Where the chord is too far from the curve: one end steps towards the other. */
-bool curve_locate(const struct curve_problem *problem, const struct curve_point *a,
-                  const struct curve_point *b, int test, struct curve_point *at, double *near)
+bool curve_locate(const struct curve_problem *problem, const struct curve_place *a,
+                  const struct curve_place *b, int test, struct curve_place *at, double *near)
 {
-    struct curve_point left = *a, right = *b, middle;
+    struct curve_place left = *a, right = *b, middle;
     for (int k = 0; k < HALVINGS; k++) {
         if (locate_on_chord(problem, &left, &right, test, at, near))
             return true;

@@ -40,7 +40,7 @@ struct curve_work {
     double matrix[CURVE_MAX * CURVE_MAX];   /* spoilt by whoever wants to solve */
 };
 
-struct curve_point {
+struct curve_place {
     double u[CURVE_MAX], tangent[CURVE_MAX]; /* [n + 1], the tangent of length 1 */
     double test[CURVE_TESTS];
     double residual; /* largest, before the last correction */
@@ -53,17 +53,17 @@ struct curve_point {
  * tangent goes the same way. `fine`: until rounding.
  */
 bool curve_correct(const struct curve_problem *problem, const double *guess,
-                   const double *direction, bool fine, struct curve_point *point);
+                   const double *direction, bool fine, struct curve_place *point);
 /* Of the place looked at last, to the side of `direction`. False: it is across the curve. */
 bool curve_tangent(const struct curve_problem *problem, const double *direction, double *tangent);
 /* The next point `by` along the tangent, and along the bend since `before` (NULL: not known), with
  * its tests. False: none was found there. */
-bool curve_step(const struct curve_problem *problem, const struct curve_point *before,
-                const struct curve_point *from, double by, struct curve_point *to);
+bool curve_step(const struct curve_problem *problem, const struct curve_place *before,
+                const struct curve_place *from, double by, struct curve_place *to);
 /* The zero of a test between two points of the curve, where its signs differ, or at which it is 0;
  * where `tests` cross there the curve is singular. *near: half the width of what is uncertain. */
-bool curve_locate(const struct curve_problem *problem, const struct curve_point *a,
-                  const struct curve_point *b, int test, struct curve_point *at, double *near);
+bool curve_locate(const struct curve_problem *problem, const struct curve_place *a,
+                  const struct curve_place *b, int test, struct curve_place *at, double *near);
 /* The largest of [n] and 1: what has grown beyond its natural size is followed in longer steps. */
 double curve_unit(int n, const double *u);
 double curve_distance(int n, const double *a, const double *b);

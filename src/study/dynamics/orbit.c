@@ -105,7 +105,7 @@ static double extent_of(const struct vector_field *field, const struct solution 
 }
 
 /* How far a solution at a looser tolerance is off. */
-static double error_of(struct solution_curve *path, const struct curve_point *point, double *room)
+static double error_of(struct solution_curve *path, const struct curve_place *point, double *room)
 {
     const int n = path->problem->n;
     double f[CURVE_MAX], *jacobian = room, *a = room + SQUARE, most = 0;
@@ -144,7 +144,7 @@ static bool close_orbit(struct orbit_search *s, const double *state, double peri
                              .period = period,
                              .multiple = multiple};
     struct solution_curve path;
-    struct curve_point point = {.corrections = 0}, better;
+    struct curve_place point = {.corrections = 0}, better;
     struct error ignored;
     guess.param[0] = s->field.scene.value[s->field.param[0]];
     memcpy(guess.state, state, (size_t)s->field.n * sizeof *state);

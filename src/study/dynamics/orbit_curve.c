@@ -49,14 +49,14 @@ static void multiply(int n, const double *a, const double *b, double *product)
 }
 
 /* One segment: what it does to its start, its end, its derivatives by start, time and parameter. */
-struct segment {
+struct shot {
     double t, span, start[FIELD_VARIABLES], end[FIELD_VARIABLES];
     struct flow_slopes by;
     double first[FIELD_VARIABLES], last[FIELD_VARIABLES]; /* rates at both ends */
 };
 
 static bool shoot(const struct orbit_curve *c, const double *u, int i, double period,
-                  struct segment *s)
+                  struct shot *s)
 {
     struct vector_field *field = c->field;
     s->span = period * (c->share[i + 1] - c->share[i]);
@@ -70,7 +70,7 @@ static bool shoot(const struct orbit_curve *c, const double *u, int i, double pe
 }
 
 /* By the parameter, where the period changes with it, too: both ends of a segment move in time. */
-static void add_drive(const struct orbit_curve *c, int i, double by, struct segment *s)
+static void add_drive(const struct orbit_curve *c, int i, double by, struct shot *s)
 {
     const int n = c->field->n;
     const double from = by * c->share[i], to = by * c->share[i + 1];
@@ -81,7 +81,7 @@ static void add_drive(const struct orbit_curve *c, int i, double by, struct segm
     }
 }
 
-static void put_rows(const struct orbit_curve *c, const double *u, int i, const struct segment *s,
+static void put_rows(const struct orbit_curve *c, const double *u, int i, const struct shot *s,
                      double *f, double *jacobian)
 {
     const int n = c->field->n, all = c->problem.n + 1, next = (i + 1) % c->segments;
@@ -133,7 +133,7 @@ static bool residual(void *context, const double *u, double *f, double *jacobian
     memset(jacobian, 0, (size_t)(c->problem.n * all) * sizeof *jacobian);
     c->log_determinant = 0;
     for (int i = 0; i < c->segments; i++) {
-        struct segment s;
+        struct shot s;
         if (!shoot(c, u, i, period, &s))
             return false;
         memcpy(c->map + i * n * n, s.by.by_start, (size_t)(n * n) * sizeof *c->map);

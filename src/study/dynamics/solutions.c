@@ -73,7 +73,7 @@ bool solutions_begin(struct solution_curve *path, const struct scene *scene, int
 }
 
 bool solutions_correct_at(struct solution_curve *path, const double *u, int sign,
-                          struct curve_point *point)
+                          struct curve_place *point)
 {
     double direction[CURVE_MAX] = {0};
     direction[path->problem->n] = sign;
@@ -156,7 +156,7 @@ static bool fill_orbit(struct solution_curve *path, const double *u, struct solu
     return true;
 }
 
-static void place(const struct solution_curve *path, const struct curve_point *point,
+static void place(const struct solution_curve *path, const struct curve_place *point,
                   struct solution *s)
 {
     const struct vector_field *field = &path->field;
@@ -165,7 +165,7 @@ static void place(const struct solution_curve *path, const struct curve_point *p
         s->state[i] = s->top[i] = s->bottom[i] = point->u[i] * field->size[i];
 }
 
-bool solutions_at(struct solution_curve *path, const struct curve_point *point, bool extremes,
+bool solutions_at(struct solution_curve *path, const struct curve_place *point, bool extremes,
                   struct solution *s)
 {
     struct vector_field *field = &path->field;
@@ -181,7 +181,7 @@ bool solutions_at(struct solution_curve *path, const struct curve_point *point, 
     return fill_orbit(path, point->u, s) && (!extremes || find_extremes(field, s));
 }
 
-bool solutions_seen(struct solution_curve *path, const struct curve_point *point,
+bool solutions_seen(struct solution_curve *path, const struct curve_place *point,
                     struct solution *s)
 {
     struct vector_field *field = &path->field;

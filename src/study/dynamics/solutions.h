@@ -26,12 +26,12 @@ bool solutions_begin(struct solution_curve *path, const struct scene *scene, int
 void solutions_end(struct solution_curve *path);
 /* Onto the curve at the guess's parameter; the tangent goes to growing (1) or falling (-1) ones. */
 bool solutions_correct_at(struct solution_curve *path, const double *u, int sign,
-                          struct curve_point *point);
+                          struct curve_place *point);
 /* What the point is; looks at it again, which costs one orbit. `extremes`: along an orbit. */
-bool solutions_at(struct solution_curve *path, const struct curve_point *point, bool extremes,
+bool solutions_at(struct solution_curve *path, const struct curve_place *point, bool extremes,
                   struct solution *solution);
 /* The same of the point that has just been corrected, multipliers as before the last correction. */
-bool solutions_seen(struct solution_curve *path, const struct curve_point *point,
+bool solutions_seen(struct solution_curve *path, const struct curve_place *point,
                     struct solution *solution);
 /* What has changed its kind there, if that is a special point: not so neutral saddles. */
 enum special solutions_special(const struct solution_curve *path, int test,
@@ -47,6 +47,6 @@ bool solutions_along(struct solution_curve *path, const struct branch_point *at,
  */
 bool solutions_leave(struct solution_curve *path, const struct scene *scene, int param,
                      double psize, const struct branch_point *from, int side,
-                     const struct cancel *cancel, struct curve_point *first, struct error *error);
+                     const struct cancel *cancel, struct curve_place *first, struct error *error);
 
 #endif

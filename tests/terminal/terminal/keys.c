@@ -312,10 +312,8 @@ int main(int argc, char **argv)
         return 1;
     }
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_known),
-        cmocka_unit_test(test_count_before_enter),
-        cmocka_unit_test(test_random),
-        cmocka_unit_test(test_lines_of_keys),
+        cmocka_unit_test(test_known),    cmocka_unit_test(test_count_before_enter),
+        cmocka_unit_test(test_random),   cmocka_unit_test(test_lines_of_keys),
         cmocka_unit_test(test_any_size),
     };
     if (argc > 1) {

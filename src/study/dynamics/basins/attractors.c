@@ -25,7 +25,7 @@
 
 /* ---- distances ---- */
 
-static double apart(const struct walk *walk, const double *a, const double *b)
+static double apart(const struct basin_walk *walk, const double *a, const double *b)
 {
     double sum = 0;
     for (int i = 0; i < walk->n; i++) {
@@ -36,7 +36,8 @@ static double apart(const struct walk *walk, const double *a, const double *b)
 }
 
 /* To the straight line between two states. */
-static double apart_line(const struct walk *walk, const double *y, const double *a, const double *b)
+static double apart_line(const struct basin_walk *walk, const double *y, const double *a,
+                         const double *b)
 {
     double along = 0, length = 0, at[FIELD_VARIABLES];
     for (int i = 0; i < walk->n; i++) {
@@ -51,7 +52,7 @@ static double apart_line(const struct walk *walk, const double *y, const double 
     return apart(walk, y, at);
 }
 
-static double apart_from(const struct walk *walk, const struct attractor *a, const double *y)
+static double apart_from(const struct basin_walk *walk, const struct attractor *a, const double *y)
 {
     double least = HUGE_VAL;
     for (int k = 0; k < a->points; k++) {
@@ -71,7 +72,7 @@ static int cells_of(int n)
 }
 
 /* -1: outside */
-static long cell_at(const struct walk *walk, const double *y, const int *by)
+static long cell_at(const struct basin_walk *walk, const double *y, const int *by)
 {
     const int cells = cells_of(walk->n);
     long at = 0;
@@ -86,7 +87,7 @@ static long cell_at(const struct walk *walk, const double *y, const int *by)
     return at;
 }
 
-static void visit(const struct walk *walk, unsigned char *cell, const double *y)
+static void visit(const struct basin_walk *walk, unsigned char *cell, const double *y)
 {
     int by[3] = {-1, -1, -1};
     for (int k = 0; k < 27; k++) {
@@ -99,13 +100,13 @@ static void visit(const struct walk *walk, unsigned char *cell, const double *y)
 
 /* ---- one motion ---- */
 
-void walker_start(const struct walk *walk, struct walker *walker, const double *y)
+void walker_start(const struct basin_walk *walk, struct walker *walker, const double *y)
 {
     *walker = (struct walker){.at = -1};
     memcpy(walker->y, y, (size_t)walk->n * sizeof *y);
 }
 
-static bool is_near(const struct walk *walk, const struct attractor *a, const double *y)
+static bool is_near(const struct basin_walk *walk, const struct attractor *a, const double *y)
 {
     if (!a->cell)
         return a->basin.stable && apart_from(walk, a, y) < NEAR;
@@ -113,7 +114,7 @@ static bool is_near(const struct walk *walk, const struct attractor *a, const do
     return at >= 0 && a->cell[at];
 }
 
-static int comes_to(const struct walk *walk, struct walker *w)
+static int comes_to(const struct basin_walk *walk, struct walker *w)
 {
     const bool stays = w->at >= 0 && is_near(walk, &walk->attractor[w->at], w->y);
     w->near = stays ? w->near + 1 : 0;
@@ -129,7 +130,7 @@ static int comes_to(const struct walk *walk, struct walker *w)
 }
 
 /* Is it where it was so many looks before? */
-static bool repeats(const struct walk *walk, struct walker *w)
+static bool repeats(const struct basin_walk *walk, struct walker *w)
 {
     for (int q = 1; q < WALK_PAST && q < w->looks; q++) {
         if (apart(walk, w->y, w->past[(w->looks - q) % WALK_PAST]) >= SAME)
@@ -142,7 +143,7 @@ static bool repeats(const struct walk *walk, struct walker *w)
     return false;
 }
 
-int walker_look(const struct walk *walk, struct walker *w)
+int walker_look(const struct basin_walk *walk, struct walker *w)
 {
     for (int i = 0; i < walk->n; i++) {
         const double turn = walk->field.turn[i];
@@ -165,7 +166,7 @@ int walker_look(const struct walk *walk, struct walker *w)
 
 /* ---- what is new ---- */
 
-static bool is_equilibrium(struct walk *walk, const double *y)
+static bool is_equilibrium(struct basin_walk *walk, const double *y)
 {
     double rate[FIELD_VARIABLES], most = 0;
     field_rate(&walk->field, y, rate);
@@ -175,7 +176,7 @@ static bool is_equilibrium(struct walk *walk, const double *y)
 }
 
 /* Largest growth but, of an orbit, that along it; stable: it falls. */
-static void judge(struct walk *walk, struct basin *basin)
+static void judge(struct basin_walk *walk, struct basin *basin)
 {
     struct flow_slopes *slopes = malloc(sizeof *slopes);
     double jacobian[FIELD_VARIABLES * FIELD_VARIABLES], end[FIELD_VARIABLES];
@@ -207,7 +208,7 @@ static void judge(struct walk *walk, struct basin *basin)
     free(slopes);
 }
 
-static int add(struct walk *walk, struct attractor *a)
+static int add(struct basin_walk *walk, struct attractor *a)
 {
     if (walk->attractors == BASINS_MOST || !(a->point || a->cell)) {
         free(a->point);
@@ -224,7 +225,7 @@ static int add(struct walk *walk, struct attractor *a)
     return walk->attractors++;
 }
 
-static int known_as(const struct walk *walk, const double *y, double within)
+static int known_as(const struct basin_walk *walk, const double *y, double within)
 {
     for (int k = 0; k < walk->attractors; k++)
         if (!walk->attractor[k].cell && apart_from(walk, &walk->attractor[k], y) < within)
@@ -233,7 +234,7 @@ static int known_as(const struct walk *walk, const double *y, double within)
 }
 
 /* What looks leave of the way to rest is taken by Newton's steps. */
-static void settle(struct walk *walk, double *y)
+static void settle(struct basin_walk *walk, double *y)
 {
     double jacobian[FIELD_VARIABLES * FIELD_VARIABLES], by[FIELD_VARIABLES];
     for (int pass = 0; pass < 3; pass++) {
@@ -249,7 +250,7 @@ static void settle(struct walk *walk, double *y)
     }
 }
 
-static int learn_points(struct walk *walk, const struct walker *w)
+static int learn_points(struct basin_walk *walk, const struct walker *w)
 {
     const int known = known_as(walk, w->y, ALIKE);
     if (known >= 0)
@@ -271,7 +272,7 @@ static int learn_points(struct walk *walk, const struct walker *w)
 
 /* Once around: until it comes through the plane across its start in the same direction, near it.
  * 0: it does not; *off: how far it is then. */
-static double go_round(struct walk *walk, const double *start, double *off)
+static double go_round(struct basin_walk *walk, const double *start, double *off)
 {
     const int n = walk->n;
     double y[2][FIELD_VARIABLES], rate[FIELD_VARIABLES], far = 0, before = 0;
@@ -311,7 +312,7 @@ static double go_round(struct walk *walk, const double *start, double *off)
     return 0;
 }
 
-static int learn_orbit(struct walk *walk, struct walker *w)
+static int learn_orbit(struct basin_walk *walk, struct walker *w)
 {
     const int n = walk->n;
     const double tol = walk->field.tol;
@@ -336,7 +337,7 @@ static int learn_orbit(struct walk *walk, struct walker *w)
 }
 
 /* A region that is not left, by the cells that a long motion visits. */
-static int learn_region(struct walk *walk, struct walker *w)
+static int learn_region(struct basin_walk *walk, struct walker *w)
 {
     const int cells = cells_of(walk->n);
     size_t size = 1;
@@ -361,7 +362,7 @@ static int learn_region(struct walk *walk, struct walker *w)
     return fate == BASIN_MISSING ? BASIN_UNDECIDED : fate;
 }
 
-int walk_learn(struct walk *walk, struct walker *w)
+int walk_learn(struct basin_walk *walk, struct walker *w)
 {
     if (w->found && (walk->forced || is_equilibrium(walk, w->y)))
         return learn_points(walk, w);

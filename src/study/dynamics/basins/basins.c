@@ -42,7 +42,7 @@ void basins_free(struct basins *basins)
 
 struct basins_job {
     const struct basins_request *request;
-    const struct walk *walk;
+    const struct basin_walk *walk;
     struct basins *basins;
     atomic_llong next, finished;
     pthread_mutex_t lock;
@@ -56,8 +56,8 @@ struct late {
     struct walker walker;
 };
 
-static void start_at(const struct basins_request *request, const struct walk *walk, int64_t point,
-                     struct walker *walker)
+static void start_at(const struct basins_request *request, const struct basin_walk *walk,
+                     int64_t point, struct walker *walker)
 {
     double y[FIELD_VARIABLES];
     memcpy(y, walk->field.system.start, sizeof y);
@@ -69,7 +69,7 @@ static void start_at(const struct basins_request *request, const struct walk *wa
 /* ---- what is looked at, and how often ---- */
 
 /* The middle of the rates at the starts, in their logarithms. */
-static double natural_time(struct walk *walk, double (*start)[FIELD_VARIABLES])
+static double natural_time(struct basin_walk *walk, double (*start)[FIELD_VARIABLES])
 {
     double speed[FIRST], rate[FIELD_VARIABLES];
     for (int k = 0; k < FIRST; k++) {
@@ -82,7 +82,7 @@ static double natural_time(struct walk *walk, double (*start)[FIELD_VARIABLES])
     return middle > 0 && isfinite(middle) ? TWO_PI / middle : 1;
 }
 
-static bool refuse(const struct walk *walk, const struct basins_request *request,
+static bool refuse(const struct basin_walk *walk, const struct basins_request *request,
                    struct error *error)
 {
     const double total = (double)request->axis[0].count * request->axis[1].count;
@@ -95,7 +95,7 @@ static bool refuse(const struct walk *walk, const struct basins_request *request
 }
 
 /* Volumes stay as they are: nothing attracts. */
-static bool keeps_volume(struct walk *walk, double (*start)[FIELD_VARIABLES])
+static bool keeps_volume(struct basin_walk *walk, double (*start)[FIELD_VARIABLES])
 {
     double jacobian[FIELD_VARIABLES * FIELD_VARIABLES];
     for (int k = 0; k < FIRST; k++) {
@@ -112,7 +112,7 @@ static bool keeps_volume(struct walk *walk, double (*start)[FIELD_VARIABLES])
 }
 
 /* What the scene's start leaves at rest has no size of its own. */
-static void choose_sizes(struct walk *walk, const struct basins_request *request)
+static void choose_sizes(struct basin_walk *walk, const struct basins_request *request)
 {
     double most = 0;
     for (int a = 0; a < 2; a++) {
@@ -128,10 +128,10 @@ static void choose_sizes(struct walk *walk, const struct basins_request *request
     memcpy(walk->field.size, walk->size, sizeof walk->size);
 }
 
-bool walk_init(struct walk *walk, const struct basins_request *request, struct error *error)
+bool walk_init(struct basin_walk *walk, const struct basins_request *request, struct error *error)
 {
     double start[FIRST][FIELD_VARIABLES];
-    *walk = (struct walk){.n = 0};
+    *walk = (struct basin_walk){.n = 0};
     if (!field_init(&walk->field, request->scene, NULL, 0, error))
         return false;
     const double drive = field_drive(&walk->field);
@@ -160,7 +160,7 @@ bool walk_init(struct walk *walk, const struct basins_request *request, struct e
     return true;
 }
 
-void walk_free(struct walk *walk)
+void walk_free(struct basin_walk *walk)
 {
     for (int k = 0; k < walk->attractors; k++) {
         free(walk->attractor[k].point);
@@ -171,7 +171,7 @@ void walk_free(struct walk *walk)
 
 /* ---- first: attractors from a few starts ---- */
 
-static bool learn_first(struct walk *walk, const struct basins_request *request)
+static bool learn_first(struct basin_walk *walk, const struct basins_request *request)
 {
     struct stepper *stepper = stepper_create(walk);
     struct walker *walker = malloc(FIRST * sizeof *walker);
@@ -308,7 +308,7 @@ static int by_point(const void *a, const void *b)
 }
 
 /* What the first starts have not shown. */
-static void learn_late(struct basins_job *job, struct walk *walk)
+static void learn_late(struct basins_job *job, struct basin_walk *walk)
 {
     if (job->lates > 0)
         qsort(job->late, job->lates, sizeof *job->late, by_point);
@@ -328,7 +328,7 @@ static void learn_late(struct basins_job *job, struct walk *walk)
 
 /* ---- what is handed out ---- */
 
-static void count_up(struct basins *basins, const struct walk *walk)
+static void count_up(struct basins *basins, const struct basin_walk *walk)
 {
     int order[BASINS_MOST], place[BASINS_MOST];
     int64_t count[BASINS_MOST] = {0};
@@ -362,7 +362,7 @@ static void count_up(struct basins *basins, const struct walk *walk)
 bool basins_find(const struct basins_request *request, struct basins *basins, struct error *error)
 {
     const int64_t since = clock_ns();
-    struct walk *walk = malloc(sizeof *walk);
+    struct basin_walk *walk = malloc(sizeof *walk);
     *basins = (struct basins){.total = (int64_t)request->axis[0].count * request->axis[1].count};
     if (!walk)
         return error_memory(error);

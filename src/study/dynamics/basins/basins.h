@@ -19,7 +19,7 @@ struct attractor {
 };
 
 /* Motions are looked at in units of sizes, angles in their first turn. */
-struct walk {
+struct basin_walk {
     struct vector_field field;
     int n;
     double strobe; /* [s] */
@@ -39,21 +39,21 @@ struct walker {
     bool found;          /* repeats, but is none that is known */
 };
 
-bool walk_init(struct walk *walk, const struct basins_request *request, struct error *error);
-void walk_free(struct walk *walk);
-void walker_start(const struct walk *walk, struct walker *walker, const double *y);
+bool walk_init(struct basin_walk *walk, const struct basins_request *request, struct error *error);
+void walk_free(struct basin_walk *walk);
+void walker_start(const struct basin_walk *walk, struct walker *walker, const double *y);
 /* After one more look: the place of an attractor, BASIN_ESCAPES, BASIN_UNDECIDED; BASIN_MISSING:
  * on its way; found: repeats as none that is known. */
-int walker_look(const struct walk *walk, struct walker *walker);
+int walker_look(const struct basin_walk *walk, struct walker *walker);
 /* The walker has come to what repeats, or has not for long: its attractor, which may be new. */
-int walk_learn(struct walk *walk, struct walker *walker);
+int walk_learn(struct basin_walk *walk, struct walker *walker);
 
 /* Up to LANES states [count] of walkers go on by one look, side by side where that can be. */
 struct stepper;
-struct stepper *stepper_create(const struct walk *walk);
+struct stepper *stepper_create(const struct basin_walk *walk);
 void stepper_free(struct stepper *stepper);
 void stepper_advance(struct stepper *stepper, struct walker *walker, int count);
 /* How many steps a look needs from these states; 0: they go alone, by adaptive steps. */
-int stepper_choose(struct walk *walk, double (*start)[FIELD_VARIABLES], int count);
+int stepper_choose(struct basin_walk *walk, double (*start)[FIELD_VARIABLES], int count);
 
 #endif

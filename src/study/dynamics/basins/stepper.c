@@ -24,7 +24,7 @@ struct stepper {
     double strobe;
 };
 
-struct stepper *stepper_create(const struct walk *walk)
+struct stepper *stepper_create(const struct basin_walk *walk)
 {
     struct stepper *s = calloc(1, sizeof *s);
     struct error ignored = {0};
@@ -86,7 +86,8 @@ void stepper_advance(struct stepper *s, struct walker *walker, int count)
 }
 
 /* What `steps` leaves off twice as many; false: no memory. */
-static bool differences(struct walk *walk, double (*start)[FIELD_VARIABLES], int count, double *off)
+static bool differences(struct basin_walk *walk, double (*start)[FIELD_VARIABLES], int count,
+                        double *off)
 {
     struct walker *walker = calloc(2 * LANES, sizeof *walker);
     bool fine = walker != NULL;
@@ -113,7 +114,7 @@ static bool differences(struct walk *walk, double (*start)[FIELD_VARIABLES], int
     return fine;
 }
 
-int stepper_choose(struct walk *walk, double (*start)[FIELD_VARIABLES], int count)
+int stepper_choose(struct basin_walk *walk, double (*start)[FIELD_VARIABLES], int count)
 {
     double off[LANES];
     for (walk->steps = FEWEST; walk->steps < MOST; walk->steps *= 2) {
