@@ -17,6 +17,7 @@
 #include "study/compare/verify.h"
 
 #define SWEEPS 6
+#define SIGNS 0.5 /* what is not known and larger may be beyond -1 or 1, or not */
 #define SURE 1e-3 /* relative: a multiplier that is known */
 
 typedef double square[FIELD_VARIABLES * FIELD_VARIABLES];
@@ -205,7 +206,7 @@ static double bounded(double x, double at)
 
 double multipliers_doubling(const struct multipliers *m)
 {
-    double product = 1;
+    double product = m->noise > SIGNS ? NAN : 1;
     for (int i = 0; i < m->count; i++) {
         const struct eigenvalue v = m->value[i];
         product *= v.im == 0 ? bounded(v.re, -1) : hypot(v.re + 1, v.im) / fmax(1, size_of(v));
@@ -215,7 +216,7 @@ double multipliers_doubling(const struct multipliers *m)
 
 double multipliers_torus(const struct multipliers *m)
 {
-    double product = 1;
+    double product = m->noise > SIGNS ? NAN : 1;
     for (int i = 0; i < m->count; i++)
         for (int j = i + 1; j < m->count; j++) {
             const struct eigenvalue a = m->value[i], b = m->value[j];

@@ -23,7 +23,7 @@ struct multipliers {
 
 /* tol: relative, of the maps. */
 bool orbit_multipliers(const struct orbit_maps *maps, double tol, struct multipliers *multipliers);
-/* Functions that pass 0 where one is -1; where the product of two is 1. */
+/* Functions that pass 0 where one is -1; where the product of two is 1. NAN: not known. */
 double multipliers_doubling(const struct multipliers *multipliers);
 double multipliers_torus(const struct multipliers *multipliers);
 

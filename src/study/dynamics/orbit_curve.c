@@ -14,7 +14,8 @@
 #define WALK_TOL 1e-8
 #define GROWTH 1e2 /* of a new segment, at most; */
 #define FEWEST 5   /* what grows and dies within a period is seen in its parts */
-#define GROWN 3e3  /* it is cut when it has become this */
+#define CARRIED 1e-2
+#define GROWN 3e3 /* it is cut when it has become this */
 
 static void state_of(const struct vector_field *field, const double *u, double *y)
 {
@@ -181,7 +182,8 @@ static void test(void *context, const double *u, const double *jacobian, const d
     (void)u;
     memcpy(bordered, jacobian, (size_t)(n * (n + 1)) * sizeof *bordered);
     memcpy(bordered + n * (n + 1), tangent, (size_t)(n + 1) * sizeof *bordered);
-    const bool known = orbit_curve_multipliers(c, &multipliers);
+    /* where even the direction of motion is not carried along they may have any sign */
+    const bool known = orbit_curve_multipliers(c, &multipliers) && !(multipliers.trivial > CARRIED);
     value[ORBIT_FOLD] = tangent[n];
     value[ORBIT_CROSSING] = plain_determinant(n + 1, bordered);
     value[ORBIT_DOUBLING] = known ? multipliers_doubling(&multipliers) : NAN;
