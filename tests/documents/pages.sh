@@ -56,9 +56,9 @@ for kind in commands scenes methods parameters derived observables settings unit
     ok "every one of the $kind is in a page" $? "missing: $missing"
     lists=$((lists + 1))
 done
-# Measurements, events, runs and recordings are the session's.
+# Measurements, events, runs, recordings and what was found of the equations are the session's.
 offered=$("$hooke" -c 'list nothing' 2>&1 | grep -oE 'one of: .*' | tr ',' '\n' |
-    grep -cvE 'measurements|events|runs|recordings')
+    grep -cvE 'measurements|events|runs|recordings|equilibria|orbits|branches|points')
 [ "$offered" -eq "$lists" ]
 ok "there are no other lists" $? "$offered lists, $lists looked for"
 

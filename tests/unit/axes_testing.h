@@ -333,7 +333,8 @@ static inline bool reader_agrees(const struct reader *r, const struct figure *fi
             ink_line(&ink, joined && !curve->points ? before : spot, spot);
             memcpy(before, spot, sizeof before);
             joined = true;
-            if (fine && !curve->points && !has_ink_near(r, spot)) {
+            /* an arrow is one character between its ends */
+            if (fine && !curve->points && !curve->arrows && !has_ink_near(r, spot)) {
                 snprintf(problem, 200, "nothing is drawn at x = %g, y = %g: column %g, row %g",
                          curve->x[i], curve->y[i], spot[0], spot[1]);
                 fine = false;

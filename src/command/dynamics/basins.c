@@ -30,7 +30,7 @@ static bool read_side(struct session *session, const struct arguments *args, str
     const int i = name.len > 0 ? model_state(system->model, name) : -1;
     if (text_starts(argument, TEXT("--")))
         return error_at(error, argument, "basins has no option '%.*s'",
-                        (int)(argument.len < 64 ? argument.len : 64), argument.at);
+                        (int)(argument.len < 64 ? argument.len - 2 : 62), argument.at + 2);
     if (i < 0) {
         error_at(error, name.len > 0 ? name : argument, "'%.*s' is no variable of the scene",
                  (int)(argument.len < 64 ? argument.len : 64), argument.at);

@@ -131,6 +131,9 @@ static bool read_words(struct session *session, const struct arguments *args,
             words->forward = true;
             continue;
         }
+        if (text_starts(argument, TEXT("--")))
+            return error_at(error, argument, "branch has no option '%.*s'",
+                            (int)(argument.len < 64 ? argument.len - 2 : 62), argument.at + 2);
         if (name.len == 0 || !text_starts(behind, TEXT("="))) {
             error_at(error, argument, "branch takes NAME=FROM:TO");
             return error_hint(error, "for example: branch r=0:30 of equilibrium 1, then branch "

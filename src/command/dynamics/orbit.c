@@ -214,6 +214,6 @@ COMMAND(orbit, .row = {"orbit", "", "a periodic orbit, its period and its stabil
                 "becomes in a period; 'export\n"
                 "FILE table' writes the orbit.",
         .examples = "var x = 2; var y = 0; x' = y; y' = (1-x^2)*y-x; orbit\n"
-                    "scene duffing; orbit period=3 s",
+                    "scene vanderpol; orbit period=6 s",
         .see = "equilibria use list run", .flags = COMMAND_TABLES,
         ARGUMENTS(PLACE("NAME=VALUE", TYPE_REST)))

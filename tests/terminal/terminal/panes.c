@@ -283,7 +283,7 @@ static void test_keys(void **state)
     expect(&p, "set charset block");
     enter(&p, "help"); /* longer than the log: on the whole screen */
     expect(&p, "q: panes)>");
-    expect(&p, "source record history");
+    expect(&p, "timing clear quit");
     type(&p, "/fit\r");
     expect(&p, "n again");
     type(&p, "/zwiebel\r");

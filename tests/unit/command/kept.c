@@ -118,7 +118,7 @@ static const char *study_or_result(void)
 {
     return ONE_OF("measure period", "fit damped", "measure amplitude", "fit sine", "order rk4",
                   "print 2*y", "fit scene k", "note good", "duration = 3 ms; run until v > 0",
-                  "undo", "undo; redo", "checkpoint a", "restore a",
+                  "undo", "undo; redo", "checkpoint a", "checkpoint a; restore a",
                   "load swing.txt as=one; scene spring; fit sine; adopt",
                   "scene new; var x = 2; var z = 0; x' = z; z' = (1-x^2)*z-x; orbit; use orbit 1",
                   "scene new; var x = 0.5; param r = -1; x' = r*x-x^3; equilibria; branch r=-2:2");
