@@ -400,11 +400,15 @@ HANDLER(help)
         buffer_free(&text);
         return true;
     }
+    /* where everybody begins stands before a command of that name */
+    const bool begins = guide && guide == catalog_row(&guide_catalog, 0);
+    if (begins)
+        help_guide(guide, &text);
     if (of)
         help_given(of, &near.wanted, &text);
     for (size_t i = 0; i < COUNT_OF(topics) && near.wanted.len > 0; i++) {
         const struct row *row = catalog_find(topics[i].catalog, near.wanted);
-        if (row)
+        if (row && !(begins && row == guide))
             help_topic(&topics[i], row, &text);
         for (size_t j = 0; j < topics[i].catalog->count; j++)
             suggestion_offer(&near, catalog_row(topics[i].catalog, j)->name);

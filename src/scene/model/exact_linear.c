@@ -36,7 +36,7 @@ static void coefficients(const struct system *system, struct matrix *x)
     x->n = n + 1;
     for (int i = 0; i <= n; i++) {
         for (int j = 0; j < n; j++)
-            x->at[i][j] = i == n ? 0 : jac ? (real)jac[i * n + j] : NAN;
+            x->at[i][j] = i == n ? 0 : jac ? (real)jac[i * n + j] : (real)NAN;
         x->at[i][n] = i < n ? (real)b[i] : 0;
     }
     free(jac);
