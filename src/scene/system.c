@@ -278,6 +278,7 @@ static void begin(const struct model *model, struct system *system)
     system->n = model->n;
     system->order = model->order;
     system->terms = system->switches = 0;
+    system->extended = false;
     system->dry = system->pieces = false;
     system->sliding = NULL;
     system->energy = false;

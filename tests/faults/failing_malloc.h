@@ -28,7 +28,7 @@
 static long malloc_calls; /* since it was last set to 0 */
 /* this call fails (0 is the next after malloc_calls = 0); -1: none */
 static long malloc_fail_at = -1;
-static bool malloc_fail_for_ever; /* and all that follow it */
+__attribute__((unused)) static bool malloc_fail_for_ever; /* and all that follow it */
 
 #if MALLOC_CAN_FAIL
 void *malloc(size_t size);
