@@ -27,13 +27,15 @@ struct panes *panes_active;
  */
 __attribute__((weak)) int _rl_abort_internal(void);
 __attribute__((weak)) int _rl_forward_char_internal(int count);
+__attribute__((weak)) int _rl_dispatch(int key, Keymap map);
 __attribute__((weak)) void rl_redisplay(void);
 __attribute__((weak)) int rl_newline(int count, int key);
 extern sigjmp_buf _rl_top_level __attribute__((weak));
 int _rl_pushed_input_available(void) __attribute__((weak));
 
-#define NARROWEST 12  /* a prompt and some of a line */
-#define KEY_TURNS 512 /* more than the queue holds */
+#define NARROWEST 12    /* a prompt and some of a line */
+#define COUNT_MOST 1000 /* of a key that is repeated */
+#define KEY_TURNS 512   /* more than the queue holds */
 
 static struct {
     sigjmp_buf frame;
@@ -49,6 +51,18 @@ int _rl_abort_internal(void)
     if (top && given_up.valid)
         memcpy(top, &given_up.frame, sizeof *top);
     return own ? own() : 0;
+}
+
+/* vi's put, and what it repeats, are done as often as is typed: a line of 1e6 times another took
+ * minutes. */
+int _rl_dispatch(int key, Keymap map)
+{
+    static int (*own)(int, Keymap);
+    if (!own)
+        line_find_own(&own, "_rl_dispatch");
+    if (rl_numeric_arg > COUNT_MOST)
+        rl_numeric_arg = COUNT_MOST;
+    return own ? own(key, map) : 0;
 }
 
 /* In vi's command mode what follows the last character is the last one that has a width. It may
