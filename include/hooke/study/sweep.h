@@ -83,8 +83,10 @@ struct sweep_request {
     int axes;
     struct sweep_measure measure[SWEEP_MEASURES];
     int measures;
-    int64_t shard, shards; /* 1 … shards */
-    int threads;           /* 0: as many as there are processors */
+    int64_t shard, shards;      /* 1 … shards */
+    int64_t first, count;       /* count > 0: only these points, as numbers of the whole sweep */
+    int threads;                /* 0: as many as there are processors */
+    const struct sweep *before; /* what is finished there is taken; NULL */
     const struct cancel *cancel;
     /* from the calling thread, ten times a second; NULL */
     void (*progress)(void *context, double fraction);
@@ -107,6 +109,10 @@ struct sweep {
     int threads;
 };
 
+/* Which points the shard has, or `first` and `count`: total, first and count, no results yet. */
+void study_sweep_stretch(const struct sweep_request *request, struct sweep *sweep);
+/* So many points [> 0] at a time fill the lanes of all threads, each with a task of their own. */
+int64_t study_sweep_batch(const struct sweep_request *request);
 /* Steps and computing time [s] that it will take, roughly; NAN: not known before. */
 void study_sweep_predict(const struct sweep_request *request, double *steps, double *seconds);
 /* False: refused as a whole, or cancelled; then what is finished is kept. sweep_free() in every

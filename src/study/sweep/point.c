@@ -201,12 +201,12 @@ void sweep_task(struct sweep_worker *worker, int64_t line, int64_t block)
     const struct sweep *sweep = job->sweep;
     const int64_t along = sweep->axis[job->along].count,
                   last = sweep->axes > 1 ? sweep->axis[1].count : 1;
-    for (int64_t k = block * LANES; k < along && k < (block + 1) * LANES; k++) {
+    for (int64_t k = block * job->width; k < along && k < (block + 1) * job->width; k++) {
         const int64_t number = sweep->axes < 2   ? k
                                : job->along == 1 ? line * last + k
                                                  : k * last + line;
         const int64_t i = number - sweep->first;
-        if (i < 0 || i >= sweep->count)
+        if (i < 0 || i >= sweep->count || sweep->status[i] != SWEEP_MISSING)
             continue;
         if (cancelled(job->request->cancel))
             return;

@@ -8,6 +8,7 @@
 #include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -35,7 +36,7 @@ void sweep_free(struct sweep *sweep)
     sweep->status = NULL;
 }
 
-static void place_shard(const struct sweep_request *request, struct sweep *sweep)
+void study_sweep_stretch(const struct sweep_request *request, struct sweep *sweep)
 {
     *sweep = (struct sweep){.axes = request->axes, .measures = request->measures, .total = 1};
     for (int a = 0; a < request->axes; a++) {
@@ -50,6 +51,10 @@ static void place_shard(const struct sweep_request *request, struct sweep *sweep
                             : (int64_t)floor((double)sweep->total *
                                              ((double)request->shard / (double)request->shards));
     sweep->count = end - sweep->first;
+    if (request->count > 0) {
+        sweep->first = request->first;
+        sweep->count = request->count;
+    }
 }
 
 static bool results_create(struct sweep *sweep, struct error *error)
@@ -73,6 +78,21 @@ static bool results_create(struct sweep *sweep, struct error *error)
     for (size_t i = 0; i < n; i++)
         sweep->status[i] = SWEEP_MISSING;
     return true;
+}
+
+/* What is finished already. */
+static void take_before(const struct sweep *before, struct sweep *sweep)
+{
+    const int64_t shift = sweep->first - before->first;
+    for (int64_t i = 0; i < sweep->count; i++) {
+        const int64_t k = i + shift;
+        if (k < 0 || k >= before->count)
+            continue;
+        sweep->status[i] = before->status[k];
+        memcpy(sweep->value + i * sweep->measures, before->value + k * sweep->measures,
+               (size_t)sweep->measures * sizeof *sweep->value);
+    }
+    memcpy(sweep->reason, before->reason, sizeof sweep->reason);
 }
 
 /* Whether lanes can measure this: what they show on the way is the first variable where its
@@ -125,6 +145,41 @@ static int choose_along(const struct sweep_request *request, const struct sweep 
     return first == second || count[first] <= SWEEP_FEW ? longer : first;
 }
 
+static int thread_count(const struct sweep_request *request, int64_t tasks)
+{
+    const long processors = sysconf(_SC_NPROCESSORS_ONLN);
+    int64_t wanted = request->threads > 0 ? request->threads : processors > 0 ? processors : 1;
+    wanted = wanted < SWEEP_THREADS ? wanted : SWEEP_THREADS;
+    return (int)(wanted < tasks ? wanted : tasks);
+}
+
+/* Which tasks there are: rows of the first axis from its first to its last point here. */
+static void lay_out(struct sweep_job *job)
+{
+    const struct sweep_request *request = job->request;
+    const struct sweep *sweep = job->sweep;
+    const int64_t last = request->axes > 1 ? request->axis[1].count : 1, row = sweep->first / last,
+                  rows = (sweep->first + sweep->count - 1) / last - row + 1;
+    job->along = choose_along(request, sweep);
+    if (job->along == 0 && request->axes > 1 && rows < LANES && rows < request->axis[0].count)
+        job->along = 1; /* the others' rows are not here */
+    job->width = LANES;
+    if (!job->in_lanes && sweep->count < LANES * thread_count(request, sweep->count))
+        job->width = 1;
+    if (job->along == 0) {
+        job->lines = last;
+        job->block = row / job->width;
+        job->blocks = (row + rows - 1) / job->width - job->block + 1;
+        return;
+    }
+    const int64_t from = rows > 1 ? 0 : sweep->first % last,
+                  to = rows > 1 ? last - 1 : (sweep->first + sweep->count - 1) % last;
+    job->line = row;
+    job->lines = rows;
+    job->block = from / job->width;
+    job->blocks = to / job->width - job->block + 1;
+}
+
 /* Does the first point go in lanes? */
 static bool lanes_go(const struct sweep_request *request, const struct sweep *sweep)
 {
@@ -175,7 +230,7 @@ static void *work(void *context)
         const int64_t task = atomic_fetch_add(&job->next, 1);
         if (task >= tasks || cancelled(job->request->cancel))
             return NULL;
-        sweep_task(worker, task / job->blocks, task % job->blocks);
+        sweep_task(worker, job->line + task / job->blocks, job->block + task % job->blocks);
         atomic_fetch_add(&job->finished, 1);
     }
 }
@@ -213,17 +268,11 @@ static void watch_over(struct sweep_job *job, struct helper *helper, int count)
     }
 }
 
-static int thread_count(const struct sweep_request *request, int64_t tasks)
-{
-    const long processors = sysconf(_SC_NPROCESSORS_ONLN);
-    int64_t wanted = request->threads > 0 ? request->threads : processors > 0 ? processors : 1;
-    wanted = wanted < SWEEP_THREADS ? wanted : SWEEP_THREADS;
-    return (int)(wanted < tasks ? wanted : tasks);
-}
-
 static void add_up(struct sweep *sweep, const struct helper *helper, int count)
 {
     int64_t refused = -1;
+    for (int64_t i = 0; i < sweep->count && refused < 0 && sweep->reason[0]; i++)
+        refused = sweep->status[i] == SWEEP_REFUSED ? i : -1;
     for (int i = 0; i < count; i++) {
         const struct sweep_worker *worker = &helper[i].worker;
         sweep->steps += worker->steps;
@@ -298,7 +347,7 @@ void study_sweep_predict(const struct sweep_request *request, double *steps, dou
 {
     struct sweep sweep;
     struct plan plan;
-    place_shard(request, &sweep);
+    study_sweep_stretch(request, &sweep);
     const struct sweep_job job = job_of(request, &sweep, &plan);
     const bool lanes = job.in_lanes && sweep.count > SWEEP_FEW && lanes_go(request, &sweep);
     const double each =
@@ -307,17 +356,34 @@ void study_sweep_predict(const struct sweep_request *request, double *steps, dou
     *seconds = each * (double)sweep.count / thread_count(request, sweep.count);
 }
 
+/* Where lanes lie along the first axis, LANES rows of it belong together. */
+#define BATCH_MOST ((int64_t)1 << 18)
+
+int64_t study_sweep_batch(const struct sweep_request *request)
+{
+    struct sweep sweep;
+    struct plan plan;
+    study_sweep_stretch(request, &sweep);
+    const struct sweep_job job = job_of(request, &sweep, &plan);
+    const int64_t threads = thread_count(request, INT64_MAX);
+    if (!job.in_lanes)
+        return threads;
+    const int64_t last = request->axes > 1 ? request->axis[1].count : 1;
+    const bool rows = request->axes > 1 && choose_along(request, &sweep) == 0;
+    return rows && LANES * last <= BATCH_MOST ? LANES * last : LANES * threads;
+}
+
 bool study_sweep(const struct sweep_request *request, struct sweep *sweep, struct error *error)
 {
     const int64_t begin = clock_ns();
     struct plan plan;
-    place_shard(request, sweep);
+    study_sweep_stretch(request, sweep);
     if (!results_create(sweep, error))
         return false;
     struct sweep_job job = job_of(request, sweep, &plan);
-    job.along = choose_along(request, sweep);
-    job.lines = request->axes > 1 ? request->axis[1 - job.along].count : 1;
-    job.blocks = (request->axis[job.along].count + LANES - 1) / LANES;
+    if (request->before)
+        take_before(request->before, sweep);
+    lay_out(&job);
     const bool ok = run_workers(&job, error);
     sweep->seconds = clock_seconds(begin);
     if (!ok)

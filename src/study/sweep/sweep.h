@@ -52,8 +52,10 @@ struct sweep_job {
     double opens;  /* [s] after t0: where the window begins */
     int64_t whole; /* in lanes: full steps, and the rest [s] */
     double rest;
-    int along; /* the axis along which lanes lie */
-    int64_t lines, blocks;
+    int along;                   /* the axis along which lanes lie */
+    int64_t width;               /* points of a block */
+    int64_t line, block;         /* the first that hold points of this sweep */
+    int64_t lines, blocks;       /* and how many */
     atomic_llong next, finished; /* tasks: lines times blocks */
 };
 

@@ -183,6 +183,46 @@ static void test_shards_and_threads(void **state)
     sweep_free(&whole);
 }
 
+/* Any stretch, along either axis, and what a stopped sweep had finished: the same bits. */
+static void test_stretches(void **state)
+{
+    (void)state;
+    const struct scene scene = scene_with("driven", NO_SETTINGS);
+    static const char *const methods[] = {"verlet", "dopri5"}; /* in lanes, alone */
+    for (size_t m = 0; m < COUNT_OF(methods); m++) {
+        struct sweep_request request = request_of(&scene, methods[m], 0.01, 2, "amplitude y");
+        request.axis[0] = axis_of(&scene, "gamma", 0, 1, 150);
+        request.axis[1] = axis_of(&scene, "omega", 6, 12, 13);
+        request.axes = 2;
+        struct sweep whole = sweep_of(&request), stretch;
+        static const int64_t part[][2] = {{0, 1},     {1949, 1},   {5, 8},      {12, 2},
+                                          {100, 900}, {640, 1310}, {1000, 950}, {0, 1950}};
+        for (size_t p = 0; p < COUNT_OF(part); p++) {
+            request.first = part[p][0];
+            request.count = part[p][1];
+            stretch = sweep_of(&request);
+            assert_int_equal(stretch.first, part[p][0]);
+            assert_int_equal(stretch.finished, part[p][1]);
+            assert_same(&whole, &stretch, 0, "stretch");
+            sweep_free(&stretch);
+        }
+        assert_true(study_sweep_batch(&request) > 0);
+        request.first = request.count = 0;
+        struct sweep before = sweep_of(&request);
+        for (int64_t i = 0; i < before.count; i += 1 + i % 7) {
+            before.status[i] = SWEEP_MISSING;
+            before.value[2 * i] = before.value[2 * i + 1] = NAN;
+        }
+        request.before = &before;
+        stretch = sweep_of(&request);
+        assert_same(&whole, &stretch, 0, "goes on");
+        assert_true(stretch.steps > 0 && stretch.steps < 0.9 * whole.steps);
+        sweep_free(&stretch);
+        sweep_free(&before);
+        sweep_free(&whole);
+    }
+}
+
 /* ---- the measures ---- */
 
 /* Amplitude of the forced motion: F0/m / hypot(omega0^2 - omega^2, gamma omega). */
@@ -413,11 +453,17 @@ static void test_cancelling(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_lanes_equal_runs),   cmocka_unit_test(test_divergence),
-        cmocka_unit_test(test_shards_and_threads), cmocka_unit_test(test_resonance),
-        cmocka_unit_test(test_pendulum_period),    cmocka_unit_test(test_against_a_run),
-        cmocka_unit_test(test_other_axes),         cmocka_unit_test(test_columns),
-        cmocka_unit_test(test_refusals),           cmocka_unit_test(test_cancelling),
+        cmocka_unit_test(test_lanes_equal_runs),
+        cmocka_unit_test(test_divergence),
+        cmocka_unit_test(test_shards_and_threads),
+        cmocka_unit_test(test_stretches),
+        cmocka_unit_test(test_resonance),
+        cmocka_unit_test(test_pendulum_period),
+        cmocka_unit_test(test_against_a_run),
+        cmocka_unit_test(test_other_axes),
+        cmocka_unit_test(test_columns),
+        cmocka_unit_test(test_refusals),
+        cmocka_unit_test(test_cancelling),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
