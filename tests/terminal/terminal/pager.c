@@ -45,7 +45,8 @@ static void test_paged(void **state)
 {
     (void)state;
     struct person p;
-    make_pager("fake", "echo \"PAGED $1 $2 LESS=$LESS $(wc -l) lines\"; stty -echo -icanon </dev/tty");
+    make_pager("fake",
+               "echo \"PAGED $1 $2 LESS=$LESS $(wc -l) lines\"; stty -echo -icanon </dev/tty");
     start(&p, "/fake  -a $HOME;b", NULL);
     type(&p, "help\r"); /* off, unless it is asked for */
     expect(&p, "apropos recipe list");
