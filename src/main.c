@@ -48,6 +48,15 @@ static bool option_setting(struct session *session, const char *name, const char
     return true;
 }
 
+/* No commands come from standard input. */
+static bool input_is_free(const struct options *options, enum front_kind kind)
+{
+    bool is_free = kind == FRONT_END && options->tasks > 0 && !options->check;
+    for (int i = 0; i < options->tasks; i++)
+        is_free = is_free && strcmp(options->task[i].text, "-") != 0;
+    return is_free;
+}
+
 /* Before anything is said: who will listen? */
 static enum front_kind choose_front(const struct options *options)
 {
@@ -158,6 +167,7 @@ static int run(const struct options *options)
     const enum front_kind kind = choose_front(options);
     struct streams streams = {0};
     struct front front = {.cancel = &interrupt,
+                          .input = input_is_free(options, kind),
                           .progress = isatty(STDERR_FILENO) ? progress_print : NULL};
     front_probe(&front, options, STDOUT_FILENO);
     screenshot_offer(&front);

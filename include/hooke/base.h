@@ -365,8 +365,15 @@ struct read_watch {
      * file states; 0: it states none. False: no more of it, and the error is set. */
     bool (*look)(void *context, struct text content, size_t from, uintmax_t size,
                  struct error *error);
+    /* [ns] that what may have no end (a pipe, a device) gets to end in, unless it is fast; 0: for
+     * ever, also a terminal */
+    int64_t patience;
     bool grew; /* set: more was written to the file meanwhile; content is what there was at first */
+    bool endless; /* set: why it was refused */
 };
+
+/* What is read there is standard input itself, whatever it is. */
+#define STANDARD_INPUT "/dev/stdin"
 
 /* The same, watched. */
 bool file_read_watched(const char *path, size_t limit, struct read_watch *watch,

@@ -172,6 +172,7 @@ struct front {
     bool interactive;
     bool utf8, color;  /* what the output can show */
     int width, height; /* [cell] of the output, 0: 80x24 */
+    bool input; /* standard input is free for data: nobody types there, and no commands come */
     const struct cancel *cancel;
     void *context;
     bool (*confirm)(void *context, const char *question);

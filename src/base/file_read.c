@@ -4,6 +4,8 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <poll.h>
+#include <string.h>
 #include <sys/stat.h>
 #include <time.h>
 #include <unistd.h>
@@ -11,12 +13,14 @@
 #define PIECE 16384u
 #define PATIENCE_NS 200000000 /* [ns] that a named pipe waits for a writer … */
 #define PATIENCE_LOOKS 20     /* … in so many looks */
+#define SLOW_BYTES 65536      /* in a watch's patience: a file comes faster, a sensor never */
 
 struct file_reading {
     const char *path;
     size_t limit, before; /* before: bytes of content that are not the file's */
     uintmax_t size;       /* stated; 0: none */
     struct read_watch *watch;
+    int64_t until; /* [clock_ns] what may have no end has to have ended by then; 0: it need not */
 };
 
 static bool cannot_read(struct error *error, const char *path, int number)
@@ -53,12 +57,35 @@ static bool await_writer(int fd, const char *path, struct buffer *content, struc
                      safe_name(text_of(path), name));
 }
 
-static bool open_file(const char *path, int *fd, struct stat *st, struct buffer *content,
-                      struct error *error)
+static bool refuse_endless(const char *path, const char *why, struct read_watch *watch,
+                           struct error *error)
 {
-    *fd = open(path, O_RDONLY | O_CLOEXEC | O_NOCTTY | O_NONBLOCK);
+    char name[SAFE_NAME_SIZE];
+    watch->endless = true;
+    return error_set(error, ERROR_IO, "cannot read %s to its end: %s",
+                     safe_name(text_of(path), name), why);
+}
+
+static bool is_socket(const char *path)
+{
+    struct stat st;
+    return stat(path, &st) == 0 && S_ISSOCK(st.st_mode);
+}
+
+static bool open_file(const char *path, int *fd, struct stat *st, struct read_watch *watch,
+                      struct buffer *content, struct error *error)
+{
+    if (strcmp(path, STANDARD_INPUT) == 0)
+        *fd = fcntl(STDIN_FILENO, F_DUPFD_CLOEXEC, 3);
+    else
+        *fd = open(path, O_RDONLY | O_CLOEXEC | O_NOCTTY | O_NONBLOCK);
+    if (*fd < 0 && errno == ENXIO && watch && watch->patience > 0 && is_socket(path))
+        return refuse_endless(path, "it is a socket", watch, error);
     if (*fd < 0 || fstat(*fd, st) != 0)
         return cannot_read(error, path, errno);
+    if (watch && watch->patience > 0 && isatty(*fd))
+        return refuse_endless(path, "it is a terminal or a serial line, which has none", watch,
+                              error);
     if (S_ISDIR(st->st_mode))
         return cannot_read(error, path, EISDIR);
     if (S_ISFIFO(st->st_mode) && !await_writer(*fd, path, content, error))
@@ -75,6 +102,21 @@ static bool too_long(const char *path, size_t limit, struct error *error)
                      safe_name(text_of(path), name), limit, limit);
 }
 
+/* False: it is neither at its end nor as fast as a file. */
+static bool await_more(int fd, const struct file_reading *r, size_t so_far, struct error *error)
+{
+    if (r->until == 0)
+        return true;
+    struct pollfd ready = {.fd = fd, .events = POLLIN};
+    const int64_t left = r->until - clock_ns();
+    if (left <= 0 && so_far >= SLOW_BYTES)
+        return true;
+    const int count = left > 0 ? poll(&ready, 1, (int)(left / 1000000) + 1) : 0;
+    if (count < 0)
+        return cannot_read(error, r->path, errno);
+    return count > 0 || refuse_endless(r->path, "it goes on", r->watch, error);
+}
+
 /* Of a file that states its size no more than that: somebody may be writing it faster than it is
  * read. */
 static bool read_pieces(int fd, const struct file_reading *r, struct buffer *content,
@@ -84,6 +126,8 @@ static bool read_pieces(int fd, const struct file_reading *r, struct buffer *con
     for (bool first = true;; first = false) {
         const size_t so_far = content->len - r->before;
         const uintmax_t left = r->size > 0 ? r->size - so_far : PIECE;
+        if (!await_more(fd, r, so_far, error))
+            return false;
         const ssize_t got = read(fd, piece, left < PIECE ? (size_t)left : PIECE);
         if (got < 0)
             return cannot_read(error, r->path, errno);
@@ -106,10 +150,12 @@ static bool read_all(const char *path, size_t limit, struct read_watch *watch,
 {
     char name[SAFE_NAME_SIZE];
     struct stat st, after;
-    struct file_reading r = {path, limit, content->len, 0, watch};
-    if (!open_file(path, fd, &st, content, error))
+    struct file_reading r = {path, limit, content->len, 0, watch, 0};
+    if (!open_file(path, fd, &st, watch, content, error))
         return false;
     r.size = S_ISREG(st.st_mode) ? (uintmax_t)st.st_size : 0;
+    r.until =
+        watch && watch->patience > 0 && !S_ISREG(st.st_mode) ? clock_ns() + watch->patience : 0;
     if (r.size > limit)
         return error_set(error, ERROR_IO, "%s has %ju bytes; at most %zu are read",
                          safe_name(text_of(path), name), r.size, limit);

@@ -58,6 +58,9 @@ struct text next_key_argument(struct text *rest);
 struct sweep_axis;
 bool read_axis_range(struct parser *parser, struct sweep_axis *axis, struct error *error);
 
+/* '-' is for data where no commands come from there. */
+bool check_input(const struct session *session, struct text where, struct error *error);
+
 /* The line and the record of a table that was written. */
 void reply_exported(struct reply *reply, struct text file, const struct table *table);
 

@@ -7,6 +7,7 @@
 
 #include <stdio.h>
 #include <string.h>
+#include <sys/stat.h>
 
 /* The description as lines, its warnings as warnings. */
 static void reply_description(const struct recording *recording, struct reply *reply)
@@ -267,6 +268,22 @@ static struct recording *load_moved(const struct arguments *args, const char *pa
     return NULL;
 }
 
+/* What is read twice has to be there twice: pipes are recordings. */
+static bool file_is_regular(const char *path)
+{
+    struct stat st;
+    return stat(path, &st) == 0 && S_ISREG(st.st_mode) && strcmp(path, STANDARD_INPUT) != 0;
+}
+
+bool check_input(const struct session *session, struct text where, struct error *error)
+{
+    if (session->front.input)
+        return true;
+    error_at(error, where, "standard input is where the commands come from");
+    return error_hint(error, "-c or a file of commands leaves it to the data; a file named - is "
+                             "./-");
+}
+
 HANDLER(load)
 {
     const struct argument_value *file = argument_value(args, "FILE");
@@ -286,9 +303,13 @@ HANDLER(load)
         return error_at(error, options.name,
                         "a name is a letter, then letters, digits, _ and -, at most %d of them",
                         LIMIT_NAME);
-    char *path = script_path(args->where, file->item->text, args->arena);
+    const bool input = text_is(file->item->text, "-");
+    if (input && !check_input(session, file->item->text, error))
+        return false;
+    char *path = input ? arena_text(args->arena, TEXT(STANDARD_INPUT))
+                       : script_path(args->where, file->item->text, args->arena);
     bool found = false;
-    if (path && !any_option(args)) {
+    if (path && !any_option(args) && file_is_regular(path)) {
         const bool ok = load_table(path, options.cancel, args, &found, reply, error);
         if (!ok)
             error->where = file->item->text;
@@ -340,7 +361,8 @@ COMMAND(
         "Finds the table, its separator, decimal mark, columns and units by itself and "
         "says what it found; "
         "every finding can be\n"
-        "overruled. A file without times needs rate=. A recording of the same name is "
+        "overruled. A file without times needs rate=. - is standard input, to its end. A recording "
+        "of the same name is "
         "replaced. Of several "
         "tables in a file or archive\n"
         "run= takes one. A table that export or STATEMENT > FILE wrote as .csv, .tsv or .json is "

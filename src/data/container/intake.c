@@ -12,6 +12,7 @@
 
 #define BOM TEXT("\xEF\xBB\xBF")
 #define LINE_BYTES (16u << 20)        /* a longer line ends no more: it is no row */
+#define PATIENCE_NS 2000000000        /* [ns] a pipe that is slow gets to end in */
 #define ENOUGH_BYTES (2 * HEAD_BYTES) /* in which the table has to begin */
 
 /* ---- kinds of files ---- */
@@ -155,9 +156,14 @@ bool intake_look(void *context, struct text content, size_t from, uintmax_t size
 
 bool intake_read(const char *path, struct intake *intake, struct buffer *bytes, struct error *error)
 {
-    struct read_watch watch = {.context = intake, .look = intake_look};
-    if (!file_read_watched(path, LIMIT_FILE, &watch, bytes, error))
+    const bool input = strcmp(path, STANDARD_INPUT) == 0;
+    struct read_watch watch = {
+        .context = intake, .look = intake_look, .patience = input ? 0 : PATIENCE_NS};
+    if (!file_read_watched(path, LIMIT_FILE, &watch, bytes, error)) {
+        if (watch.endless)
+            error_hint(error, "'load -' reads standard input to its end, however long that takes");
         return false;
+    }
     intake->sum = bytes->len <= SUMMED_BYTES ? bytes_sum(buffer_text(bytes)) : 0;
     intake->grew = watch.grew && intake->packing == PACKING_NONE;
     for (bool whole = !intake->grew; !whole && bytes->len > 0;

@@ -152,8 +152,9 @@ const struct recording_field recording_fields[RECORDING_FIELDS] = {
 static void save_recording(const struct recording_slot *slot, struct buffer *text)
 {
     const struct recording *recording = slot->recording;
+    const bool input = strcmp(recording->path, STANDARD_INPUT) == 0;
     buffer_put(text, TEXT("load "));
-    buffer_word(text, text_of(recording->path));
+    buffer_word(text, input ? TEXT("-") : text_of(recording->path));
     buffer_put(text, text_of(slot->options));
     if (recording->sum != 0)
         buffer_format(text, " sum=%016llx", (unsigned long long)recording->sum);
