@@ -282,10 +282,32 @@ static inline void start_panes(struct person *p, struct start start)
     expect_prompt(p, EMPTY_PROMPT);
 }
 
-/* Types a line and waits until it has been taken. */
+/* Waits until the prompt row ends with `text`: what was typed has been taken. */
+static inline void expect_typed(struct person *p, const char *text)
+{
+    const int64_t deadline = clock_ns() + PATIENCE_NS;
+    const size_t len = strlen(text);
+    struct buffer row = {0};
+    prompt_row(p, &row);
+    while (row.len < len || strcmp(row.data + row.len - len, text) != 0) {
+        if (clock_ns() > deadline || p->hung_up) {
+            print_message("# waited in vain for '%s' at the prompt, it is '%s'\n", text, row.data);
+            show_screen(p);
+            fail();
+        }
+        pump(p, 200);
+        prompt_row(p, &row);
+    }
+    buffer_free(&row);
+}
+
+/* Types a line and waits until it has been taken: an empty prompt says so only when the line has
+ * stood there, by its end at least. */
 static inline void enter(struct person *p, const char *line)
 {
+    const size_t len = strlen(line);
     type(p, line);
+    expect_typed(p, line + (len > 6 ? len - 6 : 0));
     type(p, "\r");
     expect_prompt(p, EMPTY_PROMPT);
 }

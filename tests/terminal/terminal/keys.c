@@ -272,7 +272,8 @@ static void test_lines_of_keys(void **state)
     expect(&p, "cursors (q leaves");
     type(&p, "sq");
     expect_prompt(&p, EMPTY_PROMPT);
-    enter(&p, "cursor");
+    type(&p, "cursor\r");
+    expect(&p, "cursors (q leaves");
     type(&p, "g");
     expect_prompt(&p, "hooke> cursor go");
     type(&p, "2.5\r");
