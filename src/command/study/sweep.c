@@ -275,17 +275,18 @@ static void reply_sweep(struct session *session, const struct swept *swept, stru
 
 HANDLER(sweep)
 {
-    struct sweep_request request = {.scene = &session->setup.scene,
-                                    .method = session->setup.method,
-                                    .settings = session_run_settings(session),
-                                    .duration = session->setup.settings.duration,
-                                    .shard = 1,
-                                    .shards = 1,
-                                    .cancel = session->front.cancel,
-                                    .progress = report_sweep,
-                                    .context = &session->front,
-                                    .measure = {{.kind = SWEEP_AMPLITUDE}},
-                                    .measures = 1};
+    struct sweep_request request = {
+        .scene = &session->setup.scene,
+        .method = session->setup.method,
+        .settings = session_run_settings(session),
+        .duration = session->setup.settings.duration,
+        .shard = 1,
+        .shards = 1,
+        .cancel = session->front.cancel,
+        .progress = report_sweep,
+        .context = &session->front,
+        .measure = {{.kind = SWEEP_AMPLITUDE, .column = SWEEP_VARIABLE}},
+        .measures = 1};
     struct sweep sweep;
     bool force = false;
     double steps, seconds;

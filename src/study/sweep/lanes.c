@@ -3,6 +3,8 @@
  * watched side by side. */
 #include "study/sweep/sweep.h"
 
+#include <hooke/base/numeric.h>
+
 #include <string.h>
 
 #define SUSPICIOUS 1e100 /* diverging: that goes alone, where it is stopped at the right step */
@@ -77,9 +79,30 @@ static void speeds_at_end(const struct sweep_worker *worker, double end, double 
     }
 }
 
+/* Does a velocity change its sign from one row to the next? */
+CLONES static bool any_turns(const double *before, const double *row)
+{
+    uint64_t turned = 0;
+    for (int lane = 0; lane < LANES; lane++) {
+        uint64_t a, b;
+        memcpy(&a, before + LANES + lane, sizeof a);
+        memcpy(&b, row + LANES + lane, sizeof b);
+        turned |= a ^ b;
+    }
+    return turned >> 63;
+}
+
+CLONES static void add_areas(double h, const double *restrict before, const double *restrict row,
+                             double *restrict area)
+{
+    for (int lane = 0; lane < LANES; lane++)
+        area[lane] +=
+            watch_area(h, before[lane], before[LANES + lane], row[lane], row[LANES + lane]);
+}
+
 /* One row after another: whose velocity has changed its sign? before: the row before these. */
-static void watch_lanes(struct sweep_worker *worker, const double *before, int64_t first,
-                        int64_t count)
+static void watch_lanes(struct sweep_worker *worker, const double *before, int64_t opening,
+                        int64_t first, int64_t count)
 {
     const double t0 = worker->system[0].t0, h = worker->job->request->settings.dt;
     const bool ends = first + count == worker->job->whole && worker->job->rest == 0;
@@ -88,20 +111,18 @@ static void watch_lanes(struct sweep_worker *worker, const double *before, int64
                       worker->row + (2 * count - 1) * LANES);
     for (int64_t i = 0; i < count; i++) {
         const double *row = worker->row + i * 2 * LANES;
-        uint64_t turned = 0;
-        for (int lane = 0; lane < LANES; lane++) {
-            uint64_t a, b;
-            memcpy(&a, before + LANES + lane, sizeof a);
-            memcpy(&b, row + LANES + lane, sizeof b);
-            turned |= a ^ b;
-        }
         const double from = t0 + (double)(first + i) * h;
         const double to = ends && i == count - 1 ? t0 + worker->job->request->duration
                                                  : t0 + (double)(first + i + 1) * h;
-        for (int lane = 0; lane < worker->used && turned >> 63; lane++)
+        const bool turns = any_turns(before, row);
+        for (int lane = 0; lane < worker->used && turns; lane++)
             if (watch_turns(before[LANES + lane], row[LANES + lane]))
                 watch_turn(&worker->watch[lane], from, before[lane], before[LANES + lane], to,
                            row[lane], row[LANES + lane]);
+        if (worker->job->means && first >= opening) {
+            add_areas(to - from, before, row, worker->area);
+            worker->span += to - from;
+        }
         before = row;
     }
 }
@@ -132,6 +153,8 @@ static bool march(struct sweep_worker *worker)
     double before[2 * LANES];
     for (int lane = 0; lane < worker->used; lane++)
         watch_begin(&worker->watch[lane], worker->system[lane].start[0]);
+    memset(worker->area, 0, sizeof worker->area);
+    worker->span = 0;
     for (int64_t i = 0; i < job->whole;) {
         const bool watching = job->tops || (job->watches && i >= opening);
         const int64_t count = min(i < opening ? opening - i : job->whole - i,
@@ -142,7 +165,7 @@ static bool march(struct sweep_worker *worker)
             watch_open(&worker->watch[lane], before[lane]);
         lanes_march(worker->lanes, count, watching ? worker->row : NULL);
         if (watching)
-            watch_lanes(worker, before, i, count);
+            watch_lanes(worker, before, opening, i, count);
         i += count;
         if (cancelled(job->request->cancel))
             return false;
@@ -177,8 +200,14 @@ static void finish_lanes(struct sweep_worker *worker)
                          speed1 = watch_speed(system, 0, end, y);
             if (job->rest != 0 && watch_turns(speed0, speed1))
                 watch_turn(watch, from, was[0], speed0, end, y[0], speed1);
-            if (!watch->open)
+            watch->area = worker->area[lane];
+            watch->span = worker->span;
+            if (!watch->open) {
                 watch_open(watch, y[0]);
+            } else if (job->rest != 0) {
+                watch->area += watch_area(end - from, was[0], speed0, y[0], speed1);
+                watch->span += end - from;
+            }
             watch_end(watch, y[0]);
         }
         for (int m = 0; m < request->measures; m++)

@@ -100,8 +100,7 @@ static void take_before(const struct sweep *before, struct sweep *sweep)
 static bool lane_measures(const struct sweep_measure *measure)
 {
     if (sweep_watches(measure))
-        return measure->kind != SWEEP_MEAN && measure->column == SWEEP_VARIABLE &&
-               measure->variable == 0;
+        return measure->column == SWEEP_VARIABLE && measure->variable == 0;
     return measure->kind != SWEEP_ERROR && measure->kind != SWEEP_ENERGY_ERROR &&
            (measure->kind != SWEEP_OBSERVABLE ||
             !(measure->observable->needs &
@@ -333,6 +332,7 @@ static struct sweep_job job_of(const struct sweep_request *request, struct sweep
     for (int m = 0; m < request->measures; m++) {
         job.tops |= request->measure[m].kind == SWEEP_MAX || request->measure[m].kind == SWEEP_MIN;
         job.watches |= sweep_watches(&request->measure[m]);
+        job.means |= request->measure[m].kind == SWEEP_MEAN;
     }
     choose_lanes(&job, plan);
     return job;

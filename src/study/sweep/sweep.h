@@ -24,6 +24,11 @@ void watch_open(struct extremes *watch, double y);
 /* The velocity changed its sign between two states. */
 void watch_turn(struct extremes *watch, double t0, double y0, double v0, double t1, double y1,
                 double v1);
+/* The integral of the cubic through both ends of a step. */
+static inline double watch_area(double h, double y0, double v0, double y1, double v1)
+{
+    return h * ((y0 + y1) / 2 + h * (v0 - v1) / 12);
+}
 void watch_end(struct extremes *watch, double y);
 double watch_value(const struct extremes *watch, enum sweep_kind kind);
 double watch_speed(const struct system *system, int variable, double t, const double *y);
@@ -46,8 +51,9 @@ enum {
 struct sweep_job {
     const struct sweep_request *request;
     struct sweep *sweep;
-    bool watches;  /* something is watched on the way */
-    bool tops;     /* from the start on */
+    bool watches; /* something is watched on the way */
+    bool tops;    /* from the start on */
+    bool means;
     bool in_lanes; /* as far as that does not depend on the point */
     double opens;  /* [s] after t0: where the window begins */
     int64_t whole; /* in lanes: full steps, and the rest [s] */
@@ -67,7 +73,8 @@ struct sweep_worker {
     double *row;
     struct system *system; /* [LANES] */
     struct extremes watch[LANES];
-    int64_t point[LANES]; /* of each lane: place in the sweep */
+    double area[LANES], span; /* what means are made of: the same span for all lanes */
+    int64_t point[LANES];     /* of each lane: place in the sweep */
     int used;
     double *work; /* of a step alone */
     enum drag drag;

@@ -110,13 +110,6 @@ static bool make_column(const struct run *run, const struct sweep_measure *measu
     return true;
 }
 
-/* The integral of the cubic through both ends. */
-static void watch_area(struct extremes *watch, double h, double y0, double v0, double y1, double v1)
-{
-    watch->area += h * ((y0 + y1) / 2 + h * (v0 - v1) / 12);
-    watch->span += h;
-}
-
 double watch_run(const struct run *run, const struct sweep_measure *measure, double opens)
 {
     const struct trace *trace = run->trace;
@@ -133,10 +126,12 @@ double watch_run(const struct run *run, const struct sweep_measure *measure, dou
             watch_begin(&watch, y1);
         else if (watch_turns(v0, v1))
             watch_turn(&watch, t0, y0, v0, t1, y1, v1);
-        if (watch.open)
-            watch_area(&watch, t1 - t0, y0, v0, y1, v1);
-        else if (t1 >= opens)
+        if (watch.open) {
+            watch.area += watch_area(t1 - t0, y0, v0, y1, v1);
+            watch.span += t1 - t0;
+        } else if (t1 >= opens) {
             watch_open(&watch, y1);
+        }
         t0 = t1;
         y0 = y1;
         v0 = v1;

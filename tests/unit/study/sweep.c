@@ -97,7 +97,7 @@ static void test_lanes_equal_runs(void **state)
                 const struct scene scene = scene_with(cases[c].preset, NO_SETTINGS);
                 struct sweep_request request =
                     request_of(&scene, method->row.name, 0.01, rest ? 4.0037 : 4,
-                               "amplitude period max steps evals reached y v energy");
+                               "amplitude period mean max min steps evals reached y v energy");
                 request.axis[0] =
                     axis_of(&scene, cases[c].axis, cases[c].from, cases[c].to,
                             scene.model == &oscillator_model ? 5 : 21); /* fewer go alone */
