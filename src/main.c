@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* hooke: options, then the front end that fits. */
-#include "terminal/terminal.h"
+#include "terminal/sensor/sensor.h"
 
 #include <hooke/session/log.h>
 
@@ -162,6 +162,17 @@ static void confine(const struct options *options, bool prompt, struct reply *re
     free(state);
 }
 
+static int run_sensor(const struct options *options)
+{
+    const struct front front = {.cancel = &interrupt};
+    struct session *session = session_create(&front);
+    const int status =
+        session ? simulate_sensor(session, options->sensor, options->task, options->tasks)
+                : ERROR_COMMAND;
+    session_destroy(session);
+    return status;
+}
+
 static int run(const struct options *options)
 {
     const enum front_kind kind = choose_front(options);
@@ -268,7 +279,7 @@ int main(int argc, char **argv)
         if (options.help || options.version) {
             status = fputs(buffer_view(&text), stdout) < 0 || fflush(stdout) ? ERROR_IO : 0;
         } else {
-            status = run(&options);
+            status = options.sensor ? run_sensor(&options) : run(&options);
         }
         buffer_free(&text);
     }

@@ -75,7 +75,8 @@ static bool is_socket(const char *path)
 static bool open_file(const char *path, int *fd, struct stat *st, struct read_watch *watch,
                       struct buffer *content, struct error *error)
 {
-    if (strcmp(path, STANDARD_INPUT) == 0)
+    const bool input = strcmp(path, STANDARD_INPUT) == 0;
+    if (input)
         *fd = fcntl(STDIN_FILENO, F_DUPFD_CLOEXEC, 3);
     else
         *fd = open(path, O_RDONLY | O_CLOEXEC | O_NOCTTY | O_NONBLOCK);
@@ -88,7 +89,7 @@ static bool open_file(const char *path, int *fd, struct stat *st, struct read_wa
                               error);
     if (S_ISDIR(st->st_mode))
         return cannot_read(error, path, EISDIR);
-    if (S_ISFIFO(st->st_mode) && !await_writer(*fd, path, content, error))
+    if (S_ISFIFO(st->st_mode) && !input && !await_writer(*fd, path, content, error))
         return false;
     const int flags = fcntl(*fd, F_GETFL);
     return (flags >= 0 && fcntl(*fd, F_SETFL, flags & ~O_NONBLOCK) >= 0) ||

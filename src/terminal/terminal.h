@@ -24,9 +24,9 @@ struct options {
     int tasks;
     bool interactive, batch, plain, keep_going, norc, rc, safe, quiet, verbose, help, version;
     bool resume;
-    int width, height;                                    /* 0: not given */
-    const char *charset, *color, *format, *split, *check; /* NULL: not given */
-    const char *resume_name;                              /* NULL: the newest */
+    int width, height;                                             /* 0: not given */
+    const char *charset, *color, *format, *split, *check, *sensor; /* NULL: not given */
+    const char *resume_name;                                       /* NULL: the newest */
 };
 
 /* False: a message has been written to standard error; exit status 2. */
