@@ -83,8 +83,7 @@ struct equilibria {
     struct equilibrium_form *form; /* [count] of each */
     bool forced;                   /* of the mean over the drive's period: they are no rest */
     bool complete;                 /* proven that there are no others in the box */
-    char reason[96];               /* why not, and near where: */
-    double unsure[DYNAMICS_VARIABLES];
+    char reason[192];              /* why not, and near where */
     int boxes;
     double seconds;
 };

@@ -190,7 +190,10 @@ void reply_equilibrium(const struct system *system, const struct equilibria *fou
     reply_int(reply, "n", k + 1);
     reply_state(reply, system, "state", s->state);
     reply_string(reply, "type", type_name(found->form[k].type));
-    reply_bool(reply, "stable", solution_stable(s));
+    if (found->form[k].type == EQUILIBRIUM_DEGENERATE)
+        reply_null(reply, "stable"); /* linear theory does not say */
+    else
+        reply_bool(reply, "stable", solution_stable(s));
     reply_values(reply, "eigenvalues", s);
     reply_real(reply, "residual", s->residual);
     if (full)

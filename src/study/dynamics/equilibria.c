@@ -15,15 +15,16 @@
 
 #include "study/compare/verify.h"
 #include "study/dynamics/forms.h"
+#include "study/dynamics/krawczyk.h"
 #include "study/dynamics/solutions.h"
 
 #define BOXES 200000    /* looked at */
 #define SMALLEST 1e-9   /* of the range: not cut any more */
 #define INFLATED 1e-7   /* of the range */
-#define SHRUNK 0.7      /* of the widest side: worth another look before it is cut */
 #define SAME 1e-7       /* of the range: two that are nearer are one */
 #define DOUBTFUL 8      /* that are not proven, and listed */
 #define DOUBTS 200      /* places: no more are looked at */
+#define PLACE 1e-3      /* of the range: doubts that are nearer are about one place */
 #define STARTS 100      /* of Newton's method, where bounds have not decided */
 #define CORRECTIONS 100 /* of zeros that are not simple, too */
 #define BEYOND 1e-6     /* of the range: what lies on the edge is inside */
@@ -36,6 +37,8 @@ struct search {
     const struct equilibria_request *request;
     struct equilibria *found;
     int n, boxes, capacity, doubts;
+    double unsure[FIELD_VARIABLES]; /* where the first doubt is, */
+    bool elsewhere;                 /* and not all of them */
     struct interval (*stack)[FIELD_VARIABLES];
     int depth, room;
     double width[FIELD_VARIABLES]; /* of the range */
@@ -59,85 +62,6 @@ static bool push(struct search *s, const struct interval *box)
     }
     memcpy(s->stack[s->depth++], box, sizeof s->stack[0]);
     return true;
-}
-
-/* An approximate inverse of the middle of the bounds; false: singular. */
-static bool invert(int n, const struct interval *by, double *inverse)
-{
-    for (int column = 0; column < n; column++) {
-        double a[FIELD_VARIABLES * FIELD_VARIABLES], unit[FIELD_VARIABLES] = {0};
-        for (int i = 0; i < n * n; i++)
-            a[i] = middle(by[i]);
-        unit[column] = 1;
-        if (!matrix_solve(n, a, unit))
-            return false;
-        for (int i = 0; i < n; i++)
-            inverse[i * n + column] = unit[i];
-    }
-    return true;
-}
-
-static struct interval product(double factor, struct interval a)
-{
-    const double lo = factor * (factor < 0 ? a.hi : a.lo), hi = factor * (factor < 0 ? a.lo : a.hi);
-    if (factor == 0)
-        return (struct interval){0, 0};
-    return (struct interval){nextafter(lo, -HUGE_VAL), nextafter(hi, HUGE_VAL)};
-}
-
-static struct interval sum(struct interval a, struct interval b)
-{
-    return (struct interval){nextafter(a.lo + b.lo, -HUGE_VAL), nextafter(a.hi + b.hi, HUGE_VAL)};
-}
-
-static struct interval times(struct interval a, struct interval b)
-{
-    const double p[] = {a.lo * b.lo, a.lo * b.hi, a.hi * b.lo, a.hi * b.hi};
-    struct interval out = {p[0], p[0]};
-    for (int i = 1; i < 4; i++) {
-        out.lo = fmin(out.lo, p[i]);
-        out.hi = fmax(out.hi, p[i]);
-    }
-    return (struct interval){nextafter(out.lo, -HUGE_VAL), nextafter(out.hi, HUGE_VAL)};
-}
-
-enum verdict { NONE, ONE, SMALLER, UNKNOWN };
-
-/* K(X) = m - C f(m) + (1 - C J(X)) (X - m), and what it says of the box, which is cut to it. */
-static enum verdict krawczyk(struct search *s, struct interval *box, const struct interval *by)
-{
-    const int n = s->n;
-    double inverse[FIELD_VARIABLES * FIELD_VARIABLES];
-    struct interval at[FIELD_VARIABLES] = {{0}}, rate[FIELD_VARIABLES], k[FIELD_VARIABLES];
-    if (!invert(n, by, inverse))
-        return UNKNOWN;
-    for (int i = 0; i < n; i++)
-        at[i].lo = at[i].hi = middle(box[i]);
-    system_bounds(&s->bounded, at, rate, NULL);
-    bool inside = true, smaller = false;
-    for (int i = 0; i < n; i++) {
-        k[i] = at[i];
-        for (int j = 0; j < n; j++)
-            k[i] = sum(k[i], product(-inverse[i * n + j], rate[j]));
-        for (int j = 0; j < n; j++) {
-            struct interval rest = {i == j, i == j};
-            for (int l = 0; l < n; l++)
-                rest = sum(rest, product(-inverse[i * n + l], by[l * n + j]));
-            k[i] = sum(k[i], times(rest, sum(box[j], (struct interval){-at[j].lo, -at[j].lo})));
-        }
-        if (!(k[i].lo <= k[i].hi) || !isfinite(k[i].lo) || !isfinite(k[i].hi))
-            return UNKNOWN;
-        if (k[i].lo > box[i].hi || k[i].hi < box[i].lo)
-            return NONE;
-        inside = inside && k[i].lo > box[i].lo && k[i].hi < box[i].hi;
-    }
-    for (int i = 0; i < n; i++) {
-        const double before = box[i].hi - box[i].lo;
-        box[i].lo = fmax(box[i].lo, k[i].lo);
-        box[i].hi = fmin(box[i].hi, k[i].hi);
-        smaller = smaller || box[i].hi - box[i].lo < SHRUNK * before;
-    }
-    return inside ? ONE : smaller ? SMALLER : UNKNOWN;
 }
 
 /* ---- what is found ---- */
@@ -174,16 +98,17 @@ static double apart(const struct search *s, int i, double a, double b)
     return s->turn[i] > 0 ? fabs(remainder(a - b, s->turn[i])) : fabs(a - b);
 }
 
-static bool known(const struct search *s, const double *y)
+/* NULL: not found yet */
+static struct solution *known(const struct search *s, const double *y)
 {
     for (int k = 0; k < s->found->count; k++) {
         double most = 0;
         for (int i = 0; i < s->n; i++)
             most = fmax(most, apart(s, i, s->found->of[k].state[i], y[i]) / s->width[i]);
         if (most < SAME)
-            return true;
+            return &s->found->of[k];
     }
-    return false;
+    return NULL;
 }
 
 /* Is every derivative 0 there, but for rounding of its parts? */
@@ -200,6 +125,16 @@ static bool rests(struct search *s, const double *y)
     return zero;
 }
 
+/* Newton's method may have gone far. */
+static bool is_in_box(const struct search *s, const double *y)
+{
+    bool inside = true;
+    for (int i = 0; i < s->n; i++)
+        inside = inside && y[i] >= s->request->box[i][0] - BEYOND * s->width[i] &&
+                 y[i] <= s->request->box[i][1] + BEYOND * s->width[i];
+    return inside;
+}
+
 static bool keep(struct search *s, const struct interval *box, bool proven)
 {
     double y[FIELD_VARIABLES];
@@ -212,7 +147,10 @@ static bool keep(struct search *s, const struct interval *box, bool proven)
     for (int i = 0; i < s->n; i++) /* of both ends of a turn, the upper one */
         if (s->turn[i] > 0 && y[i] < s->request->box[i][0] + SAME * s->width[i])
             y[i] += s->turn[i];
-    if (known(s, y) || (!proven && !rests(s, y)))
+    struct solution *same = known(s, y);
+    if (same)
+        same->multiple = same->multiple && !proven;
+    if (same || (!proven && (!is_in_box(s, y) || !rests(s, y))))
         return true;
     if (s->found->count == s->capacity) {
         const int capacity = s->capacity > 0 ? 2 * s->capacity : 16;
@@ -232,12 +170,12 @@ static bool keep(struct search *s, const struct interval *box, bool proven)
 static void doubt(struct search *s, const struct interval *box)
 {
     struct equilibria *found = s->found;
-    if (found->complete) {
+    if (found->complete)
         for (int i = 0; i < s->n; i++)
-            found->unsure[i] = middle(box[i]);
-        snprintf(found->reason, sizeof found->reason,
-                 "bounds do not decide how many there are near one place");
-    }
+            s->unsure[i] = middle(box[i]);
+    for (int i = 0; i < s->n; i++)
+        s->elsewhere =
+            s->elsewhere || apart(s, i, middle(box[i]), s->unsure[i]) > PLACE * s->width[i];
     found->complete = false;
     s->doubts++;
 }
@@ -251,10 +189,8 @@ static void leave_doubtful_out(struct search *s)
         doubtful += found->of[k].multiple;
     const bool listed = doubtful <= DOUBTFUL && s->doubts <= DOUBTS;
     for (int k = 0; k < found->count; k++)
-        if (listed || !found->of[k].multiple) {
-            found->of[k].multiple = 0;
+        if (listed || !found->of[k].multiple)
             found->of[kept++] = found->of[k];
-        }
     if (kept < found->count)
         snprintf(found->reason, sizeof found->reason,
                  "bounds do not decide at many places, which are left out");
@@ -280,7 +216,7 @@ static bool one_nearby(struct search *s, const struct interval *box)
             return false;
     }
     system_bounds(&s->bounded, wide, rate, by);
-    return krawczyk(s, wide, by) == ONE;
+    return krawczyk(&s->bounded, wide, by) == ONE;
 }
 
 static bool cut(struct search *s, const struct interval *box)
@@ -320,7 +256,7 @@ static bool look(struct search *s, struct interval *box)
         for (int i = 0; i < s->n; i++)
             if (rate[i].lo > 0 || rate[i].hi < 0 || rate[i].lo != rate[i].lo)
                 return true;
-        switch (krawczyk(s, box, by)) {
+        switch (krawczyk(&s->bounded, box, by)) {
         case NONE:
             return true;
         case ONE:
@@ -384,6 +320,18 @@ static bool search_more(struct search *s)
     return true;
 }
 
+/* The equations as a whole are nothing, or not the same again after a time. */
+static bool no_bounds(const struct search *s, struct error *error)
+{
+    if (s->field.system.autonomous)
+        return error_set(error, ERROR_COMMAND,
+                         "nothing moves anywhere: every state is an equilibrium");
+    error_set(error, ERROR_COMMAND,
+              "the equations depend on time, but not with one period: "
+              "nothing rests, not even in the mean");
+    return error_hint(error, "a parameter in place of t, as in param tau = 0, holds the time");
+}
+
 static bool begin(struct search *s, struct error *error)
 {
     const struct equilibria_request *request = s->request;
@@ -405,12 +353,34 @@ static bool begin(struct search *s, struct error *error)
     }
     s->found->forced = !s->field.system.autonomous;
     if (!system_bounds(&s->bounded, box, rate, NULL))
-        return error_set(error, ERROR_COMMAND,
-                         "equilibria are found where the drive has one period");
+        return no_bounds(s, error);
     return push(s, box) || error_memory(error);
 }
 
-/* All of them, in order, and what they are. */
+/* Why there may be more, where it is not said yet. */
+static void give_reason(struct search *s)
+{
+    struct equilibria *found = s->found;
+    struct buffer text = {0};
+    if (found->complete || (found->reason[0] && !s->field.system.dry))
+        return;
+    if (s->field.system.dry) {
+        buffer_put(&text, TEXT("dry friction holds it at rest all over a stretch"));
+    } else {
+        buffer_put(&text, TEXT("bounds do not decide how many there are near "));
+        for (int i = 0; i < s->n; i++) {
+            const struct variable variable = system_variable(&s->field.system, i);
+            buffer_format(&text, "%s%s = ", i ? ", " : "", variable.name);
+            const bool zero = fabs(s->unsure[i]) < SAME * s->width[i];
+            buffer_quantity(&text, zero ? 0 : s->unsure[i], variable.quantity, 4);
+        }
+        buffer_put(&text, s->elsewhere ? TEXT(" and elsewhere") : TEXT(""));
+    }
+    snprintf(found->reason, sizeof found->reason, "%.*s", (int)text.len, text.len ? text.data : "");
+    buffer_free(&text);
+}
+
+/* All of them, in order, and what they are. Where bounds have not decided eigenvalues do not. */
 static bool finish(struct search *s)
 {
     struct equilibria *found = s->found;
@@ -423,9 +393,12 @@ static bool finish(struct search *s)
         if (!equilibrium_form(&s->field, &s->bounded, s->conservative, &found->of[k],
                               &found->form[k]))
             return false;
-    if (!found->complete && s->field.system.dry)
-        snprintf(found->reason, sizeof found->reason,
-                 "dry friction holds it at rest all over a stretch");
+    for (int k = 0; k < found->count; k++)
+        if (found->of[k].multiple) {
+            found->form[k].type = EQUILIBRIUM_DEGENERATE;
+            found->form[k].index = found->of[k].multiple = 0;
+        }
+    give_reason(s);
     return true;
 }
 
