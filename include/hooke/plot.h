@@ -208,6 +208,16 @@ bool session_cursor_reading(const struct session *session, struct cursor_reading
 /* The same in four lines for people, as `cursor` prints them; without a newline at the end. */
 void session_cursor_lines(const struct session *session, struct buffer *text);
 
+/* What the point of the cursors moves on: the portrait that was drawn last, where its pane has the
+ * focus; NULL: there is none. */
+const struct portrait_request *cursor_plane(const struct session *session);
+/* The state there: of variables that are not shown as the portrait has them. */
+void cursor_plane_state(const struct session *session, double *state);
+/* "start x=1,y=0.5": the command that begins a trajectory there. */
+void cursor_plane_start(const struct session *session, struct buffer *line);
+/* Two lines for people: where it stands, and what is there. */
+void cursor_plane_lines(const struct session *session, struct buffer *text);
+
 /* After a command: cursors that stand on something that has changed find their places again. */
 void cursors_refresh(struct session *session);
 

@@ -35,6 +35,8 @@ int screen_log_max(const struct session *session, int width, int height);
 /* Time [s] one column of the focused time plot is wide: how far a cursor key moves. 0: no such
  * plot. */
 double screen_column_time(const struct session *session, int width, int height);
+/* What a cell is of the axes of the focused plane, across and up (SI); false: it is not shown. */
+bool screen_plane_cell(const struct session *session, int width, int height, double cell[2]);
 /* [s] from, to of that plot's time axis; false: no such plot. */
 bool screen_time_shown(const struct session *session, int width, int height, double span[2]);
 

@@ -373,7 +373,9 @@ void cursors_refresh(struct session *session)
     struct arena arena = {0};
     struct ground ground;
     struct error ignored;
-    if (!cursors->shown)
+    if (cursors->plane && !cursor_plane(session))
+        cursors->plane = cursors->shown = false;
+    if (!cursors->shown || cursors->plane)
         return;
     /* Cheap where nothing has changed: the same run, as long as before. */
     const struct run *run = session_run(session);

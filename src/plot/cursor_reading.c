@@ -13,7 +13,7 @@
 bool session_cursor_reading(const struct session *session, struct cursor_reading *reading)
 {
     const struct cursors *c = &session->view.cursors;
-    if (!c->shown || !c->at[0].set || !c->at[1].set)
+    if (!c->shown || c->plane || !c->at[0].set || !c->at[1].set)
         return false;
     const struct scene *scene = subject_scene(session, c->on_data ? NULL : session_run(session));
     const double dt = c->at[1].t - c->at[0].t, n = c->periods;

@@ -132,25 +132,41 @@ static void say_fourth(const struct session *session, int count, struct buffer *
 /* ---- on the plot
  * ------------------------------------------------------------------------------------------ */
 
-static void move_cursor(const struct session *session, const char *where, int count,
-                        struct buffer *line)
+/* Behind `cursor left` and the like: so many columns, or rows, of what is shown there. */
+static void add_step(double step, struct buffer *line)
 {
-    const double time = count * column_time(session);
-    buffer_format(line, "cursor %s", where);
-    if (time > 0) {
+    if (step > 0) {
         buffer_char(line, ' ');
-        buffer_short(line, time, 6);
+        buffer_short(line, step, 6);
     }
 }
 
-static void say_left(const struct session *session, int count, struct buffer *line)
+static void add_columns(const struct session *session, int count, struct buffer *line)
 {
-    move_cursor(session, "left", count, line);
+    add_step(count * column_time(session), line);
 }
 
-static void say_right(const struct session *session, int count, struct buffer *line)
+static void add_cells(const struct session *session, int count, int axis, struct buffer *line)
 {
-    move_cursor(session, "right", count, line);
+    double cell[2];
+    if (screen_plane_cell(session, session->front.width, session->front.height, cell))
+        add_step(count * cell[axis], line);
+}
+
+static void add_across(const struct session *session, int count, struct buffer *line)
+{
+    add_cells(session, count, 0, line);
+}
+
+static void add_up(const struct session *session, int count, struct buffer *line)
+{
+    add_cells(session, count, 1, line);
+}
+
+static void say_start(const struct session *session, int count, struct buffer *line)
+{
+    (void)count;
+    cursor_plane_start(session, line);
 }
 
 static void say_snap(const struct session *session, int count, struct buffer *line)
@@ -249,8 +265,8 @@ static const struct key {
     const char *keys[4];    /* what the terminal sends */
     const char *capability; /* or what terminfo says; NULL: nothing more */
     const char *command;    /* NULL: made by `make` */
-    make *make;
-    bool silent; /* looks at the screen only: neither shown in the log nor remembered */
+    make *make;             /* NULL: nothing follows */
+    bool silent;            /* looks at the screen only: neither shown in the log nor remembered */
 } keys[] = {
     {{CX "h"}, "kf1", NULL, say_help, false},
     {{CX "r"}, "kf5", NULL, say_run, false},
@@ -274,8 +290,8 @@ static const struct key {
 };
 
 static const struct key cursor_keys[] = {
-    {{"\033[D", "\033OD", "<"}, "kcub1", NULL, say_left, true},
-    {{"\033[C", "\033OC", ">"}, "kcuf1", NULL, say_right, true},
+    {{"\033[D", "\033OD", "<"}, "kcub1", "cursor left", add_columns, true},
+    {{"\033[C", "\033OC", ">"}, "kcuf1", "cursor right", add_columns, true},
     {{","}, NULL, "cursor left", NULL, true},
     {{"."}, NULL, "cursor right", NULL, true},
     {{"\033[A", "\033OA", "\033[B", "\033OB"}, NULL, "cursor series", NULL, true},
@@ -293,6 +309,21 @@ static const struct key cursor_keys[] = {
     {{":"}, NULL, NULL, type_command, true},
     {{"?"}, NULL, "help cursor", NULL, false},
     {{"\r", "\n"}, NULL, "cursor keep", NULL, false},
+    {{"q", "\004"}, NULL, "cursor off", NULL, false},
+};
+
+/* The same while a point stands on the portrait. */
+static const struct key point_keys[] = {
+    {{"\033[D", "\033OD", "<"}, "kcub1", "cursor left", add_across, true},
+    {{"\033[C", "\033OC", ">"}, "kcuf1", "cursor right", add_across, true},
+    {{"\033[A", "\033OA"}, "kcuu1", "cursor up", add_up, true},
+    {{"\033[B", "\033OB"}, "kcud1", "cursor down", add_up, true},
+    {{"n"}, NULL, "cursor next", NULL, true},
+    {{"N"}, NULL, "cursor previous", NULL, true},
+    {{"x"}, NULL, "start clear", NULL, false},
+    {{":"}, NULL, NULL, type_command, true},
+    {{"?"}, NULL, "help start", NULL, false},
+    {{"\r", "\n"}, NULL, NULL, say_start, false},
     {{"q", "\004"}, NULL, "cursor off", NULL, false},
 };
 
@@ -381,16 +412,17 @@ static int on_key(int count, int last)
         return last == '\f' ? rl_clear_screen(1, last) : rl_ding();
     }
     const struct key *on_cursors =
-        keys_on_plot()   ? find_key(cursor_keys, COUNT_OF(cursor_keys), &longest)
+        keys_on_plot() && panes_active->program->session->view.cursors.plane
+            ? find_key(point_keys, COUNT_OF(point_keys), &longest)
+        : keys_on_plot() ? find_key(cursor_keys, COUNT_OF(cursor_keys), &longest)
         : keys_on_text() ? find_key(reading_keys, COUNT_OF(reading_keys), &longest)
                          : NULL;
     key = on_cursors ? on_cursors : key;
     if (!key) {
         return rl_ding();
     }
-    if (key->command) {
-        buffer_put(&line, text_of(key->command));
-    } else {
+    buffer_put(&line, key->command ? text_of(key->command) : TEXT(""));
+    if (key->make) {
         key->make(panes_active->program->session, count, &line);
     }
     if (line.len > 0) {
@@ -433,6 +465,7 @@ void keys_bind(void)
     if (on_plot) {
         bind(keys, COUNT_OF(keys), on_plot);
         bind(cursor_keys, COUNT_OF(cursor_keys), on_plot);
+        bind(point_keys, COUNT_OF(point_keys), on_plot);
     }
     on_text = rl_make_bare_keymap();
     if (on_text) {

@@ -24,7 +24,7 @@ void cursors_draw(const struct screen *screen, const struct figure_layout *layou
     uint32_t line = charset_is_plain(screen->charset) ? ':' : 0x250A;
     int column, row;
 
-    for (int i = 0; i < 2 && cursors->shown; i++) {
+    for (int i = 0; i < 2 && cursors->shown && !cursors->plane; i++) {
         if (!cursors->at[i].set ||
             !figure_cell(layout, cursors->at[i].t, layout->y.from, &column, &row))
             continue;
@@ -101,11 +101,32 @@ static void put_theory(struct buffer *out, const struct cursor_reading *reading)
         buffer_format(out, "   log decrement %.3g  Q = %.3g", reading->decrement, reading->quality);
 }
 
+/* Of the point on a portrait. */
+static void plane_table(const struct screen *screen, struct rectangle at)
+{
+    struct buffer said = {0};
+    cursor_plane_lines(screen->session, &said);
+    const struct text lines[] = {
+        TEXT(" arrows move   n/N next/previous equilibrium   Enter a trajectory from here"),
+        TEXT(" x start clear   : a command   q leave   ? help   PgUp log")};
+    struct text rest = buffer_text(&said), line;
+    int y = 0;
+    for (; y < at.height && text_split(&rest, '\n', &line); y++)
+        line_draw(screen, at.x + 1, at.y + y, at.width - 1, line, y ? STYLE_PLAIN : STYLE_BOLD);
+    for (size_t i = 0; i < COUNT_OF(lines) && y < at.height; i++)
+        line_draw(screen, at.x, at.y + y++, at.width, lines[i], STYLE_DIM);
+    buffer_free(&said);
+}
+
 void cursors_table(const struct screen *screen, struct rectangle at)
 {
     const struct session *session = screen->session;
     const struct cursors *cursors = &session->view.cursors;
     struct buffer line[TABLE_ROWS] = {{0}};
+    if (cursors->plane) {
+        plane_table(screen, at);
+        return;
+    }
     /* Which rows stay when there is no room for all: the most important first. */
     static const int order[TABLE_ROWS] = {2, 0, 1, 3, 4, 5};
     bool shown[TABLE_ROWS] = {false};

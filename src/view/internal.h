@@ -63,6 +63,9 @@ bool panes_figures(struct screen *screen, const struct placed_pane *placed, int 
 int pane_drawn_height(const struct placed_pane *placed);
 /* false: no memory */
 bool panes_draw(struct screen *screen, const struct placed_pane *placed, int placed_count);
+/* What a cell is of the axes of the pane, across and up; false: it is not on the screen. */
+bool panes_plane_cell(struct screen *screen, const struct placed_pane *placed, int placed_count,
+                      enum plot_kind pane, double cell[2]);
 /* [s] from, to of the time axis of the focused time plot, else of the first. Returns its columns,
  * 0: there is none. */
 int panes_time_axis(struct screen *screen, const struct placed_pane *placed, int placed_count,

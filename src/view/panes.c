@@ -321,6 +321,23 @@ bool panes_draw(struct screen *screen, const struct placed_pane *placed, int pla
     return true;
 }
 
+bool panes_plane_cell(struct screen *screen, const struct placed_pane *placed, int placed_count,
+                      enum plot_kind pane, double cell[2])
+{
+    struct figure figure[PLACED_MAX];
+    struct figure_layout layout;
+    int found = 0;
+    while (found < placed_count && placed[found].pane != pane)
+        found++;
+    if (found == placed_count || !panes_figures(screen, placed, placed_count, figure))
+        return false;
+    figure_layout(&figure[found], placed[found].at.width, pane_drawn_height(&placed[found]),
+                  screen->charset, &layout);
+    cell[0] = (layout.x.to - layout.x.from) / larger(layout.columns - 1, 1);
+    cell[1] = (layout.y.to - layout.y.from) / larger(layout.rows - 1, 1);
+    return true;
+}
+
 int panes_time_axis(struct screen *screen, const struct placed_pane *placed, int placed_count,
                     double span[2])
 {

@@ -64,13 +64,30 @@ int screen_log_max(const struct session *session, int width, int height)
     return larger(rows - screen_log_rows(session, width, height), session->view.cursors.shown);
 }
 
+static int place_panes(const struct session *session, int width, int height,
+                       struct placed_pane placed[PLACED_MAX])
+{
+    const struct division division = screen_division(session, height);
+    const struct rectangle area = {0, division.state, width, division.plots};
+    return division.plots ? screen_panes(session, area, height, placed) : 0;
+}
+
+bool screen_plane_cell(const struct session *session, int width, int height, double cell[2])
+{
+    struct screen screen = {.session = session, .charset = session_charset(session)};
+    struct placed_pane placed[PLACED_MAX];
+    const int placed_count = place_panes(session, width, height, placed);
+    const bool fine =
+        panes_plane_cell(&screen, placed, placed_count, view_focus(&session->view), cell);
+    arena_reset(&screen.arena);
+    return fine;
+}
+
 static int time_axis(const struct session *session, int width, int height, double span[2])
 {
     struct screen screen = {.session = session, .charset = session_charset(session)};
-    struct division division = screen_division(session, height);
     struct placed_pane placed[PLACED_MAX];
-    const struct rectangle area = {0, division.state, width, division.plots};
-    int placed_count = division.plots ? screen_panes(session, area, height, placed) : 0;
+    const int placed_count = place_panes(session, width, height, placed);
     int columns = panes_time_axis(&screen, placed, placed_count, span);
     arena_reset(&screen.arena);
     return columns;

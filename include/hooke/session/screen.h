@@ -38,10 +38,12 @@ enum snap { SNAP_CROSSING, SNAP_PEAK, SNAP_SAMPLE, SNAP_NONE };
 extern const struct catalog snap_catalog; /* struct row at the enum's place */
 
 struct cursors {
-    bool shown;   /* the two cursors stand on the plot */
-    bool on_data; /* they stand on the recording, else on the current run */
-    int active;   /* 0: A, 1: B */
-    bool locked;  /* both move together */
+    bool shown;      /* the two cursors stand on the plot */
+    bool plane;      /* instead of them a point stands on the portrait: */
+    double point[2]; /* SI, of the variables across and up */
+    bool on_data;    /* they stand on the recording, else on the current run */
+    int active;      /* 0: A, 1: B */
+    bool locked;     /* both move together */
     struct {
         bool set;
         double t, t_uncertainty, y; /* [s] [s] SI */

@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* start */
 #ifndef COMMAND_ROWS
+#include <hooke/plot.h>
 #include <hooke/report.h>
+#include <hooke/session/portrait.h>
 #include "command/internal.h"
 
 #include <string.h>
@@ -14,12 +16,19 @@ static void present_state(const struct session *session, const struct system *sy
     memcpy(state, present ? run->y : system->start, (size_t)system->n * sizeof *state);
 }
 
-/* Of the run where cursor A stands. */
+/* Of the point on the portrait, else of the run where cursor A stands. */
 static bool state_at_cursor(const struct session *session, const struct system *system,
                             double *state, struct error *error)
 {
     const struct run *run = session_run(session);
     const struct cursors *cursors = &session->view.cursors;
+    if (cursors->shown && cursors->plane && cursor_plane(session)) {
+        const struct portrait_request *plane = cursor_plane(session);
+        present_state(session, system, state);
+        for (int k = 0; k < 2; k++)
+            state[plane->variable[k]] = cursors->point[k];
+        return true;
+    }
     if (!run || run->scene.model != system->model || !cursors->at[0].set) {
         error_set(error, ERROR_COMMAND, "no cursor stands on a run of this scene");
         return error_hint(error, "cursor A TIME sets one");
@@ -56,7 +65,8 @@ static bool read_part(struct session *session, const struct arguments *args, str
     return true;
 }
 
-static void list_starts(const struct session *session, const struct system *system,
+/* From the first or a later one on. */
+static void list_starts(const struct session *session, const struct system *system, int first,
                         struct reply *reply)
 {
     const struct view *view = &session->view;
@@ -64,7 +74,7 @@ static void list_starts(const struct session *session, const struct system *syst
     if (starts == 0)
         reply_line(reply, "no trajectory has been started: start %s=VALUE",
                    system->model->variable[0].name);
-    for (int k = 0; k < starts; k++) {
+    for (int k = first; k < starts; k++) {
         struct buffer text = {0};
         buffer_format(&text, "%3d ", k + 1);
         reply_begin(reply, "start");
@@ -102,7 +112,7 @@ HANDLER(start)
         return true;
     }
     if (rest.len == 0) {
-        list_starts(session, &system, reply);
+        list_starts(session, &system, 0, reply);
         return true;
     }
     if (text_is(rest, "cursor")) {
@@ -124,7 +134,7 @@ HANDLER(start)
     view->start_n = system.n;
     memset(view->start[view->starts], 0, sizeof view->start[0]);
     memcpy(view->start[view->starts++], state, (size_t)system.n * sizeof *state);
-    list_starts(session, &system, reply);
+    list_starts(session, &system, view->starts - 1, reply);
     session_changed(session);
     return true;
 }
@@ -136,10 +146,12 @@ COMMAND(
     .group = "DYNAMICS",
     .text = "A state, values that are not named as they are at present: 'plot portrait' and its "
             "pane draw where it goes\n"
-            "and where it comes from. 'start cursor' takes the run's state at cursor A. At most "
+            "and where it comes from. 'start cursor' takes the point that 'cursor' (F7) moves in "
+            "the portrait's "
+            "pane, else the run's state at cursor A. At most "
             "16; without a state they are listed, 'start clear' "
             "takes them away.",
     .examples = "scene pendulum; start theta=1,rate=2; plot portrait\n"
                 "start clear",
-    .see = "plot equilibria focus", .flags = COMMAND_ANYTIME,
+    .see = "plot equilibria focus cursor", .flags = COMMAND_ANYTIME,
     ARGUMENTS(PLACE("NAME=VALUE", TYPE_REST)))

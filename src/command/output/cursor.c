@@ -2,6 +2,7 @@
 /* cursor */
 #ifndef COMMAND_ROWS
 #include <hooke/plot/cursor.h>
+#include <hooke/session/portrait.h>
 #include "command/internal.h"
 
 #include <math.h>
@@ -19,7 +20,9 @@ enum cursor_action {
     GO_SERIES,
     GO_LOCK,
     GO_KEEP,
-    GO_OFF
+    GO_OFF,
+    GO_UP,
+    GO_DOWN
 };
 
 static const struct row actions[] = {
@@ -34,6 +37,8 @@ static const struct row actions[] = {
     [GO_LOCK] = {"lock", "", "move both together, or apart again", "", NULL},
     [GO_KEEP] = {"keep", "", "keep the period as a measurement", "", NULL},
     [GO_OFF] = {"off", "", "hide the cursors", "", NULL},
+    [GO_UP] = {"up", "", "on a portrait: up", "", NULL},
+    [GO_DOWN] = {"down", "", "on a portrait: down", "", NULL},
 };
 const struct catalog cursor_action_catalog = CATALOG("action", actions);
 
@@ -118,8 +123,124 @@ static bool act(struct session *session, const struct arguments *args, struct gr
     case GO_OFF:
         c->shown = false;
         return true;
+    case GO_UP:
+    case GO_DOWN:
+        error_set(error, ERROR_COMMAND, "up and down are for the point on a portrait");
+        return error_hint(error, "focus portrait full, then cursor");
     }
     return false;
+}
+
+/* ---- the point on a portrait ---- */
+
+/* Along an axis by so much, or by a hundredth of it; not out of the box. */
+static void move_point(struct cursors *c, const struct portrait_request *plane, int axis, double by)
+{
+    const double *box = plane->box[axis];
+    c->point[axis] = fmin(fmax(c->point[axis] + by, box[0]), box[1]);
+}
+
+/* The equilibria in their order, once around, from the one that comes next across. */
+static bool next_equilibrium(const struct session *session, struct cursors *c,
+                             const struct portrait_request *plane, bool forward,
+                             struct error *error)
+{
+    const struct equilibria *found = &session->portrait->portrait.found;
+    const int sign = forward ? 1 : -1;
+    int best = -1;
+    double nearest[2] = {HUGE_VAL, HUGE_VAL};
+    for (int e = 0; e < found->count; e++) {
+        const double *state = found->of[e].state;
+        double by[2];
+        for (int k = 0; k < 2; k++)
+            by[k] = sign * (state[plane->variable[k]] - c->point[k]);
+        const double width = plane->box[0][1] - plane->box[0][0];
+        const bool on = fabs(by[0]) < 1e-9 * width;
+        if (on && !(by[1] > 1e-9 * (plane->box[1][1] - plane->box[1][0])))
+            by[0] = width;
+        else if (!on && by[0] < 0)
+            by[0] += width;
+        if (by[0] < nearest[0] || (by[0] == nearest[0] && by[1] < nearest[1])) {
+            memcpy(nearest, by, sizeof by);
+            best = e;
+        }
+    }
+    for (int k = 0; k < 2 && best >= 0; k++)
+        c->point[k] = found->of[best].state[plane->variable[k]];
+    return best >= 0 || error_set(error, ERROR_COMMAND, "there is no equilibrium in this portrait");
+}
+
+static bool act_on_plane(const struct session *session, const struct arguments *args,
+                         struct cursors *c, const struct portrait_request *plane,
+                         struct error *error)
+{
+    const struct argument_value *by = argument_value(args, "TIME");
+    const int what = argument_value(args, "WHAT")->item->index;
+    const int axis = what == GO_UP || what == GO_DOWN;
+    const double step =
+        by->count ? by->item->value.value : (plane->box[axis][1] - plane->box[axis][0]) / 100;
+    switch ((enum cursor_action)what) {
+    case GO_LEFT:
+    case GO_DOWN:
+        move_point(c, plane, axis, -step);
+        return true;
+    case GO_RIGHT:
+    case GO_UP:
+        move_point(c, plane, axis, step);
+        return true;
+    case GO_NEXT:
+    case GO_PREVIOUS:
+        return next_equilibrium(session, c, plane, what == GO_NEXT, error);
+    case GO_OFF:
+        c->shown = c->plane = false;
+        return true;
+    default:
+        error_set(error, ERROR_COMMAND, "'%s' is for the cursors on a plot over time",
+                  actions[what].name);
+        return error_hint(error,
+                          "on a portrait: left, right, up, down, next, previous, off; 'start "
+                          "cursor' begins a trajectory there");
+    }
+}
+
+/* A screen has drawn it already. */
+static bool draw_plane(const struct session *session, struct arena *arena, struct error *error)
+{
+    const struct figure_request request = {
+        .kind = PLOT_PORTRAIT, .recording = -1, .window = {NAN, NAN}, .width = 80, .follow = true};
+    struct figure figure;
+    return cursor_plane(session) || session_figure(session, &request, arena, &figure, error);
+}
+
+/* Where nothing is said the point appears, or goes; first where the motion is. */
+static bool point(struct session *session, const struct arguments *args, bool any,
+                  struct reply *reply, struct error *error)
+{
+    const struct portrait_request *plane = cursor_plane(session);
+    struct cursors *c = &session->view.cursors, before = *c;
+    struct buffer text = {0};
+    const struct run *run = session_run(session);
+    const bool present = run && run->scene.model == session->setup.scene.model;
+    for (int k = 0; k < 2 && !c->plane; k++) {
+        const double *box = plane->box[k],
+                     at = present ? run->y[plane->variable[k]] : 0.5 * (box[0] + box[1]);
+        c->point[k] = fmin(fmax(at, box[0]), box[1]);
+    }
+    c->shown = any || !c->plane;
+    c->plane = c->shown;
+    if (any && !act_on_plane(session, args, c, plane, error)) {
+        *c = before;
+        return false;
+    }
+    session_changed(session);
+    if (!c->shown) {
+        reply_line(reply, "cursors off");
+        return true;
+    }
+    cursor_plane_lines(session, &text);
+    reply_text(reply, buffer_text(&text));
+    buffer_free(&text);
+    return true;
 }
 
 static bool put_arguments(struct cursors *c, const struct ground *ground, int which,
@@ -203,6 +324,10 @@ HANDLER(cursor)
     for (int i = 0; i < args->command->arguments; i++)
         any |= has(args, i);
     session->live.pausing = session->live.state == LIVE_RUNNING;
+    const bool timed = any && !has_argument(args, "WHAT");
+    if (!timed && view_focus(&session->view) == PLOT_PORTRAIT && (c->plane || !c->shown))
+        return draw_plane(session, args->arena, error) && point(session, args, any, reply, error);
+    c->plane = false;
     const bool hide =
         any ? has_argument(args, "WHAT") && argument_value(args, "WHAT")->item->index == GO_OFF
             : c->shown;
@@ -243,9 +368,12 @@ COMMAND(cursor,
                 "B moves), series (run or "
                 "recording), lock,\n"
                 "keep (as a measurement), off. They stand on the current run unless told; a run "
-                "that goes on is paused.",
+                "that goes on is paused.\n"
+                "While the pane portrait has the focus it is a point on its plane: left, right, "
+                "up, down, next and\n"
+                "previous (equilibrium); Enter, or 'start cursor', begins a trajectory there.",
         .examples = "run; cursor\nrun; cursor A 1 s; cursor periods 4; cursor keep",
-        .see = "measure list plot", .flags = COMMAND_ANYTIME,
+        .see = "measure list start", .flags = COMMAND_ANYTIME,
         ARGUMENTS(WORD("A", TYPE_VALUE, .flags = ARG_NEGATIVE, .quantity = QUANTITY_TIME),
                   WORD("B", TYPE_VALUE, .flags = ARG_NEGATIVE, .quantity = QUANTITY_TIME),
                   WORD("go", TYPE_VALUE, .flags = ARG_NEGATIVE, .quantity = QUANTITY_TIME),

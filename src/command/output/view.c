@@ -222,8 +222,8 @@ HANDLER(zoom)
         return false;
     /* About the cursor that moves, where it is in sight. */
     const double t = view->cursors.at[view->cursors.active].t;
-    const bool about = view->cursors.shown && view->cursors.at[view->cursors.active].set &&
-                       t > shown[0] && t < shown[1];
+    const bool about = view->cursors.shown && !view->cursors.plane &&
+                       view->cursors.at[view->cursors.active].set && t > shown[0] && t < shown[1];
     const double centre = about ? t : 0.5 * (shown[0] + shown[1]);
     set_span(session, centre - (centre - shown[0]) / factor, (shown[1] - shown[0]) / factor, whole);
     reply_range(session, true, reply);

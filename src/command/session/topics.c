@@ -98,7 +98,9 @@ static const struct guide_topic topics[] = {
     TOPIC(
         "dynamics", "phase plane, Poincare sections, return maps, spectra, chaos",
         "'plot phase' and 'plot y against x' show orbits; an event recorded once a drive's period "
-        "makes a section, --next a return map. 'plot spectrum' has the frequencies.",
+        "makes a section, --next a return map. 'plot spectrum' has the frequencies. In the pane "
+        "portrait ('focus portrait full') F7 is a point: arrows move it, Enter starts a "
+        "trajectory.",
         "scene duffing-driven; method dopri5 tol=1e-9\n"
         "event stroke when sin(omega*t) rising do record\n"
         "run 150 s\n"

@@ -216,6 +216,24 @@ static bool add_orbits(struct drawing *d, const struct portrait_request *wanted)
     return fine || error_memory(d->error);
 }
 
+/* Where the cursors' point stands, of a pane: in front of everything. */
+static bool add_cursor(struct drawing *d)
+{
+    const struct cursors *cursors = &d->session->view.cursors;
+    if (!d->request->follow || !cursors->shown || !cursors->plane)
+        return true;
+    double *at = arena_array(d->arena, 2, sizeof *at);
+    if (!at)
+        return error_memory(d->error);
+    memcpy(at, cursors->point, sizeof cursors->point);
+    struct curve *curve = add(d, "cursor", '+');
+    curve->points = true;
+    curve->x = at;
+    curve->y = at + 1;
+    curve->n = 1;
+    return true;
+}
+
 /* One curve a type: letters, large where it is stable. */
 static bool add_equilibria(struct drawing *d, const struct portrait_request *wanted,
                            const struct equilibria *found)
@@ -422,11 +440,11 @@ bool portrait_figure(struct drawing *d, struct figure *figure)
     if (!portrait)
         return false;
     d->curve =
-        arena_array(d->arena, PORTRAIT_LINES + 6 + equilibrium_catalog.count, sizeof *d->curve);
+        arena_array(d->arena, PORTRAIT_LINES + 7 + equilibrium_catalog.count, sizeof *d->curve);
     if (!d->curve)
         return error_memory(d->error);
     if (!add_run(d, &wanted) || !add_starts(d, &system, &wanted) || !add_orbits(d, &wanted) ||
-        !add_lines(d, &wanted, portrait, &system) ||
+        !add_lines(d, &wanted, portrait, &system) || !add_cursor(d) ||
         !add_equilibria(d, &wanted, &portrait->found) || !add_directions(d, &system, &wanted))
         return false;
     struct buffer words = {0};

@@ -288,6 +288,47 @@ static void test_lines_of_keys(void **state)
     quit(&p);
 }
 
+/* The point on the portrait: arrows by cells, Enter is the command `start X,Y`. */
+static void test_point_on_portrait(void **state)
+{
+    (void)state;
+    struct person p;
+    start_panes(&p, (struct start){0});
+    enter(&p, "var q = 1; var v = 0; q' = v; v' = -sin(q)-0.2*v");
+    enter(&p, "focus portrait full; range x -4:4; range y -2:2");
+    expect(&p, "portrait v");
+    type(&p, "\033[18~");
+    expect_prompt(&p, "cursors (q leaves, : types a command)>");
+    expect(&p, "n/N next/previous equilibrium");
+    type(&p, "n");
+    expect(&p, "on equilibrium 3, a saddle");
+    type(&p, "N");
+    expect(&p, "q = 0   v = 0");
+    type(&p, "\033[A");
+    expect(&p, "q = 0   v = 0.");
+    type(&p, "\033[B");
+    expect(&p, "on equilibrium 2, a stable focus");
+    type(&p, "\033[C\033[C\033[C\033OA\033OA\r");
+    expect(&p, "starts: 1 of 16");
+    expect(&p, "starts ");
+    type(&p, "\033[D\r");
+    expect(&p, "starts: 2 of 16");
+    type(&p, "\t"); /* of the cursors over time: nothing here */
+    type(&p, ":start v=0.5\r");
+    expect(&p, "starts: 3 of 16");
+    type(&p, "x");
+    expect(&p, "starts: 0 of 16");
+    type(&p, "q");
+    expect_prompt(&p, EMPTY_PROMPT);
+    expect(&p, "hooke> start clear");
+    type(&p, "\033[18~");
+    expect(&p, "starts: 0 of 16");
+    type(&p, ":scene spring\r"); /* the portrait is gone, and the point with it */
+    expect(&p, "hooke> scene spring");
+    expect_prompt(&p, EMPTY_PROMPT);
+    quit(&p);
+}
+
 /* Where lines cannot be broken readline divided by a third of the width. */
 static void test_any_size(void **state)
 {
@@ -313,8 +354,11 @@ int main(int argc, char **argv)
         return 1;
     }
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_known),    cmocka_unit_test(test_count_before_enter),
-        cmocka_unit_test(test_random),   cmocka_unit_test(test_lines_of_keys),
+        cmocka_unit_test(test_known),
+        cmocka_unit_test(test_count_before_enter),
+        cmocka_unit_test(test_random),
+        cmocka_unit_test(test_lines_of_keys),
+        cmocka_unit_test(test_point_on_portrait),
         cmocka_unit_test(test_any_size),
     };
     if (argc > 1) {

@@ -65,6 +65,49 @@ static void test_bytes_per_frame(void **state)
     quit(&p);
 }
 
+/* Until the screen has stood still for a while. */
+static size_t bytes_of(struct person *p, const char *keys, const char *seen)
+{
+    const size_t before = p->raw.len;
+    type(p, keys);
+    expect(p, seen);
+    settle(p, 400);
+    return p->raw.len - before;
+}
+
+/* The whole portrait drawn again costs at most 1.5 kB, a step of its point much less. */
+static void test_bytes_of_portrait(void **state)
+{
+    (void)state;
+    struct person p;
+    start_panes(&p, (struct start){0});
+    enter(&p, "scene pendulum; gamma = 0.3; focus portrait full");
+    expect(&p, "portrait rate");
+    settle(&p, 400);
+    const size_t changed = bytes_of(&p, "gamma = 1\r", "gamma=1"),
+                 started = bytes_of(&p, "start theta=1,rate=2\r", "* starts"),
+                 shown = bytes_of(&p, "\033[18~", "arrows move"),
+                 moved = bytes_of(&p, "\033[A", "E = 156.96 mJ"),
+                 begun = bytes_of(&p, "\r", "starts: 2 of 16");
+    print_message("# portrait 80x24: %zu bytes when a value changes, %zu with a trajectory, %zu "
+                  "with the point, %zu when it moves, %zu when it starts\n",
+                  changed, started, shown, moved, begun);
+    assert_true(changed <= 1500 && started <= 1500 && shown <= 1500 && begun <= 1500);
+    assert_true(moved <= 200);
+    type(&p, "q");
+    expect_prompt(&p, EMPTY_PROMPT);
+    const int first = p.screen.questions;
+    const size_t bytes = p.raw.len;
+    type(&p, "method verlet; run 30 s\r");
+    expect(&p, "RUNNING");
+    while (p.screen.questions < first + 20)
+        assert_true(pump(&p, 2000));
+    const double each = (double)(p.raw.len - bytes) / (double)(p.screen.questions - first);
+    print_message("# portrait 80x24: %.0f bytes a frame of a run\n", each);
+    assert_true(each <= 400);
+    quit(&p);
+}
+
 static void test_echo_on_a_slow_link(void **state)
 {
     (void)state;
@@ -215,13 +258,10 @@ int main(int argc, char **argv)
         return 1;
     }
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_idle_is_silent),
-        cmocka_unit_test(test_bytes_per_frame),
-        cmocka_unit_test(test_echo_on_a_slow_link),
-        cmocka_unit_test(test_silent_terminal),
-        cmocka_unit_test(test_late_reply_does_not_leak),
-        cmocka_unit_test(test_no_color),
-        cmocka_unit_test(test_terminals),
+        cmocka_unit_test(test_idle_is_silent),    cmocka_unit_test(test_bytes_per_frame),
+        cmocka_unit_test(test_bytes_of_portrait), cmocka_unit_test(test_echo_on_a_slow_link),
+        cmocka_unit_test(test_silent_terminal),   cmocka_unit_test(test_late_reply_does_not_leak),
+        cmocka_unit_test(test_no_color),          cmocka_unit_test(test_terminals),
     };
     if (argc > 1) {
         cmocka_set_test_filter(argv[1]);
