@@ -148,7 +148,9 @@ $(TOP)/pages/hooke.bash: $(TOP)/hooke scripts/reference
 # -O2 but for these, where the configuration is for speed at all:
 
 # What goes once through a command, a table, a picture or a screen, and not once through each step: a quarter shorter.
-ONCE := $(foreach l,result scene/typed figure study $(PROGRAM_LAYERS),$(call objects,$(l))) $(B)/main.o
+# What studies evaluate at each step is not among it.
+EACH := $(addprefix $(B)/,scene/typed/parts.o study/fit/variation.o study/dynamics/matrix.o)
+ONCE := $(filter-out $(EACH),$(foreach l,result scene/typed figure study $(PROGRAM_LAYERS),$(call objects,$(l)))) $(B)/main.o
 # Loops over many steps: unrolled and vectorised.
 LOOPS := $(addprefix $(B)/,run/many.o run/propagate.o run/energy/work.o run/energy/ledger.o analysis/law/equation.o)
 # In vectors, twice: loops for what remains of a block are not worth their length.

@@ -5,9 +5,22 @@
 
 #include "method/step/rk_body.h"
 
+/* Stage by stage where the number of variables is not known, so that they are in vectors; the same
+ * bits. */
 INLINE void rk_difference(int n, double h, const double *w, const double *u, int count,
                           const double *k, double *error)
 {
+    if (!__builtin_constant_p(n)) {
+        double sum[LIMIT_VARIABLES];
+        for (int i = 0; i < n; i++)
+            sum[i] = -0.0;
+        for (int j = 0; j < count; j++)
+            for (int i = 0; i < n && w[j] != u[j]; i++)
+                sum[i] += (w[j] - u[j]) * k[j * n + i];
+        for (int i = 0; i < n; i++)
+            error[i] = h * sum[i];
+        return;
+    }
     for (int i = 0; i < n; i++) {
         double sum = -0.0;
         UNROLL for (int j = 0; j < count; j++) if (w[j] != u[j]) sum +=

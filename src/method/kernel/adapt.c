@@ -53,6 +53,6 @@ step_function *method_step_kernel(const struct method *method, const struct syst
         return NULL;
     const int typed = typed_shape(system, false);
     if (typed < 0)
-        return system->typed.row ? any_step_kernel(method) : NULL;
+        return system->typed.row || system->n > MOST ? any_step_kernel(method) : NULL;
     return steps[method->index][typed];
 }

@@ -260,7 +260,7 @@ static void know(struct branch_walk *w, const struct curve_place *at)
     for (int k = 0; k < w->path->problem->tests; k++) {
         w->largest[k] = k == 0 ? 1 : fabs(at->test[k]); /* the first is part of a unit vector */
         w->known[k] = *at;
-        w->any[k] = !zero(w, at, k) && at->test[k] != 0;
+        w->any[k] = !zero(w, at, k) && at->test[k] != 0 && isfinite(at->test[k]);
     }
 }
 
@@ -278,6 +278,18 @@ static bool cut(struct branch_walk *w, struct curve_place *at)
     know(w, at);
     w->bends = false;
     return true;
+}
+
+/* Not where a test is 0: its sign before would be lost. */
+static void stretch(struct branch_walk *w, struct curve_place *at)
+{
+    bool any = w->path->kind == SOLUTION_ORBIT;
+    for (int k = 0; k < w->path->problem->tests; k++)
+        any = any && !(w->any[k] && zero(w, at, k));
+    if (!any || !orbit_curve_stretch(&w->path->orbit, at->u, at->tangent))
+        return;
+    know(w, at);
+    w->bends = false;
 }
 
 static void ends(struct branch_walk *w, const char *why)
@@ -385,6 +397,7 @@ static bool walk(struct branch_walk *w, struct curve_place at)
         if (next.corrections <= 3)
             by = fmin(1.5 * by, far);
         at = next;
+        stretch(w, &at);
         if (!cut(w, &at)) {
             ends(w, "differences grow along the orbit by too much");
             return true;

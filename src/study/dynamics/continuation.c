@@ -157,8 +157,17 @@ bool curve_step(const struct curve_problem *problem, const struct curve_place *b
         guess[i] = from->u[i] + by * from->tangent[i] +
                    (before ? bend * (from->tangent[i] - before->tangent[i]) : 0);
     to->careful = is_steep(problem, from);
-    aim(problem, to->careful);
-    return correct(problem, guess, from->tangent, false, to);
+    aim(problem, false);
+    if (!correct(problem, guess, from->tangent, false, to))
+        return false;
+    if (!to->careful || !problem->aim)
+        return true;
+    /* only what is left of the way to rounding needs residuals that cost as much */
+    const int before_that = to->corrections;
+    aim(problem, true);
+    const bool fine = correct(problem, to->u, from->tangent, false, to);
+    to->corrections = before_that > to->corrections ? before_that : to->corrections;
+    return fine;
 }
 
 /* ---- special points ---- */

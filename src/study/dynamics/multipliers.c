@@ -70,19 +70,21 @@ static void quotient(int n, const double *map, const double *first, const double
     multiply(n - 1, n, n - 1, turned, moved, reduced);
 }
 
-/* How much what moves along the orbit is moved otherwise, in all segments. */
-static double drift(const struct orbit_maps *o)
+/* How much what moves along the orbit is moved otherwise, in each segment; the sum. Without a
+ * trivial multiplier 0 and NAN. */
+static double drift(const struct orbit_maps *o, double *each)
 {
     const int n = o->n;
     double sum = 0, moved[FIELD_VARIABLES];
-    for (int i = 0; i < o->segments; i++) {
+    memset(each, 0, (size_t)o->segments * sizeof *each);
+    for (int i = 0; o->rate && i < o->segments; i++) {
         const double *next = o->rate + (i + 1) % o->segments * n;
         multiply(n, n, 1, o->map + i * n * n, o->rate + i * n, moved);
         for (int k = 0; k < n; k++)
             moved[k] -= next[k];
-        sum += length_of(n, moved) / length_of(n, next);
+        sum += each[i] = length_of(n, moved) / length_of(n, next);
     }
-    return sum;
+    return o->rate ? sum : NAN;
 }
 
 /* a [n][n] = q r, by Gram and Schmidt twice; q replaces a. */
@@ -109,8 +111,9 @@ static void orthogonalise(int n, double *a, double *r)
 }
 
 /* Around the orbit once: the basis q at its start becomes that at its end; r: the product of what
- * all segments do, upper triangular. uncertain [n]: relative, of its diagonal. */
-static void carry(int n, int segments, const double *map, double tol, double *q, double *r,
+ * all segments do, upper triangular. off [segments]: relative, of the maps. uncertain [n]:
+ * relative, of the diagonal of r. */
+static void carry(int n, int segments, const double *map, const double *off, double *q, double *r,
                   double *uncertain)
 {
     square moved, by, product;
@@ -123,9 +126,8 @@ static void carry(int n, int segments, const double *map, double tol, double *q,
         memcpy(q, moved, (size_t)(n * n) * sizeof *q);
         multiply(n, n, n, by, r, product);
         memcpy(r, product, (size_t)(n * n) * sizeof *r);
-        const double size = length_of(n * n, map + s * n * n);
         for (int k = 0; k < n; k++)
-            uncertain[k] += tol * size / by[k * n + k];
+            uncertain[k] += off[s] / by[k * n + k];
     }
 }
 
@@ -163,10 +165,14 @@ static void mend_last(int n, double log_determinant, struct eigenvalue *value, d
 bool orbit_multipliers(const struct orbit_maps *o, double tol, struct multipliers *m)
 {
     const int n = o->rate ? o->n - 1 : o->n;
-    *m = (struct multipliers){.count = n, .trivial = o->rate ? drift(o) : NAN};
+    double map[CURVE_MAX * FIELD_VARIABLES], off[CURVE_MAX];
+    *m = (struct multipliers){.count = n, .trivial = drift(o, off)};
     if (n == 0)
         return true;
-    double map[CURVE_MAX * FIELD_VARIABLES];
+    /* what lies across is not better known than which way the motion goes: where this turns, only
+     * little may be left across of what has grown */
+    for (int s = 0; s < o->segments; s++)
+        off[s] = (off[s] + tol) * length_of(o->n * o->n, o->map + s * o->n * o->n);
     square q, r, turned, whole;
     double uncertain[FIELD_VARIABLES], first[FIELD_VARIABLES * FIELD_VARIABLES];
     for (int s = 0; s < o->segments; s++) {
@@ -181,7 +187,7 @@ bool orbit_multipliers(const struct orbit_maps *o, double tol, struct multiplier
         q[i] = i % (n + 1) == 0;
     for (int sweep = 0; sweep < (n > 1 ? SWEEPS : 1); sweep++) {
         memcpy(first, q, sizeof first);
-        carry(n, o->segments, map, tol, q, r, uncertain);
+        carry(n, o->segments, map, off, q, r, uncertain);
     }
     for (int i = 0; i < n; i++)
         for (int j = 0; j < n; j++)

@@ -15,7 +15,8 @@
 #define GROWTH 1e2 /* of a new segment, at most; */
 #define FEWEST 5   /* what grows and dies within a period is seen in its parts */
 #define CARRIED 1e-2
-#define GROWN 3e3 /* it is cut when it has become this */
+#define GROWN 3e3     /* it is cut when it has become this */
+#define STRETCHED 0.5 /* of the way that states go in a step: worth a change */
 
 static void state_of(const struct vector_field *field, const double *u, double *y)
 {
@@ -27,6 +28,17 @@ double orbit_curve_period(const struct orbit_curve *c, const double *u)
 {
     return c->forced ? c->multiple * field_drive(c->field)
                      : u[c->segments * c->field->n] * c->tsize;
+}
+
+/* [s] since the orbit's beginning */
+static double begins(const struct orbit_curve *c, int i, double period)
+{
+    return c->fixed[i] + period * c->share[i];
+}
+
+static double span_of(const struct orbit_curve *c, int i, double period)
+{
+    return begins(c, i + 1, period) - begins(c, i, period);
 }
 
 /* In units of size, at a time of its own. */
@@ -60,10 +72,10 @@ static bool shoot(const struct orbit_curve *c, const double *u, int i, double pe
                   struct shot *s)
 {
     struct vector_field *field = c->field;
-    s->span = period * (c->share[i + 1] - c->share[i]);
-    s->t = field->system.t0 + period * c->share[i];
+    s->span = span_of(c, i, period);
+    s->t = field->system.t0 + begins(c, i, period);
     state_of(field, u + i * field->n, s->start);
-    if (!field_flow(field, s->t, s->start, s->span, s->end, &s->by))
+    if (!(s->span > 0) || !field_flow(field, s->t, s->start, s->span, s->end, &s->by))
         return false;
     rate_of(field, s->t, s->start, s->first);
     rate_of(field, s->t + s->span, s->end, s->last);
@@ -172,6 +184,18 @@ void orbit_curve_map(const struct orbit_curve *c, double *map)
     }
 }
 
+/* rate [segments][n] where each begins */
+static void rates_of(const struct orbit_curve *c, const double *u, double *rate)
+{
+    const int n = c->field->n;
+    double y[FIELD_VARIABLES];
+    const double period = orbit_curve_period(c, u);
+    for (int i = 0; i < c->segments; i++) {
+        state_of(c->field, u + i * n, y);
+        rate_of(c->field, c->field->system.t0 + begins(c, i, period), y, rate + i * n);
+    }
+}
+
 static void test(void *context, const double *u, const double *jacobian, const double *tangent,
                  double *value)
 {
@@ -196,26 +220,58 @@ static void aim(void *context, bool fine)
     c->field->tol = fine ? FINE_TOL : WALK_TOL;
 }
 
+static void make_unit(int n, double *x)
+{
+    const double length = length_of(n, x);
+    for (int i = 0; i < n; i++)
+        x[i] /= length;
+}
+
 /* Moves all of the orbit that the tangent leads to by the same time, so that it has this phase. */
 static void turn_tangent(const struct orbit_curve *c, const double *u, double *tangent)
 {
-    const int n = c->field->n, all = c->problem.n + 1;
-    double rate[CURVE_MAX], y[FIELD_VARIABLES], off = 0, by = 0, sum = 0;
-    const double period = orbit_curve_period(c, u);
-    for (int i = 0; i < c->segments; i++) {
-        state_of(c->field, u + i * n, y);
-        rate_of(c->field, c->field->system.t0 + period * c->share[i], y, rate + i * n);
-    }
+    const int n = c->field->n;
+    double rate[CURVE_MAX], off = 0, by = 0;
+    rates_of(c, u, rate);
     for (int k = 0; k < n; k++) {
         off += c->along[k] * tangent[k];
         by += c->along[k] * rate[k];
     }
     for (int i = 0; i < c->segments * n; i++)
         tangent[i] -= off / by * rate[i];
-    for (int i = 0; i < all; i++)
-        sum += tangent[i] * tangent[i];
-    for (int i = 0; i < all; i++)
-        tangent[i] /= sqrt(sum);
+    make_unit(c->problem.n + 1, tangent);
+}
+
+bool orbit_curve_stretch(struct orbit_curve *c, const double *u, double *direction)
+{
+    const int n = c->field->n, m = c->segments;
+    const double period = orbit_curve_period(c, u);
+    double rate[CURVE_MAX], share[CURVE_MAX], moved[CURVE_MAX];
+    if (c->forced)
+        return false;
+    rates_of(c, u, rate);
+    share[0] = 0;
+    for (int i = 0; i < m; i++) {
+        const double speed = fmax(length_of(n, rate + i * n), length_of(n, rate + (i + 1) % m * n));
+        share[i + 1] = share[i] + span_of(c, i, period) / (speed * speed);
+    }
+    if (!(share[m] > 0) || !isfinite(share[m]))
+        return false;
+    for (int i = 0; i < m; i++) {
+        share[i] /= share[m];
+        const double by = (share[i] - c->share[i]) * direction[m * n] * c->tsize;
+        for (int k = i * n; k < (i + 1) * n; k++)
+            moved[k] = direction[k] + by * rate[k];
+    }
+    if (!(length_of(m * n, moved) < STRETCHED * length_of(m * n, direction)))
+        return false;
+    for (int i = 1; i < m; i++) {
+        c->fixed[i] = begins(c, i, period) - share[i] * period;
+        c->share[i] = share[i];
+    }
+    memcpy(direction, moved, (size_t)(m * n) * sizeof *moved);
+    make_unit(c->problem.n + 1, direction);
+    return true;
 }
 
 void orbit_curve_refer(struct orbit_curve *c, const double *u, double *tangent)
@@ -249,8 +305,8 @@ bool orbit_curve_unknowns(struct orbit_curve *c, const double *state, double per
     for (int i = 0; i < c->segments; i++) {
         for (int k = 0; k < n; k++)
             u[i * n + k] = y[k] / field->size[k];
-        if (!field_flow(field, field->system.t0 + period * c->share[i], y,
-                        period * (c->share[i + 1] - c->share[i]), end, NULL))
+        if (!field_flow(field, field->system.t0 + begins(c, i, period), y, span_of(c, i, period),
+                        end, NULL))
             return false;
         memcpy(y, end, sizeof y);
     }
@@ -291,8 +347,8 @@ static bool cut_unknowns(struct orbit_curve *c, const bool *halved, const double
         if (!halved[i])
             continue;
         state_of(field, u + i * n, y);
-        if (!field_flow(field, field->system.t0 + period * c->share[i], y,
-                        period * (c->share[i + 1] - c->share[i]) / 2, end, NULL))
+        if (!field_flow(field, field->system.t0 + begins(c, i, period), y,
+                        span_of(c, i, period) / 2, end, NULL))
             return false;
         for (int k = 0; k < n; k++)
             cut[to * n + k] = end[k] / field->size[k];
@@ -304,14 +360,19 @@ static bool cut_unknowns(struct orbit_curve *c, const bool *halved, const double
 
 static void cut_shares(struct orbit_curve *c, const bool *halved)
 {
-    double share[CURVE_MAX];
+    double share[CURVE_MAX], fixed[CURVE_MAX];
     int to = 0;
     for (int i = 0; i < c->segments; i++) {
+        fixed[to] = c->fixed[i];
         share[to++] = c->share[i];
-        if (halved[i])
-            share[to++] = (c->share[i] + c->share[i + 1]) / 2;
+        if (!halved[i])
+            continue;
+        fixed[to] = (c->fixed[i] + c->fixed[i + 1]) / 2;
+        share[to++] = (c->share[i] + c->share[i + 1]) / 2;
     }
+    fixed[to] = 0;
     share[to] = 1;
+    memcpy(c->fixed, fixed, sizeof fixed);
     memcpy(c->share, share, sizeof share);
     c->problem.n += (to - c->segments) * c->field->n;
     c->segments = to;
@@ -321,7 +382,7 @@ static void cut_shares(struct orbit_curve *c, const bool *halved)
 
 bool orbit_curve_cut(struct orbit_curve *c, double *u, double *direction)
 {
-    double aside[CURVE_MAX], cut[2][CURVE_MAX], sum = 0;
+    double aside[CURVE_MAX], cut[2][CURVE_MAX];
     bool halved[CURVE_MAX] = {false};
     for (int i = 0, n = c->problem.n; i < c->segments; i++) {
         halved[i] = is_long(c, i) && n + 1 + c->field->n <= CURVE_MAX;
@@ -333,12 +394,9 @@ bool orbit_curve_cut(struct orbit_curve *c, double *u, double *direction)
         return false;
     cut_shares(c, halved);
     memcpy(u, cut[0], sizeof cut[0]);
-    for (int i = 0; i <= c->problem.n; i++) {
-        direction[i] = cut[1][i] - cut[0][i];
-        sum += direction[i] * direction[i];
-    }
     for (int i = 0; i <= c->problem.n; i++)
-        direction[i] /= sqrt(sum);
+        direction[i] = cut[1][i] - cut[0][i];
+    make_unit(c->problem.n + 1, direction);
     return true;
 }
 

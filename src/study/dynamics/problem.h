@@ -22,7 +22,8 @@ void equilibrium_curve_init(struct equilibrium_curve *curve, struct vector_field
 struct orbit_curve {
     struct vector_field *field;
     int segments;
-    double share[CURVE_MAX]; /* of the period: where each begins, and 1 */
+    /* each begins at fixed [s] and that share of the period; the last ends at 0 and 1 */
+    double fixed[CURVE_MAX], share[CURVE_MAX];
     bool forced;
     int multiple; /* of the drive's period */
     double psize, tsize;
@@ -49,6 +50,10 @@ void orbit_curve_refer(struct orbit_curve *curve, const double *u, double *tange
 /* How upright the orbit last looked at goes across that plane: 1, and below 0 where it has shrunk
  * to an equilibrium and grows again on the other side, half a period later. Forced: 1. */
 double orbit_curve_upright(const struct orbit_curve *curve);
+/* Where the motion slows down, that part of it takes what is added to the period, so that nothing
+ * else moves along the orbit: `direction` at u becomes that of the new unknowns. False: they are as
+ * they were. Autonomous. */
+bool orbit_curve_stretch(struct orbit_curve *curve, const double *u, double *direction);
 /* Would shorter segments do better? Halves those in which differences grow too much: u, and a
  * direction there, become those of the new unknowns; false: it cannot be cut. */
 bool orbit_curve_is_long(const struct orbit_curve *curve);

@@ -100,6 +100,18 @@ static void slope_by_parameter(const struct variation *v, const struct parameter
         slope[above + i] = (sum[0][i] - sum[1][i]) / d->apart;
 }
 
+/* out += df/dy s */
+static inline __attribute__((always_inline)) void add_product(int n, const double *jacobian,
+                                                              const double *s, double *out)
+{
+    for (int i = 0; i < n; i++) {
+        double sum = 0;
+        for (int j = 0; j < n; j++)
+            sum += jacobian[i * n + j] * s[j];
+        out[i] += sum;
+    }
+}
+
 /* S' of one direction. */
 static void vary(const struct variation *v, const struct parameter_change *d, double t,
                  const double *y, const double *jacobian, const double *s, double *out)
@@ -108,13 +120,14 @@ static void vary(const struct variation *v, const struct parameter_change *d, do
     if (d->changes > 0)
         slope_by_parameter(v, d, t, y, out);
     else
-        memset(out, 0, (size_t)n * sizeof *out);
-    for (int i = 0; i < n; i++) {
-        double sum = 0;
-        for (int j = 0; j < n; j++)
-            sum += jacobian[i * n + j] * s[j];
-        out[i] += sum;
-    }
+        for (int i = 0; i < n; i++)
+            out[i] = 0;
+    if (n == 2)
+        add_product(2, jacobian, s, out);
+    else if (n == 3)
+        add_product(3, jacobian, s, out);
+    else
+        add_product(n, jacobian, s, out);
 }
 
 /* ---- as a term of a system ----
