@@ -367,7 +367,12 @@ COMMAND(sweep,
                 "-q --format csv (or json) the outputs of all shards, one after another (cat), are "
                 "the output of the whole. "
                 "The numbers do\n"
-                "not depend on threads or shards.",
+                "not depend on threads or shards. --resume FILE.csv writes the points there as "
+                "they come and goes on with what it has, killed or not;\n"
+                "the last line says that it is whole, 'hooke --check-sweep' whether shards are "
+                "all there. Alone it takes the ranges from FILE.\n"
+                "--dry-run computes some points and says what all would cost. Many machines: "
+                "'man hooke', MAPS.",
         .examples = "scene driven; method rk4; duration = 60 s; sweep omega=6:12:0.1\n"
                     "scene damped; sweep gamma=0.1:10:x2 k=10:20:5 measure=period,energy",
         .see = "compare precision export plot", .flags = COMMAND_TABLES,
