@@ -4,7 +4,6 @@
 #ifndef HOOKE_BASE_ELEMENTARY_WIDE_H
 #define HOOKE_BASE_ELEMENTARY_WIDE_H
 
-#include <hooke/base/circle.h>
 #include <hooke/base/elementary.h>
 
 #include <math.h>
@@ -14,6 +13,9 @@
 
 #define INLINE static inline __attribute__((always_inline))
 
+#define WHOLE                                                                                      \
+    0x1.8p52 /* numbers that this is added to lose their fraction: it is in its                    \
+                bits */
 #define SIGN_BIT 0x8000000000000000u
 #define EXPONENT_SHIFT 52
 

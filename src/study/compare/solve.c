@@ -133,15 +133,26 @@ static void sample(struct sampler *sampler, const double *before, double from, d
     struct solver *s = sampler->solver;
     const int n = s->system->n;
     const double to = s->step.t, near = 1e-9 * fabs(h);
+    /* of all variables, once for all times in the step; the same bits as by method_dense() */
+    const bool whole = s->method->dense && s->method->tableau && !s->turns;
+    struct dense_polynomial polynomial[LIMIT_VARIABLES];
+    bool ready = false;
     for (; sampler->next < STUDY_TIMES; sampler->next++) {
         const double t = grid_time(s, sampler->next);
         double *y = sampler->grid + sampler->next * n;
         if ((t - to) * copysign(1, h) > near)
             return;
-        if (fabs(t - to) <= near)
+        if (fabs(t - to) <= near) {
             memcpy(y, s->y, (size_t)n * sizeof *y);
-        else
+        } else if (!whole) {
             sample_inside(s, before, from, h, t, y);
+        } else {
+            for (int i = 0; i < n && !ready; i++)
+                method_polynomial(s->method, &s->step, i, &polynomial[i]);
+            ready = true;
+            for (int i = 0; i < n; i++)
+                y[i] = dense_polynomial_at(&polynomial[i], (t - from) / h);
+        }
     }
 }
 

@@ -21,9 +21,12 @@
 #define NEAR 1e-9  /* what the next correction would be where a step along the curve ends */
 #define CLOSE 1e-9 /* and below this does not get smaller by more than rounding */
 #define FINE 1e-15
-#define LOOKS 60 /* for a zero: its test is no smooth function */
+#define KNOWN 1e-12 /* derivatives so far away are those of the place to rounding */
+#define LOOKS 60    /* for a zero: its test is no smooth function */
 #define HALVINGS 12
-#define FAR 0.5 /* of a unit: a correction of this size goes somewhere else */
+#define EVEN 1e-3  /* part of a chord along which the curve goes straight on */
+#define ZERO 1e-13 /* of the values of a test at the ends of its chord: rounding */
+#define FAR 0.5    /* of a unit: a correction of this size goes somewhere else */
 
 static double dot(int n, const double *a, const double *b)
 {
@@ -109,6 +112,7 @@ static bool correct(const struct curve_problem *problem, const double *guess,
         /* the next, if they go on to shrink with their squares */
         const double next = by * fmin(by / last, 1) * fmin(by / last, 1);
         if (by < FINE || (by < CLOSE && by >= last / 2) ||
+            (by < KNOWN && isfinite(last) && next < FINE) ||
             (!fine && (by < 100 * NEAR || (by < ALIKE && isfinite(last) && next < NEAR)))) {
             if (!curve_tangent(problem, direction, point->tangent))
                 return false;
@@ -179,18 +183,24 @@ struct chord {
     int test;
     int looks;
     struct curve_place at;
+    double share; /* of `at`; NAN: there is none */
     bool failed;
 };
 
-/* The place at that share of the chord. Between its ends the guess follows their tangents. */
-static double test_at(void *context, double share)
+/* A guess at that share of the chord: on along the tangent where the last place is near, else it
+ * follows the tangents of both ends. */
+static void guess_at(const struct chord *c, double share, double *guess)
 {
-    struct chord *c = context;
     const int n = c->problem->n;
-    double guess[CURVE_MAX];
-    for (int i = 0; i <= n; i++) {
-        const double slope[] = {c->length * c->a->tangent[i], c->length * c->b->tangent[i]};
-        guess[i] = hermite(share, 1, c->a->u[i], slope[0], c->b->u[i], slope[1]);
+    const double on = (share - c->share) * c->length;
+    if (fabs(share - c->share) < EVEN && !(c->problem->singular >> c->test & 1)) {
+        for (int i = 0; i <= n; i++)
+            guess[i] = c->at.u[i] + on * c->at.tangent[i];
+    } else {
+        for (int i = 0; i <= n; i++) {
+            const double slope[] = {c->length * c->a->tangent[i], c->length * c->b->tangent[i]};
+            guess[i] = hermite(share, 1, c->a->u[i], slope[0], c->b->u[i], slope[1]);
+        }
     }
     /* put into the plane across the chord at this share */
     double off = share * c->length;
@@ -198,11 +208,21 @@ static double test_at(void *context, double share)
         off -= c->direction[i] * (guess[i] - c->a->u[i]);
     for (int i = 0; i <= n; i++)
         guess[i] += off * c->direction[i];
+}
+
+static double test_at(void *context, double share)
+{
+    struct chord *c = context;
+    double guess[CURVE_MAX];
+    guess_at(c, share, guess);
+    c->share = share;
     if (c->looks++ == LOOKS || !curve_correct(c->problem, guess, c->direction, true, &c->at)) {
         c->failed = true;
-        return NAN;
+        return c->share = NAN;
     }
-    return c->at.test[c->test];
+    const double value = c->at.test[c->test],
+                 size = fmax(fabs(c->a->test[c->test]), fabs(c->b->test[c->test]));
+    return fabs(value) <= ZERO * size ? 0 : value;
 }
 
 #define NODES 10
@@ -335,7 +355,7 @@ static bool locate_on_chord(const struct curve_problem *problem, const struct cu
                             double *near)
 {
     const int n = problem->n;
-    struct chord c = {.problem = problem, .a = a, .b = b, .test = test};
+    struct chord c = {.problem = problem, .a = a, .b = b, .test = test, .share = NAN};
     c.length = curve_distance(n + 1, a->u, b->u);
     for (int i = 0; i <= n; i++)
         c.direction[i] = (b->u[i] - a->u[i]) / c.length;
@@ -345,9 +365,10 @@ static bool locate_on_chord(const struct curve_problem *problem, const struct cu
         root_between(test_at, &c, 0, a->test[test], 1, b->test[test], 4 * DBL_EPSILON);
     if (c.failed)
         return false;
-    test_at(&c, root);
+    if (c.share != root)
+        test_at(&c, root);
     *at = c.at;
-    *near = c.length * 4 * DBL_EPSILON;
+    *near = c.length * ZERO;
     return !c.failed;
 }
 

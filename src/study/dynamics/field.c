@@ -45,6 +45,13 @@ bool variable_is_angle(const struct system *system, int variable)
     return matters;
 }
 
+/* What followed from the parameters' values. */
+static void forget(struct vector_field *field)
+{
+    field->varied = false;
+    field->drive_by[0] = field->drive_by[1] = NAN;
+}
+
 bool field_init(struct vector_field *field, const struct scene *scene, const int *param, int params,
                 struct error *error)
 {
@@ -63,6 +70,7 @@ bool field_init(struct vector_field *field, const struct scene *scene, const int
         field->size[i] = system->scale[i];
         field->turn[i] = variable_is_angle(system, i) ? TWO_PI : 0;
     }
+    forget(field);
     return true;
 }
 
@@ -80,7 +88,10 @@ bool field_set(struct vector_field *field, const double *value)
         same = same && field->scene.value[field->param[j]] == value[j];
         field->scene.value[field->param[j]] = value[j];
     }
-    return same || scene_bind_motion(&field->scene, &field->system, &ignored);
+    if (same)
+        return true;
+    forget(field);
+    return scene_bind_motion(&field->scene, &field->system, &ignored);
 }
 
 bool field_hold(struct vector_field *field, int place, double value)
@@ -89,6 +100,7 @@ bool field_hold(struct vector_field *field, int place, double value)
     if (field->scene.value[place] == value)
         return true;
     field->scene.value[place] = value;
+    forget(field);
     return scene_bind_motion(&field->scene, &field->system, &ignored);
 }
 
@@ -138,8 +150,10 @@ double field_drive(const struct vector_field *field)
     return system_drive(&field->system);
 }
 
-double field_drive_by(const struct vector_field *field, int j)
+double field_drive_by(struct vector_field *field, int j)
 {
+    if (!isnan(field->drive_by[j]))
+        return field->drive_by[j];
     struct scene side[2];
     struct system system;
     struct error ignored;
@@ -150,7 +164,7 @@ double field_drive_by(const struct vector_field *field, int j)
             return NAN;
         period[s] = system_drive(&system);
     }
-    return (period[0] - period[1]) / apart;
+    return field->drive_by[j] = (period[0] - period[1]) / apart;
 }
 
 /* ---- the flow ---- */
@@ -199,6 +213,8 @@ bool field_follow(struct vector_field *field, double t, const double *start, dou
 
 static bool bind_variation(struct vector_field *field)
 {
+    if (field->varied)
+        return true;
     if (!field->variation)
         field->variation = malloc(sizeof *field->variation);
     if (!field->variation)
@@ -207,7 +223,7 @@ static bool bind_variation(struct vector_field *field)
     for (int j = 0; j < field->params; j++)
         if (!variation_add_parameter(field->variation, &field->scene, field->param[j]))
             return false;
-    return variation_add_trace(field->variation);
+    return field->varied = variation_add_trace(field->variation);
 }
 
 static void take_slopes(const struct vector_field *field, const double *all,

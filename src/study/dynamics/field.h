@@ -28,6 +28,8 @@ struct vector_field {
     double tol;                   /* of integration, relative to the sizes */
     double turn[FIELD_VARIABLES]; /* an angle's full turn; 0: no angle */
     struct variation *variation;  /* NULL until an orbit is asked for */
+    bool varied;                  /* it is that of the parameters' values, */
+    double drive_by[2];           /* as these are; NAN: not known */
     bool stiff;                   /* explicit steps have turned out to be too many */
     int64_t evals;                /* of right-hand sides and Jacobians so far */
     const struct cancel *cancel;
@@ -50,7 +52,7 @@ bool field_by_parameter(struct vector_field *field, int j, const double *y, doub
 /* [s] period of the drive, 0: nothing depends on time; NAN: it does, but not with one period. */
 double field_drive(const struct vector_field *field);
 /* [s] its derivative by free parameter j */
-double field_drive_by(const struct vector_field *field, int j);
+double field_drive_by(struct vector_field *field, int j);
 
 /* How the end of a flow changes with what it began with, in units of size. */
 struct flow_slopes {
