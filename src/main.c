@@ -2,6 +2,7 @@
 /* hooke: options, then the front end that fits. */
 #include "terminal/sensor/sensor.h"
 
+#include <hooke/report/sweep.h>
 #include <hooke/session/log.h>
 
 #include <langinfo.h>
@@ -62,7 +63,7 @@ static enum front_kind choose_front(const struct options *options)
 {
     struct error error = {0};
     const bool terminal = isatty(STDIN_FILENO) && isatty(STDOUT_FILENO);
-    if (options->batch || options->check || !terminal ||
+    if (options->batch || options->check || options->check_sweep || !terminal ||
         (options->tasks > 0 && !options->interactive)) {
         return FRONT_END;
     }
@@ -135,15 +136,36 @@ static bool begin_session(struct session **session, const struct options *option
            option_setting(*session, "format", options->format);
 }
 
+/* The files are those that stand among the options. */
+static int check_sweep(struct session *session, const struct options *options, struct reply *reply)
+{
+    const char **path = malloc(((size_t)options->tasks + 1) * sizeof *path);
+    int count = 0, status = ERROR_USAGE;
+    for (int i = 0; path && i < options->tasks; i++)
+        if (options->task[i].kind == TASK_FILE)
+            path[count++] = options->task[i].text;
+    if (count > 0 && count == options->tasks) {
+        reply_command_begin(reply, (enum output_format)session->setup.settings.format);
+        status = sweep_check(path, count, session->front.cancel, reply);
+        reply_command_end(reply, "check-sweep");
+    } else {
+        reply_note(reply, "hooke: error: --check-sweep needs files, and nothing but files");
+    }
+    free(path);
+    return status;
+}
+
 /* What needs no prompt. */
 static void work(struct session *session, const struct options *options, enum front_kind kind,
                  struct reply *reply, struct streams *streams)
 {
-    if (!options->check) {
+    if (!options->check && !options->check_sweep) {
         strays_sweep_path("."); /* of programs that were killed */
     }
     if (options->check) {
         session->status = hand_in_check(session, options->check, reply);
+    } else if (options->check_sweep) {
+        session->status = check_sweep(session, options, reply);
     } else {
         batch_run(session, options, kind == FRONT_END && options->tasks == 0, reply, streams);
     }

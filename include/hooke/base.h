@@ -327,6 +327,12 @@ void buffer_quantity(struct buffer *buffer, double value, enum quantity quantity
  * <U+NNNN>. Newline and tab too, unless keep_layout.
  */
 void safe_text(struct buffer *out, struct text text, bool keep_layout);
+#define SAFE_NAME_SIZE 160
+/* A name from outside for use inside a message: made visible as by safe_text, long ones cut with
+ * "...". Returns `out`. */
+const char *safe_name(struct text name, char out[SAFE_NAME_SIZE]);
+/* "No space left on device", in English whatever the locale. */
+const char *system_message(int number);
 /* no letter: steers how the rest is shown, or is not seen at all (from U+0080) */
 bool codepoint_hidden(uint32_t codepoint);
 

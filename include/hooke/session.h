@@ -318,6 +318,8 @@ struct session *session_create(const struct front *front);
 void session_destroy(struct session *session);
 /* Appends the commands that recreate the set-up; sourcing them gives the same state. */
 void session_save(const struct session *session, struct buffer *text);
+/* Of those only what trajectories depend on: neither recordings nor how things look. */
+void session_save_motion(const struct session *session, struct buffer *text);
 /* The parameter says where a run starts, and nothing else. */
 bool param_is_start(const struct scene *scene, int index);
 /* A short description of the scene holds it: m and k of an oscillator, of its many others those

@@ -7,16 +7,6 @@
 
 #include <sys/types.h>
 
-#define SAFE_NAME_SIZE 160
-
-/* A name from outside for use inside a message: made visible as by safe_text, long ones cut with
- * "...". Returns `out`.
- */
-const char *safe_name(struct text name, char out[SAFE_NAME_SIZE]);
-
-/* "No space left on device", in English whatever the locale. */
-const char *system_message(int number);
-
 /* ---- writing: shared by files and folders ---- */
 
 #define NAME_ATTEMPTS 100 /* at a temporary name that nobody has taken */

@@ -43,6 +43,8 @@ static const struct option_row {
      "run session.hk of a hand-in again: which values and figures agree"},
     {0, "simulate-sensor", VALUE_WORD, " SCENE ", offsetof(struct options, sensor),
      "a sensor on standard output: [rate=100] [noise=0.03cm] [seed=1] [for=10s] [NAME=VALUE]"},
+    {0, "check-sweep", VALUE_NONE, " FILES", offsetof(struct options, check_sweep),
+     "whether they, shards of a sweep or a whole one, have each point once, unchanged"},
     {0, "split", VALUE_WORD, " DIR", offsetof(struct options, split),
      "with --format csv: each table as a file in a new folder"},
     FLAG('q', "quiet", quiet, "only records, warnings and errors"),

@@ -23,7 +23,7 @@ struct options {
     struct task *task;
     int tasks;
     bool interactive, batch, plain, keep_going, norc, rc, safe, quiet, verbose, help, version;
-    bool resume;
+    bool resume, check_sweep;
     int width, height;                                             /* 0: not given */
     const char *charset, *color, *format, *split, *check, *sensor; /* NULL: not given */
     const char *resume_name;                                       /* NULL: the newest */

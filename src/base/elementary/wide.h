@@ -4,6 +4,7 @@
 #ifndef HOOKE_BASE_ELEMENTARY_WIDE_H
 #define HOOKE_BASE_ELEMENTARY_WIDE_H
 
+#include <hooke/base/circle.h>
 #include <hooke/base/elementary.h>
 
 #include <math.h>
@@ -13,9 +14,6 @@
 
 #define INLINE static inline __attribute__((always_inline))
 
-#define WHOLE                                                                                      \
-    0x1.8p52 /* numbers that this is added to lose their fraction: it is in its                    \
-                bits */
 #define SIGN_BIT 0x8000000000000000u
 #define EXPONENT_SHIFT 52
 

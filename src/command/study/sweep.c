@@ -2,8 +2,7 @@
 /* sweep */
 #ifndef COMMAND_ROWS
 #include <hooke/report.h>
-#include <hooke/study/sweep.h>
-#include "command/internal.h"
+#include "command/study/sweep.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -164,8 +163,18 @@ static bool read_shard(struct parser *parser, struct sweep_request *request, str
     return true;
 }
 
-static bool read_option(struct parser *parser, struct sweep_request *request, bool *force,
-                        struct error *error)
+/* The name of a file, and nothing behind it. */
+static bool read_file_name(struct parser *parser, struct text *file, struct error *error)
+{
+    struct item item = {0};
+    if (!parse_word(parser, "", &item, error) || !refuse_rest(parser, NULL, error))
+        return false;
+    *file = item.text;
+    return file->len > 0 || error_at(error, parser->rest, "--resume needs a file");
+}
+
+static bool read_option(struct parser *parser, struct sweep_request *request,
+                        struct sweep_options *options, struct error *error)
 {
     const struct text all = parser->rest;
     const struct text name = peek_name((struct text){all.at + 2, all.len - 2});
@@ -173,15 +182,22 @@ static bool read_option(struct parser *parser, struct sweep_request *request, bo
     parser->rest = (struct text){name.at + name.len, all.len - 2 - name.len};
     text_skip_blanks(&parser->rest);
     if (text_is(name, "force")) {
-        *force = true;
+        options->force = true;
         return refuse_rest(parser, NULL, error);
     }
+    if (text_is(name, "dry-run")) {
+        options->dry = true;
+        return refuse_rest(parser, NULL, error);
+    }
+    if (text_is(name, "resume"))
+        return read_file_name(parser, &options->file, error);
     if (text_is(name, "shard"))
         return read_shard(parser, request, error);
     if (!text_is(name, "threads")) {
         error_at(error, all, "sweep has no option '%.*s'", (int)(name.len < 64 ? name.len : 64),
                  name.at);
-        return error_hint(error, "it has --threads N, --shard I/N and --force");
+        return error_hint(error,
+                          "it has --threads N, --shard I/N, --resume FILE, --dry-run and --force");
     }
     struct item shown = {0};
     if (!read_number(parser, "--threads", &threads, error) || !refuse_rest(parser, &shown, error))
@@ -192,10 +208,9 @@ static bool read_option(struct parser *parser, struct sweep_request *request, bo
     return true;
 }
 
-static bool read_sweep(struct session *session, const struct arguments *args,
-                       struct sweep_request *request, bool *force, struct error *error)
+bool read_sweep(struct session *session, const struct arguments *args, struct text rest,
+                struct sweep_request *request, struct sweep_options *options, struct error *error)
 {
-    struct text rest = argument_value(args, "NAME=RANGE")->item->text;
     while (text_skip_blanks(&rest), rest.len > 0) {
         const struct text argument = next_key_argument(&rest), name = peek_name(argument);
         struct parser parser = {
@@ -203,7 +218,7 @@ static bool read_sweep(struct session *session, const struct arguments *args,
         text_skip_blanks(&parser.rest);
         if (text_starts(argument, TEXT("--"))) {
             parser.rest = argument;
-            if (!read_option(&parser, request, force, error))
+            if (!read_option(&parser, request, options, error))
                 return false;
             continue;
         }
@@ -225,7 +240,7 @@ static bool read_sweep(struct session *session, const struct arguments *args,
         if (request->axes++ == 1 && strcmp(request->axis[0].name, axis->name) == 0)
             return error_at(error, argument, "'%s' is given twice", axis->name);
     }
-    return request->axes > 0 ||
+    return request->axes > 0 || options->file.len > 0 ||
            error_set(error, ERROR_COMMAND, "sweep needs a parameter, as in sweep omega=6:12:0.1");
 }
 
@@ -273,31 +288,53 @@ static void reply_sweep(struct session *session, const struct swept *swept, stru
     arena_reset(&own);
 }
 
+bool sweep_rows(const struct sweep_request *request, const struct sweep *sweep, struct buffer *rows)
+{
+    const struct swept swept = {sweep, request->measure, request->scene->model};
+    struct arena arena = {0};
+    struct table table;
+    const bool ok = sweep_table(&swept, &arena, &table);
+    if (ok)
+        table_format(&table, TABLE_CSV, rows);
+    arena_reset(&arena);
+    return ok && !rows->failed;
+}
+
+struct sweep_request sweep_request_begin(struct session *session)
+{
+    return (struct sweep_request){.scene = &session->setup.scene,
+                                  .method = session->setup.method,
+                                  .settings = session_run_settings(session),
+                                  .duration = session->setup.settings.duration,
+                                  .shard = 1,
+                                  .shards = 1,
+                                  .cancel = session->front.cancel,
+                                  .progress = report_sweep,
+                                  .context = &session->front,
+                                  .measure = {{.kind = SWEEP_AMPLITUDE, .column = SWEEP_VARIABLE}},
+                                  .measures = 1};
+}
+
 HANDLER(sweep)
 {
-    struct sweep_request request = {
-        .scene = &session->setup.scene,
-        .method = session->setup.method,
-        .settings = session_run_settings(session),
-        .duration = session->setup.settings.duration,
-        .shard = 1,
-        .shards = 1,
-        .cancel = session->front.cancel,
-        .progress = report_sweep,
-        .context = &session->front,
-        .measure = {{.kind = SWEEP_AMPLITUDE, .column = SWEEP_VARIABLE}},
-        .measures = 1};
+    struct sweep_request request = sweep_request_begin(session);
+    struct sweep_options options = {.force = false};
     struct sweep sweep;
-    bool force = false;
     double steps, seconds;
-    if (!read_sweep(session, args, &request, &force, error))
+    if (!read_sweep(session, args, argument_value(args, "NAME=RANGE")->item->text, &request,
+                    &options, error))
         return false;
     reply_unchosen(session, reply);
     study_sweep_predict(&request, &steps, &seconds);
-    if (!allow_long(session, seconds, steps, force, error))
+    if (!options.dry && options.file.len == 0 &&
+        !allow_long(session, seconds, steps, options.force, error))
         return false;
     reply_assumed(session, request.settings.tol > 0, true, reply);
     reply_shorter(session, reply);
+    if (options.dry)
+        return sweep_cost(session, &request, reply, error);
+    if (options.file.len > 0)
+        return sweep_into_file(session, args, &request, &options, reply, error);
     const bool ok = study_sweep(&request, &sweep, error);
     report_sweep(&session->front, 2);
     if (sweep.finished > 0 && (ok || error->code == ERROR_CANCELLED)) {
@@ -330,11 +367,17 @@ COMMAND(sweep,
                 "-q --format csv (or json) the outputs of all shards, one after another (cat), are "
                 "the output of the whole. "
                 "The numbers do\n"
-                "not depend on threads or shards.",
+                "not depend on threads or shards. --resume FILE.csv writes the points there as "
+                "they come and goes on with what it has, killed or not;\n"
+                "the last line says that it is whole, 'hooke --check-sweep' whether shards are "
+                "all there. Alone it takes the ranges from FILE.\n"
+                "--dry-run computes some points and says what all would cost. Many machines: "
+                "'man hooke', MAPS.",
         .examples = "scene driven; method rk4; duration = 60 s; sweep omega=6:12:0.1\n"
                     "scene damped; sweep gamma=0.1:10:x2 k=10:20:5 measure=period,energy",
         .see = "compare precision export plot", .flags = COMMAND_TABLES,
         .completes = COMPLETES_SWEEP,
         ARGUMENTS(PLACE("NAME=RANGE", TYPE_REST, .flags = ARG_REQUIRED),
                   KEY("measure", TYPE_TEXT, .flags = ARG_MANY), OPTION("threads", TYPE_INTEGER),
-                  OPTION("shard", TYPE_TEXT), OPTION("force", TYPE_NONE)))
+                  OPTION("shard", TYPE_TEXT), OPTION("resume", TYPE_FILE),
+                  OPTION("dry-run", TYPE_NONE), OPTION("force", TYPE_NONE)))

@@ -9,6 +9,7 @@
  * the widest that runs here is taken.
  */
 #define UNROLL _Pragma("GCC unroll 16")
+#include <hooke/base/circle.h>
 #include <hooke/base/elementary.h>
 
 #include "method/kernel/kernel.h"
@@ -19,6 +20,16 @@
 enum { LANE_COEFFICIENTS = 2, WORK_MOST = 64 };
 
 enum { TABLE_ROOM = 1 << 17 }; /* [double] a megabyte */
+/* Lanes whose drives are looked at together; times at which they are known at once, so few that
+ * they stay in a cache. */
+enum { LANE_GROUP = 32, DRIVE_ROWS = 128 };
+
+/* What a kernel knows of the drive: there is none; a value for all lanes; one for each. */
+enum drive_known { DRIVE_NONE, DRIVE_ALIKE, DRIVE_OWN };
+
+struct lane_range {
+    double omega[2], phase[2]; /* least and largest */
+};
 
 struct lanes {
     const struct method *method;
@@ -43,6 +54,9 @@ struct lanes {
         double lost[LANES], pull[LANES];
     } frozen[WEIGHTS_MAX]; /* exact linear drag in each kick */
     double omega[LANES], phase[LANES];
+    bool driven;
+    struct lane_range range[LANES / LANE_GROUP];
+    int row_of[DRIVE_ROWS]; /* of the drives where lanes have their own */
     /* The cosine of the drive at each place of each step, where it is the same in all lanes. It
      * outlives them: the next block may be driven alike. */
     struct {
@@ -63,7 +77,9 @@ struct lane_march {
     bool chain; /* the commonest: four stages, each from the one before; a drift, then a kick */
     struct weights weights[STAGES_MAX]; /* of the stages from the second on; [0]: of the step */
     double weight[WEIGHTS_MAX];         /* of drifts and kicks, times h */
-    const double *cosine;               /* [count][places]; NULL: each lane has its own */
+    enum drive_known drive;
+    const double *cosine; /* [count][places], of own ones [row_of[count][places]][LANES] */
+    const int *row_of;
     int times;
     double *row;
 };
@@ -84,13 +100,6 @@ enum { LANE_SHAPES(LANE_PLACE) LANE_SHAPE_COUNT };
         return LANE_##shape;
 #define LANE_FLAG(i, name) | (name##_flags)
 #define LANE_FLAGS(shape) (0 TERMS_OF_##shape(LANE_FLAG))
-
-static void lanes_cosine(const struct lanes *lanes, double t, int first, int count, double *cosine)
-{
-    for (int i = 0; i < count; i++)
-        cosine[i] = lanes->omega[first + i] * t + lanes->phase[first + i];
-    fixed_cosines(count, cosine, cosine);
-}
 
 /* A step of `count` lanes from `first` on is taken again by those that turned in it. */
 static __attribute__((noinline)) void lanes_turn(struct lanes *lanes, int first, int count,
@@ -144,16 +153,20 @@ static __attribute__((noinline)) void lanes_turn(struct lanes *lanes, int first,
 #include "method/kernel/lane_steps.h"
 #endif
 
-static lane_kernel *kernel_of(const struct lanes *lanes)
+struct lane_width {
+    lane_kernel *const (*kernels)[2]; /* of a shape and a family of methods */
+    void (*drives)(const struct lanes *lanes, double t, double *cosine);
+};
+
+static struct lane_width width_here(void)
 {
-    const int family = lanes->method->splitting != NULL;
 #ifdef __x86_64__
     if (__builtin_cpu_supports("avx512f"))
-        return kernels_8[lanes->shape][family];
+        return (struct lane_width){kernels_8, drives_8};
     if (__builtin_cpu_supports("avx2"))
-        return kernels_4[lanes->shape][family];
+        return (struct lane_width){kernels_4, drives_4};
 #endif
-    return kernels_2[lanes->shape][family];
+    return (struct lane_width){kernels_2, drives_2};
 }
 
 /* ---- the drive ---- */
@@ -163,19 +176,27 @@ static int times(const struct method *method)
     return method->tableau ? method->tableau->stages : method->splitting->count;
 }
 
-/* Times of the step as the bodies compute them. */
-static void table_step(const struct lanes *lanes, double t, double *value)
+/* [times] Times of the step as the bodies compute them; where nobody looks at the drive, NAN. */
+static void step_times(const struct lanes *lanes, double t, double *time)
 {
-    const double omega = lanes->omega[0], phase = lanes->phase[0], h = lanes->h;
-    for (int index = 0; index < times(lanes->method); index++) {
-        if (lanes->method->tableau) {
-            value[index] = fixed_cos(omega * (t + lanes->method->tableau->c[index] * h) + phase);
-        } else if ((index % 2 == 0) == lanes->method->splitting->kick_first) {
-            value[index] = fixed_cos(omega * t + phase);
-        } else {
-            t += splitting_weight(lanes->method->splitting, index) * h;
+    const struct method *method = lanes->method;
+    for (int place = 0; place < times(method); place++) {
+        time[place] = t;
+        if (method->tableau) {
+            time[place] = t + method->tableau->c[place] * lanes->h;
+        } else if ((place % 2 == 0) != method->splitting->kick_first) {
+            time[place] = (double)NAN;
+            t += splitting_weight(method->splitting, place) * lanes->h;
         }
     }
+}
+
+static void table_step(const struct lanes *lanes, double t, double *value)
+{
+    step_times(lanes, t, value);
+    for (int place = 0; place < times(lanes->method); place++)
+        if (value[place] == value[place])
+            value[place] = fixed_cos(lanes->omega[0] * value[place] + lanes->phase[0]);
 }
 
 static bool driven_alike(const struct lanes *lanes)
@@ -213,6 +234,42 @@ static void table_steps(struct lanes *lanes, struct lane_march *march)
     const int64_t there = from + lanes->table.count - march->first;
     march->count = march->count < there ? march->count : there;
     march->cosine = lanes->table.value + (march->first - from) * march->times;
+}
+
+/* Each lane's own: as many steps as there are rows for. */
+static void own_steps(struct lanes *lanes, const struct lane_width *width, struct lane_march *march)
+{
+    const int most = DRIVE_ROWS / march->times;
+    double at = (double)NAN, time[STAGES_MAX > WEIGHTS_MAX ? STAGES_MAX : WEIGHTS_MAX];
+    int rows = 0;
+    march->count = march->count < most ? march->count : most;
+    for (int64_t i = 0; i < march->count; i++) {
+        step_times(lanes, lanes->t0 + (double)(march->first + i) * lanes->h, time);
+        for (int place = 0; place < march->times; place++) {
+            if (time[place] == time[place] && time[place] != at) {
+                at = time[place];
+                width->drives(lanes, at, lanes->table.value + rows++ * LANES);
+            }
+            lanes->row_of[i * march->times + place] = rows - 1;
+        }
+    }
+    lanes->table.method = NULL; /* it holds something else now */
+    march->cosine = lanes->table.value;
+    march->row_of = lanes->row_of;
+}
+
+static void find_ranges(struct lanes *lanes)
+{
+    for (int lane = 0; lane < LANES; lane++) {
+        struct lane_range *range = &lanes->range[lane / LANE_GROUP];
+        const double omega = lanes->omega[lane], phase = lanes->phase[lane];
+        if (lane % LANE_GROUP == 0)
+            *range = (struct lane_range){{omega, omega}, {phase, phase}};
+        range->omega[0] = omega < range->omega[0] ? omega : range->omega[0];
+        range->omega[1] = omega > range->omega[1] ? omega : range->omega[1];
+        range->phase[0] = phase < range->phase[0] ? phase : range->phase[0];
+        range->phase[1] = phase > range->phase[1] ? phase : range->phase[1];
+    }
 }
 
 /* ---- what callers use ---- */
@@ -270,7 +327,7 @@ bool lanes_begin(struct lanes *lanes, const struct method *method, enum drag dra
     lanes->t0 = like->t0;
     lanes->h = h;
     lanes->step = 0;
-    lanes->divides = lanes->turns = false;
+    lanes->divides = lanes->turns = lanes->driven = false;
     memset(lanes->more, 0, sizeof lanes->more);
     memset(lanes->carried, 0, sizeof lanes->carried);
     memset(lanes->omega, 0, sizeof lanes->omega);
@@ -290,6 +347,7 @@ void lanes_set(struct lanes *lanes, int lane, const struct system *system)
             lanes->c[i][j][lane] = system->term[i].c[j];
     for (int i = 0; i < system->terms; i++)
         if (system->term[i].row->flags & TERM_TIME) { /* the drive: c0 cos(c1 t + c2) */
+            lanes->driven = true;
             lanes->omega[lane] = system->term[i].c[1];
             lanes->phase[lane] = system->term[i].c[2];
         }
@@ -343,17 +401,21 @@ void lanes_march(struct lanes *lanes, int64_t count, double *row)
         typed_lanes_march(lanes->typed, count, row);
         return;
     }
-    lane_kernel *const kernel = kernel_of(lanes);
-    const bool alike = driven_alike(lanes);
+    const struct lane_width width = width_here();
+    lane_kernel *const kernel = width.kernels[lanes->shape][lanes->method->splitting != NULL];
     struct lane_march march;
     march_prepare(lanes, &march);
+    march.drive = !lanes->driven ? DRIVE_NONE : driven_alike(lanes) ? DRIVE_ALIKE : DRIVE_OWN;
+    if (march.drive == DRIVE_OWN && lanes->step == 0)
+        find_ranges(lanes);
     while (count > 0) {
         march.first = lanes->step;
         march.count = count;
-        march.cosine = NULL;
         march.row = row;
-        if (alike && lanes->omega[0] != 0)
+        if (march.drive == DRIVE_ALIKE)
             table_steps(lanes, &march);
+        else if (march.drive == DRIVE_OWN)
+            own_steps(lanes, &width, &march);
         kernel(lanes, &march);
         lanes->step += march.count;
         count -= march.count;

@@ -21,14 +21,14 @@ FAST vector WITH(magnitude)(vector x)
     return (vector)((WITH(bits))x & INT64_MAX);
 }
 
-TARGET static __attribute__((noinline)) vector WITH(sine)(vector x)
+FAST vector WITH(load)(const double *from, int part)
 {
-    double each[WIDE];
-    memcpy(each, &x, sizeof each);
-    fixed_sines(WIDE, each, each);
-    memcpy(&x, each, sizeof each);
+    vector x;
+    memcpy(&x, from + part * WIDE, sizeof x);
     return x;
 }
+
+#include "method/kernel/lane_circle.h"
 
 /* ---- forces: the terms that shapes are made of, by the operations of terms.def and weight.def
  * ---- */
@@ -98,13 +98,6 @@ struct WITH(forces) {
                                 WITH(shape##_drag_called), LANE_FLAGS(shape)};
 LANE_SHAPES(LANE_FORCES)
 
-FAST vector WITH(load)(const double *from, int part)
-{
-    vector x;
-    memcpy(&x, from + part * WIDE, sizeof x);
-    return x;
-}
-
 /* Those of the vectors from `from` on. */
 FAST void WITH(take)(struct WITH(known) * known, int parts, int from, const struct lanes *lanes)
 {
@@ -125,26 +118,17 @@ FAST void WITH(end)(int parts, int from, const vector *x, double *numbers)
     UNROLL for (int q = 0; q < parts; q++) memcpy(numbers + (from + q) * WIDE, &x[q], sizeof x[q]);
 }
 
-/* How the drive is known: not at all (there is none), prepared for all lanes alike, as the cosine
- * of each at `at`. */
-struct WITH(drive) {
-    bool timed, alike;
-    double at;
-};
-
 /* The drive at the place-th time of step i. */
-FAST void WITH(look)(struct WITH(known) * known, int parts, int from, struct WITH(drive) * drive,
-                     const struct lanes *lanes, const struct lane_march *march, int64_t i,
-                     int index, double t)
+FAST void WITH(look)(struct WITH(known) * known, int parts, int from, enum drive_known drive,
+                     const struct lane_march *march, int64_t i, int place)
 {
-    double own[LANES] __attribute__((aligned(64)));
-    if (!drive->timed || (!drive->alike && t == drive->at))
-        return;
-    if (!drive->alike)
-        lanes_cosine(lanes, t, from * WIDE, parts * WIDE, own);
-    drive->at = t;
-    UNROLL for (int q = 0; q < parts; q++) known[q].cosine =
-        drive->alike ? march->cosine[i * march->times + index] - (vector){0} : WITH(load)(own, q);
+    const int64_t at = i * march->times + place;
+    if (drive == DRIVE_ALIKE) {
+        UNROLL for (int q = 0; q < parts; q++) known[q].cosine = march->cosine[at] - (vector){0};
+    } else if (drive == DRIVE_OWN) {
+        const double *own = march->cosine + march->row_of[at] * LANES;
+        UNROLL for (int q = 0; q < parts; q++) known[q].cosine = WITH(load)(own, from + q);
+    }
 }
 
 /* ---- explicit Runge-Kutta ---- */
@@ -180,13 +164,11 @@ FAST bool WITH(turned)(int parts, const vector *before, const vector *after)
 }
 
 /* `parts` vectors from `from` on. chain: four stages, each from the one before. */
-FAST void WITH(rk)(bool chain, int parts, int from, WITH(force) * force, struct WITH(drive) drive,
+FAST void WITH(rk)(bool chain, int parts, int from, WITH(force) * force, enum drive_known drive,
                    bool turns, struct lanes *lanes, const struct lane_march *march)
 {
-    const double h = lanes->h;
     const int stages = chain ? 4 : lanes->method->tableau->stages;
     const bool fsal = !chain && lanes->method->tableau->fsal;
-    const double *const c = lanes->method->tableau->c;
     double *const row = march->row;
     vector y[2][PARTS], z[2][PARTS], k[STAGES_MAX][2][PARTS];
     struct WITH(known) known[PARTS];
@@ -197,17 +179,15 @@ FAST void WITH(rk)(bool chain, int parts, int from, WITH(force) * force, struct 
         for (int i = 0; i < 2; i++)
             WITH(begin)(parts, from, lanes->carried[i], k[stages - 1][i]);
     } else if (fsal) {
-        WITH(look)
-        (known, parts, from, &drive, lanes, march, 0, 0, lanes->t0 + (double)march->first * h);
+        WITH(look)(known, parts, from, drive, march, 0, 0);
         WITH(slope)(parts, force, known, y, k[stages - 1]);
     }
     for (int64_t i = 0; i < march->count; i++) {
-        const double t = lanes->t0 + (double)(march->first + i) * h;
         if (fsal) {
             for (int j = 0; j < 2; j++)
                 UNROLL for (int q = 0; q < parts; q++) k[0][j][q] = k[stages - 1][j][q];
         } else {
-            WITH(look)(known, parts, from, &drive, lanes, march, i, 0, t);
+            WITH(look)(known, parts, from, drive, march, i, 0);
             WITH(slope)(parts, force, known, y, k[0]);
         }
         for (int s = 1; s < stages; s++) {
@@ -215,7 +195,7 @@ FAST void WITH(rk)(bool chain, int parts, int from, WITH(force) * force, struct 
             for (int j = 0; j < 2; j++)
                 WITH(combine)
             (parts, weights, chain ? 1 : weights->count, chain ? s - 1 : -1, k, j, y[j], z[j]);
-            WITH(look)(known, parts, from, &drive, lanes, march, i, s, t + c[s] * h);
+            WITH(look)(known, parts, from, drive, march, i, s);
             WITH(slope)(parts, force, known, z, k[s]);
         }
         for (int j = 0; j < 2 && !fsal; j++)
@@ -284,10 +264,9 @@ FAST void WITH(kick)(const struct split_way *way, int parts, int from, WITH(forc
 
 /* euler: a drift, then a kick. */
 FAST void WITH(split)(bool euler, enum drag variant, int parts, int from, WITH(force) * force,
-                      WITH(force) * drag, struct WITH(drive) drive, struct lanes *lanes,
+                      WITH(force) * drag, enum drive_known drive, struct lanes *lanes,
                       const struct lane_march *march)
 {
-    const double h = lanes->h;
     struct split_way way;
     split_choose(&way, lanes->method, variant);
     if (euler)
@@ -302,20 +281,18 @@ FAST void WITH(split)(bool euler, enum drag variant, int parts, int from, WITH(f
         WITH(begin)(parts, from, lanes->y[i], z[i]);
     WITH(begin)(parts, from, lanes->carried[0], pull);
     for (int64_t i = 0; i < march->count; i++) {
-        double t = lanes->t0 + (double)(march->first + i) * h;
         if (way.around)
             WITH(flow)(parts, from, lanes, z[1]);
         for (int index = 0; index < count; index++) {
             const double w = euler ? weights[index] : march->weight[index];
             if ((index % 2 == 0) == kick_first) {
                 if (!(index == 0 && way.continues && (lanes->step > 0 || i > 0))) {
-                    WITH(look)(known, parts, from, &drive, lanes, march, i, index, t);
+                    WITH(look)(known, parts, from, drive, march, i, index);
                     force(parts, known, z, pull);
                 }
                 WITH(kick)(&way, parts, from, drag, known, lanes, index, w, pull, z);
             } else {
                 UNROLL for (int q = 0; q < parts; q++) z[0][q] += w * z[1][q];
-                t += w;
             }
         }
         if (way.around)
@@ -335,7 +312,7 @@ TARGET static __attribute__((noinline)) void
 WITH(any_rk)(const struct WITH(forces) * of, struct lanes *lanes, const struct lane_march *march)
 {
     const bool timed = of->flags & TERM_TIME, turns = of->flags & TERM_KINK && lanes->turns;
-    const struct WITH(drive) drive = {timed, march->cosine || !timed, NAN};
+    const enum drive_known drive = timed ? march->drive : DRIVE_NONE;
     for (int from = 0; from < PARTS; from += ANY_PARTS)
         WITH(rk)(false, ANY_PARTS, from, of->both, drive, turns, lanes, march);
 }
@@ -344,7 +321,7 @@ TARGET static __attribute__((noinline)) void
 WITH(any_split)(const struct WITH(forces) * of, struct lanes *lanes, const struct lane_march *march)
 {
     const bool timed = of->flags & TERM_TIME;
-    const struct WITH(drive) drive = {timed, march->cosine || !timed, NAN};
+    const enum drive_known drive = timed ? march->drive : DRIVE_NONE;
     const enum drag drag = of->flags & TERM_VELOCITY ? lanes->drag : DRAG_DEFAULT;
     for (int from = 0; from < PARTS; from += ANY_PARTS)
         WITH(split)(false, drag, ANY_PARTS, from, of->force, of->drag, drive, lanes, march);
@@ -354,36 +331,41 @@ WITH(any_split)(const struct WITH(forces) * of, struct lanes *lanes, const struc
 #define RK_PARTS 4
 #define SPLIT_PARTS 4
 #define EULER_PARTS 8
-#define LANE_DRIVE(shape) ((struct WITH(drive)){(LANE_FLAGS(shape) & TERM_TIME) != 0, true, NAN})
-#define LANE_RK4(shape)                                                                            \
+#define LANE_DRIVE(shape, drive) (LANE_FLAGS(shape) & TERM_TIME ? (drive) : DRIVE_NONE)
+#define LANE_RK4(shape, drive)                                                                     \
     for (int from = 0; from < PARTS; from += RK_PARTS)                                             \
         WITH(rk)                                                                                   \
-    (true, RK_PARTS, from, WITH(shape##_both), LANE_DRIVE(shape),                                  \
+    (true, RK_PARTS, from, WITH(shape##_both), LANE_DRIVE(shape, drive),                           \
      LANE_FLAGS(shape) & TERM_KINK && lanes->turns, lanes, march)
-#define LANE_SPLIT(shape, euler, variant, parts)                                                   \
+#define LANE_SPLIT(shape, drive, euler, variant, parts)                                            \
     for (int from = 0; from < PARTS; from += parts)                                                \
         WITH(split)                                                                                \
     (euler, LANE_FLAGS(shape) & TERM_VELOCITY ? variant : DRAG_DEFAULT, parts, from,               \
-     WITH(shape##_force), WITH(shape##_drag), LANE_DRIVE(shape), lanes, march)
+     WITH(shape##_force), WITH(shape##_drag), LANE_DRIVE(shape, drive), lanes, march)
 #define LANE_KERNELS(shape)                                                                        \
     TARGET static void WITH(shape##_rk)(struct lanes * lanes, const struct lane_march *march)      \
     {                                                                                              \
-        const bool alike = march->cosine || !(LANE_FLAGS(shape) & TERM_TIME);                      \
+        const bool alike = !(LANE_FLAGS(shape) & TERM_TIME && march->drive == DRIVE_OWN);          \
         if (WIDE >= WIDE_UNROLLED && march->chain && alike)                                        \
-            LANE_RK4(shape);                                                                       \
+            LANE_RK4(shape, DRIVE_ALIKE);                                                          \
+        else if (WIDE >= WIDE_UNROLLED && march->chain)                                            \
+            LANE_RK4(shape, DRIVE_OWN);                                                            \
         else                                                                                       \
             WITH(any_rk)(&WITH(shape##_forces), lanes, march);                                     \
     }                                                                                              \
     TARGET static void WITH(shape##_split)(struct lanes * lanes, const struct lane_march *march)   \
     {                                                                                              \
-        const bool alike = march->cosine || !(LANE_FLAGS(shape) & TERM_TIME);                      \
+        const bool alike = !(LANE_FLAGS(shape) & TERM_TIME && march->drive == DRIVE_OWN);          \
         const bool drags = LANE_FLAGS(shape) & TERM_VELOCITY;                                      \
-        if (WIDE < WIDE_UNROLLED || !alike)                                                        \
+        const bool euler = march->chain && (!drags || lanes->drag == DRAG_EXPLICIT);               \
+        if (WIDE < WIDE_UNROLLED || (!alike && !euler))                                            \
             WITH(any_split)(&WITH(shape##_forces), lanes, march);                                  \
-        else if (march->chain && (!drags || lanes->drag == DRAG_EXPLICIT))                         \
-            LANE_SPLIT(shape, true, DRAG_EXPLICIT, EULER_PARTS);                                   \
+        else if (!alike)                                                                           \
+            LANE_SPLIT(shape, DRIVE_OWN, true, DRAG_EXPLICIT, SPLIT_PARTS);                        \
+        else if (euler)                                                                            \
+            LANE_SPLIT(shape, DRIVE_ALIKE, true, DRAG_EXPLICIT, EULER_PARTS);                      \
         else                                                                                       \
-            LANE_SPLIT(shape, false, lanes->drag, SPLIT_PARTS);                                    \
+            LANE_SPLIT(shape, DRIVE_ALIKE, false, lanes->drag, SPLIT_PARTS);                       \
     }
 LANE_SHAPES(LANE_KERNELS)
 

@@ -61,14 +61,15 @@ static void save_setting(const struct setting *setting, const struct settings *s
     buffer_char(text, '\n');
 }
 
-static void save_settings(const struct settings *settings, struct buffer *text)
+/* motion: only those by which trajectories are what they are. */
+static void save_settings(const struct settings *settings, bool motion, struct buffer *text)
 {
     struct settings defaults;
     session_default_settings(&defaults);
     for (size_t i = 0; i < setting_catalog.count; i++) {
         const struct setting *setting = setting_at(i);
         const bool chosen = setting_is_chosen(setting, settings);
-        if (!setting->display && chosen &&
+        if (!setting->display && chosen && (!motion || setting->of_run || setting->chosen) &&
             (setting->chosen || !setting_same(setting, settings, &defaults)))
             save_setting(setting, settings, text);
     }
@@ -229,14 +230,24 @@ static void save_current_recording(const struct session *session, struct buffer 
         buffer_format(text, "data use %s\n", session_recording(session)->name);
 }
 
-void session_save(const struct session *session, struct buffer *text)
+static void save_setup(const struct session *session, bool motion, struct buffer *text)
 {
-    buffer_put(text, TEXT("# set-up saved by hooke " HOOKE_VERSION "\n"));
     const bool elsewhere = save_let(&session->setup, text);
     save_scene(&session->setup.scene, elsewhere, text);
     events_save(session->setup.events, false, text);
     save_method(&session->setup, text);
-    save_settings(&session->setup.settings, text);
+    save_settings(&session->setup.settings, motion, text);
+}
+
+void session_save_motion(const struct session *session, struct buffer *text)
+{
+    save_setup(session, true, text);
+}
+
+void session_save(const struct session *session, struct buffer *text)
+{
+    buffer_put(text, TEXT("# set-up saved by hooke " HOOKE_VERSION "\n"));
+    save_setup(session, false, text);
     save_recordings(session, text);
     save_current_recording(session, text);
     if (!session->view.focus) /* other panes show runs, which are not saved */

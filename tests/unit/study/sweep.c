@@ -77,6 +77,10 @@ static void test_lanes_equal_runs(void **state)
                  {"damped", "gamma", 0, 3},
                  {"drag", "C", 0, 4},
                  {"driven", "omega", 6, 12},
+                 /* angles of one quarter, of several, of all of pi's digits, below 0 */
+                 {"driven", "omega", 8, 8.001},
+                 {"driven", "omega", 0, 1e6},
+                 {"driven", "phase", -3, 3},
                  {"driven", "gamma", 0.1, 1},
                  {"duffing", "y0", 0.1, 3},
                  {"duffing-driven", "F0", 0, 1},

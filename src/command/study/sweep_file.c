@@ -1,0 +1,422 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* sweep … --resume FILE: piece by piece into a file that can be gone on with. */
+#define _GNU_SOURCE /* O_CLOEXEC */
+#include <hooke/report/sweep.h>
+#include "command/study/sweep.h"
+
+#include <math.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#define PIECE_MOST 65536  /* points between two looks at the file, where lanes want no more */
+#define PIECE_SECONDS 0.5 /* that a piece takes, between this and four times as much */
+
+/* ---- which sweep it is, as lines of the head ---- */
+
+static void put_axis(const struct sweep_axis *axis, struct buffer *text)
+{
+    const double steps = axis->count - 1;
+    buffer_format(text, "%s=", axis->name);
+    buffer_real(text, axis->from);
+    buffer_char(text, ':');
+    buffer_real(text, axis->to);
+    if (axis->count > 1 && !axis->log && axis->count < 100000) {
+        buffer_format(text, ":%.12g", (axis->to - axis->from) / steps); /* enough to count by */
+    } else if (axis->count > 1) {
+        buffer_put(text, axis->log ? TEXT(":x") : TEXT(":"));
+        buffer_real(text, axis->log ? pow(axis->to / axis->from, 1 / steps)
+                                    : (axis->to - axis->from) / steps);
+    }
+}
+
+static void put_head(const struct session *session, const struct sweep_request *request,
+                     struct buffer *text)
+{
+    struct buffer setup = {0};
+    session_save_motion(session, &setup);
+    struct text rest = buffer_text(&setup), line;
+    buffer_put(text, TEXT("# hooke = " HOOKE_VERSION "\n"));
+    while (text_split(&rest, '\n', &line))
+        if (line.len > 0)
+            buffer_format(text, "# set-up = %.*s\n", (int)line.len, line.at);
+    buffer_put(text, TEXT("# sweep = "));
+    for (int a = 0; a < request->axes; a++) {
+        put_axis(&request->axis[a], text);
+        buffer_char(text, ' ');
+    }
+    for (int m = 0; m < request->measures; m++)
+        buffer_format(text, "%s%s", m ? "," : "measure=", sweep_measure_name(&request->measure[m]));
+    buffer_char(text, '\n');
+    text->failed |= setup.failed;
+    buffer_free(&setup);
+}
+
+/* The sweep that the head says, read as if it were typed. */
+static bool read_statement(struct session *session, const struct arguments *args,
+                           const struct sweep_file *file, struct sweep_request *request,
+                           struct error *error)
+{
+    char name[SAFE_NAME_SIZE];
+    struct text rest = buffer_text(&file->head), line, found = {NULL, 0};
+    const struct text key = TEXT("# sweep = ");
+    while (text_split(&rest, '\n', &line))
+        if (text_starts(line, key))
+            found = (struct text){line.at + key.len, line.len - key.len};
+    const char *copy = found.at ? arena_text(args->arena, found) : NULL;
+    struct sweep_options none = {0};
+    struct error why = {0};
+    safe_name(text_of(file->path), name);
+    if (!copy) {
+        error_set(error, ERROR_IO, "%s does not say which sweep it is of", name);
+        return error_hint(error, "sweep NAME=FROM:TO --resume FILE begins one");
+    }
+    struct sweep_request read = sweep_request_begin(session);
+    if (!read_sweep(session, args, text_of(copy), &read, &none, &why) || read.axes == 0)
+        return error_set(error, ERROR_IO, "the sweep of %s cannot be read in this set-up: %s", name,
+                         why.text);
+    read.shard = request->shards > 1 ? request->shard : file->segments == 1 ? file->shard : 1;
+    read.shards = request->shards > 1 ? request->shards : file->segments == 1 ? file->shards : 1;
+    read.threads = request->threads;
+    *request = read;
+    return true;
+}
+
+/* ---- the file, locked ---- */
+
+struct growing {
+    struct session *session;
+    struct sweep_request *request;
+    struct sweep_file file;
+    int fd; /* -1: not open */
+    struct writer writer;
+    struct buffer head, shard, names;
+    struct sweep all; /* no results: which points */
+    int64_t computed, missing, piece;
+};
+
+static bool is_there(const char *path)
+{
+    struct stat st;
+    return lstat(path, &st) == 0;
+}
+
+/* Another program may have made it whole between opening and locking. */
+static bool open_locked(struct growing *g, struct error *error)
+{
+    char name[SAFE_NAME_SIZE];
+    for (int look = 0; look < 3; look++) {
+        struct stat opened, there;
+        g->fd = append_open(g->file.path, session_policy(g->session, false), 0666, error);
+        if (g->fd < 0)
+            return false;
+        const bool locked = file_lock(g->fd, true);
+        if (locked && fstat(g->fd, &opened) == 0 && stat(g->file.path, &there) == 0 &&
+            opened.st_ino == there.st_ino && opened.st_dev == there.st_dev)
+            return true;
+        close(g->fd);
+        g->fd = -1;
+        if (!locked)
+            break;
+    }
+    return error_set(error, ERROR_IO, "%s is being written by another program",
+                     safe_name(text_of(g->file.path), name));
+}
+
+/* Says which line is another one. */
+static bool refuse_head(const struct growing *g, struct error *error)
+{
+    char name[SAFE_NAME_SIZE];
+    struct text has = buffer_text(&g->file.head), wants = buffer_text(&g->head), a, b;
+    struct buffer one = {0}, other = {0};
+    for (;;) {
+        const bool more = text_split(&has, '\n', &a), wanted = text_split(&wants, '\n', &b);
+        a = more ? a : TEXT("");
+        b = wanted ? b : TEXT("");
+        if (!text_equal(a, b) || !(more && wanted))
+            break;
+    }
+    safe_text(&one, text_starts(a, TEXT("# ")) ? (struct text){a.at + 2, a.len - 2} : a, false);
+    safe_text(&other, text_starts(b, TEXT("# ")) ? (struct text){b.at + 2, b.len - 2} : b, false);
+    error_set(error, ERROR_IO, "%s is of another sweep: it has '%.200s', here it is '%.200s'",
+              safe_name(text_of(g->file.path), name), buffer_view(&one), buffer_view(&other));
+    buffer_free(&one);
+    buffer_free(&other);
+    return error_hint(error, "the file is left as it is: take another name, or the set-up that "
+                             "its # lines say");
+}
+
+/* A file without a mark begins as this sweep does; *empty: it does not even have all of the head,
+ * as where a program was killed. */
+static bool compare_begun(const struct growing *g, bool *empty, struct error *error)
+{
+    const struct sweep_file *file = &g->file;
+    struct buffer whole = {0}, begun = {0};
+    const struct text part[] = {buffer_text(&g->head), buffer_text(&g->shard),
+                                buffer_text(&g->names)};
+    for (size_t i = 0; i < COUNT_OF(part); i++)
+        buffer_put(&whole, part[i]);
+    buffer_put(&begun, buffer_text(&whole)); /* as many bytes */
+    if (whole.failed || begun.failed) {
+        buffer_free(&whole);
+        buffer_free(&begun);
+        return error_memory(error);
+    }
+    const ssize_t got = pread(g->fd, begun.data, begun.len, 0);
+    *empty = file->size < (int64_t)whole.len;
+    const bool same = got >= 0 && got == (*empty ? file->size : (int64_t)whole.len) &&
+                      memcmp(begun.data, whole.data, (size_t)got) == 0;
+    buffer_free(&whole);
+    buffer_free(&begun);
+    return same || refuse_head(g, error);
+}
+
+static bool compare_head(const struct growing *g, bool *empty, struct error *error)
+{
+    char name[SAFE_NAME_SIZE];
+    const struct sweep_file *file = &g->file;
+    const struct sweep_request *request = g->request;
+    *empty = false;
+    if (file->blocks == 0)
+        return compare_begun(g, empty, error);
+    if (!text_equal(buffer_text(&file->head), buffer_text(&g->head)))
+        return refuse_head(g, error);
+    safe_name(text_of(file->path), name);
+    if (file->segments == 1 && (file->shard != request->shard || file->shards != request->shards))
+        return error_set(error, ERROR_IO, "%s is shard %lld/%lld of this sweep, not %lld/%lld",
+                         name, (long long)file->shard, (long long)file->shards,
+                         (long long)request->shard, (long long)request->shards);
+    if (file->total != g->all.total)
+        return error_set(error, ERROR_IO, "%s has another number of points", name);
+    return file->names.len == 0 || g->names.len == 0 ||
+           text_equal(buffer_text(&file->names), buffer_text(&g->names)) ||
+           error_set(error, ERROR_IO, "the names of the columns in %s were changed", name);
+}
+
+/* Without what a killed program has left behind the last mark. */
+static bool cut_tail(struct growing *g, bool empty, struct error *error)
+{
+    char name[SAFE_NAME_SIZE];
+    struct sweep_file *file = &g->file;
+    file->end = empty ? 0 : file->end;
+    if (file->size > file->end && ftruncate(g->fd, (off_t)file->end) != 0)
+        return error_set(error, ERROR_IO, "cannot write %s", safe_name(text_of(file->path), name));
+    file->size = file->end;
+    return !empty || sweep_file_begin(file, g->fd, buffer_text(&g->head), buffer_text(&g->shard),
+                                      buffer_text(&g->names), error);
+}
+
+/* ---- computing what is missing ---- */
+
+static void report_growth(void *context, double fraction)
+{
+    const struct growing *g = context;
+    const struct front *front = &g->session->front;
+    if (front->progress)
+        front->progress(front->context, NULL,
+                        ((double)g->computed + fraction * (double)g->piece) / (double)g->missing);
+}
+
+/* Each run of points that are finished; of a stopped piece these may be some. */
+static bool add_finished(struct growing *g, const struct sweep *piece, struct error *error)
+{
+    for (int64_t from = 0, to; from < piece->count; from = to) {
+        for (to = from; to < piece->count && piece->status[to] != SWEEP_MISSING;)
+            to++;
+        if (to == from) {
+            to++;
+            continue;
+        }
+        struct sweep part = *piece;
+        struct buffer rows = {0};
+        part.first += from;
+        part.count = to - from;
+        part.value += from * part.measures;
+        part.status += from;
+        bool ok = sweep_rows(g->request, &part, &rows) || error_memory(error);
+        const char *end = ok ? memchr(rows.data, '\n', rows.len) : NULL; /* of the names */
+        if (end) {
+            const struct text view = {end + 1, (size_t)(rows.data + rows.len - end - 1)};
+            ok = sweep_file_add(&g->file, g->fd, part.first, part.count, view, error);
+        }
+        buffer_free(&rows);
+        if (!ok)
+            return false;
+        g->computed += part.count;
+    }
+    return true;
+}
+
+static bool compute_piece(struct growing *g, int64_t first, int64_t count, double *seconds,
+                          struct error *error)
+{
+    struct sweep sweep;
+    struct error why = {0};
+    struct sweep_request request = *g->request;
+    request.first = first;
+    request.count = g->piece = count;
+    request.progress = report_growth;
+    request.context = g;
+    study_sweep(&request, &sweep, &why);
+    g->piece = 0;
+    *seconds = sweep.seconds;
+    /* That every point of a piece is refused is no reason to stop. */
+    const bool finished = sweep.finished == count;
+    const bool ok = (sweep.finished == 0 || add_finished(g, &sweep, error)) && finished;
+    if (!finished && error->code == ERROR_NONE)
+        *error = why;
+    sweep_free(&sweep);
+    return ok;
+}
+
+static bool fill_gap(struct growing *g, int64_t first, int64_t count, struct error *error)
+{
+    const int64_t batch = study_sweep_batch(g->request), end = first + count,
+                  most = batch > PIECE_MOST ? batch : PIECE_MOST;
+    int64_t size = batch;
+    double seconds = 0;
+    for (int64_t at = first, n; at < end; at += n) {
+        n = size - at % batch; /* so that the next ones begin where a batch does */
+        n = n < end - at ? n : end - at;
+        if (!compute_piece(g, at, n, &seconds, error))
+            return false;
+        if (seconds < PIECE_SECONDS && 2 * size <= most)
+            size *= 2;
+        else if (seconds > 4 * PIECE_SECONDS && size >= 2 * batch)
+            size /= 2;
+    }
+    return true;
+}
+
+static bool fill(struct growing *g, bool force, struct error *error)
+{
+    double steps, seconds;
+    const int64_t end = g->all.first + g->all.count;
+    int64_t at = g->all.first, first, count, had = 0;
+    for (size_t i = 0; i < g->file.blocks; i++)
+        had += g->file.block[i].count;
+    g->missing = g->all.count - had;
+    study_sweep_predict(g->request, &steps, &seconds);
+    const double share = (double)g->missing / (double)g->all.count;
+    if (!allow_long(g->session, share * seconds, share * steps, force, error))
+        return false;
+    while (sweep_file_gap(&g->file, at, end, &first, &count)) {
+        if (!fill_gap(g, first, count, error))
+            return false;
+        at = first + count;
+        if (!sweep_file_arrange(&g->file, g->all.first, g->all.count, error))
+            return false;
+    }
+    return true;
+}
+
+/* ---- all of it ---- */
+
+static bool prepare(struct growing *g, const struct arguments *args, struct error *error)
+{
+    struct sweep_request *request = g->request;
+    bool empty;
+    if (!open_locked(g, error) || !sweep_file_read(g->fd, &g->file, error) ||
+        (request->axes == 0 && !read_statement(g->session, args, &g->file, request, error)))
+        return false;
+    study_sweep_stretch(request, &g->all);
+    if (g->all.count == 0)
+        return error_set(error, ERROR_COMMAND,
+                         "this shard has no points: there are more shards "
+                         "than points");
+    put_head(g->session, request, &g->head);
+    if (request->shards > 1)
+        buffer_format(&g->shard, "# shard = %lld/%lld\n", (long long)request->shard,
+                      (long long)request->shards);
+    struct sweep none = g->all;
+    struct buffer *names = &g->names;
+    none.count = 0;
+    if (!sweep_rows(request, &none, names) || g->head.failed || g->shard.failed)
+        return error_memory(error);
+    if (g->all.first > 0)
+        buffer_clear(names);
+    if (!compare_head(g, &empty, error) ||
+        !sweep_file_arrange(&g->file, g->all.first, g->all.count, error))
+        return false;
+    if (sweep_file_is_whole(&g->file, g->all.first, g->all.count))
+        return true;
+    g->file.total = g->all.total;
+    return writer_open(&g->writer, g->file.path, session_policy(g->session, true), error) &&
+           cut_tail(g, empty, error);
+}
+
+static bool make_whole(struct growing *g, struct error *error)
+{
+    if (sweep_file_is_whole(&g->file, g->all.first, g->all.count))
+        return true;
+    return sweep_file_make_whole(&g->file, g->fd, buffer_text(&g->shard), buffer_text(&g->names),
+                                 &g->writer, error) &&
+           writer_commit(&g->writer, error);
+}
+
+static void reply_file(const struct growing *g, double seconds, struct reply *reply)
+{
+    const struct sweep *all = &g->all;
+    char name[SAFE_NAME_SIZE];
+    safe_name(text_of(g->file.path), name);
+    reply_begin(reply, "sweep-file");
+    reply_string(reply, "file", name);
+    reply_int(reply, "first", all->first);
+    reply_int(reply, "points", all->count);
+    reply_int(reply, "total", all->total);
+    reply_int(reply, "computed", g->computed);
+    reply_real(reply, "seconds", seconds);
+    reply_line(reply, "%s: points %lld to %lld of %lld, whole; %lld computed now in %.3g s", name,
+               (long long)all->first, (long long)(all->first + all->count - 1),
+               (long long)all->total, (long long)g->computed, seconds);
+    reply_end(reply);
+}
+
+static void say_kept(const struct growing *g, struct error *error)
+{
+    char name[SAFE_NAME_SIZE];
+    int64_t has = 0;
+    for (size_t i = 0; i < g->file.blocks; i++)
+        has += g->file.block[i].count;
+    error_set(error, ERROR_CANCELLED, "stopped: %s has %lld of %lld points",
+              safe_name(text_of(g->file.path), name), (long long)has, (long long)g->all.count);
+    error_hint(error, "'continue', or the same statement, goes on with it");
+}
+
+bool sweep_into_file(struct session *session, const struct arguments *args,
+                     struct sweep_request *request, const struct sweep_options *options,
+                     struct reply *reply, struct error *error)
+{
+    const int64_t begin = clock_ns();
+    struct growing g = {.session = session,
+                        .request = request,
+                        .fd = -1,
+                        .writer = {.fd = -1, .folder = -1},
+                        .file.cancel = session->front.cancel};
+    *error = (struct error){.code = ERROR_NONE};
+    g.file.path = arena_text(args->arena, options->file);
+    if (!g.file.path)
+        return error_memory(error);
+    char name[SAFE_NAME_SIZE];
+    bool ok = request->axes > 0 || is_there(g.file.path) ||
+              (error_set(error, ERROR_IO, "%s is not there", safe_name(options->file, name)) ||
+               error_hint(error, "sweep NAME=FROM:TO --resume FILE begins it"));
+    ok = ok && prepare(&g, args, error) && fill(&g, options->force, error);
+    if (session->front.progress)
+        session->front.progress(session->front.context, NULL, 2);
+    ok = ok && make_whole(&g, error);
+    if (ok)
+        reply_file(&g, clock_seconds(begin), reply);
+    else if (error->code == ERROR_CANCELLED && g.computed > 0)
+        say_kept(&g, error);
+    if (!ok && !error->where.at)
+        error->where = options->file;
+    writer_abandon(&g.writer);
+    if (g.fd >= 0)
+        close(g.fd);
+    sweep_file_free(&g.file);
+    buffer_free(&g.head);
+    buffer_free(&g.shard);
+    buffer_free(&g.names);
+    return ok;
+}
