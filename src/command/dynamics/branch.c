@@ -235,8 +235,12 @@ static void put_branch(const struct session *session, const struct kept_branch *
     int stable = 0;
     for (int i = 0; i < branch->count; i++)
         stable += solution_stable(&branch->point[i].solution);
-    buffer_format(out, "branch %d: %d %s, %d of them stable, %s from ", b->number, branch->count,
-                  kinds[branch->kind], stable, row->row.name);
+    buffer_format(out, "branch %d: %d ", b->number, branch->count);
+    if (b->params == 2)
+        buffer_format(out, "points like %s", b->of);
+    else
+        buffer_format(out, "%s, %d of them stable", kinds[branch->kind], stable);
+    buffer_format(out, ", %s from ", row->row.name);
     buffer_quantity(out, branch->point[0].solution.param[0], row->quantity, 8);
     buffer_format(out, " (%s) to ", branch->ends[0][0] ? branch->ends[0] : "the start");
     buffer_quantity(out, branch->point[branch->count - 1].solution.param[0], row->quantity, 8);

@@ -152,6 +152,7 @@ static void reply_point(const struct scene *scene, const struct system *system,
     reply_values(reply, s->kind == SOLUTION_EQUILIBRIUM ? "eigenvalues" : "multipliers", s);
     const char *way = criticality_of(at);
     reply_string(reply, "criticality", at->criticality != 0 ? way : NULL);
+    reply_real(reply, "first_lyapunov", at->criticality);
     if (at->verified == 0)
         reply_null(reply, "verified");
     else

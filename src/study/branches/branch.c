@@ -5,172 +5,20 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "study/branches/eigen.h"
-#include "study/dynamics/solutions.h"
+#include "study/branches/walk.h"
 #include "study/branches/two_parameters.h"
 
 #define FIRST 0.01 /* arclength of the first step, where the range is 1 */
 #define LONGEST 0.05
 #define SHORTEST 1e-7 /* of the longest */
 #define TURN 0.94     /* cosine of the angle by which a step may turn: 20 degrees */
-#define TOGETHER 1e-6 /* of the range: tests that become 0 there are of the same point */
 #define SLOW 25       /* times the first period: the orbit nears one that takes for ever */
 #define VERTICAL 1e-7 /* part of the parameter in a tangent that does not change it */
 #define LEVEL 12      /* so many of these in a row */
 #define STILL 1e-4    /* of a tangent: the parameter hardly changes any more */
 #define POINTS 1000
-#define DOUBLE 1e-6 /* of a frequency: an eigenvalue that is 0 */
-#define TINY 1e-8   /* of the largest value so far: a test that is 0 */
-
-struct branch_walk {
-    const struct branch_request *request;
-    struct solution_curve *path;
-    struct branch *out; /* points of this direction are appended */
-    double psize, largest[CURVE_TESTS], period;
-    int capacity;
-    double moved; /* relative, the parameter in the last step */
-    int level;    /* places in a row at one value of the parameter */
-    bool away;    /* from where it began */
-    int start;    /* place of the parameter among the unknowns at the start */
-    struct curve_place known[CURVE_TESTS]; /* the last place where that test was not 0 */
-    bool any[CURVE_TESTS];
-    struct curve_place before; /* the last place but one, if its phase is that of the last: */
-    bool bends;
-    char *end; /* [96] why it ends */
-};
-
-static struct branch_point *append(struct branch_walk *w)
-{
-    struct branch *b = w->out;
-    if (b->count == w->capacity) {
-        const int capacity = w->capacity > 0 ? 2 * w->capacity : 64;
-        struct branch_point *more = realloc(b->point, (size_t)capacity * sizeof *more);
-        if (!more)
-            return NULL;
-        b->point = more;
-        w->capacity = capacity;
-    }
-    b->point[b->count] = (struct branch_point){.criticality = NAN, .accuracy = NAN};
-    return &b->point[b->count++];
-}
-
-static bool record(struct branch_walk *w, const struct curve_place *at, enum special special,
-                   const struct solution *solution)
-{
-    struct branch_point *point = append(w);
-    if (!point)
-        return false;
-    point->solution = *solution;
-    point->special = special;
-    /* of an orbit its beginning and what holds for all of it: the rest follows */
-    const int n = w->path->field.n, all = w->path->problem->n;
-    memcpy(point->tangent, at->tangent, (size_t)n * sizeof *point->tangent);
-    if (w->path->kind == SOLUTION_EQUILIBRIUM) {
-        point->tangent[n] = at->tangent[all];
-    } else {
-        point->tangent[n] = w->path->kind == SOLUTION_ORBIT ? at->tangent[all - 1] : 0;
-        point->tangent[n + 1] = at->tangent[all];
-    }
-    return true;
-}
-
-/* ---- special points between two places ---- */
-
-struct found_special {
-    struct curve_place at;
-    struct solution solution;
-    enum special special;
-    double distance, near;
-};
-
-static bool zero(const struct branch_walk *w, const struct curve_place *p, int test)
-{
-    if (test > 0)
-        return fabs(p->test[test]) <= TINY * w->largest[test];
-    /* the parameter's part of the tangent, in both kinds of curves: rounding where it stands still
-     */
-    return fabs(p->test[test]) <= CURVE_LEVEL ||
-           (fabs(p->test[test]) <= CURVE_STEEP && w->moved <= CURVE_LEVEL);
-}
-
-static void locate_all(struct branch_walk *w, const struct curve_place *to,
-                       struct found_special *found, int *count)
-{
-    const struct curve_problem *problem = w->path->problem;
-    for (int k = 0; k < problem->tests; k++) {
-        w->largest[k] = fmax(w->largest[k], fabs(to->test[k]));
-        if (zero(w, to, k) || !isfinite(to->test[k]))
-            continue;
-        const struct curve_place before = w->known[k];
-        const bool changed = w->any[k] && signbit(before.test[k]) != signbit(to->test[k]);
-        w->known[k] = *to;
-        w->any[k] = true;
-        struct found_special *f = &found[*count];
-        if (!changed || !curve_locate(problem, &before, to, k, &f->at, &f->near) ||
-            !solutions_at(w->path, &f->at, true, &f->solution))
-            continue;
-        f->special = solutions_special(w->path, k, &f->solution);
-        f->distance = curve_distance(problem->n + 1, f->at.u, before.u);
-        if (f->special != SPECIAL_NONE)
-            ++*count;
-    }
-}
-
-/* A branch that is followed through a crossing turns back there, or doubles; it is a crossing. */
-static void leave_doubles_out(struct found_special *found, int *count, int n)
-{
-    for (int i = 0; i < *count; i++)
-        for (int j = 0; j < *count; j++)
-            if (i != j && found[i].special == SPECIAL_CROSSING &&
-                (found[j].special == SPECIAL_FOLD || found[j].special == SPECIAL_TORUS) &&
-                curve_distance(n, found[i].at.u, found[j].at.u) < TOGETHER) {
-                found[j] = found[--*count];
-                i = -1;
-                break;
-            }
-}
-
-static int by_distance(const void *a, const void *b)
-{
-    const struct found_special *x = a, *y = b;
-    return (x->distance > y->distance) - (x->distance < y->distance);
-}
-
-/* NAN: a real eigenvalue is 0, too, and linear theory says nothing of one pair alone. */
-static double criticality(struct branch_walk *w, const struct solution *s)
-{
-    double omega = 0, best = HUGE_VAL, error;
-    for (int k = 0; k < s->values; k++)
-        if (s->value[k].im > 0 && fabs(s->value[k].re) < best) {
-            best = fabs(s->value[k].re);
-            omega = s->value[k].im;
-        }
-    for (int k = 0; k < s->values; k++)
-        if (hypot(s->value[k].re, s->value[k].im) < DOUBLE * omega)
-            return NAN;
-    const double first = lyapunov_coefficient(&w->path->field, s->state, omega, &error);
-    return fabs(first) <= 4 * error ? 0 : first;
-}
-
-static bool record_specials(struct branch_walk *w, const struct curve_place *to)
-{
-    struct found_special found[CURVE_TESTS];
-    int count = 0;
-    const int n = w->path->problem->n;
-    locate_all(w, to, found, &count);
-    leave_doubles_out(found, &count, n + 1);
-    qsort(found, (size_t)count, sizeof *found, by_distance);
-    for (int i = 0; i < count; i++) {
-        if (!record(w, &found[i].at, found[i].special, &found[i].solution))
-            return false;
-        struct branch_point *point = &w->out->point[w->out->count - 1];
-        struct solution *s = &point->solution;
-        point->accuracy = found[i].near / fmax(fabs(found[i].at.u[n]), 1e-3);
-        if (point->special == SPECIAL_HOPF)
-            point->criticality = criticality(w, s);
-    }
-    return true;
-}
+#define TOGETHER 1e-6 /* the start, and what is found of it */
+#define FAR 0.3       /* from the start: another solution */
 
 /* ---- the walk ---- */
 
@@ -255,15 +103,6 @@ static bool in_family(const struct branch_walk *w, const struct curve_place *at)
     return one && fabs(at->tangent[w->path->problem->n]) < VERTICAL;
 }
 
-static void know(struct branch_walk *w, const struct curve_place *at)
-{
-    for (int k = 0; k < w->path->problem->tests; k++) {
-        w->largest[k] = k == 0 ? 1 : fabs(at->test[k]); /* the first is part of a unit vector */
-        w->known[k] = *at;
-        w->any[k] = !zero(w, at, k) && at->test[k] != 0 && isfinite(at->test[k]);
-    }
-}
-
 /* Orbits that differences grow along too much are cut into more segments. */
 static bool cut(struct branch_walk *w, struct curve_place *at)
 {
@@ -275,20 +114,18 @@ static bool cut(struct branch_walk *w, struct curve_place *at)
     if (!orbit_curve_cut(&w->path->orbit, u, direction) ||
         !curve_correct(w->path->problem, u, direction, false, at))
         return false;
-    know(w, at);
+    walk_go_on(w, at);
     w->bends = false;
     return true;
 }
 
-/* Not where a test is 0: its sign before would be lost. */
+/* Not where a test is 0, nor where the parameter tells no direction. */
 static void stretch(struct branch_walk *w, struct curve_place *at)
 {
-    bool any = w->path->kind == SOLUTION_ORBIT;
-    for (int k = 0; k < w->path->problem->tests; k++)
-        any = any && !(w->any[k] && zero(w, at, k));
-    if (!any || !orbit_curve_stretch(&w->path->orbit, at->u, at->tangent))
+    if (w->path->kind != SOLUTION_ORBIT || fabs(at->tangent[w->path->problem->n]) < STILL ||
+        !walk_is_clear(w, at) || !orbit_curve_stretch(&w->path->orbit, at->u, at->tangent))
         return;
-    know(w, at);
+    walk_go_on(w, at);
     w->bends = false;
 }
 
@@ -357,8 +194,9 @@ static bool walk(struct branch_walk *w, struct curve_place at)
     w->away = false;
     w->start = w->path->problem->n;
     double by = fmin(FIRST, longest);
-    know(w, &at);
-    ends(w, "as many points as were asked for");
+    walk_start(w, &at);
+    ends(w, w->request->max > 0 ? "as many points as were asked for"
+                                : "1000 points: max=N takes more");
     for (int i = 0; i < max; i++) {
         struct curve_place next;
         const double far = longest_at(w, &at, longest);
@@ -372,11 +210,19 @@ static bool walk(struct branch_walk *w, struct curve_place at)
         if (upright < 0)
             return end_there(w, "it shrinks to an equilibrium");
         const bool leaves = !inside(w, &next);
-        if (leaves && !step_to_edge(w, &at, &next, &next)) {
-            ends(w, "the parameter's range");
-            return true;
+        if (leaves) { /* what lies between it and the edge is not looked for */
+            if (!walk_record_specials(w, &next))
+                return false;
+            if (!step_to_edge(w, &at, &next, &next)) {
+                ends(w, "the parameter's range");
+                return true;
+            }
         }
         const int p = w->path->problem->n;
+        if (i == 0) {
+            w->behind = next;
+            w->behinds = p;
+        }
         w->moved = at.careful && next.careful
                        ? fabs(next.u[p] - at.u[p]) / fmax(fabs(at.u[p]), CURVE_LEVEL)
                        : 0;
@@ -385,8 +231,8 @@ static bool walk(struct branch_walk *w, struct curve_place at)
             ends(w, "what is there cannot be told");
             return true;
         }
-        if (!record_specials(w, &next) ||
-            !record(w, &next, leaves ? SPECIAL_END : SPECIAL_NONE, &solution))
+        if ((!leaves && !walk_record_specials(w, &next)) ||
+            !walk_record(w, &next, leaves ? SPECIAL_END : SPECIAL_NONE, &solution))
             return false;
         if (is_over(w, &at, &next, &start, leaves))
             return true;
@@ -415,6 +261,32 @@ static void reverse(struct branch *b)
     }
 }
 
+/* At a fold another unknown is held; where branches cross the walk begins beside it, and passes it
+ * on one side. */
+static bool begin_at_special(const struct branch_request *r, struct solution_curve *path,
+                             const double *u, int side, struct curve_place *first)
+{
+    const int n = path->problem->n;
+    const double psize = r->to - r->from;
+    for (int i = 0; i < path->field.n; i++) {
+        double direction[CURVE_MAX] = {0};
+        direction[i] = side;
+        if (curve_correct(path->problem, u, direction, true, first) &&
+            curve_distance(n + 1, u, first->u) < TOGETHER)
+            return true;
+    }
+    for (int way = -1; way <= 1; way += 2) {
+        double beside[CURVE_MAX];
+        memcpy(beside, u, sizeof beside);
+        beside[n] += way * FIRST / 2;
+        if (beside[n] * psize >= r->from && beside[n] * psize <= r->to &&
+            solutions_correct_at(path, beside, side, first) &&
+            curve_distance(n + 1, u, first->u) < FAR)
+            return true;
+    }
+    return false;
+}
+
 /* Side -1 goes against growing values of the parameter, so that the branch is in order. */
 static bool begin(const struct branch_request *r, int side, double psize,
                   struct solution_curve *path, struct curve_place *first, struct error *error)
@@ -425,7 +297,8 @@ static bool begin(const struct branch_request *r, int side, double psize,
     double u[CURVE_MAX];
     if (!solutions_begin(path, r->scene, r->param, psize, r->start, r->cancel, u, error))
         return false;
-    if (solutions_correct_at(path, u, r->forward ? 1 : side, first))
+    if (solutions_correct_at(path, u, r->forward ? 1 : side, first) ||
+        begin_at_special(r, path, u, r->forward ? 1 : side, first))
         return true;
     solutions_end(path);
     return error_set(error, ERROR_COMMAND, "there is no such %s at the start",
@@ -457,7 +330,7 @@ bool branch_follow(const struct branch_request *r, struct branch *branch, struct
         w.period = 0;
         struct solution solution;
         fine = solutions_at(&path, &first, true, &solution) &&
-               ((side == 1 && !crossing) || record(&w, &first, SPECIAL_NONE, &solution));
+               ((side == 1 && !crossing) || walk_record(&w, &first, SPECIAL_NONE, &solution));
         fine = fine && walk(&w, first);
         if (side == 0 && !r->forward && (!r->leave || crossing))
             reverse(branch);

@@ -124,13 +124,29 @@ struct side {
     bool found, agrees;
 };
 
+static struct side side_at(struct solution_curve *path, const struct branch_point *at,
+                           const struct curve_place *point)
+{
+    struct side side = {.found = false};
+    struct solution s;
+    const int i = solutions_at(path, point, false, &s) ? critical(at, &s) : -1;
+    if (i < 0)
+        return side;
+    const double run = rate_of_run(path, &s, s.value[i]), still = STILL / time_of(&s, s.value[i]);
+    side.found = true;
+    side.param = point->u[path->problem->n];
+    side.rate = rate_of(&s, s.value[i]);
+    side.agrees = fabs(run - side.rate) <= AGREES * fabs(side.rate) + still;
+    side.rate = fabs(side.rate) <= still ? 0 : side.rate;
+    return side;
+}
+
 static struct side look_at_side(const struct branch_request *r, const struct branch_point *at,
                                 double arm, double beside, int sign)
 {
     struct side side = {.found = false};
     struct solution_curve path;
     struct curve_place point;
-    struct solution s;
     struct error ignored;
     double u[CURVE_MAX], direction[CURVE_MAX], guess[CURVE_MAX];
     if (!solutions_begin(&path, r->scene, r->param, r->to - r->from, &at->solution, r->cancel, u,
@@ -143,18 +159,8 @@ static struct side look_at_side(const struct branch_request *r, const struct bra
                                   : beside / fmax(fabs(direction[n]), beside / arm));
     for (int i = 0; i <= n && fine; i++)
         guess[i] = u[i] + by * direction[i];
-    fine = fine && curve_correct(path.problem, guess, direction, true, &point) &&
-           solutions_at(&path, &point, false, &s);
-    const int i = fine ? critical(at, &s) : -1;
-    if (i >= 0) {
-        side.found = true;
-        side.param = point.u[n];
-        side.rate = rate_of(&s, s.value[i]);
-        const double run = rate_of_run(&path, &s, s.value[i]);
-        const double still = STILL / time_of(&s, s.value[i]);
-        side.agrees = fabs(run - side.rate) <= AGREES * fabs(side.rate) + still;
-        side.rate = fabs(side.rate) <= still ? 0 : side.rate;
-    }
+    if (fine && curve_correct(path.problem, guess, direction, true, &point))
+        side = side_at(&path, at, &point);
     solutions_end(&path);
     return side;
 }
@@ -194,6 +200,22 @@ static bool is_born_there(const struct branch_request *r, const struct branch_po
     return (by > 0) == ((at->criticality < 0) == (unstable > 0));
 }
 
+/* On the branch that crosses there, to one side. */
+static struct side look_across(const struct branch_request *r, const struct branch_point *at,
+                               int sign)
+{
+    struct side side = {.found = false};
+    struct solution_curve path;
+    struct curve_place first;
+    struct error ignored;
+    if (!solutions_leave(&path, r->scene, r->param, r->to - r->from, at, sign, r->cancel, &first,
+                         &ignored))
+        return side;
+    side = side_at(&path, at, &first);
+    solutions_end(&path);
+    return side;
+}
+
 /* 1, -1, or 0: it cannot be told. */
 static int confirm_fold(const struct branch_request *r, const struct branch_point *at)
 {
@@ -219,12 +241,18 @@ static int confirm(const struct branch_request *r, const struct branch_point *at
 {
     if (at->special == SPECIAL_FOLD)
         return confirm_fold(r, at);
-    const struct side before = look_at_side(r, at, ARM, beside, -1),
-                      after = look_at_side(r, at, ARM, beside, 1);
+    struct side before = look_at_side(r, at, ARM, beside, -1),
+                after = look_at_side(r, at, ARM, beside, 1);
+    const double here = at->solution.param[0] / (r->to - r->from);
+    /* a branch that turns back there, as a pitchfork's, leaves its change to the one it crosses */
+    if (at->special == SPECIAL_CROSSING && before.found && after.found && before.agrees &&
+        after.agrees && (before.param > here) == (after.param > here)) {
+        before = look_across(r, at, -1);
+        after = look_across(r, at, 1);
+    }
     if (!before.found || !after.found)
         return 0;
-    const double here = at->solution.param[0] / (r->to - r->from),
-                 unstable = (before.rate > 0 ? before : after).param - here;
+    const double unstable = (before.rate > 0 ? before : after).param - here;
     return before.agrees && after.agrees && (before.rate > 0) != (after.rate > 0) &&
                    (at->special != SPECIAL_HOPF || is_born_there(r, at, unstable))
                ? 1

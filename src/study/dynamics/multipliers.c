@@ -198,6 +198,7 @@ bool orbit_multipliers(const struct orbit_maps *o, double tol, struct multiplier
         return false;
     sort(n, m->value);
     mend_last(n, o->log_determinant, m->value, uncertain);
+    m->log_determinant = o->log_determinant;
     for (int k = 0; k < n; k++)
         if (!(uncertain[k] < SURE))
             m->noise = fmax(m->noise, size_of(m->value[k]));
@@ -223,6 +224,8 @@ double multipliers_doubling(const struct multipliers *m)
 double multipliers_torus(const struct multipliers *m)
 {
     double product = m->noise > SIGNS ? NAN : 1;
+    if (m->count == 2) /* exact where volumes are kept: it is 0 all along */
+        return product * bounded(exp(m->log_determinant), 1);
     for (int i = 0; i < m->count; i++)
         for (int j = i + 1; j < m->count; j++) {
             const struct eigenvalue a = m->value[i], b = m->value[j];

@@ -19,6 +19,7 @@ struct multipliers {
     struct eigenvalue value[FIELD_VARIABLES]; /* the largest first */
     double noise;                             /* what is smaller is not known */
     double trivial;                           /* how far it is from 1; NAN: there is none */
+    double log_determinant;                   /* of all together */
 };
 
 /* tol: relative, of the maps. */

@@ -171,8 +171,10 @@ static bool close_orbit(struct orbit_search *s, const double *state, double peri
     solutions_end(&path);
     free(room);
     const double extent = fine ? extent_of(&s->field, &orbit->solution) : 0;
+    /* what winds into a rest ever more slowly nearly closes, too */
     return fine && orbit->solution.period > 0 && orbit->solution.residual < CLOSED &&
-           (multiple > 0 || (extent > 1e-6 && extent > 1e-3 * s->extent));
+           (multiple > 0 || (extent > 1e-6 && extent > 1e-3 * s->extent &&
+                             orbit->solution.residual < CLOSED * extent));
 }
 
 /* The same, with the smallest period. */
@@ -332,7 +334,8 @@ static bool find_own(struct orbit_search *s, struct error *error)
     for (int waits = 0, looks = 0; looks < 3 * WAITS; looks++) {
         struct returns found;
         if (cancelled(s->request->cancel) || !look(s, span, &found, end))
-            return nothing(s, "the motion from there ends before it comes back", error);
+            return nothing(s, looks > 0 ? none : "the motion from there ends before it comes back",
+                           error);
         if (s->extent < STILL)
             return nothing(s, "the motion comes to rest: that is an equilibrium", error);
         s->first = fmax(s->first, s->extent);

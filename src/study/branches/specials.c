@@ -1,0 +1,256 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Special points of a branch: where tests change their signs between two places. */
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "study/branches/eigen.h"
+#include "study/branches/walk.h"
+
+#define TOGETHER 1e-6 /* of the range: tests that become 0 there are of the same point */
+#define DOUBLE 1e-6   /* of a frequency: an eigenvalue that is 0 */
+#define TINY 1e-8     /* of the largest value so far: a test that is 0 */
+#define EDGE 1e-9     /* of the range: what is so near is on it */
+#define FLAT 1e-9     /* relative: folds of orbits that are nearer are seen by rounding */
+
+static struct branch_point *append(struct branch_walk *w)
+{
+    struct branch *b = w->out;
+    if (b->count == w->capacity) {
+        const int capacity = w->capacity > 0 ? 2 * w->capacity : 64;
+        struct branch_point *more = realloc(b->point, (size_t)capacity * sizeof *more);
+        if (!more)
+            return NULL;
+        b->point = more;
+        w->capacity = capacity;
+    }
+    b->point[b->count] = (struct branch_point){.criticality = NAN, .accuracy = NAN};
+    return &b->point[b->count++];
+}
+
+bool walk_record(struct branch_walk *w, const struct curve_place *at, enum special special,
+                 const struct solution *solution)
+{
+    struct branch_point *point = append(w);
+    if (!point)
+        return false;
+    point->solution = *solution;
+    point->special = special;
+    /* of an orbit its beginning and what holds for all of it: the rest follows */
+    const int n = w->path->field.n, all = w->path->problem->n;
+    memcpy(point->tangent, at->tangent, (size_t)n * sizeof *point->tangent);
+    if (w->path->kind == SOLUTION_EQUILIBRIUM) {
+        point->tangent[n] = at->tangent[all];
+    } else {
+        point->tangent[n] = w->path->kind == SOLUTION_ORBIT ? at->tangent[all - 1] : 0;
+        point->tangent[n + 1] = at->tangent[all];
+    }
+    return true;
+}
+
+/* ---- special points between two places ---- */
+
+struct found_special {
+    struct curve_place at;
+    struct solution solution;
+    enum special special;
+    double distance, near;
+};
+
+static bool zero(const struct branch_walk *w, const struct curve_place *p, int test)
+{
+    if (test > 0)
+        return fabs(p->test[test]) <= TINY * w->largest[test];
+    /* the parameter's part of the tangent, in both kinds of curves: rounding where it stands still
+     */
+    return fabs(p->test[test]) <= CURVE_LEVEL ||
+           (fabs(p->test[test]) <= CURVE_STEEP && w->moved <= CURVE_LEVEL);
+}
+
+/* What is nearly on an edge becomes so. */
+static bool is_in_range(const struct branch_request *r, double *param)
+{
+    const double by = EDGE * (r->to - r->from);
+    if (!(*param >= r->from - by && *param <= r->to + by))
+        return false;
+    *param = fmin(fmax(*param, r->from), r->to);
+    return true;
+}
+
+/* A fold of orbits that lies so flat that it is not located is at the better of both places. */
+static bool locate(const struct branch_walk *w, const struct curve_place *before,
+                   const struct curve_place *to, int test, struct found_special *f)
+{
+    const struct curve_problem *problem = w->path->problem;
+    const int n = problem->n;
+    if (curve_locate(problem, before, to, test, &f->at, &f->near))
+        return true;
+    if (w->path->kind == SOLUTION_EQUILIBRIUM || test != ORBIT_FOLD ||
+        !(fabs(before->u[n] - to->u[n]) < FLAT * fabs(to->u[n])))
+        return false;
+    f->at = fabs(before->test[test]) < fabs(to->test[test]) ? *before : *to;
+    f->near = fabs(before->u[n] - to->u[n]);
+    return true;
+}
+
+static void locate_all(struct branch_walk *w, const struct curve_place *to,
+                       struct found_special *found, int *count)
+{
+    const struct curve_problem *problem = w->path->problem;
+    for (int k = 0; k < problem->tests; k++) {
+        w->largest[k] = fmax(w->largest[k], fabs(to->test[k]));
+        w->any[k] = w->any[k] && (k == 0 || !zero(w, &w->known[k], k));
+        if (zero(w, to, k) || !isfinite(to->test[k]))
+            continue;
+        const struct curve_place before = w->known[k];
+        const bool changed = w->any[k] && signbit(before.test[k]) != signbit(to->test[k]);
+        w->known[k] = *to;
+        w->any[k] = true;
+        struct found_special *f = &found[*count];
+        if (!changed || !locate(w, &before, to, k, f) ||
+            !solutions_at(w->path, &f->at, true, &f->solution))
+            continue;
+        f->special = solutions_special(w->path, k, &f->solution);
+        f->distance = curve_distance(problem->n + 1, f->at.u, before.u);
+        if (f->special != SPECIAL_NONE && is_in_range(w->request, &f->solution.param[0]))
+            ++*count;
+    }
+}
+
+/* A branch that is followed through a crossing turns back there, or doubles; it is a crossing. */
+static void leave_doubles_out(struct found_special *found, int *count, int n)
+{
+    for (int i = 0; i < *count; i++)
+        for (int j = 0; j < *count; j++)
+            if (i != j && found[i].special == SPECIAL_CROSSING &&
+                (found[j].special == SPECIAL_FOLD || found[j].special == SPECIAL_TORUS) &&
+                curve_distance(n, found[i].at.u, found[j].at.u) < TOGETHER) {
+                found[j] = found[--*count];
+                i = -1;
+                break;
+            }
+}
+
+static int by_distance(const void *a, const void *b)
+{
+    const struct found_special *x = a, *y = b;
+    return (x->distance > y->distance) - (x->distance < y->distance);
+}
+
+/* NAN: a real eigenvalue is 0, too, and linear theory says nothing of one pair alone. */
+static double criticality(struct branch_walk *w, const struct solution *s)
+{
+    double omega = 0, best = HUGE_VAL, error;
+    for (int k = 0; k < s->values; k++)
+        if (s->value[k].im > 0 && fabs(s->value[k].re) < best) {
+            best = fabs(s->value[k].re);
+            omega = s->value[k].im;
+        }
+    for (int k = 0; k < s->values; k++)
+        if (hypot(s->value[k].re, s->value[k].im) < DOUBLE * omega)
+            return NAN;
+    const double first = lyapunov_coefficient(&w->path->field, s->state, omega, &error);
+    return fabs(first) <= 4 * error ? 0 : first;
+}
+
+/* Where orbits change and their parameter does not (canards) rounding turns it to and fro: of an
+ * even number of folds none is one, of an odd number that with the least or the largest value. */
+static bool is_fold(struct branch_walk *w, const struct found_special *f, double *accuracy)
+{
+    struct branch *b = w->out;
+    const double value = f->solution.param[0];
+    struct branch_point *best = w->fold_at < b->count ? &b->point[w->fold_at] : NULL;
+    const double before = b->point[b->count - 1].solution.param[0],
+                 at = best ? best->solution.param[0] : NAN, apart = fabs(value - at) / fabs(at);
+    const bool flat = w->path->kind != SOLUTION_EQUILIBRIUM && w->fold_at > 0 && apart < FLAT;
+    if (flat && best->special == SPECIAL_FOLD) {
+        best->special = SPECIAL_NONE;
+        w->fold_spread = fmax(w->fold_spread, apart);
+        return false;
+    }
+    if (flat && (value < at) != w->fold_least) {
+        best->special = SPECIAL_FOLD;
+        best->accuracy = fmax(best->accuracy, w->fold_spread);
+        return false;
+    }
+    w->fold_spread = flat ? fmax(w->fold_spread, apart) : 0;
+    w->fold_least = flat ? w->fold_least : value < before;
+    w->fold_at = b->count;
+    *accuracy = fmax(*accuracy, w->fold_spread);
+    return true;
+}
+
+bool walk_record_specials(struct branch_walk *w, const struct curve_place *to)
+{
+    struct found_special found[CURVE_TESTS];
+    int count = 0;
+    const int n = w->path->problem->n;
+    locate_all(w, to, found, &count);
+    leave_doubles_out(found, &count, n + 1);
+    qsort(found, (size_t)count, sizeof *found, by_distance);
+    for (int i = 0; i < count; i++) {
+        double accuracy = found[i].near / fmax(fabs(found[i].at.u[n]), 1e-3);
+        if (found[i].special == SPECIAL_FOLD && !is_fold(w, &found[i], &accuracy))
+            continue;
+        if (!walk_record(w, &found[i].at, found[i].special, &found[i].solution))
+            return false;
+        struct branch_point *point = &w->out->point[w->out->count - 1];
+        struct solution *s = &point->solution;
+        point->accuracy = accuracy;
+        if (point->special == SPECIAL_HOPF)
+            point->criticality = criticality(w, s);
+    }
+    return true;
+}
+
+/* ---- tests go on ---- */
+
+static bool is_signed(const struct branch_walk *w, const struct curve_place *at, int test)
+{
+    return isfinite(at->test[test]) && at->test[test] != 0 && !zero(w, at, test);
+}
+
+void walk_start(struct branch_walk *w, const struct curve_place *at)
+{
+    const int n = w->path->problem->n;
+    struct curve_place *behind = w->behinds == n ? &w->behind : NULL;
+    w->fold_at = 0;
+    if (behind) { /* seen from the other side */
+        for (int i = 0; i <= n; i++)
+            behind->tangent[i] = -behind->tangent[i];
+        behind->test[EQUILIBRIUM_FOLD] *= -1;
+        behind->test[EQUILIBRIUM_CROSSING] *= -1;
+    }
+    for (int k = 0; k < w->path->problem->tests; k++) {
+        /* the first is part of a unit vector */
+        w->largest[k] = k == 0   ? 1
+                        : behind ? fmax(fabs(at->test[k]), fabs(behind->test[k]))
+                                 : fabs(at->test[k]);
+        const bool here = is_signed(w, at, k);
+        w->known[k] = here || !behind ? *at : *behind;
+        w->any[k] = here || (behind && is_signed(w, behind, k));
+    }
+    w->behinds = 0;
+}
+
+bool walk_is_clear(const struct branch_walk *w, const struct curve_place *at)
+{
+    bool clear = true;
+    for (int k = 0; k < w->path->problem->tests; k++)
+        clear = clear && !(w->any[k] && zero(w, at, k));
+    return clear;
+}
+
+void walk_go_on(struct branch_walk *w, const struct curve_place *at)
+{
+    for (int k = 0; k < w->path->problem->tests; k++) {
+        const double sign = copysign(DBL_MIN, w->known[k].test[k]);
+        w->largest[k] = k == 0 ? 1 : fabs(at->test[k]);
+        w->known[k] = *at;
+        if (is_signed(w, at, k))
+            w->any[k] = true;
+        else
+            w->known[k].test[k] = sign; /* there is none, if there was none */
+    }
+}

@@ -1,0 +1,44 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* A walk along a branch in one direction, and the special points on its way. */
+#ifndef HOOKE_STUDY_BRANCHES_WALK_H
+#define HOOKE_STUDY_BRANCHES_WALK_H
+
+#include "study/dynamics/solutions.h"
+
+struct branch_walk {
+    const struct branch_request *request;
+    struct solution_curve *path;
+    struct branch *out; /* points of this direction are appended */
+    double psize, largest[CURVE_TESTS], period;
+    int capacity;
+    double moved; /* relative, the parameter in the last step */
+    int level;    /* places in a row at one value of the parameter */
+    bool away;    /* from where it began */
+    int start;    /* place of the parameter among the unknowns at the start */
+    struct curve_place known[CURVE_TESTS]; /* the last place where that test was not 0 */
+    bool any[CURVE_TESTS];
+    struct curve_place behind; /* the first place on the other side of the start */
+    int behinds;               /* its unknowns; 0: there is none */
+    int fold_at;               /* place of the last fold of orbits; 0: there was none */
+    bool fold_least;           /* the parameter is least there, or largest */
+    double fold_spread;        /* relative, of folds that are not told apart */
+    struct curve_place before; /* the last place but one, if its phase is that of the last: */
+    bool bends;
+    char *end; /* [96] why it ends */
+};
+
+/* Appends a place with what it is; false: no memory. */
+bool walk_record(struct branch_walk *walk, const struct curve_place *at, enum special special,
+                 const struct solution *solution);
+/* The special points between the last place and this one that lie in the parameter's range, in
+ * their order; false: no memory. */
+bool walk_record_specials(struct branch_walk *walk, const struct curve_place *to);
+/* Tests begin at the start. What is 0 there has the sign that it has behind it, if that is known.
+ */
+void walk_start(struct branch_walk *walk, const struct curve_place *at);
+/* Is no test 0 there that had a sign before? */
+bool walk_is_clear(const struct branch_walk *walk, const struct curve_place *at);
+/* The same place in other unknowns: signs stay what they are. */
+void walk_go_on(struct branch_walk *walk, const struct curve_place *at);
+
+#endif
