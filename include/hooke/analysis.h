@@ -13,6 +13,5 @@
 
 #include <hooke/analysis/period.h>
 #include <hooke/analysis/fit.h>
-#include <hooke/analysis/exponent.h>
 
 #endif

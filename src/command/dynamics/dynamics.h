@@ -48,8 +48,4 @@ const char *orbit_begin(const struct session *session, const struct system *syst
 /* `use` of what is no run. */
 bool use_kept(HANDLER_PARAMETERS);
 
-/* lyapunov_series.c: the largest exponent of a run or a recording, as it was named. */
-bool lyapunov_of_series(struct session *session, const struct arguments *args, struct reply *reply,
-                        struct error *error);
-
 #endif

@@ -24,9 +24,10 @@
 #define KNOWN 1e-12 /* derivatives so far away are those of the place to rounding */
 #define LOOKS 60    /* for a zero: its test is no smooth function */
 #define HALVINGS 12
-#define EVEN 1e-3  /* part of a chord along which the curve goes straight on */
-#define ZERO 1e-13 /* of the values of a test at the ends of its chord: rounding */
-#define FAR 0.5    /* of a unit: a correction of this size goes somewhere else */
+#define EVEN 1e-3   /* part of a chord along which the curve goes straight on */
+#define ZERO 1e-13  /* of the values of a test at the ends of its chord: rounding */
+#define FLOOR 1e-14 /* of a tangent: rounding */
+#define FAR 0.5     /* of a unit: a correction of this size goes somewhere else */
 
 static double dot(int n, const double *a, const double *b)
 {
@@ -222,7 +223,8 @@ static double test_at(void *context, double share)
     }
     const double value = c->at.test[c->test],
                  size = fmax(fabs(c->a->test[c->test]), fabs(c->b->test[c->test]));
-    return fabs(value) <= ZERO * size ? 0 : value;
+    const bool fold = value == c->at.tangent[c->problem->n];
+    return fabs(value) <= fmax(ZERO * size, fold ? FLOOR : 0) ? 0 : value;
 }
 
 #define NODES 10

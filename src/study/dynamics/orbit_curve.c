@@ -17,6 +17,7 @@
 #define CARRIED 1e-2
 #define GROWN 3e3     /* it is cut when it has become this */
 #define STRETCHED 0.5 /* of the way that states go in a step: worth a change */
+#define ROOM 0.25     /* of the period, by which it may shrink without a change */
 
 static void state_of(const struct vector_field *field, const double *u, double *y)
 {
@@ -242,6 +243,30 @@ static void turn_tangent(const struct orbit_curve *c, const double *u, double *t
     make_unit(c->problem.n + 1, tangent);
 }
 
+/* By how much the period [s] may shrink before a segment of these shares has no length. */
+static double room_of(const struct orbit_curve *c, double period, const double *share)
+{
+    double room = HUGE_VAL;
+    for (int i = 0; i < c->segments; i++)
+        room = fmin(room, span_of(c, i, period) / fmax(share[i + 1] - share[i], 0));
+    return room;
+}
+
+/* Shares of what is added to the period: of each segment the more the slower both its ends are. */
+static void slow_shares(const struct orbit_curve *c, double period, const double *rate,
+                        double *share)
+{
+    const int n = c->field->n, m = c->segments;
+    share[0] = 0;
+    for (int i = 0; i < m; i++) {
+        const double speed = fmax(length_of(n, rate + i * n), length_of(n, rate + (i + 1) % m * n));
+        share[i + 1] = share[i] + span_of(c, i, period) / (speed * speed);
+    }
+    for (int i = 0; i < m; i++)
+        share[i] /= share[m];
+    share[m] = 1;
+}
+
 bool orbit_curve_stretch(struct orbit_curve *c, const double *u, double *direction)
 {
     const int n = c->field->n, m = c->segments;
@@ -249,21 +274,19 @@ bool orbit_curve_stretch(struct orbit_curve *c, const double *u, double *directi
     double rate[CURVE_MAX], share[CURVE_MAX], moved[CURVE_MAX];
     if (c->forced)
         return false;
+    const double room = direction[m * n] < 0 ? ROOM * period : 0;
     rates_of(c, u, rate);
-    share[0] = 0;
+    slow_shares(c, period, rate, share);
+    if (!(room_of(c, period, share) > room))
+        for (int i = 0; i < m; i++)
+            share[i] = begins(c, i, period) / period;
     for (int i = 0; i < m; i++) {
-        const double speed = fmax(length_of(n, rate + i * n), length_of(n, rate + (i + 1) % m * n));
-        share[i + 1] = share[i] + span_of(c, i, period) / (speed * speed);
-    }
-    if (!(share[m] > 0) || !isfinite(share[m]))
-        return false;
-    for (int i = 0; i < m; i++) {
-        share[i] /= share[m];
         const double by = (share[i] - c->share[i]) * direction[m * n] * c->tsize;
         for (int k = i * n; k < (i + 1) * n; k++)
             moved[k] = direction[k] + by * rate[k];
     }
-    if (!(length_of(m * n, moved) < STRETCHED * length_of(m * n, direction)))
+    if (!(length_of(m * n, moved) < STRETCHED * length_of(m * n, direction)) &&
+        room_of(c, period, c->share) > room)
         return false;
     for (int i = 1; i < m; i++) {
         c->fixed[i] = begins(c, i, period) - share[i] * period;
