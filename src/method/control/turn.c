@@ -8,10 +8,7 @@
 
 /* Shares of a step: a kink so close to its end is as good as there, because it acts as the square.
  */
-#define NEAR 1e-8          /* below rounding */
 #define NEAR_TOLERATED 0.1 /* times the root of the tolerance */
-#define TRIES 12           /* two or three are enough where the acceleration is not 0 */
-#define PIECES 8           /* of a fixed step at most */
 
 bool method_meets_switches(const struct method *method, const struct system *system)
 {
@@ -63,14 +60,14 @@ enum step_status turn_step(const struct method *method, struct step *step, doubl
     if (!crosses(before[1], step->y[1]))
         return STEP_OK;
     const size_t size = (size_t)step->system->n * sizeof *before;
-    const double near = fmax(NEAR, NEAR_TOLERATED * sqrt(step->tol)) * fabs(step->h);
+    const double near = fmax(TURN_NEAR, NEAR_TOLERATED * sqrt(step->tol)) * fabs(step->h);
     struct moment first = moment(step, t, 0, before),
                   last = moment(step, t + step->h, step->h, step->y);
     double x = turning_time(&first, &last);
     if (fabs(x) <= near || fabs(step->h - x) <= near)
         return STEP_OK;
     *turned = true;
-    for (int i = 0; i < TRIES; i++) {
+    for (int i = 0; i < TURN_TRIES; i++) {
         memcpy(step->y, before, size);
         if (step->low)
             memcpy(step->low, low, size);
@@ -110,7 +107,7 @@ enum step_status method_turning_step(const struct method *method, struct step *s
             memcpy(low, step->low, size);
         step->h = rest;
         enum step_status status = method_step(method, step);
-        if (status == STEP_OK && pieces < PIECES)
+        if (status == STEP_OK && pieces < TURN_PIECES)
             status = turn_step(method, step, from, before, low, &turned);
         rest -= step->h;
         step->h = h;

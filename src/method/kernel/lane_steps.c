@@ -15,6 +15,7 @@
 #include "method/kernel/kernel.h"
 #include "method/kernel/lanes.h"
 
+#include <float.h>
 #include <stdlib.h>
 
 enum { LANE_COEFFICIENTS = 2, WORK_MOST = 64 };
@@ -85,6 +86,9 @@ struct lane_march {
 };
 
 typedef void lane_kernel(struct lanes *lanes, const struct lane_march *march);
+/* Of a step of `count` lanes from `first` on: those that turned in it take it again. */
+typedef void lane_turner(struct lanes *lanes, int first, int count, int64_t number,
+                         struct lane_step *step);
 
 /* ---- shapes ---- */
 
@@ -101,7 +105,7 @@ enum { LANE_SHAPES(LANE_PLACE) LANE_SHAPE_COUNT };
 #define LANE_FLAG(i, name) | (name##_flags)
 #define LANE_FLAGS(shape) (0 TERMS_OF_##shape(LANE_FLAG))
 
-/* A step of `count` lanes from `first` on is taken again by those that turned in it. */
+/* One after another. */
 static __attribute__((noinline)) void lanes_turn(struct lanes *lanes, int first, int count,
                                                  int64_t number, struct lane_step *of)
 {

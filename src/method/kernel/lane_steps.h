@@ -163,9 +163,11 @@ FAST bool WITH(turned)(int parts, const vector *before, const vector *after)
     return any >> 63;
 }
 
+#include "method/kernel/turns.h"
+
 /* `parts` vectors from `from` on. chain: four stages, each from the one before. */
 FAST void WITH(rk)(bool chain, int parts, int from, WITH(force) * force, enum drive_known drive,
-                   bool turns, struct lanes *lanes, const struct lane_march *march)
+                   lane_turner *turn, struct lanes *lanes, const struct lane_march *march)
 {
     const int stages = chain ? 4 : lanes->method->tableau->stages;
     const bool fsal = !chain && lanes->method->tableau->fsal;
@@ -202,7 +204,7 @@ FAST void WITH(rk)(bool chain, int parts, int from, WITH(force) * force, enum dr
             WITH(combine)
         (parts, &march->weights[0], chain ? 4 : march->weights[0].count, chain ? 0 : -1, k, j, y[j],
          z[j]);
-        if (turns && WITH(turned)(parts, y[1], z[1])) {
+        if (turn && WITH(turned)(parts, y[1], z[1])) {
             struct lane_step step;
             for (int j = 0; j < 2; j++) {
                 WITH(end)(parts, 0, y[j], step.before[j]);
@@ -210,7 +212,7 @@ FAST void WITH(rk)(bool chain, int parts, int from, WITH(force) * force, enum dr
                 WITH(end)(parts, 0, k[0][j], step.first[j]);
                 WITH(end)(parts, 0, k[stages - 1][j], step.last[j]);
             }
-            lanes_turn(lanes, from * WIDE, parts * WIDE, march->first + i, &step);
+            turn(lanes, from * WIDE, parts * WIDE, march->first + i, &step);
             for (int j = 0; j < 2; j++) {
                 WITH(begin)(parts, 0, step.after[j], z[j]);
                 WITH(begin)(parts, 0, step.last[j], k[stages - 1][j]);
@@ -311,10 +313,11 @@ FAST void WITH(split)(bool euler, enum drag variant, int parts, int from, WITH(f
 TARGET static __attribute__((noinline)) void
 WITH(any_rk)(const struct WITH(forces) * of, struct lanes *lanes, const struct lane_march *march)
 {
-    const bool timed = of->flags & TERM_TIME, turns = of->flags & TERM_KINK && lanes->turns;
+    const bool timed = of->flags & TERM_TIME;
+    lane_turner *const turn = of->flags & TERM_KINK && lanes->turns ? lanes_turn : NULL;
     const enum drive_known drive = timed ? march->drive : DRIVE_NONE;
     for (int from = 0; from < PARTS; from += ANY_PARTS)
-        WITH(rk)(false, ANY_PARTS, from, of->both, drive, turns, lanes, march);
+        WITH(rk)(false, ANY_PARTS, from, of->both, drive, turn, lanes, march);
 }
 
 TARGET static __attribute__((noinline)) void
@@ -336,13 +339,20 @@ WITH(any_split)(const struct WITH(forces) * of, struct lanes *lanes, const struc
     for (int from = 0; from < PARTS; from += RK_PARTS)                                             \
         WITH(rk)                                                                                   \
     (true, RK_PARTS, from, WITH(shape##_both), LANE_DRIVE(shape, drive),                           \
-     LANE_FLAGS(shape) & TERM_KINK && lanes->turns, lanes, march)
+     LANE_FLAGS(shape) & TERM_KINK && lanes->turns ? WITH(shape##_turn) : NULL, lanes, march)
 #define LANE_SPLIT(shape, drive, euler, variant, parts)                                            \
     for (int from = 0; from < PARTS; from += parts)                                                \
         WITH(split)                                                                                \
     (euler, LANE_FLAGS(shape) & TERM_VELOCITY ? variant : DRAG_DEFAULT, parts, from,               \
      WITH(shape##_force), WITH(shape##_drag), LANE_DRIVE(shape, drive), lanes, march)
 #define LANE_KERNELS(shape)                                                                        \
+    TARGET static __attribute__((noinline)) void WITH(shape##_turn)(                               \
+        struct lanes * lanes, int first, int count, int64_t number, struct lane_step *step)        \
+    {                                                                                              \
+        (void)number;                                                                              \
+        if ((LANE_FLAGS(shape) & (TERM_KINK | TERM_TIME)) == TERM_KINK)                            \
+            WITH(turn_packed)(WITH(shape##_both), lanes, first, count, step);                      \
+    }                                                                                              \
     TARGET static void WITH(shape##_rk)(struct lanes * lanes, const struct lane_march *march)      \
     {                                                                                              \
         const bool alike = !(LANE_FLAGS(shape) & TERM_TIME && march->drive == DRIVE_OWN);          \

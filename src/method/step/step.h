@@ -179,6 +179,11 @@ struct multistep {
     const double *values; /* [steps + 1] of y_n+1, y_n, … (backward differentiation), NULL: none */
 };
 
+/* Turning points: shares of the step so close to its end are as good as there (below rounding);
+ * tries for one, of which two or three are enough where the acceleration is not 0; pieces of a
+ * fixed step at most. */
+#define TURN_NEAR 1e-8
+enum { TURN_TRIES = 12, TURN_PIECES = 8 };
 /*
  * After a step from `before` at t, where the method turns: one across a turning point is taken
  * again, up to there; then step->h is less. low: where there is step->low, what it was before.
