@@ -231,7 +231,7 @@ static void test_small(void **state)
     struct person p;
     in_folder(folder);
     start_panes(&p, (struct start){.width = 40, .height = 12});
-    enter(&p, "load bare.txt");
+    type(&p, "load bare.txt\r");
     await_offer(&p, "next (Enter): plot position data bare");
     assert_false(shows(&p, "bare;"));
     type(&p, "\r");

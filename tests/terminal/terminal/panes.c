@@ -281,7 +281,7 @@ static void test_keys(void **state)
     type(&p, "\x18"
              "a");
     expect(&p, "set charset block");
-    enter(&p, "help"); /* longer than the log: on the whole screen */
+    type(&p, "help\r"); /* longer than the log: on the whole screen */
     expect(&p, "q: panes)>");
     expect(&p, "timing clear quit");
     type(&p, "/fit\r");
@@ -291,7 +291,7 @@ static void test_keys(void **state)
     type(&p, "q");
     expect_prompt(&p, "hooke>");
     expect(&p, "F1 help");
-    enter(&p, "help");
+    type(&p, "help\r");
     expect(&p, "q: panes)>");
     type(&p, "print 7*6\r"); /* any other key begins a command */
     expect(&p, "42");
@@ -306,7 +306,7 @@ static void test_keys(void **state)
     wait_for(&p, "hooke 0", false);
     type(&p, "\x18\033[F");
     wait_for(&p, "newer lines", false);
-    enter(&p, "plot energy");
+    type(&p, "plot energy\r");
     expect(&p, "energy E ["); /* its first row */
     expect(&p, "'focus energy full' keeps it in a pane");
     type(&p, "q");
