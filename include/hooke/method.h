@@ -292,6 +292,8 @@ void lanes_march(struct lanes *lanes, int64_t count, double *row);
 void lanes_row(struct lanes *lanes, double *row); /* the same [2][LANES], now */
 void lanes_state(const struct lanes *lanes, int lane, double *y);
 int64_t lanes_evals(const struct lanes *lanes, int lane); /* so far */
+/* Does a step begin with what the one before has left? */
+bool lanes_carry(const struct method *method, enum drag drag);
 
 /* ---- step-size control ----
  *

@@ -24,6 +24,7 @@ enum plot_kind {
     PLOT_PERIOD,    /* against the amplitude, window by window */
     PLOT_PRECISION, /* of the last precision study, not of runs */
     PLOT_PORTRAIT,  /* of the scene: where two of its variables go */
+    PLOT_SWEEP,     /* the last sweep: what was measured over the parameter */
     PLOT_BRANCHES,  /* of equilibria and orbits, over a parameter */
 };
 

@@ -152,11 +152,27 @@ struct swept {
     const struct sweep *sweep;
     const struct sweep_measure *measure;
     const struct model *model;
+    int measures;
+    const struct sweep_section *section; /* NULL: measured over the duration */
 };
 
 void sweep_text(const struct session *session, const struct swept *swept, struct arena *arena,
                 struct buffer *text);
 /* Columns: point, the axes, the measures, status. False: no memory. */
 bool sweep_table(const struct swept *swept, struct arena *arena, struct table *table);
+
+/* At a section: how many points have fewer events than were to be kept is said, too. */
+void diagram_text(const struct session *session, const struct swept *swept, struct arena *arena,
+                  struct buffer *text);
+/*
+ * A row for each event: point, the parameter, event (its number), t, the columns, the first of them
+ * at the next event (NAN: the last), repeats (after how many events the point's come again, NAN:
+ * not within half of them), status. A point without events has one row of NAN. False: no memory.
+ */
+bool diagram_table(const struct swept *swept, struct arena *arena, struct table *table);
+
+/* "103 of 103 points in 0.1 s ...", and what went wrong. */
+void sweep_summary(const struct sweep *sweep, struct buffer *text);
+void sweep_failures(const struct sweep *sweep, struct buffer *text);
 
 #endif

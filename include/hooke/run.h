@@ -274,6 +274,11 @@ double run_rest(const struct run *run);
 bool run_advance(struct run *run, const struct run_target *target, int64_t budget_ns,
                  const struct cancel *cancel);
 /*
+ * A run of fixed steps on the grid that it began with: the state [n] after so many steps, as
+ * somebody has computed them. What it has recorded stays. The method's next step is its first.
+ */
+void run_place(struct run *run, int64_t steps, const double *y);
+/*
  * Back by `rows` recorded rows (never integrates backwards); false: fewer are there (goes to the
  * start). Restores time, state and the parameters then in force, not what a multistep method
  * remembers or a step control has learnt: these start again; a propagator does not know the middle
@@ -408,6 +413,16 @@ double run_observable(const struct run *run, const struct observable *observable
  */
 bool run_scope(const struct run *run, struct expr_scope *scope);
 int run_scope_slots(const struct run *run);
+
+/* What a slot of that scope is: a column of the rows, or a function of them. */
+enum moving_kind { MOVING_TIME, MOVING_STATE, MOVING_OTHER };
+
+struct moving {
+    enum moving_kind kind;
+    int index; /* of the state variable, or the slot */
+};
+
+struct moving run_scope_moving(const struct run *run, int slot);
 /* The largest speed of the first coordinate in recorded states from .. to [s], of a scene of second
  * order. */
 double run_speed_max(const struct run *run, double from, double to);

@@ -163,6 +163,12 @@ static const struct plot_row rows[] = {
                        .fits = has_two,
                        .needs = "that needs two variables",
                        .offered = scene_has_two},
+    [PLOT_SWEEP] = {.row = ROW("sweep", "the last sweep over its parameter: what was measured, or "
+                                        "an orbit diagram"),
+                    .across = ACROSS_OTHER,
+                    .title = "sweep",
+                    .figure = sweep_figure,
+                    .offered = sweep_known},
     [PLOT_BRANCHES] = {.row = ROW("branches", "branches over their parameter: stable lines, "
                                               "unstable dots, letters of special points"),
                        .across = ACROSS_OTHER,

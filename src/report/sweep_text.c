@@ -224,6 +224,29 @@ static void put_watched(const struct swept *swept, struct buffer *text)
                       model->variable[0].name, first, model->variable[1].name);
 }
 
+void sweep_summary(const struct sweep *sweep, struct buffer *text)
+{
+    buffer_format(text, "%lld of %lld point%s", (long long)sweep->finished, (long long)sweep->count,
+                  sweep->count == 1 ? "" : "s");
+    if (sweep->count < sweep->total)
+        buffer_format(text, " (numbers %lld to %lld of %lld)", (long long)sweep->first,
+                      (long long)(sweep->first + sweep->count - 1), (long long)sweep->total);
+    buffer_format(text, " in %.3g s, %.3g steps", sweep->seconds, sweep->steps);
+    if (sweep->side_by_side > 0)
+        buffer_format(text, ", %lld side by side in lanes", (long long)sweep->side_by_side);
+    buffer_format(text, ", %d thread%s\n", sweep->threads, sweep->threads == 1 ? "" : "s");
+}
+
+void sweep_failures(const struct sweep *sweep, struct buffer *text)
+{
+    if (sweep->failed > 0)
+        buffer_format(text, "%lld did not get to the end (diverged and the like)\n",
+                      (long long)sweep->failed);
+    if (sweep->refused > 0)
+        buffer_format(text, "%lld refused, the first because %s\n", (long long)sweep->refused,
+                      sweep->reason);
+}
+
 void sweep_text(const struct session *session, const struct swept *swept, struct arena *arena,
                 struct buffer *text)
 {
@@ -238,22 +261,9 @@ void sweep_text(const struct session *session, const struct swept *swept, struct
             buffer_put(text, TEXT("no period: the last third of the duration has fewer than two "
                                   "maxima; give it a longer "
                                   "duration\n"));
-    buffer_format(text, "%lld of %lld point%s", (long long)sweep->finished, (long long)sweep->count,
-                  sweep->count == 1 ? "" : "s");
-    if (sweep->count < sweep->total)
-        buffer_format(text, " (numbers %lld to %lld of %lld)", (long long)sweep->first,
-                      (long long)(sweep->first + sweep->count - 1), (long long)sweep->total);
-    buffer_format(text, " in %.3g s, %.3g steps", sweep->seconds, sweep->steps);
-    if (sweep->side_by_side > 0)
-        buffer_format(text, ", %lld side by side in lanes", (long long)sweep->side_by_side);
-    buffer_format(text, ", %d thread%s\n", sweep->threads, sweep->threads == 1 ? "" : "s");
+    sweep_summary(sweep, text);
     put_watched(swept, text);
-    if (sweep->failed > 0)
-        buffer_format(text, "%lld did not get to the end (diverged and the like)\n",
-                      (long long)sweep->failed);
-    if (sweep->refused > 0)
-        buffer_format(text, "%lld refused, the first because %s\n", (long long)sweep->refused,
-                      sweep->reason);
+    sweep_failures(sweep, text);
 }
 
 bool sweep_table(const struct swept *swept, struct arena *arena, struct table *table)

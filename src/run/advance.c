@@ -314,3 +314,13 @@ bool run_advance(struct run *run, const struct run_target *target, int64_t budge
     trace_present(run->trace, run->steps, run->t, run->y);
     return more;
 }
+
+void run_place(struct run *run, int64_t steps, const double *y)
+{
+    if (y != run->y)
+        copy_state(run->y, y, run->system.n);
+    run->steps = steps;
+    run->t = grid_time(trace_grid(run->trace), steps);
+    run->private_state->step.warm = false;
+    forget_rounding(run->private_state, run->system.n);
+}

@@ -321,16 +321,6 @@ void even_drop(struct trace *trace, double t); /* the rows beyond t */
 /* Is the last row the present state? */
 bool even_present(const struct trace *trace, double row_time);
 
-/* What a slot of the run's scope is: a column of its rows, or a function of them. */
-enum moving_kind { MOVING_TIME, MOVING_STATE, MOVING_OTHER };
-
-struct moving {
-    enum moving_kind kind;
-    int index; /* of the state variable, or the slot */
-};
-
-struct moving run_scope_moving(const struct run *run, int slot);
-
 /* ---- event.c, inside.c ---- */
 
 /* The state in the step just taken from p->before over h, at its share theta; the run still is at

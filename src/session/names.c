@@ -262,6 +262,13 @@ struct expr_scope names_scope(const struct names *names)
     return (struct expr_scope){names, scope_find, scope_load, scope_offer, scope_moving};
 }
 
+int names_of_scene(int slot, bool *derived)
+{
+    const int kind = slot >> SLOT_KIND;
+    *derived = kind == NAME_DERIVED;
+    return *derived || kind == NAME_PARAM ? slot & ((1 << SLOT_KIND) - 1) : -1;
+}
+
 bool names_value(const struct session *session, struct text name, struct named_value *value)
 {
     const struct names names = {.session = session};

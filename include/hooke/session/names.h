@@ -61,6 +61,9 @@ struct names {
 };
 
 struct expr_scope names_scope(const struct names *names);
+/* Of a slot of that scope: the place of a parameter, or a derived quantity, of the scene; -1: of
+ * something else. */
+int names_of_scene(int slot, bool *derived);
 /* Value, uncertainty and quantity of one name; false: unknown. */
 /* After a failed compilation: says what has to come first where the unknown name is that of
  * something not there yet. False, always. */

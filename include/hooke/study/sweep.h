@@ -67,9 +67,32 @@ extern const struct catalog sweep_measure_catalog;
  * watched of another column than the first. */
 bool sweep_measure_find(const struct model *model, struct text name, struct sweep_measure *measure,
                         struct error *error);
+/* Can it be measured where an event happens: is it a function of state and time? */
+bool sweep_at_section(const struct sweep_measure *measure);
 const char *sweep_measure_name(const struct sweep_measure *measure);
 enum quantity sweep_measure_quantity(const struct sweep_measure *measure,
                                      const struct model *model);
+
+/* ---- at a section ----
+ *
+ * Instead of over the duration a point is measured where an event happens (Poincare 1899), or after
+ * each whole period of the drive: `keep` times, the first `skip` are left out. What is kept over a
+ * parameter is an orbit diagram (Feigenbaum 1978; Moon and Holmes 1979 of a drive). A point at
+ * which no event comes for a whole duration ends there.
+ */
+
+/* Slots of names in the event: those of the run's scope (run_scope), then the scene's parameters
+ * and derived quantities from here on. */
+enum { SWEEP_SLOT_PARAM = 1 << 20, SWEEP_SLOT_DERIVED = 1 << 21 };
+
+struct sweep_section {
+    bool wanted, strobe; /* strobe: each period of the drive; else: */
+    struct event event;  /* its scope is up to the sweep */
+    int64_t skip, keep;  /* together at most LIMIT_EVENT_RECORDS */
+};
+
+#define SWEEP_SKIP_USUAL 100
+#define SWEEP_KEEP_USUAL 100
 
 #define SWEEP_MEASURES 16
 #define SWEEP_THREADS 256
@@ -83,10 +106,11 @@ struct sweep_request {
     int axes;
     struct sweep_measure measure[SWEEP_MEASURES];
     int measures;
-    int64_t shard, shards;      /* 1 … shards */
-    int64_t first, count;       /* count > 0: only these points, as numbers of the whole sweep */
-    int threads;                /* 0: as many as there are processors */
-    const struct sweep *before; /* what is finished there is taken; NULL */
+    struct sweep_section section; /* then the measures are columns, see sweep_at_section() */
+    int64_t shard, shards;        /* 1 … shards */
+    int64_t first, count;         /* count > 0: only these points, as numbers of the whole sweep */
+    int threads;                  /* 0: as many as there are processors */
+    const struct sweep *before;   /* what is finished there is taken; NULL */
     const struct cancel *cancel;
     /* from the calling thread, ten times a second; NULL */
     void (*progress)(void *context, double fraction);
@@ -97,6 +121,8 @@ enum sweep_status { SWEEP_MISSING = -1, SWEEP_REFUSED = -2 }; /* of a point, els
 
 struct sweep {
     struct sweep_axis axis[2];
+    /* of a section so many for each point: after how many events its states come again (NAN: not
+     * within half of those that were kept), then keep times the time [s] and what was measured */
     int axes, measures;
     int64_t total, first, count; /* points of all shards, number of the first here, how many here */
     double

@@ -13,6 +13,12 @@ void complete_sweep(struct completion *c, const struct command *command, struct 
     size_t from = before.len;
     while (from > 0 && before.at[from - 1] != '=')
         from--;
+    if (text_is(last_word(before), "at")) {
+        complete_offer(c, "period", "each of the drive");
+        complete_events(c);
+        complete_columns(c, NULL);
+        return;
+    }
     const bool item = from > 0 && strchr("=,:", before.at[before.len - 1]);
     const struct text name = from > 0 ? last_word((struct text){before.at, from - 1}) : TEXT("");
     if (item && text_is(name, "measure")) {

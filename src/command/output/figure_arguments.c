@@ -59,8 +59,9 @@ bool choose_figure(const struct arguments *args, struct figure_request *request,
         error_at(error, of->where, "of a table one column is drawn against another");
         return error_hint(error, "plot COLUMN against COLUMN of %s", of->item->row->name);
     }
-    /* of branches a variable may follow */
-    const bool branches = what->count == 2 && what->item->index == PLOT_BRANCHES;
+    /* of branches a variable may follow, of a sweep a column */
+    const bool branches =
+        what->count == 2 && (what->item->index == PLOT_BRANCHES || what->item->index == PLOT_SWEEP);
     if ((what->count == 1 || branches) && what->item->index >= 0 && !against->count && !at->count) {
         request->column = branches ? &what->item[1].text : NULL;
         request->columns = branches;
@@ -203,6 +204,7 @@ bool make_figure(struct session *session, const struct arguments *args,
         (!plot_row(request->kind)->of_scene && !choose_ranges(args, request, error)))
         return false;
     if (of->count                           ? !export_result(session, of->item->row, &export, error)
+        : request->kind == PLOT_SWEEP       ? false
         : plot_row(request->kind)->study    ? !has_study(session, error)
         : plot_row(request->kind)->of_scene ? !choose_sides(session, args, request, error)
                                             : !choose_runs(session, args, request, error))

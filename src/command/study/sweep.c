@@ -2,6 +2,7 @@
 /* sweep */
 #ifndef COMMAND_ROWS
 #include <hooke/report.h>
+#include "command/study/section.h"
 #include "command/study/sweep.h"
 
 #include <math.h>
@@ -21,9 +22,9 @@ struct text next_key_argument(struct text *rest)
         struct text after = {rest->at + end, rest->len - end};
         if (!strchr(" \t", rest->at[end - 1]))
             continue;
-        if (text_starts(after, TEXT("--")))
-            break;
         const struct text name = peek_name(after);
+        if (text_starts(after, TEXT("--")) || text_is(name, "at"))
+            break;
         struct text behind = {after.at + name.len, after.len - name.len};
         text_skip_blanks(&behind);
         if (name.len > 0 && text_starts(behind, TEXT("=")))
@@ -208,10 +209,31 @@ static bool read_option(struct parser *parser, struct sweep_request *request,
     return true;
 }
 
+static bool read_count(struct parser *parser, struct text name, struct sweep_section *section,
+                       struct error *error)
+{
+    const bool skip = text_is(name, "skip");
+    int64_t *count = skip ? &section->skip : &section->keep;
+    const struct text where = text_trim(parser->rest);
+    struct item item = {0};
+    if (!parse_integer(parser, skip ? "skip" : "keep", true, &item, error) ||
+        !refuse_rest(parser, &item, error))
+        return false;
+    *count = (int64_t)item.value.value;
+    return *count >= !skip ||
+           error_at(error, where, "%s= needs at least %d", skip ? "skip" : "keep", !skip);
+}
+
 bool read_sweep(struct session *session, const struct arguments *args, struct text rest,
                 struct sweep_request *request, struct sweep_options *options, struct error *error)
 {
+    bool measured = false;
     while (text_skip_blanks(&rest), rest.len > 0) {
+        if (text_is(peek_name(rest), "at") && request->axes > 0) {
+            if (!read_section(session, args, next_section(&rest), &request->section, error))
+                return false;
+            continue;
+        }
         const struct text argument = next_key_argument(&rest), name = peek_name(argument);
         struct parser parser = {
             session, args->scope, args->arena, {argument.at + name.len, argument.len - name.len}};
@@ -230,6 +252,12 @@ bool read_sweep(struct session *session, const struct arguments *args, struct te
         if (text_is(name, "measure")) {
             if (!read_measures(&parser, request, error))
                 return false;
+            measured = true;
+            continue;
+        }
+        if (text_is(name, "skip") || text_is(name, "keep")) {
+            if (!read_count(&parser, name, &request->section, error))
+                return false;
             continue;
         }
         if (request->axes == 2)
@@ -240,8 +268,12 @@ bool read_sweep(struct session *session, const struct arguments *args, struct te
         if (request->axes++ == 1 && strcmp(request->axis[0].name, axis->name) == 0)
             return error_at(error, argument, "'%s' is given twice", axis->name);
     }
-    return request->axes > 0 || options->file.len > 0 ||
-           error_set(error, ERROR_COMMAND, "sweep needs a parameter, as in sweep omega=6:12:0.1");
+    if (request->axes == 0 && options->file.len == 0)
+        return error_set(error, ERROR_COMMAND,
+                         "sweep needs a parameter, as in sweep omega=6:12:0.1");
+    if (request->section.wanted && options->file.len > 0)
+        return error_at(error, options->file, "a sweep at a section is not written by --resume");
+    return request->axes == 0 || finish_section(request, measured, error);
 }
 
 /* ---- what it says ---- */
@@ -254,12 +286,13 @@ static void report_sweep(void *context, double fraction)
 }
 
 /* Only the first shard has the header, so that shards put together are the whole. */
-static void reply_points(const struct sweep *sweep, const struct table *table, struct reply *reply)
+static void reply_points(const struct swept *swept, const struct table *table, struct reply *reply)
 {
-    for (int64_t i = 0; i < sweep->count && !reply->failed; i++) {
-        if (sweep->status[i] == SWEEP_MISSING)
+    const struct sweep *sweep = swept->sweep;
+    for (size_t i = 0; i < table->rows && !reply->failed; i++) {
+        if (!swept->section && sweep->status[i] == SWEEP_MISSING)
             continue;
-        reply_table_row(reply, "sweep", table, (size_t)i);
+        reply_table_row(reply, "sweep", table, i);
         if (i == 0 && sweep->first > 0) {
             buffer_clear(&reply->last_header);
             buffer_put(&reply->last_header, buffer_text(&reply->header));
@@ -269,31 +302,42 @@ static void reply_points(const struct sweep *sweep, const struct table *table, s
     }
 }
 
+static struct swept swept_of(const struct sweep_request *request, const struct sweep *sweep)
+{
+    return (struct swept){sweep, request->measure, request->scene->model, request->measures,
+                          request->section.wanted ? &request->section : NULL};
+}
+
+static bool make_table(const struct swept *swept, struct arena *arena, struct table *table)
+{
+    return (swept->section ? diagram_table : sweep_table)(swept, arena, table);
+}
+
 static void reply_sweep(struct session *session, const struct swept *swept, struct arena *arena,
                         struct reply *reply)
 {
     struct buffer text = {0};
     struct arena own = {0};
     struct table table;
-    const bool made = sweep_table(swept, &own, &table);
+    const bool made = make_table(swept, &own, &table);
     if (made && reply->store)
         table_store_put(reply->store, "sweep", &own, &table);
     if (reply->format == FORMAT_TEXT) {
-        sweep_text(session, swept, arena, &text);
+        (swept->section ? diagram_text : sweep_text)(session, swept, arena, &text);
         reply_text(reply, buffer_text(&text));
         buffer_free(&text);
     } else if (made) {
-        reply_points(swept->sweep, &table, reply);
+        reply_points(swept, &table, reply);
     }
     arena_reset(&own);
 }
 
 bool sweep_rows(const struct sweep_request *request, const struct sweep *sweep, struct buffer *rows)
 {
-    const struct swept swept = {sweep, request->measure, request->scene->model};
+    const struct swept swept = swept_of(request, sweep);
     struct arena arena = {0};
     struct table table;
-    const bool ok = sweep_table(&swept, &arena, &table);
+    const bool ok = make_table(&swept, &arena, &table);
     if (ok)
         table_format(&table, TABLE_CSV, rows);
     arena_reset(&arena);
@@ -306,6 +350,7 @@ struct sweep_request sweep_request_begin(struct session *session)
                                   .method = session->setup.method,
                                   .settings = session_run_settings(session),
                                   .duration = session->setup.settings.duration,
+                                  .section = {.skip = -1, .keep = -1},
                                   .shard = 1,
                                   .shards = 1,
                                   .cancel = session->front.cancel,
@@ -338,7 +383,7 @@ HANDLER(sweep)
     const bool ok = study_sweep(&request, &sweep, error);
     report_sweep(&session->front, 2);
     if (sweep.finished > 0 && (ok || error->code == ERROR_CANCELLED)) {
-        const struct swept swept = {&sweep, request.measure, request.scene->model};
+        const struct swept swept = swept_of(&request, &sweep);
         reply_sweep(session, &swept, args->arena, reply);
     }
     sweep_free(&sweep);
@@ -361,7 +406,17 @@ COMMAND(sweep,
                 "energy_error, steps, evals, reached (the time), or what print knows of a run at "
                 "its end: y, energy .. "
                 "What diverges is a\n"
-                "result. One parameter makes a table and a curve, two make a map. --shard 2/8 "
+                "result. One parameter makes a table and a curve, two make a map. 'at EVENT' makes "
+                "an orbit diagram:\n"
+                "the state is kept keep=100 times where the event happens, once it has skip=100 "
+                "times: 'at period' of the\n"
+                "drive, at an event that is defined, where an expression passes a value: at v = 0 "
+                "falling, at y rising 1 cm.\n"
+                "A value where none comes for as long as the duration ends there. measure=y,energy "
+                "chooses what is kept;\n"
+                "y_next is y at the next event, repeats after how many the states come again "
+                "(within 1e-6); 'plot sweep'\n"
+                "draws it, 'plot y_next against y of sweep' the return maps. --shard 2/8 "
                 "computes the second eighth "
                 "of the points: with\n"
                 "-q --format csv (or json) the outputs of all shards, one after another (cat), are "
@@ -374,10 +429,11 @@ COMMAND(sweep,
                 "--dry-run computes some points and says what all would cost. Many machines: "
                 "'man hooke', MAPS.",
         .examples = "scene driven; method rk4; duration = 60 s; sweep omega=6:12:0.1\n"
-                    "scene damped; sweep gamma=0.1:10:x2 k=10:20:5 measure=period,energy",
+                    "scene pendulum-driven; method rk4; dt = 50 ms; sweep F0=1:1.1:0.002 at period",
         .see = "compare precision export plot", .flags = COMMAND_TABLES,
         .completes = COMPLETES_SWEEP,
-        ARGUMENTS(PLACE("NAME=RANGE", TYPE_REST, .flags = ARG_REQUIRED),
+        ARGUMENTS(PLACE("NAME=RANGE", TYPE_REST, .flags = ARG_REQUIRED), WORD("at", TYPE_EVENT),
+                  KEY("skip", TYPE_INTEGER), KEY("keep", TYPE_INTEGER),
                   KEY("measure", TYPE_TEXT, .flags = ARG_MANY), OPTION("threads", TYPE_INTEGER),
                   OPTION("shard", TYPE_TEXT), OPTION("resume", TYPE_FILE),
                   OPTION("dry-run", TYPE_NONE), OPTION("force", TYPE_NONE)))

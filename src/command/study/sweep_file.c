@@ -72,7 +72,8 @@ static bool read_statement(struct session *session, const struct arguments *args
         return error_hint(error, "sweep NAME=FROM:TO --resume FILE begins one");
     }
     struct sweep_request read = sweep_request_begin(session);
-    if (!read_sweep(session, args, text_of(copy), &read, &none, &why) || read.axes == 0)
+    if (!read_sweep(session, args, text_of(copy), &read, &none, &why) || read.axes == 0 ||
+        read.section.wanted)
         return error_set(error, ERROR_IO, "the sweep of %s cannot be read in this set-up: %s", name,
                          why.text);
     read.shard = request->shards > 1 ? request->shard : file->segments == 1 ? file->shard : 1;

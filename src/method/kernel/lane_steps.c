@@ -456,3 +456,12 @@ int64_t lanes_evals(const struct lanes *lanes, int lane)
     split_choose(&way, lanes->method, lanes->drag);
     return lane_evals(lanes->step, way.kicks, way.continues);
 }
+
+bool lanes_carry(const struct method *method, enum drag drag)
+{
+    struct split_way way;
+    if (method->tableau)
+        return method->tableau->fsal;
+    split_choose(&way, method, drag);
+    return way.continues;
+}

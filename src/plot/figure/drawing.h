@@ -103,6 +103,8 @@ bool drawing_run_envelope(struct drawing *d, const struct run *run, struct curve
 bool drawing_precision(struct drawing *d, struct figure *figure);
 /* Branches over their parameter (branches.c). */
 bool branches_known(const struct session *session);
+bool sweep_figure(struct drawing *d, struct figure *figure);
+bool sweep_known(const struct session *session);
 bool branches_figure(struct drawing *d, struct figure *figure);
 /* The period against the amplitude (figure_period.c). */
 bool period_figure(struct drawing *d, struct figure *figure);

@@ -239,7 +239,9 @@ void sweep_flush(struct sweep_worker *worker)
                   &worker->system[lane < worker->used ? lane : worker->used - 1]);
     for (int lane = 0; !begun && lane < worker->used; lane++) /* few, or no memory */
         sweep_alone(worker, worker->point[lane]);
-    if (begun && march(worker))
+    if (begun && worker->section)
+        section_march(worker);
+    else if (begun && march(worker))
         finish_lanes(worker);
     worker->used = 0;
 }

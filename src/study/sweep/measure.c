@@ -149,6 +149,14 @@ bool sweep_measure_find(const struct model *model, struct text name, struct swee
     return true;
 }
 
+bool sweep_at_section(const struct sweep_measure *measure)
+{
+    return measure->kind == SWEEP_VARIABLE || measure->kind == SWEEP_OBSERVED ||
+           (measure->kind == SWEEP_OBSERVABLE &&
+            !(measure->observable->needs &
+              ~(unsigned)(NEED_MECHANICS | NEED_LINE | NEED_POWER | NEED_ENERGY)));
+}
+
 const char *sweep_measure_name(const struct sweep_measure *measure)
 {
     return measure->name[0] ? measure->name : rows[measure->kind].name;

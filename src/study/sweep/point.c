@@ -29,7 +29,8 @@ bool sweep_worker_init(struct sweep_worker *worker, struct sweep_job *job)
             malloc(method_work_size(job->request->method, job->request->scene->model->n) *
                    sizeof *worker->work);
     }
-    if (worker->system && (!job->in_lanes || (worker->lanes && worker->row && worker->work)))
+    if (worker->system && (!job->in_lanes || (worker->lanes && worker->row && worker->work)) &&
+        (!job->request->section.wanted || section_create(worker)))
         return true;
     sweep_worker_free(worker);
     return false;
@@ -40,6 +41,7 @@ void sweep_worker_free(struct sweep_worker *worker)
     free(worker->system);
     free(worker->row);
     free(worker->work);
+    section_free(worker->section);
     lanes_destroy(worker->lanes);
 }
 
@@ -166,6 +168,10 @@ void sweep_alone(struct sweep_worker *worker, int64_t i)
     const struct sweep_request *request = job->request;
     struct error error = {0};
     struct run *run = NULL;
+    if (worker->section) {
+        section_alone(worker, i);
+        return;
+    }
     if (sweep_point(request, job->sweep, i, &worker->scene, &worker->settings, &error)) {
         struct run_settings settings = worker->settings;
         settings.record = needs_trace(job)

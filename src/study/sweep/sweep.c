@@ -38,7 +38,10 @@ void sweep_free(struct sweep *sweep)
 
 void study_sweep_stretch(const struct sweep_request *request, struct sweep *sweep)
 {
+    const struct sweep_section *section = &request->section;
     *sweep = (struct sweep){.axes = request->axes, .measures = request->measures, .total = 1};
+    if (section->wanted)
+        sweep->measures = 1 + (int)section->keep * (1 + request->measures);
     for (int a = 0; a < request->axes; a++) {
         sweep->axis[a] = request->axis[a];
         sweep->total *= request->axis[a].count;
@@ -324,6 +327,19 @@ static bool run_workers(struct sweep_job *job, struct error *error)
     return ready > 0 || error_memory(error);
 }
 
+/* To a section it takes other times than the duration. */
+static void plan_section(const struct sweep_request *request, const struct sweep *sweep,
+                         struct plan *plan)
+{
+    struct system *system = malloc(sizeof *system);
+    const double steps = system && bind_end(request, sweep, sweep->first, system)
+                             ? section_steps(request, system)
+                             : NAN;
+    plan->seconds *= steps / plan->steps;
+    plan->steps = steps;
+    free(system);
+}
+
 static struct sweep_job job_of(const struct sweep_request *request, struct sweep *sweep,
                                struct plan *plan)
 {
@@ -349,6 +365,8 @@ void study_sweep_predict(const struct sweep_request *request, double *steps, dou
     struct plan plan;
     study_sweep_stretch(request, &sweep);
     const struct sweep_job job = job_of(request, &sweep, &plan);
+    if (request->section.wanted)
+        plan_section(request, &sweep, &plan);
     const bool lanes = job.in_lanes && sweep.count > SWEEP_FEW && lanes_go(request, &sweep);
     const double each =
         lanes ? plan.seconds / LANES_GAIN + NS_IN_LANES * 1e-9 : plan.seconds + NS_ALONE * 1e-9;

@@ -76,7 +76,8 @@ struct sweep_worker {
     double area[LANES], span; /* what means are made of: the same span for all lanes */
     int64_t point[LANES];     /* of each lane: place in the sweep */
     int used;
-    double *work; /* of a step alone */
+    double *work;            /* of a step alone */
+    struct section *section; /* NULL: points are measured over the duration */
     enum drag drag;
     double steps; /* of all points so far */
     int64_t side_by_side;
@@ -107,5 +108,16 @@ void sweep_alone(struct sweep_worker *worker, int64_t i); /* point i, as a run o
 
 void sweep_gather(struct sweep_worker *worker, int64_t i); /* point i goes with its neighbours */
 void sweep_flush(struct sweep_worker *worker);             /* what has been gathered goes now */
+
+/* ---- at a section (section.c, section_lanes.c) ---- */
+
+/* False: no memory. */
+bool section_create(struct sweep_worker *worker);
+void section_free(struct section *section);
+void section_alone(struct sweep_worker *worker, int64_t i);
+/* What has been gathered, the lanes having begun. */
+void section_march(struct sweep_worker *worker);
+/* Steps that a point takes, by that of a run over the duration; NAN: not known before. */
+double section_steps(const struct sweep_request *request, const struct system *system);
 
 #endif

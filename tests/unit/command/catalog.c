@@ -283,6 +283,9 @@ static void completion_follows_the_type(void **state)
         {"sweep y0=1 ", " cm ", " N/m ", 11, false},
         {"sweep y0=1 cm:5 ", " mm ", " kg ", 16, false},
         {"sweep T0=1:2 ", " dt= ", " omega_d= ", 13, false},
+        {"sweep k=1:2 a", " at ", " gamma= ", 12, false},
+        {"sweep k=1:2 at ", " period ", " gamma= ", 15, false},
+        {"sweep k=1:2 at period sk", " skip= ", " gamma= ", 22, false},
     };
     struct bench b;
     bench_open(&b, true);
