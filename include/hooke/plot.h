@@ -26,6 +26,7 @@ enum plot_kind {
     PLOT_PORTRAIT,  /* of the scene: where two of its variables go */
     PLOT_SWEEP,     /* the last sweep: what was measured over the parameter */
     PLOT_BRANCHES,  /* of equilibria and orbits, over a parameter */
+    PLOT_BASINS,    /* the last map of them */
 };
 
 enum plot_across { ACROSS_TIME, ACROSS_STATE, ACROSS_FREQUENCY, ACROSS_OTHER };

@@ -53,7 +53,7 @@ static bool has_letter(const struct curve *curve)
 {
     char c = curve->mark;
     return curve->points &&
-           ((c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9'));
+           ((c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '?');
 }
 
 static void add_shape(const struct page *page, size_t shape, double x, double y)

@@ -176,6 +176,13 @@ static const struct plot_row rows[] = {
                        .of_scene = true,
                        .figure = branches_figure,
                        .offered = branches_known},
+    [PLOT_BASINS] = {.row = ROW("basins", "where starts end, after basins: a letter for each "
+                                          "attractor, lines between them"),
+                     .across = ACROSS_OTHER,
+                     .title = "basins",
+                     .of_scene = true,
+                     .figure = basins_figure,
+                     .offered = basins_known},
 };
 const struct catalog plot_catalog = CATALOG("plot", rows);
 

@@ -41,6 +41,15 @@ ok "its names are printed as on both axes" $? "$(grep -E '>y.?<' names.svg)"
 status_is "an SVG needs no library" 0 "$hooke" -c 'run 1 s; plot position > try.svg'
 grep -q '>position</text>' try.svg && grep -q '>t \[s\]</text>' try.svg
 ok "its text is text" $?
+# 20.2 % of the starts end in A: so many of its letters stand there, in any colour, and in the legend with their name
+status_is "a map of basins" 0 "$hooke" -c "var x = 1; var v = 0; x' = v; v' = -x+x^3-0.2*v; basins x=-2:2:0.05 v=-2:2:0.05; \
+    plot basins > basins.svg"
+letters=$(grep -c '>A</text>' basins.svg)
+[ "$letters" -gt 146 ] && [ "$letters" -lt 178 ]
+ok "its letters cover as much as they have of the starts" $? "$letters of 800"
+[ "$(grep -cE '>equilibrium at (0, 0 \(20.2 %\)|-?1, 0 \(0.0152 %\))<' basins.svg)" -eq 3 ] && grep -q '>escapes (79.8 %)<' basins.svg
+ok "all that starts end in has its name" $? "$(grep -o '>[^<]*%[^<]*<' basins.svg)"
+
 "$hooke" -c 'run 1 s; plot position > try.pdf' >out.txt 2>err.txt
 if grep -q 'built without cairo' err.txt; then
     grep -q 'install libcairo2-dev' err.txt

@@ -265,19 +265,21 @@ HANDLER(basins)
 }
 #endif
 
-COMMAND(basins,
-        .row = {"basins", "", "which attractor each start of a grid reaches: a map, and shares", "",
-                NULL},
-        .group = "DYNAMICS",
-        .text =
-            "Starts differ in two variables, NAME=FROM:TO:STEP; the others are those of the scene. "
-            "What they end in is found\n"
-            "by itself: equilibria, closed orbits, responses of a drive with its period or up to "
-            "eight of them, motion that does\n"
-            "not repeat. Starts that leave every bound escape; what is not clear after 1000 looks "
-            "is 'not decided'. The map has a\n"
-            "letter for each attractor; 'export FILE table of basins' writes a row for each start.",
-        .examples = "var x = 1; var v = 0; x' = v; v' = x-x^3-0.2*v; basins x=-2:2:0.1 v=-2:2:0.1\n"
-                    "basins x=-2:2:0.01 v=-2:2:0.01 > shares.csv",
-        .see = "equilibria sweep lyapunov export", .flags = COMMAND_TABLES,
-        ARGUMENTS(PLACE("NAME=FROM:TO:STEP", TYPE_REST, .flags = ARG_REQUIRED)))
+COMMAND(
+    basins,
+    .row = {"basins", "", "which attractor each start of a grid reaches: a map, and shares", "",
+            NULL},
+    .group = "DYNAMICS",
+    .text =
+        "Starts differ in two variables, NAME=FROM:TO:STEP; the others are those of the scene. "
+        "What they end in is found\n"
+        "by itself: equilibria, closed orbits, responses of a drive with its period or up to "
+        "eight of them, motion that does\n"
+        "not repeat. Starts that leave every bound escape; what is not clear after 1000 looks "
+        "is 'not decided'. The map has a\n"
+        "letter for each attractor; 'plot basins > FILE' draws it, 'export FILE table of basins' "
+        "writes a row for each start.",
+    .examples = "var x = 1; var v = 0; x' = v; v' = x-x^3-0.2*v; basins x=-2:2:0.1 v=-2:2:0.1\n"
+                "basins x=-2:2:0.01 v=-2:2:0.01 > shares.csv; plot basins > basins.svg",
+    .see = "equilibria sweep lyapunov plot", .flags = COMMAND_TABLES,
+    ARGUMENTS(PLACE("NAME=FROM:TO:STEP", TYPE_REST, .flags = ARG_REQUIRED)))

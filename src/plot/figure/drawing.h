@@ -77,6 +77,8 @@ void axis_suit(struct axis *axis, enum quantity quantity, double size);
 const char *drawing_y_label(const struct drawing *d, int panel);
 /* Of columns of the request's table (table.c). */
 bool drawing_table(struct drawing *d, struct figure *figure);
+/* QUANTITY_NUMBER: no unit of its own. */
+enum quantity column_quantity(const struct table_column *column);
 /* Ranges that were asked for; quantities of x and y. */
 bool drawing_ranges(const struct drawing *d, struct figure *figure,
                     const enum quantity quantity[2]);
@@ -106,6 +108,9 @@ bool branches_known(const struct session *session);
 bool sweep_figure(struct drawing *d, struct figure *figure);
 bool sweep_known(const struct session *session);
 bool branches_figure(struct drawing *d, struct figure *figure);
+/* The last map of basins (basins.c). */
+bool basins_known(const struct session *session);
+bool basins_figure(struct drawing *d, struct figure *figure);
 /* The period against the amplitude (figure_period.c). */
 bool period_figure(struct drawing *d, struct figure *figure);
 

@@ -33,7 +33,7 @@ static const struct table_column *find_column(const struct drawing *d, struct te
     return NULL;
 }
 
-static enum quantity quantity_of(const struct table_column *column)
+enum quantity column_quantity(const struct table_column *column)
 {
     const struct unit *unit = unit_find(text_of(column->unit));
     return unit && unit->factor == 1 ? unit->quantity : QUANTITY_NUMBER;
@@ -55,7 +55,7 @@ static struct axis axis_of(const struct table_column *column, size_t rows, doubl
     }
     axis.log = low > 0 && high > decades * low && !(wanted && wanted->end[0] <= 0);
     if (!axis.log)
-        axis_suit(&axis, quantity_of(column), size);
+        axis_suit(&axis, column_quantity(column), size);
     return axis;
 }
 
@@ -162,7 +162,7 @@ bool drawing_table(struct drawing *d, struct figure *figure)
                               .y = axis_of(first, table->rows, DECADES, request->y)};
     figure->y.log |= request->log;
     figure->x = axis_of(x, table->rows, figure->y.log ? DECADE : DECADES, request->x);
-    return drawing_ranges(d, figure, (enum quantity[]){quantity_of(x), quantity_of(first)});
+    return drawing_ranges(d, figure, (enum quantity[]){column_quantity(x), column_quantity(first)});
 }
 
 /* ---- the table of a sweep: point, the parameter, of a section event and t, what was measured ----
