@@ -106,7 +106,9 @@ struct orbit_request {
 
 struct found_orbit {
     struct solution solution;
-    bool family;      /* a multiplier is 1: others are beside it (or a fold of orbits is) */
+    bool family; /* a multiplier is 1: others are beside it (or a fold of orbits is) */
+    /* [s] of the orbit from which it was followed to this one; 0: from none */
+    double family_from;
     double error;     /* of states and period, relative to natural sizes; NAN: of a family */
     double energy_in; /* [J] by the drive over a period; NAN: there is no energy */
     int samples;      /* of one period */

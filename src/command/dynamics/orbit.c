@@ -193,7 +193,12 @@ HANDLER(orbit)
         dynamics_keep_orbit(session, &found.solution, found.samples, found.sample, error);
     if (kept) {
         put_orbit(&text, &system, kept->number, &found);
-        buffer_format(&text, ", from %s", request.settles ? from : "the guess");
+        if (found.family_from > 0) {
+            buffer_put(&text, TEXT(",\n  along its family from T = "));
+            buffer_quantity(&text, found.family_from, QUANTITY_TIME, 6);
+        } else {
+            buffer_format(&text, ", from %s", request.settles ? from : "the guess");
+        }
         reply_text(reply, buffer_text(&text));
         reply_orbit(&system, kept->number, &found, reply);
         keep_table(&system, &found, reply);
@@ -210,7 +215,9 @@ COMMAND(orbit, .row = {"orbit", "", "a periodic orbit, its period and its stabil
                 "nearly comes back; Newton's\n"
                 "method closes it. period=T and variables are a guess to begin at, also of an "
                 "unstable one. With a drive the\n"
-                "period is the drive's, or a multiple. Multipliers say what a small difference "
+                "period is the drive's, or a multiple; of the family of a motion without loss the "
+                "orbit with "
+                "just that period. Multipliers say what a small difference "
                 "becomes in a period; 'export\n"
                 "FILE table' writes the orbit.",
         .examples = "var x = 2; var y = 0; x' = y; y' = (1-x^2)*y-x; orbit\n"

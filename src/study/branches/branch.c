@@ -301,6 +301,15 @@ static bool begin(const struct branch_request *r, int side, double psize,
         begin_at_special(r, path, u, r->forward ? 1 : side, first))
         return true;
     solutions_end(path);
+    if (r->start->kind == SOLUTION_ORBIT && solution_ones(r->start) > 0) {
+        error_set(
+            error, ERROR_COMMAND,
+            "this orbit is one of a family (a multiplier is 1): at other values there are many "
+            "like it, of any energy in a range, and no branch says which");
+        return error_hint(error,
+                          "orbit period=T finds the one with that period there; with damping "
+                          "and a drive one is left, which a branch follows");
+    }
     return error_set(error, ERROR_COMMAND, "there is no such %s at the start",
                      r->start->kind == SOLUTION_EQUILIBRIUM ? "equilibrium" : "orbit");
 }

@@ -21,35 +21,26 @@
 #define WAITS 40       /* spans for which the motion may settle */
 #define STROBES 240    /* periods of the drive likewise */
 #define MOST 16        /* periods of the drive that one of the motion may take */
-#define ONE 1e-5       /* a multiplier this near to 1 is that of a family, or a fold */
 #define CLOSED 1e-8    /* residual, in natural sizes */
 #define LOOSE 1e-12    /* tolerance of a second solution, which tells the error */
 #define TRIES 6        /* returns from which an orbit is looked for at once; */
 #define ALL_TRIES 24   /* in all: the motion may be chaotic */
 #define POLISHED 1e-11 /* residual below which nothing more is to be gained */
 
-struct orbit_search {
-    const struct orbit_request *request;
-    struct vector_field field;
-    double state[DYNAMICS_VARIABLES], t;
-    double extent; /* of the motion over the last span, in units of size */
-    double first;  /* the same of the first span */
-    int tries;
-    struct found_orbit *found;
-    bool any; /* *found is one, if not the wanted */
-};
-
 /* ---- closing it ---- */
 
 #define SQUARE ((size_t)CURVE_MAX * CURVE_MAX)
 
-/* Gauss and Newton with the least step: also where orbits come in families. room: [2][SQUARE] */
-static bool close_least(struct solution_curve *path, double *room, double *u)
+/* Gauss and Newton with the least step: also where orbits come in families; across, of length 1,
+ * along which the unknowns stay as they are, NULL: none. room: [2][SQUARE] */
+static bool close_least(struct solution_curve *path, const double *across, double *room, double *u)
 {
     const struct curve_problem *problem = path->problem;
     const int n = problem->n, all = n + 1;
     double f[CURVE_MAX], *jacobian = room, *a = room + SQUARE, by[CURVE_MAX], last = HUGE_VAL;
+    double begin[CURVE_MAX];
     bool fine = false;
+    memcpy(begin, u, (size_t)n * sizeof *u);
     problem->aim(problem->context, fine);
     for (int look = 0; look < 40; look++) {
         double worst = 0, trace = 0, size = 0;
@@ -57,6 +48,9 @@ static bool close_least(struct solution_curve *path, double *room, double *u)
             return false;
         for (int i = 0; i < n; i++)
             worst = fmax(worst, fabs(f[i]));
+        double off = 0;
+        for (int i = 0; i < n && across; i++)
+            off += across[i] * (u[i] - begin[i]);
         if (fine && (worst < 1e-13 || (worst < CLOSED && worst > last / 2)))
             return true;
         if (!fine && worst < 1e-5) {
@@ -65,11 +59,11 @@ static bool close_least(struct solution_curve *path, double *room, double *u)
             continue;
         }
         for (int i = 0; i < n; i++) {
-            by[i] = 0;
+            by[i] = across ? -across[i] * off : 0;
             for (int k = 0; k < n; k++)
                 by[i] -= jacobian[k * all + i] * f[k];
             for (int j = 0; j < n; j++) {
-                a[i * n + j] = 0;
+                a[i * n + j] = across ? across[i] * across[j] : 0;
                 for (int k = 0; k < n; k++)
                     a[i * n + j] += jacobian[k * all + i] * jacobian[k * all + j];
             }
@@ -88,15 +82,7 @@ static bool close_least(struct solution_curve *path, double *room, double *u)
     return false;
 }
 
-static int near_one(const struct solution *s)
-{
-    int count = 0;
-    for (int i = 0; i < s->values; i++)
-        count += hypot(s->value[i].re - 1, s->value[i].im) < ONE;
-    return count;
-}
-
-static double extent_of(const struct vector_field *field, const struct solution *s)
+double orbit_extent(const struct vector_field *field, const struct solution *s)
 {
     double most = 0;
     for (int i = 0; i < s->n; i++)
@@ -132,12 +118,26 @@ static bool closes_after(struct orbit_search *s, const struct solution *orbit, i
             off = remainder(off, s->field.turn[i]);
         most = fmax(most, fabs(off) / s->field.size[i]);
     }
-    return most < 1e-5 * extent_of(&s->field, orbit);
+    return most < 1e-5 * orbit_extent(&s->field, orbit);
 }
 
-/* From this guess; false: there is none, or it is a rest. */
-static bool close_orbit(struct orbit_search *s, const double *state, double period, int multiple,
-                        struct found_orbit *orbit)
+/* In units of the unknowns: those of the start and the period. */
+static void hold(const struct solution_curve *path, const double *across, double *held)
+{
+    const int n = path->problem->n, variables = path->field.n;
+    double size = 0;
+    memset(held, 0, (size_t)n * sizeof *held);
+    for (int i = 0; i < variables; i++)
+        held[i] = across[i] * path->field.size[i];
+    held[n - 1] = across[variables];
+    for (int i = 0; i < n; i++)
+        size = hypot(size, held[i]);
+    for (int i = 0; i < n; i++)
+        held[i] /= size;
+}
+
+bool orbit_close(struct orbit_search *s, const double *state, double period, int multiple,
+                 const double *across, struct found_orbit *orbit)
 {
     struct solution guess = {.kind = multiple > 0 ? SOLUTION_RESPONSE : SOLUTION_ORBIT,
                              .n = s->field.n,
@@ -151,10 +151,13 @@ static bool close_orbit(struct orbit_search *s, const double *state, double peri
     if (!solutions_begin(&path, s->request->scene, s->field.param[0], s->field.unit[0], &guess,
                          s->request->cancel, point.u, &ignored))
         return false;
+    double held[CURVE_MAX];
+    if (across)
+        hold(&path, across, held);
     double *room = malloc(2 * SQUARE * sizeof *room);
-    bool fine = room && close_least(&path, room, point.u) &&
+    bool fine = room && close_least(&path, across ? held : NULL, room, point.u) &&
                 solutions_at(&path, &point, true, &orbit->solution);
-    orbit->family = fine && near_one(&orbit->solution) > 0;
+    orbit->family = fine && (across || solution_ones(&orbit->solution) > 0);
     if (fine && !orbit->family && orbit->solution.residual > POLISHED &&
         solutions_correct_at(&path, point.u, 1, &better)) {
         memcpy(point.u, better.u, sizeof point.u);
@@ -165,12 +168,12 @@ static bool close_orbit(struct orbit_search *s, const double *state, double peri
         orbit->solution.unstable = 0;
         for (int i = 0; i < orbit->solution.values; i++)
             orbit->solution.unstable +=
-                hypot(orbit->solution.value[i].re, orbit->solution.value[i].im) > 1 + ONE;
+                hypot(orbit->solution.value[i].re, orbit->solution.value[i].im) > 1 + SOLUTION_ONE;
     }
     s->field.evals += path.field.evals;
     solutions_end(&path);
     free(room);
-    const double extent = fine ? extent_of(&s->field, &orbit->solution) : 0;
+    const double extent = fine ? orbit_extent(&s->field, &orbit->solution) : 0;
     /* what winds into a rest ever more slowly nearly closes, too */
     return fine && orbit->solution.period > 0 && orbit->solution.residual < CLOSED &&
            (multiple > 0 || (extent > 1e-6 && extent > 1e-3 * s->extent &&
@@ -182,15 +185,15 @@ static bool close_smallest(struct orbit_search *s, const double *state, double p
                            struct found_orbit *orbit)
 {
     static const int parts[] = {2, 3, 5, 7};
-    if (!close_orbit(s, state, period, multiple, orbit))
+    if (!orbit_close(s, state, period, multiple, NULL, orbit))
         return false;
     for (size_t k = 0; k < COUNT_OF(parts);) {
         struct found_orbit part = *orbit;
         const int of = parts[k];
         if ((multiple == 0 || orbit->solution.multiple % of == 0) &&
             closes_after(s, &orbit->solution, of) &&
-            close_orbit(s, orbit->solution.state, orbit->solution.period / of,
-                        orbit->solution.multiple / of, &part) &&
+            orbit_close(s, orbit->solution.state, orbit->solution.period / of,
+                        orbit->solution.multiple / of, NULL, &part) &&
             part.solution.period < 0.75 * orbit->solution.period)
             *orbit = part;
         else
@@ -328,9 +331,6 @@ static bool find_own(struct orbit_search *s, struct error *error)
     static const char none[] = "the motion does not come back to where it was";
     const int n = s->field.n;
     double span = s->request->span, end[FIELD_VARIABLES];
-    if (s->request->period > 0)
-        return take(s, s->state, s->request->period, 0) ||
-               nothing(s, "no periodic orbit was found near this guess", error);
     for (int waits = 0, looks = 0; looks < 3 * WAITS; looks++) {
         struct returns found;
         if (cancelled(s->request->cancel) || !look(s, span, &found, end))
@@ -354,6 +354,23 @@ static bool find_own(struct orbit_search *s, struct error *error)
         memcpy(s->state, end, (size_t)n * sizeof *end);
     }
     return nothing(s, s->extent < s->first / 2 ? "the motion dies away" : none, error);
+}
+
+/* Near a guess of the period; of a family the one that has it. */
+static bool find_of_period(struct orbit_search *s, double period, struct error *error)
+{
+    static const char none[] = "no periodic orbit was found near this guess";
+    struct orbit_request motion = *s->request;
+    struct error ignored;
+    motion.period = 0;
+    if (!take(s, s->state, period, 0) && !s->any) {
+        s->request = &motion; /* the orbit that it moves on, if that is one of a family */
+        if (!find_own(s, &ignored) || !s->found->family) {
+            s->any = false;
+            return nothing(s, none, error);
+        }
+    }
+    return !s->found->family || orbit_of_period(s, period, error);
 }
 
 /* ---- with a drive ---- */
@@ -516,8 +533,9 @@ bool orbit_find(const struct orbit_request *request, struct found_orbit *found, 
     const double drive = field_drive(&s.field);
     bool fine = isnan(drive)
                     ? error_set(error, ERROR_COMMAND, "forces depend on time, but not periodically")
-                : drive > 0 ? find_driven(&s, drive, error)
-                            : find_own(&s, error);
+                : drive > 0           ? find_driven(&s, drive, error)
+                : request->period > 0 ? find_of_period(&s, request->period, error)
+                                      : find_own(&s, error);
     fine = fine && finish(&s, error);
     if (fine && cancelled(request->cancel))
         fine = error_set(error, ERROR_CANCELLED, "cancelled");

@@ -209,6 +209,14 @@ static bool has_pair(const struct solution *s, bool map)
     return im > 0 && best < 1e-5 * size;
 }
 
+int solution_ones(const struct solution *s)
+{
+    int count = 0;
+    for (int i = 0; i < s->values; i++)
+        count += hypot(s->value[i].re - 1, s->value[i].im) < SOLUTION_ONE;
+    return count;
+}
+
 static bool has_turned(const struct solution *s)
 {
     for (int i = 0; i < s->values; i++)

@@ -33,6 +33,9 @@ bool solutions_at(struct solution_curve *path, const struct curve_place *point, 
 /* The same of the point that has just been corrected, multipliers as before the last correction. */
 bool solutions_seen(struct solution_curve *path, const struct curve_place *point,
                     struct solution *solution);
+/* Multipliers beside the trivial one that are 1: of a family of orbits, or a fold. */
+int solution_ones(const struct solution *solution);
+#define SOLUTION_ONE 1e-5 /* how near, as double ones are no more exact */
 /* What has changed its kind there, if that is a special point: not so neutral saddles. */
 enum special solutions_special(const struct solution_curve *path, int test,
                                const struct solution *solution);
@@ -48,5 +51,30 @@ bool solutions_along(struct solution_curve *path, const struct branch_point *at,
 bool solutions_leave(struct solution_curve *path, const struct scene *scene, int param,
                      double psize, const struct branch_point *from, int side,
                      const struct cancel *cancel, struct curve_place *first, struct error *error);
+
+/* ---- the search for a periodic orbit (orbit.c), and along families of them (family.c) ---- */
+
+struct orbit_search {
+    const struct orbit_request *request;
+    struct vector_field field;
+    double state[DYNAMICS_VARIABLES], t;
+    double extent; /* of the motion over the last span, in units of size */
+    double first;  /* the same of the first span */
+    int tries;
+    struct found_orbit *found;
+    bool any; /* *found is one, if not the wanted */
+};
+
+/* From this guess; across: a direction [1/SI] of the states and of the logarithm of the period in
+ * which nothing moves, NULL: none. False: there is none, or it is a rest. */
+bool orbit_close(struct orbit_search *s, const double *state, double period, int multiple,
+                 const double *across, struct found_orbit *orbit);
+/* Largest of the ranges of the variables along it, in units of size. */
+double orbit_extent(const struct vector_field *field, const struct solution *solution);
+/*
+ * From an orbit of a family, *found, along it to the one with the period wanted [s], which *found
+ * becomes. False: it has none, with its range of periods, or cancelled.
+ */
+bool orbit_of_period(struct orbit_search *s, double wanted, struct error *error);
 
 #endif
