@@ -100,8 +100,12 @@ static void put_point(struct text_table *table, const struct scene *scene,
                         param_at(scene, branch->param[j])->quantity, 10);
     }
     cell_take(table, &where);
-    for (int i = 0; i < system->n; i++)
-        cell_quantity(table, at->solution.state[i], system_variable(system, i).quantity, 6);
+    for (int i = 0; i < system->n; i++) {
+        const double value = at->solution.state[i],
+                     range = at->solution.top[i] - at->solution.bottom[i];
+        cell_quantity(table, fabs(value) < 1e-13 * range ? 0 : value,
+                      system_variable(system, i).quantity, 6);
+    }
     if (at->solution.period > 0)
         cell_quantity(table, at->solution.period, QUANTITY_TIME, 7);
     else

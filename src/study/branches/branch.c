@@ -168,7 +168,7 @@ static bool is_over(struct branch_walk *w, const struct curve_place *at,
     double *value = &w->out->point[w->out->count - 1].solution.param[0];
     if (leaves) {
         *value = fabs(*value - r->from) < fabs(*value - r->to) ? r->from : r->to;
-        return end_there(w, "the parameter's range");
+        return end_there(w, "end of the range");
     }
     w->level = in_family(w, next) ? w->level + 1 : 0;
     if (w->level == LEVEL)
@@ -214,7 +214,7 @@ static bool walk(struct branch_walk *w, struct curve_place at)
             if (!walk_record_specials(w, &next))
                 return false;
             if (!step_to_edge(w, &at, &next, &next)) {
-                ends(w, "the parameter's range");
+                ends(w, "end of the range");
                 return true;
             }
         }
