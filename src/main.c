@@ -230,6 +230,7 @@ static int run(const struct options *options)
     int status = ERROR_USAGE;
     struct buffer messages = {0};
     if (ready && begin_session(&session, options, &messages)) {
+        session->front.context = session; /* of progress; another front end brings its own */
         streams.log = &session->log;
         if (kind == FRONT_IS_PANES) {
             reply.sink = panes_sink(session); /* what is said from now on stands in the log */

@@ -9,6 +9,7 @@
 #include <hooke/analysis/fit.h>
 #include <hooke/study/compare.h>
 #include <hooke/study/fit.h>
+#include <hooke/study/sweep.h>
 #include <hooke/session/screen.h>
 #include <hooke/session/settings.h>
 
@@ -285,8 +286,11 @@ struct session {
     int checkpoints;
 
     struct history history;
-    bool confirmed;    /* the present statement was asked about, and allowed */
-    char *record_path; /* file that executed lines are appended to, NULL: none */
+    bool confirmed; /* the present statement was asked about, and allowed */
+    char *meant;    /* what stands in the log for the present statement; NULL: itself */
+    struct stopped_sweep *stopped; /* `continue` goes on with it; NULL: with the run */
+    double study_points; /* of the study that goes on, for points a second; 0: it says none */
+    char *record_path;   /* file that executed lines are appended to, NULL: none */
     int record_fd;
     int64_t record_synced; /* [ns] when what it holds was put on the disk; 0: never */
     bool record_owed;      /* more was written since then */
@@ -312,6 +316,15 @@ struct session {
     struct log log;
     struct live live;
 };
+
+/* A sweep that Ctrl-C has stopped. */
+struct stopped_sweep {
+    char *statement;    /* what stood behind `sweep` */
+    struct buffer made; /* session_save_motion() then */
+    struct sweep found; /* value NULL: what there is is in a file */
+};
+
+void session_forget_sweep(struct session *session);
 
 /* A new session with the lab's defaults. NULL: no memory. */
 struct session *session_create(const struct front *front);

@@ -47,6 +47,10 @@ void statement_in_full(const struct session *session, const struct arguments *ar
 {
     const struct text word = arguments->word;
     const char *at = statement.at + word.len;
+    if (session->meant) {
+        buffer_put(out, text_of(session->meant));
+        return;
+    }
     if (word.len > 0)
         put_name(out, arguments->command->row.name, word);
     if (session->confirmed)

@@ -61,6 +61,10 @@ bool read_axis_range(struct parser *parser, struct sweep_axis *axis, struct erro
 /* '-' is for data where no commands come from there. */
 bool check_input(const struct session *session, struct text where, struct error *error);
 
+/* Goes on with session->stopped, which is there (study/sweep.c). */
+bool sweep_continue(struct session *session, const struct arguments *args, struct reply *reply,
+                    struct error *error);
+
 /* The line and the record of a table that was written. */
 void reply_exported(struct reply *reply, struct text file, const struct table *table);
 

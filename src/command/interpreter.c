@@ -10,6 +10,7 @@
 #include "command/in_full.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* NAME = value; not NAME == …, not NAME' = … */
@@ -200,6 +201,8 @@ static bool exec_statement(struct session *session, struct text line, size_t log
     if (!session->reacting && !history_begin(session, log_line, line, typed, &entry, error))
         return false;
     session->confirmed = false;
+    free(session->meant);
+    session->meant = NULL;
     const struct scene before = session->setup.scene;
     const bool ok = run_collected(session, arguments, entry, &redirect, reply, error);
     if (!session->reacting && !(arguments->command->flags & COMMAND_NESTS))

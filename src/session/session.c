@@ -38,10 +38,23 @@ struct session *session_create(const struct front *front)
     return session;
 }
 
+void session_forget_sweep(struct session *session)
+{
+    if (!session->stopped)
+        return;
+    free(session->stopped->statement);
+    buffer_free(&session->stopped->made);
+    sweep_free(&session->stopped->found);
+    free(session->stopped);
+    session->stopped = NULL;
+}
+
 void session_destroy(struct session *session)
 {
     if (!session)
         return;
+    session_forget_sweep(session);
+    free(session->meant);
     stored_portrait_clear(session->portrait);
     free(session->portrait);
     undo_clear(session);

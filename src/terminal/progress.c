@@ -29,7 +29,8 @@ bool progress_due(double fraction, bool *over)
     return progress.visible = true;
 }
 
-void progress_text(const struct run *run, double fraction, struct buffer *text)
+void progress_text(const struct session *session, const struct run *run, double fraction,
+                   struct buffer *text)
 {
     const double spent = clock_seconds(progress.begun);
     if (run) {
@@ -40,6 +41,8 @@ void progress_text(const struct run *run, double fraction, struct buffer *text)
         buffer_format(text, "%s%.0f %%, %.0f s left", run ? ", " : "", 100 * fraction,
                       spent * (1 - fraction) / fraction);
     }
+    if (fraction > 0 && !run && session && session->study_points > 0 && spent > 0)
+        buffer_format(text, ", %.3g points/s", fraction * session->study_points / spent);
     buffer_put(text, TEXT(" (Ctrl-C stops)"));
 }
 
@@ -48,9 +51,8 @@ void progress_print(void *context, const struct run *run, double fraction)
 {
     struct buffer text = {0};
     bool over;
-    (void)context;
     if (progress_due(fraction, &over)) {
-        progress_text(run, fraction, &text);
+        progress_text(context, run, fraction, &text);
         fprintf(stderr, "\r%s\033[K", text.data ? text.data : "");
         buffer_free(&text);
     } else if (over) {

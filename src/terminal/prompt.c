@@ -143,7 +143,7 @@ static bool change(void *context, enum front_change change, struct error *error)
 /* A run that goes on is saved, too. */
 static void progress(void *context, const struct run *run, double fraction)
 {
-    progress_print(context, run, fraction);
+    progress_print(((const struct front_program *)context)->session, run, fraction);
     if (fraction <= 1)
         save_when_due(false);
 }

@@ -200,8 +200,9 @@ int pixels_skip_answer(int key); /* PIXELS_NO_KEY: this was one */
 /* ---- progress.c: of what takes long ---- */
 
 bool progress_due(double fraction, bool *over);
-void progress_text(const struct run *run, double fraction, struct buffer *text);
-/* front.progress, on standard error */
+void progress_text(const struct session *session, const struct run *run, double fraction,
+                   struct buffer *text);
+/* front.progress, on standard error; context: the session */
 void progress_print(void *context, const struct run *run, double fraction);
 
 /* ---- readline, common to both prompts (line.c)

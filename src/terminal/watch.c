@@ -82,7 +82,7 @@ static void show_progress(void *context, const struct run *run, double fraction)
     }
     buffer_clear(&panes->notice);
     if (due) {
-        progress_text(run, fraction, &panes->notice);
+        progress_text(panes->program->session, run, fraction, &panes->notice);
     }
     const bool busy = signals_busy(false); /* Ctrl-Z waits until it is drawn */
     panes_show(panes, false, INT_MAX);

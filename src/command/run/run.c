@@ -31,6 +31,7 @@ static struct run *new_run(struct session *session, double span, int64_t steps, 
     if (!session_add_run(session, run, error))
         return NULL;
     session->run[session->current_run]->events = session->setup.events;
+    session_forget_sweep(session);
     return run;
 }
 
@@ -167,6 +168,8 @@ HANDLER(continue)
                                 *to = argument_value(args, "to"),
                                 *until = argument_value(args, "until");
     const bool limited = duration->count || to->count || until->count;
+    if (session->stopped && !limited && steps_of(args) < 0)
+        return sweep_continue(session, args, reply, error);
     struct run *run = current(session, error);
     struct plan plan;
     if (!run || !can_go_on(run, error))
@@ -290,7 +293,8 @@ COMMAND(run, .row = {"run", "", "start a new run at t0", "", "r"}, .group = "RUN
                   OPTION("number", TYPE_INTEGER), OPTION("force", TYPE_NONE)))
 
 COMMAND(continue, .row = {"continue", "", "let the current run go on", "", NULL}, .group = "RUN",
-        .text = "A run that was paused, or stopped by an event, goes on to where it was to end. "
+        .text = "A run that was paused, or stopped by an event, goes on to where it was to end, a "
+                "sweep that was stopped with its missing points. "
                 "Otherwise for DURATION "
                 "(else the setting\n"
                 "'duration'), to the time T, or until a condition becomes true, with the "

@@ -360,33 +360,64 @@ struct sweep_request sweep_request_begin(struct session *session)
                                   .measures = 1};
 }
 
-HANDLER(sweep)
+static bool sweep_in_memory(struct session *session, const struct arguments *args,
+                            const struct sweep_request *request, struct text statement,
+                            struct reply *reply, struct error *error)
+{
+    struct sweep sweep;
+    const bool ok = study_sweep(request, &sweep, error);
+    report_sweep(&session->front, 2);
+    const bool stopped = !ok && error->code == ERROR_CANCELLED;
+    if (sweep.finished > 0 && (ok || stopped)) {
+        const struct swept swept = swept_of(request, &sweep);
+        reply_sweep(session, &swept, args->arena, reply);
+    }
+    if (stopped && sweep.finished > 0) {
+        sweep_keep_stopped(session, statement, &sweep);
+        error_hint(error, "'continue' computes the others");
+    }
+    sweep_free(&sweep);
+    return ok;
+}
+
+bool sweep_statement(struct session *session, const struct arguments *args, struct text statement,
+                     const struct sweep *before, struct reply *reply, struct error *error)
 {
     struct sweep_request request = sweep_request_begin(session);
     struct sweep_options options = {.force = false};
-    struct sweep sweep;
     double steps, seconds;
-    if (!read_sweep(session, args, argument_value(args, "NAME=RANGE")->item->text, &request,
-                    &options, error))
+    if (!read_sweep(session, args, statement, &request, &options, error))
         return false;
+    request.before = before && before->value ? before : NULL;
     reply_unchosen(session, reply);
     study_sweep_predict(&request, &steps, &seconds);
-    if (!options.dry && options.file.len == 0 &&
+    if (!before && !options.dry && options.file.len == 0 &&
         !allow_long(session, seconds, steps, options.force, error))
         return false;
     reply_assumed(session, request.settings.tol > 0, true, reply);
     reply_shorter(session, reply);
     if (options.dry)
         return sweep_cost(session, &request, reply, error);
-    if (options.file.len > 0)
-        return sweep_into_file(session, args, &request, &options, reply, error);
-    const bool ok = study_sweep(&request, &sweep, error);
-    report_sweep(&session->front, 2);
-    if (sweep.finished > 0 && (ok || error->code == ERROR_CANCELLED)) {
-        const struct swept swept = swept_of(&request, &sweep);
-        reply_sweep(session, &swept, args->arena, reply);
+    if (options.file.len == 0) {
+        struct sweep stretch;
+        study_sweep_stretch(&request, &stretch);
+        session->study_points = (double)stretch.count;
+        return sweep_in_memory(session, args, &request, statement, reply, error);
     }
-    sweep_free(&sweep);
+    options.force |= before != NULL;
+    const bool ok = sweep_into_file(session, args, &request, &options, reply, error);
+    if (!ok && error->code == ERROR_CANCELLED)
+        sweep_keep_stopped(session, statement, &(struct sweep){.count = 0});
+    return ok;
+}
+
+HANDLER(sweep)
+{
+    const bool ok = sweep_statement(session, args, argument_value(args, "NAME=RANGE")->item->text,
+                                    NULL, reply, error);
+    session->study_points = 0;
+    if (ok)
+        session_forget_sweep(session);
     return ok;
 }
 #endif

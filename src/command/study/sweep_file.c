@@ -297,6 +297,7 @@ static bool fill(struct growing *g, bool force, struct error *error)
     for (size_t i = 0; i < g->file.blocks; i++)
         had += g->file.block[i].count;
     g->missing = g->all.count - had;
+    g->session->study_points = (double)g->missing;
     study_sweep_predict(g->request, &steps, &seconds);
     const double share = (double)g->missing / (double)g->all.count;
     if (!allow_long(g->session, share * seconds, share * steps, force, error))

@@ -155,6 +155,19 @@ static int thread_count(const struct sweep_request *request, int64_t tasks)
     return (int)(wanted < tasks ? wanted : tasks);
 }
 
+/* Does the first point go in lanes? */
+static bool lanes_go(const struct sweep_request *request, const struct sweep *sweep)
+{
+    struct system *system = malloc(sizeof *system);
+    struct error ignored = {0};
+    enum drag drag = request->settings.drag;
+    const bool go = system && bind_end(request, sweep, sweep->first, system) &&
+                    method_applies(request->method, system, &drag, &ignored) &&
+                    lanes_fit(request->method, system, drag, request->settings.dt);
+    free(system);
+    return go;
+}
+
 /* Which tasks there are: rows of the first axis from its first to its last point here. */
 static void lay_out(struct sweep_job *job)
 {
@@ -165,9 +178,11 @@ static void lay_out(struct sweep_job *job)
     job->along = choose_along(request, sweep);
     if (job->along == 0 && request->axes > 1 && rows < LANES && rows < request->axis[0].count)
         job->along = 1; /* the others' rows are not here */
-    job->width = LANES;
-    if (!job->in_lanes && sweep->count < LANES * thread_count(request, sweep->count))
-        job->width = 1;
+    if (sweep->count == 0) {
+        job->lines = job->blocks = job->width = 1; /* with nothing to do */
+        return;
+    }
+    job->width = job->in_lanes && lanes_go(request, sweep) ? LANES : 1;
     if (job->along == 0) {
         job->lines = last;
         job->block = row / job->width;
@@ -180,19 +195,6 @@ static void lay_out(struct sweep_job *job)
     job->lines = rows;
     job->block = from / job->width;
     job->blocks = to / job->width - job->block + 1;
-}
-
-/* Does the first point go in lanes? */
-static bool lanes_go(const struct sweep_request *request, const struct sweep *sweep)
-{
-    struct system *system = malloc(sizeof *system);
-    struct error ignored = {0};
-    enum drag drag = request->settings.drag;
-    const bool go = system && bind_end(request, sweep, sweep->first, system) &&
-                    method_applies(request->method, system, &drag, &ignored) &&
-                    lanes_fit(request->method, system, drag, request->settings.dt);
-    free(system);
-    return go;
 }
 
 static void choose_lanes(struct sweep_job *job, struct plan *plan)
@@ -384,7 +386,7 @@ int64_t study_sweep_batch(const struct sweep_request *request)
     study_sweep_stretch(request, &sweep);
     const struct sweep_job job = job_of(request, &sweep, &plan);
     const int64_t threads = thread_count(request, INT64_MAX);
-    if (!job.in_lanes)
+    if (!job.in_lanes || !lanes_go(request, &sweep))
         return threads;
     const int64_t last = request->axes > 1 ? request->axis[1].count : 1;
     const bool rows = request->axes > 1 && choose_along(request, &sweep) == 0;

@@ -221,6 +221,29 @@ static void test_interrupt_stops_a_run(void **state)
     quit(&p);
 }
 
+/* A map says how long it takes and how fast it is; stopped, it goes on. */
+static void test_progress_of_a_sweep(void **state)
+{
+    (void)state;
+    struct person p;
+    begin(&p, "C.UTF-8");
+    expect(&p, PROMPT);
+    type(&p, "scene pendulum; method rodas5p; tol = 1e-9; duration = 20 s\r");
+    expect(&p, PROMPT);
+    type(&p, "sweep gamma=0:1:0.00001 --threads 1 --force\r");
+    expect(&p, "s left");
+    expect(&p, "points/s");
+    type(&p, "\x03");
+    expect(&p, "'continue' computes the others");
+    expect(&p, PROMPT);
+    type(&p, "continue\r");
+    expect(&p, "points/s");
+    type(&p, "\x03");
+    expect(&p, "'continue' computes the others");
+    expect(&p, PROMPT);
+    quit(&p);
+}
+
 /* The prompt is back in the time in which a person does not notice that it was away. */
 static void interrupted_in_time(struct person *p, const char *line, bool stopped)
 {
@@ -435,6 +458,7 @@ int main(void)
         cmocka_unit_test(test_types_and_answers),
         cmocka_unit_test(test_interrupt_clears_the_line),
         cmocka_unit_test(test_interrupt_stops_a_run),
+        cmocka_unit_test(test_progress_of_a_sweep),
         cmocka_unit_test(test_completion),
         cmocka_unit_test(test_interrupt_stops_long_commands),
         cmocka_unit_test(test_history_is_kept),
