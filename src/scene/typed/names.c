@@ -263,7 +263,7 @@ bool typed_declare(struct compile *c)
             return false;
         if (line->kind == TYPED_PARAM &&
             !add_param(c, line->name, line->value, line->quantity, "typed by the user",
-                       !typed->base && text_is(line->name, "m"), line->name))
+                       !typed->base && text_is(line->name, "m") && line->value > 0, line->name))
             return false;
     }
     return true;

@@ -11,7 +11,8 @@
 #include <stdlib.h>
 
 #define DELTA 1e-6 /* relative to the parameter */
-#define SMALL 1e-3 /* SI; below it, unless it must be > 0, a parameter counts as that large */
+#define SMALL 1e-3 /* SI; below it, unless it must be > 0, a parameter counts as that large, */
+#define LEAST 1e-6 /* else as that part of its initial value */
 
 static const struct bound_term *term_of(const struct system *system, const struct term_row *row)
 {
@@ -46,7 +47,7 @@ static bool find_between(const struct scene *scene, int index, struct system sid
 {
     const struct param_row *row = param_at(scene, index);
     const double value = scene->value[index],
-                 size = row->min_excluded ? fabs(value) : fmax(fabs(value), SMALL);
+                 size = fmax(fabs(value), row->min_excluded ? LEAST * fabs(row->initial) : SMALL);
     struct scene trial = *scene;
     struct error ignored;
     double at[2];
