@@ -25,8 +25,8 @@ enum plot_kind {
     PLOT_PRECISION, /* of the last precision study, not of runs */
     PLOT_PORTRAIT,  /* of the scene: where two of its variables go */
     PLOT_SWEEP,     /* the last sweep: what was measured over the parameter */
+    PLOT_BASINS,    /* the last map of basins */
     PLOT_BRANCHES,  /* of equilibria and orbits, over a parameter */
-    PLOT_BASINS,    /* the last map of them */
 };
 
 enum plot_across { ACROSS_TIME, ACROSS_STATE, ACROSS_FREQUENCY, ACROSS_OTHER };

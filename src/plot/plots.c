@@ -169,13 +169,6 @@ static const struct plot_row rows[] = {
                     .title = "sweep",
                     .figure = sweep_figure,
                     .offered = sweep_known},
-    [PLOT_BRANCHES] = {.row = ROW("branches", "branches over their parameter: stable lines, "
-                                              "unstable dots, letters of special points"),
-                       .across = ACROSS_OTHER,
-                       .title = "branches",
-                       .of_scene = true,
-                       .figure = branches_figure,
-                       .offered = branches_known},
     [PLOT_BASINS] = {.row = ROW("basins", "where starts end, after basins: a letter for each "
                                           "attractor, lines between them"),
                      .across = ACROSS_OTHER,
@@ -183,6 +176,13 @@ static const struct plot_row rows[] = {
                      .of_scene = true,
                      .figure = basins_figure,
                      .offered = basins_known},
+    [PLOT_BRANCHES] = {.row = ROW("branches", "branches over their parameter: stable lines, "
+                                              "unstable dots, letters of special points"),
+                       .across = ACROSS_OTHER,
+                       .title = "branches",
+                       .of_scene = true,
+                       .figure = branches_figure,
+                       .offered = branches_known},
 };
 const struct catalog plot_catalog = CATALOG("plot", rows);
 

@@ -98,7 +98,9 @@ static const struct guide_topic topics[] = {
     TOPIC(
         "dynamics", "phase plane, Poincare sections, return maps, spectra, chaos",
         "'plot phase' and 'plot y against x' show orbits; an event recorded once a drive's period "
-        "makes a section, --next a return map. 'plot spectrum' has the frequencies. In the pane "
+        "makes a section, --next a return map. 'plot spectrum' has the frequencies, 'lyapunov' "
+        "says "
+        "how fast near motions part, 'basins' where starts end. In the pane "
         "portrait ('focus portrait full') F7 is a point: arrows move it, Enter starts a "
         "trajectory.",
         "scene duffing-driven; method dopri5 tol=1e-9\n"
@@ -106,7 +108,11 @@ static const struct guide_topic topics[] = {
         "run 150 s\n"
         "plot phase\n"
         "plot v against y at stroke\n"
-        "plot spectrum"),
+        "plot spectrum\n"
+        "lyapunov over 1000 s\n"
+        "F0 = 0\n"
+        "basins y=-2:2:0.1 v=-2:2:0.1\n"
+        "plot basins"),
     TOPIC(
         "output", "tables, pictures, the lab's report, saved sessions, scripts",
         "'plot ... > FILE' writes a picture (.svg .pdf .png) or text, 'export' columns of runs, "

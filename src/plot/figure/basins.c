@@ -18,6 +18,7 @@ static const char marks[KINDS + 1] = "ABCDEFGHIJKLMNOPQRSTUVWXYZ.?";
 struct grid {
     const struct table *table;
     size_t across, up;
+    struct axis side[2];
 };
 
 static const struct table *found_table(const struct session *session, struct text kind)
@@ -50,7 +51,12 @@ static double value_at(const struct grid *g, int axis, size_t place)
     return g->table->column[axis].value[axis == 0 ? place * g->up : place];
 }
 
-/* "equilibrium at 1, 0 (49.4 %)"; NULL: no memory */
+static double unit_of(const struct axis *side)
+{
+    return side->factor > 0 ? side->factor : 1;
+}
+
+/* "equilibrium at 1, 0 (49.4 %)", in the units of the sides; NULL: no memory */
 static const char *label_of(struct drawing *d, const struct grid *g, int kind)
 {
     const struct table *of = found_table(d->session, TEXT("basin"));
@@ -77,7 +83,8 @@ static const char *label_of(struct drawing *d, const struct grid *g, int kind)
         for (int axis = 0; axis < 2; axis++)
             if (strncmp(of->column[c].name, "state.", 6) == 0 && of->column[c].value &&
                 strcmp(of->column[c].name + 6, g->table->column[axis].name) == 0)
-                buffer_format(&text, "%s%.3g", n++ == 0 ? " at " : ", ", of->column[c].value[row]);
+                buffer_format(&text, "%s%.3g", n++ == 0 ? " at " : ", ",
+                              of->column[c].value[row] / unit_of(&g->side[axis]));
     if (isfinite(share))
         buffer_format(&text, " (%.3g %%)", 100 * share);
     const char *label = text.failed ? NULL : arena_text(d->arena, buffer_text(&text));
@@ -117,8 +124,7 @@ static void put_letter(struct letters *l, double x, double y)
 }
 
 /* Evenly over the sides, that of the nearest start; the first of those that have none so. */
-static bool put_letters(struct drawing *d, const struct grid *g, const struct axis side[2],
-                        size_t columns, size_t rows)
+static bool put_letters(struct drawing *d, const struct grid *g, size_t columns, size_t rows)
 {
     struct letters of[KINDS + 1] = {{NULL, NULL, NULL}};
     size_t first[KINDS + 1];
@@ -136,8 +142,8 @@ static bool put_letters(struct drawing *d, const struct grid *g, const struct ax
                      v = ((double)(k % rows) + 0.5) / (double)rows;
         const int kind = kind_at(g, (size_t)(u * (double)g->across), (size_t)(v * (double)g->up));
         if (kind < KINDS)
-            put_letter(&of[kind], side[0].from + u * (side[0].to - side[0].from),
-                       side[1].from + v * (side[1].to - side[1].from));
+            put_letter(&of[kind], g->side[0].from + u * (g->side[0].to - g->side[0].from),
+                       g->side[1].from + v * (g->side[1].to - g->side[1].from));
     }
     for (int kind = 0; kind < KINDS; kind++)
         if (there[kind] && of[kind].curve->n == 0)
@@ -267,7 +273,8 @@ bool basins_figure(struct drawing *d, struct figure *figure)
     for (g.up = 1; g.up < g.table->rows && first[g.up] == first[0];)
         g.up++;
     g.across = g.table->rows / g.up;
-    const struct axis side[] = {side_of(&g, 0), side_of(&g, 1)};
+    for (int axis = 0; axis < 2; axis++)
+        g.side[axis] = side_of(&g, axis);
     const bool picture =
         d->request->charset == CHARSET_BRAILLE && d->request->width == PICTURE_COLUMNS;
     const int width = d->request->width; /* more than columns: none stays empty */
@@ -276,15 +283,15 @@ bool basins_figure(struct drawing *d, struct figure *figure)
     if (!d->curve)
         return error_memory(d->error);
     d->curves = 0;
-    if (!put_letters(d, &g, side, columns, picture ? PICTURE_LETTERS_Y : TEXT_LETTERS_Y) ||
+    if (!put_letters(d, &g, columns, picture ? PICTURE_LETTERS_Y : TEXT_LETTERS_Y) ||
         (picture && !draw_lines(d, &g)))
         return false;
     *figure = (struct figure){.title = "basins",
                               .plane = true,
                               .curve = d->curve,
                               .curves = d->curves,
-                              .x = side[0],
-                              .y = side[1],
+                              .x = g.side[0],
+                              .y = g.side[1],
                               .words = words_of(d, &g)};
     return figure->words || error_memory(d->error);
 }
