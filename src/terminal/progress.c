@@ -40,6 +40,8 @@ void progress_text(const struct session *session, const struct run *run, double 
     if (fraction > 0) {
         buffer_format(text, "%s%.0f %%, %.0f s left", run ? ", " : "", 100 * fraction,
                       spent * (1 - fraction) / fraction);
+    } else if (!run) {
+        buffer_format(text, "%.0f s", spent);
     }
     if (fraction > 0 && !run && session && session->study_points > 0 && spent > 0)
         buffer_format(text, ", %.3g points/s", fraction * session->study_points / spent);

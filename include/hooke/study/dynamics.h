@@ -75,6 +75,8 @@ struct equilibria_request {
     const struct scene *scene;
     double box[DYNAMICS_VARIABLES][2]; /* SI, from < to */
     const struct cancel *cancel;
+    void (*progress)(void *context, double fraction); /* NULL: nobody wants to know */
+    void *context;
 };
 
 struct equilibria {
@@ -102,6 +104,8 @@ struct orbit_request {
     double span;                         /* [s] of the motion that is looked at first, > 0 */
     bool settles; /* it may go on until it has settled: what attracts is wanted */
     const struct cancel *cancel;
+    void (*progress)(void *context, double fraction); /* fraction 0: nobody knows */
+    void *context;
 };
 
 struct found_orbit {
@@ -170,6 +174,8 @@ struct branch_request {
     int max;      /* points in each direction, 0: 1000 */
     bool forward; /* towards growing values only, at the start */
     const struct cancel *cancel;
+    void (*progress)(void *context, double fraction); /* NULL: nobody wants to know */
+    void *context;
 };
 
 struct branch {

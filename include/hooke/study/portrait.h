@@ -60,6 +60,8 @@ struct portrait {
     struct separatrix *separatrix;
     int separatrices;
     bool cancelled; /* what there was until then is there */
+    int64_t evals;
+    double seconds;
 };
 
 /* False: the scene has no such thing, or no memory. Forced: lines and directions at time t, the

@@ -164,8 +164,11 @@ static const struct item *number_item(const struct branch_words *words, struct i
 static bool find_response(struct session *session, struct kept_reference *found,
                           struct error *error)
 {
-    struct orbit_request request = {
-        .scene = &session->setup.scene, .settles = true, .cancel = session->front.cancel};
+    struct orbit_request request = {.scene = &session->setup.scene,
+                                    .settles = true,
+                                    .cancel = session->front.cancel,
+                                    .progress = report_study,
+                                    .context = &session->front};
     struct found_orbit orbit;
     struct system system;
     if (!scene_bind_motion(&session->setup.scene, &system, error))
@@ -177,6 +180,7 @@ static bool find_response(struct session *session, struct kept_reference *found,
     if (system_drive(&system) == 0)
         return error_set(error, ERROR_COMMAND, "a response is one to a drive: this scene has none");
     const bool fine = orbit_find(&request, &orbit, error);
+    report_study(&session->front, 2);
     found->solution = orbit.solution;
     found->scene = session->setup.scene;
     orbit_free(&orbit);
@@ -247,10 +251,7 @@ static void put_branch(const struct session *session, const struct kept_branch *
     buffer_format(out, " (%s)\n", branch->ends[1][0] ? branch->ends[1] : "the start");
     put_points(session, &b, 1, arena, out);
     buffer_format(out, "%lld evaluations", (long long)branch->evals);
-    if (session->setup.settings.timing != TIMING_OFF) {
-        buffer_put(out, TEXT(", "));
-        buffer_quantity(out, branch->seconds, QUANTITY_TIME, 3);
-    }
+    put_seconds(out, session, branch->seconds);
     buffer_put(out, TEXT("; all points: 'export FILE table'"));
 }
 
@@ -390,11 +391,15 @@ HANDLER(branch)
                                            .step = words.step,
                                            .max = (int)words.max,
                                            .forward = words.forward,
-                                           .cancel = session->front.cancel};
-    if (!branch_follow(&request, &like.branch, error))
-        return false;
-    if (!like.branch.cancelled)
+                                           .cancel = session->front.cancel,
+                                           .progress = report_study,
+                                           .context = &session->front};
+    const bool followed = branch_follow(&request, &like.branch, error);
+    if (followed && !like.branch.cancelled)
         branch_verify(&request, &like.branch);
+    report_study(&session->front, 2);
+    if (!followed)
+        return false;
     const bool stopped = like.branch.cancelled || cancelled(session->front.cancel);
     for (int j = 0; j < words.params; j++) {
         like.param[j] = words.param[j];

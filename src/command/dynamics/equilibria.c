@@ -217,7 +217,9 @@ HANDLER(equilibria)
 {
     const struct argument_value *sides = argument_value(args, "NAME=FROM:TO");
     struct equilibria_request request = {.scene = &session->setup.scene,
-                                         .cancel = session->front.cancel};
+                                         .cancel = session->front.cancel,
+                                         .progress = report_study,
+                                         .context = &session->front};
     struct system system;
     struct equilibria found;
     double box[LIMIT_VARIABLES][2];
@@ -236,12 +238,16 @@ HANDLER(equilibria)
     for (int i = 0; i < system.n && i < DYNAMICS_VARIABLES; i++)
         for (int k = 0; k < 2; k++)
             request.box[i][k] = box[i][k];
-    if (!equilibria_find(&request, &found, error))
+    const bool fine = equilibria_find(&request, &found, error);
+    report_study(&session->front, 2);
+    if (!fine)
         return false;
     struct buffer text = {0};
     put_found(&text, &system, box, &found, args->arena);
     if (full)
         put_vectors(&text, &system, &found);
+    buffer_format(&text, "%d boxes looked at", found.boxes);
+    put_seconds(&text, session, found.seconds);
     reply_text(reply, text_trim(buffer_text(&text)));
     buffer_free(&text);
     reply_equilibria(&system, &found, full, reply);

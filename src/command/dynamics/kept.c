@@ -24,6 +24,21 @@ static const char *const solution_kinds[] = {[SOLUTION_EQUILIBRIUM] = "equilibri
 
 /* ---- what they share with other commands ---- */
 
+void report_study(void *context, double fraction)
+{
+    const struct front *front = context;
+    if (front->progress)
+        front->progress(front->context, NULL, fraction);
+}
+
+void put_seconds(struct buffer *out, const struct session *session, double seconds)
+{
+    if (session->setup.settings.timing == TIMING_OFF)
+        return;
+    buffer_put(out, TEXT(", "));
+    buffer_quantity(out, seconds, QUANTITY_TIME, 3);
+}
+
 void reply_state(struct reply *reply, const struct system *system, const char *key,
                  const double *state)
 {
@@ -119,7 +134,10 @@ void put_points(const struct session *session, const struct kept_branch *const *
     const struct scene *scene = &session->setup.scene;
     struct system system;
     struct error ignored;
-    if (!scene_bind_motion(scene, &system, &ignored))
+    int specials = 0;
+    for (int b = 0; b < count; b++)
+        specials += branch[b]->specials;
+    if (specials == 0 || !scene_bind_motion(scene, &system, &ignored))
         return;
     struct text_table table = {.arena = arena, .gap = 2, .indent = 2, .columns = system.n + 5};
     static const char *const heads[] = {"", "", "at"};

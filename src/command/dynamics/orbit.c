@@ -170,8 +170,11 @@ static void keep_table(const struct system *system, const struct found_orbit *or
 HANDLER(orbit)
 {
     const struct argument_value *guesses = argument_value(args, "NAME=VALUE");
-    struct orbit_request request = {
-        .scene = &session->setup.scene, .settles = true, .cancel = session->front.cancel};
+    struct orbit_request request = {.scene = &session->setup.scene,
+                                    .settles = true,
+                                    .cancel = session->front.cancel,
+                                    .progress = report_study,
+                                    .context = &session->front};
     struct found_orbit found;
     struct system system;
     struct buffer text = {0};
@@ -185,7 +188,9 @@ HANDLER(orbit)
     for (rest = text_trim(rest); rest.len > 0; rest = text_trim(rest))
         if (!read_guess(session, args, next_key_argument(&rest), &system, &request, error))
             return false;
-    if (!orbit_find(&request, &found, error)) {
+    const bool fine = orbit_find(&request, &found, error);
+    report_study(&session->front, 2);
+    if (!fine) {
         orbit_free(&found);
         return false;
     }
@@ -193,6 +198,7 @@ HANDLER(orbit)
         dynamics_keep_orbit(session, &found.solution, found.samples, found.sample, error);
     if (kept) {
         put_orbit(&text, &system, kept->number, &found);
+        put_seconds(&text, session, found.seconds);
         if (found.family_from > 0) {
             buffer_put(&text, TEXT(",\n  along its family from T = "));
             buffer_quantity(&text, found.family_from, QUANTITY_TIME, 6);

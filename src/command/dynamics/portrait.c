@@ -3,6 +3,7 @@
 #include <hooke/report.h>
 #include <hooke/session/portrait.h>
 
+#include "command/dynamics/dynamics.h"
 #include "command/output/figure_arguments.h"
 
 static void put_crossing(struct buffer *text, const struct portrait_crossing *crossing,
@@ -59,6 +60,11 @@ void reply_portrait(const struct session *session, struct reply *reply)
         reply_crossings(s, variable, reply);
         reply_end(reply);
     }
+    struct buffer cost = {0};
+    buffer_format(&cost, "%lld evaluations", (long long)portrait->evals);
+    put_seconds(&cost, session, portrait->seconds);
+    reply_text(reply, buffer_text(&cost));
+    buffer_free(&cost);
     if (!portrait->found.complete && portrait->found.count > 0)
         reply_line(reply, "equilibria: may be incomplete (%s)", portrait->found.reason);
 }

@@ -182,6 +182,20 @@ static bool is_over(struct branch_walk *w, const struct curve_place *at,
     return true;
 }
 
+/* By the parameter's range, or the number of points. */
+static void tell(struct branch_walk *w, const struct curve_place *at,
+                 const struct curve_place *start, int points, int max)
+{
+    const struct branch_request *r = w->request;
+    const int p = w->path->problem->n;
+    const double from = start->u[p] * w->psize, by = at->u[p] * w->psize - from,
+                 ahead = by > 0 ? r->to - from : from - r->from;
+    const double part = fmin(fmax(ahead > 0 ? fabs(by) / ahead : 0, 1.0 * points / max), 1);
+    w->told = fmax(w->told, FOLLOWED * (w->side + part) / w->sides);
+    if (r->progress)
+        r->progress(r->context, w->told);
+}
+
 /* From `at`, which is recorded already, until it ends; false: no memory. */
 static bool walk(struct branch_walk *w, struct curve_place at)
 {
@@ -200,9 +214,12 @@ static bool walk(struct branch_walk *w, struct curve_place at)
     for (int i = 0; i < max; i++) {
         struct curve_place next;
         const double far = longest_at(w, &at, longest);
+        tell(w, &at, &start, i, max);
         by = fmin(by, far);
         if (!next_place(w, &at, &by, far, &next)) {
-            ends(w, cancelled(w->request->cancel) ? "cancelled" : "no step leads on");
+            if (cancelled(w->request->cancel)) /* a label, to go on from */
+                return end_there(w, "cancelled");
+            ends(w, "no step leads on");
             return true;
         }
         const double upright =
@@ -324,7 +341,9 @@ bool branch_follow(const struct branch_request *r, struct branch *branch, struct
     struct branch_walk w = {.request = r, .out = branch, .psize = psize};
     const bool crossing = r->leave && r->leave->special == SPECIAL_CROSSING;
     bool fine = true;
+    w.sides = r->forward || (r->leave && !crossing) ? 1 : 2;
     for (int side = 0; fine && side < 2 && !branch->closed; side++) {
+        w.side = side;
         struct solution_curve path;
         struct curve_place first;
         if (side == 1 && (r->forward || (r->leave && !crossing)))

@@ -12,6 +12,7 @@
 #include <hooke/base/numeric.h>
 
 #include "study/branches/eigen.h"
+#include "study/branches/walk.h"
 #include "study/dynamics/solutions.h"
 
 #define BESIDE 1e-3 /* of the range */
@@ -279,6 +280,8 @@ void branch_verify(const struct branch_request *r, struct branch *branch)
         struct branch_point *point = &branch->point[i];
         if (point->special == SPECIAL_NONE || point->special >= SPECIAL_END || r->second)
             continue;
+        if (r->progress)
+            r->progress(r->context, FOLLOWED + (1 - FOLLOWED) * i / branch->count);
         const int verdict = confirm(r, point, beside_of(r, branch, i));
         if (!cancelled(r->cancel))
             point->verified = verdict;

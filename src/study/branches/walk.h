@@ -5,6 +5,8 @@
 
 #include "study/dynamics/solutions.h"
 
+#define FOLLOWED 0.8 /* of the time; the rest goes to runs that hold labels against them */
+
 struct branch_walk {
     const struct branch_request *request;
     struct solution_curve *path;
@@ -24,7 +26,9 @@ struct branch_walk {
     double fold_spread;        /* relative, of folds that are not told apart */
     struct curve_place before; /* the last place but one, if its phase is that of the last: */
     bool bends;
-    char *end; /* [96] why it ends */
+    char *end;   /* [96] why it ends */
+    double told; /* how far it has been said to be */
+    int side, sides;
 };
 
 /* Appends a place with what it is; false: no memory. */

@@ -18,6 +18,7 @@
 #include "study/dynamics/krawczyk.h"
 #include "study/dynamics/solutions.h"
 
+#define TELLS 64        /* boxes after which it is told how far it is */
 #define BOXES 200000    /* looked at */
 #define SMALLEST 1e-9   /* of the range: not cut any more */
 #define INFLATED 1e-7   /* of the range */
@@ -269,6 +270,20 @@ static bool look(struct search *s, struct interval *box)
     }
 }
 
+/* The part of the box that is done with. */
+static void tell(const struct search *s)
+{
+    double left = 0;
+    for (int k = 0; k < s->depth; k++) {
+        double part = 1;
+        for (int i = 0; i < s->n; i++)
+            part *= (s->stack[k][i].hi - s->stack[k][i].lo) / s->width[i];
+        left += part;
+    }
+    if (s->request->progress)
+        s->request->progress(s->request->context, fmin(fmax(1 - left, 0), 1));
+}
+
 static bool search(struct search *s)
 {
     while (s->depth > 0) {
@@ -284,6 +299,8 @@ static bool search(struct search *s)
         }
         if (!look(s, box))
             return false;
+        if (s->boxes % TELLS == 0)
+            tell(s);
     }
     return true;
 }

@@ -193,6 +193,8 @@ static bool walk(struct family *f, const struct member *seed, int sense, struct 
     enum family_end *end = &f->end[f->ends++];
     *end = FAMILY_LOST;
     for (int k = 0; k < STEPS && !cancelled(f->s->request->cancel); k++) {
+        if (f->s->request->progress)
+            f->s->request->progress(f->s->request->context, 0);
         while (by > SHORTEST * STEP && !step(f, &at, sense * by, &next))
             by /= 2;
         if (by <= SHORTEST * STEP) {

@@ -202,11 +202,18 @@ static bool close_smallest(struct orbit_search *s, const double *state, double p
     return true;
 }
 
+static void tell(const struct orbit_search *s)
+{
+    if (s->request->progress)
+        s->request->progress(s->request->context, 0);
+}
+
 /* Takes the first that is stable, and keeps the first of all. True: that is it. */
 static bool take(struct orbit_search *s, const double *state, double period, int multiple)
 {
     struct found_orbit orbit = {.samples = 0};
     s->tries++;
+    tell(s);
     if (!close_smallest(s, state, period, multiple, &orbit))
         return false;
     const bool wanted = solution_stable(&orbit.solution) || !s->request->settles;
@@ -333,6 +340,7 @@ static bool find_own(struct orbit_search *s, struct error *error)
     double span = s->request->span, end[FIELD_VARIABLES];
     for (int waits = 0, looks = 0; looks < 3 * WAITS; looks++) {
         struct returns found;
+        tell(s);
         if (cancelled(s->request->cancel) || !look(s, span, &found, end))
             return nothing(s, looks > 0 ? none : "the motion from there ends before it comes back",
                            error);
@@ -399,6 +407,7 @@ static bool find_driven(struct orbit_search *s, double drive, struct error *erro
     memcpy(history[0], s->state, sizeof history[0]);
     for (int k = 1; k <= STROBES && s->request->settles; k++) {
         double *now = history[k % (MOST + 1)], best = HUGE_VAL, distance[MOST + 1];
+        tell(s);
         if (cancelled(s->request->cancel) ||
             !field_flow(&s->field, t0, history[(k - 1) % (MOST + 1)], drive, now, NULL))
             return nothing(s, "the motion from there ends", error);

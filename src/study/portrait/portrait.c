@@ -57,6 +57,7 @@ static double plane_value(const void *context, double x, double y)
     const struct system *system = &v->work->field.system;
     double state[LIMIT_VARIABLES], rate[LIMIT_VARIABLES];
     place(v->work, x, y, state);
+    v->work->portrait->evals++;
     if (v->variable < 0)
         return system_kinetic(system, state) + system_potential(system, state) - v->level;
     system_derivative(system, v->work->request->t, state, rate);
@@ -148,6 +149,7 @@ static bool draw(struct portrait_work *work)
 bool portrait_make(const struct portrait_request *request, struct portrait *portrait,
                    struct error *error)
 {
+    const int64_t since = clock_ns();
     struct portrait_work work = {.request = request, .portrait = portrait};
     struct typed_models *models = NULL;
     struct system bounded, energetic;
@@ -163,6 +165,8 @@ bool portrait_make(const struct portrait_request *request, struct portrait *port
         portrait->found = (struct equilibria){.count = 0};
     if (fine && !draw(&work))
         fine = error_memory(error);
+    portrait->evals += work.field.evals;
+    portrait->seconds = clock_seconds(since);
     field_free(&work.field);
     typed_destroy(models);
     if (!fine)

@@ -121,6 +121,26 @@ static void test_interrupt(void **state)
     quit(&p);
 }
 
+/* Searches say how far they are; what a branch has when it is stopped is kept, with its label. */
+static void test_interrupt_of_searches(void **state)
+{
+    (void)state;
+    struct person p;
+    start_panes(&p, (struct start){0});
+    enter(&p, "var x = 2; var y = 0; param mm = 1; x' = y; y' = mm*(1-x^2)*y-x; orbit");
+    expect(&p, "orbit 1: T = 6.66328685932 s");
+    type(&p, "branch mm=0.1:100 of orbit step=0.0001 max=20000\r");
+    expect(&p, " s left (Ctrl-C stops)");
+    type(&p, "\x03");
+    expect(&p, "cancelled: what there is so far is kept");
+    expect_prompt(&p, EMPTY_PROMPT);
+    enter(&p, "list points");
+    expect(&p, "  EP1  end  mm = 0.");
+    enter(&p, "branch mm=0.1:100 of orbit from EP1 --forward max=3");
+    expect(&p, "branch 2: 4 orbits");
+    quit(&p);
+}
+
 static void test_interrupt_pauses_a_run(void **state)
 {
     (void)state;
@@ -487,6 +507,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(test_edits_like_readline),
         cmocka_unit_test(test_multibyte_text),
         cmocka_unit_test(test_interrupt),
+        cmocka_unit_test(test_interrupt_of_searches),
         cmocka_unit_test(test_interrupt_pauses_a_run),
         cmocka_unit_test(test_interrupts_are_prompt),
         cmocka_unit_test(test_interrupt_stops_long_commands),

@@ -307,15 +307,125 @@ static void test_drive_period(void **state)
     }
 }
 
+/* K(m) = pi/(2 agm(1, sqrt(1 - m))) */
+static double elliptic(double m)
+{
+    double a = 1, b = sqrt(1 - m);
+    for (int i = 0; i < 8; i++) {
+        const double mean = (a + b) / 2;
+        b = sqrt(a * b);
+        a = mean;
+    }
+    return PI / (2 * a);
+}
+
+/* The member of a family with a period far from that of the start: its amplitude is known. */
+static void test_families(void **state)
+{
+    (void)state;
+    const struct scene pendulum = TYPED("var x = 1", "var v = 0", "x' = v", "v' = -sin(x)"),
+                       duffing = TYPED("var x = 1", "var v = 0", "x' = v", "v' = -x-x^3");
+    static const double amplitude[] = {0.01, 0.3, 2, 3};
+    for (size_t i = 0; i < 2 * COUNT_OF(amplitude); i++) {
+        const bool hard = i >= COUNT_OF(amplitude);
+        const double a = amplitude[i % COUNT_OF(amplitude)] * (hard ? 3 : 1), w = sqrt(1 + a * a),
+                     period = hard ? 4 * elliptic(a * a / (2 * w * w)) / w
+                                   : 4 * elliptic(sin(a / 2) * sin(a / 2));
+        const struct orbit_request request = {.scene = hard ? &duffing : &pendulum,
+                                              .state = {1, 0},
+                                              .period = period,
+                                              .span = 20,
+                                              .settles = true};
+        struct found_orbit found;
+        struct error error = {0};
+        if (!orbit_find(&request, &found, &error))
+            fail_msg("%s: %s", hard ? "Duffing" : "pendulum", error.text);
+        assert_true(found.family);
+        relative(found.solution.period, period, 1e-13);
+        relative(found.solution.top[0], a, 1e-6 * fmin(1, 1e-3 / (a * a)) + 1e-8);
+        orbit_free(&found);
+    }
+}
+
+struct told {
+    int count, stop; /* cancels there; 0: never */
+    double least, last;
+    struct cancel cancel;
+};
+
+static void listen(void *context, double fraction)
+{
+    struct told *told = context;
+    told->least = fmin(told->least, fraction - told->last);
+    told->last = fraction;
+    if (++told->count == told->stop)
+        atomic_store(&told->cancel.requested, 1);
+}
+
+/* What lasts says how far it is; a branch that is stopped has its points, the last with a label. */
+static void test_progress(void **state)
+{
+    (void)state;
+    const struct scene scene =
+        TYPED("var x = 2", "var y = 0", "param mm = 1", "x' = y", "y' = mm*(1-x^2)*y-x");
+    const struct solution start = {
+        .kind = SOLUTION_ORBIT, .n = 2, .param = {1}, .period = 6.66, .state = {2, 0}};
+    struct error error = {0};
+    for (int stop = 0; stop <= 8; stop += 8) {
+        struct told told = {.stop = stop};
+        const struct branch_request request = {.scene = &scene,
+                                               .param = scene_param(&scene, "mm"),
+                                               .from = 0.5,
+                                               .to = 2,
+                                               .start = &start,
+                                               .cancel = &told.cancel,
+                                               .progress = listen,
+                                               .context = &told};
+        struct branch branch;
+        assert_true(branch_follow(&request, &branch, &error));
+        branch_verify(&request, &branch);
+        assert_true(told.least >= 0 && told.last <= 1 && told.count >= 8);
+        assert_int_equal(branch.cancelled, stop > 0);
+        assert_true(special(&branch, SPECIAL_END, 1) != NULL);
+        if (stop > 0)
+            assert_true(branch.count == stop && special(&branch, SPECIAL_END, 1) == branch.point);
+        branch_free(&branch);
+    }
+    struct told orbit = {.stop = 0}, rests = {.stop = 0};
+    const struct orbit_request request = {.scene = &scene,
+                                          .state = {2, 0},
+                                          .span = 20,
+                                          .settles = true,
+                                          .progress = listen,
+                                          .context = &orbit};
+    struct found_orbit found;
+    assert_true(orbit_find(&request, &found, &error));
+    assert_true(orbit.count > 0 && orbit.last == 0);
+    orbit_free(&found);
+    const struct scene many =
+        TYPED("var x = 1", "var v = 0", "x' = sin(3*v)-x*v^3", "v' = cos(x*v)");
+    const struct equilibria_request box = {
+        .scene = &many, .box = {{-9, 9}, {-9, 9}}, .progress = listen, .context = &rests};
+    struct equilibria equilibria;
+    assert_true(equilibria_find(&box, &equilibria, &error));
+    assert_true(rests.count > 3 && rests.least >= 0 && rests.last > 0.5 && rests.last <= 1);
+    equilibria_free(&equilibria);
+}
+
 int main(void)
 {
     struct error error = {0};
     models = typed_create(&error);
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_lorenz_equilibria),   cmocka_unit_test(test_lorenz_orbits),
-        cmocka_unit_test(test_doublings),           cmocka_unit_test(test_response),
-        cmocka_unit_test(test_relaxation),          cmocka_unit_test(test_all_equilibria),
-        cmocka_unit_test(test_doubtful_equilibria), cmocka_unit_test(test_drive_period)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_lorenz_equilibria),
+                                       cmocka_unit_test(test_lorenz_orbits),
+                                       cmocka_unit_test(test_doublings),
+                                       cmocka_unit_test(test_response),
+                                       cmocka_unit_test(test_relaxation),
+                                       cmocka_unit_test(test_all_equilibria),
+                                       cmocka_unit_test(test_doubtful_equilibria),
+                                       cmocka_unit_test(test_drive_period),
+                                       cmocka_unit_test(test_families),
+                                       cmocka_unit_test(test_progress)};
     const int failed = cmocka_run_group_tests(tests, NULL, NULL);
     typed_destroy(models);
     return failed;
