@@ -104,6 +104,7 @@ struct basins {
     signed char *fate; /* [total] place in `of`, or one of the above; the second axis fastest */
     double strobe;     /* [s] between looks */
     int steps;         /* of a look; 0: adaptive, alone */
+    int64_t looks;     /* of all starts */
     int threads;
     double seconds;
     bool cancelled;

@@ -135,7 +135,10 @@ static void put_basins(struct buffer *out, const struct map *map)
     buffer_put(out, TEXT("looked at every "));
     buffer_quantity(out, b->strobe, QUANTITY_TIME, 6);
     if (b->steps > 0)
-        buffer_format(out, " by %d steps of rk4", b->steps);
+        buffer_format(out, " by %d steps of rk4, %lld evaluations", b->steps,
+                      4 * b->steps * (long long)b->looks);
+    else
+        buffer_format(out, ", %lld looks", (long long)b->looks);
     buffer_format(out, ", %d thread%s, %.3g s", b->threads, b->threads == 1 ? "" : "s", b->seconds);
 }
 

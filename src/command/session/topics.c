@@ -96,14 +96,18 @@ static const struct guide_topic topics[] = {
           "sweep omega=6:12:0.2 gamma=0.1:1:0.1 measure=amplitude\n"
           "export map.csv table --force"),
     TOPIC(
-        "dynamics", "phase plane, Poincare sections, return maps, spectra, chaos",
+        "dynamics", "phase plane, rests, cycles, branches, Poincare sections, chaos",
         "'plot phase' and 'plot y against x' show orbits; an event recorded once a drive's period "
         "makes a section, --next a return map. 'plot spectrum' has the frequencies, 'lyapunov' "
         "says "
         "how fast near motions part, 'basins' where starts end. In the pane "
         "portrait ('focus portrait full') F7 is a point: arrows move it, Enter starts a "
-        "trajectory.",
+        "trajectory. 'equilibria' and 'orbit' find rests and cycles with their stability, 'branch' "
+        "follows them with a parameter, 'lyapunov' measures chaos, 'basins' says which start ends "
+        "where.",
         "scene duffing-driven; method dopri5 tol=1e-9\n"
+        "plot portrait; orbit\n"
+        "branch omega=0.5:3 of response; plot branches\n"
         "event stroke when sin(omega*t) rising do record\n"
         "run 150 s\n"
         "plot phase\n"

@@ -44,7 +44,7 @@ struct basins_job {
     const struct basins_request *request;
     const struct basin_walk *walk;
     struct basins *basins;
-    atomic_llong next, finished;
+    atomic_llong next, finished, looks;
     pthread_mutex_t lock;
     struct late *late; /* [lates] those that have come to what is not known */
     size_t lates, room;
@@ -171,7 +171,8 @@ void walk_free(struct basin_walk *walk)
 
 /* ---- first: attractors from a few starts ---- */
 
-static bool learn_first(struct basin_walk *walk, const struct basins_request *request)
+static bool learn_first(struct basin_walk *walk, const struct basins_request *request,
+                        struct basins *basins)
 {
     struct stepper *stepper = stepper_create(walk);
     struct walker *walker = malloc(FIRST * sizeof *walker);
@@ -184,6 +185,7 @@ static bool learn_first(struct basin_walk *walk, const struct basins_request *re
     }
     for (int look = 1; active > 0 && !cancelled(request->cancel); look++) {
         stepper_advance(stepper, walker, active);
+        basins->looks += active;
         int left = 0;
         for (int k = 0; k < active; k++) {
             int fate = walker_look(walk, &walker[k]);
@@ -241,6 +243,7 @@ static void *walk_all(void *context)
             }
         }
         stepper_advance(stepper, walker, active);
+        atomic_fetch_add(&job->looks, active);
         int left = 0;
         for (int k = 0; k < active; k++) {
             const int fate = walker_look(job->walk, &walker[k]);
@@ -377,12 +380,13 @@ bool basins_find(const struct basins_request *request, struct basins *basins, st
     basins->fate = malloc((size_t)basins->total + 1);
     if (basins->fate)
         memset(basins->fate, BASIN_MISSING, (size_t)basins->total);
-    if (!basins->fate || !learn_first(walk, request))
+    if (!basins->fate || !learn_first(walk, request, basins))
         job.failed = true;
     else
         walk_by_threads(&job);
     if (!job.failed)
         learn_late(&job, walk);
+    basins->looks += atomic_load(&job.looks);
     basins->cancelled = cancelled(request->cancel);
     if (!job.failed)
         count_up(basins, walk);
