@@ -43,15 +43,39 @@ enum sweep_kind {
     SWEEP_REACHED, /* [s] time reached: of what diverges, when */
     SWEEP_VARIABLE,
     SWEEP_OBSERVED, /* a typed quantity */
-    SWEEP_OBSERVABLE
+    SWEEP_OBSERVABLE,
+    SWEEP_FORMULA /* an expression */
+};
+
+/* Slots of names in expressions of a sweep: its own from 0 on, then the scene's parameters and its
+ * derived quantities. What else an expression knows is a number in it. */
+enum { SWEEP_SLOT_PARAM = 1 << 20, SWEEP_SLOT_DERIVED = 1 << 21 };
+
+#define SWEEP_COLUMNS 16
+
+/* A column by an expression; slot i is column [i], a slot of the run's scope (run_scope). */
+struct sweep_expression {
+    const struct expr *expr;
+    int columns, column[SWEEP_COLUMNS];
+    bool works; /* needs the work done on the way */
+};
+
+/* A measure by an expression of others; slot i is measure i of the request, slot
+ * SWEEP_MEASURES + i the root of that. */
+struct sweep_formula {
+    const char *text; /* as it was typed */
+    const struct expr *expr;
+    enum quantity quantity;
 };
 
 /* At the end, unless it says otherwise. */
 struct sweep_measure {
     enum sweep_kind kind;
-    enum sweep_kind column; /* what is watched: one of the last three, else the first variable */
+    enum sweep_kind column; /* what is watched: one of the last four, else the first variable */
     int variable;           /* SWEEP_VARIABLE, SWEEP_OBSERVED: which one */
     const struct observable *observable; /* SWEEP_OBSERVABLE */
+    const struct sweep_expression *of;   /* column SWEEP_FORMULA */
+    const struct sweep_formula *formula; /* kind SWEEP_FORMULA */
     char name[LIMIT_SYMBOL + 16];        /* max(z) */
 };
 
@@ -81,14 +105,12 @@ enum quantity sweep_measure_quantity(const struct sweep_measure *measure,
  * which no event comes for a whole duration ends there.
  */
 
-/* Slots of names in the event: those of the run's scope (run_scope), then the scene's parameters
- * and derived quantities from here on. */
-enum { SWEEP_SLOT_PARAM = 1 << 20, SWEEP_SLOT_DERIVED = 1 << 21 };
-
 struct sweep_section {
     bool wanted, strobe; /* strobe: each period of the drive; else: */
-    struct event event;  /* its scope is up to the sweep */
-    int64_t skip, keep;  /* together at most LIMIT_EVENT_RECORDS */
+    /* In slots of the run's scope (run_scope), then those of the scene; its scope is up to the
+     * sweep. */
+    struct event event;
+    int64_t skip, keep; /* together at most LIMIT_EVENT_RECORDS */
 };
 
 #define SWEEP_SKIP_USUAL 100
@@ -106,6 +128,10 @@ struct sweep_request {
     int axes;
     struct sweep_measure measure[SWEEP_MEASURES];
     int measures;
+    /* What is wanted of them, where some of it is a formula: shown [columns], the others are
+     * measure [place]. 0: the measures. */
+    struct sweep_measure shown[SWEEP_MEASURES];
+    int place[SWEEP_MEASURES], columns;
     struct sweep_section section; /* then the measures are columns, see sweep_at_section() */
     int64_t shard, shards;        /* 1 … shards */
     int64_t first, count;         /* count > 0: only these points, as numbers of the whole sweep */

@@ -25,8 +25,10 @@ void complete_sweep(struct completion *c, const struct command *command, struct 
         const char *paren = memchr(c->word.at, '(', c->word.len); /* max(z */
         if (paren)
             c->word = (struct text){paren + 1, (size_t)(c->word.at + c->word.len - paren - 1)};
-        else
+        else {
             complete_catalog(c, &sweep_measure_catalog);
+            complete_offer(c, "rms", "root of the mean square: rms(v)");
+        }
         complete_columns(c, NULL);
         return;
     }

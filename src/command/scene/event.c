@@ -148,32 +148,33 @@ HANDLER(event)
 }
 #endif
 
-COMMAND(event, .row = {"event", "", "watch for a moment on the way of runs", "", NULL},
-        .group = "EQUATIONS",
-        .text = "The moment at which EXPR passes through 0 (rising: from below, falling: from "
-                "above; touching: also "
-                "where it becomes 0 and\n"
-                "goes back), or at which a comparison becomes true, is located inside of the step. "
-                "Bounds of EXPR "
-                "prove that none is missed\n"
-                "between the ends of steps, or the run says from when to when it may be "
-                "incomplete; one that the "
-                "run starts at is none, one at\n"
-                "its end is. 'do record' makes a row for 'list events' and 'export FILE events'; "
-                "'do stop' stops the run\n"
-                "there, and 'continue' goes on to where it was to end; a string of commands is "
-                "executed after it has "
-                "stopped, and where\n"
-                "'continue' is its last word the run goes on by itself: do 'print t; continue'. "
-                "There NAME = VALUE "
-                "changes the run alone, a\n"
-                "parameter of it or what moves: v = -0.9*v. It holds for runs that start later; "
-                "compare, sweep and "
-                "other studies know no\n"
-                "events. 'event NAME off' drops one, 'event off' all, 'event' shows them.",
-        .examples = "event top when v falling do record; run 5 s; list events\nevent wall when y < "
-                    "-1 cm do 'v = -0.9*v; "
-                    "continue'; run 5 s",
-        .see = "run list export equation", .flags = COMMAND_CHANGES, .completes = COMPLETES_EVENT,
-        ARGUMENTS(PLACE("NAME", TYPE_NAME),
-                  PLACE("when EXPR do stop|record|COMMANDS", TYPE_FORMULA)))
+COMMAND(
+    event, .row = {"event", "", "watch for a moment on the way of runs", "", NULL},
+    .group = "EQUATIONS",
+    .text =
+        "The moment at which EXPR passes through 0 (rising: from below, falling: from "
+        "above; touching: also "
+        "where it becomes 0 and\n"
+        "goes back), or at which a comparison becomes true, is located inside of the step. "
+        "Bounds of EXPR "
+        "prove that none is missed\n"
+        "between the ends of steps, or the run says from when to when it may be "
+        "incomplete; one that the "
+        "run starts at is none, one at\n"
+        "its end is. 'do record' makes a row for 'list events' and 'export FILE events'; "
+        "'do stop' stops the run\n"
+        "there, and 'continue' goes on to where it was to end; a string of commands is "
+        "executed after it has "
+        "stopped, and where\n"
+        "'continue' is its last word the run goes on by itself: do 'print t; continue'. "
+        "There NAME = VALUE "
+        "changes the run alone, a\n"
+        "parameter of it or what moves: v = -0.9*v. It holds for runs that start later; "
+        "compare and other "
+        "studies know no events,\n"
+        "'sweep .. at NAME' does. 'event NAME off' drops one, 'event off' all, 'event' shows them.",
+    .examples = "event top when v falling do record; run 5 s; list events\nevent wall when y < "
+                "-1 cm do 'v = -0.9*v; "
+                "continue'; run 5 s",
+    .see = "run list export equation", .flags = COMMAND_CHANGES, .completes = COMPLETES_EVENT,
+    ARGUMENTS(PLACE("NAME", TYPE_NAME), PLACE("when EXPR do stop|record|COMMANDS", TYPE_FORMULA)))

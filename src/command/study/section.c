@@ -38,9 +38,8 @@ struct text next_section(struct text *rest)
 
 /* ---- names: of the point, or numbers as they are now ---- */
 
-static int point_slot(void *context, int slot)
+int slot_of_point(const struct expr_scope *scope, int slot)
 {
-    const struct expr_scope *scope = context;
     const int own = scope->moving(scope->context, slot);
     bool derived;
     const int place = names_of_scene(slot, &derived);
@@ -49,8 +48,13 @@ static int point_slot(void *context, int slot)
     return place + (int)(derived ? SWEEP_SLOT_DERIVED : SWEEP_SLOT_PARAM);
 }
 
-const struct expr *expr_of_point(const struct expr *expr, struct expr_scope *scope,
-                                 struct arena *arena, struct error *error)
+static int point_slot(void *context, int slot)
+{
+    return slot_of_point(context, slot);
+}
+
+static const struct expr *expr_of_point(const struct expr *expr, struct expr_scope *scope,
+                                        struct arena *arena, struct error *error)
 {
     const struct expr *settled = expr_settle(expr, scope, point_slot, scope, arena);
     if (!settled)
@@ -205,6 +209,10 @@ bool finish_section(struct sweep_request *request, bool measured, struct error *
     if (section->skip + section->keep > LIMIT_EVENT_RECORDS)
         return error_set(error, ERROR_COMMAND, "skip= and keep= are at most %d together",
                          LIMIT_EVENT_RECORDS);
+    if (request->columns > 0)
+        return error_set(error, ERROR_COMMAND,
+                         "at a section columns are kept, no expressions: measure=%s",
+                         request->scene->model->variable[0].name);
     for (int m = 0; m < request->measures && measured; m++)
         if (!sweep_at_section(&request->measure[m])) {
             error_set(error, ERROR_COMMAND, "'%s' is not known at one moment",

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* 'at EVENT' of a sweep. */
+/* 'at EVENT' and 'measure=' of a sweep. */
 #ifndef HOOKE_COMMAND_STUDY_SECTION_H
 #define HOOKE_COMMAND_STUDY_SECTION_H
 
@@ -8,6 +8,7 @@
 #include <hooke/study/sweep.h>
 
 struct arguments;
+struct parser;
 
 /* Of the rest of a statement that begins with 'at': what stands behind it, up to an option or
  * skip=, keep=, measure=. */
@@ -16,9 +17,9 @@ bool read_section(struct session *session, const struct arguments *args, struct 
                   struct sweep_section *section, struct error *error);
 /* Once all is read (skip and keep < 0: not given): columns where none were named, limits. */
 bool finish_section(struct sweep_request *request, bool measured, struct error *error);
-/* The expression in the slots of a sweep: what does not depend on the point is a number. NULL: no
- * memory. */
-const struct expr *expr_of_point(const struct expr *expr, struct expr_scope *scope,
-                                 struct arena *arena, struct error *error);
+/* A slot of names_scope() as one of a sweep: < 0 where it does not depend on the point. */
+int slot_of_point(const struct expr_scope *scope, int slot);
+/* measure=A,B,.. (measure.c) */
+bool read_measures(struct parser *parser, struct sweep_request *request, struct error *error);
 
 #endif

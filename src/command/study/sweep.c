@@ -123,21 +123,6 @@ static bool read_axis(struct parser *parser, struct text name, struct sweep_axis
     return read_axis_range(parser, axis, error);
 }
 
-static bool read_measures(struct parser *parser, struct sweep_request *request, struct error *error)
-{
-    struct text rest = text_trim(parser->rest), name;
-    request->measures = 0;
-    while (text_split(&rest, ',', &name)) {
-        if (request->measures == SWEEP_MEASURES)
-            return error_at(error, name, "a sweep takes %d measures at once", SWEEP_MEASURES);
-        if (!sweep_measure_find(request->scene->model, text_trim(name),
-                                &request->measure[request->measures++], error))
-            return false;
-    }
-    return request->measures > 0 ||
-           error_at(error, parser->rest, "measure= needs a name, as in measure=amplitude");
-}
-
 static bool read_number(struct parser *parser, const char *what, int64_t *number,
                         struct error *error)
 {
@@ -304,7 +289,9 @@ static void reply_points(const struct swept *swept, const struct table *table, s
 
 static struct swept swept_of(const struct sweep_request *request, const struct sweep *sweep)
 {
-    return (struct swept){sweep, request->measure, request->scene->model, request->measures,
+    const bool columns = request->columns > 0;
+    return (struct swept){sweep, columns ? request->shown : request->measure, request->scene->model,
+                          columns ? request->columns : request->measures,
                           request->section.wanted ? &request->section : NULL};
 }
 
@@ -422,49 +409,51 @@ HANDLER(sweep)
 }
 #endif
 
-COMMAND(sweep,
-        .row = {"sweep", "", "vary one or two parameters: a trajectory for each value", "", NULL},
-        .group = "STUDY",
-        .text = "NAME=FROM:TO:STEP adds STEP each, NAME=FROM:TO:x2 multiplies; without a step 51 "
-                "points. NAME is a "
-                "parameter of the scene,\n"
-                "or dt or tol. Each point is the scene with the present method and duration. "
-                "measure=A,B,.. is one or more "
-                "of amplitude,\n"
-                "period and mean (in the last third of the duration), max and min, of the first "
-                "variable or, max(z), of "
-                "any column; error,\n"
-                "energy_error, steps, evals, reached (the time), or what print knows of a run at "
-                "its end: y, energy .. "
-                "What diverges is a\n"
-                "result. One parameter makes a table and a curve, two make a map. 'at EVENT' makes "
-                "an orbit diagram:\n"
-                "the state is kept keep=100 times where the event happens, once it has skip=100 "
-                "times: 'at period' of the\n"
-                "drive, at an event that is defined, where an expression passes a value: at v = 0 "
-                "falling, at y rising 1 cm.\n"
-                "A value where none comes for as long as the duration ends there. measure=y,energy "
-                "chooses what is kept;\n"
-                "y_next is y at the next event, repeats after how many the states come again "
-                "(within 1e-6); 'plot sweep'\n"
-                "draws it, 'plot y_next against y of sweep' the return maps. --shard 2/8 "
-                "computes the second eighth "
-                "of the points: with\n"
-                "-q --format csv (or json) the outputs of all shards, one after another (cat), are "
-                "the output of the whole. "
-                "The numbers do\n"
-                "not depend on threads or shards. --resume FILE.csv writes the points there as "
-                "they come and goes on with what it has, killed or not;\n"
-                "the last line says that it is whole, 'hooke --check-sweep' whether shards are "
-                "all there. Alone it takes the ranges from FILE.\n"
-                "--dry-run computes some points and says what all would cost. Many machines: "
-                "'man hooke', MAPS.",
-        .examples = "scene driven; method rk4; duration = 60 s; sweep omega=6:12:0.1\n"
-                    "scene pendulum-driven; method rk4; dt = 50 ms; sweep F0=1:1.1:0.002 at period",
-        .see = "compare precision export plot", .flags = COMMAND_TABLES,
-        .completes = COMPLETES_SWEEP,
-        ARGUMENTS(PLACE("NAME=RANGE", TYPE_REST, .flags = ARG_REQUIRED), WORD("at", TYPE_EVENT),
-                  KEY("skip", TYPE_INTEGER), KEY("keep", TYPE_INTEGER),
-                  KEY("measure", TYPE_TEXT, .flags = ARG_MANY), OPTION("threads", TYPE_INTEGER),
-                  OPTION("shard", TYPE_TEXT), OPTION("resume", TYPE_FILE),
-                  OPTION("dry-run", TYPE_NONE), OPTION("force", TYPE_NONE)))
+COMMAND(
+    sweep,
+    .row = {"sweep", "", "vary one or two parameters: a trajectory for each value", "", NULL},
+    .group = "STUDY",
+    .text = "NAME=FROM:TO:STEP adds STEP each, NAME=FROM:TO:x2 multiplies; without a step 51 "
+            "points. NAME is a "
+            "parameter of the scene,\n"
+            "or dt or tol. Each point is the scene with the present method and duration. "
+            "measure=A,B,.. is one or more "
+            "of amplitude,\n"
+            "period and mean (in the last third of the duration), max and min, of the first "
+            "variable or, max(z), of "
+            "any column; error,\n"
+            "energy_error, steps, evals, reached (the time), or what print knows of a run at "
+            "its end: y, energy ..; or\n"
+            "expressions: measure=\"max(y)-min(y)\",rms(v),mean(y^2)/k, y(end) is y at the end; "
+            "rms and mean are over the last third.\n"
+            "What diverges is a result. One parameter makes a table and a curve, two make a map. "
+            "'at EVENT' makes "
+            "an orbit diagram:\n"
+            "the state is kept keep=100 times where the event happens, once it has skip=100 "
+            "times: 'at period' of the\n"
+            "drive, at an event that is defined, where an expression passes a value: at v = 0 "
+            "falling, at y rising 1 cm.\n"
+            "A value where none comes for as long as the duration ends there. measure=y,energy "
+            "chooses what is kept;\n"
+            "y_next is y at the next event, repeats after how many the states come again "
+            "(within 1e-6); 'plot sweep'\n"
+            "draws it, 'plot y_next against y of sweep' the return maps. --shard 2/8 "
+            "computes the second eighth "
+            "of the points: with\n"
+            "-q --format csv (or json) the outputs of all shards, one after another (cat), are "
+            "the output of the whole. "
+            "The numbers do\n"
+            "not depend on threads or shards. --resume FILE.csv writes the points there as "
+            "they come and goes on with what it has, killed or not;\n"
+            "the last line says that it is whole, 'hooke --check-sweep' whether shards are "
+            "all there. Alone it takes the ranges from FILE.\n"
+            "--dry-run computes some points and says what all would cost. Many machines: "
+            "'man hooke', MAPS.",
+    .examples = "scene driven; method rk4; duration = 60 s; sweep omega=6:12:0.1\n"
+                "scene pendulum-driven; method rk4; dt = 50 ms; sweep F0=1:1.1:0.002 at period",
+    .see = "compare precision export plot", .flags = COMMAND_TABLES, .completes = COMPLETES_SWEEP,
+    ARGUMENTS(PLACE("NAME=RANGE", TYPE_REST, .flags = ARG_REQUIRED), WORD("at", TYPE_EVENT),
+              KEY("skip", TYPE_INTEGER), KEY("keep", TYPE_INTEGER),
+              KEY("measure", TYPE_TEXT, .flags = ARG_MANY), OPTION("threads", TYPE_INTEGER),
+              OPTION("shard", TYPE_TEXT), OPTION("resume", TYPE_FILE), OPTION("dry-run", TYPE_NONE),
+              OPTION("force", TYPE_NONE)))

@@ -45,8 +45,9 @@ static void put_head(const struct session *session, const struct sweep_request *
         put_axis(&request->axis[a], text);
         buffer_char(text, ' ');
     }
-    for (int m = 0; m < request->measures; m++)
-        buffer_format(text, "%s%s", m ? "," : "measure=", sweep_measure_name(&request->measure[m]));
+    const struct sweep_measure *shown = request->columns ? request->shown : request->measure;
+    for (int m = 0; m < (request->columns ? request->columns : request->measures); m++)
+        buffer_format(text, "%s%s", m ? "," : "measure=", sweep_measure_name(&shown[m]));
     buffer_char(text, '\n');
     text->failed |= setup.failed;
     buffer_free(&setup);

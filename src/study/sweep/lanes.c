@@ -212,6 +212,7 @@ static void finish_lanes(struct sweep_worker *worker)
         }
         for (int m = 0; m < request->measures; m++)
             sweep_values(worker, i)[m] = lane_measure(worker, lane, &request->measure[m], y, evals);
+        sweep_combine(worker, i);
         job->sweep->status[i] = STOP_END;
         worker->side_by_side++;
         worker->steps += (double)(job->whole + (job->rest != 0));

@@ -159,12 +159,16 @@ bool sweep_at_section(const struct sweep_measure *measure)
 
 const char *sweep_measure_name(const struct sweep_measure *measure)
 {
+    if (measure->formula)
+        return measure->formula->text;
     return measure->name[0] ? measure->name : rows[measure->kind].name;
 }
 
 enum quantity sweep_measure_quantity(const struct sweep_measure *measure, const struct model *model)
 {
     const struct system system = {.model = model, .n = model->n, .order = model->order};
+    if (measure->formula)
+        return measure->formula->quantity;
     if (measure->kind == SWEEP_PERIOD || measure->kind == SWEEP_REACHED)
         return QUANTITY_TIME;
     if (!sweep_watches(measure) && measure->kind < SWEEP_VARIABLE)

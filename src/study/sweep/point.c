@@ -88,8 +88,10 @@ void sweep_refuse(struct sweep_worker *worker, int64_t i, const struct error *er
     snprintf(worker->reason, sizeof worker->reason, "%s", error->text);
 }
 
-double *sweep_values(const struct sweep_worker *worker, int64_t i)
+double *sweep_values(struct sweep_worker *worker, int64_t i)
 {
+    if (worker->job->request->columns > 0)
+        return worker->part;
     return worker->job->sweep->value + i * worker->job->sweep->measures;
 }
 
@@ -108,12 +110,13 @@ double sweep_measured(const struct sweep_measure *measure, const struct system *
     }
 }
 
-static double run_measure(const struct run *run, const struct sweep_measure *measure, double opens)
+static double run_measure(const struct run *run, const struct sweep_measure *measure,
+                          const struct scene *scene, double opens)
 {
     struct run_errors errors;
     struct ledger ledger;
     if (sweep_watches(measure))
-        return watch_run(run, measure, opens);
+        return watch_run(run, measure, scene, opens);
     switch (measure->kind) {
     case SWEEP_ERROR:
         run_errors(run, &errors);
@@ -156,7 +159,7 @@ static bool needs_work(const struct sweep_job *job)
         const struct sweep_measure *measure = &job->request->measure[m];
         const bool observes =
             measure->kind == SWEEP_OBSERVABLE || measure->column == SWEEP_OBSERVABLE;
-        needed |= measure->kind == SWEEP_ENERGY_ERROR ||
+        needed |= measure->kind == SWEEP_ENERGY_ERROR || (measure->of && measure->of->works) ||
                   (observes && measure->observable->needs & NEED_WORK);
     }
     return needed;
@@ -193,8 +196,10 @@ void sweep_alone(struct sweep_worker *worker, int64_t i)
             const struct sweep_measure *measure = &request->measure[m];
             const bool there = run->stop == STOP_END || holds_when_failed(measure->kind);
             sweep_values(worker, i)[m] =
-                there ? run_measure(run, measure, run->system.t0 + job->opens) : NAN;
+                there ? run_measure(run, measure, &worker->scene, run->system.t0 + job->opens)
+                      : NAN;
         }
+        sweep_combine(worker, i);
         job->sweep->status[i] = (signed char)run->stop;
     }
     worker->steps += (double)run->steps;

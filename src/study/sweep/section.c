@@ -54,11 +54,7 @@ static double name_load(const void *context, int slot)
     const struct point_names *names = context;
     if (slot < SWEEP_SLOT_PARAM)
         return names->own.load(names->own.context, slot);
-    if (slot < SWEEP_SLOT_DERIVED)
-        return names->scene->value[slot - SWEEP_SLOT_PARAM];
-    const struct row *row =
-        catalog_row(scene_derived(names->scene), (size_t)(slot - SWEEP_SLOT_DERIVED));
-    return ((const struct derived_row *)(const void *)row)->value(names->scene).value;
+    return sweep_scene_value(names->scene, slot);
 }
 
 static int own_slot(void *context, int slot)

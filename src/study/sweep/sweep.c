@@ -40,6 +40,8 @@ void study_sweep_stretch(const struct sweep_request *request, struct sweep *swee
 {
     const struct sweep_section *section = &request->section;
     *sweep = (struct sweep){.axes = request->axes, .measures = request->measures, .total = 1};
+    if (request->columns > 0)
+        sweep->measures = request->columns;
     if (section->wanted)
         sweep->measures = 1 + (int)section->keep * (1 + request->measures);
     for (int a = 0; a < request->axes; a++) {

@@ -32,8 +32,9 @@ static inline double watch_area(double h, double y0, double v0, double y1, doubl
 void watch_end(struct extremes *watch, double y);
 double watch_value(const struct extremes *watch, enum sweep_kind kind);
 double watch_speed(const struct system *system, int variable, double t, const double *y);
-/* A recorded run; the window opens at that time. */
-double watch_run(const struct run *run, const struct sweep_measure *measure, double opens);
+/* A recorded run of a scene; the window opens at that time. */
+double watch_run(const struct run *run, const struct sweep_measure *measure,
+                 const struct scene *scene, double opens);
 
 static inline bool watch_turns(double v0, double v1)
 {
@@ -76,8 +77,9 @@ struct sweep_worker {
     double area[LANES], span; /* what means are made of: the same span for all lanes */
     int64_t point[LANES];     /* of each lane: place in the sweep */
     int used;
-    double *work;            /* of a step alone */
-    struct section *section; /* NULL: points are measured over the duration */
+    double *work;                /* of a step alone */
+    double part[SWEEP_MEASURES]; /* measures of a point, where columns are made of them */
+    struct section *section;     /* NULL: points are measured over the duration */
     enum drag drag;
     double steps; /* of all points so far */
     int64_t side_by_side;
@@ -98,7 +100,17 @@ bool sweep_point(const struct sweep_request *request, const struct sweep *sweep,
                  struct scene *scene, struct run_settings *settings, struct error *error);
 void sweep_refuse(struct sweep_worker *worker, int64_t i, const struct error *error);
 /* [measures] results of point i */
-double *sweep_values(const struct sweep_worker *worker, int64_t i);
+double *sweep_values(struct sweep_worker *worker, int64_t i);
+
+/* ---- expressions (formula.c) ---- */
+
+/* Of a slot from SWEEP_SLOT_PARAM on. */
+double sweep_scene_value(const struct scene *scene, int slot);
+/* At all recorded rows; false: no memory, or it is not defined. */
+bool expression_column(const struct run *run, const struct sweep_expression *of,
+                       const struct scene *scene, double *out);
+/* Its measures become the columns of point i. */
+void sweep_combine(struct sweep_worker *worker, int64_t i);
 /* What depends on the state at the end only; of other kinds NAN. */
 double sweep_measured(const struct sweep_measure *measure, const struct system *system, double t,
                       const double *y);

@@ -95,14 +95,17 @@ static double column_speed(const struct trace *trace, const double *column, size
 }
 
 /* What is no state variable, at all rows; NULL: it is one, or there is none of it. */
-static bool make_column(const struct run *run, const struct sweep_measure *measure, double **column)
+static bool make_column(const struct run *run, const struct sweep_measure *measure,
+                        const struct scene *scene, double **column)
 {
     struct error ignored;
     *column = NULL;
-    if (measure->column != SWEEP_OBSERVED && measure->column != SWEEP_OBSERVABLE)
+    if (measure->column < SWEEP_OBSERVED)
         return true;
     if (!(*column = malloc(trace_count(run->trace) * sizeof **column)))
         return false;
+    if (measure->column == SWEEP_FORMULA)
+        return expression_column(run, measure->of, scene, *column);
     if (measure->column == SWEEP_OBSERVED)
         run_observed_column(run, measure->variable, *column);
     else if (!run_column(run, measure->observable, *column, &ignored))
@@ -110,13 +113,14 @@ static bool make_column(const struct run *run, const struct sweep_measure *measu
     return true;
 }
 
-double watch_run(const struct run *run, const struct sweep_measure *measure, double opens)
+double watch_run(const struct run *run, const struct sweep_measure *measure,
+                 const struct scene *scene, double opens)
 {
     const struct trace *trace = run->trace;
     const size_t n = trace_count(trace);
     struct extremes watch = {0};
     double *column, t0 = 0, y0 = 0, v0 = 0;
-    const bool there = make_column(run, measure, &column);
+    const bool there = make_column(run, measure, scene, &column);
     for (size_t i = 0; there && i < n; i++) {
         const double *state = trace_state(trace, i);
         const double t1 = trace_time(trace, i), y1 = column ? column[i] : state[measure->variable];
