@@ -113,6 +113,7 @@ struct found_orbit {
     bool family; /* a multiplier is 1: others are beside it (or a fold of orbits is) */
     /* [s] of the orbit from which it was followed to this one; 0: from none */
     double family_from;
+    bool given_up;    /* it is unstable, and a stable one was not looked for any longer */
     double error;     /* of states and period, relative to natural sizes; NAN: of a family */
     double energy_in; /* [J] by the drive over a period; NAN: there is no energy */
     int samples;      /* of one period */

@@ -203,7 +203,9 @@ HANDLER(orbit)
             buffer_put(&text, TEXT(",\n  along its family from T = "));
             buffer_quantity(&text, found.family_from, QUANTITY_TIME, 6);
         } else {
-            buffer_format(&text, ", from %s", request.settles ? from : "the guess");
+            buffer_format(&text, ", from %s%s", request.settles ? from : "the guess",
+                          found.given_up ? "; no stable one was found: the motion may be chaotic"
+                                         : "");
         }
         reply_text(reply, buffer_text(&text));
         reply_orbit(&system, kept->number, &found, reply);

@@ -25,6 +25,7 @@
 #define LOOSE 1e-12    /* tolerance of a second solution, which tells the error */
 #define TRIES 6        /* returns from which an orbit is looked for at once; */
 #define ALL_TRIES 24   /* in all: the motion may be chaotic */
+#define SEARCH 6000000 /* evaluations after which nothing more is tried: a second, about */
 #define POLISHED 1e-11 /* residual below which nothing more is to be gained */
 
 /* ---- closing it ---- */
@@ -306,6 +307,11 @@ static bool look(struct orbit_search *s, double span, struct returns *found, dou
     return true;
 }
 
+static bool spent(const struct orbit_search *s)
+{
+    return s->field.evals > SEARCH || s->tries >= ALL_TRIES;
+}
+
 /* From those that come near, the earliest first. */
 static bool take_returns(struct orbit_search *s, const struct returns *r, double near)
 {
@@ -313,7 +319,7 @@ static bool take_returns(struct orbit_search *s, const struct returns *r, double
     int tried = 0;
     for (int k = 0; k < r->count; k++)
         best = fmin(best, r->distance[k]);
-    for (int k = 0; k < r->count && tried < TRIES && s->tries < ALL_TRIES; k++)
+    for (int k = 0; k < r->count && tried < TRIES && !spent(s); k++)
         if (r->distance[k] <= near && (r->distance[k] <= 1e3 * best || r->distance[k] <= NEAR)) {
             tried++;
             if (cancelled(s->request->cancel) || take(s, s->state, r->time[k], 0))
@@ -326,9 +332,12 @@ static bool nothing(struct orbit_search *s, const char *why, struct error *error
 {
     if (cancelled(s->request->cancel))
         return error_set(error, ERROR_CANCELLED, "cancelled");
+    s->found->given_up =
+        s->request->settles && s->any && spent(s) && !solution_stable(&s->found->solution);
     if (s->any)
         return true;
-    error_set(error, ERROR_COMMAND, "%s", why);
+    error_set(error, ERROR_COMMAND, "%s%s", why,
+              spent(s) ? " in as long as is looked: it may be chaotic" : "");
     return error_hint(error, "a guess helps: orbit period=T and variables, as in %s=1",
                       system_variable(&s->field.system, 0).name);
 }
@@ -357,7 +366,7 @@ static bool find_own(struct orbit_search *s, struct error *error)
         }
         if (take_returns(s, &found, waits < WAITS / 2 ? NEAR : FAR))
             return nothing(s, none, error) || s->any;
-        if (waits++ == WAITS || !s->request->settles || s->tries >= ALL_TRIES)
+        if (waits++ == WAITS || !s->request->settles || spent(s))
             break;
         memcpy(s->state, end, (size_t)n * sizeof *end);
     }
@@ -418,6 +427,8 @@ static bool find_driven(struct orbit_search *s, double drive, struct error *erro
                 distance[q] = fmax(distance[q], fabs(off(s, history[(k - q) % (MOST + 1)], i)));
             best = fmin(best, distance[q]);
         }
+        if (spent(s))
+            break;
         if (best > 1e-4 * extent)
             continue;
         for (int q = 1; q <= MOST && q <= k; q++)
