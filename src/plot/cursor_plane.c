@@ -74,7 +74,7 @@ void cursor_plane_lines(const struct session *session, struct buffer *text)
     const int there = equilibrium_there(session, plane);
     if (there >= 0)
         buffer_format(
-            text, "   on equilibrium %d, a %s", there + 1,
+            text, "   on equilibrium %d, %s", there + 1,
             catalog_row(&equilibrium_catalog, session->portrait->portrait.found.form[there].type)
                 ->name);
 }

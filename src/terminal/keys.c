@@ -322,7 +322,7 @@ static const struct key point_keys[] = {
     {{"N"}, NULL, "cursor previous", NULL, true},
     {{"x"}, NULL, "start clear", NULL, false},
     {{":"}, NULL, NULL, type_command, true},
-    {{"?"}, NULL, "help start", NULL, false},
+    {{"?"}, NULL, "help cursor", NULL, false},
     {{"\r", "\n"}, NULL, NULL, say_start, false},
     {{"q", "\004"}, NULL, "cursor off", NULL, false},
 };
@@ -481,10 +481,10 @@ void keys_bind(void)
 
 void keys_choose(const struct session *session)
 {
-    if (session->view.cursors.shown && on_plot && rl_end == 0) {
-        rl_set_keymap(on_plot);
-    } else if (session->view.reading && on_text && rl_end == 0) {
+    if (session->view.reading && on_text && rl_end == 0) {
         rl_set_keymap(on_text);
+    } else if (session->view.cursors.shown && on_plot && rl_end == 0) {
+        rl_set_keymap(on_plot);
     } else if (keys_on_plot() || keys_on_text()) {
         rl_set_keymap_from_edit_mode();
     }

@@ -41,7 +41,7 @@ void reading_command(const struct panes *panes, uint64_t said_before, struct buf
     const int height = session->front.height, width = session->front.width;
     const int rows = log_rows_newest(&session->log, lines, width);
     if (rows <= screen_log_rows(session, width, height) || rows < READING_ROWS ||
-        height < READING_ROWS || panes->running || keys_on_plot() || input_pending(&panes->input) ||
+        height < READING_ROWS || panes->running || input_pending(&panes->input) ||
         panes_over(panes)) {
         return;
     }

@@ -44,6 +44,10 @@ static inline bool solution_stable(const struct solution *solution)
     return solution->unstable == 0;
 }
 
+#define SOLUTION_ONE 1e-5 /* how near to 1 a multiplier is that of a family */
+/* Multipliers beside the trivial one that are 1: of a family of orbits, or a fold. */
+int solution_ones(const struct solution *solution);
+
 /* ---- equilibria ---- */
 
 /* Does everything repeat when this variable goes on by 2 pi? Looked at in some places. */

@@ -242,7 +242,9 @@ static void put_orbit_row(struct text_table *table, const struct system *system,
         buffer_quantity(&out, s->top[i], quantity, 5);
         cell_take(table, &out);
     }
-    cell_text(table, solution_stable(s) ? "stable" : "unstable");
+    cell_text(table, !solution_stable(s)    ? "unstable"
+                     : solution_ones(s) > 0 ? "neutral"
+                                            : "stable");
     cell_values(table, s);
 }
 

@@ -137,6 +137,7 @@ HANDLER(scene)
         /* they may speak of what is not there */
         if (session->setup.scene.model != before)
             session->setup.events = NULL;
+        session->view.starts = 0;
         session_changed(session);
         warn_hidden(session, reply);
     }

@@ -179,7 +179,8 @@ static bool add_starts(struct drawing *d, const struct system *system,
     for (int k = 0; k < view->starts && view->start_n == system->n && fine; k++)
         fine = portrait_trajectory(wanted, view->start[k], span, &line) &&
                portrait_trajectory(wanted, view->start[k], -span, &line);
-    fine = fine ? add_line(d, &line, "starts", '*') : error_memory(d->error);
+    /* as fine as a run where there is none */
+    fine = fine ? add_line(d, &line, "starts", d->curves > 0 ? '*' : '\0') : error_memory(d->error);
     free(line.x);
     free(line.y);
     return fine;
@@ -193,12 +194,15 @@ static bool add_orbits(struct drawing *d, const struct portrait_request *wanted)
     bool fine = true;
     for (int stable = 1; stable >= 0 && kept && fine; stable--) {
         struct polyline line = {NULL, NULL, 0, 0};
+        const char *label = stable ? "neutral orbit" : "unstable orbit"; /* of a family */
         for (int k = 0; k < kept->orbits && fine; k++) {
             const struct kept_orbit *orbit = &kept->orbit[k];
             if (solution_stable(&orbit->solution) != stable ||
                 memcmp(orbit->value, wanted->scene->value,
                        (size_t)kept->params * sizeof *orbit->value) != 0)
                 continue;
+            if (stable && solution_ones(&orbit->solution) == 0)
+                label = "stable orbit";
             for (int i = 0; i < orbit->samples && fine; i++) {
                 const double *at = orbit->sample + i * (n + 1) + 1;
                 fine = polyline_put(&line, at[wanted->variable[0]], at[wanted->variable[1]]);
@@ -206,8 +210,7 @@ static bool add_orbits(struct drawing *d, const struct portrait_request *wanted)
             fine = fine && polyline_put(&line, NAN, NAN);
         }
         const int before = d->curves;
-        fine = fine &&
-               add_line(d, &line, stable ? "stable orbit" : "unstable orbit", stable ? '=' : ',');
+        fine = fine && add_line(d, &line, label, stable ? '=' : ',');
         if (d->curves > before)
             d->curve[before].points = d->curve[before].cloud = !stable;
         free(line.x);

@@ -33,9 +33,6 @@ bool solutions_at(struct solution_curve *path, const struct curve_place *point, 
 /* The same of the point that has just been corrected, multipliers as before the last correction. */
 bool solutions_seen(struct solution_curve *path, const struct curve_place *point,
                     struct solution *solution);
-/* Multipliers beside the trivial one that are 1: of a family of orbits, or a fold. */
-int solution_ones(const struct solution *solution);
-#define SOLUTION_ONE 1e-5 /* how near, as double ones are no more exact */
 /* What has changed its kind there, if that is a special point: not so neutral saddles. */
 enum special solutions_special(const struct solution_curve *path, int test,
                                const struct solution *solution);

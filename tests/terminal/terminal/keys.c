@@ -301,19 +301,23 @@ static void test_point_on_portrait(void **state)
     expect_prompt(&p, "cursors (q leaves, : types a command)>");
     expect(&p, "n/N next/previous equilibrium");
     type(&p, "n");
-    expect(&p, "on equilibrium 3, a saddle");
+    expect(&p, "on equilibrium 3, saddle");
     type(&p, "N");
     expect(&p, "q = 0   v = 0");
     type(&p, "\033[A");
     expect(&p, "q = 0   v = 0.");
     type(&p, "\033[B");
-    expect(&p, "on equilibrium 2, a stable focus");
+    expect(&p, "on equilibrium 2, stable focus");
     type(&p, "\033[C\033[C\033[C\033OA\033OA\r");
     expect(&p, "starts: 1 of 16");
     expect(&p, "starts ");
     type(&p, "\033[D\r");
     expect(&p, "starts: 2 of 16");
     type(&p, "\t"); /* of the cursors over time: nothing here */
+    type(&p, "?");
+    expect(&p, "usage: cursor");
+    type(&p, "q"); /* back to the point */
+    expect(&p, "arrows move");
     type(&p, ":start v=0.5\r");
     expect(&p, "starts: 3 of 16");
     type(&p, "x");

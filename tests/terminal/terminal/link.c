@@ -85,7 +85,7 @@ static void test_bytes_of_portrait(void **state)
     expect(&p, "portrait rate");
     settle(&p, 400);
     const size_t changed = bytes_of(&p, "gamma = 1\r", "gamma=1"),
-                 started = bytes_of(&p, "start theta=1,rate=2\r", "* starts"),
+                 started = bytes_of(&p, "start theta=1,rate=2\r", "-- starts"),
                  shown = bytes_of(&p, "\033[18~", "arrows move"),
                  moved = bytes_of(&p, "\033[A", "E = 156.96 mJ"),
                  begun = bytes_of(&p, "\r", "starts: 2 of 16");
