@@ -377,15 +377,17 @@ static bool find_own(struct orbit_search *s, struct error *error)
 static bool find_of_period(struct orbit_search *s, double period, struct error *error)
 {
     static const char none[] = "no periodic orbit was found near this guess";
-    struct orbit_request motion = *s->request;
+    const struct orbit_request *wanted = s->request;
+    struct orbit_request motion = *wanted;
     struct error ignored;
     motion.period = 0;
     if (!take(s, s->state, period, 0) && !s->any) {
         s->request = &motion; /* the orbit that it moves on, if that is one of a family */
-        if (!find_own(s, &ignored) || !s->found->family) {
-            s->any = false;
+        const bool family = find_own(s, &ignored) && s->found->family;
+        s->request = wanted;
+        s->any = family;
+        if (!family)
             return nothing(s, none, error);
-        }
     }
     return !s->found->family || orbit_of_period(s, period, error);
 }
