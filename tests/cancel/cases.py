@@ -180,6 +180,7 @@ CASES = [
     ("basins", "var x = 1; var v = 0; x' = v; v' = x-x^3-0.2*v+0.3*cos(t)", "basins x=-2:2:0.002 v=-2:2:0.002", "", ""),
     ("sweep threads", CHAOS + "; method radau5; duration = 300", "sweep rho=20:30:0.1 --threads 2", "", ""),
     ("orbit", CHAOS, "orbit", "", ""),
+    ("orbit of a family", "scene pendulum", "orbit period=9 s", "", ""),
     ("branch", "var x = 2; var y = 0; param mm = 1; x' = y; y' = mm*(1-x^2)*y-x; orbit",
      "branch mm=0.1:20 of orbit step=0.001 max=20000", "", ""),
     ("plan", LORENZ, "plan", "", ""),
