@@ -263,6 +263,11 @@ void sweep_text(const struct session *session, const struct swept *swept, struct
                                   "duration\n"));
     sweep_summary(sweep, text);
     put_watched(swept, text);
+    for (int m = 0; m < sweep->measures; m++)
+        if (swept->measure[m].kind == SWEEP_ATTRACTOR)
+            buffer_put(text,
+                       TEXT("attractor: 0 equilibrium, 1 closed orbit, of a drive how many of "
+                            "its periods the response has; -1 does not repeat, - escapes\n"));
     sweep_failures(sweep, text);
 }
 

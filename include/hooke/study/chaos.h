@@ -118,4 +118,12 @@ double basins_value(const struct basins_request *request, int axis, int64_t plac
 /* Of a share of so many starts, as if they were drawn: one standard error. */
 double basins_error(int64_t count, int64_t of);
 
+/*
+ * What the motion from the scene's own start ends in, by a number: 0 an equilibrium, 1 a closed
+ * orbit, of a drive how many of its periods the response has, ATTRACTOR_IRREGULAR: has not come
+ * again in 1000 looks. NAN: escapes, nothing attracts, or cancelled.
+ */
+#define ATTRACTOR_IRREGULAR (-1)
+double attractor_of(const struct scene *scene, const struct cancel *cancel);
+
 #endif

@@ -40,7 +40,8 @@ enum sweep_kind {
     SWEEP_ENERGY_ERROR, /* largest, as the ledger has it */
     SWEEP_STEPS,
     SWEEP_EVALS,
-    SWEEP_REACHED, /* [s] time reached: of what diverges, when */
+    SWEEP_REACHED,   /* [s] time reached: of what diverges, when */
+    SWEEP_ATTRACTOR, /* attractor_of(): of the point's start, whatever the method and duration */
     SWEEP_VARIABLE,
     SWEEP_OBSERVED, /* a typed quantity */
     SWEEP_OBSERVABLE,

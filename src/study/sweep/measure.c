@@ -63,6 +63,10 @@ static const struct row rows[] = {
     [SWEEP_STEPS] = {"steps", "", "steps taken", "", NULL},
     [SWEEP_EVALS] = {"evals", "", "force evaluations", "", NULL},
     [SWEEP_REACHED] = {"reached", "", "the time reached: of what diverges, when it did", "", NULL},
+    [SWEEP_ATTRACTOR] = {"attractor", "",
+                         "what it ends in: 0 equilibrium, 1 orbit, of a drive how many of its "
+                         "periods, -1 does not repeat",
+                         "", NULL},
 };
 
 const struct catalog sweep_measure_catalog = CATALOG("measure", rows);
@@ -101,9 +105,10 @@ static bool unknown(const struct model *model, struct text name, bool column, st
     if (column)
         return error_hint(error,
                           "in parentheses stands what 'print' knows of a run: y, energy ...");
-    return error_hint(error, "measures are amplitude, period, mean, max, min (of z: max(z)), "
-                             "error, energy_error, steps, "
-                             "evals, reached, and what 'print' knows of a run: y, energy ...");
+    return error_hint(error,
+                      "measures are amplitude, period, mean, max, min (of z: max(z)), "
+                      "error, energy_error, steps, "
+                      "evals, reached, attractor, and what 'print' knows of a run: y, energy ...");
 }
 
 /* max(z): the name before the parenthesis is a row that is watched. */

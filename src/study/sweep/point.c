@@ -2,6 +2,7 @@
 /* The points of a sweep, each as a run of its own; those that go in lanes (sweep_lanes.c) get the
  * same bits. */
 #include <hooke/scene/typed.h>
+#include <hooke/study/chaos.h>
 #include "study/sweep/sweep.h"
 
 #include <stdio.h>
@@ -124,6 +125,8 @@ static double run_measure(const struct run *run, const struct sweep_measure *mea
     case SWEEP_ENERGY_ERROR:
         run_ledger(run, &ledger);
         return ledger.error_max;
+    case SWEEP_ATTRACTOR:
+        return attractor_of(scene, run->cancel);
     case SWEEP_STEPS:
         return (double)run->steps;
     case SWEEP_EVALS:
@@ -135,9 +138,19 @@ static double run_measure(const struct run *run, const struct sweep_measure *mea
     }
 }
 
+/* Is what a run does not say all that is wanted? */
+static bool needs_no_run(const struct sweep_request *request)
+{
+    bool none = true;
+    for (int m = 0; m < request->measures; m++)
+        none &= request->measure[m].kind == SWEEP_ATTRACTOR;
+    return none;
+}
+
 static bool holds_when_failed(enum sweep_kind kind)
 {
-    return kind == SWEEP_STEPS || kind == SWEEP_EVALS || kind == SWEEP_REACHED;
+    return kind == SWEEP_STEPS || kind == SWEEP_EVALS || kind == SWEEP_REACHED ||
+           kind == SWEEP_ATTRACTOR;
 }
 
 /* Does what is measured need the states on the way? */
@@ -188,7 +201,9 @@ void sweep_alone(struct sweep_worker *worker, int64_t i)
         sweep_refuse(worker, i, &error);
         return;
     }
-    const struct run_target target = {.t = run->system.t0 + request->duration, .steps = -1};
+    const struct run_target target = {
+        .t = needs_no_run(request) ? run->system.t0 : run->system.t0 + request->duration,
+        .steps = -1};
     while (run_advance(run, &target, 0, request->cancel)) {
     }
     if (run->stop != STOP_CANCELLED) {
@@ -200,7 +215,8 @@ void sweep_alone(struct sweep_worker *worker, int64_t i)
                       : NAN;
         }
         sweep_combine(worker, i);
-        job->sweep->status[i] = (signed char)run->stop;
+        if (!cancelled(request->cancel)) /* a measure may have been cut short */
+            job->sweep->status[i] = (signed char)run->stop;
     }
     worker->steps += (double)run->steps;
     run_destroy(run);

@@ -106,7 +106,8 @@ static bool lane_measures(const struct sweep_measure *measure)
 {
     if (sweep_watches(measure))
         return measure->column == SWEEP_VARIABLE && measure->variable == 0;
-    return measure->kind != SWEEP_ERROR && measure->kind != SWEEP_ENERGY_ERROR &&
+    return measure->kind != SWEEP_ERROR && measure->kind != SWEEP_ATTRACTOR &&
+           measure->kind != SWEEP_ENERGY_ERROR &&
            (measure->kind != SWEEP_OBSERVABLE ||
             !(measure->observable->needs &
               ~(unsigned)(NEED_MECHANICS | NEED_LINE | NEED_POWER | NEED_ENERGY)));
