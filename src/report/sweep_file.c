@@ -31,7 +31,8 @@ enum line_state { LINE_NONE, LINE_WHOLE, LINE_PART, LINE_FAILED };
 
 static enum line_state refill(struct line_reader *reader)
 {
-    memmove(reader->data, reader->data + reader->used, reader->len - reader->used);
+    if (reader->used > 0) /* before the first there is no memory */
+        memmove(reader->data, reader->data + reader->used, reader->len - reader->used);
     reader->len -= reader->used;
     reader->used = 0;
     if (reader->capacity - reader->len < PIECE) {
