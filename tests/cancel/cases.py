@@ -176,6 +176,11 @@ CASES = [
      "sweep rho=20:30:0.5 beta=1:3:0.1 measure=mean --force", "", ""),
     ("sweep stiff", "var x = 2; var y = 0; param mu = 100; x' = y; y' = mu*(1 - x^2)*y - x; method rodas5p; "
      "duration = 1000", "sweep mu=1:1000:x1.05 --force", "", ""),
+    ("sweep section", "scene pendulum-driven; method rk4; dt = 1 ms",
+     "sweep F0=1:2:0.001 at v = 0 falling skip=1000 keep=1000 --force", "", ""),
+    ("sweep strobe", "scene pendulum-driven; method dop853",
+     "sweep F0=1:2:0.001 at period skip=1000 keep=1000 --force", "", ""),
+    ("sweep attractor", CHAOS, "sweep rho=20:30:0.01 measure=attractor --force", "", ""),
     ("sweep tol", CHAOS + "; method dop853; duration = 100", "sweep tol=1e-13:1e-3:x1.2 measure=steps", "", ""),
     ("basins", "var x = 1; var v = 0; x' = v; v' = x-x^3-0.2*v+0.3*cos(t)", "basins x=-2:2:0.002 v=-2:2:0.002", "", ""),
     ("sweep threads", CHAOS + "; method radau5; duration = 300", "sweep rho=20:30:0.1 --threads 2", "", ""),
