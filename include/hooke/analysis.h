@@ -13,5 +13,6 @@
 
 #include <hooke/analysis/period.h>
 #include <hooke/analysis/fit.h>
+#include <hooke/analysis/exponent.h>
 
 #endif

@@ -162,9 +162,12 @@ static int next_index(const struct argument_progress *progress, struct text word
             (has(progress->arguments, i) && !(command->argument[i].flags & ARG_MANY)))
             continue;
         last = i;
-        /* What is no recording goes to the next place, if there is one and none came before it. */
+        /* What is no recording, or a name and no number, goes to the next place, if there is one
+         * and none came before it. */
         if (!type_is(&command->argument[i], TYPE_MAY_BE_SKIPPED) || has(progress->arguments, i) ||
-            session_find_recording(progress->parser->session, word) >= 0)
+            (command->argument[i].type == TYPE_INTEGER
+                 ? word.len == 0 || !is_name_start(word.at[0])
+                 : session_find_recording(progress->parser->session, word) >= 0))
             return i;
     }
     return last;

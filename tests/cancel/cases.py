@@ -171,6 +171,7 @@ CASES = [
     ("sweep long points", "scene pendulum; method radau5 dt=1ms; duration = 3000 s", "sweep gamma=0.1:1:0.1 --force",
      "", ""),
     ("lyapunov", CHAOS, "lyapunov over 1e6", "", ""),
+    ("lyapunov of a run", CHAOS + "; method rk4; dt = 0.01; run 10000", "lyapunov of x", "", ""),
     ("sweep typed", LORENZ + "; duration = 100", "sweep rho=20:30:0.05 measure=max(z) --force", "", ""),
     ("sweep typed map", CHAOS + "; param beta = 8/3; z' = x*y - beta*z; method dopri5; duration = 100",
      "sweep rho=20:30:0.5 beta=1:3:0.1 measure=mean --force", "", ""),

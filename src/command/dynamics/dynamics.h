@@ -52,4 +52,8 @@ void put_seconds(struct buffer *out, const struct session *session, double secon
 /* `use` of what is no run. */
 bool use_kept(HANDLER_PARAMETERS);
 
+/* lyapunov_series.c: the largest exponent of a run or a recording, as it was named. */
+bool lyapunov_of_series(struct session *session, const struct arguments *args, struct reply *reply,
+                        struct error *error);
+
 #endif

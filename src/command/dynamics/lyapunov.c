@@ -3,7 +3,7 @@
 #ifndef COMMAND_ROWS
 #include <hooke/report.h>
 #include <hooke/study/chaos.h>
-#include "command/internal.h"
+#include "command/dynamics/dynamics.h"
 
 #include <math.h>
 
@@ -144,7 +144,11 @@ HANDLER(lyapunov)
         .cancel = session->front.cancel,
         .progress = report_fraction,
         .context = &session->front};
+    static const char *const series[] = {"run", "data", "RECORDING", "COLUMN", "window"};
     struct lyapunov found;
+    for (size_t i = 0; i < COUNT_OF(series); i++)
+        if (argument_value(args, series[i])->count)
+            return lyapunov_of_series(session, args, reply, error);
     if (skip->count && request.skip < 0)
         return error_at(error, skip->where, "skip= is a time, or 0");
     if (!lyapunov_find(&request, &found, error))
@@ -176,9 +180,19 @@ COMMAND(lyapunov,
             "is too short for them,\n"
             "'not determined'. Printed with it: the sum against the mean divergence, the exponent "
             "that has to be 0, the\n"
-            "stroboscopic map of a drive, the Kaplan-Yorke dimension.",
+            "stroboscopic map of a drive, the Kaplan-Yorke dimension.\n"
+            "'of NAME', 'of run N', 'of COLUMN': the largest exponent that a recording, or one "
+            "value of a run, tells by\n"
+            "itself: by how neighbours among vectors of its delayed values go apart, with the "
+            "correlation dimension.\n"
+            "Noise, sines, cycles, decay and short records are 'not determined', with the reason.",
         .examples = "var x = 1; var v = 0; x' = v; v' = x-x^3-0.2*v+0.3*cos(t); lyapunov\n"
                     "scene henon-heiles; lyapunov 1 over 500 s skip=50 s",
         .see = "equilibria run sweep", .flags = COMMAND_TABLES,
-        ARGUMENTS(PLACE("N", TYPE_INTEGER), WORD("over", TYPE_VALUE, .quantity = QUANTITY_TIME),
-                  KEY("skip", TYPE_VALUE, .flags = ARG_NEGATIVE, .quantity = QUANTITY_TIME)))
+        ARGUMENTS(PLACE("RECORDING", TYPE_RECORDING, .lead = "of"), PLACE("N", TYPE_INTEGER),
+                  WORD("over", TYPE_VALUE, .quantity = QUANTITY_TIME),
+                  KEY("skip", TYPE_VALUE, .flags = ARG_NEGATIVE, .quantity = QUANTITY_TIME),
+                  WORD("run", TYPE_RUN, .lead = "of", .group = 1),
+                  WORD("data", TYPE_RECORDING, .lead = "of", .group = 1),
+                  KEY("window", TYPE_RANGE, .quantity = QUANTITY_TIME),
+                  PLACE("COLUMN", TYPE_COLUMN, .lead = "of")))

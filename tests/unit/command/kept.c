@@ -127,15 +127,16 @@ static const char *study_or_result(void)
 /* What looks, draws, writes files and reads them. */
 static const char *other_command(void)
 {
-    return ONE_OF(
-        "plan", "show", "runs",
-        "scene new; var x = 0.5; var z = 0; x' = z; z' = -x - z; equilibria", "use equilibrium 1",
-        "scene spring; lyapunov over 5 s", "scene damped; basins y=-0.1:0.1:0.05 v=-1:1:0.5",
-        "stability", "sweep k=1:3:1 measure=max --threads 1", "cursor A 0.1 s", "cursor off",
-        "plot position", "describe energy", "zoom 2", "pan 0.1 s", "overlay all", "overlay off",
-        "export e.csv --force", "echo hello", "save s.hk --force", "source s.hk", "history 3",
-        "help run", "apropos energy", "list limits", "speed 2", "param own = 3",
-        "observe two = 2*t", "start y=0.02,v=0.1", "start clear; start v=0.3; plot portrait");
+    return ONE_OF("plan", "show", "runs",
+                  "scene new; var x = 0.5; var z = 0; x' = z; z' = -x - z; equilibria",
+                  "use equilibrium 1", "scene spring; lyapunov over 5 s",
+                  "lyapunov of y window=0:1", "scene damped; basins y=-0.1:0.1:0.05 v=-1:1:0.5",
+                  "stability", "sweep k=1:3:1 measure=max --threads 1", "cursor A 0.1 s",
+                  "cursor off", "plot position", "describe energy", "zoom 2", "pan 0.1 s",
+                  "overlay all", "overlay off", "export e.csv --force", "echo hello",
+                  "save s.hk --force", "source s.hk", "history 3", "help run", "apropos energy",
+                  "list limits", "speed 2", "param own = 3", "observe two = 2*t",
+                  "start y=0.02,v=0.1", "start clear; start v=0.3; plot portrait");
 }
 
 /*
