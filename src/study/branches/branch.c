@@ -269,7 +269,7 @@ static bool walk(struct branch_walk *w, struct curve_place at)
     return true;
 }
 
-static void reverse(struct branch *b)
+void branch_reverse(struct branch *b)
 {
     for (int i = 0; i < b->count / 2; i++) {
         const struct branch_point swap = b->point[i];
@@ -361,7 +361,7 @@ bool branch_follow(const struct branch_request *r, struct branch *branch, struct
                ((side == 1 && !crossing) || walk_record(&w, &first, SPECIAL_NONE, &solution));
         fine = fine && walk(&w, first);
         if (side == 0 && !r->forward && (!r->leave || crossing))
-            reverse(branch);
+            branch_reverse(branch);
         branch->evals += path.field.evals;
         solutions_end(&path);
     }

@@ -17,6 +17,7 @@
 #include "study/dynamics/solutions.h"
 
 #define DELTA 1e-6
+#define ASIDE 1e-4 /* of units: along a fold of orbits */
 #define FRESH 1e-4 /* farther away the condition of an orbit is derived anew */
 #define FIRST 0.01
 #define LONGEST 0.05
@@ -32,7 +33,7 @@ struct special_curve {
     double at[CURVE_MAX], slope[CURVE_MAX]; /* of the condition, derived there */
     double by_second[CURVE_MAX];            /* of the equations */
     bool derived;
-    double along[CURVE_MAX]; /* of a fold: the tangent at one parameter */
+    double along[CURVE_MAX]; /* of a fold: the tangent at one parameter, or what is not across it */
     struct curve_problem problem;
 };
 
@@ -125,7 +126,7 @@ static bool residual(void *context, const double *u, double *f, double *jacobian
     return true;
 }
 
-/* ---- points of codimension two, of equilibria ---- */
+/* ---- points of codimension two ---- */
 
 /* The pair whose sum is nearest to 0: its product. */
 static double pair_product(int n, const struct eigenvalue *v)
@@ -156,6 +157,31 @@ static double products_of_others(int n, const struct eigenvalue *v)
         sum += re;
     }
     return sum;
+}
+
+/* Of orbits: how the condition changes along the tangent at one parameter; 0 where two folds meet.
+ */
+static void test_orbit_fold(void *context, const double *u, const double *jacobian,
+                            const double *tangent, double *value)
+{
+    struct special_curve *c = context;
+    const int n = c->base.problem->n;
+    double along[CURVE_MAX], f[CURVE_MAX], moved[CURVE_MAX], side[2];
+    (void)jacobian;
+    (void)tangent;
+    value[0] = NAN;
+    if (!look(c, u, f) || !curve_tangent(c->base.problem, c->along, along))
+        return;
+    for (int k = 0; k < 2; k++) {
+        memcpy(moved, u, sizeof moved);
+        for (int i = 0; i <= n; i++)
+            moved[i] += (k == 0 ? -ASIDE : ASIDE) * along[i];
+        if (!look(c, moved, f))
+            return;
+        side[k] = f[n];
+    }
+    memcpy(c->along, along, sizeof c->along);
+    value[0] = (side[1] - side[0]) / (2 * ASIDE);
 }
 
 static void test(void *context, const double *u, const double *jacobian, const double *tangent,
@@ -225,14 +251,15 @@ static bool begin(struct special_curve *c, const struct branch_request *r, int s
         return false;
     const int n = c->base.problem->n, all = n + 1;
     const bool still = c->base.kind == SOLUTION_EQUILIBRIUM &&
-                       (c->kind == SPECIAL_FOLD || c->kind == SPECIAL_HOPF);
-    c->along[0] = 1;
-    memcpy(c->along, r->leave->tangent, sizeof r->leave->tangent);
+                       (c->kind == SPECIAL_FOLD || c->kind == SPECIAL_HOPF),
+               fold = !still && c->kind == SPECIAL_FOLD; /* of orbits */
+    memcpy(c->along, r->leave->tangent, (size_t)c->base.field.n * sizeof *c->along);
     c->problem = (struct curve_problem){.context = c,
                                         .n = all,
                                         .residual = residual,
-                                        .test = test,
-                                        .tests = !still                ? 0
+                                        .test = fold ? test_orbit_fold : test,
+                                        .tests = fold                  ? 1
+                                                 : !still              ? 0
                                                  : c->base.field.n > 1 ? 2
                                                                        : 1,
                                         .aim = aim,
@@ -384,6 +411,8 @@ static bool prepare(struct special_walk *w, struct curve_place *at, double uprig
         return false;
     c->problem.n = c->base.problem->n + 1;
     c->derived = false;
+    for (int i = c->base.field.n; i <= c->problem.n; i++)
+        c->along[i] = 0;
     u[c->problem.n] = q;
     direction[c->problem.n] = by;
     return curve_correct(&c->problem, u, direction, false, at);
@@ -426,15 +455,6 @@ static void walk(struct special_walk *w, struct curve_place at)
     }
 }
 
-static void reverse(struct branch *b)
-{
-    for (int i = 0; i < b->count / 2; i++) {
-        const struct branch_point swap = b->point[i];
-        b->point[i] = b->point[b->count - 1 - i];
-        b->point[b->count - 1 - i] = swap;
-    }
-}
-
 static bool can_follow(enum special kind)
 {
     return kind == SPECIAL_FOLD || kind == SPECIAL_HOPF || kind == SPECIAL_DOUBLING ||
@@ -448,23 +468,26 @@ bool special_follow(const struct branch_request *r, struct branch *branch, struc
     if (!r->leave || !can_follow(r->leave->special))
         return error_set(error, ERROR_COMMAND,
                          "a curve in two parameters begins at LP, HB, PD or NS");
-    for (int side = -1; side <= 1; side += 2) {
-        struct special_curve curve;
+    struct special_curve *curve = malloc(sizeof *curve); /* too much for a stack */
+    for (int side = curve ? -1 : 2; side <= 1; side += 2) {
         struct curve_place first;
         if (r->forward && side < 0)
             continue;
-        if (!begin(&curve, r, side, &first, error))
+        if (!begin(curve, r, side, &first, error)) {
+            free(curve);
             return branch->count > 0;
+        }
         struct special_walk w = {
-            .request = r, .curve = &curve, .out = branch, .end = branch->ends[side > 0]};
-        branch->kind = curve.base.kind;
+            .request = r, .curve = curve, .out = branch, .end = branch->ends[side > 0]};
+        branch->kind = curve->base.kind;
         if (branch->count > 0 || record(&w, &first, r->leave->special))
             walk(&w, first);
         if (side < 0)
-            reverse(branch);
-        branch->evals += curve.base.field.evals;
-        end(&curve);
+            branch_reverse(branch);
+        branch->evals += curve->base.field.evals;
+        end(curve);
     }
+    free(curve);
     branch->cancelled = cancelled(r->cancel);
     branch->seconds = clock_seconds(since);
     return branch->count > 0 || error_memory(error);

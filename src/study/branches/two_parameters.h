@@ -8,5 +8,7 @@
 /* branch_follow() where there is a second parameter. */
 bool special_follow(const struct branch_request *request, struct branch *branch,
                     struct error *error);
+/* Its points in the opposite order. */
+void branch_reverse(struct branch *branch);
 
 #endif

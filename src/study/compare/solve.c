@@ -127,32 +127,42 @@ static void sample_inside(const struct solver *s, const double *before, double f
             y[i] = NAN;
 }
 
+/* All times inside the step, a variable after the other: each is prepared once. The same bits as by
+ * method_dense(). */
+static void sample_whole(struct sampler *sampler, double from, double h, double near)
+{
+    const struct solver *s = sampler->solver;
+    const int n = s->system->n;
+    struct dense_polynomial polynomial;
+    int end = sampler->next;
+    while (end < STUDY_TIMES && (grid_time(s, end) - s->step.t) * copysign(1, h) < -near)
+        end++;
+    for (int i = 0; i < n && end > sampler->next; i++) {
+        method_polynomial(s->method, &s->step, i, &polynomial);
+        for (int k = sampler->next; k < end; k++)
+            sampler->grid[k * n + i] =
+                dense_polynomial_at(&polynomial, (grid_time(s, k) - from) / h);
+    }
+    sampler->next = end;
+}
+
 /* After a step of h from `from`, where the state was `before`. */
 static void sample(struct sampler *sampler, const double *before, double from, double h)
 {
     struct solver *s = sampler->solver;
     const int n = s->system->n;
     const double to = s->step.t, near = 1e-9 * fabs(h);
-    /* of all variables, once for all times in the step; the same bits as by method_dense() */
-    const bool whole = s->method->dense && s->method->tableau && !s->turns;
-    struct dense_polynomial polynomial[LIMIT_VARIABLES];
-    bool ready = false;
+    if (s->method->dense && s->method->tableau && !s->turns)
+        sample_whole(sampler, from, h, near);
     for (; sampler->next < STUDY_TIMES; sampler->next++) {
         const double t = grid_time(s, sampler->next);
         double *y = sampler->grid + sampler->next * n;
         if ((t - to) * copysign(1, h) > near)
             return;
-        if (fabs(t - to) <= near) {
+        if (fabs(t - to) <= near)
             memcpy(y, s->y, (size_t)n * sizeof *y);
-        } else if (!whole) {
+        else
             sample_inside(s, before, from, h, t, y);
-        } else {
-            for (int i = 0; i < n && !ready; i++)
-                method_polynomial(s->method, &s->step, i, &polynomial[i]);
-            ready = true;
-            for (int i = 0; i < n; i++)
-                y[i] = dense_polynomial_at(&polynomial[i], (t - from) / h);
-        }
     }
 }
 

@@ -20,7 +20,8 @@ static double diagonal_product(int n, const double *a, int sign, int *exponent)
 {
     double product = sign;
     *exponent = 0;
-    for (int i = 0; i < n; i++) {
+    /* what lies behind a pivot that is 0 has been divided by it */
+    for (int i = 0; i < n && product != 0; i++) {
         int more;
         product = frexp(product * a[i * n + i], &more);
         *exponent += more;

@@ -519,6 +519,35 @@ static void test_cusp(void **state)
     branch_free(&branch);
 }
 
+/* The same of a response, beside which a forced variable goes its way, and of circles, in x^2 + y^2
+ * - 1. */
+static void test_cusp_of_orbits(void **state)
+{
+    (void)state;
+    static const char *const lines[][8] = {
+        {"var x = 1", "var y = 0.5", "param h = 0", "param r = 1", "x' = h+r*x-x^3",
+         "y' = cos(t)-y"},
+        {"var x = 1.5", "var y = 0", "param h = 0", "param r = 1",
+         "x' = x*(h+r*(x^2+y^2-1)-(x^2+y^2-1)^3)-y", "y' = y*(h+r*(x^2+y^2-1)-(x^2+y^2-1)^3)+x"}};
+    const struct solution start[] = {
+        {.kind = SOLUTION_RESPONSE, .n = 2, .multiple = 1, .state = {1, 0.5}},
+        {.kind = SOLUTION_ORBIT, .n = 2, .period = 2 * acos(-1), .state = {sqrt(2), 0}}};
+    for (int k = 0; k < 2; k++) {
+        const struct scene scene = typed(lines[k]);
+        const struct branch_axis second = {scene_param(&scene, "r"), -0.2, 1.5};
+        struct branch branch = two("cusp", &scene, "h", &second, &start[k], -1, 1, SPECIAL_FOLD);
+        const struct branch_point *cusp = first_of(&branch, SPECIAL_CUSP);
+        assert_non_null(cusp);
+        close_to(cusp->solution.param[0], 0, 1e-10);
+        close_to(cusp->solution.param[1], 0, 1e-7);
+        for (int i = 0; i < branch.count; i++) {
+            const double *p = branch.point[i].solution.param;
+            close_to(fabs(p[0]), 2 * pow(fmax(p[1], 0) / 3, 1.5), 1e-9);
+        }
+        branch_free(&branch);
+    }
+}
+
 /* r = s (s + b + 3)/(s - b - 1) */
 static void test_hopf_curve(void **state)
 {
@@ -587,10 +616,10 @@ int main(void)
     struct error error = {0};
     models = typed_create(&error);
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_specials),   cmocka_unit_test(test_false_labels),
-        cmocka_unit_test(test_orbits),     cmocka_unit_test(test_cusp),
-        cmocka_unit_test(test_hopf_curve), cmocka_unit_test(test_bogdanov_takens),
-        cmocka_unit_test(test_tongue)};
+        cmocka_unit_test(test_specials),        cmocka_unit_test(test_false_labels),
+        cmocka_unit_test(test_orbits),          cmocka_unit_test(test_cusp),
+        cmocka_unit_test(test_cusp_of_orbits),  cmocka_unit_test(test_hopf_curve),
+        cmocka_unit_test(test_bogdanov_takens), cmocka_unit_test(test_tongue)};
     const int failed = cmocka_run_group_tests(tests, NULL, NULL);
     typed_destroy(models);
     return failed;
