@@ -39,6 +39,13 @@ struct solution {
     double top[DYNAMICS_VARIABLES], bottom[DYNAMICS_VARIABLES]; /* extrema along the orbit */
 };
 
+/* Not of an orbit on which the equations jump: it has no multipliers then. */
+static inline bool solution_is_known(const struct solution *solution)
+{
+    return solution->kind == SOLUTION_EQUILIBRIUM || solution->values > 0 ||
+           solution->trivial == solution->trivial;
+}
+
 static inline bool solution_stable(const struct solution *solution)
 {
     return solution->unstable == 0;

@@ -242,7 +242,8 @@ static void put_orbit_row(struct text_table *table, const struct system *system,
         buffer_quantity(&out, s->top[i], quantity, 5);
         cell_take(table, &out);
     }
-    cell_text(table, !solution_stable(s)    ? "unstable"
+    cell_text(table, !solution_is_known(s)  ? "not known"
+                     : !solution_stable(s)  ? "unstable"
                      : solution_ones(s) > 0 ? "neutral"
                                             : "stable");
     cell_values(table, s);
@@ -273,7 +274,10 @@ static bool list_orbits(const struct dynamics *d, const struct system *system, s
         reply_real(reply, "period", s->period);
         reply_state(reply, system, "state", s->state);
         reply_values(reply, "multipliers", s);
-        reply_bool(reply, "stable", solution_stable(s));
+        if (solution_is_known(s))
+            reply_bool(reply, "stable", solution_stable(s));
+        else
+            reply_null(reply, "stable");
         reply_end(reply);
     }
     return true;

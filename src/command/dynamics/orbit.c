@@ -101,7 +101,10 @@ static void put_orbit(struct buffer *out, const struct system *system, int numbe
         buffer_format(out, " (%d periods of the drive)", s->multiple);
     else if (s->multiple == 1)
         buffer_put(out, TEXT(" (that of the drive)"));
-    buffer_put(out, !orbit->family ? solution_stable(s) ? TEXT(", stable") : TEXT(", unstable")
+    buffer_put(out, !solution_is_known(s)
+                        ? TEXT(", stability not known: the equations jump, and multipliers with "
+                               "them")
+                    : !orbit->family ? solution_stable(s) ? TEXT(", stable") : TEXT(", unstable")
                     : solution_stable(s)
                         ? TEXT(", neutral: a multiplier is 1, others are beside it")
                         : TEXT(", unstable, and a multiplier is 1"));
@@ -131,7 +134,10 @@ static void reply_orbit(const struct system *system, int number, const struct fo
     reply_state(reply, system, "state", s->state);
     reply_values(reply, "multipliers", s);
     reply_real(reply, "trivial", s->trivial);
-    reply_bool(reply, "stable", solution_stable(s));
+    if (solution_is_known(s))
+        reply_bool(reply, "stable", solution_stable(s));
+    else
+        reply_null(reply, "stable");
     reply_real(reply, "residual", s->residual);
     reply_real(reply, "error", orbit->error);
     reply_state(reply, system, "max", s->top);

@@ -196,6 +196,8 @@ static void tell(struct branch_walk *w, const struct curve_place *at,
         r->progress(r->context, w->told);
 }
 
+static const char jump[] = "the equations jump along the orbit, and multipliers with them";
+
 /* From `at`, which is recorded already, until it ends; false: no memory. */
 static bool walk(struct branch_walk *w, struct curve_place at)
 {
@@ -253,6 +255,9 @@ static bool walk(struct branch_walk *w, struct curve_place at)
             return false;
         if (is_over(w, &at, &next, &start, leaves))
             return true;
+        if (w->path->kind != SOLUTION_EQUILIBRIUM &&
+            field_jumps(&w->path->field, w->path->field.system.t0, solution.state, solution.period))
+            return end_there(w, jump);
         w->before = at;
         w->bends = w->path->kind == SOLUTION_EQUILIBRIUM || upright > TURN;
         if (!w->bends)
@@ -304,6 +309,26 @@ static bool begin_at_special(const struct branch_request *r, struct solution_cur
     return false;
 }
 
+static bool cannot_begin(const struct branch_request *r, struct solution_curve *path,
+                         struct error *error)
+{
+    struct vector_field *field = &path->field;
+    const double period = r->start->kind == SOLUTION_RESPONSE
+                              ? r->start->multiple * field_drive(field)
+                              : r->start->period;
+    if (path->kind != SOLUTION_EQUILIBRIUM) {
+        if (!field_jumps(field, field->system.t0, r->start->state, period))
+            return false;
+        error_set(error, ERROR_COMMAND, "%s: no branch goes through that", jump);
+    } else if (!field->system.autonomous) {
+        error_set(error, ERROR_COMMAND, "with a drive nothing rests");
+        error_hint(error, "'of response' follows the motion that goes with the drive");
+    } else {
+        return false;
+    }
+    return true;
+}
+
 /* Side -1 goes against growing values of the parameter, so that the branch is in order. */
 static bool begin(const struct branch_request *r, int side, double psize,
                   struct solution_curve *path, struct curve_place *first, struct error *error)
@@ -314,6 +339,10 @@ static bool begin(const struct branch_request *r, int side, double psize,
     double u[CURVE_MAX];
     if (!solutions_begin(path, r->scene, r->param, psize, r->start, r->cancel, u, error))
         return false;
+    if (cannot_begin(r, path, error)) {
+        solutions_end(path);
+        return false;
+    }
     if (solutions_correct_at(path, u, r->forward ? 1 : side, first) ||
         begin_at_special(r, path, u, r->forward ? 1 : side, first))
         return true;

@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include <hooke/base/numeric.h>
+#include <hooke/scene/typed.h>
 
 #include "study/compare/solve.h"
 
@@ -15,6 +16,7 @@
 #define FLOW_MOST 400000 /* evaluations of one flow by the explicit method: then it is stiff */
 #define FLOW_STIFF 2000000
 #define DELTA 1e-6
+#define JUMP 1e-6  /* of the rates, where a kink leaves rounding */
 #define ROUGH 1e-7 /* what derivatives by a parameter may be off, in units of sizes */
 
 /* ---- what it is ---- */
@@ -266,4 +268,55 @@ bool field_flow(struct vector_field *field, double t, const double *start, doubl
     if (slopes)
         take_slopes(field, all, slopes);
     return true;
+}
+
+/* ---- jumps ---- */
+
+/* Between two states near each other, on whose chord some switch goes over. */
+static bool jumps_between(const struct vector_field *field, double t, const double *a,
+                          const double *b)
+{
+    const struct system *system = &field->system;
+    const size_t bytes = (size_t)system->switches * sizeof(double);
+    double from[LIMIT_SWITCHES], to[LIMIT_SWITCHES], now[LIMIT_SWITCHES], y[LIMIT_VARIABLES],
+        rate[2][LIMIT_VARIABLES], lo = 0, hi = 1, size = 0, off = 0;
+    struct system frozen;
+    system_branches(system, t, a, from);
+    system_branches(system, t, b, to);
+    if (memcmp(from, to, bytes) == 0)
+        return false;
+    while (hi - lo > DBL_EPSILON) {
+        const double share = (lo + hi) / 2;
+        for (int i = 0; i < field->n; i++)
+            y[i] = a[i] + share * (b[i] - a[i]);
+        system_branches(system, t, y, now);
+        if (memcmp(from, now, bytes) == 0) {
+            lo = share;
+        } else {
+            hi = share;
+            memcpy(to, now, bytes);
+        }
+    }
+    for (int s = 0; s < 2; s++) {
+        system_freeze(system, s == 0 ? from : to, &frozen);
+        system_derivative(&frozen, t, y, rate[s]);
+    }
+    for (int i = 0; i < field->n; i++) {
+        size = fmax(size, fmax(fabs(rate[0][i]), fabs(rate[1][i])) / field->size[i]);
+        off = fmax(off, fabs(rate[1][i] - rate[0][i]) / field->size[i]);
+    }
+    return off > JUMP * size;
+}
+
+bool field_jumps(struct vector_field *field, double t, const double *start, double span)
+{
+    const int n = field->n;
+    double grid[FIELD_TIMES * FIELD_VARIABLES];
+    bool jumps = false;
+    if (field->system.switches == 0 || !field_follow(field, t, start, span, grid))
+        return false;
+    for (int k = 1; k < FIELD_TIMES && !jumps; k++)
+        jumps = jumps_between(field, t + (k - 0.5) * span / (FIELD_TIMES - 1), grid + (k - 1) * n,
+                              grid + k * n);
+    return jumps;
 }

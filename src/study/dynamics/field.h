@@ -74,6 +74,10 @@ bool field_flow(struct vector_field *field, double t, const double *start, doubl
 bool field_follow(struct vector_field *field, double t, const double *start, double span,
                   double *grid);
 
+/* Do the equations jump anywhere on the way from there (not where only their slopes do)? Then what
+ * derivatives say of differences is not so. */
+bool field_jumps(struct vector_field *field, double t, const double *start, double span);
+
 /* ---- small matrices, row-major ---- */
 
 #define MATRIX_MAX 64

@@ -525,6 +525,11 @@ static bool finish(struct orbit_search *s, struct error *error)
     put_sample(orbit, n, 0, orbit->solution.state);
     if (!sample(&s->field, orbit, 0, orbit->solution.state, orbit->solution.period, 0))
         orbit->samples = 1;
+    if (field_jumps(&s->field, s->field.system.t0, orbit->solution.state, orbit->solution.period)) {
+        orbit->solution.values = 0;
+        orbit->solution.trivial = orbit->error = NAN;
+        orbit->family = false;
+    }
     orbit->energy_in = NAN;
     if (scene_bind(s->request->scene, &system, error) && system.order == 2 && system.energy)
         orbit->energy_in = energy_of(&system, orbit);
