@@ -178,12 +178,13 @@ static void test_no_orbit(void **state)
 {
     (void)state;
     static const double starts[] = {0.1, 0.5, 2};
+    static const char *const lines[10] = TURNING;
     for (size_t i = 0; i < COUNT_OF(starts); i++) {
         struct scene scene;
         struct found_orbit orbit;
         struct error error = {0};
         scene_init(&scene, NULL);
-        assert_true(type_scene(models, &scene, (const char *const[])TURNING));
+        assert_true(type_scene(models, &scene, lines));
         struct orbit_request request = {
             .scene = &scene, .state = {starts[i], 0}, .span = 20, .settles = true};
         assert_false(orbit_find(&request, &orbit, &error));
