@@ -197,6 +197,10 @@ struct run {
     struct run_private *private_state; /* work memory */
 };
 
+/* States after whole steps that are known already, as a run of fixed steps would find them: row
+ * [count][n], the caller's, from the start on. Before it advances; their evaluations are not
+ * counted. */
+void run_give(struct run *run, const double *row, int64_t count);
 /* A run at its start (one recorded row). NULL with error. */
 struct run *run_create(const struct scene *scene, const struct method *method,
                        const struct run_settings *settings, double span, struct error *error);

@@ -74,6 +74,24 @@ static void find_block(struct run *run, const struct segment *segment, int64_t s
         propagator_anchor(propagator, propagator_block(step), state);
 }
 
+void run_give(struct run *run, const double *row, int64_t count)
+{
+    run->private_state->given = row;
+    run->private_state->given_count = count;
+}
+
+/* Steps that are given instead of taken. */
+static int64_t take_given(struct run *run, const struct march *march)
+{
+    struct run_private *p = run->private_state;
+    const size_t n = (size_t)run->system.n, size = n * sizeof(double);
+    const int64_t taken = min(march->count, p->given_count - run->steps);
+    memcpy(march->row, p->given + (size_t)run->steps * n, (size_t)taken * size);
+    memcpy(run->y, march->row + (size_t)(taken - 1) * n, size);
+    p->step.warm = false;
+    return taken;
+}
+
 bool advance_many(struct run *run, const struct segment *segment, enum stop *stop)
 {
     struct run_private *p = run->private_state;
@@ -107,6 +125,8 @@ bool advance_many(struct run *run, const struct segment *segment, enum stop *sto
     const bool propagated = taken > 0;
     if (propagated) {
         p->step.warm = false;
+    } else if (run->steps < p->given_count) {
+        taken = take_given(run, &march);
     } else {
         /* In a block that is not known: by steps, but only to its end, however the calls are cut.
          */

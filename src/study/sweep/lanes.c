@@ -127,6 +127,21 @@ static void watch_lanes(struct sweep_worker *worker, const double *before, int64
     }
 }
 
+/* The states that have come by, for each lane by itself: so many rows at once fill a line of the
+ * cache. */
+static void keep_rows(struct sweep_worker *worker, int64_t first, int64_t count)
+{
+    enum { AT_ONCE = 4 };
+    for (int64_t begin = 0; begin < count; begin += AT_ONCE)
+        for (int lane = 0; lane < worker->used; lane++) {
+            double *kept = worker->replay + (lane * worker->job->whole + first) * 2;
+            for (int64_t i = begin; i < count && i < begin + AT_ONCE; i++) {
+                kept[2 * i] = worker->row[i * 2 * LANES + lane];
+                kept[2 * i + 1] = worker->row[(i * 2 + 1) * LANES + lane];
+            }
+        }
+}
+
 /* The first step at whose end the window is open. */
 static int64_t opening_step(const struct sweep_worker *worker)
 {
@@ -149,14 +164,14 @@ static int64_t min(int64_t a, int64_t b)
 static bool march(struct sweep_worker *worker)
 {
     const struct sweep_job *job = worker->job;
-    const int64_t opening = job->watches ? opening_step(worker) : job->whole;
+    const int64_t opening = job->watches && !job->replays ? opening_step(worker) : job->whole;
     double before[2 * LANES];
     for (int lane = 0; lane < worker->used; lane++)
         watch_begin(&worker->watch[lane], worker->system[lane].start[0]);
     memset(worker->area, 0, sizeof worker->area);
     worker->span = 0;
     for (int64_t i = 0; i < job->whole;) {
-        const bool watching = job->tops || (job->watches && i >= opening);
+        const bool watching = job->replays || job->tops || (job->watches && i >= opening);
         const int64_t count = min(i < opening ? opening - i : job->whole - i,
                                   watching ? SWEEP_ROWS : 16 * SWEEP_ROWS);
         if (watching)
@@ -164,7 +179,9 @@ static bool march(struct sweep_worker *worker)
         for (int lane = 0; lane < worker->used && watching && i == opening; lane++)
             watch_open(&worker->watch[lane], before[lane]);
         lanes_march(worker->lanes, count, watching ? worker->row : NULL);
-        if (watching)
+        if (job->replays)
+            keep_rows(worker, i, count);
+        else if (watching)
             watch_lanes(worker, before, opening, i, count);
         i += count;
         if (cancelled(job->request->cancel))
@@ -189,6 +206,11 @@ static void finish_lanes(struct sweep_worker *worker)
         memcpy(was, y, sizeof y);
         if (suspicious(y, system->n) || (job->rest != 0 && !finish_lane(worker, lane, y, &evals))) {
             sweep_alone(worker, i);
+            continue;
+        }
+        if (job->replays) {
+            sweep_replay(worker, i, worker->replay + lane * job->whole * 2, evals);
+            worker->side_by_side++;
             continue;
         }
         if (job->watches) {

@@ -30,7 +30,10 @@ bool sweep_worker_init(struct sweep_worker *worker, struct sweep_job *job)
             malloc(method_work_size(job->request->method, job->request->scene->model->n) *
                    sizeof *worker->work);
     }
+    if (job->replays)
+        worker->replay = malloc((size_t)LANES * (size_t)job->whole * 2 * sizeof(double));
     if (worker->system && (!job->in_lanes || (worker->lanes && worker->row && worker->work)) &&
+        (!job->replays || worker->replay) &&
         (!job->request->section.wanted || section_create(worker)))
         return true;
     sweep_worker_free(worker);
@@ -41,6 +44,7 @@ void sweep_worker_free(struct sweep_worker *worker)
 {
     free(worker->system);
     free(worker->row);
+    free(worker->replay);
     free(worker->work);
     section_free(worker->section);
     lanes_destroy(worker->lanes);
@@ -180,6 +184,11 @@ static bool needs_work(const struct sweep_job *job)
 
 void sweep_alone(struct sweep_worker *worker, int64_t i)
 {
+    sweep_replay(worker, i, NULL, 0);
+}
+
+void sweep_replay(struct sweep_worker *worker, int64_t i, const double *row, int64_t evals)
+{
     struct sweep_job *job = worker->job;
     const struct sweep_request *request = job->request;
     struct error error = {0};
@@ -204,8 +213,12 @@ void sweep_alone(struct sweep_worker *worker, int64_t i)
     const struct run_target target = {
         .t = needs_no_run(request) ? run->system.t0 : run->system.t0 + request->duration,
         .steps = -1};
+    if (row)
+        run_give(run, row, job->whole);
     while (run_advance(run, &target, 0, request->cancel)) {
     }
+    if (row)
+        run->cost.evals = evals;
     if (run->stop != STOP_CANCELLED) {
         for (int m = 0; m < request->measures; m++) {
             const struct sweep_measure *measure = &request->measure[m];

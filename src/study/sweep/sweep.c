@@ -216,10 +216,14 @@ static void choose_lanes(struct sweep_job *job, struct plan *plan)
         possible &= request->axis[a].target != SWEEP_DT && request->axis[a].target != SWEEP_TOL &&
                     !text_is(text_of(request->axis[a].name), "t0");
     for (int m = 0; m < request->measures; m++)
-        possible &= lane_measures(&request->measure[m]);
+        job->replays |= !lane_measures(&request->measure[m]);
+    if (job->replays) /* whose states are what lanes show on the way */
+        possible = possible && system->order == 2 && system->n == 2 && plan->whole > 0 &&
+                   plan->whole <= SWEEP_REPLAYED && !request->section.wanted;
     possible = possible && (!job->watches || plan->steps <= LIMIT_SAMPLES);
     free(system);
     job->in_lanes = possible;
+    job->replays &= possible;
     if (possible) {
         job->whole = plan->whole;
         job->rest = plan->partial;
@@ -363,6 +367,7 @@ static struct sweep_job job_of(const struct sweep_request *request, struct sweep
 #define NS_ALONE 4000.0
 #define NS_IN_LANES 200.0
 #define LANES_GAIN 50.0
+#define REPLAY_GAIN 2.0
 
 void study_sweep_predict(const struct sweep_request *request, double *steps, double *seconds)
 {
@@ -373,8 +378,9 @@ void study_sweep_predict(const struct sweep_request *request, double *steps, dou
     if (request->section.wanted)
         plan_section(request, &sweep, &plan);
     const bool lanes = job.in_lanes && sweep.count > SWEEP_FEW && lanes_go(request, &sweep);
-    const double each =
-        lanes ? plan.seconds / LANES_GAIN + NS_IN_LANES * 1e-9 : plan.seconds + NS_ALONE * 1e-9;
+    const double each = lanes && !job.replays ? plan.seconds / LANES_GAIN + NS_IN_LANES * 1e-9
+                        : lanes               ? plan.seconds / REPLAY_GAIN + NS_ALONE * 1e-9
+                                              : plan.seconds + NS_ALONE * 1e-9;
     *steps = plan.steps * (double)sweep.count;
     *seconds = each * (double)sweep.count / thread_count(request, sweep.count);
 }

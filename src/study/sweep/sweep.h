@@ -44,7 +44,8 @@ static inline bool watch_turns(double v0, double v1)
 /* ---- one worker ---- */
 
 enum {
-    SWEEP_ROWS = 64, /* steps between looks at what the lanes do */
+    SWEEP_ROWS = 64,          /* steps between looks at what the lanes do */
+    SWEEP_REPLAYED = 1 << 13, /* steps of a run at most, of which lanes keep the states: 8 MiB */
     SWEEP_FEW =
         3 /* so many points take less time alone than in lanes, most of which would stand empty */
 };
@@ -56,6 +57,7 @@ struct sweep_job {
     bool tops;    /* from the start on */
     bool means;
     bool in_lanes; /* as far as that does not depend on the point */
+    bool replays;  /* measured of runs that are given the steps that the lanes took */
     double opens;  /* [s] after t0: where the window begins */
     int64_t whole; /* in lanes: full steps, and the rest [s] */
     double rest;
@@ -72,6 +74,7 @@ struct sweep_worker {
     struct run_settings settings;
     struct lanes *lanes; /* NULL: none are used */
     double *row;
+    double *replay;        /* [LANES][whole][2]; NULL: nothing is replayed */
     struct system *system; /* [LANES] */
     struct extremes watch[LANES];
     double area[LANES], span; /* what means are made of: the same span for all lanes */
@@ -115,6 +118,8 @@ void sweep_combine(struct sweep_worker *worker, int64_t i);
 double sweep_measured(const struct sweep_measure *measure, const struct system *system, double t,
                       const double *y);
 void sweep_alone(struct sweep_worker *worker, int64_t i); /* point i, as a run of its own */
+/* The same, its whole steps known already: row [whole][n]; evals: what all of its steps took. */
+void sweep_replay(struct sweep_worker *worker, int64_t i, const double *row, int64_t evals);
 
 /* ---- in lanes (sweep_lanes.c) ---- */
 

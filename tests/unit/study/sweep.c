@@ -121,6 +121,39 @@ static void test_lanes_equal_runs(void **state)
     assert_true(side_by_side > 1500);
 }
 
+/* What needs the whole run is measured of runs that are given the steps of the lanes. */
+static void test_replays_equal_runs(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *preset, *axis, *measures;
+        double from, to;
+    } cases[] = {
+        {"driven", "omega", "error energy_error max(v) min(energy) mean(v) y evals steps", 6, 12},
+        {"damped", "gamma", "error energy_error work phase-error period(v) mean evals", 0, 3},
+        {"drag", "C", "energy_error dissipated amplitude(v) max(power) max evals", 0, 4},
+        {"duffing-driven", "F0", "max(v) amplitude(a) mean(kinetic) energy-error period", 0, 1},
+        {"pendulum", "theta0", "energy_error max(v) period(v) energy", 0.1, 3},
+        {"inverted", "k", "energy_error max(v) reached steps", -1500, 15}};
+    static const char *const methods[] = {"rk4", "verlet", "symplectic-euler", "dopri5"};
+    for (size_t c = 0; c < COUNT_OF(cases); c++)
+        for (size_t m = 0; m < 2 * COUNT_OF(methods); m++) {
+            const struct scene scene = scene_with(cases[c].preset, NO_SETTINGS);
+            struct sweep_request request =
+                request_of(&scene, methods[m / 2], 0.01, m % 2 ? 4.0037 : 4, cases[c].measures);
+            request.axis[0] = axis_of(&scene, cases[c].axis, cases[c].from, cases[c].to, 21);
+            request.axes = 1;
+            struct sweep lanes = sweep_of(&request);
+            request.settings.kernel = KERNEL_GENERAL;
+            struct sweep alone = sweep_of(&request);
+            assert_int_equal(alone.side_by_side, 0);
+            assert_true(lanes.side_by_side > 0);
+            assert_same(&lanes, &alone, 0, cases[c].preset);
+            sweep_free(&lanes);
+            sweep_free(&alone);
+        }
+}
+
 /* ---- what diverges is a result ---- */
 
 static void test_divergence(void **state)
@@ -457,17 +490,12 @@ static void test_cancelling(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_lanes_equal_runs),
-        cmocka_unit_test(test_divergence),
-        cmocka_unit_test(test_shards_and_threads),
-        cmocka_unit_test(test_stretches),
-        cmocka_unit_test(test_resonance),
-        cmocka_unit_test(test_pendulum_period),
-        cmocka_unit_test(test_against_a_run),
-        cmocka_unit_test(test_other_axes),
-        cmocka_unit_test(test_columns),
-        cmocka_unit_test(test_refusals),
-        cmocka_unit_test(test_cancelling),
+        cmocka_unit_test(test_lanes_equal_runs), cmocka_unit_test(test_replays_equal_runs),
+        cmocka_unit_test(test_divergence),       cmocka_unit_test(test_shards_and_threads),
+        cmocka_unit_test(test_stretches),        cmocka_unit_test(test_resonance),
+        cmocka_unit_test(test_pendulum_period),  cmocka_unit_test(test_against_a_run),
+        cmocka_unit_test(test_other_axes),       cmocka_unit_test(test_columns),
+        cmocka_unit_test(test_refusals),         cmocka_unit_test(test_cancelling),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
