@@ -158,15 +158,20 @@ static int thread_count(const struct sweep_request *request, int64_t tasks)
     return (int)(wanted < tasks ? wanted : tasks);
 }
 
-/* Does the first point go in lanes? */
+/* Does a point go in lanes? One at an end may lack a force (F0 = 0) of all others. */
 static bool lanes_go(const struct sweep_request *request, const struct sweep *sweep)
 {
     struct system *system = malloc(sizeof *system);
-    struct error ignored = {0};
-    enum drag drag = request->settings.drag;
-    const bool go = system && bind_end(request, sweep, sweep->first, system) &&
-                    method_applies(request->method, system, &drag, &ignored) &&
-                    lanes_fit(request->method, system, drag, request->settings.dt);
+    const int64_t number[] = {sweep->first, sweep->first + sweep->count / 2,
+                              sweep->first + sweep->count - 1};
+    bool go = false;
+    for (size_t i = 0; system && !go && i < COUNT_OF(number); i++) {
+        struct error ignored = {0};
+        enum drag drag = request->settings.drag;
+        go = bind_end(request, sweep, number[i], system) &&
+             method_applies(request->method, system, &drag, &ignored) &&
+             lanes_fit(request->method, system, drag, request->settings.dt);
+    }
     free(system);
     return go;
 }
