@@ -220,8 +220,10 @@ static void choose_lanes(struct sweep_job *job, struct plan *plan)
     for (int a = 0; a < request->axes; a++)
         possible &= request->axis[a].target != SWEEP_DT && request->axis[a].target != SWEEP_TOL &&
                     !text_is(text_of(request->axis[a].name), "t0");
-    for (int m = 0; m < request->measures; m++)
+    for (int m = 0; m < request->measures; m++) {
         job->replays |= !lane_measures(&request->measure[m]);
+        possible &= request->measure[m].kind != SWEEP_ATTRACTOR; /* that is long in itself */
+    }
     if (job->replays) /* whose states are what lanes show on the way */
         possible = possible && system->order == 2 && system->n == 2 && plan->whole > 0 &&
                    plan->whole <= SWEEP_REPLAYED && !request->section.wanted;
