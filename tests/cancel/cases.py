@@ -170,6 +170,8 @@ CASES = [
     ("sweep map", "scene pendulum; method dopri5; duration = 60 s", "sweep theta0=0.1:3:0.01 gamma=0.1:1:0.1", "", ""),
     ("sweep long points", "scene pendulum; method radau5 dt=1ms; duration = 3000 s", "sweep gamma=0.1:1:0.1 --force",
      "", ""),
+    ("sweep file", "scene driven; method rk4; duration = 600 s", "sweep omega=6:12:0.0001 --resume swept.csv --force",
+     "", ""),
     ("lyapunov", CHAOS, "lyapunov over 1e6", "", ""),
     ("lyapunov of a run", CHAOS + "; method rk4; dt = 0.01; run 10000", "lyapunov of x", "", ""),
     ("sweep typed", LORENZ + "; duration = 100", "sweep rho=20:30:0.05 measure=max(z) --force", "", ""),
