@@ -34,6 +34,26 @@ enum time_source {
     TIME_RATE /* no column at all */
 };
 
+/*
+ * What is known of lines that were collected as they came: the file has the time at which each
+ * arrived before it. Where the device sends no times of its own, those of the samples lie on the
+ * robust line through the arrivals, unless these are too uneven for one.
+ */
+enum collected_clock { CLOCK_DEVICE, CLOCK_ARRIVAL, CLOCK_UNEVEN };
+
+struct collected {
+    enum collected_clock clock;
+    size_t lines;   /* that came */
+    size_t skipped; /* before the first sample: text, a heading, half a line */
+    size_t garbled; /* later ones that are no sample, or have none in the chosen column */
+    size_t lost;    /* that must have been between those that came */
+    /* [Hz] of the samples; value NAN: not known. [s] of the arrivals about the line: standard
+     * deviation, and the largest */
+    struct measured rate;
+    double jitter, largest;
+    struct text statement; /* that collected it, as its file says; empty: nobody has said */
+};
+
 /* One of several recordings in a file, side by side (columns) or below each other (blocks). */
 struct recording_run {
     char name[LIMIT_NAME + 1]; /* as users see it: "Run #2", "Latest", "segment 3" */
@@ -76,8 +96,9 @@ struct recording {
     double *t;                       /* [rows] time [s], rising; NAN never */
     double *y;      /* [rows] chosen value in SI, zero not yet subtracted; NAN: missing */
     uint32_t *line; /* [rows] line of the file, counted from 1 */
-    const struct cancel *cancel; /* as when it was loaded */
-    struct arena arena;          /* owns all but the arrays of rows: column[].value, t, y, line */
+    const struct collected *collected; /* NULL: it was not */
+    const struct cancel *cancel;       /* as when it was loaded */
+    struct arena arena; /* owns all but the arrays of rows: column[].value, t, y, line */
 };
 
 #define SUMMED_BYTES ((size_t)128 << 20)
@@ -96,7 +117,8 @@ struct load_options {
 struct table_text; /* the file's text and lines, private */
 struct format {
     struct row row;
-    bool any;                                    /* takes what no other does */
+    bool any;   /* takes what no other does */
+    bool whole; /* its read chooses the columns and makes the times, too */
     int (*probe)(const struct table_text *text); /* 0: not mine … 100: certain */
     bool (*read)(const struct table_text *text, const struct load_options *options,
                  struct recording *recording, struct error *error);
@@ -126,6 +148,23 @@ bool recording_series(const struct recording *recording, struct arena *arena, si
  */
 bool recording_errors(const struct recording *recording, const struct series *series,
                       struct arena *arena, const double **half);
+
+/* ---- files of what was collected ----
+ *
+ * COLLECTED_HEAD and a version, a comment with the statement that made it, then each line as
+ * "ARRIVAL<TAB>LINE", seconds since the first of them began to be waited for. Bytes of a line that
+ * are no text stand as \xHH, what was cut off as "\...": such a line is garbled.
+ */
+
+#define COLLECTED_HEAD "# hooke collect 1"
+#define COLLECTED_STATEMENT "# statement: "
+#define COLLECTED_LINE 1024 /* [byte] of a line that are kept */
+
+/* Appends one that came, without its end, to the text of the file. */
+void collected_put(struct buffer *file, double arrival, struct text line);
+/* From text of such a file, all of it or its head and its last lines. */
+struct recording *collected_read(struct text text, const struct load_options *options,
+                                 struct error *error);
 
 /* ---- what is wrong with a recording ---- */
 

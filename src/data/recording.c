@@ -58,12 +58,12 @@ static const struct format *format_row(size_t i)
 }
 
 /* The surest; of equals the first. */
-static const struct format *probe(const struct table_text *text)
+const struct format *format_of(const struct table_text *text, const struct format *but)
 {
-    const struct format *best = format_row(0);
-    int max = best->probe(text);
-    for (size_t i = 1; i < format_catalog.count; i++) {
-        int sure = format_row(i)->probe(text);
+    const struct format *best = NULL;
+    int max = 0;
+    for (size_t i = 0; i < format_catalog.count; i++) {
+        const int sure = format_row(i) == but ? 0 : format_row(i)->probe(text);
         best = sure > max ? format_row(i) : best;
         max = sure > max ? sure : max;
     }
@@ -99,11 +99,11 @@ static bool read_text(struct table_text *text, const struct load_options *option
     if (done) {
         table_find(text, 0, options, &text->layout, &text->problem);
         recording->header_rate = table_rate(text);
-        const struct format *format = probe(text);
+        const struct format *format = format_of(text, NULL);
         snprintf(recording->format, sizeof recording->format, "%s", format->row.name);
         done = format->read(text, options, recording, error) &&
-               recording_choose(recording, options, error) &&
-               recording_time(recording, options, error);
+               (format->whole || (recording_choose(recording, options, error) &&
+                                  recording_time(recording, options, error)));
     }
     arena_reset(&scratch);
     return done;
@@ -129,7 +129,7 @@ bool table_begins(struct text content, const char *shown, const struct load_opti
         text.text = (struct text){content.at + 3, content.len - 3};
     bool found = table_head(&text, &scratch) || error_memory(error);
     if (found && !table_find(&text, 0, options, &text.layout, error)) {
-        const struct format *sure = probe(&text);
+        const struct format *sure = format_of(&text, NULL);
         found = !sure->any && sure->probe(&text) > 0; /* it finds its table by itself */
     }
     arena_reset(&scratch);
@@ -217,6 +217,22 @@ static bool load(const char *path, const struct load_options *options, struct re
             "are left out");
     contents_free(&contents);
     return done;
+}
+
+struct recording *collected_read(struct text text, const struct load_options *options,
+                                 struct error *error)
+{
+    struct recording *recording = calloc(1, sizeof *recording);
+    if (!recording) {
+        error_memory(error);
+        return NULL;
+    }
+    recording->cancel = options->cancel;
+    if (!read_part(text, "what has come", options, recording, error)) {
+        recording_destroy(recording);
+        return NULL;
+    }
+    return recording;
 }
 
 struct recording *recording_load(const char *path, const struct load_options *options,

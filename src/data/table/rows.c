@@ -137,7 +137,7 @@ static const char *plain_row(struct row_reader *reader, const char *at, const ch
             return NULL;
     }
     reader->recent[row % RECENT] = (struct text){begin, (size_t)(at - begin)};
-    at += at < end && *at == separator && separator != ' ';
+    at += at < end && *at == separator && separator != ' ' && separator != '\n';
     at += at < end && *at == '\r';
     return at < end && *at == '\n' ? at + 1 : NULL;
 }

@@ -80,6 +80,20 @@ bool table_begins(struct text content, const char *shown, const struct load_opti
 
 bool table_head(struct table_text *text, struct arena *arena); /* splits the first lines */
 
+/* collect/collected.c: the read function of the format of collected lines. */
+bool collected_lines(const struct table_text *text, const struct load_options *options,
+                     struct recording *recording, struct error *error);
+/* collect/arrival.c */
+struct arrivals {
+    const double *arrival; /* [n] [s] */
+    const double *order;   /* [n] of the lines that came, rising; lost ones are not counted */
+    size_t n;
+};
+/* Times [n] of the samples: fills clock, lost, rate and jitter of what is known of them. Scratch
+ * from `arena`; false: no memory. */
+bool arrival_times(const struct arrivals *arrivals, struct arena *arena,
+                   struct collected *collected, double *t);
+
 /* layout.c: the first table at or after head[from]. */
 bool table_find(const struct table_text *text, size_t from, const struct load_options *options,
                 struct table_layout *layout, struct error *error);
@@ -133,6 +147,8 @@ bool runs_of_blocks(const struct table_text *text, const struct load_options *op
                     struct error *error);
 
 /* choose.c, time.c: which columns are meant, and time [s] and value [SI] from them. */
+/* What a text holds, by the format that is surest of it, `but` one (NULL: none). */
+const struct format *format_of(const struct table_text *text, const struct format *but);
 bool recording_choose(struct recording *recording, const struct load_options *options,
                       struct error *error);
 bool enough_rows(const struct recording *recording, struct error *error); /* two are the least */

@@ -1,0 +1,186 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * When samples were taken, from when their lines arrived. A device that sends at an even rate is
+ * heard late, and in bursts where USB packs its lines: the samples lie on a straight line below
+ * the arrivals. Its slope is the median of slopes between lines far apart (Theil 1950, Sen 1968),
+ * then least squares; lines that were lost are steps of the smallest delays by whole intervals.
+ */
+#include "data/table/table.h"
+
+#include <hooke/base/numeric.h>
+
+#include <math.h>
+#include <string.h>
+
+enum {
+    APART_MAX = 4096,  /* lines between the ends of a slope */
+    SLOPES_MAX = 4096, /* slopes that the median is of */
+    BLOCK = 32,        /* lines of which one arrives in time */
+    BLOCKS_MIN = 8,    /* below so many nothing is said about steps and evenness */
+    PASSES = 3         /* of the line and the steps */
+};
+#define STEP_MIN 0.7  /* [interval] a smaller step is no lost line … */
+#define AT_ONCE 0.1   /* [interval] between lines of one packet */
+#define STEP_SIGMAS 8 /* … nor one that the delays make by themselves */
+#define WANDERS 0.5   /* means of blocks scatter by that share of all: no line describes them */
+
+/* The arrival of the line at place x: from + interval x. */
+struct arrival_line {
+    double from, interval;
+};
+
+static double median_slope(const struct arrivals *a, const double *place, double *scratch)
+{
+    const size_t apart = a->n / 4 < APART_MAX ? a->n / 4 + 1 : APART_MAX, count = a->n - apart,
+                 stride = count / SLOPES_MAX + 1;
+    size_t n = 0;
+    for (size_t i = 0; i < count; i += stride)
+        scratch[n++] = (a->arrival[i + apart] - a->arrival[i]) / (place[i + apart] - place[i]);
+    return quantile(scratch, n, 0.5);
+}
+
+static void least_squares(const struct arrivals *a, const double *place, struct arrival_line *line)
+{
+    double x = 0, y = 0, xx = 0, xy = 0;
+    for (size_t i = 0; i < a->n; i++) {
+        x += place[i] / (double)a->n;
+        y += a->arrival[i] / (double)a->n;
+    }
+    for (size_t i = 0; i < a->n; i++) {
+        xx += (place[i] - x) * (place[i] - x);
+        xy += (place[i] - x) * (a->arrival[i] - y);
+    }
+    line->interval = xy / xx;
+    line->from = y - line->interval * x;
+}
+
+static double delay(const struct arrivals *a, const double *place, struct arrival_line line,
+                    size_t i)
+{
+    return a->arrival[i] - line.from - line.interval * place[i];
+}
+
+static double smallest(const struct arrivals *a, const double *place, struct arrival_line line,
+                       size_t block)
+{
+    double least = HUGE_VAL;
+    for (size_t i = block * BLOCK; i < (block + 1) * BLOCK && i < a->n; i++)
+        least = fmin(least, delay(a, place, line, i));
+    return least;
+}
+
+/* [interval] of which steps are told from delays: where lines come several at a time, the smallest
+ * of their delays may change by one. */
+static double step_min(const struct arrivals *a, struct arrival_line line)
+{
+    size_t at_once = 0;
+    for (size_t i = 1; i < a->n; i++)
+        at_once += a->arrival[i] - a->arrival[i - 1] < AT_ONCE * line.interval;
+    return 2 * at_once > a->n ? 1 + STEP_MIN : STEP_MIN;
+}
+
+/* Shifts the places behind each step by as many lines as it is high; so many in all. */
+static size_t find_lost(const struct arrivals *a, struct arrival_line line, double *place,
+                        double *scratch)
+{
+    const size_t blocks = a->n / BLOCK;
+    size_t lost = 0, n = 0;
+    if (blocks < BLOCKS_MIN)
+        return 0;
+    for (size_t k = 1; k < blocks; k++)
+        scratch[n++] = fabs(smallest(a, place, line, k) - smallest(a, place, line, k - 1));
+    const double least = step_min(a, line);
+    const double usual = STEP_SIGMAS * MAD_TO_SIGMA * quantile(scratch, n, 0.5);
+    double before = smallest(a, place, line, 0), at = 0;
+    memset(scratch, 0, BLOCK * sizeof *scratch);
+    for (size_t k = 1; k < blocks; k++) {
+        const double now = smallest(a, place, line, k) - at, step = now - before;
+        if (!(step > usual && step > least * line.interval)) {
+            before = fmin(now, before + usual);
+            for (size_t i = k * BLOCK; i < (k + 1) * BLOCK; i++)
+                scratch[i] = at / line.interval;
+            continue;
+        }
+        /* the next block has none of the lines before it */
+        const double after = k + 1 < blocks ? smallest(a, place, line, k + 1) - at - before : step,
+                     whole = fmax(1, nearbyint(after / line.interval));
+        size_t first = k * BLOCK;
+        /* where it begins: behind the last line that came in time */
+        const double half = before + at + 0.5 * whole * line.interval;
+        while (delay(a, place, line, first) < half && first + 1 < (k + 1) * BLOCK)
+            first++;
+        while (first > (k - 1) * BLOCK && delay(a, place, line, first - 1) > half)
+            first--;
+        at += whole * line.interval;
+        lost += (size_t)whole;
+        for (size_t i = k * BLOCK; i < first; i++)
+            scratch[i] = at / line.interval - whole;
+        for (size_t i = first; i < (k + 1) * BLOCK; i++)
+            scratch[i] = at / line.interval;
+    }
+    for (size_t i = 0; i < a->n; i++)
+        place[i] += nearbyint(scratch[i < blocks * BLOCK ? i : blocks * BLOCK - 1]);
+    return lost;
+}
+
+/* Standard deviation of the delays, of means of `each` of them, and the largest delay. */
+static double scatter(const struct arrivals *a, const double *place, struct arrival_line line,
+                      size_t each, double *largest)
+{
+    double squares = 0;
+    size_t n = 0;
+    for (size_t i = 0; i + each <= a->n; i += each, n++) {
+        double mean = 0;
+        for (size_t k = i; k < i + each; k++) {
+            const double late = delay(a, place, line, k);
+            mean += late / (double)each;
+            *largest = fmax(*largest, fabs(late));
+        }
+        squares += mean * mean;
+    }
+    return n > 1 ? sqrt(squares / (double)(n - 1)) : 0;
+}
+
+bool arrival_times(const struct arrivals *a, struct arena *arena, struct collected *collected,
+                   double *t)
+{
+    const size_t n = a->n;
+    double *place = arena_array(arena, n + 1, sizeof *place),
+           *scratch = arena_array(arena, n + SLOPES_MAX + 1, sizeof *scratch), ignored = 0;
+    collected->clock = CLOCK_UNEVEN;
+    collected->rate = (struct measured){NAN, NAN};
+    if (!place || !scratch)
+        return false;
+    memcpy(t, a->arrival, n * sizeof *t);
+    if (n < 3)
+        return true;
+    memcpy(place, a->order, n * sizeof *place);
+    struct arrival_line line = {a->arrival[0], median_slope(a, place, scratch)};
+    collected->lost = 0;
+    for (int pass = 0; pass < PASSES && line.interval > 0; pass++) {
+        const size_t more = find_lost(a, line, place, scratch);
+        collected->lost += more;
+        line.interval = median_slope(a, place, scratch);
+        if (more == 0)
+            break;
+    }
+    least_squares(a, place, &line);
+    if (!(line.interval > 0))
+        return true;
+    const size_t each = n / (4 * BLOCKS_MIN) > 0 ? n / (4 * BLOCKS_MIN) : 1, blocks = n / each;
+    collected->jitter = scatter(a, place, line, 1, &collected->largest);
+    const double means = scatter(a, place, line, each, &ignored);
+    if (each > 1 && means > WANDERS * collected->jitter &&
+        collected->jitter > 0.5 * line.interval) {
+        collected->lost = 0;
+        return true;
+    }
+    collected->clock = CLOCK_ARRIVAL;
+    const double spread = fmax(means, collected->jitter / sqrt((double)each)),
+                 of_interval = spread * sqrt(12 / (double)blocks) / (place[n - 1] - place[0]);
+    collected->rate =
+        (struct measured){1 / line.interval, of_interval / (line.interval * line.interval)};
+    for (size_t i = 0; i < n; i++)
+        t[i] = line.from + line.interval * place[i];
+    return true;
+}

@@ -1,0 +1,242 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * Lines as they came: the device's clock, or the line through the arrivals, against the truth that
+ * made them; broken streams end in counts and a word.
+ */
+#include "unit/data/fixture.h"
+#include "unit/random_testing.h"
+
+#include <hooke/base/numeric.h>
+
+struct stream {
+    double rate, from;     /* [Hz] [s] */
+    int n, lose_at, lose;  /* lines; so many are lost at one place */
+    double jitter, packet; /* [s] */
+    bool wander;           /* a person presses a key */
+    double taken[20000];   /* when each that came was taken [s] */
+    int came;
+    struct buffer file;
+};
+
+static double value_at(double t)
+{
+    return 30 + 5 * cos(8.7 * t);
+}
+
+static void make(struct stream *s)
+{
+    uint64_t seed = 5;
+    double t = s->from;
+    buffer_format(&s->file, "%s\n%scollect pipe\n", COLLECTED_HEAD, COLLECTED_STATEMENT);
+    collected_put(&s->file, 0, TEXT("sensor ready"));
+    for (int i = 0; i < s->n; i++) {
+        char line[40];
+        t = s->wander ? t + 2 * random_fraction(&seed) / s->rate : s->from + i / s->rate;
+        double arrival = t + s->jitter * random_fraction(&seed);
+        if (s->packet > 0)
+            arrival = s->packet * ceil(arrival / s->packet);
+        if (s->lose > 0 && i >= s->lose_at && i < s->lose_at + s->lose)
+            continue;
+        snprintf(line, sizeof line, "%.3f", value_at(t));
+        collected_put(&s->file, arrival, text_of(line));
+        s->taken[s->came++] = t;
+    }
+}
+
+static struct recording *taken_from(struct stream *s, const struct load_options *options)
+{
+    static const struct load_options none;
+    struct error error = {0};
+    make(s);
+    struct recording *r = collected_read(buffer_text(&s->file), options ? options : &none, &error);
+    if (!r)
+        fail_msg("%s", error.text);
+    assert_non_null(r->collected);
+    return r;
+}
+
+/* The times are true but for one delay common to all, within `tolerance` [s]. */
+static void times_are(const struct recording *r, const struct stream *s, double tolerance)
+{
+    double mean = 0, worst = 0;
+    assert_int_equal(r->rows, s->came);
+    for (int i = 0; i < s->came; i++)
+        mean += (r->t[i] - s->taken[i]) / s->came;
+    for (int i = 0; i < s->came; i++)
+        worst = fmax(worst, fabs(r->t[i] - s->taken[i] - mean));
+    if (worst > tolerance)
+        fail_msg("a time is %.3g s wrong, %.3g allowed", worst, tolerance);
+}
+
+static void arrivals_lie_on_the_line_of_the_device(void **state)
+{
+    (void)state;
+    static const struct {
+        struct stream s;
+        double tolerance, uncertainty;
+    } cases[] = {
+        {{.rate = 100, .from = 1, .n = 1000, .jitter = 0.004}, 1e-3, 5},
+        {{.rate = 100, .from = 1, .n = 1000, .jitter = 0.030}, 4e-3, 5},
+        {{.rate = 1000, .from = 0.3, .n = 10000, .jitter = 1e-4, .packet = 0.016}, 2e-3, 5},
+        {{.rate = 20, .from = 0, .n = 200, .jitter = 0.002}, 1e-3, 5},
+        {{.rate = 100, .from = 1, .n = 5000, .jitter = 2e-3, .lose_at = 2500, .lose = 1}, 1e-3, 5},
+        {{.rate = 100, .from = 1, .n = 5000, .jitter = 2e-3, .lose_at = 1010, .lose = 300},
+         1e-3,
+         5},
+        {{.rate = 1000, .from = 1, .n = 9000, .packet = 0.016, .lose_at = 4000, .lose = 40},
+         3e-3,
+         5},
+    };
+    for (size_t i = 0; i < COUNT_OF(cases); i++) {
+        struct stream *s = malloc(sizeof *s);
+        assert_non_null(s);
+        *s = cases[i].s;
+        struct recording *r = taken_from(s, NULL);
+        assert_int_equal(r->collected->clock, CLOCK_ARRIVAL);
+        assert_int_equal(r->collected->lost, s->lose);
+        assert_int_equal(r->collected->skipped, 1);
+        assert_int_equal(r->collected->garbled, 0);
+        times_are(r, s, cases[i].tolerance);
+        const struct measured rate = r->collected->rate;
+        if (!(fabs(rate.value - s->rate) < cases[i].uncertainty * rate.uncertainty + 1e-9) ||
+            !(rate.uncertainty < 0.01 * s->rate))
+            fail_msg("case %zu: %.9g +- %.3g Hz of %.9g", i, rate.value, rate.uncertainty, s->rate);
+        recording_destroy(r);
+        buffer_free(&s->file);
+        free(s);
+    }
+}
+
+static void no_line_is_drawn_through_what_is_uneven(void **state)
+{
+    (void)state;
+    struct stream *s = calloc(1, sizeof *s);
+    assert_non_null(s);
+    *s = (struct stream){.rate = 10, .from = 1, .n = 600, .wander = true};
+    struct recording *r = taken_from(s, NULL);
+    assert_int_equal(r->collected->clock, CLOCK_UNEVEN);
+    times_are(r, s, 2e-6);
+    recording_destroy(r);
+    buffer_free(&s->file);
+    free(s);
+}
+
+static struct recording *of_lines(const char *lines, double step, struct error *error)
+{
+    static const struct load_options none;
+    struct buffer file = {0};
+    struct text rest = text_of(lines), line;
+    buffer_format(&file, "%s\n", COLLECTED_HEAD);
+    for (double t = 0; text_split(&rest, '\n', &line); t += step)
+        collected_put(&file, t, line);
+    struct recording *r = collected_read(buffer_text(&file), &none, error);
+    buffer_free(&file);
+    return r;
+}
+
+static void the_clock_of_the_device_is_taken_where_there_is_one(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *before, *between, *behind;
+        double per_second;
+        int decimals;
+    } cases[] = {{"", ",", "", 1000, 0},       {"", "\t", "", 1e6, 0},
+                 {"", ";", "", 1, 3},          {"t=", " y=", "", 1, 3},
+                 {"ms:", ",cm:", "", 1000, 0}, {"", " ", "", 1000, 0},
+                 {"time:", ",y:", "", 1, 2},   {"Time: ", " ms, y: ", " cm", 1000, 0}};
+    for (size_t i = 0; i < COUNT_OF(cases); i++) {
+        struct buffer lines = {0};
+        struct error error = {0};
+        for (int k = 0; k < 400; k++) {
+            buffer_format(&lines, "%s%.*f%s%.3f%s\n", cases[i].before, cases[i].decimals,
+                          0.02 * k * cases[i].per_second, cases[i].between, value_at(0.02 * k),
+                          cases[i].behind);
+        }
+        struct recording *r = of_lines(buffer_view(&lines), 0.02003, &error);
+        if (!r)
+            fail_msg("%s|%s: %s", cases[i].before, cases[i].between, error.text);
+        if (r->collected->clock != CLOCK_DEVICE || fabs(r->t[r->rows - 1] - 0.02 * 399) > 1e-9)
+            fail_msg("%s|%s: clock %d, the last sample at %.6g s", cases[i].before,
+                     cases[i].between, (int)r->collected->clock, r->t[r->rows - 1]);
+        assert_int_equal(r->rows, 400);
+        recording_destroy(r);
+        buffer_free(&lines);
+    }
+}
+
+/* Every line is a sample, or in one of the counts. */
+static void what_is_broken_is_counted(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *broken;
+        int garbled;
+    } cases[] = {{"", 0},
+                 {"2\xFF.30", 1},
+                 {"\xFF\xFF\xFF\xFF", 1},
+                 {"2\x1B[2J", 1},
+                 {"nan", 1},
+                 {"-", 1},
+                 {"21.3 22.4", 1},
+                 {"hello", 1},
+                 {"21..3", 1},
+                 {"\x07 21.3", 1},
+                 {"# remark", 0},
+                 {"1e999", 1},
+                 {"21.3 garb", 1},
+                 {"\\x41", 1},
+                 {"\xE2\x80\xAE"
+                  "21",
+                  1},
+                 {",", 1},
+                 {"0x1.8p", 1},
+                 {"\r", 0},
+                 {"   ", 0},
+                 {"--21", 1},
+                 {"21,3,4,5,6", 1},
+                 {"\xC3\xA4\xC3", 1}};
+    for (size_t i = 0; i < COUNT_OF(cases); i++) {
+        struct buffer lines = {0};
+        struct error error = {0};
+        for (int k = 0; k < 200; k++) {
+            buffer_format(&lines, "%.3f\n", value_at(0.02 * k));
+            if (k == 100)
+                buffer_format(&lines, "%s\n", cases[i].broken);
+        }
+        struct recording *r = of_lines(buffer_view(&lines), 0.02, &error);
+        if (!r)
+            fail_msg("'%s': %s", cases[i].broken, error.text);
+        size_t good = 0;
+        for (size_t k = 0; k < r->rows; k++)
+            good += isfinite(r->y[k]) ? 1 : 0;
+        if (good != 200 || r->collected->garbled != (size_t)cases[i].garbled)
+            fail_msg("'%s': %zu rows of %zu lines, %zu samples, %zu garbled", cases[i].broken,
+                     r->rows, r->collected->lines, good, r->collected->garbled);
+        recording_destroy(r);
+        buffer_free(&lines);
+    }
+}
+
+static void a_line_without_end_is_cut(void **state)
+{
+    (void)state;
+    struct buffer file = {0};
+    static char line[1000000];
+    memset(line, '1', sizeof line);
+    collected_put(&file, 0, (struct text){line, sizeof line});
+    assert_true(file.len < COLLECTED_LINE + 40 && strstr(file.data, "\\...\n"));
+    buffer_free(&file);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(arrivals_lie_on_the_line_of_the_device),
+        cmocka_unit_test(no_line_is_drawn_through_what_is_uneven),
+        cmocka_unit_test(the_clock_of_the_device_is_taken_where_there_is_one),
+        cmocka_unit_test(what_is_broken_is_counted),
+        cmocka_unit_test(a_line_without_end_is_cut),
+    };
+    return cmocka_run_group_tests(tests, fixture_setup, fixture_teardown);
+}
