@@ -201,6 +201,7 @@ static int run(const struct options *options)
     struct streams streams = {0};
     struct front front = {.cancel = &interrupt,
                           .input = input_is_free(options, kind),
+                          .feed = &sensor_feed,
                           .progress = isatty(STDERR_FILENO) ? progress_print : NULL};
     front_probe(&front, options, STDOUT_FILENO);
     screenshot_offer(&front);

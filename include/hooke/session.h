@@ -74,6 +74,7 @@ struct recording_slot {
     char *options; /* as they have to stand after the file name to load it again */
     uint64_t sum;  /* of the file's bytes, as the session's file has it; 0: nobody has looked */
     struct buffer content; /* the file's bytes, where it may be gone; empty: it is read again */
+    bool growing;          /* it is being collected: its file is safe, and read again */
 };
 
 /* Values that a result took as exact, since nobody stated an uncertainty; "": no more. */
@@ -164,6 +165,44 @@ struct history {
 
 struct snapshot; /* private: undo, redo, checkpoints */
 
+/* ---- lines as they come, for `collect` ---- */
+
+enum feed_end {
+    FEED_GOES_ON,
+    FEED_ENDED,     /* whoever wrote there has closed it */
+    FEED_UNPLUGGED, /* the device is gone */
+    FEED_FULL,      /* as many lines as were wanted, or the file may have */
+    FEED_FAILED     /* the file cannot be written: what is in it is whole */
+};
+
+struct feed_request {
+    const char *source; /* a device, a pipe, a file that grows, STANDARD_INPUT */
+    int file;           /* descriptor that each complete line is appended to; the feed closes it */
+    long baud;          /* of a serial line */
+    double from;        /* [s] time at which it begins */
+    uint64_t max;       /* lines */
+    bool safe;          /* devices are refused */
+};
+
+struct feed_look {
+    enum feed_end end;
+    uint64_t lines, bytes; /* lines in the file, bytes that came */
+    double now;            /* [s] */
+    double first, last;    /* [s] when these lines came; NAN: none has */
+    char failure[80];      /* why FEED_FAILED */
+};
+
+struct feed; /* private to the front end: reads in a thread of its own, so that none waits */
+
+struct feed_access {
+    struct feed *(*open)(const struct feed_request *request, struct error *error);
+    void (*look)(struct feed *feed, struct feed_look *look);
+    void (*pause)(struct feed *feed, bool pause); /* what comes meanwhile is dropped */
+    void (*close)(struct feed *feed);             /* the device is as it was before */
+    /* A Ctrl-C that ended the collecting ends nothing else. */
+    void (*heeded)(void);
+};
+
 enum front_change { FRONT_PANES, FRONT_PLAIN, FRONT_REDRAW };
 
 /* What the front end offers; the session only calls it. Every callback may be NULL. */
@@ -174,6 +213,7 @@ struct front {
     bool utf8, color;  /* what the output can show */
     int width, height; /* [cell] of the output, 0: 80x24 */
     bool input; /* standard input is free for data: nobody types there, and no commands come */
+    const struct feed_access *feed; /* NULL: none */
     const struct cancel *cancel;
     void *context;
     bool (*confirm)(void *context, const char *question);
@@ -233,6 +273,17 @@ struct lesson {
     int step, steps; /* counted from 0; step == steps: it is over */
     size_t begun;    /* place in the log at which the step began */
     long seed;       /* of its recordings */
+};
+
+/* What `collect` is doing, for the screen and for what is typed meanwhile. */
+struct collecting {
+    enum { COLLECT_WAITING, COLLECT_GOES_ON, COLLECT_PAUSED } state; /* waiting for its trigger */
+    bool stop;                                                       /* asked to */
+    uint64_t lines;
+    double seconds;           /* [s] since the first line, or the trigger */
+    double period, amplitude; /* [s], SI of the last few periods; NAN: not known */
+    enum quantity quantity;   /* of the amplitude */
+    struct feed *feed;
 };
 
 struct session {
@@ -315,6 +366,7 @@ struct session {
     struct view view;
     struct log log;
     struct live live;
+    struct collecting *collecting; /* NULL: nothing is collected now */
 };
 
 /* A sweep that Ctrl-C has stopped. */

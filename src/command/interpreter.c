@@ -75,7 +75,7 @@ static bool run_handler(struct session *session, const struct arguments *argumen
     session->setup.scene.across = session->setup.settings.turning == TURNING_OFF;
     /* What changes while a run goes on, or by its events, is undone with the run. */
     if ((command->flags & COMMAND_CHANGES) && session->live.state != LIVE_RUNNING &&
-        !session->reacting && !(before = snapshot_take(session, "")))
+        !session->reacting && !session->collecting && !(before = snapshot_take(session, "")))
         return error_memory(error);
     const uint64_t changes = session->changes;
     const bool ok = command->handler(session, arguments, reply, error);
@@ -177,6 +177,11 @@ static bool exec_statement(struct session *session, struct text line, size_t log
                   arguments->command->row.name, running->number);
         return error_hint(error, "'pause' or Ctrl-C pauses it");
     }
+    if (session->collecting && !(arguments->command->flags & COMMAND_ANYTIME)) {
+        error_set(error, ERROR_COMMAND, "%s has to wait: a recording is being collected",
+                  arguments->command->row.name);
+        return error_hint(error, "'stop' or Ctrl-C ends it, and keeps it");
+    }
     if (session->reacting && !event_executes(arguments->command))
         return refuse_in_event(arguments->command, arguments->word, error);
     if (session->restoring && !(arguments->command->flags & (COMMAND_CHANGES | COMMAND_RESTORES)))
@@ -207,9 +212,9 @@ static bool exec_statement(struct session *session, struct text line, size_t log
     const bool ok = run_collected(session, arguments, entry, &redirect, reply, error);
     if (!session->reacting && !(arguments->command->flags & COMMAND_NESTS))
         session_trace(session, &before, entry + 1);
-    const unsigned flags = (ok ? ENTRY_DONE : 0) |
-                           (session->changes != changes ? ENTRY_CHANGED : 0) |
-                           (running ? ENTRY_WITHIN : 0);
+    const unsigned flags =
+        (ok ? ENTRY_DONE : 0) | (session->changes != changes ? ENTRY_CHANGED : 0) |
+        (running || (session->collecting && session->nesting > 1) ? ENTRY_WITHIN : 0);
     const bool recorded =
         session->reacting ||
         log_statement(session, arguments, entry, typed, typed.len - statement.len, flags, &lost);
@@ -304,7 +309,7 @@ bool command_exec(struct session *session, struct text line, const struct source
         return true;
     /* Typed while a run goes on: that command is still making its reply, so this one makes its own.
      */
-    const bool inside = session->live.state == LIVE_RUNNING;
+    const bool inside = session->live.state == LIVE_RUNNING || session->collecting;
     struct reply own;
     reply_init(&own, reply->sink);
     own.quiet = reply->quiet;

@@ -214,7 +214,7 @@ static bool load(const char *path, const struct load_options *options, struct re
         recording_warn(
             recording,
             "the file was being written: what came after it was opened, and the last line before, "
-            "are left out");
+            "are left out; 'collect' follows it");
     contents_free(&contents);
     return done;
 }

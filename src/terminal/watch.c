@@ -99,6 +99,7 @@ void watch_offer(struct panes *panes, struct front *front)
     *front = (struct front){.interactive = true,
                             .utf8 = front->utf8,
                             .cancel = &interrupt,
+                            .feed = front->feed,
                             .context = panes,
                             .clear = clear,
                             .progress = show_progress,

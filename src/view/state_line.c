@@ -72,6 +72,26 @@ static int time_decimals(double dt)
     return decimals;
 }
 
+/* What is collected, instead of what is simulated. */
+static void put_collecting(struct buffer *out, const struct collecting *now,
+                           const struct line_form *form)
+{
+    static const char *const words[] = {[COLLECT_WAITING] = "WAITING",
+                                        [COLLECT_GOES_ON] = "COLLECTING",
+                                        [COLLECT_PAUSED] = "PAUSED"};
+    buffer_format(out, "%s %.1f s", words[now->state], now->seconds);
+    if (form->steps)
+        buffer_format(out, "  %llu lines", (unsigned long long)now->lines);
+    if (now->period > 0) {
+        buffer_put(out, TEXT("  T="));
+        put_quantity(out, now->period, QUANTITY_TIME, form->blanks);
+    }
+    if (now->amplitude > 0 && now->quantity != QUANTITY_OTHER) {
+        buffer_put(out, TEXT(" A="));
+        put_quantity(out, now->amplitude, now->quantity, form->blanks);
+    }
+}
+
 static void put_progress(struct buffer *out, const struct session *session,
                          const struct line_form *form)
 {
@@ -80,6 +100,10 @@ static void put_progress(struct buffer *out, const struct session *session,
     bool slow = live->achieved < 0.9 * live->speed && isfinite(live->speed);
     double speed = slow ? live->achieved : live->speed;
 
+    if (session->collecting) {
+        put_collecting(out, session->collecting, form);
+        return;
+    }
     if (form->state && live->state == LIVE_RUNNING) {
         buffer_put(out, TEXT("RUNNING "));
         if (isinf(speed))

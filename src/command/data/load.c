@@ -9,8 +9,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
-/* The description as lines, its warnings as warnings. */
-static void reply_description(const struct recording *recording, struct reply *reply)
+void reply_description(const struct recording *recording, struct reply *reply)
 {
     struct buffer text = {0};
     recording_describe(recording, &text);

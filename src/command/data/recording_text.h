@@ -8,4 +8,7 @@
 /* What a recording is, in the reply's format. */
 void reply_recording(const struct recording *recording, struct reply *reply);
 
+/* Its description as lines, its warnings as warnings. */
+void reply_description(const struct recording *recording, struct reply *reply);
+
 #endif

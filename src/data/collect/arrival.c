@@ -16,12 +16,15 @@ enum {
     APART_MAX = 4096,  /* lines between the ends of a slope */
     SLOPES_MAX = 4096, /* slopes that the median is of */
     BLOCK = 32,        /* lines of which one arrives in time */
+    AHEAD = 16,        /* blocks in which a line that waited is over */
     BLOCKS_MIN = 8,    /* below so many nothing is said about steps and evenness */
     PASSES = 3         /* of the line and the steps */
 };
 #define STEP_MIN 0.7  /* [interval] a smaller step is no lost line … */
 #define AT_ONCE 0.1   /* [interval] between lines of one packet */
 #define STEP_SIGMAS 8 /* … nor one that the delays make by themselves */
+#define OUTLIER 6     /* robust standard deviations: a later line waited for something */
+#define TINY 1e-9     /* [s] of rounding */
 #define WANDERS 0.5   /* means of blocks scatter by that share of all: no line describes them */
 
 /* The arrival of the line at place x: from + interval x. */
@@ -39,25 +42,30 @@ static double median_slope(const struct arrivals *a, const double *place, double
     return quantile(scratch, n, 0.5);
 }
 
-static void least_squares(const struct arrivals *a, const double *place, struct arrival_line *line)
-{
-    double x = 0, y = 0, xx = 0, xy = 0;
-    for (size_t i = 0; i < a->n; i++) {
-        x += place[i] / (double)a->n;
-        y += a->arrival[i] / (double)a->n;
-    }
-    for (size_t i = 0; i < a->n; i++) {
-        xx += (place[i] - x) * (place[i] - x);
-        xy += (place[i] - x) * (a->arrival[i] - y);
-    }
-    line->interval = xy / xx;
-    line->from = y - line->interval * x;
-}
-
 static double delay(const struct arrivals *a, const double *place, struct arrival_line line,
                     size_t i)
 {
     return a->arrival[i] - line.from - line.interval * place[i];
+}
+
+/* Through those that are no later or earlier than `limit` [s] by the line as it is. */
+static void least_squares(const struct arrivals *a, const double *place, double limit,
+                          struct arrival_line *line)
+{
+    double x = 0, y = 0, xx = 0, xy = 0, n = 0;
+    for (size_t i = 0; i < a->n; i++)
+        if (fabs(delay(a, place, *line, i)) <= limit) {
+            n++;
+            x += (place[i] - x) / n;
+            y += (a->arrival[i] - y) / n;
+        }
+    for (size_t i = 0; i < a->n; i++)
+        if (fabs(delay(a, place, *line, i)) <= limit) {
+            xx += (place[i] - x) * (place[i] - x);
+            xy += (place[i] - x) * (a->arrival[i] - y);
+        }
+    line->interval = xx > 0 ? xy / xx : NAN;
+    line->from = y - line->interval * x;
 }
 
 static double smallest(const struct arrivals *a, const double *place, struct arrival_line line,
@@ -95,15 +103,18 @@ static size_t find_lost(const struct arrivals *a, struct arrival_line line, doub
     memset(scratch, 0, BLOCK * sizeof *scratch);
     for (size_t k = 1; k < blocks; k++) {
         const double now = smallest(a, place, line, k) - at, step = now - before;
-        if (!(step > usual && step > least * line.interval)) {
-            before = fmin(now, before + usual);
+        const bool steps = step > usual && step > least * line.interval;
+        /* none of these has lines before it, and what only waited comes in time again */
+        double after = k + 1 < blocks || !steps ? HUGE_VAL : step;
+        for (size_t j = k + 1; steps && j < blocks && j <= k + AHEAD; j++)
+            after = fmin(after, smallest(a, place, line, j) - at - before);
+        const double whole = nearbyint(after / line.interval);
+        if (!steps || whole < 1) {
+            before = steps ? before : fmin(now, before + usual);
             for (size_t i = k * BLOCK; i < (k + 1) * BLOCK; i++)
                 scratch[i] = at / line.interval;
             continue;
         }
-        /* the next block has none of the lines before it */
-        const double after = k + 1 < blocks ? smallest(a, place, line, k + 1) - at - before : step,
-                     whole = fmax(1, nearbyint(after / line.interval));
         size_t first = k * BLOCK;
         /* where it begins: behind the last line that came in time */
         const double half = before + at + 0.5 * whole * line.interval;
@@ -123,22 +134,21 @@ static size_t find_lost(const struct arrivals *a, struct arrival_line line, doub
     return lost;
 }
 
-/* Standard deviation of the delays, of means of `each` of them, and the largest delay. */
+/* Robust standard deviation of the delays, of means of `each` of them. */
 static double scatter(const struct arrivals *a, const double *place, struct arrival_line line,
-                      size_t each, double *largest)
+                      size_t each, double *scratch)
 {
-    double squares = 0;
     size_t n = 0;
-    for (size_t i = 0; i + each <= a->n; i += each, n++) {
+    for (size_t i = 0; i + each <= a->n; i += each) {
         double mean = 0;
-        for (size_t k = i; k < i + each; k++) {
-            const double late = delay(a, place, line, k);
-            mean += late / (double)each;
-            *largest = fmax(*largest, fabs(late));
-        }
-        squares += mean * mean;
+        for (size_t k = i; k < i + each; k++)
+            mean += delay(a, place, line, k) / (double)each;
+        scratch[n++] = mean;
     }
-    return n > 1 ? sqrt(squares / (double)(n - 1)) : 0;
+    const double middle = quantile(scratch, n, 0.5);
+    for (size_t i = 0; i < n; i++)
+        scratch[i] = fabs(scratch[i] - middle);
+    return MAD_TO_SIGMA * quantile(scratch, n, 0.5);
 }
 
 bool arrival_times(const struct arrivals *a, struct arena *arena, struct collected *collected,
@@ -146,7 +156,7 @@ bool arrival_times(const struct arrivals *a, struct arena *arena, struct collect
 {
     const size_t n = a->n;
     double *place = arena_array(arena, n + 1, sizeof *place),
-           *scratch = arena_array(arena, n + SLOPES_MAX + 1, sizeof *scratch), ignored = 0;
+           *scratch = arena_array(arena, n + SLOPES_MAX + 1, sizeof *scratch);
     collected->clock = CLOCK_UNEVEN;
     collected->rate = (struct measured){NAN, NAN};
     if (!place || !scratch)
@@ -164,12 +174,17 @@ bool arrival_times(const struct arrivals *a, struct arena *arena, struct collect
         if (more == 0)
             break;
     }
-    least_squares(a, place, &line);
+    for (size_t i = 0; i < n; i++)
+        scratch[i] = delay(a, place, line, i);
+    line.from += quantile(scratch, n, 0.5);
+    least_squares(a, place, OUTLIER * scatter(a, place, line, 1, scratch) + TINY, &line);
     if (!(line.interval > 0))
         return true;
     const size_t each = n / (4 * BLOCKS_MIN) > 0 ? n / (4 * BLOCKS_MIN) : 1, blocks = n / each;
-    collected->jitter = scatter(a, place, line, 1, &collected->largest);
-    const double means = scatter(a, place, line, each, &ignored);
+    collected->jitter = scatter(a, place, line, 1, scratch);
+    const double means = scatter(a, place, line, each, scratch);
+    for (size_t i = 0; i < n; i++)
+        collected->largest = fmax(collected->largest, fabs(delay(a, place, line, i)));
     if (each > 1 && means > WANDERS * collected->jitter &&
         collected->jitter > 0.5 * line.interval) {
         collected->lost = 0;

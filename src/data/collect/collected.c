@@ -169,6 +169,7 @@ static void count_lines(struct recording *recording, const struct collected_text
                         size_t rows, uint32_t first, struct collected *collected)
 {
     collected->lines = lines->came;
+    collected->last = lines->arrival[lines->count - 1];
     collected->skipped = (size_t)lines->order[first - 1];
     collected->garbled = lines->came - collected->skipped - rows;
     for (size_t i = 0; i < recording->rows; i++)

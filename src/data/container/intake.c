@@ -161,7 +161,8 @@ bool intake_read(const char *path, struct intake *intake, struct buffer *bytes, 
         .context = intake, .look = intake_look, .patience = input ? 0 : PATIENCE_NS};
     if (!file_read_watched(path, LIMIT_FILE, &watch, bytes, error)) {
         if (watch.endless)
-            error_hint(error, "'load -' reads standard input to its end, however long that takes");
+            error_hint(error, "'collect' takes lines as they come; 'load -' reads standard input "
+                              "to its end");
         return false;
     }
     intake->sum = bytes->len <= SUMMED_BYTES ? bytes_sum(buffer_text(bytes)) : 0;

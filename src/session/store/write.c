@@ -315,7 +315,7 @@ static bool put_recording(struct output *out, struct recording_slot *slot)
     struct stored *stored = out->stored;
     struct read_watch watch = {.context = out, .look = look_while_reading};
     struct error ignored;
-    if (slot->sum != 0 && has_recording(stored, slot->sum))
+    if (slot->growing || (slot->sum != 0 && has_recording(stored, slot->sum)))
         return true;
     const struct bytes_place place = bytes_begin(out);
     if (slot->content.len > 0)

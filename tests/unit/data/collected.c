@@ -12,6 +12,7 @@ struct stream {
     double rate, from;     /* [Hz] [s] */
     int n, lose_at, lose;  /* lines; so many are lost at one place */
     double jitter, packet; /* [s] */
+    double stall;          /* [s] in the middle nothing is heard for so long, then all at once */
     bool wander;           /* a person presses a key */
     double taken[20000];   /* when each that came was taken [s] */
     int came;
@@ -33,6 +34,9 @@ static void make(struct stream *s)
         char line[40];
         t = s->wander ? t + 2 * random_fraction(&seed) / s->rate : s->from + i / s->rate;
         double arrival = t + s->jitter * random_fraction(&seed);
+        const double middle = s->from + 0.5 * s->n / s->rate;
+        if (arrival > middle && arrival < middle + s->stall)
+            arrival = middle + s->stall;
         if (s->packet > 0)
             arrival = s->packet * ceil(arrival / s->packet);
         if (s->lose > 0 && i >= s->lose_at && i < s->lose_at + s->lose)
@@ -78,6 +82,7 @@ static void arrivals_lie_on_the_line_of_the_device(void **state)
         {{.rate = 100, .from = 1, .n = 1000, .jitter = 0.004}, 1e-3, 5},
         {{.rate = 100, .from = 1, .n = 1000, .jitter = 0.030}, 4e-3, 5},
         {{.rate = 1000, .from = 0.3, .n = 10000, .jitter = 1e-4, .packet = 0.016}, 2e-3, 5},
+        {{.rate = 500, .from = 1, .n = 850, .jitter = 4e-4, .stall = 0.08}, 1e-3, 5},
         {{.rate = 20, .from = 0, .n = 200, .jitter = 0.002}, 1e-3, 5},
         {{.rate = 100, .from = 1, .n = 5000, .jitter = 2e-3, .lose_at = 2500, .lose = 1}, 1e-3, 5},
         {{.rate = 100, .from = 1, .n = 5000, .jitter = 2e-3, .lose_at = 1010, .lose = 300},
@@ -92,8 +97,10 @@ static void arrivals_lie_on_the_line_of_the_device(void **state)
         assert_non_null(s);
         *s = cases[i].s;
         struct recording *r = taken_from(s, NULL);
-        assert_int_equal(r->collected->clock, CLOCK_ARRIVAL);
-        assert_int_equal(r->collected->lost, s->lose);
+        if (r->collected->clock != CLOCK_ARRIVAL || r->collected->lost != (size_t)s->lose)
+            fail_msg("case %zu: clock %d, %zu lost, jitter %g, rate %g", i,
+                     (int)r->collected->clock, r->collected->lost, r->collected->jitter,
+                     r->collected->rate.value);
         assert_int_equal(r->collected->skipped, 1);
         assert_int_equal(r->collected->garbled, 0);
         times_are(r, s, cases[i].tolerance);

@@ -1,0 +1,138 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: GPL-3.0-or-later
+# collect from pipes: every line that is sent arrives, once; what is broken is counted; what ends it early keeps what came.
+set -u
+hooke=$(realpath "${HOOKE:-build/hooke}")
+work=$(mktemp -d) || exit 2
+trap 'rm -rf "$work"' EXIT
+cd "$work" || exit 2
+n=0 bad=0
+
+ok() { # name condition-status [detail]
+    n=$((n + 1))
+    if [ "$2" -eq 0 ]; then echo "ok $n - $1"; else bad=1; echo "not ok $n - $1"; [ -n "${3:-}" ] && printf '%s\n' "$3" | sed 's/^/#   /'; fi
+}
+sensor() { "$hooke" --simulate-sensor "$@"; }
+value() { sed -n "s/.*\"$1\":\"\{0,1\}\([^,\"}]*\).*/\1/p" "$2" | head -n 1; } # of the record
+raw() { grep -v '^#' "$1" | cut -f 2-; }
+is() { # name wanted got
+    [ "$2" = "$3" ]
+    ok "$1" $? "wanted $2, got $3"
+}
+fit_of() { grep '"kind":"fit"' "$1" | sed 's/"of":"[^"]*"//'; }
+mkfifo pipe
+(sleep 2.3) | "$hooke" -n -c 'collect -' >silent.txt 2>&1 &
+(printf '\377\376\375'; sleep 2.3) | "$hooke" -n -c 'collect - to=endless.txt' >endless.out 2>&1 &
+
+# ---- all of it, once
+seconds=${LONG:+600}
+seconds=${seconds:-1.5}
+lines=$(awk -v s="$seconds" 'BEGIN { print s * 1000 }')
+sensor spring rate=1000 noise=0.03cm gamma=0.1 quirks=off time=s for="$seconds" >pipe &
+source=$!
+"$hooke" -n --format json -c 'collect pipe to=all.txt; fit damped' >all.json 2>all.err
+wait $!
+is "$lines lines at 1000 a second: none is lost" "$lines" "$(value rows all.json)"
+is "none is invented" "$((${lines%.*} + 1))" "$(raw all.txt | wc -l)"
+is "none is garbled" 0 "$(value garbled all.json)"
+is "the clock is the device's" device "$(value clock all.json)"
+is "it ends with the pipe" ok "$(value status all.json)"
+"$hooke" -n --format json -c 'load all.txt; fit damped' >again.json 2>&1
+is "load gives the same fit" "$(fit_of all.json)" "$(fit_of again.json)"
+
+# ---- without a clock, with quirks
+sensor spring rate=500 noise=0.03cm gamma=0.1 time=none for=1.9s >pipe &
+"$hooke" -n -c 'collect pipe unit=cm as=swing for=1.7s; fit damped' >none.txt 2>&1
+wait $!
+period=$(sed -n 's/^  T = \([0-9.]*\) .*/\1/p' none.txt)
+awk -v t="${period:-0}" 'BEGIN { exit !(t > 0.7245 && t < 0.7266) }' # 2 pi sqrt(m/k) = 0.72552 s; 1.7 s hold two periods
+ok "the period by the line through the arrivals" $? "$(cat none.txt)"
+grep -q 'they jitter by' none.txt && grep -q '3 skipped before the first sample' none.txt
+ok "jitter, text at the start and what was lost are told" $? "$(cat none.txt)"
+[ -e swing-1.txt ]
+ok "as= names the file" $?
+
+# ---- what ends it early
+sensor spring rate=500 quirks=off time=s seed=7 for=30s >pipe 2>/dev/null &
+source=$!
+"$hooke" -n -c 'collect pipe to=int.txt; measure period' >int.out 2>&1 &
+program=$!
+until [ -e int.txt ] && [ "$(wc -l <int.txt)" -gt 900 ]; do sleep 0.05; done
+"$hooke" -n -c 'collect pipe to=second.txt' >second.out 2>&1
+grep -q 'another program collects from it' second.out && [ ! -e second.txt ]
+ok "two do not share a pipe" $? "$(cat second.out)"
+kill -INT $program
+wait $program
+is "Ctrl-C ends it, and is no failure" 0 $?
+grep -q '(stopped)' int.out && grep -q '^T = ' int.out
+ok "what came is kept and goes on being measured" $? "$(cat int.out)"
+wait $source
+
+times="0.2 0.5" longest=1.2
+[ -n "${LONG:-}" ] && times=$(seq 0.1 0.01 2.1) longest=5
+sensor spring rate=500 quirks=off time=s seed=7 for="$longest" >reference.txt &
+reference=$!
+kept=0 killed=0
+wait $reference
+for time in $times; do
+    rm -f killed.txt
+    sensor spring rate=500 quirks=off time=s seed=7 for=4s >pipe &
+    source=$!
+    "$hooke" -n -c 'collect pipe to=killed.txt' >/dev/null 2>&1 &
+    program=$!
+    until [ -e killed.txt ] && [ "$(wc -l <killed.txt)" -gt 2 ]; do sleep 0.02; done
+    begin=$(date +%s%N)
+    sleep "$time"
+    kill -KILL $program
+    spent=$((($(date +%s%N) - begin) / 1000000))
+    wait $program 2>/dev/null
+    kill $source 2>/dev/null
+    wait $source
+    killed=$((killed + 1))
+    count=$(raw killed.txt | wc -l)
+    raw killed.txt | head -n "$count" | cmp -s - <(tr -d '\r' <reference.txt | head -n "$count") &&
+        [ "$count" -ge $(((spent - 1000) / 2)) ] && kept=$((kept + 1))
+done
+is "killed at $killed times: what is in the file is what was sent, all that is older than a second" "$killed" "$kept"
+before=$(raw killed.txt | wc -l)
+sensor spring rate=500 quirks=off time=s seed=7 for=0.5s >pipe &
+"$hooke" -n -c 'load killed.txt; collect continue' >continue.out 2>&1
+wait $!
+[ "$(raw killed.txt | wc -l)" -eq $((before + 251)) ]
+ok "collect continue goes on with the file" $? "$before lines before: $(cat continue.out)"
+sensor spring rate=500 quirks=off time=s seed=7 for=0.5s >pipe &
+"$hooke" -n -c 'load int.txt; collect again' >again.out 2>&1
+wait $!
+[ -e pipe-1.txt ] && [ "$(raw pipe-1.txt | wc -l)" -eq 251 ]
+ok "collect again begins another file" $? "$(cat again.out)"
+sensor spring rate=1000 quirks=off time=s for=2s >pipe 2>/dev/null &
+bash -c "ulimit -f 16; exec '$hooke' -n --format json -c 'collect pipe to=full.txt'" >full.json 2>full.err
+is "a file that takes no more ends it" full "$(value status full.json)"
+raw full.txt | cmp -s - <(sensor spring rate=1000 quirks=off time=s for=1s | tr -d '\r' | head -n "$(raw full.txt | wc -l)")
+ok "and has whole lines" $? "$(tail -n 2 full.txt)"
+
+# ---- what never comes, and what nobody can read
+: >pipe &
+"$hooke" -n -c 'collect pipe to=nothing.txt' >out.txt 2>&1
+is "nothing is said to be nothing" 4 $?
+[ ! -e nothing.txt ]
+ok "and leaves no file" $?
+grep -q 'has said nothing for 2 s' silent.txt
+ok "who is silent is said to be" $? "$(cat silent.txt)"
+grep -q 'no end of line' endless.out
+ok "who ends no line, too" $? "$(cat endless.out)"
+{ for i in $(seq 60); do printf '%d,%d\n' "$((i * 10))" "$((i * 37 % 50))"; done; head -c 1000000 /dev/zero | tr '\0' 7
+    printf '\n\0\0\0\n\033[2J\033]0;gone\007\n%070000d\n' 0; for i in $(seq 61 120); do printf '%d,%d\n' "$((i * 10))" "$((i * 37 % 50))"; done; } |
+    "$hooke" -n --format json -c 'collect - to=broken.txt tunit=ms' >broken.json 2>broken.err
+is "a line of 1e6 digits, NULs and sequences for the terminal are garbled" 4 "$(value garbled broken.json)"
+is "what is around them is not" 120 "$(value rows broken.json)"
+! LC_ALL=C grep -q $'[\001-\010\013-\037\177]' broken.txt broken.json broken.err
+ok "nothing of them is written as it came" $?
+"$hooke" -n --safe -c 'collect /dev/zero' >out.txt 2>&1
+grep -q 'safe opens no device' out.txt
+ok "--safe opens no device" $? "$(cat out.txt)"
+printf 'collect -\n1 2\n' | "$hooke" -n >out.txt 2>&1
+grep -q 'where the commands come from' out.txt
+ok "commands and lines do not share standard input" $? "$(cat out.txt)"
+echo "1..$n"
+exit "$bad"

@@ -1,0 +1,242 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* collect at a serial line and in panes: the line is left as it was found, what was unplugged is
+ * kept, and while it comes one can type. */
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "terminal/person.h"
+#include "terminal/terminal.h"
+
+static char work[] = "/tmp/hooke-collect-XXXXXX";
+
+static const char *in_work(const char *name)
+{
+    static char path[4][100];
+    static int which;
+    which = (which + 1) % 4;
+    snprintf(path[which], sizeof path[which], "%s/%s", work, name);
+    return path[which];
+}
+
+/* A process that writes a swing, 200 lines a second, so many of them (0: until it is killed). */
+static pid_t sensor(int fd, int lines)
+{
+    const pid_t child = fork();
+    assert_true(child >= 0);
+    if (child > 0)
+        return child;
+    alarm(60); /* also where the test ends early */
+    signal(SIGALRM, SIG_DFL);
+    const int64_t begin = clock_ns();
+    for (int i = 0; lines == 0 || i < lines; i++) {
+        char line[64];
+        const double t = 0.005 * i;
+        const int len =
+            snprintf(line, sizeof line, "%.3f\t%.3f\r\n", t, 20 + 5 * exp(-0.05 * t) * cos(9 * t));
+        if (write(fd, line, (size_t)len) != len)
+            break;
+        const int64_t left = begin + (int64_t)(i + 1) * 5 * MS - clock_ns();
+        const struct timespec rest = {left / 1000000000, left % 1000000000};
+        if (left > 0)
+            nanosleep(&rest, NULL);
+    }
+    _exit(0);
+}
+
+static pid_t launch(const char *command, int out)
+{
+    const pid_t child = fork();
+    assert_true(child >= 0);
+    if (child == 0) {
+        const char *hooke = getenv("HOOKE");
+        dup2(out, STDOUT_FILENO);
+        dup2(out, STDERR_FILENO);
+        execl(hooke ? hooke : "build/hooke", "hooke", "-n", "-c", command, (char *)NULL);
+        _exit(127);
+    }
+    return child;
+}
+
+static int status_of(pid_t child)
+{
+    int status;
+    assert_int_equal(waitpid(child, &status, 0), child);
+    return WIFEXITED(status) ? WEXITSTATUS(status) : 128;
+}
+
+static void said(int fd, struct buffer *text)
+{
+    char chunk[4096];
+    ssize_t got;
+    while ((got = read(fd, chunk, sizeof chunk)) > 0)
+        buffer_put(text, (struct text){chunk, (size_t)got});
+    close(fd);
+}
+
+static void contains(const struct buffer *text, const char *part)
+{
+    if (!strstr(buffer_view(text), part))
+        fail_msg("'%s' is not in: %s", part, buffer_view(text));
+}
+
+/* Until the file has so many lines. */
+static void await_lines(const char *path, int lines)
+{
+    const int64_t until = clock_ns() + PATIENCE_NS;
+    for (int there = 0; there < lines && clock_ns() < until; poll(NULL, 0, 10)) {
+        struct buffer text = {0};
+        struct error error;
+        there = 0;
+        if (file_read(path, 1 << 24, &text, &error))
+            for (size_t i = 0; i < text.len; i++)
+                there += text.data[i] == '\n';
+        buffer_free(&text);
+        if (there >= lines)
+            return;
+    }
+    fail_msg("%s has no %d lines", path, lines);
+}
+
+static void test_serial_line(void **state)
+{
+    (void)state;
+    for (int unplugged = 0; unplugged < 2; unplugged++) {
+        int master, slave, out[2];
+        char command[300], name[100];
+        struct termios before, after;
+        struct buffer text = {0};
+        assert_int_equal(openpty(&master, &slave, name, NULL, NULL), 0);
+        fcntl(master, F_SETFD, FD_CLOEXEC); /* the program would hold its own line open */
+        fcntl(slave, F_SETFD, FD_CLOEXEC);
+        assert_int_equal(tcgetattr(slave, &before), 0);
+        assert_int_equal(pipe(out), 0);
+        const char *path = in_work(unplugged ? "gone.txt" : "whole.txt");
+        snprintf(command, sizeof command, "collect %s for=%s unit=cm to=%s; fit damped", name,
+                 unplugged ? "60s" : "1.6s", path);
+        const pid_t program = launch(command, out[1]);
+        close(out[1]); /* or the device would hold it open */
+        const pid_t device = sensor(master, 0);
+        if (unplugged) {
+            await_lines(path, 320);
+            kill(device, SIGKILL);
+            status_of(device);
+            close(slave);
+            close(master);
+        }
+        said(out[0], &text);
+        assert_int_equal(status_of(program), 0);
+        contains(&text, unplugged ? "(unplugged)" : "(ok)");
+        contains(&text, "T = 0.698");
+        if (!unplugged) {
+            kill(device, SIGKILL);
+            status_of(device);
+            assert_int_equal(tcgetattr(slave, &after), 0);
+            assert_true(before.c_iflag == after.c_iflag && before.c_oflag == after.c_oflag &&
+                        before.c_cflag == after.c_cflag && before.c_lflag == after.c_lflag);
+            assert_memory_equal(before.c_cc, after.c_cc, sizeof before.c_cc);
+            close(slave);
+            close(master);
+        }
+        buffer_free(&text);
+    }
+}
+
+static void test_panes(void **state)
+{
+    (void)state;
+    struct person p;
+    char line[300];
+    char pipe[100];
+    snprintf(pipe, sizeof pipe, "%s", in_work("sensor"));
+    assert_int_equal(mkfifo(pipe, 0600), 0);
+    const int fd = open(pipe, O_RDWR);
+    const pid_t device = sensor(fd, 0);
+    start_panes(&p, (struct start){.width = 100, .height = 30});
+    snprintf(line, sizeof line, "collect %s unit=cm to=%s\r", pipe, in_work("panes.txt"));
+    type(&p, line);
+    expect(&p, "COLLECTING");
+    expect(&p, "T=");
+    type(&p, "print 6*7\r");
+    expect(&p, "42");
+    type(&p, "run 1 s\r");
+    expect(&p, "run has to wait");
+    type(&p, "collect pause\r");
+    expect(&p, "PAUSED");
+    type(&p, "collect continue\r");
+    expect(&p, "COLLECTING");
+    type(&p, "measure period\r");
+    expect(&p, "T = 0.698");
+    type(&p, "stop\r");
+    expect(&p, "(stopped)");
+    expect(&p, "q: panes)>"); /* it is more than the log has room for */
+    type(&p, "q");
+    expect_prompt(&p, EMPTY_PROMPT);
+    type(&p, "data\r");
+    expect(&p, "panes ");
+    snprintf(line, sizeof line, "collect %s unit=cm to=%s\r", pipe, in_work("again.txt"));
+    type(&p, line);
+    expect(&p, "COLLECTING");
+    await_lines(in_work("again.txt"), 30);
+    type(&p, "\x03");
+    expect(&p, "again.txt: ");
+    expect(&p, "q: panes)>");
+    type(&p, "q");
+    expect_prompt(&p, EMPTY_PROMPT);
+    quit(&p);
+    kill(device, SIGKILL);
+    status_of(device);
+    close(fd);
+}
+
+/* Killed in the panes: the next session has all that came. */
+static void test_killed(void **state)
+{
+    (void)state;
+    struct person p;
+    char line[300];
+    char pipe[100];
+    snprintf(pipe, sizeof pipe, "%s", in_work("killed"));
+    assert_int_equal(mkfifo(pipe, 0600), 0);
+    const int fd = open(pipe, O_RDWR);
+    const pid_t device = sensor(fd, 0);
+    start_panes(&p, (struct start){.width = 100, .height = 30});
+    snprintf(line, sizeof line, "collect %s unit=cm to=%s\r", pipe, in_work("lost.txt"));
+    type(&p, line);
+    expect(&p, "COLLECTING");
+    await_lines(in_work("lost.txt"), 400);
+    kill(p.program, SIGKILL);
+    wait_end(&p);
+    forget(&p);
+    start_panes(&p, (struct start){.width = 100, .height = 30, .argument = {"--resume"}});
+    expect(&p, "1 recording");
+    snprintf(line, sizeof line, "collect continue\r");
+    type(&p, line);
+    expect(&p, "COLLECTING");
+    type(&p, "stop\r");
+    expect(&p, "(stopped)");
+    expect(&p, "q: panes)>");
+    type(&p, "q");
+    expect_prompt(&p, EMPTY_PROMPT);
+    quit(&p);
+    kill(device, SIGKILL);
+    status_of(device);
+    close(fd);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_serial_line),
+                                       cmocka_unit_test(test_panes), cmocka_unit_test(test_killed)};
+    signal(SIGPIPE, SIG_IGN);
+    return make_folder(state_folder) && make_folder(work)
+               ? cmocka_run_group_tests(tests, NULL, NULL)
+               : 1;
+}
