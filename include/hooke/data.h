@@ -51,7 +51,7 @@ struct collected {
      * deviation, and the largest */
     struct measured rate;
     double jitter, largest;
-    double last; /* [s] arrival of the last line */
+    double last;           /* [s] arrival of the last line */
     struct text statement; /* that collected it, as its file says; empty: nobody has said */
 };
 

@@ -13,35 +13,9 @@
 #include <time.h>
 #include <unistd.h>
 
-#define LOOK_NS 50000000   /* between looks at what has come */
-#define SILENT_S 2.0       /* then it is said what is waited for */
 #define BAUD 115200        /* unless it is said */
 #define LINES_MAX 50000000 /* unless it is said; the file has a limit of its own */
-#define PERIODS_SHOWN 8    /* of which the last is told */
 #define NAMES_MAX 10000    /* files beside each other */
-
-enum collect_end { END_BY_FEED, END_STOPPED, END_IN_TIME };
-
-/* One that is under way. */
-struct collection {
-    struct session *session;
-    struct reply *reply;
-    const char *source, *path;         /* path: of its file */
-    const char *from_shown, *to_shown; /* both, safe to show */
-    struct load_options options;
-    struct text put_options; /* as they stand behind load */
-    struct trigger trigger;
-    double length, before; /* [s] HUGE_VAL: no end */
-    bool again;            /* goes on with a file there is */
-    double from;           /* [s] its time goes on from there */
-    long baud;
-    uint64_t max, there; /* lines; that were there before */
-    struct collecting state;
-    struct collect_view view;
-    struct feed_look look;
-    enum collect_end how;
-    bool said_silent, said_none;
-};
 
 static struct text text_given(const struct arguments *args, const char *name)
 {
@@ -66,11 +40,7 @@ static void put_options(const struct arguments *args, bool all, struct buffer *o
         if (key->count == 0)
             continue;
         buffer_format(out, " %s=", keys[i]);
-        if (isfinite(key->item->value.value) && key->item->value.value != 0 && !key->item->unit &&
-            !key->item->row && text_is(key->item->text, ""))
-            buffer_real(out, key->item->value.value);
-        else
-            buffer_word(out, key->item->text);
+        buffer_word(out, key->item->text);
     }
 }
 
@@ -172,252 +142,7 @@ static int begin_file(const struct collection *c, const struct arguments *args, 
     return -1;
 }
 
-/* ---- while it comes ---- */
-
-static int own_place(const struct collection *c)
-{
-    for (int i = 0; i < c->session->recordings; i++)
-        if (c->session->recording[i]->growing)
-            return i;
-    return -1;
-}
-
-static void read_period(struct collection *c, const struct recording *recording)
-{
-    struct arena arena = {0};
-    struct series series;
-    struct error ignored;
-    struct period period;
-    struct period_reading reading;
-    c->state.period = c->state.amplitude = NAN;
-    c->state.quantity = recording->column[recording->value].quantity;
-    if (recording_series(recording, &arena, 16, &series, &ignored) &&
-        series_period(&series, &arena, &period, &ignored)) {
-        c->state.period = period.period.value;
-        const double from = series.t[series.n - 1] - PERIODS_SHOWN * period.period.value;
-        for (size_t i = 0; i < series.n; i++)
-            if (series.t[i] >= from) {
-                series = (struct series){series.t + i, series.y + i, series.n - i, series.quantity,
-                                         series.cancel};
-                break;
-            }
-        if (series_period_readings(&series, 1, &arena, &reading, &ignored))
-            c->state.amplitude = reading.amplitude.value;
-    }
-    arena_reset(&arena);
-}
-
-/* Takes the place of what was seen before. */
-static void show(struct collection *c, struct recording *recording)
-{
-    struct error ignored;
-    snprintf(recording->name, sizeof recording->name, "%.*s", (int)c->options.name.len,
-             c->options.name.at);
-    int place = own_place(c);
-    if (place < 0) {
-        const int same = session_find_recording(c->session, c->options.name);
-        if (same >= 0)
-            session_drop_recording(c->session, same);
-        struct buffer options = {0};
-        buffer_put(&options, c->put_options);
-        if (session_add_recording(c->session, recording, buffer_view(&options), &ignored)) {
-            place = c->session->recordings - 1;
-            c->session->recording[place]->growing = true;
-        }
-        buffer_free(&options);
-    } else {
-        recording_destroy(c->session->recording[place]->recording);
-        c->session->recording[place]->recording = recording;
-        session_changed(c->session);
-    }
-    if (place >= 0)
-        read_period(c, c->session->recording[place]->recording);
-}
-
-static void look_at_recording(struct collection *c)
-{
-    const bool waits = c->trigger.wanted && isnan(c->trigger.t);
-    if (!c->session->front.watched && !waits)
-        return;
-    struct recording *recording = collect_view_read(&c->view, c->look.lines);
-    if (!recording)
-        return;
-    if (waits && trigger_look(&c->trigger, recording))
-        reply_note(c->reply, "trigger: %.*s at t = %.6g s", (int)c->trigger.name.len,
-                   c->trigger.name.at, c->trigger.t);
-    if (c->session->front.watched)
-        show(c, recording);
-    else
-        recording_destroy(recording);
-}
-
-/* What is waited for, once, when nothing comes, or nothing that can be read. */
-static void say_waiting(struct collection *c)
-{
-    const struct feed_look *look = &c->look;
-    if (!c->said_silent && look->lines == 0 && look->now - c->from > SILENT_S) {
-        c->said_silent = true;
-        if (look->bytes == 0)
-            reply_note(c->reply,
-                       "%s has said nothing for %.0f s: waiting for its first line; "
-                       "Ctrl-C ends it",
-                       c->source, SILENT_S);
-        else
-            reply_note(c->reply,
-                       "%s has sent %llu bytes, but no end of line: is baud=%ld its speed? "
-                       "waiting; Ctrl-C ends it",
-                       c->from_shown, (unsigned long long)look->bytes, c->baud);
-    }
-    if (!c->said_none && look->lines > 20 && look->now - look->first > SILENT_S &&
-        own_place(c) < 0 && c->view.problem.text[0]) {
-        c->said_none = true;
-        reply_note(c->reply, "no sample yet in %llu lines: %s", (unsigned long long)look->lines,
-                   c->view.problem.text);
-    }
-}
-
-static void tell_state(struct collection *c)
-{
-    struct collecting *state = &c->state;
-    const bool waits = c->trigger.wanted && isnan(c->trigger.t);
-    const double start = waits ? NAN : c->trigger.wanted ? c->trigger.t : c->look.first;
-    if (state->state != COLLECT_PAUSED)
-        state->state = waits ? COLLECT_WAITING : COLLECT_GOES_ON;
-    state->lines = c->look.lines + c->there;
-    state->seconds = isnan(start) ? 0 : c->look.now - start;
-    if (state->seconds >= c->length && state->state == COLLECT_GOES_ON) {
-        state->stop = true;
-        c->how = END_IN_TIME;
-    }
-    const struct front *front = &c->session->front;
-    if (!front->watched && front->progress && c->session->typed)
-        front->progress(front->context, NULL,
-                        isfinite(c->length) ? fmin(1, state->seconds / c->length) : 0);
-}
-
-/* Until it ends; true: by a Ctrl-C. */
-static bool follow(struct collection *c)
-{
-    const struct front *front = &c->session->front;
-    const struct timespec moment = {.tv_nsec = LOOK_NS};
-    bool interrupted = false;
-    for (;;) {
-        front->feed->look(c->state.feed, &c->look);
-        look_at_recording(c);
-        say_waiting(c);
-        tell_state(c);
-        if (c->look.end != FEED_GOES_ON || c->state.stop || c->session->quit || interrupted)
-            break;
-        if (front->watched && front->slice)
-            interrupted = !front->slice(front->context, c->session, clock_ns() + LOOK_NS);
-        else
-            nanosleep(&moment, NULL);
-        interrupted = interrupted || cancelled(front->cancel);
-    }
-    if (!front->watched && front->progress)
-        front->progress(front->context, NULL, 2);
-    return interrupted;
-}
-
-/* ---- at its end ---- */
-
-static const char *status_of(const struct collection *c)
-{
-    if (c->look.lines == 0 && c->there == 0)
-        return "silent";
-    switch (c->look.end) {
-    case FEED_UNPLUGGED:
-        return "unplugged";
-    case FEED_FULL:
-    case FEED_FAILED:
-        return "full";
-    case FEED_ENDED:
-        return "ok";
-    case FEED_GOES_ON:
-        break;
-    }
-    return c->how == END_IN_TIME ? "ok" : "stopped";
-}
-
-static void reply_collected(const struct collection *c, const struct recording *recording)
-{
-    static const char *const clocks[] = {
-        [CLOCK_DEVICE] = "device", [CLOCK_ARRIVAL] = "arrival", [CLOCK_UNEVEN] = "arrival"};
-    const struct collected *known = recording->collected;
-    struct reply *reply = c->reply;
-    reply_begin(reply, "collect");
-    reply_string(reply, "name", recording->name);
-    reply_string(reply, "source", c->source);
-    reply_int(reply, "rows", (int64_t)recording->rows);
-    reply_int(reply, "lost", (int64_t)known->lost);
-    reply_int(reply, "garbled", (int64_t)known->garbled);
-    reply_int(reply, "skipped", (int64_t)known->skipped);
-    reply_real(reply, "t_start", recording->t[0]);
-    reply_real(reply, "t_end", recording->t[recording->rows - 1]);
-    reply_real(reply, "rate", recording->rate);
-    reply_real(reply, "jitter", known->clock == CLOCK_DEVICE ? NAN : known->jitter);
-    reply_string(reply, "clock", clocks[known->clock]);
-    reply_string(reply, "status", status_of(c));
-    reply_string(reply, "file", c->path);
-    reply_end(reply);
-}
-
-static void say_end(const struct collection *c, const struct recording *recording)
-{
-    const struct collected *known = recording->collected;
-    reply_line(c->reply, "collected from %s into %s: %zu lines, %zu samples (%s)", c->from_shown,
-               c->to_shown, known->lines, recording->rows, status_of(c));
-    if (known->skipped + known->garbled + known->lost > 0)
-        reply_line(c->reply, "%zu skipped before the first sample, %zu garbled, %zu lost",
-                   known->skipped, known->garbled, known->lost);
-    if (c->look.end == FEED_FAILED)
-        reply_warning(c->reply, "%s took no more (%s): what it has is whole", c->to_shown,
-                      c->look.failure);
-    if (c->look.end == FEED_UNPLUGGED)
-        reply_warning(c->reply, "%s is gone: 'collect continue' goes on when it is back",
-                      c->from_shown);
-}
-
-/* What was collected becomes a recording as any other, which `load` gives again. */
-static bool finish(struct collection *c, const struct arguments *args, struct error *error)
-{
-    struct session *session = c->session;
-    struct load_options options = c->options;
-    const int growing = own_place(c);
-    if (growing >= 0)
-        session_drop_recording(session, growing);
-    if (c->look.lines + c->there == 0) {
-        if (!c->again)
-            unlink(c->path); /* it has a heading, and nothing else */
-        error_set(error, ERROR_IO, "nothing came from %s", c->from_shown);
-        return error_hint(error, "is it connected and switched on? 'cat' shows what it says");
-    }
-    struct recording *recording = recording_load(c->path, &options, error);
-    if (!recording)
-        return error_hint(error,
-                          "its lines are kept in %.60s: 'load' with y=, sep= or decimal= "
-                          "may read them",
-                          c->to_shown);
-    const int same = session_find_recording(session, text_of(recording->name));
-    if (same >= 0)
-        session_drop_recording(session, same);
-    struct error ignored;
-    if (c->trigger.wanted && isfinite(c->trigger.t))
-        recording_window(recording, c->trigger.t - c->before, HUGE_VAL, &ignored);
-    char *load_options = arena_text(args->arena, c->put_options);
-    if (!load_options)
-        recording_destroy(recording);
-    if (!load_options || !session_add_recording(session, recording, load_options, error))
-        return load_options ? false : error_memory(error);
-    struct buffer *happened = &session->history.happened;
-    buffer_put(happened, TEXT("load "));
-    buffer_word(happened, text_of(c->path));
-    buffer_format(happened, "%s\n", load_options);
-    say_end(c, recording);
-    reply_description(recording, c->reply);
-    reply_collected(c, recording);
-    return true;
-}
+/* ---- all of it ---- */
 
 static const char *shown(const struct arguments *args, const char *path)
 {
@@ -461,14 +186,14 @@ static bool collect(struct collection *c, const struct arguments *args, struct e
         reply_line(c->reply, "collecting into %s (Ctrl-C or 'stop' ends it and keeps it)",
                    c->to_shown);
     session->collecting = &c->state;
-    const bool interrupted = follow(c);
+    const bool interrupted = collect_follow(c);
     session->collecting = NULL;
     feed->close(c->state.feed);
     c->state.feed = NULL;
     collect_view_free(&c->view);
     if (interrupted)
         feed->heeded();
-    return finish(c, args, error);
+    return collect_finish(c, args, error);
 }
 
 /* ---- the commands ---- */

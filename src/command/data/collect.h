@@ -36,4 +36,34 @@ struct collect_view {
 struct recording *collect_view_read(struct collect_view *view, uint64_t lines);
 void collect_view_free(struct collect_view *view);
 
+enum collect_end { END_BY_FEED, END_STOPPED, END_IN_TIME };
+
+/* One that is under way. */
+struct collection {
+    struct session *session;
+    struct reply *reply;
+    const char *source, *path;         /* path: of its file */
+    const char *from_shown, *to_shown; /* both, safe to show */
+    struct load_options options;
+    struct text put_options; /* as they stand behind load */
+    struct trigger trigger;
+    double length, before; /* [s] HUGE_VAL: no end */
+    bool again;            /* goes on with a file there is */
+    double from;           /* [s] its time goes on from there */
+    long baud;
+    uint64_t max, there; /* lines; that were there before */
+    struct collecting state;
+    struct collect_view view;
+    struct feed_look look;
+    enum collect_end how;
+    bool said_silent, said_none;
+};
+
+/* Its place among the recordings while it grows; -1: it is not shown. */
+int collect_own_place(const struct session *session);
+/* Until it ends; true: by a Ctrl-C. */
+bool collect_follow(struct collection *c);
+/* What was collected becomes a recording as any other, which `load` gives again. */
+bool collect_finish(struct collection *c, const struct arguments *args, struct error *error);
+
 #endif

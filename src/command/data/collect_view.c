@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What is seen of lines while they come: the last ones, so that the last costs as much as the
  * first. */
-#ifndef COMMAND_ROWS
 #include "command/data/collect.h"
 
 #include <fcntl.h>
@@ -144,4 +143,3 @@ bool trigger_look(struct trigger *trigger, const struct recording *recording)
     }
     return false;
 }
-#endif

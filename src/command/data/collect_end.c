@@ -1,0 +1,105 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* collect, at the end. */
+#include "command/data/collect.h"
+#include "command/data/recording_text.h"
+
+#include <math.h>
+#include <string.h>
+#include <unistd.h>
+
+static const char *status_of(const struct collection *c)
+{
+    if (c->look.lines == 0 && c->there == 0)
+        return "silent";
+    switch (c->look.end) {
+    case FEED_UNPLUGGED:
+        return "unplugged";
+    case FEED_FULL:
+    case FEED_FAILED:
+        return "full";
+    case FEED_ENDED:
+        return "ok";
+    case FEED_GOES_ON:
+        break;
+    }
+    return c->how == END_IN_TIME ? "ok" : "stopped";
+}
+
+static void reply_collected(const struct collection *c, const struct recording *recording)
+{
+    static const char *const clocks[] = {
+        [CLOCK_DEVICE] = "device", [CLOCK_ARRIVAL] = "arrival", [CLOCK_UNEVEN] = "arrival"};
+    const struct collected *known = recording->collected;
+    struct reply *reply = c->reply;
+    reply_begin(reply, "collect");
+    reply_string(reply, "name", recording->name);
+    reply_string(reply, "source", c->source);
+    reply_int(reply, "rows", (int64_t)recording->rows);
+    reply_int(reply, "lost", (int64_t)known->lost);
+    reply_int(reply, "garbled", (int64_t)known->garbled);
+    reply_int(reply, "skipped", (int64_t)known->skipped);
+    reply_real(reply, "t_start", recording->t[0]);
+    reply_real(reply, "t_end", recording->t[recording->rows - 1]);
+    reply_real(reply, "rate", recording->rate);
+    reply_real(reply, "jitter", known->clock == CLOCK_DEVICE ? NAN : known->jitter);
+    reply_string(reply, "clock", clocks[known->clock]);
+    reply_string(reply, "status", status_of(c));
+    reply_string(reply, "file", c->path);
+    reply_end(reply);
+}
+
+static void say_end(const struct collection *c, const struct recording *recording)
+{
+    const struct collected *known = recording->collected;
+    reply_line(c->reply, "collected from %s into %s: %zu lines, %zu samples (%s)", c->from_shown,
+               c->to_shown, known->lines, recording->rows, status_of(c));
+    if (known->skipped + known->garbled + known->lost > 0)
+        reply_line(c->reply, "%zu skipped before the first sample, %zu garbled, %zu lost",
+                   known->skipped, known->garbled, known->lost);
+    if (c->look.end == FEED_FAILED)
+        reply_warning(c->reply, "%s took no more (%s): what it has is whole", c->to_shown,
+                      c->look.failure);
+    if (c->look.end == FEED_UNPLUGGED)
+        reply_warning(c->reply, "%s is gone: 'collect continue' goes on when it is back",
+                      c->from_shown);
+}
+
+bool collect_finish(struct collection *c, const struct arguments *args, struct error *error)
+{
+    struct session *session = c->session;
+    struct load_options options = c->options;
+    const int growing = collect_own_place(c->session);
+    if (growing >= 0)
+        session_drop_recording(session, growing);
+    if (c->look.lines + c->there == 0) {
+        if (!c->again)
+            unlink(c->path); /* it has a heading, and nothing else */
+        error_set(error, ERROR_IO, "nothing came from %s", c->from_shown);
+        return error_hint(error, "is it connected and switched on? 'cat' shows what it says");
+    }
+    struct recording *recording = recording_load(c->path, &options, error);
+    if (!recording)
+        return error_hint(error,
+                          "its lines are kept in %.60s: 'load' with y=, sep= or decimal= "
+                          "may read them",
+                          c->to_shown);
+    const int same = session_find_recording(session, text_of(recording->name));
+    if (same >= 0)
+        session_drop_recording(session, same);
+    struct error ignored;
+    if (c->trigger.wanted && isfinite(c->trigger.t))
+        recording_window(recording, c->trigger.t - c->before, HUGE_VAL, &ignored);
+    char *load_options = arena_text(args->arena, c->put_options);
+    if (!load_options)
+        recording_destroy(recording);
+    if (!load_options || !session_add_recording(session, recording, load_options, error))
+        return load_options ? false : error_memory(error);
+    struct buffer *happened = &session->history.happened;
+    buffer_put(happened, TEXT("load "));
+    buffer_word(happened, text_of(c->path));
+    buffer_format(happened, "%s\n", load_options);
+    say_end(c, recording);
+    reply_description(recording, c->reply);
+    reply_collected(c, recording);
+    return true;
+}
