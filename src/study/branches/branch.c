@@ -160,6 +160,19 @@ static bool end_there(struct branch_walk *w, const char *why)
     return true;
 }
 
+/* Where the parameter stands still but for rounding, its turns are rounding, too: no folds. */
+static void forget_turns(struct branch_walk *w)
+{
+    struct branch_point *point = w->out->point;
+    const double there = point[w->out->count - 1].solution.param[0];
+    for (int i = w->out->count - 1; i >= 0; i--) {
+        if (fabs(point[i].solution.param[0] - there) > 1e-12 * w->psize)
+            return;
+        if (point[i].special == SPECIAL_FOLD || point[i].special == SPECIAL_CROSSING)
+            point[i].special = SPECIAL_NONE;
+    }
+}
+
 /* Does the branch end with the point that has been recorded? */
 static bool is_over(struct branch_walk *w, const struct curve_place *at,
                     const struct curve_place *next, const struct curve_place *start, bool leaves)
@@ -171,8 +184,10 @@ static bool is_over(struct branch_walk *w, const struct curve_place *at,
         return end_there(w, "end of the range");
     }
     w->level = in_family(w, next) ? w->level + 1 : 0;
-    if (w->level == LEVEL)
+    if (w->level == LEVEL) {
+        forget_turns(w);
         return end_there(w, "a family at one value of the parameter");
+    }
     if (too_slow(w, next))
         return end_there(w, "the period grows without bound");
     if (!comes_back(w, at, next, start))
@@ -329,6 +344,20 @@ static bool cannot_begin(const struct branch_request *r, struct solution_curve *
     return true;
 }
 
+static bool of_family(const struct branch_request *r)
+{
+    return r->start->kind == SOLUTION_ORBIT && solution_ones(r->start) > 0;
+}
+
+static bool refuse_family(struct error *error)
+{
+    error_set(error, ERROR_COMMAND,
+              "this orbit is one of a family (a multiplier is 1): at other values there are many "
+              "like it, of any energy in a range, and no branch says which");
+    return error_hint(error, "orbit period=T finds the one with that period there; with damping "
+                             "and a drive one is left, which a branch follows");
+}
+
 /* Side -1 goes against growing values of the parameter, so that the branch is in order. */
 static bool begin(const struct branch_request *r, int side, double psize,
                   struct solution_curve *path, struct curve_place *first, struct error *error)
@@ -347,15 +376,8 @@ static bool begin(const struct branch_request *r, int side, double psize,
         begin_at_special(r, path, u, r->forward ? 1 : side, first))
         return true;
     solutions_end(path);
-    if (r->start->kind == SOLUTION_ORBIT && solution_ones(r->start) > 0) {
-        error_set(
-            error, ERROR_COMMAND,
-            "this orbit is one of a family (a multiplier is 1): at other values there are many "
-            "like it, of any energy in a range, and no branch says which");
-        return error_hint(error,
-                          "orbit period=T finds the one with that period there; with damping "
-                          "and a drive one is left, which a branch follows");
-    }
+    if (of_family(r))
+        return refuse_family(error);
     return error_set(error, ERROR_COMMAND, "there is no such %s at the start",
                      r->start->kind == SOLUTION_EQUILIBRIUM ? "equilibrium" : "orbit");
 }
@@ -396,9 +418,13 @@ bool branch_follow(const struct branch_request *r, struct branch *branch, struct
     }
     branch->cancelled = cancelled(r->cancel);
     branch->seconds = clock_seconds(since);
-    if (fine || branch->count > 0)
+    /* at the edge of the range what leads away from there is the family, at the same value */
+    const bool stays = branch->count == 1 && !branch->cancelled && of_family(r);
+    if ((fine || branch->count > 0) && !stays)
         return true;
-    if (!error->text[0])
+    if (stays)
+        refuse_family(error);
+    else if (!error->text[0])
         error_memory(error);
     branch_free(branch);
     return false;
