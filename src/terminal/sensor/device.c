@@ -55,7 +55,7 @@ static void hint_group(const char *path, struct error *error)
 static bool make_raw(struct device *device, const char *path, long baud, struct error *error)
 {
     struct termios modes;
-    speed_t speed;
+    speed_t speed = B0;
     if (!find_speed(baud, &speed, error))
         return false;
     if (tcgetattr(device->fd, &device->before) != 0)
