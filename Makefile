@@ -122,7 +122,7 @@ FUZZERS      := $(patsubst tests/fuzz/%.c,%,$(sort $(wildcard tests/fuzz/*.c)))
 
 # Manual pages and completion, from the program's own rows.
 PAGES := $(patsubst scripts/pages/%,$(TOP)/pages/%,$(wildcard scripts/pages/*))
-EXAMPLES := $(sort $(wildcard examples/*.hk examples/*/*.hk examples/cluster/*))
+EXAMPLES := $(sort $(wildcard examples/*.hk examples/*/*.hk examples/cluster/* examples/collect/*))
 
 all: $(TOP)/libhooke.a $(TOP)/hooke $(PAGES) $(TOP)/pages/hooke.bash ## build the library, the program, its manual and completion
 

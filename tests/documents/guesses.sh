@@ -60,7 +60,6 @@ scene pendel              | 'scene pendulum'       | scene pendulum             
 scene simple pendulum     | 'scene pendulum'       | scene pendulum                | pendulum
 run 5 s; plot x vs t      | 'plot COLUMN against COLUMN' | run 5 s; plot y against t | y [
 run 5 s; plot energy vs time | 'plot energy'       | run 5 s; plot energy          | energy
-run 1 s; sweep k=10:20:5; plot sweep | 'plot COLUMN against COLUMN of sweep' | sweep k=10:20:5; plot amplitude against k of sweep; describe amplitude against k of sweep | amplitude rises
 run 1 s; show all > all.md | 'export FILE table'   | sweep k=10:20:5; export all.md table --force | rows of
 run 5 s; plot y(t)        | 'plot y'               | run 5 s; plot y               | y [
 run 5 s; plot position and velocity | plot velocity' | run 5 s; plot position; plot velocity | velocity

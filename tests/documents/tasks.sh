@@ -55,7 +55,7 @@ forget a run                   | delete                | drop                  |
 what units are there           | units                 | list units            | list units
 moment of the highest point    | help equations        | event top             | event top when v falling do record; method rk4; run; list events
 see all values                 | help start            | show all              | show all
-stop a run that goes on        | stop                  | pause                 | run 1 s
+stop a run that goes on        | help stop             | paused                | run 1 s; stop
 leave                          | close                 | quit                  | quit
 duration in a sweep            | sweep gamma=0:1 duration=20 | duration =      | duration = 5 s; sweep gamma=0:1:0.5
 zero at the resting position   | apropos zero          | data command          | load swing.csv; data zero 1 cm

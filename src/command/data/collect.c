@@ -308,7 +308,8 @@ HANDLER(collect)
     const struct text source = text_given(anew ? again : args, "SOURCE");
     const bool input = text_is(source, "-");
     if (source.len == 0)
-        return error_set(error, ERROR_COMMAND, "collect needs a SOURCE: a device, a pipe, or -");
+        return error_set(error, ERROR_COMMAND, "collect needs a SOURCE: a device, a pipe, or -") ||
+               error_hint(error, "'load FILE' reads a recording that is there already");
     if (input && !check_input(session, source, error))
         return false;
     c.source = arena_text(args->arena, input ? TEXT(STANDARD_INPUT) : source);
@@ -360,5 +361,5 @@ COMMAND(
 COMMAND(stop, .row = {"stop", "", "end what is being collected, and keep it", "", NULL},
         .group = "DATA",
         .text = "What came is a recording then, as after 'load'. A run that goes on is paused.",
-        .examples = "stop\ncollect again", .see = "collect pause",
+        .examples = "stop\nmeasure period", .see = "collect pause",
         .flags = COMMAND_ANYTIME | COMMAND_UNRECORDED)

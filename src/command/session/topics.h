@@ -14,7 +14,7 @@ struct guide_topic {
 /* The catalogs that `help` explains rows of, one after the other; NULL: there are no more. */
 const struct catalog *help_catalog(int i);
 
-#define HELP_CHOICES 16 /* of more there is a list of its own */
+#define HELP_CHOICES 20 /* of more there is a list of its own */
 
 /* Of a statement as it is typed, `set opinion` or `compare dt=5ms`, the word behind the command,
  * and the command; else all of it, and NULL. */

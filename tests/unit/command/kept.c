@@ -146,7 +146,7 @@ static const char *other_command(void)
  */
 static const char unplayed[] = " selftest precision stress pause clear panes plain redraw "
                                "screenshot scroll quit record report recipe lab check hint skip "
-                               "again ";
+                               "again collect stop ";
 
 static bool played[256]; /* by their place in the rows: those that succeeded */
 

@@ -36,6 +36,7 @@ static const struct {
     {"labelled", "", "labelled", "distance", 60, 0, 5.2, 5e-4, 0},
     {"hand-made", "tunit=ms unit=cm", "hand-made", "column 2", 60, 0, 5.2, 5e-4, 0},
     {"table", "", "table", "x", 60, 0, 5.2, 5e-4, 0},
+    {"collected", "unit=cm", "collected", "column 1", 60, 0, 5.2, 5e-4, 0},
 };
 
 static struct recording *load(const char *file, const char *written, struct error *error)
