@@ -207,6 +207,9 @@ bool parse_value(struct parser *parser, const char *what, enum quantity wanted, 
                  struct error *error);
 bool parse_range(struct parser *parser, const char *what, enum quantity wanted, struct item *item,
                  struct error *error);
+/* WIDTHxHEIGHT of a picture into range [m]; in cm unless the unit is said. */
+bool parse_sides(struct parser *parser, const char *what, const char *stops, struct item *item,
+                 struct error *error);
 bool parse_integer(struct parser *parser, const char *what, bool negative, struct item *item,
                    struct error *error);
 /* Refuses what is left, with the likely reason: decimal comma, unknown unit, word too many. number:

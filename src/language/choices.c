@@ -55,3 +55,10 @@ static const struct row lists[] = {
     [LIST_RECORDINGS] = ROW("recordings", ""),
 };
 const struct catalog list_catalog = CATALOG("list", lists);
+
+const struct row *choose(const struct session *session, const struct catalog *catalog,
+                         struct text name)
+{
+    const size_t min = catalog == &method_catalog ? 3 : 1;
+    return session->typed ? catalog_prefix(catalog, name, min) : catalog_find(catalog, name);
+}

@@ -1,11 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The types of arguments: how each is read and completed. */
 #include <hooke/language/complete.h>
-#include <hooke/figure.h>
 #include <hooke/scene/formula.h>
 #include <hooke/session/dynamics.h>
 
-#include <math.h>
 #include <stdio.h>
 #include <string.h>
 #include <strings.h>
@@ -19,13 +17,6 @@
 #define COMPLETE_ITEM(name)                                                                        \
     static void name(NEEDLESS struct completion *c, NEEDLESS const struct argument *argument,      \
                      NEEDLESS struct text before)
-
-const struct row *choose(const struct session *session, const struct catalog *catalog,
-                         struct text name)
-{
-    const size_t min = catalog == &method_catalog ? 3 : 1;
-    return session->typed ? catalog_prefix(catalog, name, min) : catalog_find(catalog, name);
-}
 
 static bool in_range(const struct parser *parser, const struct argument *argument,
                      const struct item *item, struct error *error)
@@ -312,37 +303,9 @@ READ_ITEM(read_range)
     return parse_range(parser, argument->name, argument->quantity, item, error);
 }
 
-/* "12", "120mm": in cm unless a unit of length follows. */
-static bool read_length(struct text text, double *side)
-{
-    size_t used;
-    if (real_scan(text, '.', side, &used) != REAL_OK || used == 0)
-        return false;
-    const struct text name = text_trim((struct text){text.at + used, text.len - used});
-    const struct unit *unit = name.len ? unit_find(name) : unit_find(TEXT("cm"));
-    *side *= unit && unit->quantity == QUANTITY_LENGTH ? unit->factor : NAN;
-    return !isnan(*side);
-}
-
 READ_ITEM(read_size)
 {
-    if (!parse_word(parser, stops, item, error))
-        return false;
-    const char *cross = memchr(item->text.at, 'x', item->text.len);
-    const size_t first = cross ? (size_t)(cross - item->text.at) : 0;
-    if (!cross || !read_length((struct text){item->text.at, first}, &item->range[0]) ||
-        !read_length((struct text){cross + 1, item->text.len - first - 1}, &item->range[1])) {
-        error_at(error, item->text, "%s is WIDTHxHEIGHT in cm, got '%.*s'", argument->name,
-                 (int)(item->text.len < 64 ? item->text.len : 64), item->text.at);
-        return error_hint(error, "for example %s=12x8, or %s=120mmx80mm", argument->name,
-                          argument->name);
-    }
-    for (int i = 0; i < 2; i++)
-        if (!(item->range[i] >= PICTURE_MIN && item->range[i] <= PICTURE_MAX))
-            return error_at(error, item->text,
-                            "%s: a side of a picture is %g to %g cm, not %.4g cm", argument->name,
-                            100 * PICTURE_MIN, 100 * PICTURE_MAX, 100 * item->range[i]);
-    return true;
+    return parse_sides(parser, argument->name, stops, item, error);
 }
 
 READ_ITEM(read_expr)

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Values with units and uncertainties, ranges, whole numbers, and what is said when they are
  * malformed. */
+#include <hooke/figure.h>
 #include <hooke/language.h>
 #include <hooke/scene/formula.h>
 
@@ -413,4 +414,37 @@ bool check_condition(struct parser *parser, struct text condition, struct error 
     return error_at(error, right, "'%.*s' (%s) cannot be compared with '%.*s' (%s)",
                     shown_length(text_trim(left)), text_trim(left).at, quantity_name(a),
                     shown_length(right), right.at, quantity_name(b));
+}
+
+/* "12", "120mm": in cm unless a unit of length follows. */
+static bool read_length(struct text text, double *side)
+{
+    size_t used;
+    if (real_scan(text, '.', side, &used) != REAL_OK || used == 0)
+        return false;
+    const struct text name = text_trim((struct text){text.at + used, text.len - used});
+    const struct unit *unit = name.len ? unit_find(name) : unit_find(TEXT("cm"));
+    *side *= unit && unit->quantity == QUANTITY_LENGTH ? unit->factor : NAN;
+    return !isnan(*side);
+}
+
+bool parse_sides(struct parser *parser, const char *what, const char *stops, struct item *item,
+                 struct error *error)
+{
+    if (!parse_word(parser, stops, item, error))
+        return false;
+    const char *cross = memchr(item->text.at, 'x', item->text.len);
+    const size_t first = cross ? (size_t)(cross - item->text.at) : 0;
+    if (!cross || !read_length((struct text){item->text.at, first}, &item->range[0]) ||
+        !read_length((struct text){cross + 1, item->text.len - first - 1}, &item->range[1])) {
+        error_at(error, item->text, "%s is WIDTHxHEIGHT in cm, got '%.*s'", what,
+                 (int)(item->text.len < 64 ? item->text.len : 64), item->text.at);
+        return error_hint(error, "for example %s=12x8, or %s=120mmx80mm", what, what);
+    }
+    for (int i = 0; i < 2; i++)
+        if (!(item->range[i] >= PICTURE_MIN && item->range[i] <= PICTURE_MAX))
+            return error_at(error, item->text,
+                            "%s: a side of a picture is %g to %g cm, not %.4g cm", what,
+                            100 * PICTURE_MIN, 100 * PICTURE_MAX, 100 * item->range[i]);
+    return true;
 }
