@@ -73,7 +73,5 @@ double orbit_extent(const struct vector_field *field, const struct solution *sol
  * becomes. False: it has none, with its range of periods, or cancelled.
  */
 bool orbit_of_period(struct orbit_search *s, double wanted, struct error *error);
-/* What was found, over a period: samples, extrema, energy. False: no memory. orbit_trace.c */
-bool orbit_trace(struct orbit_search *s, struct error *error);
 
 #endif
