@@ -112,6 +112,9 @@ void reply_inapplicable(const struct session *session, struct reply *reply);
 /* Warns of a step that is too coarse for the period. */
 void reply_coarse(const struct session *session, const struct run *run, struct reply *reply);
 
+/* Progress of a study, whose context is the session's front; fraction 2: it is over. going.c */
+void report_fraction(void *context, double fraction);
+
 /* A setting by which a program is run is set neither by files nor by -c, and not with --safe. */
 bool check_typed(const struct session *session, const struct setting *setting,
                  const struct source *where, struct error *error);

@@ -228,19 +228,12 @@ static void reply_map(const struct map *map, struct reply *reply)
     arena_reset(&own);
 }
 
-static void report_part(void *context, double fraction)
-{
-    const struct front *front = context;
-    if (front->progress)
-        front->progress(front->context, NULL, fraction);
-}
-
 HANDLER(basins)
 {
     const struct argument_value *sides = argument_value(args, "NAME=FROM:TO:STEP");
     struct basins_request request = {.scene = &session->setup.scene,
                                      .cancel = session->front.cancel,
-                                     .progress = report_part,
+                                     .progress = report_fraction,
                                      .context = &session->front};
     struct system system;
     struct basins basins;

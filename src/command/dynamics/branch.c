@@ -167,7 +167,7 @@ static bool find_response(struct session *session, struct kept_reference *found,
     struct orbit_request request = {.scene = &session->setup.scene,
                                     .settles = true,
                                     .cancel = session->front.cancel,
-                                    .progress = report_study,
+                                    .progress = report_fraction,
                                     .context = &session->front};
     struct found_orbit orbit;
     struct system system;
@@ -180,7 +180,7 @@ static bool find_response(struct session *session, struct kept_reference *found,
     if (system_drive(&system) == 0)
         return error_set(error, ERROR_COMMAND, "a response is one to a drive: this scene has none");
     const bool fine = orbit_find(&request, &orbit, error);
-    report_study(&session->front, 2);
+    report_fraction(&session->front, 2);
     found->solution = orbit.solution;
     found->scene = session->setup.scene;
     orbit_free(&orbit);
@@ -392,12 +392,12 @@ HANDLER(branch)
                                            .max = (int)words.max,
                                            .forward = words.forward,
                                            .cancel = session->front.cancel,
-                                           .progress = report_study,
+                                           .progress = report_fraction,
                                            .context = &session->front};
     const bool followed = branch_follow(&request, &like.branch, error);
     if (followed && !like.branch.cancelled)
         branch_verify(&request, &like.branch);
-    report_study(&session->front, 2);
+    report_fraction(&session->front, 2);
     if (!followed)
         return false;
     const bool stopped = like.branch.cancelled || cancelled(session->front.cancel);

@@ -45,8 +45,6 @@ bool find_label(const struct session *session, const struct dynamics *dynamics, 
  * in words. */
 const char *orbit_begin(const struct session *session, const struct system *system,
                         struct orbit_request *request);
-/* progress of a study whose context is the session's front; fraction 2: it is over */
-void report_study(void *context, double fraction);
 /* ", 12 ms", where times are shown. */
 void put_seconds(struct buffer *out, const struct session *session, double seconds);
 /* `use` of what is no run. */

@@ -218,7 +218,7 @@ HANDLER(equilibria)
     const struct argument_value *sides = argument_value(args, "NAME=FROM:TO");
     struct equilibria_request request = {.scene = &session->setup.scene,
                                          .cancel = session->front.cancel,
-                                         .progress = report_study,
+                                         .progress = report_fraction,
                                          .context = &session->front};
     struct system system;
     struct equilibria found;
@@ -239,7 +239,7 @@ HANDLER(equilibria)
         for (int k = 0; k < 2; k++)
             request.box[i][k] = box[i][k];
     const bool fine = equilibria_find(&request, &found, error);
-    report_study(&session->front, 2);
+    report_fraction(&session->front, 2);
     if (!fine)
         return false;
     struct buffer text = {0};

@@ -24,13 +24,6 @@ static const char *const solution_kinds[] = {[SOLUTION_EQUILIBRIUM] = "equilibri
 
 /* ---- what they share with other commands ---- */
 
-void report_study(void *context, double fraction)
-{
-    const struct front *front = context;
-    if (front->progress)
-        front->progress(front->context, NULL, fraction);
-}
-
 void put_seconds(struct buffer *out, const struct session *session, double seconds)
 {
     if (session->setup.settings.timing == TIMING_OFF)

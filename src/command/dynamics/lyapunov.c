@@ -124,13 +124,6 @@ static void reply_lyapunov(const struct lyapunov *f, struct reply *reply)
     reply_end(reply);
 }
 
-static void report_fraction(void *context, double fraction)
-{
-    const struct front *front = context;
-    if (front->progress)
-        front->progress(front->context, NULL, fraction);
-}
-
 HANDLER(lyapunov)
 {
     const struct argument_value *count = argument_value(args, "N"),

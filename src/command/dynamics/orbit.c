@@ -179,7 +179,7 @@ HANDLER(orbit)
     struct orbit_request request = {.scene = &session->setup.scene,
                                     .settles = true,
                                     .cancel = session->front.cancel,
-                                    .progress = report_study,
+                                    .progress = report_fraction,
                                     .context = &session->front};
     struct found_orbit found;
     struct system system;
@@ -195,7 +195,7 @@ HANDLER(orbit)
         if (!read_guess(session, args, next_key_argument(&rest), &system, &request, error))
             return false;
     const bool fine = orbit_find(&request, &found, error);
-    report_study(&session->front, 2);
+    report_fraction(&session->front, 2);
     if (!fine) {
         orbit_free(&found);
         return false;

@@ -297,3 +297,10 @@ bool run_go_on(struct session *session, const struct arguments *args, int64_t st
         *error = why;
     return arrived && ok;
 }
+
+void report_fraction(void *context, double fraction)
+{
+    const struct front *front = context;
+    if (front->progress)
+        front->progress(front->context, NULL, fraction);
+}

@@ -263,13 +263,6 @@ bool read_sweep(struct session *session, const struct arguments *args, struct te
 
 /* ---- what it says ---- */
 
-static void report_sweep(void *context, double fraction)
-{
-    const struct front *front = context;
-    if (front->progress)
-        front->progress(front->context, NULL, fraction);
-}
-
 /* Only the first shard has the header, so that shards put together are the whole. */
 static void reply_points(const struct swept *swept, const struct table *table, struct reply *reply)
 {
@@ -341,7 +334,7 @@ struct sweep_request sweep_request_begin(struct session *session)
                                   .shard = 1,
                                   .shards = 1,
                                   .cancel = session->front.cancel,
-                                  .progress = report_sweep,
+                                  .progress = report_fraction,
                                   .context = &session->front,
                                   .measure = {{.kind = SWEEP_AMPLITUDE, .column = SWEEP_VARIABLE}},
                                   .measures = 1};
@@ -353,7 +346,7 @@ static bool sweep_in_memory(struct session *session, const struct arguments *arg
 {
     struct sweep sweep;
     const bool ok = study_sweep(request, &sweep, error);
-    report_sweep(&session->front, 2);
+    report_fraction(&session->front, 2);
     const bool stopped = !ok && error->code == ERROR_CANCELLED;
     if (sweep.finished > 0 && (ok || stopped)) {
         const struct swept swept = swept_of(request, &sweep);

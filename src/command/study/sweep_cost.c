@@ -42,8 +42,7 @@ static bool look(struct session *session, const struct sweep_request *request,
         sample->rate[i] = (double)count / fmax(sweep.seconds, 1e-9);
         buffer_free(&rows);
         sweep_free(&sweep);
-        if (session->front.progress)
-            session->front.progress(session->front.context, NULL, -1);
+        report_fraction(&session->front, -1);
     }
     if (!ok && !error->text[0])
         error_memory(error);

@@ -213,10 +213,8 @@ static bool cut_tail(struct growing *g, bool empty, struct error *error)
 static void report_growth(void *context, double fraction)
 {
     const struct growing *g = context;
-    const struct front *front = &g->session->front;
-    if (front->progress)
-        front->progress(front->context, NULL,
-                        ((double)g->computed + fraction * (double)g->piece) / (double)g->missing);
+    report_fraction(&g->session->front,
+                    ((double)g->computed + fraction * (double)g->piece) / (double)g->missing);
 }
 
 /* Each run of points that are finished; of a stopped piece these may be some. */
@@ -405,8 +403,7 @@ bool sweep_into_file(struct session *session, const struct arguments *args,
               (error_set(error, ERROR_IO, "%s is not there", safe_name(options->file, name)) ||
                error_hint(error, "sweep NAME=FROM:TO --resume FILE begins it"));
     ok = ok && prepare(&g, args, error) && fill(&g, options->force, error);
-    if (session->front.progress)
-        session->front.progress(session->front.context, NULL, 2);
+    report_fraction(&session->front, 2);
     ok = ok && make_whole(&g, error);
     if (ok)
         reply_file(&g, clock_seconds(begin), reply);
