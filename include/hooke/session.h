@@ -198,7 +198,8 @@ struct feed_access {
     struct feed *(*open)(const struct feed_request *request, struct error *error);
     void (*look)(struct feed *feed, struct feed_look *look);
     void (*pause)(struct feed *feed, bool pause); /* what comes meanwhile is dropped */
-    void (*close)(struct feed *feed);             /* the device is as it was before */
+    /* the device is as it was before; the last look is at all that came */
+    void (*close)(struct feed *feed, struct feed_look *look);
     /* A Ctrl-C that ended the collecting ends nothing else. */
     void (*heeded)(void);
 };

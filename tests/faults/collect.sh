@@ -111,6 +111,40 @@ is "a file that takes no more ends it" full "$(value status full.json)"
 raw full.txt | cmp -s - <(sensor spring rate=1000 quirks=off time=s for=1s | tr -d '\r' | head -n "$(raw full.txt | wc -l)")
 ok "and has whole lines" $? "$(tail -n 2 full.txt)"
 
+# ---- what ends at once
+swing() { awk -v n="$1" 'BEGIN { for (i = 0; i < n; i++) printf "%d,%.3f\n", 20 * i, 20 + 5 * cos(0.174 * i) }'; }
+whole=0
+for i in $(seq 30); do
+    swing 200 | "$hooke" -n -c "collect - to=once-$i.txt tunit=ms" >once.out 2>&1 && [ "$(raw "once-$i.txt" | wc -l)" -eq 200 ] &&
+        grep -q ' 200 lines, 200 samples (ok)' once.out && whole=$((whole + 1))
+done
+is "what ends before anybody has looked is kept" 30 "$whole"
+
+# ---- what is waited for
+trigger() { # file condition options
+    rm -f "$1"
+    swing 300 | "$hooke" -n --format json -c "collect - to=$1 tunit=ms $3 trigger=\"$2\" before=0.1s" >trigger.json 2>trigger.err
+}
+trigger came.txt 'y rising 22 cm' unit=cm
+is "a trigger in what ended at once is found" 0.5 "$(value t_start trigger.json)" # 20 ms 30 at 22 cm - 0.1 s
+trigger plain.txt 'y rising 22 cm' ''
+is "numbers without a unit are in that of the trigger" 0.5 "$(value t_start trigger.json)"
+trigger never.txt 'y rising 32 cm' unit=cm
+is "one that never came is an error" 4 $?
+is "and a status" untriggered "$(value status trigger.json)"
+grep -q 'the trigger never came: y rising 32 cm; y was 15 to 25 cm in 300 samples' trigger.err && [ "$(raw never.txt | wc -l)" -eq 300 ]
+ok "what was seen instead is told, and kept" $? "$(cat trigger.json trigger.err)"
+trigger who.txt 'z rising 22' ''
+is "a column that is not there is refused" 1 $?
+grep -q "no column is called 'z'" trigger.err
+ok "and named" $? "$(cat trigger.json)"
+trigger what.txt 'y rising 22 deg' unit=cm
+grep -q 'is a length, deg is none' trigger.err
+ok "a length is not waited for in degrees" $? "$(cat trigger.json)"
+(swing 300; sleep 5) | timeout -s INT 1.5 "$hooke" -n -c 'collect - to=gave-up.txt tunit=ms trigger="y rising 99"; measure period' >gave-up.out 2>&1
+grep -q 'the trigger never came' gave-up.out && grep -q '^T = ' gave-up.out
+ok "who gives up has what came" $? "$(cat gave-up.out)"
+
 # ---- what never comes, and what nobody can read
 : >pipe &
 "$hooke" -n -c 'collect pipe to=nothing.txt' >out.txt 2>&1

@@ -174,7 +174,7 @@ static bool collect(struct collection *c, const struct arguments *args, struct e
                                          .safe = session->safe};
     c->view = (struct collect_view){.path = c->path, .options = &c->options, .fd = -1};
     c->state = (struct collecting){.period = NAN, .amplitude = NAN};
-    c->trigger.after = c->from;
+    c->trigger.after = c->again ? c->from : -HUGE_VAL;
     c->state.feed = feed->open(&request, error);
     if (!c->state.feed) {
         if (!c->again)
@@ -188,7 +188,7 @@ static bool collect(struct collection *c, const struct arguments *args, struct e
     session->collecting = &c->state;
     const bool interrupted = collect_follow(c);
     session->collecting = NULL;
-    feed->close(c->state.feed);
+    feed->close(c->state.feed, &c->look);
     c->state.feed = NULL;
     collect_view_free(&c->view);
     if (interrupted)

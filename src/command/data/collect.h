@@ -8,18 +8,22 @@
 /* Something to wait for: the value passes a level. */
 struct trigger {
     bool wanted;
-    int direction;    /* 1 rising, -1 falling */
-    struct text name; /* of the column; "y": the value */
-    double level;     /* SI, or as the column has it */
-    bool has_unit;
-    double after; /* [s] not before */
-    double t;     /* [s] where it came; NAN: not yet */
+    int direction;           /* 1 rising, -1 falling */
+    struct text said;        /* all of it, as it was typed */
+    struct text name;        /* of the column; "y": the value */
+    double level;            /* SI, or as the column has it */
+    const struct unit *unit; /* NULL: none, the level is as the column has its numbers */
+    double after;            /* [s] not before */
+    double t;                /* [s] where it came; NAN: not yet */
 };
 
 /* "y rising 22 cm" */
 bool trigger_read(struct parser *parser, struct trigger *trigger, struct error *error);
-/* Whether it is in what there is by now. */
-bool trigger_look(struct trigger *trigger, const struct recording *recording);
+/* Whether it is in what there is by now; the error says why it never can be (code 0: it can). */
+bool trigger_look(struct trigger *trigger, const struct recording *recording, struct error *error);
+/* What was waited for in vain: between which numbers the column was. */
+void trigger_missed(const struct trigger *trigger, const struct recording *recording,
+                    struct buffer *out);
 
 /* What has come, for the panes and the trigger: the last lines of the file, read anew. */
 struct collect_view {
@@ -57,6 +61,7 @@ struct collection {
     struct feed_look look;
     enum collect_end how;
     bool said_silent, said_none;
+    struct error never; /* why the trigger cannot come; code 0: it can */
 };
 
 /* Its place among the recordings while it grows; -1: it is not shown. */

@@ -11,6 +11,8 @@ static const char *status_of(const struct collection *c)
 {
     if (c->look.lines == 0 && c->there == 0)
         return "silent";
+    if (c->trigger.wanted && isnan(c->trigger.t))
+        return "untriggered";
     switch (c->look.end) {
     case FEED_UNPLUGGED:
         return "unplugged";
@@ -38,7 +40,7 @@ static void reply_collected(const struct collection *c, const struct recording *
     reply_int(reply, "lost", (int64_t)known->lost);
     reply_int(reply, "garbled", (int64_t)known->garbled);
     reply_int(reply, "skipped", (int64_t)known->skipped);
-    reply_real(reply, "t_start", recording->t[0]);
+    reply_real(reply, "t_start", recording->window[0]);
     reply_real(reply, "t_end", recording->t[recording->rows - 1]);
     reply_real(reply, "rate", recording->rate);
     reply_real(reply, "jitter", known->clock == CLOCK_DEVICE ? NAN : known->jitter);
@@ -64,6 +66,34 @@ static void say_end(const struct collection *c, const struct recording *recordin
                       c->from_shown);
 }
 
+/* What was waited for may be among the last lines. False: it never came, and nobody gave up. */
+static bool await_trigger(struct collection *c, struct recording *recording, struct error *error)
+{
+    struct trigger *trigger = &c->trigger;
+    struct error ignored;
+    struct buffer missed = {0};
+    const bool waits = trigger->wanted && isnan(trigger->t);
+    if (waits && trigger_look(trigger, recording, &c->never))
+        reply_note(c->reply, "trigger: %.*s at t = %.6g s", (int)trigger->name.len,
+                   trigger->name.at, trigger->t);
+    if (trigger->wanted && isfinite(trigger->t))
+        recording_window(recording, trigger->t - c->before, HUGE_VAL, &ignored);
+    if (!waits || isfinite(trigger->t))
+        return true;
+    trigger_missed(trigger, recording, &missed);
+    const bool gave_up = c->look.end == FEED_GOES_ON && !c->never.text[0];
+    if (gave_up)
+        reply_warning(c->reply, "%s", buffer_view(&missed));
+    else if (c->never.text[0])
+        *error = c->never;
+    else
+        error_set(error, ERROR_IO, "%s", buffer_view(&missed));
+    buffer_free(&missed);
+    if (!gave_up && !error->hint[0])
+        error_hint(error, "its lines are kept in %.100s: 'load' reads them", c->to_shown);
+    return gave_up;
+}
+
 bool collect_finish(struct collection *c, const struct arguments *args, struct error *error)
 {
     struct session *session = c->session;
@@ -86,9 +116,11 @@ bool collect_finish(struct collection *c, const struct arguments *args, struct e
     const int same = session_find_recording(session, text_of(recording->name));
     if (same >= 0)
         session_drop_recording(session, same);
-    struct error ignored;
-    if (c->trigger.wanted && isfinite(c->trigger.t))
-        recording_window(recording, c->trigger.t - c->before, HUGE_VAL, &ignored);
+    if (!await_trigger(c, recording, error)) {
+        reply_collected(c, recording);
+        recording_destroy(recording);
+        return false;
+    }
     char *load_options = arena_text(args->arena, c->put_options);
     if (!load_options)
         recording_destroy(recording);
@@ -98,6 +130,8 @@ bool collect_finish(struct collection *c, const struct arguments *args, struct e
     buffer_put(happened, TEXT("load "));
     buffer_word(happened, text_of(c->path));
     buffer_format(happened, "%s\n", load_options);
+    if (recording->window[0] > recording->t[0])
+        buffer_format(happened, "data window %.17g:\n", recording->window[0]);
     say_end(c, recording);
     reply_description(recording, c->reply);
     reply_collected(c, recording);

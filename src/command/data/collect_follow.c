@@ -73,13 +73,13 @@ static void show(struct collection *c, struct recording *recording)
 
 static void look_at_recording(struct collection *c)
 {
-    const bool waits = c->trigger.wanted && isnan(c->trigger.t);
+    const bool waits = c->trigger.wanted && isnan(c->trigger.t) && !c->never.text[0];
     if (!c->session->front.watched && !waits)
         return;
     struct recording *recording = collect_view_read(&c->view, c->look.lines);
     if (!recording)
         return;
-    if (waits && trigger_look(&c->trigger, recording))
+    if (waits && trigger_look(&c->trigger, recording, &c->never))
         reply_note(c->reply, "trigger: %.*s at t = %.6g s", (int)c->trigger.name.len,
                    c->trigger.name.at, c->trigger.t);
     if (c->session->front.watched)
@@ -142,7 +142,8 @@ bool collect_follow(struct collection *c)
         look_at_recording(c);
         say_waiting(c);
         tell_state(c);
-        if (c->look.end != FEED_GOES_ON || c->state.stop || c->session->quit || interrupted)
+        if (c->look.end != FEED_GOES_ON || c->state.stop || c->session->quit || interrupted ||
+            c->never.text[0])
             break;
         if (front->watched && front->slice)
             interrupted = !front->slice(front->context, c->session, clock_ns() + LOOK_NS);

@@ -110,25 +110,57 @@ bool trigger_read(struct parser *parser, struct trigger *trigger, struct error *
         return false;
     trigger->wanted = true;
     trigger->level = item.value.value;
-    trigger->has_unit = item.unit != NULL;
+    trigger->unit = item.unit;
+    trigger->said = all;
     trigger->after = -HUGE_VAL;
     trigger->t = NAN;
     return true;
 }
 
+/* NULL: there is none of that name. */
 static const struct column *trigger_column(const struct trigger *trigger,
                                            const struct recording *recording)
 {
     for (int i = 0; i < recording->columns; i++)
         if (text_is(trigger->name, recording->column[i].name))
             return &recording->column[i];
-    return &recording->column[recording->value];
+    return text_is(trigger->name, "y") ? &recording->column[recording->value] : NULL;
 }
 
-bool trigger_look(struct trigger *trigger, const struct recording *recording)
+/* What the column's numbers are multiplied with; those without a unit are in that of the level. */
+static double trigger_factor(const struct trigger *trigger, const struct column *column)
+{
+    if (!trigger->unit)
+        return 1;
+    return column->quantity == QUANTITY_OTHER ? trigger->unit->factor : column->factor;
+}
+
+static bool refuse_trigger(const struct trigger *trigger, const struct recording *recording,
+                           const struct column *column, struct error *error)
+{
+    char name[SAFE_NAME_SIZE];
+    struct buffer names = {0};
+    if (column)
+        return error_set(error, ERROR_COMMAND, "the trigger cannot come: %s is %s %s, %s is none",
+                         safe_name(text_of(column->name), name), quantity_article(column->quantity),
+                         quantity_name(column->quantity), trigger->unit->row.name);
+    error_set(error, ERROR_COMMAND, "the trigger cannot come: no column is called '%s'",
+              safe_name(trigger->name, name));
+    for (int i = 0; i < recording->columns && names.len < 100; i++)
+        buffer_format(&names, ", %s", safe_name(text_of(recording->column[i].name), name));
+    error_hint(error, "trigger=\"y ...\" is the value; the columns are %s",
+               buffer_view(&names) + (names.len > 2 ? 2 : 0));
+    buffer_free(&names);
+    return false;
+}
+
+bool trigger_look(struct trigger *trigger, const struct recording *recording, struct error *error)
 {
     const struct column *column = trigger_column(trigger, recording);
-    const double factor = trigger->has_unit ? column->factor : 1;
+    if (!column || (trigger->unit && column->quantity != QUANTITY_OTHER &&
+                    column->quantity != trigger->unit->quantity))
+        return refuse_trigger(trigger, recording, column, error);
+    const double factor = trigger_factor(trigger, column);
     double before = NAN;
     for (size_t i = 0; i < recording->rows; i++) {
         const double value = column->value[i] * factor - trigger->level;
@@ -142,4 +174,24 @@ bool trigger_look(struct trigger *trigger, const struct recording *recording)
         before = value;
     }
     return false;
+}
+
+void trigger_missed(const struct trigger *trigger, const struct recording *recording,
+                    struct buffer *out)
+{
+    char name[SAFE_NAME_SIZE];
+    const struct column *column = trigger_column(trigger, recording);
+    double low = HUGE_VAL, high = -HUGE_VAL;
+    size_t n = 0;
+    for (size_t i = 0; column && i < recording->rows; i++)
+        if (isfinite(column->value[i]) && recording->t[i] > trigger->after + TRIGGER_GLITCH) {
+            low = fmin(low, column->value[i]);
+            high = fmax(high, column->value[i]);
+            n++;
+        }
+    buffer_format(out, "the trigger never came: %s", safe_name(trigger->said, name));
+    if (n > 0)
+        buffer_format(out, "; %s was %.6g to %.6g%s%s in %zu samples",
+                      safe_name(trigger->name, name), low, high, column->unit[0] ? " " : "",
+                      column->unit, n);
 }

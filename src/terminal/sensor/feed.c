@@ -249,7 +249,7 @@ static void pause_feed(struct feed *feed, bool pause)
     pthread_mutex_unlock(&feed->lock);
 }
 
-static void close_feed(struct feed *feed)
+static void close_feed(struct feed *feed, struct feed_look *look)
 {
     pthread_mutex_lock(&feed->lock);
     feed->stopping = true;
@@ -257,6 +257,7 @@ static void close_feed(struct feed *feed)
     const ssize_t ignored = write(feed->wake[1], "", 1);
     (void)ignored;
     pthread_join(feed->thread, NULL);
+    look_at(feed, look);
     destroy(feed);
 }
 
