@@ -12,7 +12,7 @@ VERSION := 0.1.0
 
 # Layers, left to right: an include may only go left, and each layer's tests link without the layers to its right.
 LIBRARY_LAYERS := base result scene method run data analysis figure study
-PROGRAM_LAYERS := session language plot report command view terminal
+PROGRAM_LAYERS := session language plot report command view api terminal
 LAYERS := $(LIBRARY_LAYERS) $(PROGRAM_LAYERS)
 
 Q := $(if $(filter 1,$(V)),,@)
@@ -80,7 +80,7 @@ OPTIONAL_TESTS = $(shell grep -liE 'cairo|cvode|libarchive|"\# needs' $(TEST_SOU
 
 CPPFLAGS += -D_DEFAULT_SOURCE -DHOOKE_VERSION='"$(VERSION)"' -Iinclude -Isrc -Ibuild
 TEST_CPPFLAGS := -D_GNU_SOURCE -Itests $(if $(filter fuzz,$(CONFIG)),-DFUZZING)
-CFLAGS   := -std=c11 $(OPT_$(CONFIG)) $(WARNINGS) $(NUMBERS) $(HARDEN) -fPIE $(CFLAGS_EXTRA)
+CFLAGS   := -std=c11 $(OPT_$(CONFIG)) $(WARNINGS) $(NUMBERS) $(HARDEN) -fPIC -fvisibility=hidden $(CFLAGS_EXTRA)
 LDFLAGS  := $(patsubst %-no-link,%,$(filter -fsanitize% --coverage,$(OPT_$(CONFIG)))) $(LDHARDEN) $(LDFLAGS_EXTRA)
 LIBS     := $(SUNDIALS_LIBS) $(GSL_LIBS) -lm -ldl
 
@@ -107,8 +107,9 @@ FORMATS := $(sort $(wildcard src/data/formats/*.def))
 $(shell mkdir -p build && printf '#include "../%s"\n' $(FORMATS) >build/formats.new && \
   { cmp -s build/formats.new build/formats.def || cp build/formats.new build/formats.def; }; rm -f build/formats.new)
 
-LIBRARY_OBJECTS := $(foreach l,$(LIBRARY_LAYERS),$(call objects,$(l)))
-PROGRAM_OBJECTS := $(foreach l,$(PROGRAM_LAYERS),$(call objects,$(l))) $(B)/main.o \
+# The library is all but the terminal; programs use its api, or the layers as far as study.
+LIBRARY_OBJECTS := $(foreach l,$(filter-out terminal,$(LAYERS)),$(call objects,$(l)))
+PROGRAM_OBJECTS := $(call objects,terminal) $(B)/main.o \
   $(if $(filter watch,$(CONFIG)),$(B)/tests/cancel/watch.o)
 
 TEST_SOURCES := $(sort $(wildcard $(foreach kind,unit numerics data faults growth terminal,tests/$(kind)/*/*.c) tests/fuzz/*.c))
@@ -122,13 +123,19 @@ FUZZERS      := $(patsubst tests/fuzz/%.c,%,$(sort $(wildcard tests/fuzz/*.c)))
 
 # Manual pages and completion, from the program's own rows.
 PAGES := $(patsubst scripts/pages/%,$(TOP)/pages/%,$(wildcard scripts/pages/*))
-EXAMPLES := $(sort $(wildcard examples/*.hk examples/*/*.hk examples/cluster/* examples/collect/*))
+EXAMPLES := $(sort $(wildcard examples/*.hk examples/*/*.hk examples/cluster/* examples/collect/* examples/library/*))
 
-all: $(TOP)/libhooke.a $(TOP)/hooke $(PAGES) $(TOP)/pages/hooke.bash ## build the library, the program, its manual and completion
+all: $(TOP)/libhooke.a $(TOP)/libhooke.so.0 $(TOP)/hooke $(PAGES) $(TOP)/pages/hooke.bash ## build the library, the program, its manual and completion
 
 $(TOP)/libhooke.a: $(LIBRARY_OBJECTS)
 	$(call say,AR,$@)
 	$(Q)rm -f $@ && ar rcs $@ $^
+
+# Only what api.h declares can be seen of it.
+$(TOP)/libhooke.so.0: $(call objects,api) $(TOP)/libhooke.a src/api/libhooke.map $(LINK_STAMP)
+	$(call say,LINK,$@)
+	$(Q)$(CC) -shared $(filter-out -pie,$(LDFLAGS)) -Wl,-soname,$(@F) -Wl,--version-script=src/api/libhooke.map -o $@ \
+	  $(filter %.o %.a,$^) $(LIBS)
 
 $(TOP)/hooke: $(PROGRAM_OBJECTS) $(TOP)/libhooke.a $(LINK_STAMP)
 	$(call say,LINK,$@)
@@ -307,7 +314,13 @@ COMPLETION = $(DESTDIR)$(PREFIX)/share/bash-completion/completions/hooke
 install: all ## install program, library, headers, manual, examples and completion under PREFIX
 	install -D -m 755 $(TOP)/hooke $(DESTDIR)$(PREFIX)/bin/hooke
 	install -D -m 644 $(TOP)/libhooke.a $(DESTDIR)$(PREFIX)/lib/libhooke.a
-	cd include && for header in hooke/hooke.h $(foreach l,$(LIBRARY_LAYERS),hooke/$l.h $(patsubst include/%,%,$(wildcard include/hooke/$l/*.h))); do \
+	install -D -m 644 $(TOP)/libhooke.so.0 $(DESTDIR)$(PREFIX)/lib/libhooke.so.0
+	ln -sf libhooke.so.0 $(DESTDIR)$(PREFIX)/lib/libhooke.so
+	$(Q)printf '%s\n' 'prefix=$(PREFIX)' 'libdir=$${prefix}/lib' 'includedir=$${prefix}/include' '' \
+	  'Name: hooke' 'Description: oscillators and numerical integration' 'Version: $(VERSION)' 'Requires.private: gsl' \
+	  'Libs: -L$${libdir} -lhooke' 'Libs.private: $(SUNDIALS_LIBS) -lm -ldl -lpthread' 'Cflags: -I$${includedir}' \
+	  >$(TOP)/hooke.pc && install -D -m 644 $(TOP)/hooke.pc $(DESTDIR)$(PREFIX)/lib/pkgconfig/hooke.pc
+	cd include && for header in hooke/hooke.h hooke/api.h $(foreach l,$(LIBRARY_LAYERS),hooke/$l.h $(patsubst include/%,%,$(wildcard include/hooke/$l/*.h))); do \
 	  install -D -m 644 $$header $(DESTDIR)$(PREFIX)/include/$$header || exit; done
 	for page in $(PAGES); do install -D -m 644 $$page $(MANUAL)/man$${page##*.}/$${page##*/} || exit; done
 	install -D -m 644 $(TOP)/pages/hooke.bash $(COMPLETION)
@@ -315,7 +328,7 @@ install: all ## install program, library, headers, manual, examples and completi
 	scripts/make-recordings $(SHARED)/examples/lab && chmod 644 $(SHARED)/examples/lab/*.txt
 
 uninstall: ## remove what install put there
-	rm -f $(DESTDIR)$(PREFIX)/bin/hooke $(DESTDIR)$(PREFIX)/lib/libhooke.a $(COMPLETION)
+	rm -f $(DESTDIR)$(PREFIX)/bin/hooke $(addprefix $(DESTDIR)$(PREFIX)/lib/,libhooke.a libhooke.so libhooke.so.0 pkgconfig/hooke.pc) $(COMPLETION)
 	rm -f $(foreach page,$(notdir $(PAGES)),$(MANUAL)/man$(subst .,,$(suffix $(page)))/$(page))
 	rm -rf $(DESTDIR)$(PREFIX)/include/hooke $(SHARED)
 

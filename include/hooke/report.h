@@ -56,6 +56,8 @@ extern const struct catalog result_catalog; /* of struct result_row */
 /* The table of a row of that catalog. It lives as long as the session keeps it, or the arena. */
 bool export_result(struct session *session, const struct row *of, struct export *export,
                    struct error *error);
+/* Whether there is one. */
+bool result_is_kept(const struct session *session, const struct row *of);
 /* What the last study found; the runs where there were runs since. */
 bool export_latest(struct session *session, struct export *export, struct error *error);
 /* A row for each run. */

@@ -108,6 +108,8 @@ void store_row_end(struct table_store *store);
 
 enum output_format { FORMAT_TEXT, FORMAT_CSV, FORMAT_JSON };
 
+struct source; /* where a line comes from: below */
+
 struct sink {
     /* results; false: they cannot be written (closed, full device) */
     bool (*out)(void *context, struct text text);
@@ -132,6 +134,10 @@ struct reply {
     /* Told, with the sink's context, that another table in CSV begins; NULL: a blank line and a
      * comment with its kind stand before it. */
     void (*part)(void *context, const char *kind);
+    /* Told, likewise, of each error beside its message; column: in the line at `where`, from 1, 0:
+     * nowhere in it. NULL: nobody is. */
+    void (*error)(void *context, const struct error *error, const struct source *where,
+                  size_t column);
     bool recorded;             /* this command made a record */
     bool muted;                /* lines and records are not written, only collected */
     struct table_store *store; /* records are rows of its tables, too; NULL: they are not */

@@ -238,6 +238,8 @@ struct front {
     /* The same as lines of text, for `screenshot` without a file. */
     bool (*screen)(void *context, const struct session *session, struct buffer *text,
                    struct error *error);
+    /* Takes what `export -` would write; false: no memory. NULL: it is written. */
+    bool (*table)(void *context, const struct table *table);
     /* [s] from, to of the time axis on that screen; false: it has none. */
     bool (*time_shown)(void *context, const struct session *session, double span[2]);
     /* Shows a figure as pixels, width x height cells; figure NULL: only asks whether that can be.

@@ -40,4 +40,12 @@ bool screen_plane_cell(const struct session *session, int width, int height, dou
 /* [s] from, to of that plot's time axis; false: no such plot. */
 bool screen_time_shown(const struct session *session, int width, int height, double span[2]);
 
+/* The screen as text lines, and the same in a file. */
+bool screenshot_text(const struct session *session, const struct prompt_line *prompt, int width,
+                     int height, struct buffer *text, struct error *error);
+bool screenshot_file(const struct session *session, const struct prompt_line *prompt, int width,
+                     int height, const char *path, struct write_policy policy, struct error *error);
+/* The callbacks of front ends without a screen. */
+void screenshot_offer(struct front *front);
+
 #endif

@@ -135,6 +135,11 @@ bool export_result(struct session *session, const struct row *of, struct export 
     return true;
 }
 
+bool result_is_kept(const struct session *session, const struct row *of)
+{
+    return table_store_find(&session->found, kind_of(result_at(of))) != NULL;
+}
+
 bool export_latest(struct session *session, struct export *export, struct error *error)
 {
     const struct row *studied = session->studied_runs == session->next_run && session->studied

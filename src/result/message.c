@@ -168,6 +168,8 @@ void reply_error(struct reply *reply, const struct error *error, const struct so
     struct buffer out = {0};
     struct source own;
     const size_t column = index_of(error, &where, &own, &line);
+    if (reply->error)
+        reply->error(reply->sink.context, error, where, column);
     if (reply->format == FORMAT_JSON)
         put_json(&out, error, where, column);
     else

@@ -198,7 +198,8 @@ static bool restore(struct session *session, const char *shown, struct text cont
 {
     struct buffer name = {0};
     buffer_put(&name, text_of(shown));
-    const struct restorer restorer = {name.data, &plot_catalog, &result_catalog, execute_part};
+    const struct restorer restorer = {name.data, &plot_catalog, &result_catalog, execute_part,
+                                      getenv("TMPDIR")};
     session->restoring = true;
     const bool ok = store_recognise(content)
                         ? session_restore(session, content, &restorer, notes, error)

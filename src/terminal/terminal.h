@@ -181,13 +181,6 @@ void rc_run(struct session *session, struct reply *reply);
 /* A typed or pasted text: several lines are a small script named "paste" that stops at its first
  * error. False: it did. */
 bool typed_run(struct session *session, struct text typed, struct reply *reply);
-/* The screen as text lines, and the same in a file. */
-bool screenshot_text(const struct session *session, const struct prompt_line *prompt, int width,
-                     int height, struct buffer *text, struct error *error);
-bool screenshot_file(const struct session *session, const struct prompt_line *prompt, int width,
-                     int height, const char *path, struct write_policy policy, struct error *error);
-/* The callbacks of front ends without a screen. */
-void screenshot_offer(struct front *front);
 
 /* ---- figures as pixels, in terminals that say that they show them (pixels.c)
  * ---------------------------------------------------- */

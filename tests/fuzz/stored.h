@@ -41,7 +41,7 @@ static inline bool stored_take(struct session *session, struct reply *reply, str
                                struct buffer *notes)
 {
     struct error error = {0};
-    const struct restorer restorer = {reply, &plot_catalog, &result_catalog, stored_execute};
+    const struct restorer restorer = {reply, &plot_catalog, &result_catalog, stored_execute, NULL};
     session->restoring = true;
     const bool ok =
         store_recognise(file) && session_restore(session, file, &restorer, notes, &error);

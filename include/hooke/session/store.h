@@ -89,6 +89,7 @@ struct restorer {
     /* Executes commands in the session, a line each; false: the first that fails. */
     bool (*execute)(void *context, struct session *session, struct text commands,
                     struct error *error);
+    const char *temporary; /* folder for what only files can be read from; NULL: /tmp */
 };
 
 bool store_recognise(struct text content);

@@ -123,6 +123,8 @@ HANDLER(export)
     if (!fill_table(session, args, &export, error))
         return false;
     export.table.cancel = session->front.cancel;
+    if (text_is(file->text, "-") && session->front.table)
+        return session->front.table(session->front.context, &export.table) || error_memory(error);
     if (text_is(file->text, "-") && reply->format == FORMAT_JSON)
         return reply_rows(reply, "row", &export.table, error);
     if (text_is(file->text, "-")) {

@@ -275,10 +275,10 @@ static bool any_name(const char *name)
 }
 
 /* The bytes in a file of the same name, in a folder of its own. Caller frees; NULL: no room. */
-static char *put_file(struct text path, struct text content, struct folder *folder)
+static char *put_file(const char *temporary, struct text path, struct text content,
+                      struct folder *folder)
 {
     const struct write_policy policy = {.force = true, .secret = true};
-    const char *temporary = getenv("TMPDIR");
     struct buffer at = {0}, name = {0};
     struct error ignored;
     size_t begin = path.len;
@@ -337,7 +337,7 @@ static bool load_kept(struct reader *reader, struct text in, struct text path, s
                     (int)name.len, name.at);
         return true;
     }
-    char *file = put_file(path, content, &folder);
+    char *file = put_file(reader->restorer->temporary, path, content, &folder);
     bool ok = file ? load(reader, text_of(file), options, error)
                    : error_set(error, ERROR_IO, "there is no room for it in the folder TMPDIR");
     if (file)

@@ -143,7 +143,7 @@ static inline bool bench_restore(struct bench *again, struct text file, struct b
 {
     struct error error;
     bench_open(again, false);
-    const struct restorer restorer = {again, &plot_catalog, &result_catalog, bench_execute};
+    const struct restorer restorer = {again, &plot_catalog, &result_catalog, bench_execute, NULL};
     return store_recognise(file) && session_restore(again->session, file, &restorer, notes, &error);
 }
 

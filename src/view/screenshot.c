@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The screen as text: the same cells that ncurses shows. */
-#include "terminal/terminal.h"
+#include <hooke/view.h>
 
 bool screenshot_text(const struct session *session, const struct prompt_line *prompt, int width,
                      int height, struct buffer *text, struct error *error)

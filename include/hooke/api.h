@@ -1,0 +1,102 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * api: hooke inside another program. A session, lines in the language of the prompt, and what they
+ * found as arrays of doubles: nothing of this changes but by additions (symbol version HOOKE_0).
+ *
+ *     struct hooke *lab = hooke_open(0);
+ *     if (hooke_run(lab, "scene pendulum; method rk4 dt=1ms; run 10 s") != 0)
+ *         fprintf(stderr, "%s\n", hooke_error(lab)->message);
+ *     struct hooke_table *run = hooke_table(lab, "t theta energy");
+ *     const double *theta = hooke_column(run, "theta");        ... hooke_rows(run) of them
+ *     hooke_table_free(run);
+ *     hooke_close(lab);
+ *
+ * Sessions know nothing of one another: each may be used by another thread, one by one thread at a
+ * time (hooke_cancel() by any). Nothing is printed, no signal is touched, no locale is set; files
+ * are read and written only as the lines say. Texts are UTF-8, values in SI units. Texts and the
+ * error that a session gives hold until its next hooke_run() or hooke_table().
+ *
+ * Where it is said that NULL comes back, NULL may be given to the other functions, too: they find
+ * nothing there.
+ */
+#ifndef HOOKE_API_H
+#define HOOKE_API_H
+
+#include <stddef.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#if defined(__GNUC__)
+#define HOOKE_PUBLIC __attribute__((visibility("default")))
+#else
+#define HOOKE_PUBLIC
+#endif
+
+struct hooke;       /* a session */
+struct hooke_table; /* columns of values or texts, the caller's own */
+
+enum hooke_open_flag {
+    HOOKE_SAFE = 1, /* as the option --safe: writes below the current directory alone */
+};
+
+struct hooke_error {
+    int status; /* exit status that the program would have: 1 a command failed, 2 wrong usage, 3 the
+                 * numbers, 4 reading or writing, 130 stopped */
+    int line, column; /* in the text given to hooke_run(), or in `file`, from 1; 0: nowhere in it */
+    const char *file; /* NULL: the text itself */
+    const char *code, *message, *hint; /* "usage"; a sentence; what to do, or "" */
+};
+
+/* "0.1.0" */
+HOOKE_PUBLIC const char *hooke_version(void);
+
+/* A new session with the defaults of the lab. flags: of enum hooke_open_flag. NULL: no memory. */
+HOOKE_PUBLIC struct hooke *hooke_open(unsigned flags);
+HOOKE_PUBLIC void hooke_close(struct hooke *hooke);
+
+/* Executes one or more lines, as a file of commands; the first error ends them. Returns 0, or the
+ * status of the error. */
+HOOKE_PUBLIC int hooke_run(struct hooke *hooke, const char *lines);
+/* Stops what goes on as Ctrl-C does: from any thread, or a handler of a signal. What is stopped
+ * says so with status 130; where nothing goes on, nothing is stopped later. */
+HOOKE_PUBLIC void hooke_cancel(struct hooke *hooke);
+
+/* What the last hooke_run() printed; its warnings, notes and errors as the prompt shows them. Never
+ * NULL. */
+HOOKE_PUBLIC const char *hooke_output(const struct hooke *hooke);
+HOOKE_PUBLIC const char *hooke_messages(const struct hooke *hooke);
+/* Of the last hooke_run() or hooke_table(); NULL: it succeeded. */
+HOOKE_PUBLIC const struct hooke_error *hooke_error(const struct hooke *hooke);
+
+/* Anything with a name, in SI units: a parameter, a derived quantity, a variable of the current
+ * run, a result such as measured_period. uncertainty: standard uncertainty, 0 where none is known;
+ * may be NULL. Returns 1; 0: there is no such name, or it has no value. */
+HOOKE_PUBLIC int hooke_value(const struct hooke *hooke, const char *name, double *value,
+                             double *uncertainty);
+
+/* The names of the results that the session keeps, place 0, 1, ...: "compare", "sweep"; NULL: no
+ * more. Each is hooke_table(hooke, "table of NAME"). */
+HOOKE_PUBLIC const char *hooke_result(const struct hooke *hooke, size_t place);
+
+/* What `export FILE WHAT` would write: "" the current run, "t y energy" columns of it, "run 1 y",
+ * "data", "events", "measurements", "table of sweep". A copy, to be freed by hooke_table_free(),
+ * also after the session is closed. NULL: hooke_error() says why. */
+HOOKE_PUBLIC struct hooke_table *hooke_table(struct hooke *hooke, const char *what);
+HOOKE_PUBLIC void hooke_table_free(struct hooke_table *table);
+HOOKE_PUBLIC size_t hooke_rows(const struct hooke_table *table);
+HOOKE_PUBLIC size_t hooke_columns(const struct hooke_table *table);
+/* Of the column at that place, from 0; NULL: there is none. A unit is "" where there is none. */
+HOOKE_PUBLIC const char *hooke_column_name(const struct hooke_table *table, size_t place);
+HOOKE_PUBLIC const char *hooke_column_unit(const struct hooke_table *table, size_t place);
+/* [hooke_rows] of the first column of that name, NAN where a row has no value; NULL: none is called
+ * so, or it has texts. */
+HOOKE_PUBLIC const double *hooke_column(const struct hooke_table *table, const char *name);
+/* Of a column with texts, row from 0; NULL: there is none. */
+HOOKE_PUBLIC const char *hooke_text(const struct hooke_table *table, const char *name, size_t row);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

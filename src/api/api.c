@@ -1,0 +1,309 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* A session inside another program: hooke/api.h. */
+#include <hooke/api.h>
+#include <hooke/session/log.h>
+#include <hooke/report.h>
+#include <hooke/session/names.h>
+#include <hooke/view.h>
+
+#include <stdlib.h>
+#include <string.h>
+
+struct taken_column {
+    char *name, *unit;
+    double *value; /* NULL: it has texts */
+    char **text;
+};
+
+struct hooke_table {
+    struct arena arena;
+    size_t rows, columns;
+    struct taken_column *column;
+};
+
+struct hooke {
+    struct session *session;
+    struct cancel cancel;
+    struct reply reply;
+    struct buffer output, messages;
+    bool has_error;
+    struct hooke_error error;
+    struct error said; /* what it points to */
+    struct buffer file;
+    struct hooke_table *table; /* what `export -` gives goes there; NULL: to the output */
+};
+
+static const char place[] = "hooke_run"; /* of lines that are in no file */
+
+const char *hooke_version(void)
+{
+    return HOOKE_VERSION;
+}
+
+/* ---- what is said ---- */
+
+static bool take_output(void *context, struct text text)
+{
+    struct hooke *hooke = context;
+    buffer_put(&hooke->output, text);
+    return !hooke->output.failed;
+}
+
+static bool take_message(void *context, struct text text)
+{
+    struct hooke *hooke = context;
+    buffer_put(&hooke->messages, text);
+    return !hooke->messages.failed;
+}
+
+static void take_error(void *context, const struct error *error, const struct source *where,
+                       size_t column)
+{
+    struct hooke *hooke = context;
+    hooke->has_error = true;
+    hooke->said = *error;
+    hooke->said.where = (struct text){NULL, 0};
+    buffer_clear(&hooke->file);
+    if (where && where->name && where->name != place)
+        buffer_put(&hooke->file, text_of(where->name));
+    hooke->error = (struct hooke_error){
+        .status = (int)error->code,
+        .line = where ? where->line : 0,
+        .column = where ? (int)column : 0,
+        .file = hooke->file.len > 0 ? buffer_view(&hooke->file) : NULL,
+        .code = error_name(error->code),
+        .message = hooke->said.text,
+        .hint = hooke->said.hint,
+    };
+}
+
+static void forget_said(struct hooke *hooke)
+{
+    buffer_clear(&hooke->output);
+    buffer_clear(&hooke->messages);
+    hooke->output.failed = hooke->messages.failed = hooke->reply.failed = false;
+    hooke->has_error = false;
+    hooke->session->status = 0;
+    hooke->session->quit = false;
+    atomic_store(&hooke->cancel.requested, 0);
+}
+
+const char *hooke_output(const struct hooke *hooke)
+{
+    return hooke ? buffer_view(&hooke->output) : "";
+}
+
+const char *hooke_messages(const struct hooke *hooke)
+{
+    return hooke ? buffer_view(&hooke->messages) : "";
+}
+
+const struct hooke_error *hooke_error(const struct hooke *hooke)
+{
+    static const struct hooke_error memory = {
+        .status = ERROR_COMMAND, .code = "command", .message = "out of memory", .hint = ""};
+    return !hooke ? &memory : hooke->has_error ? &hooke->error : NULL;
+}
+
+/* ---- tables ---- */
+
+static bool copy_texts(struct hooke_table *table, const struct table_column *from,
+                       struct taken_column *to)
+{
+    to->text = arena_array(&table->arena, table->rows + 1, sizeof *to->text);
+    for (size_t i = 0; i < table->rows && to->text; i++)
+        if (from->text[i] && !(to->text[i] = arena_text(&table->arena, text_of(from->text[i]))))
+            return false;
+    return to->text != NULL;
+}
+
+static bool copy_column(struct hooke_table *table, const struct table_column *from,
+                        struct taken_column *to)
+{
+    to->name = arena_text(&table->arena, text_of(from->name));
+    to->unit = arena_text(&table->arena, text_of(from->unit ? from->unit : ""));
+    if (!to->name || !to->unit || !from->value)
+        return to->name && to->unit && copy_texts(table, from, to);
+    to->value = arena_array(&table->arena, table->rows + 1, sizeof *to->value);
+    if (to->value && table->rows > 0)
+        memcpy(to->value, from->value, table->rows * sizeof *to->value);
+    return to->value != NULL;
+}
+
+static bool take_table(void *context, const struct table *from)
+{
+    struct hooke_table *table = ((struct hooke *)context)->table;
+    if (!table)
+        return false;
+    table->rows = from->rows;
+    table->column = arena_array(&table->arena, (size_t)from->columns + 1, sizeof *table->column);
+    for (int i = 0; i < from->columns && table->column; i++) {
+        if (!copy_column(table, &from->column[i], &table->column[i]))
+            return false;
+        table->columns++;
+    }
+    return table->column != NULL;
+}
+
+void hooke_table_free(struct hooke_table *table)
+{
+    if (!table)
+        return;
+    arena_reset(&table->arena);
+    free(table);
+}
+
+size_t hooke_rows(const struct hooke_table *table)
+{
+    return table ? table->rows : 0;
+}
+
+size_t hooke_columns(const struct hooke_table *table)
+{
+    return table ? table->columns : 0;
+}
+
+const char *hooke_column_name(const struct hooke_table *table, size_t at)
+{
+    return at < hooke_columns(table) ? table->column[at].name : NULL;
+}
+
+const char *hooke_column_unit(const struct hooke_table *table, size_t at)
+{
+    return at < hooke_columns(table) ? table->column[at].unit : NULL;
+}
+
+static const struct taken_column *find_column(const struct hooke_table *table, const char *name)
+{
+    for (size_t i = 0; i < hooke_columns(table) && name; i++)
+        if (strcmp(table->column[i].name, name) == 0)
+            return &table->column[i];
+    return NULL;
+}
+
+const double *hooke_column(const struct hooke_table *table, const char *name)
+{
+    const struct taken_column *column = find_column(table, name);
+    return column ? column->value : NULL;
+}
+
+const char *hooke_text(const struct hooke_table *table, const char *name, size_t row)
+{
+    const struct taken_column *column = find_column(table, name);
+    return column && column->text && row < table->rows ? column->text[row] : NULL;
+}
+
+/* ---- a session ---- */
+
+struct hooke *hooke_open(unsigned flags)
+{
+    struct hooke *hooke = calloc(1, sizeof *hooke);
+    if (!hooke)
+        return NULL;
+    struct front front = {.cancel = &hooke->cancel, .context = hooke};
+    screenshot_offer(&front);
+    reply_init(&hooke->reply, (struct sink){take_output, take_message, hooke});
+    hooke->reply.error = take_error;
+    hooke->session = session_create(&front);
+    if (!hooke->session) {
+        hooke_close(hooke);
+        return NULL;
+    }
+    hooke->session->safe = (flags & HOOKE_SAFE) != 0;
+    return hooke;
+}
+
+void hooke_close(struct hooke *hooke)
+{
+    struct error ignored;
+    if (!hooke)
+        return;
+    if (hooke->session)
+        record_close(hooke->session, &ignored);
+    session_destroy(hooke->session);
+    reply_free(&hooke->reply);
+    buffer_free(&hooke->output);
+    buffer_free(&hooke->messages);
+    buffer_free(&hooke->file);
+    free(hooke);
+}
+
+int hooke_run(struct hooke *hooke, const char *lines)
+{
+    struct text rest = text_of(lines ? lines : ""), line;
+    struct script script;
+    struct error error;
+    if (!hooke)
+        return ERROR_COMMAND;
+    forget_said(hooke);
+    script_begin(&script, hooke->session, place, NULL);
+    while (text_split(&rest, '\n', &line) &&
+           script_feed(&script, hooke->session, line, &hooke->reply))
+        ;
+    script_end(&script, hooke->session, &hooke->reply);
+    if (!hooke->has_error && (hooke->output.failed || hooke->messages.failed)) {
+        error_memory(&error);
+        take_error(hooke, &error, NULL, 0);
+        hooke->session->status = (int)error.code;
+    }
+    return hooke->session->status;
+}
+
+void hooke_cancel(struct hooke *hooke)
+{
+    if (hooke)
+        atomic_store(&hooke->cancel.requested, 1);
+}
+
+int hooke_value(const struct hooke *hooke, const char *name, double *value, double *uncertainty)
+{
+    struct named_value named = {.below = 0};
+    if (!hooke || !name || !names_value(hooke->session, text_of(name), &named) ||
+        isnan(named.value))
+        return 0;
+    *value = named.value;
+    if (uncertainty)
+        *uncertainty = named.uncertainty;
+    return 1;
+}
+
+const char *hooke_result(const struct hooke *hooke, size_t at)
+{
+    for (size_t i = 0; i < result_catalog.count && hooke; i++) {
+        const struct row *row = catalog_row(&result_catalog, i);
+        if (result_is_kept(hooke->session, row) && at-- == 0)
+            return row->name;
+    }
+    return NULL;
+}
+
+struct hooke_table *hooke_table(struct hooke *hooke, const char *what)
+{
+    struct buffer line = {0};
+    struct error error = {0};
+    if (!hooke)
+        return NULL;
+    forget_said(hooke);
+    if (what && strpbrk(what, ";>\n\r#\\")) {
+        error_set(&error, ERROR_USAGE, "a table is what stands behind 'export FILE': t y energy");
+        take_error(hooke, &error, NULL, 0);
+        return NULL;
+    }
+    buffer_format(&line, "export - %s", what ? what : "");
+    hooke->table = calloc(1, sizeof *hooke->table);
+    if (line.failed || !hooke->table) {
+        error_memory(&error);
+        take_error(hooke, &error, NULL, 0);
+    } else {
+        hooke->session->front.table = take_table;
+        command_exec(hooke->session, buffer_text(&line), NULL, &hooke->reply);
+        hooke->session->front.table = NULL;
+    }
+    struct hooke_table *table = hooke->table;
+    hooke->table = NULL;
+    buffer_free(&line);
+    if (!hooke->has_error)
+        return table;
+    hooke_table_free(table);
+    return NULL;
+}
