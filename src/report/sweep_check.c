@@ -12,9 +12,57 @@
 
 #define DIFFERENCES_SHOWN 20
 
+/* ---- which points are there ---- */
+
+static int by_first(const void *a, const void *b)
+{
+    const struct sweep_block *x = a, *y = b;
+    return (x->first > y->first) - (x->first < y->first);
+}
+
+bool sweep_file_arrange(struct sweep_file *file, int64_t first, int64_t count, struct error *error)
+{
+    char name[SAFE_NAME_SIZE];
+    int64_t next = first;
+    if (file->blocks > 0)
+        qsort(file->block, file->blocks, sizeof *file->block, by_first);
+    for (size_t i = 0; i < file->blocks; i++) {
+        const struct sweep_block *block = &file->block[i];
+        const bool outside = block->first < first || block->first + block->count > first + count;
+        if (outside || block->first < next) {
+            error_set(error, ERROR_IO, "%s has point %lld %s", safe_name(text_of(file->path), name),
+                      (long long)block->first,
+                      outside ? "or some behind it that are not of this shard" : "twice");
+            return error_hint(error, "the file is left as it is");
+        }
+        next = block->first + block->count;
+    }
+    return true;
+}
+
+bool sweep_file_gap(const struct sweep_file *file, int64_t from, int64_t end, int64_t *first,
+                    int64_t *count)
+{
+    *first = from;
+    int64_t next = end;
+    for (size_t i = 0; i < file->blocks; i++) {
+        const struct sweep_block *block = &file->block[i];
+        if (block->first <= *first && *first < block->first + block->count)
+            *first = block->first + block->count;
+        else if (block->first > *first && block->first < next)
+            next = block->first;
+        if (block->first > *first)
+            break;
+    }
+    *count = next - *first;
+    return *count > 0;
+}
+
+/* ---- files together ---- */
+
 struct checking {
     const char *const *path;
-    struct sweep_file all; /* head of the first, blocks of all */
+    struct sweep_file all; /* sweep of the first, blocks of all */
     struct reply *reply;
     int64_t points, missing, differences;
 };
@@ -41,8 +89,7 @@ static bool read_one(struct checking *check, int index, struct sweep_file *file,
         ok = error_set(error, ERROR_IO, "%s has no points of a sweep",
                        safe_name(text_of(path), name));
     if (ok && check->all.total > 0 &&
-        (file->total != check->all.total ||
-         !text_equal(buffer_text(&file->head), buffer_text(&check->all.head))))
+        (file->total != check->all.total || file->seed != check->all.seed))
         ok = error_set(error, ERROR_IO, "%s is of another sweep than the first file",
                        safe_name(text_of(path), name));
     return ok;
@@ -68,7 +115,7 @@ static bool take_blocks(struct checking *check, int index, struct sweep_file *fi
     struct sweep_file *all = &check->all;
     if (all->total == 0) {
         all->total = file->total;
-        buffer_put(&all->head, buffer_text(&file->head));
+        all->seed = file->seed;
     }
     struct sweep_block *more =
         realloc(all->block, (all->blocks + file->blocks) * sizeof *all->block);
@@ -80,12 +127,6 @@ static bool take_blocks(struct checking *check, int index, struct sweep_file *fi
         all->block[all->blocks++].file = index;
     }
     return true;
-}
-
-static int by_first(const void *a, const void *b)
-{
-    const struct sweep_block *x = a, *y = b;
-    return (x->first > y->first) - (x->first < y->first);
 }
 
 /* Each point once. */

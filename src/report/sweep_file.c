@@ -3,6 +3,7 @@
 #define _GNU_SOURCE /* pread */
 #include <hooke/report/sweep.h>
 #include <hooke/base/fields.h>
+#include <hooke/study/sweep.h>
 
 #include <errno.h>
 #include <inttypes.h>
@@ -16,6 +17,7 @@
 #define NAMES "point,"
 #define MARK "# points "
 #define SHARD "# shard = "
+#define SWEEP ", sweep "
 
 /* ---- line by line, in memory that does not grow with the file ---- */
 
@@ -75,9 +77,28 @@ static enum line_state next_line(struct line_reader *reader, struct text *line)
     return end ? LINE_WHOLE : left > 0 ? LINE_PART : LINE_NONE;
 }
 
-static uint64_t add_line(uint64_t sum, struct text line)
+static uint64_t add_sum(uint64_t sum, uint64_t other)
 {
-    return (sum ^ bytes_sum(line)) * 0x100000001b3u;
+    return (sum ^ other) * 0x100000001b3u;
+}
+
+static uint64_t add_lines(uint64_t sum, struct text lines)
+{
+    for (size_t at = 0, end; at < lines.len; at = end) {
+        const char *next = memchr(lines.at + at, '\n', lines.len - at);
+        end = next ? (size_t)(next + 1 - lines.at) : lines.len;
+        sum = add_sum(sum, bytes_sum((struct text){lines.at + at, end - at}));
+    }
+    return sum;
+}
+
+uint64_t sweep_file_seed(struct text head)
+{
+    uint64_t sum = 0;
+    struct text line;
+    while (text_split(&head, '\n', &line) && line.len > 0)
+        sum = add_sum(sum, bytes_sum(line));
+    return sum;
 }
 
 /* ---- reading ---- */
@@ -89,7 +110,7 @@ struct scan {
     bool in_head, in_rows;    /* what the line before was */
     struct sweep_block block; /* the present one */
     int64_t row_line;         /* where it begins */
-    uint64_t sum;
+    uint64_t sum, seeded;     /* of its rows; as it was before marks named their sweep */
     struct error *error;
 };
 
@@ -105,14 +126,12 @@ static bool end_head(struct scan *scan)
 {
     struct sweep_file *file = scan->file;
     scan->in_head = false;
-    if (file->segments > 1 && !text_equal(buffer_text(&scan->head), buffer_text(&file->head)))
+    const uint64_t seed =
+        sweep_file_seed(buffer_text(file->segments > 1 ? &scan->head : &file->head));
+    if ((file->total > 0 || file->segments > 1) && seed != file->seed)
         return is_wrong(scan, scan->lines.number - 1,
                         "what begins above is of another sweep than what comes before");
-    if (file->segments > 1)
-        return true;
-    struct text rest = buffer_text(&file->head), line;
-    for (file->seed = 0; text_split(&rest, '\n', &line) && line.len > 0;)
-        file->seed = add_line(file->seed, line);
+    file->seed = seed;
     return true;
 }
 
@@ -134,7 +153,7 @@ static bool take_head(struct scan *scan, struct text line)
         snprintf(z, sizeof z, "%.*s", (int)(line.len < 60 ? line.len : 60), line.at);
         if (sscanf(z, SHARD "%lld/%lld", &part, &of) != 2 || part < 1 || part > of)
             return is_wrong(scan, scan->lines.number, "this is no shard");
-        if (file->segments == 1) {
+        if (file->segments == 1 && file->blocks == 0) {
             file->shard = part;
             file->shards = of;
         }
@@ -162,25 +181,35 @@ static bool take_row(struct scan *scan, struct text line)
     const int64_t point = strtoll(z, &end, 10);
     if (scan->in_head && !end_head(scan))
         return false;
-    if (!(line.at[0] >= '0' && line.at[0] <= '9') || *end != ',' || scan->file->segments == 0)
+    if (!(line.at[0] >= '0' && line.at[0] <= '9') || *end != ',')
         return is_wrong(scan, scan->lines.number, "this is no row of a sweep");
     if (!scan->in_rows) {
         scan->block =
             (struct sweep_block){.first = point, .at = scan->lines.at - (int64_t)line.len};
         scan->row_line = scan->lines.number;
-        scan->sum = scan->file->seed;
+        scan->sum = 0;
+        scan->seeded = scan->file->seed;
         scan->in_rows = true;
     }
-    if (point != scan->block.first + scan->block.count)
+    const int64_t next = scan->block.first + scan->block.count;
+    if (point != next && (scan->block.count == 0 || point != next - 1))
         return is_wrong(scan, scan->lines.number, "another point belongs here");
-    scan->block.count++;
-    scan->block.bytes += (int64_t)line.len;
-    scan->sum = add_line(scan->sum, line);
+    scan->block.count += point == next;
+    const uint64_t sum = bytes_sum(line);
+    scan->sum = add_sum(scan->sum, sum);
+    scan->seeded = add_sum(scan->seeded, sum);
     return true;
 }
 
+/* What goes on where the last one ends is one with it, in memory that does not grow. */
 static bool keep_block(struct sweep_file *file, struct sweep_block block, struct error *error)
 {
+    struct sweep_block *last = file->blocks > 0 ? &file->block[file->blocks - 1] : NULL;
+    if (last && last->first + last->count == block.first && last->at + last->bytes == block.at) {
+        last->count += block.count;
+        last->bytes += block.bytes;
+        return true;
+    }
     if (file->blocks == file->capacity) {
         const size_t capacity = file->capacity ? 2 * file->capacity : 16;
         struct sweep_block *more = realloc(file->block, capacity * sizeof *more);
@@ -196,29 +225,69 @@ static bool keep_block(struct sweep_file *file, struct sweep_block block, struct
 static void put_mark(const struct sweep_block *block, int64_t total, uint64_t sum,
                      struct buffer *text)
 {
-    buffer_format(text, MARK "%lld to %lld of %lld: %s, sum %016" PRIx64 "\n",
-                  (long long)block->first, (long long)(block->first + block->count - 1),
-                  (long long)total, block->whole ? "whole" : "so far", sum);
+    buffer_format(text, MARK "%lld to %lld of %lld: %s, sum %016" PRIx64, (long long)block->first,
+                  (long long)(block->first + block->count - 1), (long long)total,
+                  block->whole ? "whole" : "so far", sum);
+}
+
+static void put_new_mark(const struct sweep_block *block, int64_t total, uint64_t sum,
+                         uint64_t seed, struct buffer *text)
+{
+    put_mark(block, total, add_sum(sum, seed), text);
+    buffer_format(text, SWEEP "%016" PRIx64 "\n", seed);
+}
+
+double sweep_file_mark_bytes(int64_t total)
+{
+    const struct sweep_block block = {.first = total / 2, .count = 1, .whole = true};
+    struct buffer text = {0};
+    put_new_mark(&block, total, 0, 0, &text);
+    const double bytes = (double)text.len / (double)sweep_cell(total);
+    buffer_free(&text);
+    return bytes;
+}
+
+static bool is_cell(const struct sweep_block *block, int64_t total)
+{
+    const int64_t cell = sweep_cell(total), left = total - block->first;
+    return block->whole && block->first % cell == 0 && block->count == (left < cell ? left : cell);
 }
 
 /* The mark is the one that belongs to these rows, and no other. */
-static bool take_mark(struct scan *scan, struct text line)
+static bool is_right(struct scan *scan, struct text line, const char *sweep, int64_t total)
 {
     struct sweep_file *file = scan->file;
     struct buffer right = {0};
+    const uint64_t seed =
+        sweep && file->total == 0 && file->segments == 0
+            ? strtoull(sweep + strlen(SWEEP), NULL, 16) /* the head is in another file */
+            : file->seed;
+    if (sweep) {
+        put_new_mark(&scan->block, total, scan->sum, seed, &right);
+        file->seed = seed;
+    } else {
+        put_mark(&scan->block, total, scan->seeded, &right);
+        buffer_char(&right, '\n');
+    }
+    const bool same = text_equal(buffer_text(&right), line);
+    buffer_free(&right);
+    return same;
+}
+
+static bool take_mark(struct scan *scan, struct text line)
+{
+    struct sweep_file *file = scan->file;
     long long from, to, total = 0;
     char z[160];
     snprintf(z, sizeof z, "%.*s", (int)(line.len < 150 ? line.len : 150), line.at);
-    if (sscanf(z, MARK "%lld to %lld of %lld", &from, &to, &total) != 3 ||
+    const char *sweep = strstr(z, SWEEP);
+    if (sscanf(z, MARK "%lld to %lld of %lld", &from, &to, &total) != 3 || total < 1 ||
         (file->total > 0 && total != file->total))
         return is_wrong(scan, scan->lines.number, "this is no mark of this sweep");
     if (!scan->in_rows)
         return is_wrong(scan, scan->lines.number, "the rows of this mark are missing");
     scan->block.whole = strstr(z, ": whole,") != NULL;
-    put_mark(&scan->block, total, scan->sum, &right);
-    const bool same = text_equal(buffer_text(&right), line);
-    buffer_free(&right);
-    if (!same) {
+    if (!is_right(scan, line, sweep, total)) {
         char what[160];
         snprintf(what, sizeof what,
                  "the rows from line %lld to here are not those that were written: they, this line "
@@ -226,8 +295,10 @@ static bool take_mark(struct scan *scan, struct text line)
                  (long long)scan->row_line);
         return is_wrong(scan, scan->lines.number, what);
     }
+    file->ragged |= !sweep || !is_cell(&scan->block, total);
     file->total = total;
     file->end = scan->lines.at;
+    scan->block.bytes = file->end - scan->block.at;
     scan->in_rows = false;
     return keep_block(file, scan->block, scan->error);
 }
@@ -280,52 +351,6 @@ void sweep_file_free(struct sweep_file *file)
     file->block = NULL;
 }
 
-/* ---- which points are there ---- */
-
-static int by_first(const void *a, const void *b)
-{
-    const struct sweep_block *x = a, *y = b;
-    return (x->first > y->first) - (x->first < y->first);
-}
-
-bool sweep_file_arrange(struct sweep_file *file, int64_t first, int64_t count, struct error *error)
-{
-    char name[SAFE_NAME_SIZE];
-    int64_t next = first;
-    if (file->blocks > 0)
-        qsort(file->block, file->blocks, sizeof *file->block, by_first);
-    for (size_t i = 0; i < file->blocks; i++) {
-        const struct sweep_block *block = &file->block[i];
-        const bool outside = block->first < first || block->first + block->count > first + count;
-        if (outside || block->first < next) {
-            error_set(error, ERROR_IO, "%s has point %lld %s", safe_name(text_of(file->path), name),
-                      (long long)block->first,
-                      outside ? "or some behind it that are not of this shard" : "twice");
-            return error_hint(error, "the file is left as it is");
-        }
-        next = block->first + block->count;
-    }
-    return true;
-}
-
-bool sweep_file_gap(const struct sweep_file *file, int64_t from, int64_t end, int64_t *first,
-                    int64_t *count)
-{
-    *first = from;
-    int64_t next = end;
-    for (size_t i = 0; i < file->blocks; i++) {
-        const struct sweep_block *block = &file->block[i];
-        if (block->first <= *first && *first < block->first + block->count)
-            *first = block->first + block->count;
-        else if (block->first > *first && block->first < next)
-            next = block->first;
-        if (block->first > *first)
-            break;
-    }
-    *count = next - *first;
-    return *count > 0;
-}
-
 /* ---- writing ---- */
 
 static bool put_lines(struct sweep_file *file, int fd, struct buffer *lines, struct error *error)
@@ -348,14 +373,12 @@ bool sweep_file_begin(struct sweep_file *file, int fd, struct text head, struct 
                       struct text names, struct error *error)
 {
     struct buffer lines = {0};
-    struct text rest = head, line;
     buffer_put(&lines, head);
     buffer_put(&lines, shard);
     buffer_put(&lines, names);
     buffer_clear(&file->head);
     buffer_put(&file->head, head);
-    for (file->seed = 0; text_split(&rest, '\n', &line) && line.len > 0;)
-        file->seed = add_line(file->seed, line);
+    file->seed = sweep_file_seed(head);
     file->segments = 1;
     return put_lines(file, fd, &lines, error);
 }
@@ -363,56 +386,79 @@ bool sweep_file_begin(struct sweep_file *file, int fd, struct text head, struct 
 bool sweep_file_add(struct sweep_file *file, int fd, int64_t first, int64_t count, struct text rows,
                     struct error *error)
 {
-    const struct sweep_block block = {
-        .first = first, .count = count, .at = file->end, .bytes = (int64_t)rows.len};
+    struct sweep_block block = {.first = first, .count = count, .at = file->end};
     struct buffer lines = {0};
-    uint64_t sum = file->seed;
     buffer_put(&lines, rows);
-    for (const char *at = rows.at, *end = rows.at + rows.len; at < end;) {
-        const char *next = memchr(at, '\n', (size_t)(end - at));
-        const size_t len = next ? (size_t)(next + 1 - at) : (size_t)(end - at);
-        sum = add_line(sum, (struct text){at, len});
-        at += len;
-    }
-    put_mark(&block, file->total, sum, &lines);
+    put_new_mark(&block, file->total, add_lines(0, rows), file->seed, &lines);
+    block.bytes = (int64_t)lines.len;
+    file->ragged = true;
     return put_lines(file, fd, &lines, error) && keep_block(file, block, error);
 }
 
 bool sweep_file_is_whole(const struct sweep_file *file, int64_t first, int64_t count)
 {
-    return file->segments == 1 && file->blocks == 1 && file->block[0].whole &&
-           file->block[0].first == first && file->block[0].count == count &&
+    return file->segments == (first == 0) && !file->ragged && file->shards == 1 &&
+           file->blocks == 1 && file->block[0].first == first && file->block[0].count == count &&
            file->size == file->end;
 }
 
-bool sweep_file_make_whole(const struct sweep_file *file, int fd, struct text shard,
+/* A cell of the whole, as it is written. */
+struct whole_cell {
+    struct writer *writer;
+    const struct sweep_file *file;
+    struct sweep_block block;
+    uint64_t sum;
+};
+
+static bool end_cell(struct whole_cell *cell)
+{
+    struct buffer mark = {0};
+    if (cell->block.count > 0)
+        put_new_mark(&cell->block, cell->file->total, cell->sum, cell->file->seed, &mark);
+    writer_put(cell->writer, buffer_text(&mark));
+    const bool ok = !mark.failed;
+    buffer_free(&mark);
+    cell->block =
+        (struct sweep_block){.first = cell->block.first + cell->block.count, .whole = true};
+    cell->sum = 0;
+    return ok;
+}
+
+static bool write_row(struct whole_cell *cell, struct text line)
+{
+    const int64_t point = strtoll(line.at, NULL, 10);
+    int64_t next = cell->block.first + cell->block.count;
+    if (point == next && point % sweep_cell(cell->file->total) == 0 && !end_cell(cell))
+        return false;
+    cell->block.count += point == next;
+    cell->sum = add_sum(cell->sum, bytes_sum(line));
+    writer_put(cell->writer, line);
+    return point == next || point == next - 1;
+}
+
+bool sweep_file_make_whole(const struct sweep_file *file, int fd, struct text head,
                            struct text names, struct writer *writer, struct error *error)
 {
     struct line_reader lines = {.fd = fd};
-    struct buffer mark = {0};
     struct text line;
-    struct sweep_block all = {.first = file->block[0].first, .whole = true};
-    uint64_t sum = file->seed;
+    struct whole_cell cell = {
+        .writer = writer, .file = file, .block = {.first = file->block[0].first, .whole = true}};
     bool ok = true;
-    writer_put(writer, buffer_text(&file->head));
-    writer_put(writer, shard);
-    writer_put(writer, names);
-    for (size_t i = 0; i < file->blocks && ok; i++) {
-        const struct sweep_block *block = &file->block[i];
-        lines.at = block->at;
-        lines.used = lines.len = 0;
-        for (int64_t k = 0; k < block->count && ok; k++) {
-            ok = next_line(&lines, &line) == LINE_WHOLE && !cancelled_at(file->cancel, (size_t)k);
-            sum = ok ? add_line(sum, line) : 0;
-            if (ok)
-                writer_put(writer, line);
-        }
-        all.count += block->count;
+    if (file->block[0].first == 0) {
+        writer_put(writer, head);
+        writer_put(writer, names);
     }
-    put_mark(&all, file->total, sum, &mark);
-    writer_put(writer, buffer_text(&mark));
-    ok &= !mark.failed;
-    buffer_free(&mark);
+    for (size_t i = 0; i < file->blocks && ok; i++) {
+        const int64_t end = file->block[i].at + file->block[i].bytes;
+        lines.at = file->block[i].at;
+        lines.used = lines.len = 0;
+        for (size_t k = 0; lines.at < end && ok; k++) {
+            ok = next_line(&lines, &line) == LINE_WHOLE && !cancelled_at(file->cancel, k);
+            if (ok && line.at[0] != '#')
+                ok = write_row(&cell, line);
+        }
+    }
+    ok = ok && end_cell(&cell);
     free(lines.data);
     if (!ok && cancelled(file->cancel))
         return error_set(error, ERROR_CANCELLED, "stopped: all points are there, not yet in order");

@@ -26,31 +26,35 @@ ok "a sweep into a file" $?
 "$hooke" -n -q --format csv -c "$scene; $sweep" | sed '1d; s/^sweep,//' >rows
 sed '/^#/d; /^point/d' whole.csv | cmp -s - rows
 ok "its rows are those of the sweep that is printed" $?
-tail -n 1 whole.csv | grep -q '^# points 0 to 1419 of 1420: whole, sum [0-9a-f]\{16\}$'
+tail -n 1 whole.csv | grep -q '^# points 1419 to 1419 of 1420: whole, sum [0-9a-f]\{16\}, sweep [0-9a-f]\{16\}$'
 ok "the last line says that it is whole" $?
 "$hooke" --check-sweep whole.csv | grep -q '1420 points of 1420: whole'
 ok "--check-sweep says so, too" $?
 
-# How long it takes here decides when it is killed; three threads or one.
-killed=0 wrong=0
-start=$(date +%s%N)
-run "$scene; $sweep --resume timed.csv"
-took=$(($(date +%s%N) - start))
-for try in $(seq "$tries"); do
-    rm -f part.csv
-    for again in $(seq 40); do
-        "$hooke" -n -q -c "$scene; $sweep --threads $((1 + try % 3)) --resume part.csv" >/dev/null 2>&1 &
-        process=$!
-        if [ "$again" -lt 4 ]; then
-            sleep "$(awk -v r="$((RANDOM % 1000))" -v t="$took" 'BEGIN {printf "%.4f", r / 1400 * t / 1e9}')"
-            kill -9 $process 2>/dev/null
-        fi
-        if wait $process 2>/dev/null; then break; else killed=$((killed + 1)); fi
+# kill_often WHOLE TIMES: how long it takes here decides when it is killed; three threads or one.
+kill_often() {
+    killed=0 wrong=0
+    start=$(date +%s%N)
+    run "$scene; $sweep --resume timed.csv"
+    took=$(($(date +%s%N) - start))
+    rm -f timed.csv
+    for try in $(seq "$2"); do
+        rm -f part.csv
+        for again in $(seq 40); do
+            "$hooke" -n -q -c "$scene; $sweep --threads $((1 + try % 3)) --resume part.csv" >/dev/null 2>&1 &
+            process=$!
+            if [ "$again" -lt 4 ]; then
+                sleep "$(awk -v r="$((RANDOM % 1000))" -v t="$took" 'BEGIN {printf "%.4f", r / 1400 * t / 1e9}')"
+                kill -9 $process 2>/dev/null
+            fi
+            if wait $process 2>/dev/null; then break; else killed=$((killed + 1)); fi
+        done
+        cmp -s part.csv "$1" || wrong=$((wrong + 1))
     done
-    cmp -s part.csv whole.csv || wrong=$((wrong + 1))
-done
-[ "$wrong" -eq 0 ]
-ok "killed and gone on with, the bytes are the same ($tries files, killed $killed times)" $?
+    [ "$wrong" -eq 0 ]
+    ok "killed and gone on with, the bytes are the same ($2 files, killed $killed times)" $?
+}
+kill_often whole.csv "$tries"
 [ "$killed" -gt 0 ]
 ok "they were killed" $?
 
@@ -65,29 +69,63 @@ done
 ok "cut anywhere, it is gone on with" $?
 
 for shard in 1 2 3 4 5; do run "$scene; $sweep --shard $shard/5 --resume shard.$shard.csv" || break; done
-cat shard.?.csv >merged.csv
-"$hooke" --check-sweep merged.csv | grep -q '1 file, 1420 points of 1420: whole' && sed '/^#/d' merged.csv >a && sed '/^#/d' whole.csv | cmp -s - a
-ok "shards one after another (cat) are the whole" $?
-"$hooke" --check-sweep shard.?.csv >out && grep -q '5 files, 1420 points of 1420: whole' out
-ok "and each for itself together" $?
-run "$scene; sweep --resume merged.csv" && cmp -s merged.csv whole.csv
-ok "gone on with, they become the bytes of the whole" $?
+cat shard.?.csv | cmp -s - whole.csv
+ok "shards one after another (cat) are the whole, byte for byte" $?
+tail -n 1 shard.3.csv | grep -q '^# points [0-9]* to 857 of 1420: whole, sum'
+ok "the last line of a shard says that it is whole, too" $?
+cat shard.[45].csv shard.[213].csv >merged.csv
+"$hooke" --check-sweep merged.csv | grep -q '1 file, 1420 points of 1420: whole' && run "$scene; $sweep --resume merged.csv" && cmp -s merged.csv whole.csv
+ok "in another order they have all points, and become it" $?
+"$hooke" --check-sweep shard.5.csv shard.[1-4].csv >out && grep -q '5 files, 1420 points of 1420: whole' out
+ok "each for itself, together they are checked" $?
 cat shard.5.csv shard.2.csv >some.csv
 "$hooke" --check-sweep some.csv >out
-[ $? -eq 1 ] && grep -q 'points 0 to 283 are missing' out && grep -q 'points 568 to 1135 are missing' out
+[ $? -eq 1 ] && grep -q 'points 0 to 285 are missing' out && grep -q 'points 572 to 1143 are missing' out
 ok "shards that are missing are told" $?
-run "$scene; sweep --resume some.csv" && cmp -s some.csv whole.csv
+run "$scene; $sweep --resume some.csv" && cmp -s some.csv whole.csv
 ok "and computed" $?
 cat shard.1.csv shard.2.csv shard.2.csv >twice.csv
 "$hooke" --check-sweep twice.csv >out
-[ $? -eq 1 ] && grep -q 'points 284 to 567 are there more than once' out
+[ $? -eq 1 ] && grep -q 'points 286 to 571 are there more than once' out
 ok "a shard that is there twice is told" $?
-refused twice.csv 'has point 284 twice' 4 "$scene; $sweep --resume twice.csv"
+refused twice.csv 'has point 286 twice' 4 "$scene; $sweep --resume twice.csv"
 ok "and refused" $?
-refused shard.2.csv 'is shard 2/5 of this sweep, not 1/1' 4 "$scene; $sweep --resume shard.2.csv"
-ok "a shard is not taken for the whole" $?
-cp shard.3.csv alone.csv && sed -i '$d' alone.csv && run "$scene; sweep --resume alone.csv" && cmp -s alone.csv shard.3.csv
-ok "which sweep and which shard, the file says itself" $?
+refused shard.2.csv 'has point 286 or some behind it that are not of this shard' 4 "$scene; $sweep --shard 3/5 --resume shard.2.csv"
+ok "a shard is not taken for another one" $?
+refused shard.2.csv 'is of another sweep, or of this one in another set-up' 4 "$scene; gamma = 1; $sweep --shard 2/5 --resume shard.2.csv"
+ok "nor for that of another set-up" $?
+refused shard.2.csv 'does not say which sweep it is of' 4 "$scene; sweep --resume shard.2.csv"
+ok "which sweep it is of, the first shard says" $?
+# One that is not whole has its head. The limit of a process stands for a disk that is full.
+(ulimit -f 10 && trap '' XFSZ && exec "$hooke" -n -q -c "$scene; $sweep --shard 3/5 --resume alone.csv") >out 2>err
+refused alone.csv 'is shard 3/5 of this sweep, not 1/1' 4 "$scene; $sweep --resume alone.csv"
+ok "until it is whole a shard is not taken for the whole" $?
+run "$scene; sweep --resume alone.csv" && cmp -s alone.csv shard.3.csv
+ok "and says itself which sweep and which shard it is" $?
+# Files of before: each shard has its head and one mark, without the sweep.
+head='# hooke = 0.1.0
+# set-up = scene driven
+# set-up = method rk4
+# set-up = set duration 2 s
+# sweep = omega=6:12:1 measure=amplitude'
+cat >old.csv <<END
+$head
+# shard = 1/2
+point,omega [rad/s],amplitude [m],status
+0,6,0.0033052695295297907,ok
+1,7,0.006566024729644624,ok
+2,8,0.008125604361737242,ok
+# points 0 to 2 of 7: whole, sum c162df47942ae864
+$head
+# shard = 2/2
+3,9,0.008691865337565169,ok
+4,10,0.006337925510094034,ok
+5,11,0.0036681607166073136,ok
+6,12,0.001573042058711748,ok
+# points 3 to 6 of 7: whole, sum 60b127d4835f5dd4
+END
+"$hooke" --check-sweep old.csv | grep -q '7 points of 7: whole'
+ok "files of before are read" $?
 before=$(stat -c '%i %Y' whole.csv)
 run "$scene; $sweep --resume whole.csv" && [ "$(stat -c '%i %Y' whole.csv)" = "$before" ]
 ok "what is whole is left alone" $?
@@ -98,7 +136,7 @@ refused whole.csv 'of another sweep' 4 "$scene; sweep omega=5:12:0.05 gamma=0.1:
 ok "other ranges are refused" $?
 sed 's/^\(100,.*\)[0-9],ok$/\11,ok/' whole.csv >edited.csv
 cmp -s edited.csv whole.csv && sed -i 's/^\(100,.*\)[0-9],ok$/\12,ok/' edited.csv
-refused edited.csv 'edited.csv, line [0-9]*: the rows from line 7 to here are not those that were written' 4 "$scene; $sweep --resume edited.csv"
+refused edited.csv 'edited.csv, line [0-9]*: the rows from line [0-9]* to here are not those that were written' 4 "$scene; $sweep --resume edited.csv"
 ok "a changed number is noticed" $?
 "$hooke" --check-sweep edited.csv >out 2>err
 [ $? -eq 4 ]
@@ -150,7 +188,33 @@ ok "a place where there are no files" $?
 [ $? -eq 4 ] && [ ! -e outside.csv ]
 ok "--safe keeps it in the folder" $?
 
+# Orbit diagrams: a point has as many rows as events.
+scene='scene pendulum-driven; method rk4; dt = 50 ms; event top when v falling do record'
+for sweep in 'sweep F0=1:1.1:0.01 at period skip=20 keep=15' 'sweep F0=1:1.1:0.01 at v = 0 falling skip=5 keep=7 measure=theta,energy' 'sweep F0=0:1.1:0.1 at top skip=9 keep=9 --threads 1'; do
+    rm -f whole.csv part.csv shard.?.csv
+    run "$scene; $sweep --resume whole.csv" && "$hooke" -n -q --format csv -c "$scene; $sweep" | sed '1d; s/^sweep,//' >rows && sed '/^#/d; /^point/d' whole.csv | cmp -s - rows
+    ok "${sweep#sweep }: its rows are those that are printed" $?
+    for shard in 1 2 3; do run "$scene; $sweep --shard $shard/3 --resume shard.$shard.csv" || break; done
+    cat shard.?.csv | cmp -s - whole.csv && "$hooke" --check-sweep shard.?.csv | grep -q ' of 1[12]: whole,'
+    ok "shards one after another are the whole" $?
+    (ulimit -f 4 && trap '' XFSZ && exec "$hooke" -n -q -c "$scene; $sweep --resume part.csv") >out 2>err
+    [ -s part.csv ] && ! cmp -s part.csv whole.csv && run "$scene; sweep --resume part.csv" && cmp -s part.csv whole.csv
+    ok "cut short it is gone on with, by what the file says" $?
+    wrong=0
+    for cut in $(seq 150 1999 $(stat -c %s whole.csv) | head -n $((tries * 2))); do
+        head -c "$cut" whole.csv >part.csv && run "$scene; $sweep --resume part.csv" && cmp -s part.csv whole.csv || wrong=$((wrong + 1))
+    done
+    [ "$wrong" -eq 0 ]
+    ok "cut anywhere" $?
+done
+sweep='sweep F0=1:1.1:0.001 at period skip=20 keep=100'
+rm whole.csv && run "$scene; $sweep --resume whole.csv"
+ok "a diagram of 101 values" $?
+kill_often whole.csv $((tries > 4 ? tries : 1))
+
 # Ctrl-C: what is finished is in the file.
+scene='scene driven; method rk4; duration = 2 s'
+sweep='sweep omega=5:12:0.1 gamma=0.1:2:0.1 measure=amplitude,period,y'
 timeout -s INT 1 "$hooke" -n -c "$scene; dt = 0.1 ms; sweep k=1:20:0.001 gamma=0:1:0.01 --resume long.csv --force" >out 2>err
 [ $? -ne 0 ] && grep -q 'stopped: long.csv has [0-9]* of 1919101 points' err && tail -n 1 long.csv | grep -q '^# points .* so far'
 ok "interrupted: the finished points are in the file, and marked" $?
@@ -159,12 +223,13 @@ ok "interrupted: the finished points are in the file, and marked" $?
     python3 - out <<'END'
 import json, sys
 cost = json.loads(open(sys.argv[1]).read())
-assert cost["kind"] == "sweep-cost" and cost["points"] == 355 and cost["total"] == 1420, cost
-assert cost["shards"] == 1 and 0 < cost["seconds"] < 60 and 60 < cost["bytes"] / 355 < 100, cost
-assert abs(cost["seconds"] * cost["rate"] / 355 - 1) < 1e-9, cost
+assert cost["kind"] == "sweep-cost" and cost["points"] == 363 and cost["total"] == 1420, cost
+assert cost["shards"] == 1 and 0 < cost["seconds"] < 60 and 60 < cost["bytes"] / 363 < 100, cost
+assert abs(cost["seconds"] * cost["rate"] / 363 - 1) < 1e-9, cost
 END
 ok "--dry-run measures what a shard costs" $?
-size=$(stat -c %s shard.2.csv)
+run "$scene; $sweep --shard 2/5 --resume fifth.csv"
+size=$(stat -c %s fifth.csv)
 "$hooke" -n --format csv -q -c "$scene; $sweep --shard 2/5 --dry-run" | awk -F, -v s="$size" 'NR == 2 {exit !($8 / s > 0.97 && $8 / s < 1.03)} NR == 1 && $8 != "bytes" {exit 1}'
 ok "its bytes are within 3 % of the file's" $?
 echo "1..$n"

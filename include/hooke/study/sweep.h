@@ -10,7 +10,7 @@
  *
  * Points are numbered 0 … total - 1, the last axis fastest. What is measured of a point does not
  * depend on the others, on threads or on shards: shard i of n is a stretch of the numbers, and
- * stretches put together are the whole.
+ * stretches put together are the whole. They begin and end with cells, so many points each.
  */
 
 enum sweep_role { SWEEP_PARAM, SWEEP_DERIVED, SWEEP_DT, SWEEP_TOL };
@@ -108,6 +108,7 @@ enum quantity sweep_measure_quantity(const struct sweep_measure *measure,
 
 struct sweep_section {
     bool wanted, strobe; /* strobe: each period of the drive; else: */
+    const char *text;    /* as it was typed */
     /* In slots of the run's scope (run_scope), then those of the scene; its scope is up to the
      * sweep. */
     struct event event;
@@ -162,6 +163,8 @@ struct sweep {
     int threads;
 };
 
+/* So many points are a cell; the last one of `total` may have fewer. */
+int64_t sweep_cell(int64_t total);
 /* Which points the shard has, or `first` and `count`: total, first and count, no results yet. */
 void study_sweep_stretch(const struct sweep_request *request, struct sweep *sweep);
 /* So many points [> 0] at a time fill the lanes of all threads, each with a task of their own. */

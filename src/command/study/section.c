@@ -176,6 +176,9 @@ bool read_section(struct session *session, const struct arguments *args, struct 
         if (text_is(text, events->line[i].name))
             line = &events->line[i];
     section->wanted = true;
+    section->text = arena_text(args->arena, text);
+    if (!section->text)
+        return error_memory(error);
     section->strobe = !line && text_is(text, "period");
     return section->strobe ? is_driven(session, text, error)
                            : read_event_of(&parser, line, &section->event, error);

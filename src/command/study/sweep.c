@@ -256,8 +256,6 @@ bool read_sweep(struct session *session, const struct arguments *args, struct te
     if (request->axes == 0 && options->file.len == 0)
         return error_set(error, ERROR_COMMAND,
                          "sweep needs a parameter, as in sweep omega=6:12:0.1");
-    if (request->section.wanted && options->file.len > 0)
-        return error_at(error, options->file, "a sweep at a section is not written by --resume");
     return request->axes == 0 || finish_section(request, measured, error);
 }
 

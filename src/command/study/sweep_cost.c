@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* sweep … --dry-run: what a shard costs, by computing points from all over it. */
+#include <hooke/report/sweep.h>
 #include "command/study/sweep.h"
 
 #include <math.h>
@@ -81,7 +82,9 @@ bool sweep_cost(struct session *session, const struct sweep_request *request, st
     }
     const double rate = (double)sample.points / fmax(sample.seconds, 1e-9),
                  seconds = (double)shard.count / rate, whole = (double)shard.total / rate,
-                 bytes = sample.bytes / (double)sample.points * (double)shard.count,
+                 bytes =
+                     (sample.bytes / (double)sample.points + sweep_file_mark_bytes(shard.total)) *
+                     (double)shard.count,
                  shards = fmax(1, ceil(whole / HOUR)), spread = scatter(&sample);
     reply_begin(reply, "sweep-cost");
     reply_int(reply, "points", shard.count);

@@ -9,7 +9,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#define PIECE_MOST 65536  /* points between two looks at the file, where lanes want no more */
+#define PIECE_MOST 65536 /* points between two looks at the file, where lanes want no more */
+#define PIECE_BYTES ((size_t)1 << 26)
 #define PIECE_SECONDS 0.5 /* that a piece takes, between this and four times as much */
 
 /* ---- which sweep it is, as lines of the head ---- */
@@ -48,6 +49,9 @@ static void put_head(const struct session *session, const struct sweep_request *
     const struct sweep_measure *shown = request->columns ? request->shown : request->measure;
     for (int m = 0; m < (request->columns ? request->columns : request->measures); m++)
         buffer_format(text, "%s%s", m ? "," : "measure=", sweep_measure_name(&shown[m]));
+    if (request->section.wanted)
+        buffer_format(text, " at %s skip=%lld keep=%lld", request->section.text,
+                      (long long)request->section.skip, (long long)request->section.keep);
     buffer_char(text, '\n');
     text->failed |= setup.failed;
     buffer_free(&setup);
@@ -70,11 +74,12 @@ static bool read_statement(struct session *session, const struct arguments *args
     safe_name(text_of(file->path), name);
     if (!copy) {
         error_set(error, ERROR_IO, "%s does not say which sweep it is of", name);
-        return error_hint(error, "sweep NAME=FROM:TO --resume FILE begins one");
+        return error_hint(error, file->blocks > 0
+                                     ? "it is a shard that is whole: what it is of, the first says"
+                                     : "sweep NAME=FROM:TO --resume FILE begins one");
     }
     struct sweep_request read = sweep_request_begin(session);
-    if (!read_sweep(session, args, text_of(copy), &read, &none, &why) || read.axes == 0 ||
-        read.section.wanted)
+    if (!read_sweep(session, args, text_of(copy), &read, &none, &why) || read.axes == 0)
         return error_set(error, ERROR_IO, "the sweep of %s cannot be read in this set-up: %s", name,
                          why.text);
     read.shard = request->shards > 1 ? request->shard : file->segments == 1 ? file->shard : 1;
@@ -181,10 +186,16 @@ static bool compare_head(const struct growing *g, bool *empty, struct error *err
     *empty = false;
     if (file->blocks == 0)
         return compare_begun(g, empty, error);
-    if (!text_equal(buffer_text(&file->head), buffer_text(&g->head)))
-        return refuse_head(g, error);
     safe_name(text_of(file->path), name);
-    if (file->segments == 1 && (file->shard != request->shard || file->shards != request->shards))
+    if (file->segments == 0 && file->seed != sweep_file_seed(buffer_text(&g->head))) {
+        error_set(error, ERROR_IO, "%s is of another sweep, or of this one in another set-up",
+                  name);
+        return error_hint(error, "the file is left as it is");
+    }
+    if (file->segments > 0 && !text_equal(buffer_text(&file->head), buffer_text(&g->head)))
+        return refuse_head(g, error);
+    if (file->segments == 1 && file->shards > 1 &&
+        (file->shard != request->shard || file->shards != request->shards))
         return error_set(error, ERROR_IO, "%s is shard %lld/%lld of this sweep, not %lld/%lld",
                          name, (long long)file->shard, (long long)file->shards,
                          (long long)request->shard, (long long)request->shards);
@@ -269,10 +280,19 @@ static bool compute_piece(struct growing *g, int64_t first, int64_t count, doubl
     return ok;
 }
 
+/* At a section a point has many numbers. */
+static int64_t most_points(const struct growing *g)
+{
+    const size_t each = (size_t)g->all.measures * sizeof(double);
+    return each < PIECE_BYTES ? (int64_t)(PIECE_BYTES / each) : 1;
+}
+
 static bool fill_gap(struct growing *g, int64_t first, int64_t count, struct error *error)
 {
-    const int64_t batch = study_sweep_batch(g->request), end = first + count,
-                  most = batch > PIECE_MOST ? batch : PIECE_MOST;
+    const int64_t room = most_points(g), wanted = study_sweep_batch(g->request),
+                  batch = wanted < room ? wanted : room, end = first + count,
+                  usual = batch > PIECE_MOST ? batch : PIECE_MOST,
+                  most = usual < room ? usual : room;
     int64_t size = batch;
     double seconds = 0;
     for (int64_t at = first, n; at < end; at += n) {
@@ -350,7 +370,7 @@ static bool make_whole(struct growing *g, struct error *error)
 {
     if (sweep_file_is_whole(&g->file, g->all.first, g->all.count))
         return true;
-    return sweep_file_make_whole(&g->file, g->fd, buffer_text(&g->shard), buffer_text(&g->names),
+    return sweep_file_make_whole(&g->file, g->fd, buffer_text(&g->head), buffer_text(&g->names),
                                  &g->writer, error) &&
            writer_commit(&g->writer, error);
 }

@@ -36,6 +36,26 @@ void sweep_free(struct sweep *sweep)
     sweep->status = NULL;
 }
 
+#define CELL_MOST 64
+#define CELLS 128
+
+int64_t sweep_cell(int64_t total)
+{
+    const int64_t cell = total / CELLS;
+    return cell < 1 ? 1 : cell < CELL_MOST ? cell : CELL_MOST;
+}
+
+/* Multiplied in double: cells * shards may be more than an int64_t holds. */
+static int64_t shard_begin(const struct sweep_request *request, int64_t total, int64_t before)
+{
+    const int64_t cell = sweep_cell(total), cells = (total + cell - 1) / cell,
+                  begin = before == request->shards
+                              ? cells
+                              : (int64_t)floor((double)cells *
+                                               ((double)before / (double)request->shards));
+    return begin * cell < total ? begin * cell : total;
+}
+
 void study_sweep_stretch(const struct sweep_request *request, struct sweep *sweep)
 {
     const struct sweep_section *section = &request->section;
@@ -48,14 +68,8 @@ void study_sweep_stretch(const struct sweep_request *request, struct sweep *swee
         sweep->axis[a] = request->axis[a];
         sweep->total *= request->axis[a].count;
     }
-    /* Multiplied in double: total * shards may be more than an int64_t holds. */
-    sweep->first = (int64_t)floor((double)sweep->total *
-                                  ((double)(request->shard - 1) / (double)request->shards));
-    const int64_t end = request->shard == request->shards
-                            ? sweep->total
-                            : (int64_t)floor((double)sweep->total *
-                                             ((double)request->shard / (double)request->shards));
-    sweep->count = end - sweep->first;
+    sweep->first = shard_begin(request, sweep->total, request->shard - 1);
+    sweep->count = shard_begin(request, sweep->total, request->shard) - sweep->first;
     if (request->count > 0) {
         sweep->first = request->first;
         sweep->count = request->count;
