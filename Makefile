@@ -163,9 +163,9 @@ LOOPS := $(addprefix $(B)/,run/many.o run/propagate.o run/energy/work.o run/ener
 # In vectors, twice: loops for what remains of a block are not worth their length.
 WORK_TERMS := $(B)/run/energy/work_terms.o
 FORMULA_LANES := $(B)/scene/formula/program/lanes.o
-KERNELS := $(patsubst src/%.c,$(B)/%.o,$(wildcard src/method/kernel/*.c))
+KERNELS := $(patsubst src/%.c,$(B)/%.o,$(wildcard src/method/kernel/*.c src/method/kernel/*/*.c))
 # Of these, those that gain by -O3: in the others the force is waited for.
-FAST_KERNELS := $(filter $(addprefix %/,lane_steps.o lane_terms.o kernel.o controlled.o adapt.o rosenbrock.o),$(KERNELS))
+FAST_KERNELS := $(filter $(addprefix %/,lane/steps.o lane/terms.o kernel.o controlled.o adapt.o rosenbrock.o),$(KERNELS))
 
 ifneq ($(filter -O2,$(OPT_$(CONFIG))),)
 # Without the passes that take longest to compile.

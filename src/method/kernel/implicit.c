@@ -10,10 +10,7 @@
 #include "method/step/irk_body.h"
 #include "method/step/newton_body.h"
 
-#define CLOSED_SHAPES(S) S(spring) S(damped) S(drag) S(damped_drag) S(driven)
-#define NEWTON_SHAPES(S) S(duffing) S(driven_duffing) S(vanderpol) S(pendulum) S(driven_pendulum)
-
-enum { IMPLICIT_STAGES = 3, ROOM = 2 + (3 + N) * N + 3 * N * (N + 1) };
+enum { ROOM = 2 + (3 + N) * N + 3 * N * (N + 1) };
 
 /* ---- stages ---- */
 
@@ -29,7 +26,7 @@ struct shape_known {
         shape##_slope(&((const struct shape_known *)known)->forces, t, y, dydt);                   \
     }
 CLOSED_SHAPES(KNOWN_SLOPE)
-NEWTON_SHAPES(KNOWN_SLOPE)
+MOTION_SHAPES(KNOWN_SLOPE)
 
 #define HAS_KINK(i, name) | (name##_flags & TERM_KINK)
 #define CLOSED_STAGE(shape)                                                                        \
@@ -69,7 +66,7 @@ CLOSED_SHAPES(CLOSED_STAGE)
         return motion_stage(shape##_known_slope, shape##_known_jacobian, known, step, t, h, y, z,  \
                             sum, work);                                                            \
     }
-NEWTON_SHAPES(NEWTON_STAGE)
+MOTION_SHAPES(NEWTON_STAGE)
 
 /* ---- steps ---- */
 
@@ -147,7 +144,7 @@ INLINE int64_t diagonal_march(const struct method *method, stage_function *stage
         return diagonal_march(method, shape##_stage, shape##_known_slope, &known, march);          \
     }
 CLOSED_SHAPES(ANY_KERNEL)
-NEWTON_SHAPES(ANY_KERNEL)
+MOTION_SHAPES(ANY_KERNEL)
 
 /* Of rows that others are ranked by. */
 #define IRK_ROW JOIN(irk_, __LINE__)
@@ -174,7 +171,7 @@ NEWTON_SHAPES(ANY_KERNEL)
 march_function *implicit_kernel(const struct method *method, const struct system *system)
 {
     static march_function *const any[SHAPE_COUNT] = {CLOSED_SHAPES(ANY_ENTRY)
-                                                         NEWTON_SHAPES(ANY_ENTRY)};
+                                                         MOTION_SHAPES(ANY_ENTRY)};
     static march_function *const unrolled[][SHAPE_COUNT] = {
         {NULL},
 #define IMPLICIT_RUNGE_KUTTA(...) {CLOSED_SHAPES(IRK_ENTRY)},

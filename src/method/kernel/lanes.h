@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Many trajectories at once: what oscillators (kernel_lanes.c) and typed scenes
- * (kernel_typed_lanes.c) share. */
+/* Many trajectories at once: what oscillators (lane/) and typed scenes
+ * (typed_lanes.c) share. */
 #ifndef HOOKE_METHOD_KERNEL_LANES_H
 #define HOOKE_METHOD_KERNEL_LANES_H
 
@@ -11,6 +11,10 @@ static inline int64_t lane_evals(int64_t steps, int each, bool again)
 {
     return steps * (each - again) + (again && steps > 0);
 }
+
+/* Vectors of at most so many doubles, as an older processor has: for tests. */
+enum { LANE_WIDEST = 8 };
+void lanes_narrow(struct lanes *lanes, int most);
 
 /* ---- turning points: a step across one is taken again alone ---- */
 
@@ -43,7 +47,7 @@ static inline int64_t lane_turn(const struct method *method, struct step *step, 
 /* Adds a built-in force to a [LANES]; c [TERM_COEFFICIENTS][LANES], y [2][LANES] */
 typedef void lane_term_function(const double *c, double t, const double *y, double *a);
 
-/* kernel_lane_terms.c; NULL: not one of the oscillator's */
+/* lane/terms.c; NULL: not one of the oscillator's */
 lane_term_function *lane_term(const struct term_row *row);
 
 struct typed_lanes;

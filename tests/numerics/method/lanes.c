@@ -9,6 +9,8 @@
 
 #include <hooke/method.h>
 #include "long_form.h"
+#include "method/kernel/lanes.h"
+#include <math.h>
 #include <string.h>
 
 #define STEPS 150
@@ -99,17 +101,146 @@ static void test_lanes_give_the_same_bits(void **state)
     (void)state;
     struct lanes *lanes = lanes_create();
     assert_non_null(lanes);
-    int compared = 0;
+    int compared = 0, width = 0;
     for (unsigned which = 0; which < 32; which++)
         for (size_t m = 0; m < method_catalog.count; m++)
             for (enum drag drag = DRAG_DEFAULT; drag < DRAG_COUNT; drag++)
                 for (int alike = 0;
-                     alike < (which & 8 ? 2 : 1) && (is_long() || (which + m) % 3 == 0); alike++)
+                     alike < (which & 8 ? 2 : 1) && (is_long() || (which + m) % 3 == 0); alike++) {
+                    lanes_narrow(lanes, LANE_WIDEST >> width++ % 3);
                     compared += compare(
                         lanes, (const struct method *)(const void *)catalog_row(&method_catalog, m),
                         which, drag, alike);
+                }
     print_message("# %d combinations of method, drag and forces\n", compared);
     assert_true(compared > (is_long() ? 150 : 100));
+    lanes_destroy(lanes);
+}
+
+/* ---- extremes ---- */
+
+static uint64_t drawn_state = 5;
+
+static double drawn(void)
+{
+    drawn_state = drawn_state * 0x5851F42D4C957F2D + 0x14057B7EF767814F;
+    return (double)(drawn_state >> 11) * 0x1p-53;
+}
+
+/* 10^from … 10^to; at times 0, at times of the other sign where that may be */
+static double drawn_size(double from, double to, double negative)
+{
+    const double size = pow(10, from + (to - from) * drawn());
+    return drawn() < 0.05 ? 0 : drawn() < negative ? -size : size;
+}
+
+/* Forces up to what no number holds, of an oscillator or a pendulum. */
+static bool wild_scene(const struct scene *of, unsigned which, double reach, struct system *system)
+{
+    static const struct {
+        const char *name;
+        double from, to, negative; /* powers of ten; share of those below 0 */
+    } terms[] = {{"gamma", -3, 2, 0.1}, {"C", 0, 4, 0},        {"k3", 0, 4, 0.2},
+                 {"F0", -2, 1, 0.2},    {"mu", -2, 2, 0.3},    {"omega", -1, 3, 0},
+                 {"phase", -2, 1, 0.5}, {"k", -1, 3, 0.1},     {"y0", -3, 1, 0.5},
+                 {"v0", -3, 1, 0.5},    {"theta0", -2, 2, 0.5}};
+    struct scene scene = *of;
+    struct error error = {0};
+    for (size_t i = 0; i < COUNT_OF(terms); i++) {
+        const int param = scene_param(&scene, terms[i].name);
+        if (param < 0 || (i < 5 && !(which & 1u << i)))
+            continue;
+        double value = drawn_size(terms[i].from, terms[i].to + reach, terms[i].negative);
+        value = value == 0 && (i < 5 || i == 7) ? 0.1 : value; /* all have the same forces */
+        if (!scene_set(&scene, param, (struct measured){value, 0}, &error))
+            scene_set(&scene, param, (struct measured){fabs(value), 0}, &error);
+    }
+    return scene_bind(&scene, system, &error);
+}
+
+static bool same_state(const double *a, const double *b)
+{
+    return memcmp(a, b, 2 * sizeof *a) == 0;
+}
+
+/* False: they do not go in lanes. */
+static bool compare_wild(struct lanes *lanes, const struct method *method, enum drag drag, double h,
+                         int64_t *failed)
+{
+    struct error error;
+    if (!method_applies(method, &systems[0], &drag, &error))
+        return false;
+    for (int lane = 0; lane < LANES; lane++)
+        if (!lanes_fit(method, &systems[lane], drag, h) ||
+            !method_fits(method, &systems[lane], drag, h, &error) ||
+            !lanes_alike(&systems[0], &systems[lane]))
+            return false;
+    assert_true(lanes_begin(lanes, method, drag, &systems[0], h));
+    for (int lane = 0; lane < LANES; lane++)
+        lanes_set(lanes, lane, &systems[lane]);
+    lanes_march(lanes, STEPS, &rows[0][0][0]);
+    for (int lane = 0; lane < LANES; lane++) {
+        double work[64], y[2] = {systems[lane].start[0], systems[lane].start[1]}, row[STEPS][2];
+        struct step step = {.system = &systems[lane], .drag = drag, .h = h, .y = y, .work = work};
+        const struct march march = {&step, systems[lane].t0, 0, STEPS, &row[0][0]};
+        enum step_status status;
+        assert_true(method_work_size(method, 2) <= COUNT_OF(work));
+        const int64_t done = method_turning_march(method, NULL, &march, &status);
+        for (int i = 0; i < done; i++) {
+            const double here[2] = {rows[i][0][lane], rows[i][1][lane]};
+            if (!same_state(here, row[i]))
+                fail_msg("%s, lane %d, step %d of %.17g s: %.17g, %.17g side by side, %.17g, "
+                         "%.17g alone",
+                         method->row.name, lane, i, h, here[0], here[1], row[i][0], row[i][1]);
+        }
+        double end[2];
+        lanes_state(lanes, lane, end);
+        if (done < STEPS && isfinite(end[0]) && isfinite(end[1]))
+            fail_msg("%s, lane %d, steps of %.17g s: %.17g, %.17g after step %d failed alone",
+                     method->row.name, lane, h, end[0], end[1], (int)done);
+        if (done == STEPS)
+            assert_int_equal(lanes_evals(lanes, lane), step.cost.evals);
+        *failed += done < STEPS;
+    }
+    return true;
+}
+
+/* Steps that are far too long, forces that overflow, equations without a solution: the same bits
+ * for as long as there are numbers, and none afterwards. */
+static void test_extremes_give_the_same_bits(void **state)
+{
+    (void)state;
+    static const char *const methods[] = {
+        "implicit-midpoint", "backward-euler", "trapezoid", "sdirk2", "tr-bdf2", "rk4", "dopri5",
+        "symplectic-euler",  "verlet",         "pefrl"};
+    const struct preset *pendulum =
+        (const struct preset *)(const void *)catalog_find(&preset_catalog, text_of("pendulum"));
+    struct lanes *lanes = lanes_create();
+    int compared = 0;
+    int64_t failed = 0;
+    assert_true(lanes && pendulum);
+    for (int trial = 0; trial < (is_long() ? 1500 : 150); trial++) {
+        const struct row *row =
+            catalog_find(&method_catalog, text_of(methods[trial % (int)COUNT_OF(methods)]));
+        static const unsigned forces[] = {1 | 8, 0, 1, 2, 1 | 2, 4, 1 | 8 | 4, 16};
+        const bool rod = trial % 7 == 0;
+        const unsigned which = forces[(int)(drawn() * (rod ? 2 : COUNT_OF(forces)))];
+        const double h = pow(10, -3 + 3.5 * drawn()), reach = trial % 4 == 0   ? 60
+                                                              : trial % 4 == 1 ? 4
+                                                                               : 0;
+        struct scene scene;
+        scene_init(&scene, rod ? pendulum : NULL);
+        for (int lane = 0; lane < LANES; lane++)
+            while (!wild_scene(&scene, which, reach, &systems[lane])) {
+            }
+        lanes_narrow(lanes, LANE_WIDEST >> trial % 3);
+        assert_non_null(row);
+        compared += compare_wild(lanes, (const struct method *)(const void *)row,
+                                 trial % 5 == 0 ? DRAG_EXPLICIT : DRAG_DEFAULT, h, &failed);
+    }
+    print_message("# %d blocks of lanes, %lld lanes whose run ends early\n", compared,
+                  (long long)failed);
+    assert_true(compared > 80 && failed > 1000);
     lanes_destroy(lanes);
 }
 
@@ -141,6 +272,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_lanes_give_the_same_bits),
+        cmocka_unit_test(test_extremes_give_the_same_bits),
         cmocka_unit_test(test_lanes_refuse),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

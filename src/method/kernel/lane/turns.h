@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
  * Steps across turning points (turn.c, whose operations these are in their order), many lanes at
- * once, for one width of vector: included by lane_steps.h. Those that turn in a step are packed
+ * once, for one width of vector: included by steps.h. Those that turn in a step are packed
  * into vectors and step to v = 0 side by side, each by its own shares of the step, until all are
  * there. For forces that do not depend on the time and methods whose four stages follow from the
  * one before.
@@ -54,18 +54,6 @@ struct WITH(turning) {
     vector rest[PARTS], x[PARTS];        /* of the step; up to the turning point */
     WITH(bits) moving[PARTS], failed[PARTS], evals[PARTS];
 };
-
-FAST bool WITH(any_moves)(int parts, const WITH(bits) * moving)
-{
-    WITH(bits) any = {0};
-    UNROLL for (int q = 0; q < parts; q++) any |= moving[q];
-    return !WITH(none)(any);
-}
-
-FAST WITH(bits) WITH(infinite)(vector a, vector b)
-{
-    return ~((WITH(magnitude)(a) <= DBL_MAX) & (WITH(magnitude)(b) <= DBL_MAX));
-}
 
 /* From y to the turning point before z: both are there then. */
 FAST void WITH(approach)(int parts, WITH(force) * force, const struct WITH(known) * known,

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * Sine and cosine of vectors, for one width of them: included by lane_steps.h. The operations of
+ * Sine and cosine of vectors, for one width of them: included by steps.h. The operations of
  * fixed_sines() and fixed_cosines() in their order, but the two polynomials are one, whose
  * coefficients each lane chooses: the same bits with half of the products. Where all of pi's digits
  * are needed, lanes go one by one.

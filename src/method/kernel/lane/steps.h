@@ -28,7 +28,7 @@ FAST vector WITH(load)(const double *from, int part)
     return x;
 }
 
-#include "method/kernel/lane_circle.h"
+#include "method/kernel/lane/circle.h"
 
 /* ---- forces: the terms that shapes are made of, by the operations of terms.def and weight.def
  * ---- */
@@ -163,7 +163,8 @@ FAST bool WITH(turned)(int parts, const vector *before, const vector *after)
     return any >> 63;
 }
 
-#include "method/kernel/turns.h"
+#include "method/kernel/lane/implicit.h"
+#include "method/kernel/lane/turns.h"
 
 /* `parts` vectors from `from` on. chain: four stages, each from the one before. */
 FAST void WITH(rk)(bool chain, int parts, int from, WITH(force) * force, enum drive_known drive,
@@ -330,6 +331,15 @@ WITH(any_split)(const struct WITH(forces) * of, struct lanes *lanes, const struc
         WITH(split)(false, drag, ANY_PARTS, from, of->force, of->drag, drive, lanes, march);
 }
 
+/* Implicit ones are waited for by their stages: the compiler knows whether there is one alone. */
+TARGET static __attribute__((noinline)) void WITH(any_irk)(const struct WITH(implicit) * solver,
+                                                           struct lanes *lanes,
+                                                           const struct lane_march *march)
+{
+    for (int from = 0; from < PARTS; from += ANY_PARTS)
+        WITH(irk)(march->chain, ANY_PARTS, from, solver, march->drive, lanes, march);
+}
+
 /* The commonest methods where the compiler knows how they go and what they step; all others. */
 #define RK_PARTS 4
 #define SPLIT_PARTS 4
@@ -379,9 +389,23 @@ WITH(any_split)(const struct WITH(forces) * of, struct lanes *lanes, const struc
     }
 LANE_SHAPES(LANE_KERNELS)
 
-#define LANE_ENTRY(shape) {WITH(shape##_rk), WITH(shape##_split)},
+#define LANE_IRK(shape, by)                                                                        \
+    TARGET static void WITH(shape##_irk)(struct lanes * lanes, const struct lane_march *march)     \
+    {                                                                                              \
+        static const struct WITH(implicit)                                                         \
+            solver = {WITH(shape##_both_called), WITH(shape##_force_called), by,                   \
+                      (LANE_FLAGS(shape) & TERM_KINK) != 0};                                       \
+        WITH(any_irk)(&solver, lanes, march);                                                      \
+    }
+#define LANE_IRK_CLOSED(shape) LANE_IRK(shape, NULL)
+#define LANE_IRK_MOTION(shape) LANE_IRK(shape, WITH(shape##_jacobian_called))
+CLOSED_SHAPES(LANE_IRK_CLOSED)
+MOTION_SHAPES(LANE_IRK_MOTION)
 
-static lane_kernel *const WITH(kernels)[LANE_SHAPE_COUNT][2] = {LANE_SHAPES(LANE_ENTRY)};
+#define LANE_ENTRY(shape) {WITH(shape##_rk), WITH(shape##_split), WITH(shape##_irk)},
+
+static lane_kernel *const WITH(kernels)[LANE_SHAPE_COUNT][LANE_FAMILIES] = {
+    LANE_SHAPES(LANE_ENTRY)};
 
 #undef vector
 #undef PARTS
@@ -404,3 +428,9 @@ static lane_kernel *const WITH(kernels)[LANE_SHAPE_COUNT][2] = {LANE_SHAPES(LANE
 #undef LANE_SPLIT
 #undef LANE_KERNELS
 #undef LANE_ENTRY
+#undef LANE_SLOPES
+#undef LANE_JACOBIAN_TERM
+#undef LANE_JACOBIAN
+#undef LANE_IRK
+#undef LANE_IRK_CLOSED
+#undef LANE_IRK_MOTION

@@ -1,193 +1,40 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * Many trajectories at once: the same steps on LANES systems of one kind, in vectors as wide as the
- * machine has. The latency of one trajectory's sums, which is what a single one waits for, is
- * hidden by the others.
- *
- * Not target_clones: a vector type has its width from the instructions that its function may use,
- * and one that is wider than they are lives in memory. So the text is included for each width, and
- * the widest that runs here is taken.
- */
-#define UNROLL _Pragma("GCC unroll 16")
-#include <hooke/base/circle.h>
+/* What callers use of lanes: which systems go in them, their steps, the drive at the times of
+ * these. */
+#define UNROLL
 #include <hooke/base/elementary.h>
 
-#include "method/kernel/kernel.h"
+#include "method/kernel/lane/state.h"
 #include "method/kernel/lanes.h"
+#include "method/step/irk_body.h"
+#include "method/step/split_body.h"
 
-#include <float.h>
 #include <stdlib.h>
-
-enum { LANE_COEFFICIENTS = 2, WORK_MOST = 64 };
-
-enum { TABLE_ROOM = 1 << 17 }; /* [double] a megabyte */
-/* Lanes whose drives are looked at together; times at which they are known at once, so few that
- * they stay in a cache. */
-enum { LANE_GROUP = 32, DRIVE_ROWS = 128 };
-
-/* What a kernel knows of the drive: there is none; a value for all lanes; one for each. */
-enum drive_known { DRIVE_NONE, DRIVE_ALIKE, DRIVE_OWN };
-
-struct lane_range {
-    double omega[2], phase[2]; /* least and largest */
-};
-
-struct lanes {
-    const struct method *method;
-    enum drag drag;
-    int shape;                 /* -1: typed */
-    struct typed_lanes *typed; /* NULL: not yet used */
-    double t0, h;
-    int64_t step; /* taken */
-    double c[SHAPE_TERMS][LANE_COEFFICIENTS][LANES];
-    double y[2][LANES];
-    /* the last stage's slope, or the last force: what the next step begins with */
-    double carried[2][LANES];
-    /* The drag's flow over h/2; with a divisor other than 1? */
-    double keep[LANES], min[LANES], pull[LANES];
-    bool divides;
-    /* Turning points: lanes are stepped across one at a time. */
-    bool turns;
-    const struct system *system[LANES];
-    step_function *scalar;
-    int64_t more[LANES]; /* evaluations that these took */
-    struct {
-        double lost[LANES], pull[LANES];
-    } frozen[WEIGHTS_MAX]; /* exact linear drag in each kick */
-    double omega[LANES], phase[LANES];
-    bool driven;
-    struct lane_range range[LANES / LANE_GROUP];
-    int row_of[DRIVE_ROWS]; /* of the drives where lanes have their own */
-    /* The cosine of the drive at each place of each step, where it is the same in all lanes. It
-     * outlives them: the next block may be driven alike. */
-    struct {
-        const struct method *method;
-        double omega, phase, t0, h;
-        int64_t from, count; /* steps */
-        double value[TABLE_ROOM];
-    } table;
-};
-
-/* A step of some lanes: the states before and after it, its first and its last slope. */
-struct lane_step {
-    double before[2][LANES], after[2][LANES], first[2][LANES], last[2][LANES];
-};
-
-struct lane_march {
-    int64_t first, count;
-    bool chain; /* the commonest: four stages, each from the one before; a drift, then a kick */
-    struct weights weights[STAGES_MAX]; /* of the stages from the second on; [0]: of the step */
-    double weight[WEIGHTS_MAX];         /* of drifts and kicks, times h */
-    enum drive_known drive;
-    const double *cosine; /* [count][places], of own ones [row_of[count][places]][LANES] */
-    const int *row_of;
-    int times;
-    double *row;
-};
-
-typedef void lane_kernel(struct lanes *lanes, const struct lane_march *march);
-/* Of a step of `count` lanes from `first` on: those that turned in it take it again. */
-typedef void lane_turner(struct lanes *lanes, int first, int count, int64_t number,
-                         struct lane_step *step);
-
-/* ---- shapes ---- */
-
-#define LANE_OSCILLATORS(S) LINEAR_SHAPES(S) SHAPES(S)
-#define LANE_MODELS(S) S(pendulum) S(driven_pendulum)
-#define LANE_SHAPES(S) LANE_OSCILLATORS(S) LANE_MODELS(S)
-
-#define LANE_PLACE(shape) LANE_##shape,
-enum { LANE_SHAPES(LANE_PLACE) LANE_SHAPE_COUNT };
 
 #define LANE_CASE(shape)                                                                           \
     case 0u TERMS_OF_##shape(FORCE_AT):                                                            \
         return LANE_##shape;
-#define LANE_FLAG(i, name) | (name##_flags)
-#define LANE_FLAGS(shape) (0 TERMS_OF_##shape(LANE_FLAG))
-
-/* One after another. */
-static __attribute__((noinline)) void lanes_turn(struct lanes *lanes, int first, int count,
-                                                 int64_t number, struct lane_step *of)
-{
-    for (int i = 0; i < count; i++) {
-        if (!lane_turns(of->before[1][i], of->after[1][i]))
-            continue;
-        double y[2] = {of->before[0][i], of->before[1][i]},
-               slope[2] = {of->first[0][i], of->first[1][i]};
-        double work[WORK_MOST];
-        struct step step = {.system = lanes->system[first + i],
-                            .drag = lanes->drag,
-                            .t = lanes->t0 + (double)number * lanes->h,
-                            .h = lanes->h,
-                            .y = y,
-                            .work = work,
-                            .kernel = lanes->scalar};
-        lanes->more[first + i] += lane_turn(lanes->method, &step, slope);
-        for (int j = 0; j < 2; j++) {
-            of->after[j][i] = y[j];
-            of->last[j][i] = slope[j];
-        }
-    }
-}
-
-/* ---- the widths ---- */
-
-/* [doubles] Narrower ones, which are there for old processors only, take the forms for any method.
- */
-#ifdef __x86_64__
-#define WIDE_UNROLLED 4
-#else
-#define WIDE_UNROLLED 2
-#endif
-
-#define WIDE 2
-#define TARGET
-#define WITH(name) name##_2
-#include "method/kernel/lane_steps.h"
-
-#ifdef __x86_64__
-#define WIDE 4
-#define TARGET __attribute__((target("avx2")))
-#define WITH(name) name##_4
-#include "method/kernel/lane_steps.h"
-
-#define WIDE 8
-#define TARGET __attribute__((target("avx512f")))
-#define WITH(name) name##_8
-#include "method/kernel/lane_steps.h"
-#endif
-
-struct lane_width {
-    lane_kernel *const (*kernels)[2]; /* of a shape and a family of methods */
-    void (*drives)(const struct lanes *lanes, double t, double *cosine);
-};
-
-static struct lane_width width_here(void)
-{
-#ifdef __x86_64__
-    if (__builtin_cpu_supports("avx512f"))
-        return (struct lane_width){kernels_8, drives_8};
-    if (__builtin_cpu_supports("avx2"))
-        return (struct lane_width){kernels_4, drives_4};
-#endif
-    return (struct lane_width){kernels_2, drives_2};
-}
 
 /* ---- the drive ---- */
 
 static int times(const struct method *method)
 {
-    return method->tableau ? method->tableau->stages : method->splitting->count;
+    return method->tableau    ? method->tableau->stages
+           : method->implicit ? method->implicit->stages
+                              : method->splitting->count;
 }
 
 /* [times] Times of the step as the bodies compute them; where nobody looks at the drive, NAN. */
 static void step_times(const struct lanes *lanes, double t, double *time)
 {
     const struct method *method = lanes->method;
+    const double *const c = method->tableau    ? method->tableau->c
+                            : method->implicit ? method->implicit->c
+                                               : NULL;
     for (int place = 0; place < times(method); place++) {
         time[place] = t;
-        if (method->tableau) {
-            time[place] = t + method->tableau->c[place] * lanes->h;
+        if (c) {
+            time[place] = t + c[place] * lanes->h;
         } else if ((place % 2 == 0) != method->splitting->kick_first) {
             time[place] = (double)NAN;
             t += splitting_weight(method->splitting, place) * lanes->h;
@@ -281,9 +128,16 @@ static void find_ranges(struct lanes *lanes)
 struct lanes *lanes_create(void)
 {
     struct lanes *lanes = aligned_alloc(64, (sizeof *lanes + 63) / 64 * 64);
-    if (lanes)
+    if (lanes) {
         memset(lanes, 0, sizeof *lanes);
+        lanes->most = LANE_WIDEST;
+    }
     return lanes;
+}
+
+void lanes_narrow(struct lanes *lanes, int most)
+{
+    lanes->most = most;
 }
 
 void lanes_destroy(struct lanes *lanes)
@@ -306,11 +160,12 @@ bool lanes_fit(const struct method *method, const struct system *system, enum dr
 {
     const bool splits =
         method->splitting && (!system->velocity || drag == DRAG_EXPLICIT || drag == DRAG_EXACT);
-    if (!(h > 0) || !(method->tableau || splits) || system->oscillator.quadratic < 0 ||
+    const bool solves = method->implicit && method->implicit->diagonal != 0;
+    if (!(h > 0) || !(method->tableau || splits || solves) || system->oscillator.quadratic < 0 ||
         method_meets_switches(method, system))
         return false;
     if (system->model->typed)
-        return typed_lanes_fit(method, system, drag);
+        return !solves && typed_lanes_fit(method, system, drag);
     return lane_shape_of(system) >= 0 && (splits || method_work_size(method, N) <= WORK_MOST);
 }
 
@@ -358,6 +213,11 @@ void lanes_set(struct lanes *lanes, int lane, const struct system *system)
     lanes->y[0][lane] = system->start[0];
     lanes->y[1][lane] = system->start[1];
     lanes->system[lane] = system;
+    lanes->damping[lane] = system->oscillator.damping;
+    lanes->stiffness[lane] = system->oscillator.stiffness;
+    lanes->quadratic[lane] = system->oscillator.quadratic;
+    for (int i = 0; i < 2; i++)
+        lanes->scale[i][lane] = system->scale[i];
     if (lane == 0 && method_turns(method, system)) {
         lanes->turns = true;
         lanes->scalar = method_step_kernel(method, system);
@@ -383,9 +243,12 @@ static void march_prepare(const struct lanes *lanes, struct lane_march *march)
 {
     const struct tableau *tableau = lanes->method->tableau;
     const struct splitting *splitting = lanes->method->splitting;
+    const struct implicit_tableau *implicit = lanes->method->implicit;
     march->times = times(lanes->method);
-    march->chain = tableau ? tableau->stages == 4 && !tableau->fsal
-                           : splitting->count == 2 && !splitting->kick_first;
+    march->accurate = implicit && stiffly_accurate(implicit);
+    march->chain = tableau    ? tableau->stages == 4 && !tableau->fsal
+                   : implicit ? implicit->stages == 1
+                              : splitting->count == 2 && !splitting->kick_first;
     for (int i = 0; splitting && i < splitting->count; i++)
         march->weight[i] = splitting_weight(splitting, i) * lanes->h;
     if (!tableau)
@@ -405,8 +268,11 @@ void lanes_march(struct lanes *lanes, int64_t count, double *row)
         typed_lanes_march(lanes->typed, count, row);
         return;
     }
-    const struct lane_width width = width_here();
-    lane_kernel *const kernel = width.kernels[lanes->shape][lanes->method->splitting != NULL];
+    const struct lane_width width = lanes_width(lanes->most);
+    const struct method *method = lanes->method;
+    lane_kernel *const kernel = width.kernels[lanes->shape][method->implicit    ? 2
+                                                            : method->splitting ? 1
+                                                                                : 0];
     struct lane_march march;
     march_prepare(lanes, &march);
     march.drive = !lanes->driven ? DRIVE_NONE : driven_alike(lanes) ? DRIVE_ALIKE : DRIVE_OWN;
@@ -452,6 +318,8 @@ int64_t lanes_evals(const struct lanes *lanes, int lane)
     const struct tableau *tableau = lanes->method->tableau;
     if (tableau)
         return lane_evals(lanes->step, tableau->stages, tableau->fsal) + lanes->more[lane];
+    if (lanes->method->implicit)
+        return lanes->more[lane];
     struct split_way way;
     split_choose(&way, lanes->method, lanes->drag);
     return lane_evals(lanes->step, way.kicks, way.continues);
@@ -462,6 +330,8 @@ bool lanes_carry(const struct method *method, enum drag drag)
     struct split_way way;
     if (method->tableau)
         return method->tableau->fsal;
+    if (method->implicit)
+        return method->implicit->fsal;
     split_choose(&way, method, drag);
     return way.continues;
 }

@@ -1,0 +1,104 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What the kernels in lanes (steps.c) and those who call them (march.c) know of the lanes. */
+#ifndef HOOKE_METHOD_KERNEL_LANE_STATE_H
+#define HOOKE_METHOD_KERNEL_LANE_STATE_H
+
+#include "method/kernel/kernel.h"
+
+enum { LANE_COEFFICIENTS = 2, WORK_MOST = 64 };
+
+enum { TABLE_ROOM = 1 << 17 }; /* [double] a megabyte */
+/* Lanes whose drives are looked at together; times at which they are known at once, so few that
+ * they stay in a cache. */
+enum { LANE_GROUP = 32, DRIVE_ROWS = 128 };
+
+/* What a kernel knows of the drive: there is none; a value for all lanes; one for each. */
+enum drive_known { DRIVE_NONE, DRIVE_ALIKE, DRIVE_OWN };
+
+struct lane_range {
+    double omega[2], phase[2]; /* least and largest */
+};
+
+struct lanes {
+    const struct method *method;
+    enum drag drag;
+    int most;                  /* doubles in a vector */
+    int shape;                 /* -1: typed */
+    struct typed_lanes *typed; /* NULL: not yet used */
+    double t0, h;
+    int64_t step; /* taken */
+    double c[SHAPE_TERMS][LANE_COEFFICIENTS][LANES];
+    double y[2][LANES];
+    /* the last stage's slope, or the last force: what the next step begins with */
+    double carried[2][LANES];
+    /* What implicit stages know of the forces; what increments are measured by */
+    double damping[LANES], stiffness[LANES], quadratic[LANES], scale[2][LANES];
+    /* The drag's flow over h/2; with a divisor other than 1? */
+    double keep[LANES], min[LANES], pull[LANES];
+    bool divides;
+    /* Turning points: lanes are stepped across one at a time. */
+    bool turns;
+    const struct system *system[LANES];
+    step_function *scalar;
+    int64_t more[LANES]; /* evaluations that these took; of implicit methods, all */
+    struct {
+        double lost[LANES], pull[LANES];
+    } frozen[WEIGHTS_MAX]; /* exact linear drag in each kick */
+    double omega[LANES], phase[LANES];
+    bool driven;
+    struct lane_range range[LANES / LANE_GROUP];
+    int row_of[DRIVE_ROWS]; /* of the drives where lanes have their own */
+    /* The cosine of the drive at each place of each step, where it is the same in all lanes. It
+     * outlives them: the next block may be driven alike. */
+    struct {
+        const struct method *method;
+        double omega, phase, t0, h;
+        int64_t from, count; /* steps */
+        double value[TABLE_ROOM];
+    } table;
+};
+
+/* A step of some lanes: the states before and after it, its first and its last slope. */
+struct lane_step {
+    double before[2][LANES], after[2][LANES], first[2][LANES], last[2][LANES];
+};
+
+struct lane_march {
+    int64_t first, count;
+    /* the commonest: four stages, each from the one before; a drift, then a kick; one stage */
+    bool chain;
+    bool accurate;                      /* implicit: the last stage is the new state */
+    struct weights weights[STAGES_MAX]; /* of the stages from the second on; [0]: of the step */
+    double weight[WEIGHTS_MAX];         /* of drifts and kicks, times h */
+    enum drive_known drive;
+    const double *cosine; /* [count][places], of own ones [row_of[count][places]][LANES] */
+    const int *row_of;
+    int times;
+    double *row;
+};
+
+typedef void lane_kernel(struct lanes *lanes, const struct lane_march *march);
+
+/* ---- shapes ---- */
+
+#define LANE_OSCILLATORS(S) LINEAR_SHAPES(S) SHAPES(S)
+#define LANE_MODELS(S) S(pendulum) S(driven_pendulum)
+#define LANE_SHAPES(S) LANE_OSCILLATORS(S) LANE_MODELS(S)
+
+#define LANE_PLACE(shape) LANE_##shape,
+enum { LANE_SHAPES(LANE_PLACE) LANE_SHAPE_COUNT };
+
+/* ---- widths ---- */
+
+/* explicit Runge-Kutta methods, splittings, implicit Runge-Kutta methods */
+enum { LANE_FAMILIES = 3 };
+
+struct lane_width {
+    lane_kernel *const (*kernels)[LANE_FAMILIES]; /* of a shape and a family of methods */
+    void (*drives)(const struct lanes *lanes, double t, double *cosine);
+};
+
+/* The widest that runs here, of at most so many doubles. */
+struct lane_width lanes_width(int most);
+
+#endif
