@@ -43,10 +43,15 @@ enum collected_clock { CLOCK_DEVICE, CLOCK_ARRIVAL, CLOCK_UNEVEN };
 
 struct collected {
     enum collected_clock clock;
-    size_t lines;   /* that came */
-    size_t skipped; /* before the first sample: text, a heading, half a line */
-    size_t garbled; /* later ones that are no sample, or have none in the chosen column */
-    size_t lost;    /* that must have been between those that came */
+    size_t lines;    /* that came, but for blank ones: the sum of the next five */
+    size_t samples;  /* rows with a value */
+    size_t skipped;  /* before the first sample: text, a heading, half a line */
+    size_t garbled;  /* later ones that are no sample, or have none in the chosen column */
+    size_t repeated; /* with the time of the one before */
+    size_t remarks;
+    size_t lost;     /* that must have been between those that came … */
+    bool lost_known; /* … if that can be told; else there may be more */
+    bool by_rate;    /* nobody sends times: those of rate= */
     /* [Hz] of the samples; value NAN: not known. [s] of the arrivals about the line: standard
      * deviation, and the largest */
     struct measured rate;

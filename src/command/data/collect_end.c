@@ -7,6 +7,8 @@
 #include <string.h>
 #include <unistd.h>
 
+#define UNREAD_MAX 67108864 /* [byte] of a file whose lines are counted */
+
 static const char *status_of(const struct collection *c)
 {
     if (c->look.lines == 0 && c->there == 0)
@@ -37,9 +39,16 @@ static void reply_collected(const struct collection *c, const struct recording *
     reply_string(reply, "name", recording->name);
     reply_string(reply, "source", c->source);
     reply_int(reply, "rows", (int64_t)recording->rows);
-    reply_int(reply, "lost", (int64_t)known->lost);
+    if (known->lost_known || known->lost > 0)
+        reply_int(reply, "lost", (int64_t)known->lost);
+    else
+        reply_real(reply, "lost", NAN);
     reply_int(reply, "garbled", (int64_t)known->garbled);
     reply_int(reply, "skipped", (int64_t)known->skipped);
+    reply_int(reply, "repeated", (int64_t)known->repeated);
+    reply_int(reply, "remarks", (int64_t)known->remarks);
+    reply_int(reply, "samples", (int64_t)known->samples);
+    reply_int(reply, "lines", (int64_t)known->lines);
     reply_real(reply, "t_start", recording->window[0]);
     reply_real(reply, "t_end", recording->t[recording->rows - 1]);
     reply_real(reply, "rate", recording->rate);
@@ -53,11 +62,20 @@ static void reply_collected(const struct collection *c, const struct recording *
 static void say_end(const struct collection *c, const struct recording *recording)
 {
     const struct collected *known = recording->collected;
-    reply_line(c->reply, "collected from %s into %s: %zu lines, %zu samples (%s)", c->from_shown,
-               c->to_shown, known->lines, recording->rows, status_of(c));
-    if (known->skipped + known->garbled + known->lost > 0)
-        reply_line(c->reply, "%zu skipped before the first sample, %zu garbled, %zu lost",
-                   known->skipped, known->garbled, known->lost);
+    const struct {
+        size_t count;
+        const char *what;
+    } counts[] = {{known->skipped, "skipped before the first sample"},
+                  {known->garbled, "garbled"},
+                  {known->repeated, "repeated"},
+                  {known->remarks, "remarks"}};
+    struct buffer others = {0};
+    for (size_t i = 0; i < COUNT_OF(counts); i++)
+        if (counts[i].count > 0)
+            buffer_format(&others, ", %zu %s", counts[i].count, counts[i].what);
+    reply_line(c->reply, "collected from %s into %s: %zu lines, %zu samples%s (%s)", c->from_shown,
+               c->to_shown, known->lines, known->samples, buffer_view(&others), status_of(c));
+    buffer_free(&others);
     if (c->look.end == FEED_FAILED)
         reply_warning(c->reply, "%s took no more (%s): what it has is whole", c->to_shown,
                       c->look.failure);
@@ -94,6 +112,33 @@ static bool await_trigger(struct collection *c, struct recording *recording, str
     return gave_up;
 }
 
+/* Nobody can read it: what came, all the same. */
+static bool say_unread(const struct collection *c, struct error *error)
+{
+    struct buffer content = {0};
+    struct text rest, line;
+    struct error ignored;
+    const struct error why = *error;
+    size_t lines = 0, garbled = 0;
+    if (file_read(c->path, UNREAD_MAX, &content, &ignored)) {
+        rest = buffer_text(&content);
+        while (text_split(&rest, '\n', &line)) {
+            lines += line.len > 0 && line.at[0] != '#';
+            garbled += line.len > 0 && memchr(line.at, '\\', line.len) != NULL;
+        }
+    }
+    if (lines > 0)
+        error_set(error, why.code, "%zu %s from %s (%zu garbled), no recording: %s", lines,
+                  lines == 1 ? "line came" : "lines came", c->from_shown, garbled, why.text);
+    buffer_free(&content);
+    if (2 * garbled > lines && strcmp(c->source, STANDARD_INPUT) != 0)
+        return error_hint(error, "is baud=%ld its speed? its lines are kept in %.60s", c->baud,
+                          c->to_shown);
+    return error_hint(error,
+                      "its lines are kept in %.60s: 'load' with y=, sep= or decimal= may read them",
+                      c->to_shown);
+}
+
 bool collect_finish(struct collection *c, const struct arguments *args, struct error *error)
 {
     struct session *session = c->session;
@@ -109,10 +154,7 @@ bool collect_finish(struct collection *c, const struct arguments *args, struct e
     }
     struct recording *recording = recording_load(c->path, &options, error);
     if (!recording)
-        return error_hint(error,
-                          "its lines are kept in %.60s: 'load' with y=, sep= or decimal= "
-                          "may read them",
-                          c->to_shown);
+        return say_unread(c, error);
     const int same = session_find_recording(session, text_of(recording->name));
     if (same >= 0)
         session_drop_recording(session, same);

@@ -15,9 +15,9 @@
 enum {
     APART_MAX = 4096,  /* lines between the ends of a slope */
     SLOPES_MAX = 4096, /* slopes that the median is of */
-    BLOCK = 32,        /* lines of which one arrives in time */
+    BLOCK = 32,        /* lines of which one arrives in time; fewer where there are few … */
     AHEAD = 16,        /* blocks in which a line that waited is over */
-    BLOCKS_MIN = 8,    /* below so many nothing is said about steps and evenness */
+    BLOCKS_MIN = 8,    /* … but so many blocks, or nothing is said about steps */
     PASSES = 3         /* of the line and the steps */
 };
 #define STEP_MIN 0.7  /* [interval] a smaller step is no lost line … */
@@ -68,39 +68,45 @@ static void least_squares(const struct arrivals *a, const double *place, double 
     line->from = y - line->interval * x;
 }
 
+static size_t block_of(const struct arrivals *a)
+{
+    const size_t most = a->n / (2 * BLOCKS_MIN);
+    return most > BLOCK ? BLOCK : most > 0 ? most : 1;
+}
+
 static double smallest(const struct arrivals *a, const double *place, struct arrival_line line,
                        size_t block)
 {
     double least = HUGE_VAL;
-    for (size_t i = block * BLOCK; i < (block + 1) * BLOCK && i < a->n; i++)
+    const size_t each = block_of(a);
+    for (size_t i = block * each; i < (block + 1) * each && i < a->n; i++)
         least = fmin(least, delay(a, place, line, i));
     return least;
 }
 
-/* [interval] of which steps are told from delays: where lines come several at a time, the smallest
- * of their delays may change by one. */
-static double step_min(const struct arrivals *a, struct arrival_line line)
+/* Where lines come several at a time, the smallest of their delays may change by one interval. */
+static bool several_at_once(const struct arrivals *a, struct arrival_line line)
 {
     size_t at_once = 0;
     for (size_t i = 1; i < a->n; i++)
         at_once += a->arrival[i] - a->arrival[i - 1] < AT_ONCE * line.interval;
-    return 2 * at_once > a->n ? 1 + STEP_MIN : STEP_MIN;
+    return 2 * at_once > a->n;
 }
 
 /* Shifts the places behind each step by as many lines as it is high; so many in all. */
 static size_t find_lost(const struct arrivals *a, struct arrival_line line, double *place,
                         double *scratch)
 {
-    const size_t blocks = a->n / BLOCK;
+    const size_t each = block_of(a), blocks = a->n / each;
     size_t lost = 0, n = 0;
-    if (blocks < BLOCKS_MIN)
+    if (a->counted || blocks < BLOCKS_MIN)
         return 0;
     for (size_t k = 1; k < blocks; k++)
         scratch[n++] = fabs(smallest(a, place, line, k) - smallest(a, place, line, k - 1));
-    const double least = step_min(a, line);
+    const double least = several_at_once(a, line) ? 1 + STEP_MIN : STEP_MIN;
     const double usual = STEP_SIGMAS * MAD_TO_SIGMA * quantile(scratch, n, 0.5);
     double before = smallest(a, place, line, 0), at = 0;
-    memset(scratch, 0, BLOCK * sizeof *scratch);
+    memset(scratch, 0, each * sizeof *scratch);
     for (size_t k = 1; k < blocks; k++) {
         const double now = smallest(a, place, line, k) - at, step = now - before;
         const bool steps = step > usual && step > least * line.interval;
@@ -111,26 +117,26 @@ static size_t find_lost(const struct arrivals *a, struct arrival_line line, doub
         const double whole = nearbyint(after / line.interval);
         if (!steps || whole < 1) {
             before = steps ? before : fmin(now, before + usual);
-            for (size_t i = k * BLOCK; i < (k + 1) * BLOCK; i++)
+            for (size_t i = k * each; i < (k + 1) * each; i++)
                 scratch[i] = at / line.interval;
             continue;
         }
-        size_t first = k * BLOCK;
+        size_t first = k * each;
         /* where it begins: behind the last line that came in time */
         const double half = before + at + 0.5 * whole * line.interval;
-        while (delay(a, place, line, first) < half && first + 1 < (k + 1) * BLOCK)
+        while (delay(a, place, line, first) < half && first + 1 < (k + 1) * each)
             first++;
-        while (first > (k - 1) * BLOCK && delay(a, place, line, first - 1) > half)
+        while (first > (k - 1) * each && delay(a, place, line, first - 1) > half)
             first--;
         at += whole * line.interval;
         lost += (size_t)whole;
-        for (size_t i = k * BLOCK; i < first; i++)
+        for (size_t i = k * each; i < first; i++)
             scratch[i] = at / line.interval - whole;
-        for (size_t i = first; i < (k + 1) * BLOCK; i++)
+        for (size_t i = first; i < (k + 1) * each; i++)
             scratch[i] = at / line.interval;
     }
     for (size_t i = 0; i < a->n; i++)
-        place[i] += nearbyint(scratch[i < blocks * BLOCK ? i : blocks * BLOCK - 1]);
+        place[i] += nearbyint(scratch[i < blocks * each ? i : blocks * each - 1]);
     return lost;
 }
 
@@ -166,7 +172,8 @@ bool arrival_times(const struct arrivals *a, struct arena *arena, struct collect
         return true;
     memcpy(place, a->order, n * sizeof *place);
     struct arrival_line line = {a->arrival[0], median_slope(a, place, scratch)};
-    collected->lost = 0;
+    if (!a->counted)
+        collected->lost = 0;
     for (int pass = 0; pass < PASSES && line.interval > 0; pass++) {
         const size_t more = find_lost(a, line, place, scratch);
         collected->lost += more;
@@ -187,10 +194,11 @@ bool arrival_times(const struct arrivals *a, struct arena *arena, struct collect
         collected->largest = fmax(collected->largest, fabs(delay(a, place, line, i)));
     if (each > 1 && means > WANDERS * collected->jitter &&
         collected->jitter > 0.5 * line.interval) {
-        collected->lost = 0;
+        collected->lost = a->counted ? collected->lost : 0;
         return true;
     }
     collected->clock = CLOCK_ARRIVAL;
+    collected->lost_known |= n >= 2 * BLOCKS_MIN && !several_at_once(a, line);
     const double spread = fmax(means, collected->jitter / sqrt((double)each)),
                  of_interval = spread * sqrt(12 / (double)blocks) / (place[n - 1] - place[0]);
     collected->rate =

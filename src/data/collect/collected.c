@@ -13,8 +13,8 @@
 #include <string.h>
 
 #define CUT "\\..."
+#define BYTE_ORDER_MARK "\\xEF\\xBB\\xBF" /* as it is kept */
 #define UNIT_NEAR 0.1 /* the device's clock is in ms, us: its rate over that of the arrivals */
-#define GAP 1.5       /* steps: lines between are lost */
 
 /* ---- writing ---- */
 
@@ -50,7 +50,7 @@ struct collected_text {
     struct buffer lines; /* as they came; what is garbled is empty */
     double *arrival;     /* [count] of each line, NAN: none is known */
     double *order;       /* [count] counted from 0, without blank ones and remarks */
-    size_t count, came;
+    size_t count, came, remarks;
 };
 
 static bool split_lines(const struct table_text *text, struct arena *arena,
@@ -76,11 +76,16 @@ static bool split_lines(const struct table_text *text, struct arena *arena,
             real_scan(line, '.', &arrival, &used) != REAL_OK || used == line.len ||
             line.at[used] != '\t' || out->count == max)
             continue;
-        const struct text came = {line.at + used + 1, line.len - used - 1};
+        struct text came = {line.at + used + 1, line.len - used - 1};
+        if (out->count == 0 && text_starts(came, TEXT(BYTE_ORDER_MARK)))
+            came = (struct text){came.at + strlen(BYTE_ORDER_MARK),
+                                 came.len - strlen(BYTE_ORDER_MARK)};
         const bool garbled = came.len > 0 && memchr(came.at, '\\', came.len);
         out->arrival[out->count] = arrival;
         out->order[out->count++] = (double)out->came;
-        out->came += garbled || (text_trim(came).len > 0 && !table_comment(came));
+        const bool remark = !garbled && table_comment(came);
+        out->remarks += remark;
+        out->came += garbled || (text_trim(came).len > 0 && !remark);
         if (!garbled)
             buffer_put(&out->lines, came);
         buffer_char(&out->lines, '\n');
@@ -91,34 +96,62 @@ static bool split_lines(const struct table_text *text, struct arena *arena,
 /* ---- times ---- */
 
 /* The device's clock counts thousandths where it says nothing, but the arrivals do. */
-static const struct unit *clock_unit(struct recording *recording,
-                                     const struct collected_text *lines)
+static const struct unit *clock_unit(struct recording *recording, double pace)
 {
     static const char *const names[] = {"ms", "us"};
     const struct column *time = &recording->column[recording->time];
-    const size_t last = recording->rows - 1;
-    const double span = lines->arrival[recording->line[last] - 1] -
-                        lines->arrival[recording->line[0] - 1],
-                 counted = time->value[last] - time->value[0];
-    for (size_t i = 0; i < COUNT_OF(names) && !time->unit[0] && span > 0; i++) {
+    for (size_t i = 0; i < COUNT_OF(names) && !time->unit[0]; i++) {
         const struct unit *unit = NULL;
         if (unit_spelled(text_of(names[i]), &recording->arena, &unit) && unit &&
-            fabs(counted * unit->factor / span - 1) < UNIT_NEAR)
+            fabs(pace * unit->factor - 1) < UNIT_NEAR)
             return unit;
     }
     return NULL;
 }
 
+static bool lines_of(const struct recording *recording, const struct collected_text *lines,
+                     struct arena *arena, struct arrivals *out)
+{
+    const size_t n = recording->rows;
+    double *arrival = arena_array(arena, n + 1, sizeof *arrival),
+           *order = arena_array(arena, n + 1, sizeof *order);
+    *out = (struct arrivals){arrival, order, n, false};
+    for (size_t i = 0; arrival && order && i < n; i++) {
+        arrival[i] = lines->arrival[recording->line[i] - 1];
+        order[i] = lines->order[recording->line[i] - 1];
+    }
+    return arrival && order;
+}
+
+/* Where the device counts its lines, nobody has to guess which are lost. */
+static bool count_by(const struct arrivals *a, const double *counter, struct arena *arena,
+                     struct collected *collected, struct arrivals *counted)
+{
+    double *order = arena_array(arena, a->n + 1, sizeof *order);
+    double before = 0;
+    for (size_t i = 0, at = 0; order && i < a->n; i++) {
+        const double came = i > 0 ? a->order[i] - a->order[at] : 0;
+        order[i] = before + came;
+        if (isfinite(counter[i])) {
+            order[i] = fmax(before + came, counter[i] - counter[0]);
+            collected->lost += (size_t)(order[i] - before - came);
+        }
+        before = order[i];
+        at = i;
+    }
+    collected->lost_known = true;
+    *counted = (struct arrivals){a->arrival, order, a->n, true};
+    return order != NULL;
+}
+
 /* A column with the times of the samples, from the arrivals of their lines. */
-static bool add_arrivals(struct recording *recording, const struct collected_text *lines,
+static bool add_arrivals(struct recording *recording, const struct arrivals *arrivals,
                          struct collected *collected, struct arena *arena)
 {
     const size_t n = recording->rows;
     struct column *column =
         arena_array(&recording->arena, (size_t)recording->columns + 1, sizeof *column);
-    double *arrival = arena_array(arena, n + 1, sizeof *arrival),
-           *order = arena_array(arena, n + 1, sizeof *order);
-    if (!column || !arrival || !order)
+    if (!column)
         return false;
     memcpy(column, recording->column, (size_t)recording->columns * sizeof *column);
     struct column *own = &column[recording->columns];
@@ -130,66 +163,156 @@ static bool add_arrivals(struct recording *recording, const struct collected_tex
         return false;
     recording->column = column;
     recording->columns++;
-    for (size_t i = 0; i < n; i++) {
-        arrival[i] = lines->arrival[recording->line[i] - 1];
-        order[i] = lines->order[recording->line[i] - 1];
-    }
-    return arrival_times(&(struct arrivals){arrival, order, n}, arena, collected, own->value);
+    return arrival_times(arrivals, arena, collected, own->value);
+}
+
+#define COUNTS 0.01 /* a clock and not lines: it counts ms or us that nearly */
+
+/* Stamps that go back are mended before anybody looks at them: of a column that nobody has named
+ * only where the arrivals say that it is a clock. */
+static bool mend_clock(struct recording *recording, const struct arrivals *arrivals, int at,
+                       bool said, struct arena *arena, struct clock_mended *mended)
+{
+    if (at < 0)
+        return true;
+    const struct column *column = &recording->column[at];
+    double *scratch = arena_array(arena, arrivals->n + 1, sizeof *scratch);
+    if (!scratch)
+        return false;
+    const double pace = clock_pace(arrivals, column->value, scratch);
+    for (double unit = 1; unit <= 1e6; unit *= 1000)
+        said = said || fabs(pace / unit - 1) < UNIT_NEAR;
+    return clock_mend(arrivals, said || column->quantity == QUANTITY_TIME, arena, column->value,
+                      mended);
+}
+
+/* Thousandths are counted one by one where there are a thousand lines a second. */
+static bool counts_time(double pace)
+{
+    return fabs(pace / 1e3 - 1) < COUNTS || fabs(pace / 1e6 - 1) < COUNTS;
+}
+
+/* By that column. */
+static bool choose_time(struct recording *recording, struct load_options *options, int at,
+                        struct arena *arena, struct error *error)
+{
+    char number[16];
+    snprintf(number, sizeof number, "%d", at + 1);
+    const char *copy = arena_text(arena, text_of(number));
+    options->time = copy ? text_of(copy) : options->time;
+    return copy ? recording_choose(recording, options, error) : error_memory(error);
+}
+
+/* rate= says how long a line takes; how many there were, the arrivals, where both agree. */
+static bool place_by_rate(struct recording *recording, const struct arrivals *arrivals, double rate,
+                          struct collected *collected, struct arena *arena)
+{
+    struct collected known = {.lost = 0};
+    double *t = arena_array(arena, recording->rows + 1, sizeof *t);
+    if (!t || !arrival_times(arrivals, arena, &known, t))
+        return false;
+    collected->by_rate = recording->source == TIME_RATE;
+    if (recording->source != TIME_RATE || known.clock != CLOCK_ARRIVAL ||
+        !(fabs(known.rate.value / rate - 1) < COUNTS))
+        return true;
+    for (size_t i = 0; i < recording->rows; i++)
+        recording->t[i] = nearbyint((t[i] - t[0]) * known.rate.value);
+    collected->lost = known.lost;
+    collected->lost_known = known.lost_known;
+    return true;
 }
 
 /* By the columns alone, if one is a clock; else by the arrivals. */
 static bool choose_columns(struct recording *recording, const struct collected_text *lines,
                            struct load_options *options, struct collected *collected,
-                           struct arena *arena, struct error *error)
+                           struct clock_mended *mended, struct arena *arena, struct error *error)
 {
-    char number[16];
     struct error none = {0};
-    const bool chosen = recording_choose(recording, options, &none);
+    struct arrivals arrivals, counted;
+    if (!lines_of(recording, lines, arena, &arrivals) ||
+        !mend_clock(recording, &arrivals, recording_clock(recording), options->time_unit != NULL,
+                    arena, mended))
+        return error_memory(error);
+    bool chosen = recording_choose(recording, options, &none);
+    const int counter = chosen ? -1 : recording_counter(recording);
+    const bool given = options->rate > 0 || options->time.len > 0;
+    double *scratch = arena_array(arena, arrivals.n + 1, sizeof *scratch);
+    if (!scratch)
+        return error_memory(error);
+    const int at = chosen ? recording->time : counter;
+    const double pace = at < 0 ? NAN : clock_pace(&arrivals, recording->column[at].value, scratch);
+    if (counter >= 0 && !given && (options->time_unit || counts_time(pace)))
+        chosen = choose_time(recording, options, counter, arena, &none);
     if (chosen && recording->source == TIME_COLUMN) {
         collected->clock = CLOCK_DEVICE;
         if (!options->time_unit)
-            options->time_unit = clock_unit(recording, lines);
+            options->time_unit = clock_unit(recording, pace);
         return recording_time(recording, options, error);
     }
-    if (options->rate > 0 || options->time.len > 0) {
+    if (given) {
         *error = none;
-        return chosen && recording_time(recording, options, error);
+        return chosen && place_by_rate(recording, &arrivals, options->rate, collected, arena) &&
+               recording_time(recording, options, error);
     }
-    if (!add_arrivals(recording, lines, collected, arena))
+    if ((counter >= 0 &&
+         !count_by(&arrivals, recording->column[counter].value, arena, collected, &counted)) ||
+        !add_arrivals(recording, counter >= 0 ? &counted : &arrivals, collected, arena))
         return error_memory(error);
-    snprintf(number, sizeof number, "%d", recording->columns);
-    options->time = text_of(number);
     options->time_unit = NULL;
-    return recording_choose(recording, options, error) && recording_time(recording, options, error);
+    return choose_time(recording, options, recording->columns - 1, arena, error) &&
+           recording_time(recording, options, error);
 }
 
 /* ---- what is told ---- */
 
-static void count_lines(struct recording *recording, const struct collected_text *lines,
-                        size_t rows, uint32_t first, struct collected *collected)
+/* The lost ones between samples of a device that says its times. */
+static bool count_lost(const struct recording *recording, const struct collected_text *lines,
+                       const struct clock_mended *mended, const uint32_t *line, size_t rows,
+                       struct arena *arena, struct collected *collected)
 {
-    collected->lines = lines->came;
-    collected->last = lines->arrival[lines->count - 1];
-    collected->skipped = (size_t)lines->order[first - 1];
-    collected->garbled = lines->came - collected->skipped - rows;
-    for (size_t i = 0; i < recording->rows; i++)
-        collected->garbled += isnan(recording->y[i]) ? 1 : 0;
-    if (collected->clock != CLOCK_DEVICE)
-        return;
-    double *step = malloc(recording->rows * sizeof *step);
-    collected->rate = (struct measured){recording->rate, NAN};
-    for (size_t i = 0; step && i + 1 < recording->rows; i++)
-        step[i] = recording->t[i + 1] - recording->t[i];
-    const double usual = step ? quantile(step, recording->rows - 1, 0.5) : NAN;
-    for (size_t i = 0; i + 1 < recording->rows && usual > 0; i++) {
-        const double steps = (recording->t[i + 1] - recording->t[i]) / usual;
-        collected->lost += steps > GAP && steps < 1e9 ? (size_t)(nearbyint(steps) - 1) : 0;
+    struct arrivals arrivals;
+    double *scratch = arena_array(arena, recording->rows + 1, sizeof *scratch);
+    bool *after = arena_array(arena, recording->rows + 1, sizeof *after);
+    if (!scratch || !after || !lines_of(recording, lines, arena, &arrivals))
+        return false;
+    for (size_t i = 0, row = 0; mended->after && i < recording->rows; i++) {
+        for (; row < rows && line[row] < recording->line[i]; row++)
+            after[i] |= mended->after[row];
+        after[i] |= row < rows && mended->after[row];
     }
-    free(step);
+    collected->lost = clock_lost(&arrivals, recording->t, after, scratch, &collected->lost_known);
+    return true;
 }
 
-static void warn_clock(struct recording *recording, const struct collected *collected)
+static void count_lines(const struct recording *recording, const struct collected_text *lines,
+                        uint32_t first, struct collected *collected)
 {
+    size_t missing = 0;
+    for (size_t i = 0; i < recording->rows; i++)
+        missing += isnan(recording->y[i]) ? 1 : 0;
+    collected->lines = lines->came + lines->remarks;
+    collected->remarks = lines->remarks;
+    collected->last = lines->arrival[lines->count - 1];
+    collected->skipped = (size_t)lines->order[first - 1];
+    collected->repeated = recording->repeated;
+    collected->samples = recording->rows - missing;
+    collected->garbled =
+        lines->came - collected->skipped - collected->samples - collected->repeated;
+    if (collected->clock == CLOCK_DEVICE)
+        collected->rate = (struct measured){recording->rate, NAN};
+}
+
+static void warn_clock(struct recording *recording, const struct collected *collected,
+                       const struct clock_mended *mended)
+{
+    if (mended->starts > 0)
+        recording_warn(
+            recording,
+            "the device's clock started again %zu %s: its times go on as the arrivals do",
+            mended->starts, mended->starts == 1 ? "time" : "times");
+    if (mended->wraps > 0)
+        recording_warn(recording, "the device's clock was full %zu %s: its times go on",
+                       mended->wraps, mended->wraps == 1 ? "time" : "times");
     if (collected->clock == CLOCK_ARRIVAL)
         recording_warn(recording,
                        "the device sends no times: those of a line through %zu arrivals, "
@@ -203,6 +326,14 @@ static void warn_clock(struct recording *recording, const struct collected *coll
     if (collected->lost > 0)
         recording_warn(recording, "%zu %s lost on the way", collected->lost,
                        collected->lost == 1 ? "line was" : "lines were");
+    if (!collected->lost_known)
+        recording_warn(recording, "whether %slines were lost on the way cannot be known: %s",
+                       collected->lost > 0 ? "more " : "",
+                       collected->by_rate                 ? "the arrivals do not agree with rate="
+                       : collected->clock == CLOCK_DEVICE ? "the device's times are uneven"
+                       : collected->clock == CLOCK_UNEVEN
+                           ? "they arrive unevenly"
+                           : "they are few, or come several at a time");
 }
 
 static bool read_lines(const struct table_text *text, struct collected_text *lines,
@@ -221,11 +352,18 @@ static bool read_lines(const struct table_text *text, struct collected_text *lin
         !enough_rows(recording, error))
         return false;
     const size_t rows = recording->rows;
-    const uint32_t first = recording->line[0];
-    if (!choose_columns(recording, lines, &taken, collected, arena, error))
+    uint32_t *line = arena_array(arena, rows, sizeof *line);
+    struct clock_mended mended = {.after = NULL};
+    if (!line)
+        return error_memory(error);
+    memcpy(line, recording->line, rows * sizeof *line);
+    if (!choose_columns(recording, lines, &taken, collected, &mended, arena, error))
         return false;
-    count_lines(recording, lines, rows, first, collected);
-    warn_clock(recording, collected);
+    if (collected->clock == CLOCK_DEVICE && !collected->by_rate &&
+        !count_lost(recording, lines, &mended, line, rows, arena, collected))
+        return error_memory(error);
+    count_lines(recording, lines, line[0], collected);
+    warn_clock(recording, collected, &mended);
     return true;
 }
 

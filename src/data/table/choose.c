@@ -390,6 +390,23 @@ static void cut_run(struct recording *recording)
         recording->rows--;
 }
 
+int recording_clock(const struct recording *recording)
+{
+    for (int i = 0; i < recording->columns; i++)
+        if (is_time(&recording->column[i]))
+            return i;
+    return recording->columns > 1 && unnamed(&recording->column[0], 0) ? 0 : -1;
+}
+
+int recording_counter(struct recording *recording)
+{
+    struct profile *profile =
+        arena_array(&recording->arena, (size_t)recording->columns, sizeof *profile);
+    for (int i = 0; profile && i < recording->columns; i++)
+        profile[i] = profile_of(recording, recording->column[i].value);
+    return profile ? index_column(recording, profile) : -1;
+}
+
 bool recording_choose(struct recording *recording, const struct load_options *options,
                       struct error *error)
 {

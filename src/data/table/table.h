@@ -88,7 +88,24 @@ struct arrivals {
     const double *arrival; /* [n] [s] */
     const double *order;   /* [n] of the lines that came, rising; lost ones are not counted */
     size_t n;
+    bool counted; /* by the device: they are */
 };
+/* collect/clock.c: [count/s] of a device's clock v [n] by the arrivals; NAN: they do not say.
+ * scratch [n]. */
+double clock_pace(const struct arrivals *arrivals, const double *v, double *scratch);
+struct clock_mended {
+    size_t starts, wraps; /* it started again, was full */
+    size_t wrong;         /* stamps that are NAN now */
+    bool *after;          /* [n] the first one after a new start */
+};
+/* What goes back goes on instead (only `trusted`), if it is a clock at all; false: no memory. */
+bool clock_mend(const struct arrivals *arrivals, bool trusted, struct arena *arena, double *v,
+                struct clock_mended *mended);
+/* Lines lost between the times t [n], rising, but not before those `after` (NULL: none) a new
+ * start; not known where the steps are uneven. */
+size_t clock_lost(const struct arrivals *arrivals, const double *t, const bool *after,
+                  double *scratch, bool *known);
+
 /* Times [n] of the samples: fills clock, lost, rate and jitter of what is known of them. Scratch
  * from `arena`; false: no memory. */
 bool arrival_times(const struct arrivals *arrivals, struct arena *arena,
@@ -151,6 +168,10 @@ bool runs_of_blocks(const struct table_text *text, const struct load_options *op
 const struct format *format_of(const struct table_text *text, const struct format *but);
 bool recording_choose(struct recording *recording, const struct load_options *options,
                       struct error *error);
+/* The column that is a clock by its name or unit, else the first if nobody has named it; -1: none.
+ */
+int recording_clock(const struct recording *recording);
+int recording_counter(struct recording *recording); /* column that counts the rows, -1: none */
 bool enough_rows(const struct recording *recording, struct error *error); /* two are the least */
 void recording_reverse(struct recording *recording);                      /* the last row first */
 bool recording_time(struct recording *recording, const struct load_options *options,

@@ -225,6 +225,204 @@ static void what_is_broken_is_counted(void **state)
     }
 }
 
+/* ---- streams that are broken ---- */
+
+enum fault { NONE, RESET, RESET_SAYS, FULL_16, FULL_32, FULL_MICROS, FORWARD, BACK, LOSES, TWICE };
+
+static const struct broken_stream {
+    const char *name, *line; /* of t [ms] and y [cm] */
+    enum fault fault;        /* at line 150 of 300 */
+    const char *also;        /* a line between those of every tenth */
+    int samples, skipped, garbled, repeated, remarks, lost;
+    enum collected_clock clock;
+} broken_streams[] = {
+    {.name = "tabs", .line = "%.0f\t%.3f", .samples = 300},
+    {.name = "exponents", .line = "%.6E,%.6e", .samples = 300},
+    {.name = "key=value", .line = "t=%.0f y=%.3f", .samples = 300},
+    {.name = "JSON", .line = "{\"t\":%.0f,\"y\":%.3f}", .samples = 300},
+    {.name = "JSON that is cut",
+     .line = "{\"t\":%.0f,\"y\":%.3f}",
+     .also = "{\"t\":77,\"y\":",
+     .samples = 300,
+     .garbled = 30},
+    {.name = "a missing key",
+     .line = "t=%.0f y=%.3f",
+     .also = "t=7",
+     .samples = 300,
+     .garbled = 30},
+    {.name = "quotes", .line = "\"%.0f\",\"%.3f\"", .samples = 300},
+    {.name = "a comma at the end", .line = "%.0f,%.3f,", .samples = 300},
+    {.name = "blanks before", .line = "   %.0f,%.3f", .samples = 300},
+    {.name = "one column", .line = "%2$.3f", .samples = 300, .clock = CLOCK_ARRIVAL},
+    {.name = "an escape",
+     .line = "%.0f,%.3f",
+     .also = "\x1B[31m7,8",
+     .samples = 300,
+     .garbled = 30},
+    {.name = "a title", .line = "%.0f,%.3f", .also = "\x1B]0;x\x07", .samples = 300, .garbled = 30},
+    {.name = "XON", .line = "%.0f,%.3f", .also = "\x11", .samples = 300, .garbled = 30},
+    {.name = "a column more", .line = "%.0f,%.3f", .also = "7,8,9", .samples = 300, .garbled = 30},
+    {.name = "a column less",
+     .line = "%.0f,%.3f,1.5",
+     .also = "7,8",
+     .samples = 300,
+     .garbled = 30},
+    {.name = "words", .line = "%.0f,%.3f", .also = "boot", .samples = 300, .garbled = 30},
+    {.name = "remarks", .line = "%.0f,%.3f", .also = "# ok", .samples = 300, .remarks = 30},
+    {.name = "blank lines", .line = "%.0f,%.3f", .also = "  ", .samples = 300},
+    {.name = "units", .line = "%.0f,%.3f", .also = "7 ms,8 cm", .samples = 300, .garbled = 30},
+    {.name = "hexadecimal", .line = "%.0f,%.3f", .also = "0x7,0x8", .samples = 300, .garbled = 30},
+    {.name = "noise", .line = "%.0f,%.3f", .also = "\xFF\xFE\xFF", .samples = 300, .garbled = 30},
+    {.name = "a reset", .line = "%.0f,%.3f", .fault = RESET, .samples = 300},
+    {.name = "a reset, told",
+     .line = "%.0f,%.3f",
+     .fault = RESET_SAYS,
+     .samples = 300,
+     .garbled = 2},
+    {.name = "16 bit are full", .line = "%.0f,%.3f", .fault = FULL_16, .samples = 300},
+    {.name = "32 bit are full", .line = "%.0f,%.3f", .fault = FULL_32, .samples = 300},
+    {.name = "32 bit of us", .line = "%.3f,%.3f", .fault = FULL_MICROS, .samples = 300},
+    {.name = "a stamp ahead", .line = "%.0f,%.3f", .fault = FORWARD, .samples = 299, .garbled = 1},
+    {.name = "a stamp behind", .line = "%.0f,%.3f", .fault = BACK, .samples = 299, .garbled = 1},
+    {.name = "lost lines", .line = "%.0f,%.3f", .fault = LOSES, .samples = 297, .lost = 3},
+    {.name = "lost lines, no clock",
+     .line = "%2$.3f",
+     .fault = LOSES,
+     .samples = 297,
+     .lost = 3,
+     .clock = CLOCK_ARRIVAL},
+    {.name = "lost lines, counted",
+     .line = "%3$d,%2$.3f",
+     .fault = LOSES,
+     .samples = 297,
+     .lost = 3,
+     .clock = CLOCK_ARRIVAL},
+    {.name = "a line twice", .line = "%.0f,%.3f", .fault = TWICE, .samples = 300, .repeated = 1},
+};
+
+static double stamp_of(enum fault fault, int k)
+{
+    const double t = 20 * k;
+    switch (fault) {
+    case RESET:
+    case RESET_SAYS:
+        return k < 150 ? t + 740 : t - 3000;
+    case FULL_16:
+        return fmod(65536 - 3000 + t, 65536);
+    case FULL_32:
+        return fmod(4294967296.0 - 3000 + t, 4294967296.0);
+    case FULL_MICROS:
+        return fmod(4294967.296 - 3000 + t, 4294967.296);
+    case FORWARD:
+        return k == 150 ? 20000000 : t;
+    case BACK:
+        return k == 150 ? 77 : t;
+    default:
+        return t;
+    }
+}
+
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wformat-nonliteral"
+static void put_stream(const struct broken_stream *s, struct buffer *file)
+{
+    char line[100];
+    buffer_format(file, "%s\n", COLLECTED_HEAD);
+    for (int k = 0; k < 300; k++) {
+        const double at = 0.02 * k + 1e-4 * (k * 7 % 5);
+        if (s->fault == LOSES && k >= 150 && k < 153)
+            continue;
+        if (s->fault == RESET_SAYS && k == 150) {
+            collected_put(file, at - 0.02, TEXT("sensor ready"));
+            collected_put(file, at - 0.01, TEXT("time,distance"));
+        }
+        snprintf(line, sizeof line, s->line, stamp_of(s->fault, k), value_at(0.02 * k), k);
+        collected_put(file, at, text_of(line));
+        if (s->fault == TWICE && k == 150)
+            collected_put(file, at, text_of(line));
+        if (s->also && k % 10 == 9)
+            collected_put(file, at, text_of(s->also));
+    }
+}
+#pragma GCC diagnostic pop
+
+/* Each line is a sample or in one of the counts; times go on where the device's clock does not. */
+static void every_line_is_in_one_of_the_counts(void **state)
+{
+    (void)state;
+    static const struct load_options none;
+    for (size_t i = 0; i < COUNT_OF(broken_streams); i++) {
+        const struct broken_stream *s = &broken_streams[i];
+        struct buffer file = {0};
+        struct error error = {0};
+        put_stream(s, &file);
+        struct recording *r = collected_read(buffer_text(&file), &none, &error);
+        if (!r)
+            fail_msg("%s: %s", s->name, error.text);
+        const struct collected *c = r->collected;
+        const size_t sum = c->samples + c->skipped + c->garbled + c->repeated + c->remarks;
+        if (c->lines != sum || (int)c->samples != s->samples || (int)c->skipped != s->skipped ||
+            (int)c->garbled != s->garbled || (int)c->repeated != s->repeated ||
+            (int)c->remarks != s->remarks || (int)c->lost != s->lost || !c->lost_known)
+            fail_msg("%s: %zu lines, %zu samples, %zu skipped, %zu garbled, %zu repeated, %zu "
+                     "remarks, %zu lost",
+                     s->name, c->lines, c->samples, c->skipped, c->garbled, c->repeated, c->remarks,
+                     c->lost);
+        if (c->clock != s->clock)
+            fail_msg("%s: clock %d", s->name, (int)c->clock);
+        for (size_t k = 0; k < r->rows; k++) /* within the jitter of the arrivals after a reset */
+            if (fabs(r->t[k] - r->t[0] - 0.02 * (r->line[k] - r->line[0])) > 1e-3 && !s->also &&
+                s->fault != LOSES && s->fault != TWICE && s->fault != RESET_SAYS)
+                fail_msg("%s: sample %zu at %.6g s", s->name, k, r->t[k] - r->t[0]);
+        if (!(fabs(r->t[r->rows - 1] - r->t[0] - 0.02 * 299) < 2e-3))
+            fail_msg("%s: %.6g s of 5.98 s", s->name, r->t[r->rows - 1] - r->t[0]);
+        recording_destroy(r);
+        buffer_free(&file);
+    }
+}
+
+static void lost_lines_are_said_not_to_be_known(void **state)
+{
+    (void)state;
+    static const struct load_options none, paced = {.rate = 100};
+    static const struct {
+        struct stream s;
+        const struct load_options *options;
+        bool known;
+        size_t lost;
+    } cases[] = {
+        {{.rate = 1000, .from = 1, .n = 9000, .packet = 0.016, .lose_at = 4000, .lose = 1},
+         &none,
+         false,
+         0},
+        {{.rate = 10, .from = 1, .n = 600, .wander = true}, &none, false, 0},
+        {{.rate = 20, .from = 1, .n = 60, .jitter = 1e-3, .lose_at = 31, .lose = 1},
+         &none,
+         true,
+         1},
+        {{.rate = 20, .from = 1, .n = 9}, &none, false, 0},
+        {{.rate = 100.02, .from = 1, .n = 900, .jitter = 1e-3, .lose_at = 400, .lose = 7},
+         &paced,
+         true,
+         7},
+        {{.rate = 50, .from = 1, .n = 900, .jitter = 1e-3}, &paced, false, 0},
+    };
+    for (size_t i = 0; i < COUNT_OF(cases); i++) {
+        struct stream *s = malloc(sizeof *s);
+        assert_non_null(s);
+        *s = cases[i].s;
+        struct recording *r = taken_from(s, cases[i].options);
+        if (r->collected->lost_known != cases[i].known || r->collected->lost != cases[i].lost)
+            fail_msg("case %zu: %zu lost, %s", i, r->collected->lost,
+                     r->collected->lost_known ? "known" : "not known");
+        if (cases[i].options == &paced && cases[i].known)
+            assert_true(fabs(r->t[r->rows - 1] - r->t[0] - 0.01 * 899) < 1e-9);
+        recording_destroy(r);
+        buffer_free(&s->file);
+        free(s);
+    }
+}
+
 static void a_line_without_end_is_cut(void **state)
 {
     (void)state;
@@ -243,6 +441,8 @@ int main(void)
         cmocka_unit_test(no_line_is_drawn_through_what_is_uneven),
         cmocka_unit_test(the_clock_of_the_device_is_taken_where_there_is_one),
         cmocka_unit_test(what_is_broken_is_counted),
+        cmocka_unit_test(every_line_is_in_one_of_the_counts),
+        cmocka_unit_test(lost_lines_are_said_not_to_be_known),
         cmocka_unit_test(a_line_without_end_is_cut),
     };
     return cmocka_run_group_tests(tests, fixture_setup, fixture_teardown);
