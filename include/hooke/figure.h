@@ -220,6 +220,7 @@ struct heat {
     double factor;
     struct heat_axis x, y; /* y points up */
     const double *value;   /* [x.count][y.count] NAN: there is none, which is shown, too */
+    const char *letters;   /* of values -1, 0, 1 ...; the last of all above. NULL: shades */
 };
 
 /* As text lines, legend included, of at most width x height cells; false: no memory. */

@@ -155,7 +155,9 @@ struct swept {
     const struct sweep_measure *measure;
     const struct model *model;
     int measures;
-    const struct sweep_section *section; /* NULL: measured over the duration */
+    const struct sweep_section *section;     /* NULL: measured over the duration */
+    const struct sweep_attractor *attractor; /* [attractors] where they are measured */
+    int attractors;
 };
 
 void sweep_text(const struct session *session, const struct swept *swept, struct arena *arena,

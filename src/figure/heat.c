@@ -41,6 +41,16 @@ static struct shades shades_of(const struct heat *heat, enum charset charset)
     return shades;
 }
 
+static uint32_t sign_of(const struct heat *heat, const struct shades *shades, double value)
+{
+    if (isnan(value))
+        return NO_VALUE;
+    if (!heat->letters)
+        return shades->shade[shade_of(shades, value)];
+    const double last = (double)strlen(heat->letters) - 1;
+    return (uint32_t)heat->letters[(int)fmax(0, fmin(value + 1, last))];
+}
+
 /* As many cells as there is room for, a whole number for each point where that is possible. */
 static int cells_for(int points, int available)
 {
@@ -176,7 +186,7 @@ bool heat_print(const struct heat *heat, int width, int height, enum charset cha
         for (int column = 0; column < columns; column++) {
             const double value = cell_value(heat, column, columns, line, rows);
             gaps |= isnan(value);
-            buffer_codepoint(out, isnan(value) ? NO_VALUE : shades.shade[shade_of(&shades, value)]);
+            buffer_codepoint(out, sign_of(heat, &shades, value));
         }
         while (out->len > 0 && !out->failed && out->data[out->len - 1] == ' ')
             out->data[--out->len] = '\0';
@@ -187,7 +197,9 @@ bool heat_print(const struct heat *heat, int width, int height, enum charset cha
     put_times(out, '-', columns);
     buffer_char(out, '\n');
     put_x_labels(heat, gutter, columns, out);
-    if (shades.low <= shades.high)
+    if (shades.low <= shades.high && heat->letters)
+        buffer_put(out, gaps ? TEXT("x: none\n") : TEXT(""));
+    else if (shades.low <= shades.high)
         put_legend(heat, &shades, gaps, width, out);
     else
         buffer_put(out, TEXT("no point has a value\n"));

@@ -193,7 +193,8 @@ static void put_map(const struct session *session, const struct swept *swept, in
         .x = {across->name, unit_name(x_unit, across->quantity), x_unit ? x_unit->factor : 1, x,
               across->count},
         .y = {up->name, unit_name(y_unit, up->quantity), y_unit ? y_unit->factor : 1, y, up->count},
-        .value = value};
+        .value = value,
+        .letters = swept->measure[measure].kind == SWEEP_ATTRACTOR ? "*012345678+" : NULL};
     session_size(session, &width, &height);
     heat_print(&heat, width, height - 3 > 8 ? height - 3 : 8, session_charset(session), text);
 }
@@ -222,6 +223,62 @@ static void put_watched(const struct swept *swept, struct buffer *text)
     if (first)
         buffer_format(text, ": of %s, the first variable; 'measure=%s(%s)' of another\n",
                       model->variable[0].name, first, model->variable[1].name);
+}
+
+/* What its number stands for, how often, and the first of them. */
+static void put_attractor(const struct swept *swept, const struct sweep_attractor *a,
+                          struct buffer *text)
+{
+    const struct sweep *sweep = swept->sweep;
+    const struct model *model = swept->model;
+    const struct basin *b = &a->basin;
+    const bool irregular = a->number == ATTRACTOR_IRREGULAR;
+    if (irregular && sweep->axes > 1)
+        buffer_put(text, TEXT("  *  "));
+    else
+        buffer_format(text, " %2.0f  ", a->number);
+    if (irregular)
+        buffer_put(text, TEXT("does not repeat within 1000 looks"));
+    else if (a->number == 0)
+        buffer_put(text, TEXT("equilibrium"));
+    else if (a->known && b->kind == BASIN_ORBIT)
+        buffer_put(text, TEXT("closed orbit"));
+    else
+        buffer_format(text, "response of %.0f period%s of the drive", a->number,
+                      a->number == 1 ? "" : "s");
+    buffer_format(text, ": %lld of %lld points, the first at ", (long long)a->count,
+                  (long long)sweep->count);
+    for (int axis = 0; axis < sweep->axes; axis++) {
+        buffer_format(text, "%s%s = ", axis ? ", " : "", sweep->axis[axis].name);
+        buffer_quantity(text, position_at(sweep, axis, a->first), sweep->axis[axis].quantity, 6);
+    }
+    for (int i = 0; i < model->n && a->known && !irregular; i++) {
+        buffer_format(text, "%s%s = ",
+                      i                              ? ", "
+                      : b->kind == BASIN_EQUILIBRIUM ? ": "
+                                                     : ", through ",
+                      model->variable[i].name);
+        buffer_quantity(text, b->state[i], model->variable[i].quantity, 6);
+    }
+    if (a->known && b->kind == BASIN_ORBIT) {
+        buffer_put(text, TEXT(", period "));
+        buffer_quantity(text, b->period, QUANTITY_TIME, 6);
+    }
+    buffer_char(text, '\n');
+}
+
+/* Where nothing but starts is varied, all points have the same attractors. */
+static void put_starts(const struct swept *swept, struct buffer *text)
+{
+    const struct sweep *sweep = swept->sweep;
+    int starts = 0;
+    for (int a = 0; a < sweep->axes; a++) {
+        const struct text name = text_of(sweep->axis[a].name);
+        starts += name.len > 1 && name.at[name.len - 1] == '0' &&
+                  model_state(swept->model, (struct text){name.at, name.len - 1}) >= 0;
+    }
+    if (starts == sweep->axes)
+        buffer_put(text, TEXT("only starts differ: 'basins' says which attractor each comes to\n"));
 }
 
 void sweep_summary(const struct sweep *sweep, struct buffer *text)
@@ -263,11 +320,10 @@ void sweep_text(const struct session *session, const struct swept *swept, struct
                                   "duration\n"));
     sweep_summary(sweep, text);
     put_watched(swept, text);
-    for (int m = 0; m < sweep->measures; m++)
-        if (swept->measure[m].kind == SWEEP_ATTRACTOR)
-            buffer_put(text,
-                       TEXT("attractor: 0 equilibrium, 1 closed orbit, of a drive how many of "
-                            "its periods the response has; -1 does not repeat, - escapes\n"));
+    for (int k = 0; k < swept->attractors; k++)
+        put_attractor(swept, &swept->attractor[k], text);
+    if (swept->attractors > 0)
+        put_starts(swept, text);
     sweep_failures(sweep, text);
 }
 

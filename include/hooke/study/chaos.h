@@ -121,9 +121,10 @@ double basins_error(int64_t count, int64_t of);
 /*
  * What the motion from the scene's own start ends in, by a number: 0 an equilibrium, 1 a closed
  * orbit, of a drive how many of its periods the response has, ATTRACTOR_IRREGULAR: has not come
- * again in 1000 looks. NAN: escapes, nothing attracts, or cancelled.
+ * again in 1000 looks. NAN: escapes, nothing attracts, or cancelled. basin: that attractor, but for
+ * its count; NULL.
  */
 #define ATTRACTOR_IRREGULAR (-1)
-double attractor_of(const struct scene *scene, const struct cancel *cancel);
+double attractor_of(const struct scene *scene, const struct cancel *cancel, struct basin *basin);
 
 #endif

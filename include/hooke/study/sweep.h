@@ -5,6 +5,7 @@
 
 #include <hooke/figure.h>
 #include <hooke/run.h>
+#include <hooke/study/chaos.h>
 
 /* ---- sweep: one or two quantities varied, a trajectory each ----
  *
@@ -178,5 +179,20 @@ void sweep_free(struct sweep *sweep);
 /* place on the axis of point first + i */
 int64_t sweep_number(const struct sweep *sweep, int axis, int64_t i);
 const char *sweep_status_name(int status);
+
+/* ---- what the numbers of SWEEP_ATTRACTOR stand for ---- */
+
+#define SWEEP_ATTRACTORS 16
+
+struct sweep_attractor {
+    double number;
+    int64_t count, first; /* points, and the place of the first; as it is there: */
+    bool known;           /* it was found once more */
+    struct basin basin;
+};
+
+/* Of that measure, by number; returns how many. */
+int sweep_attractors(const struct sweep_request *request, const struct sweep *sweep, int measure,
+                     struct sweep_attractor found[SWEEP_ATTRACTORS]);
 
 #endif

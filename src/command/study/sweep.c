@@ -115,12 +115,28 @@ bool read_axis_range(struct parser *parser, struct sweep_axis *axis, struct erro
     return count_points(axis, step.value.value, text_trim(range), error);
 }
 
+/* Of dt and tol, before anything is computed. */
+static bool check_above_0(const struct sweep_axis *axis, struct text name, struct error *error)
+{
+    const bool setting = axis->target == SWEEP_DT || axis->target == SWEEP_TOL;
+    if (!setting || (axis->from > 0 && axis->to > 0))
+        return true;
+    error_at(error, name, "%s must be > 0, from one end to the other", axis->name);
+    return error_hint(error, axis->target == SWEEP_DT ? "for example dt=1ms:100ms:x2"
+                                                      : "for example tol=1e-9:1e-3:x10");
+}
+
 static bool read_axis(struct parser *parser, struct text name, struct sweep_axis *axis,
                       struct error *error)
 {
     if (!sweep_axis_find(&parser->session->setup.scene, name, axis))
         return unknown_parameter(parser->session, name, TEXT(""), error);
-    return read_axis_range(parser, axis, error);
+    const struct method *method = parser->session->setup.method;
+    if (axis->target == SWEEP_TOL && !(method->flags & METHOD_ADAPTIVE)) {
+        error_at(error, name, "%s has fixed steps: tol says nothing to it", method->row.name);
+        return error_hint(error, "'sweep dt=1ms:100ms:x2' varies them; 'method dopri5' adapts");
+    }
+    return read_axis_range(parser, axis, error) && check_above_0(axis, name, error);
 }
 
 static bool read_number(struct parser *parser, const char *what, int64_t *number,
@@ -281,9 +297,11 @@ static void reply_points(const struct swept *swept, const struct table *table, s
 static struct swept swept_of(const struct sweep_request *request, const struct sweep *sweep)
 {
     const bool columns = request->columns > 0;
-    return (struct swept){sweep, columns ? request->shown : request->measure, request->scene->model,
-                          columns ? request->columns : request->measures,
-                          request->section.wanted ? &request->section : NULL};
+    return (struct swept){.sweep = sweep,
+                          .measure = columns ? request->shown : request->measure,
+                          .model = request->scene->model,
+                          .measures = columns ? request->columns : request->measures,
+                          .section = request->section.wanted ? &request->section : NULL};
 }
 
 static bool make_table(const struct swept *swept, struct arena *arena, struct table *table)
@@ -347,7 +365,12 @@ static bool sweep_in_memory(struct session *session, const struct arguments *arg
     report_fraction(&session->front, 2);
     const bool stopped = !ok && error->code == ERROR_CANCELLED;
     if (sweep.finished > 0 && (ok || stopped)) {
-        const struct swept swept = swept_of(request, &sweep);
+        struct swept swept = swept_of(request, &sweep);
+        struct sweep_attractor attractor[SWEEP_ATTRACTORS];
+        for (int m = 0; m < swept.measures && reply->format == FORMAT_TEXT && ok; m++)
+            if (swept.measure[m].kind == SWEEP_ATTRACTOR)
+                swept.attractors = sweep_attractors(request, &sweep, m, attractor);
+        swept.attractor = attractor;
         reply_sweep(session, &swept, args->arena, reply);
     }
     if (stopped && sweep.finished > 0) {
@@ -413,7 +436,8 @@ COMMAND(
             "period and mean (in the last third of the duration), max and min, of the first "
             "variable or, max(z), of "
             "any column; error,\n"
-            "energy_error, steps, evals, reached (the time), attractor, or what print knows of a "
+            "energy_error, steps, evals, reached (the time), attractor (what it ends in, listed "
+            "below), or what print knows of a "
             "run at "
             "its end: y, energy ..; or\n"
             "expressions: measure=\"max(y)-min(y)\",rms(v),mean(y^2)/k, y(end) is y at the end; "

@@ -130,7 +130,7 @@ static double run_measure(const struct run *run, const struct sweep_measure *mea
         run_ledger(run, &ledger);
         return ledger.error_max;
     case SWEEP_ATTRACTOR:
-        return attractor_of(scene, run->cancel);
+        return attractor_of(scene, run->cancel, NULL);
     case SWEEP_STEPS:
         return (double)run->steps;
     case SWEEP_EVALS:

@@ -128,7 +128,8 @@ static void choose_sizes(struct basin_walk *walk, const struct basins_request *r
     memcpy(walk->field.size, walk->size, sizeof walk->size);
 }
 
-bool walk_init(struct basin_walk *walk, const struct basins_request *request, struct error *error)
+bool walk_init(struct basin_walk *walk, const struct basins_request *request, bool lanes,
+               struct error *error)
 {
     double start[FIRST][FIELD_VARIABLES];
     *walk = (struct basin_walk){.n = 0};
@@ -156,7 +157,8 @@ bool walk_init(struct basin_walk *walk, const struct basins_request *request, st
         return error_set(error, ERROR_COMMAND, "volumes are kept: nothing attracts");
     }
     walk->strobe = drive > 0 ? drive : natural_time(walk, start);
-    stepper_choose(walk, start, FIRST);
+    if (lanes)
+        stepper_choose(walk, start, FIRST);
     return true;
 }
 
@@ -369,7 +371,7 @@ bool basins_find(const struct basins_request *request, struct basins *basins, st
     *basins = (struct basins){.total = (int64_t)request->axis[0].count * request->axis[1].count};
     if (!walk)
         return error_memory(error);
-    if (!walk_init(walk, request, error)) {
+    if (!walk_init(walk, request, true, error)) {
         free(walk);
         return false;
     }

@@ -39,7 +39,9 @@ struct walker {
     bool found;          /* repeats, but is none that is known */
 };
 
-bool walk_init(struct basin_walk *walk, const struct basins_request *request, struct error *error);
+/* lanes: there are enough starts to fill them. */
+bool walk_init(struct basin_walk *walk, const struct basins_request *request, bool lanes,
+               struct error *error);
 void walk_free(struct basin_walk *walk);
 void walker_start(const struct basin_walk *walk, struct walker *walker, const double *y);
 /* After one more look: the place of an attractor, BASIN_ESCAPES, BASIN_UNDECIDED; BASIN_MISSING:

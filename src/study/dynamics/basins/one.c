@@ -56,7 +56,7 @@ static int periods_of(const struct basin_walk *walk, const struct attractor *a)
     return periods;
 }
 
-double attractor_of(const struct scene *scene, const struct cancel *cancel)
+double attractor_of(const struct scene *scene, const struct cancel *cancel, struct basin *basin)
 {
     struct basin_walk walk;
     struct system system;
@@ -64,18 +64,24 @@ double attractor_of(const struct scene *scene, const struct cancel *cancel)
     if (!scene_bind_motion(scene, &system, &ignored))
         return NAN;
     const struct basins_request request = request_of(scene, &system, cancel);
-    if (!walk_init(&walk, &request, &ignored))
+    if (!walk_init(&walk, &request, false, &ignored))
         return NAN;
-    walk.steps = 0;
     const int fate = follow(&walk, cancel);
     double value = fate == BASIN_UNDECIDED ? ATTRACTOR_IRREGULAR : NAN;
+    struct basin found = {.kind = BASIN_IRREGULAR};
     if (fate >= 0) {
-        const struct basin *basin = &walk.attractor[fate].basin;
-        value = basin->kind == BASIN_EQUILIBRIUM ? 0
-                : basin->kind == BASIN_RESPONSE  ? periods_of(&walk, &walk.attractor[fate])
-                : basin->kind == BASIN_IRREGULAR ? ATTRACTOR_IRREGULAR
-                                                 : 1;
+        found = walk.attractor[fate].basin;
+        if (found.kind == BASIN_RESPONSE) {
+            found.multiple = periods_of(&walk, &walk.attractor[fate]);
+            found.period = found.multiple * walk.strobe;
+        }
+        value = found.kind == BASIN_EQUILIBRIUM ? 0
+                : found.kind == BASIN_RESPONSE  ? found.multiple
+                : found.kind == BASIN_IRREGULAR ? ATTRACTOR_IRREGULAR
+                                                : 1;
     }
+    if (basin)
+        *basin = found;
     walk_free(&walk);
     return value;
 }
