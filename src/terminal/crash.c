@@ -14,7 +14,9 @@
 /* All of it is static: a handler may neither allocate nor trust the stack or the heap. */
 static struct {
     volatile sig_atomic_t known, armed; /* the modes; the text too */
-    struct termios modes;
+    volatile sig_atomic_t has_line;
+    struct termios modes, line_modes;
+    int line;
     char text[512];
     size_t len;
     void (*last_act)(void);
@@ -53,9 +55,26 @@ void crash_restore(void)
     }
 }
 
-static void on_fatal(int number)
+void crash_line(int fd, const struct termios *modes)
+{
+    rescue.has_line = 0;
+    if (!modes)
+        return;
+    rescue.line = fd;
+    rescue.line_modes = *modes;
+    rescue.has_line = 1;
+}
+
+void crash_end(void)
 {
     crash_restore();
+    if (rescue.has_line)
+        tcsetattr(rescue.line, TCSANOW, &rescue.line_modes);
+}
+
+static void on_fatal(int number)
+{
+    crash_end();
     raise(number); /* SA_RESETHAND: now it ends the program, with a core where those are wanted */
 }
 
@@ -109,7 +128,7 @@ static void *checked(void *memory)
     if (act) {
         act();
     }
-    crash_restore();
+    crash_end();
     static const char message[] = "hooke: error: out of memory\n";
     ssize_t ignored = write(STDERR_FILENO, message, sizeof message - 1);
     (void)ignored;

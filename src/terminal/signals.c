@@ -45,7 +45,7 @@ static void handle(int number, void (*handler)(int));
 static void on_overdue(int number)
 {
     (void)number;
-    crash_restore();
+    crash_end();
     _exit(128 + ending);
 }
 

@@ -127,6 +127,10 @@ void crash_modes(void);
 void crash_arm(struct text text);
 void crash_disarm(void);
 void crash_restore(void); /* only write() and tcsetattr(): may be called from a signal handler */
+/* A serial line that an abnormal end gives back its modes, too; NULL: none any more. */
+struct termios;
+void crash_line(int fd, const struct termios *modes);
+void crash_end(void); /* crash_restore() and the line: nothing goes on after it */
 /* Signals that end the program: restore, then end as they would have. One of them; all. */
 void crash_signal(int number);
 void crash_install(void);

@@ -9,6 +9,7 @@
 #include <string.h>
 #include <sys/ioctl.h>
 #include <sys/stat.h>
+#include <sys/sysmacros.h>
 #include <unistd.h>
 
 static const struct {
@@ -40,6 +41,37 @@ static bool refuse(const char *path, const char *why, struct error *error)
     return false;
 }
 
+/* The process that has locked it, by the system's list; 0: none that is known. */
+static long holder_of(const char *path)
+{
+    struct stat st;
+    char line[200];
+    long found = 0;
+    FILE *locks = stat(path, &st) == 0 ? fopen("/proc/locks", "re") : NULL;
+    while (locks && !found && fgets(line, sizeof line, locks)) {
+        unsigned major_of, minor_of;
+        unsigned long inode;
+        long process;
+        if (sscanf(line, "%*[^:]: FLOCK %*s WRITE %ld %x:%x:%lu", &process, &major_of, &minor_of,
+                   &inode) == 4 &&
+            process > 0 && inode == st.st_ino && major_of == major(st.st_dev) &&
+            minor_of == minor(st.st_dev))
+            found = process;
+    }
+    if (locks)
+        fclose(locks);
+    return found;
+}
+
+static bool refuse_held(const char *path, struct error *error)
+{
+    char why[80] = "another program has it";
+    const long process = holder_of(path);
+    if (process > 0)
+        snprintf(why, sizeof why, "another program collects from it, process %ld", process);
+    return refuse(path, why, error);
+}
+
 /* Who may read it is the group that it belongs to. */
 static void hint_group(const char *path, struct error *error)
 {
@@ -67,9 +99,10 @@ static bool make_raw(struct device *device, const char *path, long baud, struct 
     modes.c_cflag |= CLOCAL | CREAD;
     modes.c_cc[VMIN] = 1;
     modes.c_cc[VTIME] = 0;
+    crash_line(device->fd, &device->before);
+    device->serial = true;
     if (tcsetattr(device->fd, TCSANOW, &modes) != 0)
         return refuse(path, strerror(errno), error);
-    device->serial = true;
     ioctl(device->fd, TIOCEXCL); /* others cannot open it meanwhile */
     return true;
 }
@@ -86,7 +119,7 @@ static bool prepare(struct device *device, const char *path, long baud, bool saf
     if (safe && S_ISCHR(st.st_mode))
         return refuse(path, "--safe opens no device", error);
     if (!device->grows && strcmp(path, STANDARD_INPUT) != 0 && !file_lock(device->fd, false))
-        return refuse(path, "another program collects from it", error);
+        return refuse_held(path, error);
     return !isatty(device->fd) || make_raw(device, path, baud, error);
 }
 
@@ -99,11 +132,12 @@ bool device_open(struct device *device, const char *path, long baud, bool safe, 
         device->fd = open(path, O_RDONLY | O_CLOEXEC | O_NOCTTY | O_NONBLOCK);
     if (device->fd < 0) {
         const int number = errno;
+        if (number == EBUSY)
+            return refuse_held(path, error);
         refuse(path,
-               number == ENXIO   ? "it is a socket, which socat makes a pipe: socat -u "
-                                   "UNIX-CONNECT:PATH - | hooke -c 'collect -'"
-               : number == EBUSY ? "another program has it"
-                                 : strerror(number),
+               number == ENXIO ? "it is a socket, which socat makes a pipe: socat -u "
+                                 "UNIX-CONNECT:PATH - | hooke -c 'collect -'"
+                               : strerror(number),
                error);
         if (number == EACCES)
             hint_group(path, error);
@@ -120,6 +154,7 @@ void device_close(struct device *device)
     if (device->serial) {
         ioctl(device->fd, TIOCNXCL);
         tcsetattr(device->fd, TCSANOW, &device->before);
+        crash_line(-1, NULL);
     }
     if (device->fd >= 0)
         close(device->fd);

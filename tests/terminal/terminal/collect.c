@@ -12,6 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "long_form.h"
 #include "terminal/person.h"
 #include "terminal/terminal.h"
 
@@ -105,31 +106,71 @@ static void await_lines(const char *path, int lines)
     fail_msg("%s has no %d lines", path, lines);
 }
 
+static bool is_raw(int slave)
+{
+    struct termios modes;
+    return tcgetattr(slave, &modes) == 0 && !(modes.c_lflag & ICANON);
+}
+
+static void await_raw(int slave)
+{
+    const int64_t until = clock_ns() + PATIENCE_NS;
+    while (!is_raw(slave)) {
+        assert_true(clock_ns() < until);
+        poll(NULL, 0, 5);
+    }
+}
+
+struct line {
+    int master, slave;
+    char name[100];
+    struct termios before;
+};
+
+static void make_line(struct line *line)
+{
+    assert_int_equal(openpty(&line->master, &line->slave, line->name, NULL, NULL), 0);
+    fcntl(line->master, F_SETFD, FD_CLOEXEC); /* the program would hold its own line open */
+    fcntl(line->slave, F_SETFD, FD_CLOEXEC);
+    assert_int_equal(tcgetattr(line->slave, &line->before), 0);
+}
+
+static bool as_before(const struct line *line)
+{
+    struct termios after;
+    return tcgetattr(line->slave, &after) == 0 && line->before.c_iflag == after.c_iflag &&
+           line->before.c_oflag == after.c_oflag && line->before.c_cflag == after.c_cflag &&
+           line->before.c_lflag == after.c_lflag &&
+           memcmp(line->before.c_cc, after.c_cc, sizeof after.c_cc) == 0;
+}
+
+static void drop_line(struct line *line)
+{
+    close(line->slave);
+    close(line->master);
+}
+
 static void test_serial_line(void **state)
 {
     (void)state;
     for (int unplugged = 0; unplugged < 2; unplugged++) {
-        int master, slave, out[2];
-        char command[300], name[100];
-        struct termios before, after;
+        int out[2];
+        char command[300];
+        struct line line;
         struct buffer text = {0};
-        assert_int_equal(openpty(&master, &slave, name, NULL, NULL), 0);
-        fcntl(master, F_SETFD, FD_CLOEXEC); /* the program would hold its own line open */
-        fcntl(slave, F_SETFD, FD_CLOEXEC);
-        assert_int_equal(tcgetattr(slave, &before), 0);
+        make_line(&line);
         assert_int_equal(pipe(out), 0);
         const char *path = in_work(unplugged ? "gone.txt" : "whole.txt");
-        snprintf(command, sizeof command, "collect %s for=%s unit=cm to=%s; fit damped", name,
+        snprintf(command, sizeof command, "collect %s for=%s unit=cm to=%s; fit damped", line.name,
                  unplugged ? "60s" : "1.6s", path);
         const pid_t program = launch(command, out[1]);
         close(out[1]); /* or the device would hold it open */
-        const pid_t device = sensor(master, 0);
+        const pid_t device = sensor(line.master, 0);
         if (unplugged) {
             await_lines(path, 320);
             kill(device, SIGKILL);
             status_of(device);
-            close(slave);
-            close(master);
+            drop_line(&line);
         }
         said(out[0], &text);
         assert_int_equal(status_of(program), 0);
@@ -138,13 +179,119 @@ static void test_serial_line(void **state)
         if (!unplugged) {
             kill(device, SIGKILL);
             status_of(device);
-            assert_int_equal(tcgetattr(slave, &after), 0);
-            assert_true(before.c_iflag == after.c_iflag && before.c_oflag == after.c_oflag &&
-                        before.c_cflag == after.c_cflag && before.c_lflag == after.c_lflag);
-            assert_memory_equal(before.c_cc, after.c_cc, sizeof before.c_cc);
-            close(slave);
-            close(master);
+            assert_true(as_before(&line));
+            drop_line(&line);
         }
+        buffer_free(&text);
+    }
+}
+
+/* Whatever ends the program gives the line back; only SIGKILL cannot be answered. */
+static void test_ending_signals(void **state)
+{
+    (void)state;
+    static const int few[] = {SIGINT,  SIGTERM, SIGHUP,  SIGQUIT, SIGSEGV,
+                              SIGABRT, SIGUSR1, SIGALRM, SIGXCPU, SIGSYS};
+    const int most[] = {SIGILL,  SIGTRAP, SIGBUS, SIGFPE,    SIGUSR2,  SIGVTALRM,
+                        SIGPROF, SIGPOLL, SIGPWR, SIGSTKFLT, SIGRTMIN, SIGRTMAX};
+    const size_t count = COUNT_OF(few) + (is_long() ? COUNT_OF(most) : 0);
+    for (size_t i = 0; i < count; i++) {
+        const int number = i < COUNT_OF(few) ? few[i] : most[i - COUNT_OF(few)];
+        struct line line;
+        struct buffer text = {0};
+        char command[300];
+        int out[2], status;
+        make_line(&line);
+        assert_int_equal(pipe(out), 0);
+        snprintf(command, sizeof command, "collect %s to=%s", line.name, in_work("ended.txt"));
+        const pid_t program = launch(command, out[1]);
+        close(out[1]);
+        await_raw(line.slave);
+        const pid_t device = sensor(line.master, 0);
+        await_lines(in_work("ended.txt"), 20);
+        kill(program, number);
+        said(out[0], &text);
+        assert_int_equal(waitpid(program, &status, 0), program);
+        kill(device, SIGKILL);
+        status_of(device);
+        if (!as_before(&line))
+            fail_msg("signal %d: the line is not as it was", number);
+        await_lines(in_work("ended.txt"), 20); /* and what came is there */
+        unlink(in_work("ended.txt"));
+        buffer_free(&text);
+        drop_line(&line);
+    }
+}
+
+static void test_two_programs(void **state)
+{
+    (void)state;
+    struct line line;
+    struct buffer first = {0}, second = {0};
+    char command[300], process[40];
+    int out[2], other[2];
+    make_line(&line);
+    assert_int_equal(pipe2(out, O_CLOEXEC), 0);
+    assert_int_equal(pipe2(other, O_CLOEXEC), 0);
+    snprintf(command, sizeof command, "collect %s to=%s", line.name, in_work("one.txt"));
+    const pid_t program = launch(command, out[1]);
+    await_raw(line.slave);
+    snprintf(command, sizeof command, "collect %s to=%s", line.name, in_work("two.txt"));
+    const pid_t late = launch(command, other[1]);
+    close(out[1]);
+    close(other[1]);
+    said(other[0], &second);
+    assert_int_equal(status_of(late), 4);
+    contains(&second, "another program collects from it");
+    snprintf(process, sizeof process, "process %ld", (long)program);
+    if (access("/proc/locks", R_OK) == 0)
+        contains(&second, process);
+    assert_int_equal(access(in_work("two.txt"), F_OK), -1);
+    assert_true(is_raw(line.slave)); /* the first one's modes stay */
+    kill(program, SIGINT);
+    said(out[0], &first);
+    status_of(program);
+    assert_true(as_before(&line));
+    buffer_free(&first);
+    buffer_free(&second);
+    drop_line(&line);
+}
+
+/* A board that is plugged in again starts its clock again. */
+static void test_plugged_in_again(void **state)
+{
+    (void)state;
+    char link[100], command[400], path[100];
+    snprintf(link, sizeof link, "%s", in_work("board"));
+    snprintf(path, sizeof path, "%s", in_work("board.txt"));
+    for (int again = 0; again < 2; again++) {
+        struct line line;
+        struct buffer text = {0};
+        int out[2];
+        make_line(&line);
+        unlink(link);
+        assert_int_equal(symlink(line.name, link), 0);
+        assert_int_equal(pipe2(out, O_CLOEXEC), 0);
+        if (again)
+            snprintf(command, sizeof command, "load %s unit=cm; collect continue", path);
+        else
+            snprintf(command, sizeof command, "collect %s unit=cm tunit=s to=%s", link, path);
+        const pid_t program = launch(command, out[1]);
+        close(out[1]);
+        await_raw(line.slave);
+        poll(NULL, 0, 600); /* what comes sooner may lack its beginning */
+        const pid_t device = sensor(line.master, 0);
+        await_lines(path, again ? 320 : 160);
+        kill(device, SIGKILL);
+        status_of(device);
+        drop_line(&line);
+        said(out[0], &text);
+        assert_int_equal(status_of(program), 0);
+        contains(&text, "(unplugged)");
+        if (again)
+            contains(&text, "started again 1 time");
+        assert_null(strstr(buffer_view(&text), "goes back"));
+        assert_null(strstr(buffer_view(&text), "garbled"));
         buffer_free(&text);
     }
 }
@@ -233,8 +380,10 @@ static void test_killed(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_serial_line),
-                                       cmocka_unit_test(test_panes), cmocka_unit_test(test_killed)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_serial_line),  cmocka_unit_test(test_ending_signals),
+        cmocka_unit_test(test_two_programs), cmocka_unit_test(test_plugged_in_again),
+        cmocka_unit_test(test_panes),        cmocka_unit_test(test_killed)};
     signal(SIGPIPE, SIG_IGN);
     return make_folder(state_folder) && make_folder(work)
                ? cmocka_run_group_tests(tests, NULL, NULL)
