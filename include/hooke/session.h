@@ -189,7 +189,8 @@ struct feed_look {
     uint64_t lines, bytes; /* lines in the file, bytes that came */
     double now;            /* [s] */
     double first, last;    /* [s] when these lines came; NAN: none has */
-    char failure[80];      /* why FEED_FAILED */
+    uint64_t unwritten;    /* lines that came, and that the file did not take */
+    char failure[80];      /* why FEED_FAILED, or FEED_UNPLUGGED: "", it hung up */
 };
 
 struct feed; /* private to the front end: reads in a thread of its own, so that none waits */

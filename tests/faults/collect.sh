@@ -107,7 +107,10 @@ wait $!
 ok "collect again begins another file" $? "$(cat again.out)"
 sensor spring rate=1000 quirks=off time=s for=2s >pipe 2>/dev/null &
 bash -c "ulimit -f 16; exec '$hooke' -n --format json -c 'collect pipe to=full.txt'" >full.json 2>full.err
-is "a file that takes no more ends it" full "$(value status full.json)"
+is "a file that takes no more is a failure" 4 $?
+is "and a status" full "$(value status full.json)"
+grep -q 'what it has is whole, [0-9]* lines\? \(are\|is\) lost' full.err
+ok "how many lines are lost is said" $? "$(cat full.err)"
 raw full.txt | cmp -s - <(sensor spring rate=1000 quirks=off time=s for=1s | tr -d '\r' | head -n "$(raw full.txt | wc -l)")
 ok "and has whole lines" $? "$(tail -n 2 full.txt)"
 

@@ -133,12 +133,15 @@ static int begin_file(const struct collection *c, const struct arguments *args, 
     buffer_word(&head, strcmp(c->source, STANDARD_INPUT) == 0 ? TEXT("-") : text_of(c->source));
     put_options(args, true, &head);
     buffer_char(&head, '\n');
+    struct error why = {.code = ERROR_NONE};
     const bool ok =
-        !head.failed ? append_lines(fd, buffer_text(&head), false, error) : error_memory(error);
+        !head.failed ? append_lines(fd, buffer_text(&head), false, &why) : error_memory(&why);
     buffer_free(&head);
     if (ok)
         return fd;
     close(fd);
+    unlink(c->path);
+    error_set(error, why.code, "cannot collect into %s: %s", c->to_shown, why.text);
     return -1;
 }
 

@@ -76,12 +76,9 @@ static void say_end(const struct collection *c, const struct recording *recordin
     reply_line(c->reply, "collected from %s into %s: %zu lines, %zu samples%s (%s)", c->from_shown,
                c->to_shown, known->lines, known->samples, buffer_view(&others), status_of(c));
     buffer_free(&others);
-    if (c->look.end == FEED_FAILED)
-        reply_warning(c->reply, "%s took no more (%s): what it has is whole", c->to_shown,
-                      c->look.failure);
     if (c->look.end == FEED_UNPLUGGED)
-        reply_warning(c->reply, "%s is gone: 'collect continue' goes on when it is back",
-                      c->from_shown);
+        reply_warning(c->reply, "%s is gone%s%s: 'collect continue' goes on when it is back",
+                      c->from_shown, c->look.failure[0] ? ": " : "", c->look.failure);
 }
 
 /* What was waited for may be among the last lines. False: it never came, and nobody gave up. */
@@ -177,5 +174,10 @@ bool collect_finish(struct collection *c, const struct arguments *args, struct e
     say_end(c, recording);
     reply_description(recording, c->reply);
     reply_collected(c, recording);
-    return true;
+    if (c->look.end != FEED_FAILED)
+        return true;
+    error_set(error, ERROR_IO, "%s took no more (%s): what it has is whole, %llu %s lost",
+              c->to_shown, c->look.failure, (unsigned long long)c->look.unwritten,
+              c->look.unwritten == 1 ? "line is" : "lines are");
+    return error_hint(error, "it is a recording now; 'collect continue' goes on with it");
 }

@@ -314,11 +314,14 @@ static void warn_clock(struct recording *recording, const struct collected *coll
         recording_warn(recording, "the device's clock was full %zu %s: its times go on",
                        mended->wraps, mended->wraps == 1 ? "time" : "times");
     if (collected->clock == CLOCK_ARRIVAL)
-        recording_warn(recording,
-                       "the device sends no times: those of a line through %zu arrivals, "
-                       "%.6g +- %.2g Hz; they jitter by %.2g ms (at most %.2g ms)",
-                       recording->rows, collected->rate.value, collected->rate.uncertainty,
-                       1000 * collected->jitter, 1000 * collected->largest);
+        recording_warn(
+            recording,
+            "the device sends no times: those of a line through %zu arrivals, "
+            "%.6g +- %.2g Hz; they jitter by %.2g ms (at most %.2g ms): no period is known "
+            "better than to %.2g %%",
+            recording->rows, collected->rate.value, collected->rate.uncertainty,
+            1000 * collected->jitter, 1000 * collected->largest,
+            100 * collected->rate.uncertainty / collected->rate.value);
     else if (collected->clock == CLOCK_UNEVEN)
         recording_warn(recording,
                        "the device sends no times, and its lines arrive unevenly: the times of "

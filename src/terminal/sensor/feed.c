@@ -139,7 +139,8 @@ static bool read_some(struct feed *feed)
         return true;
     if (got == 0 && feed->device.grows)
         return true;
-    end(feed, feed->device.serial ? FEED_UNPLUGGED : FEED_ENDED, "");
+    end(feed, got < 0 || feed->device.serial ? FEED_UNPLUGGED : FEED_ENDED,
+        got < 0 ? strerror(errno) : "");
     return false;
 }
 
@@ -180,6 +181,9 @@ static void *run(void *context)
     if (feed->part.len > 0 && feed->look.end == FEED_ENDED)
         take_line(feed, seconds_of(feed, clock_ns()), true);
     flush(feed, clock_ns(), true);
+    pthread_mutex_lock(&feed->lock);
+    feed->look.unwritten = feed->count;
+    pthread_mutex_unlock(&feed->lock);
     return NULL;
 }
 

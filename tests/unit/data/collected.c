@@ -381,6 +381,30 @@ static void every_line_is_in_one_of_the_counts(void **state)
     }
 }
 
+/* Each number is in the unit that stands behind it. */
+static void units_in_the_lines_are_converted(void **state)
+{
+    (void)state;
+    struct error error = {0};
+    struct recording *r = of_lines("t: 0 ms, y: 1 cm\nt: 20 ms, y: 25 mm\nt: 40 ms, y: 4 V\n"
+                                   "t: 0.06 s, y: 1 cm\nt: 80 ms, y: 5\nt: 100 ms, y: 2 cm\n",
+                                   0.02, &error);
+    static const double wanted[] = {0.01, 0.025, NAN, 0.01, 0.05, 0.02};
+    if (!r)
+        fail_msg("%s", error.text);
+    assert_int_equal(r->rows, 6);
+    for (size_t i = 0; i < 6; i++)
+        if (isnan(wanted[i]) ? !isnan(r->y[i]) : !(fabs(r->y[i] - wanted[i]) < 1e-15))
+            fail_msg("row %zu: %g", i, r->y[i]);
+    assert_true(fabs(r->t[3] - 0.06) < 1e-15);
+    recording_destroy(r);
+    r = of_lines("A1: 0.0 mV DC\nA1: 3.0 V DC\nA1: 500.0 mV DC\nA1: -1.0 V DC\n", 0.02, &error);
+    assert_non_null(r);
+    assert_int_equal(r->rows, 4);
+    assert_true(fabs(r->y[1] - 3) < 1e-12 && fabs(r->y[2] - 0.5) < 1e-12);
+    recording_destroy(r);
+}
+
 static void lost_lines_are_said_not_to_be_known(void **state)
 {
     (void)state;
@@ -442,6 +466,7 @@ int main(void)
         cmocka_unit_test(the_clock_of_the_device_is_taken_where_there_is_one),
         cmocka_unit_test(what_is_broken_is_counted),
         cmocka_unit_test(every_line_is_in_one_of_the_counts),
+        cmocka_unit_test(units_in_the_lines_are_converted),
         cmocka_unit_test(lost_lines_are_said_not_to_be_known),
         cmocka_unit_test(a_line_without_end_is_cut),
     };
