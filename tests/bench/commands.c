@@ -271,11 +271,45 @@ static void sweep_rows(void)
                run_command(&map) / 1000);
 }
 
+/* Whole commands with a limit of their own. */
+static void diagram_rows(void)
+{
+    static const struct {
+        const char *what, *line;
+        double goal; /* [s] */
+    } rows[] = {
+        {"orbit diagram of 1000 values at the strobe, 200 points after 100 of each",
+         "scene pendulum-driven; method rk4 dt=94.24777960769379ms; "
+         "sweep F0=1:1.0999:0.0001 at period skip=100 keep=200",
+         2},
+        {"the same at v = 0",
+         "scene pendulum-driven; method rk4 dt=94.24777960769379ms; "
+         "sweep F0=1:1.0999:0.0001 at v = 0 falling skip=100 keep=200",
+         2},
+        {"the same at the strobe, into a file",
+         "scene pendulum-driven; method rk4 dt=94.24777960769379ms; sweep F0=1:1.0999:0.0001 at "
+         "period skip=100 keep=200 --resume " FOLDER "diagram.csv",
+         2},
+        {"what 1001 driven pendulums end in",
+         "scene pendulum-driven; sweep F0=1.06:1.085:0.000025 measure=attractor", 6},
+        {"basins of 400 x 400 starts of the double well",
+         "var x = 1; var v = 0; x' = v; v' = x-x^3-0.2*v; "
+         "basins x=-2:2:0.010025062656 v=-2:2:0.010025062656",
+         5}};
+    for (size_t i = 0; i < COUNT_OF(rows); i++) {
+        struct command command = typed(rows[i].line);
+        remove(FOLDER "diagram.csv");
+        table_note("%s: %.2f s of processor time (goal %.0f s)", rows[i].what,
+                   run_command(&command) / 1000, rows[i].goal);
+    }
+}
+
 void bench_commands(void)
 {
     runs();
     others();
     sweep_rows();
+    diagram_rows();
     table_note("C program: one for the job, with loops for this method and scene, same flags, same "
                "libraries linked.");
 }

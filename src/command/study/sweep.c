@@ -402,7 +402,8 @@ bool sweep_statement(struct session *session, const struct arguments *args, stru
     if (options.file.len == 0) {
         struct sweep stretch;
         study_sweep_stretch(&request, &stretch);
-        session->study_points = (double)stretch.count;
+        session->study_points =
+            (double)(stretch.count - (request.before ? request.before->finished : 0));
         return sweep_in_memory(session, args, &request, statement, reply, error);
     }
     options.force |= before != NULL;

@@ -235,8 +235,9 @@ void sweep_replay(struct sweep_worker *worker, int64_t i, const double *row, int
     run_destroy(run);
 }
 
-void sweep_task(struct sweep_worker *worker, int64_t line, int64_t block)
+bool sweep_task(struct sweep_worker *worker, int64_t line, int64_t block)
 {
+    bool some = false;
     const struct sweep_job *job = worker->job;
     const struct sweep *sweep = job->sweep;
     const int64_t along = sweep->axis[job->along].count,
@@ -249,7 +250,8 @@ void sweep_task(struct sweep_worker *worker, int64_t line, int64_t block)
         if (i < 0 || i >= sweep->count || sweep->status[i] != SWEEP_MISSING)
             continue;
         if (cancelled(job->request->cancel))
-            return;
+            return some;
+        some = true;
         if (job->in_lanes)
             sweep_gather(worker, i);
         else
@@ -258,4 +260,5 @@ void sweep_task(struct sweep_worker *worker, int64_t line, int64_t block)
     if (job->in_lanes && !cancelled(job->request->cancel))
         sweep_flush(worker);
     worker->used = 0;
+    return some;
 }

@@ -262,8 +262,9 @@ static void *work(void *context)
         const int64_t task = atomic_fetch_add(&job->next, 1);
         if (task >= tasks || cancelled(job->request->cancel))
             return NULL;
-        sweep_task(worker, job->line + task / job->blocks, job->block + task % job->blocks);
-        atomic_fetch_add(&job->finished, 1);
+        const bool some =
+            sweep_task(worker, job->line + task / job->blocks, job->block + task % job->blocks);
+        atomic_fetch_add(some ? &job->finished : &job->idle, 1);
     }
 }
 
@@ -286,7 +287,7 @@ static void *help(void *context)
 static void watch_over(struct sweep_job *job, struct helper *helper, int count)
 {
     const struct sweep_request *request = job->request;
-    const double tasks = (double)(job->lines * job->blocks);
+    const int64_t tasks = job->lines * job->blocks;
     for (bool busy = true; busy;) {
         const int64_t shown = clock_ns();
         while (busy && clock_ns() - shown < LOOK_NS) {
@@ -295,8 +296,10 @@ static void watch_over(struct sweep_job *job, struct helper *helper, int count)
             for (int i = 0; i < count; i++)
                 busy |= helper[i].running && !atomic_load(&helper[i].done);
         }
-        if (busy && !cancelled(request->cancel) && request->progress)
-            request->progress(request->context, (double)atomic_load(&job->finished) / tasks);
+        const int64_t idle = atomic_load(&job->idle);
+        if (busy && idle < tasks && !cancelled(request->cancel) && request->progress)
+            request->progress(request->context,
+                              (double)atomic_load(&job->finished) / (double)(tasks - idle));
     }
 }
 

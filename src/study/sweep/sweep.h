@@ -66,6 +66,7 @@ struct sweep_job {
     int64_t line, block;         /* the first that hold points of this sweep */
     int64_t lines, blocks;       /* and how many */
     atomic_llong next, finished; /* tasks: lines times blocks */
+    atomic_llong idle;           /* in which nothing was to be computed */
 };
 
 struct sweep_worker {
@@ -93,7 +94,8 @@ struct sweep_worker {
 
 bool sweep_worker_init(struct sweep_worker *worker, struct sweep_job *job);
 void sweep_worker_free(struct sweep_worker *worker);
-void sweep_task(struct sweep_worker *worker, int64_t line, int64_t block);
+/* False: nothing was to be computed. */
+bool sweep_task(struct sweep_worker *worker, int64_t line, int64_t block);
 /* What all points have in common. */
 void sweep_common(const struct sweep_request *request, struct scene *scene,
                   struct run_settings *settings);

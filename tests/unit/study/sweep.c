@@ -459,8 +459,9 @@ static struct cancel stop;
 
 static void stop_after_a_while(void *context, double fraction)
 {
-    (void)context;
     assert_true(fraction >= 0 && fraction <= 1);
+    if (context && !stop.requested)
+        *(double *)context = fraction;
     atomic_store(&stop.requested, 1);
 }
 
@@ -486,6 +487,17 @@ static void test_cancelling(void **state)
         if (i == sweep.count - 1)
             assert_int_equal(there, sweep.finished);
     }
+    /* Gone on with, how far it is says nothing of what was there before. */
+    struct sweep rest;
+    double first = NAN;
+    memset(sweep.status, STOP_END, 900000);
+    request.before = &sweep;
+    request.context = &first;
+    atomic_store(&stop.requested, 0);
+    assert_false(study_sweep(&request, &rest, &error));
+    assert_true(rest.finished >= 900000 && rest.finished < rest.count);
+    assert_true(first >= 0 && first < 0.5);
+    sweep_free(&rest);
     sweep_free(&sweep);
 }
 
