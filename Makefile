@@ -97,15 +97,27 @@ LINE_STAMP     := $(B)/line
 LINK_STAMP     := $(D)/link
 OPTIONAL_STAMP := $(D)/optional
 
+# What only the static program has: it takes nothing from the system that it runs on.
+ALONE  := $(wildcard src/terminal/alone/*.c)
+STATIC := build/static$(if $(filter release,$(CONFIG)),,-$(CONFIG))/hooke
+
 # Objects of sources: src/PATH.c is $(B)/PATH.o, tests/PATH.c is $(B)/tests/PATH.o.
 object   = $(foreach s,$(1),$(if $(filter $(OPTIONAL_SOURCES),$(s)),$(D),$(B))/$(patsubst src/%,%,$(s:.c=.o)))
-objects  = $(call object,$(sort $(wildcard src/$(1)/*.c src/$(1)/*/*.c src/$(1)/*/*/*.c)))
+objects  = $(call object,$(filter-out $(ALONE),$(sort $(wildcard src/$(1)/*.c src/$(1)/*/*.c src/$(1)/*/*/*.c))))
 upto     = $(if $(filter $(1),$(firstword $(2))),$(1),$(firstword $(2)) $(call upto,$(1),$(wordlist 2,99,$(2))))
 
 # A format is one file: src/data/formats/NAME.def with its functions and its row. The list of them follows from the folder.
 FORMATS := $(sort $(wildcard src/data/formats/*.def))
 $(shell mkdir -p build && printf '#include "../%s"\n' $(FORMATS) >build/formats.new && \
   { cmp -s build/formats.new build/formats.def || cp build/formats.new build/formats.def; }; rm -f build/formats.new)
+
+# Terminals that the program describes where the system does not: compiled entries of terminfo(5), each as the value that
+# TERMINFO may have.
+TERMINALS := xterm xterm-256color screen screen-256color tmux tmux-256color linux vt100 vt220
+build/terminals.def: Makefile
+	@for t in $(TERMINALS); do \
+	  infocmp -q -x -Q2 $$t 2>/dev/null | tr -d '\n' | od -An -v -tu1 | tr -s ' \n' ',' | \
+	    sed "s/^,*\(.*[0-9]\),*$$/{\"$$t\", (const char[]){\1,0}},\n/"; done >$@
 
 # The library is all but the terminal; programs use its api, or the layers as far as study.
 LIBRARY_OBJECTS := $(foreach l,$(filter-out terminal,$(LAYERS)),$(call objects,$(l)))
@@ -151,6 +163,29 @@ $(TOP)/pages/hooke.bash: $(TOP)/hooke scripts/reference
 	@mkdir -p $(@D)
 	$(Q)scripts/reference completion $(TOP)/hooke > $@
 
+# The objects of the program without optional libraries, which would be loaded from the system; not position-independent:
+# nothing is relocated as it starts. Stripped into a copy: pages of a file that was written in order are mapped in fewer pieces.
+ifeq ($(OPTIONAL),no)
+$(STATIC): $(PROGRAM_OBJECTS) $(call object,$(ALONE)) $(TOP)/libhooke.a $(dir $(STATIC))libreadline.a $(LINK_STAMP)
+	$(call say,LINK,$@)
+	$(Q)$(CC) -static -no-pie -Wl,-z,noexecstack,--gc-sections,--fatal-warnings,--wrap=setlocale,--wrap=dlsym -o $@.whole \
+	  -L$(@D) $(filter %.o %/libhooke.a,$^) $(LINE_LIBS) $(LIBS)
+	$(Q)strip -o $@ $@.whole && rm $@.whole
+
+# Readline's archive where each function that is weak in ours is weak, too, and there as own_NAME besides.
+$(dir $(STATIC))libreadline.a: $(B)/terminal/edit.o $(B)/terminal/line.o
+	@mkdir -p $(@D)
+	$(Q)cp "$$($(CC) -print-file-name=libreadline.a)" $@ && cd $(@D) && nm $(abspath $^) | awk '$$2 == "W" {print $$3}' | \
+	while read -r name; do \
+	  nm -A libreadline.a 2>/dev/null | awk -F '[: ]' -v name=$$name '$$NF == name && $$(NF - 1) == "T" {print $$2, $$3}' | \
+	  { read -r member at && ar x libreadline.a $$member && \
+	    objcopy --weaken-symbol=$$name --add-symbol own_$$name=.text:0x$$at,function,global $$member && \
+	    ar r libreadline.a $$member && rm $$member; } || exit; done
+endif
+
+static: ## one static program that needs nothing of the system it runs on: build/static/hooke
+	$(Q)$(MAKE) --no-print-directory OPTIONAL=no $(STATIC)
+
 # ---- optimisation, by what is compiled --------------------------------------------------------------------------------
 # -O2 but for these, where the configuration is for speed at all:
 
@@ -195,7 +230,7 @@ $(foreach kind,$(KINDS),$(eval $($(kind)): CFLAGS += $(O_$(kind))))
 # Where the compiler, its flags or what is known of a library changes, what depends on it is built again: a file of one
 # line that is written when the line is another one, as make reads this.
 
-DIRECTORIES := $(sort $(dir $(LIBRARY_OBJECTS) $(PROGRAM_OBJECTS) $(call object,$(TEST_SOURCES)) $(TEST_PROGRAMS)))
+DIRECTORIES := $(sort $(dir $(LIBRARY_OBJECTS) $(PROGRAM_OBJECTS) $(call object,$(TEST_SOURCES) $(ALONE)) $(TEST_PROGRAMS)))
 $(shell mkdir -p $(DIRECTORIES))
 
 equal = $(if $(subst <$(1)>,,<$(2)>),,yes)
@@ -219,6 +254,8 @@ compile_source = $(CC) $(CPPFLAGS) $(GSL_CFLAGS) $(CFLAGS) -MMD -MP -c -o $@ $<
 $(B)/%.o: src/%.c $(FLAGS_STAMP)
 	$(call say,CC,$<)
 	$(Q)$(compile_source)
+
+$(B)/terminal/screen.o: build/terminals.def
 
 # The lessons are in the program, too.
 $(B)/command/session/lesson_steps.o: $(wildcard examples/lessons/*.hk)
@@ -258,9 +295,13 @@ $(TEST_PROGRAMS): $(D)/tests/%: $$(call object,tests/%.c) \
 	$(call say,LINK,$@)
 	$(Q)$(CC) $(LDFLAGS) -o $@ $(filter %.o,$^) $(if $(filter terminal,$(call layer_of,$*)),$(LINE_LIBS)) $(TEST_LIBS) $(LIBS)
 
-tests-build: $(TOP)/hooke $(TOP)/libhooke.a $(TEST_PROGRAMS)
+# The static program is tried where it is built from what is there anyway, and where its libraries' archives are.
+TRIED_STATIC = $(if $(and $(filter build/plain,$(D)),$(shell echo 'int main(void){return 0;}' | \
+  $(CC) -static -x c -o /dev/null - $(LINE_LIBS) $(LIBS) >/dev/null 2>&1 && echo yes)),$(STATIC))
 
-RUN_TESTS = HOOKE=$(TOP)/hooke LIBHOOKE=$(TOP)/libhooke.a HOOKE_DATA='$(HOOKE_DATA)' HOOKE_NIST='$(HOOKE_NIST)' \
+tests-build: $(TOP)/hooke $(TOP)/libhooke.a $(TEST_PROGRAMS) $$(TRIED_STATIC)
+
+RUN_TESTS = STATIC='$(TRIED_STATIC)' HOOKE=$(TOP)/hooke LIBHOOKE=$(TOP)/libhooke.a HOOKE_DATA='$(HOOKE_DATA)' HOOKE_NIST='$(HOOKE_NIST)' \
   CONFIG=$(CONFIG) LONG=$(LONG) scripts/run-tests
 
 check: tests-build ## the quick tests
@@ -338,7 +379,7 @@ clean: ## remove build/
 help: ## this list
 	@awk -F':.*## ' '/^[a-z-]+:.*## /{printf "  %-16s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
 
-.PHONY: all optional tests-build check check-optional check-all check-asan check-valgrind coverage bench fresh fuzz house lint format reference screens-update install uninstall clean help
+.PHONY: all static optional tests-build check check-optional check-all check-asan check-valgrind coverage bench fresh fuzz house lint format reference screens-update install uninstall clean help
 .SECONDARY:
 
--include $(LIBRARY_OBJECTS:.o=.d) $(PROGRAM_OBJECTS:.o=.d) $(patsubst %.o,%.d,$(call object,$(TEST_SOURCES)))
+-include $(LIBRARY_OBJECTS:.o=.d) $(PROGRAM_OBJECTS:.o=.d) $(patsubst %.o,%.d,$(call object,$(TEST_SOURCES) $(ALONE)))

@@ -67,6 +67,7 @@ static enum front_kind choose_front(const struct options *options)
         (options->tasks > 0 && !options->interactive)) {
         return FRONT_END;
     }
+    describe_terminal();
     if (options->plain) {
         return FRONT_IS_PLAIN;
     }

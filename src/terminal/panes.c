@@ -4,6 +4,7 @@
  * typed and draws. A run that is watched calls back into it between its slices. Readline edits and
  * ncurses draws; neither reads or writes the terminal on its own.
  */
+#define _GNU_SOURCE /* fopencookie */
 #include "terminal/panes.h"
 
 #include <langinfo.h>
@@ -419,13 +420,21 @@ static void hand_over(struct panes *panes)
     }
 }
 
+/* What readline draws goes nowhere, also where there is no /dev/null. */
+static ssize_t drop(void *nowhere, const char *bytes, size_t count)
+{
+    (void)nowhere;
+    (void)bytes;
+    return (ssize_t)count;
+}
+
 void panes_run(struct front_program *program)
 {
     struct session *session = program->session;
     struct panes panes = {
         .program = program, .next_byte = -1, .screen_stale = true, .pacing = PACING_BEGIN};
     const struct front before = session->front;
-    FILE *nowhere = fopen("/dev/null", "w");
+    FILE *nowhere = fopencookie(NULL, "w", (cookie_io_functions_t){.write = drop});
     program->next = FRONT_END;
     line_begin(session); /* before ncurses: both look the terminal up */
     panes.color = before.color;

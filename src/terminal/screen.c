@@ -96,6 +96,28 @@ static void set_size(struct terminal_screen *screen)
     screen->stale = true;
 }
 
+/* A terminal, and TERMINFO for it. */
+static const struct {
+    const char *name, *compiled;
+} terminals[] = {
+#include "terminals.def"
+    {NULL, NULL}};
+
+void describe_terminal(void)
+{
+    const char *term = getenv("TERM");
+    int status;
+    if (!term || !*term)
+        return;
+    if (setupterm(term, STDOUT_FILENO, &status) == OK) {
+        del_curterm(cur_term);
+        return;
+    }
+    for (size_t i = 0; terminals[i].name; i++)
+        if (strcmp(terminals[i].name, term) == 0)
+            setenv("TERMINFO", terminals[i].compiled, 1);
+}
+
 #define MIN_WIDTH 20
 #define MIN_HEIGHT 6
 

@@ -174,6 +174,9 @@ void offer_next(struct front_program *program, int room);
 /* The line to be executed: the offer where nothing was typed; there is none any more. `typed` is
  * malloc()ed, and so is the result, in its place. */
 char *offer_take(struct front_program *program, char *typed);
+/* Sees to it that ncurses and readline know a usual terminal where the system does not describe
+ * it: TERMINFO says it then (terminfo(5), "Fetching Compiled Descriptions"). */
+void describe_terminal(void);
 /* Can panes be shown here? If not, why. */
 bool panes_possible(struct error *error);
 /* F1 at the plain prompt: what the word at the cursor is; the line stays. */

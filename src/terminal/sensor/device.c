@@ -72,12 +72,17 @@ static bool refuse_held(const char *path, struct error *error)
     return refuse(path, why, error);
 }
 
-/* Who may read it is the group that it belongs to. */
+/* Who may read it is the group that it belongs to; those of devices are the system's own. */
 static void hint_group(const char *path, struct error *error)
 {
     struct stat st;
-    const struct group *group = stat(path, &st) == 0 ? getgrgid(st.st_gid) : NULL;
-    if (group && st.st_mode & S_IRGRP)
+    const struct group *group = NULL;
+    FILE *groups = stat(path, &st) == 0 && st.st_mode & S_IRGRP ? fopen("/etc/group", "re") : NULL;
+    while (groups && (group = fgetgrent(groups)) && group->gr_gid != st.st_gid)
+        ;
+    if (groups)
+        fclose(groups);
+    if (group)
         error_hint(error,
                    "it belongs to the group '%.40s': 'sudo usermod -aG %.40s $USER', then log in "
                    "again",

@@ -1,0 +1,218 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Two locales without a file, in place of the C library's: C, and UTF-8 where the environment asks
+ * for any locale of that charset. The library's own are files that another system does not have, or
+ * has in another version's format. What readline and ncurses ask of a locale is here. Of the
+ * static program only; as POSIX.1-2017 says of each function. */
+#define _GNU_SOURCE /* strcasestr, wcwidth */
+#include <hooke/base.h>
+
+#include <errno.h>
+#include <langinfo.h>
+#include <locale.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <wchar.h>
+#include <wctype.h>
+
+#define INVALID ((size_t)-1)
+#define PARTIAL ((size_t)-2)
+#define SURROGATE(c) ((c) >= 0xD800 && (c) < 0xE000)
+
+static bool utf8;
+
+static const char *wished(void)
+{
+    static const char *const variable[] = {"LC_ALL", "LC_CTYPE", "LANG"};
+    for (size_t i = 0; i < COUNT_OF(variable); i++) {
+        const char *value = getenv(variable[i]);
+        if (value && *value)
+            return value;
+    }
+    return "C";
+}
+
+/* Linked in place of setlocale, which stands in one object with what newlocale needs. */
+char *__wrap_setlocale(int category, const char *name);
+char *__wrap_setlocale(int category, const char *name)
+{
+    static char plain[] = "C", unicode[] = "C.UTF-8";
+    if (category != LC_CTYPE && category != LC_ALL)
+        return plain;
+    if (name) {
+        name = *name ? name : wished();
+        utf8 = strcasestr(name, "UTF-8") || strcasestr(name, "UTF8");
+    }
+    return utf8 ? unicode : plain;
+}
+
+char *nl_langinfo(nl_item item)
+{
+    static char plain[] = "ANSI_X3.4-1968", unicode[] = "UTF-8", none[] = "";
+    return item != CODESET ? none : utf8 ? unicode : plain;
+}
+
+size_t __ctype_get_mb_cur_max(void)
+{
+    return utf8 ? 4 : 1;
+}
+
+/* How many bytes begin so; 0: none do. */
+static int sequence_length(unsigned char first)
+{
+    return first < 0x80                            ? 1
+           : !utf8 || first < 0xC2 || first > 0xF4 ? 0
+           : first < 0xE0                          ? 2
+           : first < 0xF0                          ? 3
+                                                   : 4;
+}
+
+/* A state has the bytes that are still to come, the length of all, and the bits so far. */
+size_t mbrtowc(wchar_t *restrict wide, const char *restrict bytes, size_t count,
+               mbstate_t *restrict state)
+{
+    static const unsigned smallest[] = {0, 0, 0x80, 0x800, 0x10000};
+    static mbstate_t own;
+    state = state ? state : &own;
+    if (!bytes)
+        return mbrtowc(NULL, "", 1, state);
+    for (size_t i = 0; i < count; i++) {
+        const unsigned char byte = (unsigned char)bytes[i];
+        int left = state->__count & 7, length = state->__count >> 3;
+        unsigned bits = state->__value.__wch;
+        if (length == 0) {
+            length = left = sequence_length(byte);
+            bits = length > 1 ? byte & (0x7FU >> length) : byte;
+        } else if ((byte & 0xC0) == 0x80) {
+            bits = bits << 6 | (byte & 0x3F);
+        } else {
+            left = 0;
+        }
+        left--;
+        *state = (mbstate_t){0};
+        if (left < 0 ||
+            (left == 0 && (bits < smallest[length] || bits > 0x10FFFF || SURROGATE(bits)))) {
+            errno = EILSEQ;
+            return INVALID;
+        }
+        if (left == 0) {
+            if (wide)
+                *wide = (wchar_t)bits;
+            return bits ? i + 1 : 0;
+        }
+        state->__count = length << 3 | left;
+        state->__value.__wch = bits;
+    }
+    return PARTIAL;
+}
+
+size_t wcrtomb(char *restrict bytes, wchar_t wide, mbstate_t *restrict state)
+{
+    const unsigned c = (unsigned)wide;
+    (void)state; /* of UTF-8 there is none */
+    if (!bytes)
+        return 1;
+    if (c > (utf8 ? 0x10FFFF : 0x7F) || SURROGATE(c)) {
+        errno = EILSEQ;
+        return INVALID;
+    }
+    const size_t length = c < 0x80 ? 1 : c < 0x800 ? 2 : c < 0x10000 ? 3 : 4;
+    const unsigned head = length > 1 ? 0xF00U >> length & 0xFF : 0;
+    for (size_t i = 0; i < length; i++) {
+        const unsigned bits = c >> 6 * (length - 1 - i);
+        bytes[i] = (char)(i > 0 ? 0x80 | (bits & 0x3F) : head | bits);
+    }
+    return length;
+}
+
+int mbtowc(wchar_t *restrict wide, const char *restrict bytes, size_t count)
+{
+    mbstate_t state = {0};
+    const size_t used = bytes ? mbrtowc(wide, bytes, count, &state) : 0;
+    return used == INVALID || used == PARTIAL ? -1 : (int)used;
+}
+
+int mblen(const char *bytes, size_t count)
+{
+    return mbtowc(NULL, bytes, count);
+}
+
+size_t mbstowcs(wchar_t *restrict wide, const char *restrict bytes, size_t count)
+{
+    mbstate_t state = {0};
+    size_t n = 0;
+    for (wchar_t c; !wide || n < count; n++) {
+        const size_t used = mbrtowc(&c, bytes, MB_CUR_MAX, &state);
+        if (used == INVALID || used == PARTIAL)
+            return INVALID;
+        if (wide)
+            wide[n] = used ? c : 0;
+        if (used == 0)
+            break;
+        bytes += used;
+    }
+    return n;
+}
+
+size_t wcsrtombs(char *restrict bytes, const wchar_t **restrict wide, size_t count,
+                 mbstate_t *restrict state)
+{
+    const wchar_t *from = *wide;
+    size_t n = 0;
+    char one[4];
+    for (; *from; from++) {
+        const size_t length = wcrtomb(one, *from, state);
+        if (length == INVALID)
+            return INVALID;
+        if (bytes && n + length > count)
+            break;
+        if (bytes)
+            memcpy(bytes + n, one, length);
+        n += length;
+    }
+    if (bytes && !*from && n < count) {
+        bytes[n] = 0;
+        from = NULL;
+    }
+    if (bytes)
+        *wide = from;
+    return n;
+}
+
+size_t wcstombs(char *restrict bytes, const wchar_t *restrict wide, size_t count)
+{
+    const wchar_t *from = wide;
+    return wcsrtombs(bytes, &from, count, NULL);
+}
+
+wint_t btowc(int byte)
+{
+    return byte >= 0 && byte < 0x80 ? (wint_t)byte : WEOF;
+}
+
+int wctob(wint_t wide)
+{
+    return wide < 0x80 ? (int)wide : EOF;
+}
+
+int wcwidth(wchar_t wide)
+{
+    const unsigned c = (unsigned)wide;
+    if (c < ' ' || (c >= 0x7F && c < 0xA0) || c > (utf8 ? 0x10FFFF : 0x7F))
+        return c == 0 ? 0 : -1;
+    return codepoint_width(c);
+}
+
+int iswprint(wint_t wide)
+{
+    return wide != 0 && wcwidth((wchar_t)wide) >= 0;
+}
+
+/* Of what is not ASCII all but signs and blanks: enough to move by words. */
+int iswalnum(wint_t wide)
+{
+    const unsigned c = wide | 0x20;
+    return (wide >= '0' && wide <= '9') || (c >= 'a' && c <= 'z') ||
+           (utf8 && wide >= 0xC0 && wide != 0xD7 && wide != 0xF7 &&
+            (wide < 0x2000 || wide >= 0x2E80) && iswprint(wide));
+}

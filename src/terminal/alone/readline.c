@@ -1,0 +1,34 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The functions of readline before which ours stand (edit.c, line.c), by name: the archive that the
+ * static program is linked with has them once more, as own_NAME (see `make static`). */
+#include <dlfcn.h>
+#include <string.h>
+
+void own__rl_abort_internal(void);
+void own__rl_dispatch(void);
+void own__rl_forward_char_internal(void);
+void own_rl_add_undo(void);
+void own_rl_newline(void);
+void own_rl_redisplay(void);
+
+#define OWN(name)                                                                                  \
+    {                                                                                              \
+#name, own_##name                                                                          \
+    }
+
+/* Linked in place of dlsym, which finds nothing in a static program. */
+void *__wrap_dlsym(void *handle, const char *name);
+void *__wrap_dlsym(void *handle, const char *name)
+{
+    static const struct {
+        const char *name;
+        void (*function)(void);
+    } own[] = {OWN(_rl_abort_internal), OWN(_rl_dispatch), OWN(_rl_forward_char_internal),
+               OWN(rl_add_undo),        OWN(rl_newline),   OWN(rl_redisplay)};
+    void *found = NULL;
+    (void)handle;
+    for (size_t i = 0; i < sizeof own / sizeof *own; i++)
+        if (strcmp(own[i].name, name) == 0)
+            memcpy(&found, &own[i].function, sizeof found);
+    return found;
+}

@@ -1,0 +1,48 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Who there is, for readline's ~NAME: from /etc/passwd alone. The C library's own would load its
+ * services from the system that it was linked on. Of the static program only. */
+#include <pwd.h>
+#include <stdio.h>
+#include <string.h>
+
+static FILE *users;
+
+void endpwent(void)
+{
+    if (users)
+        fclose(users);
+    users = NULL;
+}
+
+void setpwent(void)
+{
+    endpwent();
+    users = fopen("/etc/passwd", "re");
+}
+
+struct passwd *getpwent(void)
+{
+    if (!users)
+        setpwent();
+    return users ? fgetpwent(users) : NULL;
+}
+
+struct passwd *getpwnam(const char *name)
+{
+    struct passwd *user;
+    setpwent();
+    while ((user = getpwent()) && strcmp(user->pw_name, name) != 0)
+        ;
+    endpwent();
+    return user;
+}
+
+struct passwd *getpwuid(uid_t uid)
+{
+    struct passwd *user;
+    setpwent();
+    while ((user = getpwent()) && user->pw_uid != uid)
+        ;
+    endpwent();
+    return user;
+}
