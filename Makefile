@@ -114,7 +114,7 @@ $(shell mkdir -p build && printf '#include "../%s"\n' $(FORMATS) >build/formats.
 # Terminals that the program describes where the system does not: compiled entries of terminfo(5), each as the value that
 # TERMINFO may have.
 TERMINALS := xterm xterm-256color screen screen-256color tmux tmux-256color linux vt100 vt220
-build/terminals.def: Makefile
+build/terminals.def: build/terminals
 	@for t in $(TERMINALS); do \
 	  infocmp -q -x -Q2 $$t 2>/dev/null | tr -d '\n' | od -An -v -tu1 | tr -s ' \n' ',' | \
 	    sed "s/^,*\(.*[0-9]\),*$$/{\"$$t\", (const char[]){\1,0}},\n/"; done >$@
@@ -240,6 +240,7 @@ stamp = $(if $(and $(wildcard $(1)),$(call equal,$(strip $(file <$(1))),$(strip 
 COMPILER := $(filter -%,$(CC)) $(wordlist 2,99,$(shell $(CC) --version | head -1))
 $(call stamp,$(FLAGS_STAMP),$(filter-out -Werror,$(COMPILER) $(CPPFLAGS) $(TEST_CPPFLAGS) $(CFLAGS) $(GSL_CFLAGS)) \
   $(foreach kind,$(KINDS),$(kind) $(O_$(kind))))
+$(call stamp,build/terminals,$(TERMINALS))
 $(call stamp,$(LINE_STAMP),$(LINE_CFLAGS))
 $(call stamp,$(LINK_STAMP),$(LDFLAGS) $(LINE_LIBS) $(LIBS) $(TEST_LIBS))
 $(call stamp,$(OPTIONAL_STAMP),$(OPTIONAL_CPPFLAGS) $(SUNDIALS_LIBS))
