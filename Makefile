@@ -78,7 +78,7 @@ OPTIONAL_SOURCES := $(wildcard src/figure/surface/*.c tests/unit/figure/*.c) src
 # Tests that say something else with them than without.
 OPTIONAL_TESTS = $(shell grep -liE 'cairo|cvode|libarchive|"\# needs' $(TEST_SOURCES) $(TEST_SCRIPTS))
 
-CPPFLAGS += -D_DEFAULT_SOURCE -DHOOKE_VERSION='"$(VERSION)"' -Iinclude -Isrc -Ibuild
+CPPFLAGS += -D_DEFAULT_SOURCE -D_FILE_OFFSET_BITS=64 -D_TIME_BITS=64 -DHOOKE_VERSION='"$(VERSION)"' -Iinclude -Isrc -Ibuild
 TEST_CPPFLAGS := -D_GNU_SOURCE -Itests $(if $(filter fuzz,$(CONFIG)),-DFUZZING)
 CFLAGS   := -std=c11 $(OPT_$(CONFIG)) $(WARNINGS) $(NUMBERS) $(HARDEN) -fPIC -fvisibility=hidden $(CFLAGS_EXTRA)
 LDFLAGS  := $(patsubst %-no-link,%,$(filter -fsanitize% --coverage,$(OPT_$(CONFIG)))) $(LDHARDEN) $(LDFLAGS_EXTRA)

@@ -11,7 +11,13 @@
 
 #include <hooke/base.h>
 
+/* Machines of 32 bits have no such integer: there all goes through libc, with the same results. */
+#ifdef __SIZEOF_INT128__
+#define HAVE_WIDE 1
 __extension__ typedef unsigned __int128 wide;
+#else
+#define HAVE_WIDE 0
+#endif
 
 #define POWER5_MAX 27
 #define POWER10_MAX 22 /* the largest power of ten that is a double */

@@ -112,6 +112,7 @@ static bool scan(struct text text, char decimal, struct scanned *s)
     return any;
 }
 
+#if HAVE_WIDE
 /* n * 2^exponent rounded to nearest even, n >= 2^53; `more`: n has lost a non-zero tail (and has at
  * least 64 bits then). */
 static double compose(wide n, int exponent, bool more)
@@ -125,6 +126,17 @@ static double compose(wide n, int exponent, bool more)
         mantissa++;
     return ldexp((double)mantissa, exponent + drop);
 }
+
+static double by_quotient(uint64_t w, int e)
+{
+    if (e >= 0)
+        return compose((wide)w * power5[e], e, false);
+    /* A numerator with its top bit set leaves a quotient of at least 65 bits. */
+    const int shift = 64 + __builtin_clzll(w);
+    const wide numerator = (wide)w << shift;
+    return compose(numerator / power5[-e], e - shift, numerator % power5[-e] != 0);
+}
+#endif
 
 /* Any number of digits, by libc in its "C" locale, which it neither allocates nor changes. */
 static double by_library(struct text text, const struct scanned *s)
@@ -163,12 +175,11 @@ static double magnitude(struct text text, const struct scanned *s)
     /* Clinger (1990): both factors are exact doubles, so that one rounding is all there is. */
     if (w <= (uint64_t)1 << 53 && e >= -POWER10_MAX && e <= POWER10_MAX)
         return e < 0 ? (double)w / power10[-e] : (double)w * power10[e];
-    if (e >= 0)
-        return compose((wide)w * power5[e], (int)e, false);
-    /* A numerator with its top bit set leaves a quotient of at least 65 bits. */
-    int shift = 64 + __builtin_clzll(w);
-    wide numerator = (wide)w << shift;
-    return compose(numerator / power5[-e], (int)e - shift, numerator % power5[-e] != 0);
+#if HAVE_WIDE
+    return by_quotient(w, (int)e);
+#else
+    return by_library(text, s);
+#endif
 }
 
 enum real_status real_scan(struct text text, char decimal, double *value, size_t *used)

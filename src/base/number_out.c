@@ -46,6 +46,7 @@ struct decimal decimal_rounded(double value, int digits)
     return d.digits ? stripped(d) : (struct decimal){.negative = d.negative};
 }
 
+#if HAVE_WIDE
 /*
  * Exact form for 1e-11 <= value < 1e17: with 17 digits before the point, the value is v 2^-shift
  * and its rounding interval reaches 2 u 2^-shift up and down, where u = 5^p is a quarter of the
@@ -95,6 +96,7 @@ static struct decimal shortest_exact(double value)
                 (d.digits < high && (2 * rest > all || (2 * rest == all && (d.digits & 1))));
     return d;
 }
+#endif
 
 static bool reads_back(struct decimal d, double value)
 {
@@ -128,9 +130,12 @@ struct decimal decimal_shortest(double value)
 {
     const double size = fabs(value);
     struct decimal d = {0};
+#if HAVE_WIDE
     if (size >= 1e-11 && size < 1e17)
         d = shortest_exact(size);
-    else if (size > 0)
+    else
+#endif
+        if (size > 0)
         d = shortest_by_trying(size);
     d.negative = signbit(value);
     return d;

@@ -123,8 +123,8 @@ void signals_watch(unsigned set)
 
 void signals_alarm(int64_t ns)
 {
-    const struct itimerval timer = {
-        .it_value = {.tv_sec = ns / 1000000000, .tv_usec = ns % 1000000000 / 1000}};
+    const struct itimerval timer = {.it_value = {.tv_sec = (time_t)(ns / 1000000000),
+                                                 .tv_usec = (suseconds_t)(ns % 1000000000 / 1000)}};
     sigset_t ends_it, before;
     sigemptyset(&ends_it);
     sigaddset(&ends_it, SIGHUP);

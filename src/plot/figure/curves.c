@@ -22,7 +22,8 @@
 /* Not at the same place of each stride: an oscillation could be in step with it. */
 static size_t visited(size_t i, size_t stride)
 {
-    return i + (stride > 1 ? (i / stride * 0x9E3779B97F4A7C15u >> 40) % stride : 0);
+    const uint64_t mixed = (uint64_t)(i / stride) * 0x9E3779B97F4A7C15u >> 40;
+    return i + (stride > 1 ? (size_t)(mixed % stride) : 0);
 }
 
 /* What the extremes are of: each variable, and of second order q v of the first coordinate; up and

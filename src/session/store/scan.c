@@ -77,10 +77,10 @@ static bool take_records(struct reader *reader, struct text rest)
             rest = (struct text){rest.at + sizeof head, rest.len - sizeof head};
             continue;
         }
-        if (!take_record(reader, &head, (struct text){rest.at + sizeof head, head.bytes}))
+        const size_t bytes = (size_t)head.bytes;
+        if (!take_record(reader, &head, (struct text){rest.at + sizeof head, bytes}))
             return false;
-        rest =
-            (struct text){rest.at + sizeof head + head.bytes, rest.len - sizeof head - head.bytes};
+        rest = (struct text){rest.at + sizeof head + bytes, rest.len - sizeof head - bytes};
     }
     return true;
 }
@@ -117,15 +117,16 @@ static bool take_rows(struct reader *reader, struct text content)
     struct read_run *run = run_of(reader, head.id);
     if (!run || !reserve(&run->piece, run->pieces, &run->piece_capacity, sizeof *run->piece))
         return false;
-    if (head.row_bytes == 0 || head.count > content.len / head.row_bytes)
+    if (head.row_bytes == 0 || head.count > content.len / head.row_bytes ||
+        head.first > SIZE_MAX / 2)
         return true;
     while (run->pieces > 0 && run->piece[run->pieces - 1].first >= head.first)
         run->pieces--;
     struct stored_rows *last = run->pieces > 0 ? &run->piece[run->pieces - 1] : NULL;
     if (last && last->first + last->count > head.first)
-        last->count = head.first - last->first;
-    run->piece[run->pieces++] =
-        (struct stored_rows){head.first, head.count, head.row_bytes, content.at};
+        last->count = (size_t)head.first - last->first;
+    run->piece[run->pieces++] = (struct stored_rows){(size_t)head.first, (size_t)head.count,
+                                                     (size_t)head.row_bytes, content.at};
     return true;
 }
 

@@ -156,7 +156,7 @@ static bool begin(struct session *session, const char *scene, const struct task 
 static bool wait_until(int64_t due)
 {
     for (int64_t left = due - clock_ns(); left > 0; left = due - clock_ns()) {
-        const struct timespec rest = {left / 1000000000, left % 1000000000};
+        const struct timespec rest = {(time_t)(left / 1000000000), (long)(left % 1000000000)};
         if (cancelled(&interrupt) || (ppoll(NULL, 0, &rest, NULL) < 0 && errno != EINTR))
             return false;
     }
