@@ -160,6 +160,17 @@ static bool end_there(struct branch_walk *w, const char *why)
     return true;
 }
 
+/* What fails because it is stopped ends with a label, to go on from; a special point is one. */
+static bool fails_there(struct branch_walk *w, const char *why)
+{
+    const bool stopped = cancelled(w->request->cancel);
+    struct branch_point *last = &w->out->point[w->out->count - 1];
+    if (stopped && last->special == SPECIAL_NONE)
+        last->special = SPECIAL_END;
+    ends(w, stopped ? "cancelled" : why);
+    return true;
+}
+
 /* Where the parameter stands still but for rounding, its turns are rounding, too: no folds. */
 static void forget_turns(struct branch_walk *w)
 {
@@ -233,12 +244,8 @@ static bool walk(struct branch_walk *w, struct curve_place at)
         const double far = longest_at(w, &at, longest);
         tell(w, &at, &start, i, max);
         by = fmin(by, far);
-        if (!next_place(w, &at, &by, far, &next)) {
-            if (cancelled(w->request->cancel)) /* a label, to go on from */
-                return end_there(w, "cancelled");
-            ends(w, "no step leads on");
-            return true;
-        }
+        if (!next_place(w, &at, &by, far, &next))
+            return fails_there(w, "no step leads on");
         const double upright =
             w->path->kind == SOLUTION_EQUILIBRIUM ? 1 : orbit_curve_upright(&w->path->orbit);
         if (upright < 0)
@@ -247,10 +254,8 @@ static bool walk(struct branch_walk *w, struct curve_place at)
         if (leaves) { /* what lies between it and the edge is not looked for */
             if (!walk_record_specials(w, &next))
                 return false;
-            if (!step_to_edge(w, &at, &next, &next)) {
-                ends(w, "end of the range");
-                return true;
-            }
+            if (!step_to_edge(w, &at, &next, &next))
+                return fails_there(w, "end of the range");
         }
         const int p = w->path->problem->n;
         if (i == 0) {
@@ -261,12 +266,13 @@ static bool walk(struct branch_walk *w, struct curve_place at)
                        ? fabs(next.u[p] - at.u[p]) / fmax(fabs(at.u[p]), CURVE_LEVEL)
                        : 0;
         struct solution solution;
-        if (!solutions_seen(w->path, &next, &solution)) {
-            ends(w, "what is there cannot be told");
-            return true;
-        }
-        if ((!leaves && !walk_record_specials(w, &next)) ||
-            !walk_record(w, &next, leaves ? SPECIAL_END : SPECIAL_NONE, &solution))
+        if (!solutions_seen(w->path, &next, &solution))
+            return fails_there(w, "what is there cannot be told");
+        if (!leaves && !walk_record_specials(w, &next))
+            return false;
+        if (cancelled(w->request->cancel)) /* one of these may not have been found */
+            return fails_there(w, "");
+        if (!walk_record(w, &next, leaves ? SPECIAL_END : SPECIAL_NONE, &solution))
             return false;
         if (is_over(w, &at, &next, &start, leaves))
             return true;
@@ -281,10 +287,8 @@ static bool walk(struct branch_walk *w, struct curve_place at)
             by = fmin(1.5 * by, far);
         at = next;
         stretch(w, &at);
-        if (!cut(w, &at)) {
-            ends(w, "differences grow along the orbit by too much");
-            return true;
-        }
+        if (!cut(w, &at))
+            return fails_there(w, "differences grow along the orbit by too much");
     }
     return true;
 }
@@ -422,7 +426,9 @@ bool branch_follow(const struct branch_request *r, struct branch *branch, struct
     const bool stays = branch->count == 1 && !branch->cancelled && of_family(r);
     if ((fine || branch->count > 0) && !stays)
         return true;
-    if (stays)
+    if (cancelled(r->cancel))
+        error_set(error, ERROR_CANCELLED, "cancelled");
+    else if (stays)
         refuse_family(error);
     else if (!error->text[0])
         error_memory(error);

@@ -420,6 +420,7 @@ static bool prepare(struct special_walk *w, struct curve_place *at, double uprig
 
 static void walk(struct special_walk *w, struct curve_place at)
 {
+    const struct cancel *cancel = w->request->cancel;
     const double longest = w->request->step > 0 ? w->request->step : LONGEST;
     const int max = w->request->max > 0 ? w->request->max : POINTS;
     double by = fmin(FIRST, longest);
@@ -427,12 +428,12 @@ static void walk(struct special_walk *w, struct curve_place at)
     for (int i = 0; i < max; i++) {
         struct curve_place next;
         if (!next_place(w, &at, &by, &next)) {
-            ends(w, cancelled(w->request->cancel) ? "cancelled" : "no step leads on");
+            ends(w, cancelled(cancel) ? "cancelled" : "no step leads on");
             return;
         }
         const bool leaves = !is_inside(w, &next);
         if (leaves && !step_to_edge(w, &at, &next)) {
-            ends(w, "the parameters' range");
+            ends(w, cancelled(cancel) ? "cancelled" : "the parameters' range");
             return;
         }
         const double upright = w->curve->base.kind == SOLUTION_EQUILIBRIUM
@@ -449,7 +450,8 @@ static void walk(struct special_walk *w, struct curve_place at)
             by = fmin(1.5 * by, longest * curve_unit(w->curve->problem.n, next.u));
         at = next;
         if (!prepare(w, &at, upright)) {
-            ends(w, "differences grow along the orbit by too much");
+            ends(w,
+                 cancelled(cancel) ? "cancelled" : "differences grow along the orbit by too much");
             return;
         }
     }
@@ -475,6 +477,7 @@ bool special_follow(const struct branch_request *r, struct branch *branch, struc
             continue;
         if (!begin(curve, r, side, &first, error)) {
             free(curve);
+            branch->cancelled = cancelled(r->cancel);
             return branch->count > 0;
         }
         struct special_walk w = {

@@ -11,6 +11,9 @@
 
 #include "unit/scene/typing.h"
 
+#include <signal.h>
+#include <sys/time.h>
+
 #include <hooke/base/numeric.h>
 
 static struct typed_models *models;
@@ -412,6 +415,57 @@ static void test_progress(void **state)
     equilibria_free(&equilibria);
 }
 
+static struct cancel stopped;
+
+static void on_alarm(int number)
+{
+    (void)number;
+    atomic_store(&stopped.requested, 1);
+}
+
+/* Whatever it was at: the end is a label to go on from, and nothing is said of the motion there. */
+static void test_stopped_anywhere(void **state)
+{
+    (void)state;
+    const struct scene scene =
+        TYPED("var x = 2", "var y = 0", "param mm = 1", "x' = y", "y' = mm*(1-x^2)*y-x");
+    const struct solution start = {
+        .kind = SOLUTION_ORBIT, .n = 2, .param = {1}, .period = 6.66, .state = {2, 0}};
+    const struct branch_request request = {.scene = &scene,
+                                           .param = scene_param(&scene, "mm"),
+                                           .from = 0.5,
+                                           .to = 2,
+                                           .start = &start,
+                                           .cancel = &stopped};
+    uint64_t random = 5;
+    double whole = 0;
+    void (*before)(int) = signal(SIGALRM, on_alarm);
+    for (int i = 0; i <= 60; i++) {
+        struct branch branch;
+        struct error error = {0};
+        const double after = whole * random_fraction(&random); /* [s] */
+        const struct itimerval moment = {.it_value = {.tv_usec = (long)(1e6 * after)}}, none = {0};
+        atomic_store(&stopped.requested, 0);
+        setitimer(ITIMER_REAL, &moment, NULL); /* the first is not stopped */
+        const bool followed = branch_follow(&request, &branch, &error);
+        setitimer(ITIMER_REAL, &none, NULL);
+        if (!followed) {
+            assert_int_equal(error.code, ERROR_CANCELLED);
+            continue;
+        }
+        whole = i == 0 ? branch.seconds : whole;
+        for (int side = 0; side < 2; side++) {
+            const char *why = branch.ends[side];
+            if (*why && strcmp(why, "cancelled") != 0 && strcmp(why, "end of the range") != 0)
+                fail_msg("after %.4f of %.4f s: '%s'", after, whole, why);
+            if (*why)
+                assert_true(branch.point[side * (branch.count - 1)].special != SPECIAL_NONE);
+        }
+        branch_free(&branch);
+    }
+    signal(SIGALRM, before);
+}
+
 int main(void)
 {
     struct error error = {0};
@@ -425,7 +479,8 @@ int main(void)
                                        cmocka_unit_test(test_doubtful_equilibria),
                                        cmocka_unit_test(test_drive_period),
                                        cmocka_unit_test(test_families),
-                                       cmocka_unit_test(test_progress)};
+                                       cmocka_unit_test(test_progress),
+                                       cmocka_unit_test(test_stopped_anywhere)};
     const int failed = cmocka_run_group_tests(tests, NULL, NULL);
     typed_destroy(models);
     return failed;
