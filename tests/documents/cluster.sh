@@ -93,7 +93,7 @@ END
     daemons+=($!)
     slurmd -D -f "$SLURM_CONF" >slurmd.out 2>&1 &
     daemons+=($!)
-    for _ in $(seq 100); do
+    for _ in $(seq 300); do
         sinfo -h -o %t 2>/dev/null | grep -qx idle && return 0
         sleep 0.1
     done
@@ -102,8 +102,8 @@ END
 # Until nothing is queued any more; sbatch --wait looks every ten seconds.
 submit() {
     sbatch "$@" slurm.sh >out 2>err || return 1
-    for _ in $(seq 300); do
-        [ -z "$(squeue -h 2>>err)" ] && return 0
+    for _ in $(seq 1200); do
+        queued=$(squeue -h 2>>err) && [ -z "$queued" ] && return 0
         sleep 0.1
     done
     return 1

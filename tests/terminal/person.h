@@ -23,7 +23,7 @@
 #include "terminal/folder.h"
 
 /* what has not come by then will not come; generous for sanitizers on a busy machine */
-#define PATIENCE_NS (getenv("HASTE") ? 3000000000 : 20000000000)
+#define PATIENCE_NS (getenv("HASTE") ? 3000000000 : 60000000000)
 #define MS 1000000
 
 struct person {
@@ -330,11 +330,41 @@ static inline void resize(struct person *p, int width, int height)
     assert_int_equal(ioctl(p->fd, TIOCSWINSZ, &size), 0);
 }
 
-/* Everything that comes until nothing has come for `ms`. */
+/* It has read what was typed and waits for something, as far as the system knows. */
+static inline bool is_waiting(const struct person *p)
+{
+    char path[32], state = 'S';
+    int left = 0;
+    snprintf(path, sizeof path, "/proc/%ld/stat", (long)p->program);
+    FILE *file = fopen(path, "r");
+    if (file && fscanf(file, "%*[^)]) %c", &state) != 1)
+        state = 'S';
+    if (file)
+        fclose(file);
+    const int slave = p->fd < 0 ? -1 : open(ptsname(p->fd), O_RDONLY | O_NONBLOCK | O_NOCTTY);
+    if (slave >= 0) {
+        ioctl(slave, FIONREAD, &left);
+        close(slave);
+    }
+    return left == 0 && strchr("RD", state) == NULL;
+}
+
+/* Everything that comes until nothing has come for `ms`; longer where the program is kept from its
+ * work. */
 static inline void settle(struct person *p, int ms)
 {
-    while (pump(p, ms)) {
+    const int64_t deadline = clock_ns() + PATIENCE_NS;
+    while (pump(p, ms) || (!p->hung_up && !is_waiting(p) && clock_ns() < deadline)) {
     }
+}
+
+/* Until so many frames more have been asked about; false: they do not come. */
+static inline bool await_frames(struct person *p, int frames)
+{
+    const int64_t deadline = clock_ns() + PATIENCE_NS;
+    while (p->screen.questions < frames && clock_ns() < deadline && !p->hung_up)
+        pump(p, 200);
+    return p->screen.questions >= frames;
 }
 
 static inline void same_modes(const struct person *p)

@@ -27,14 +27,15 @@ static const char *in_work(const char *name)
     return path[which];
 }
 
-/* A process that writes a swing, 200 lines a second, so many of them (0: until it is killed). */
+/* A process that writes a swing, 800 lines a second that say they are 5 ms apart, so many of them
+ * (0: until it is killed). */
 static pid_t sensor(int fd, int lines)
 {
     const pid_t child = fork();
     assert_true(child >= 0);
     if (child > 0)
         return child;
-    alarm(60); /* also where the test ends early */
+    alarm(280); /* also where the test ends early */
     signal(SIGALRM, SIG_DFL);
     const int64_t begin = clock_ns();
     for (int i = 0; lines == 0 || i < lines; i++) {
@@ -44,7 +45,7 @@ static pid_t sensor(int fd, int lines)
             snprintf(line, sizeof line, "%.3f\t%.3f\r\n", t, 20 + 5 * exp(-0.05 * t) * cos(9 * t));
         if (write(fd, line, (size_t)len) != len)
             break;
-        const int64_t left = begin + (int64_t)(i + 1) * 5 * MS - clock_ns();
+        const int64_t left = begin + (int64_t)(i + 1) * 5 * MS / 4 - clock_ns();
         const struct timespec rest = {left / 1000000000, left % 1000000000};
         if (left > 0)
             nanosleep(&rest, NULL);
@@ -165,6 +166,7 @@ static void test_serial_line(void **state)
                  unplugged ? "60s" : "1.6s", path);
         const pid_t program = launch(command, out[1]);
         close(out[1]); /* or the device would hold it open */
+        await_raw(line.slave);
         const pid_t device = sensor(line.master, 0);
         if (unplugged) {
             await_lines(path, 320);

@@ -25,7 +25,7 @@
 #include "terminal/folder.h"
 
 /* a text that has not come by then will not come; generous for sanitizers on a busy machine */
-#define PATIENCE_MS 20000
+#define PATIENCE_MS 60000
 
 struct person {
     pid_t program;
