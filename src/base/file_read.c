@@ -30,7 +30,9 @@ static bool cannot_read(struct error *error, const char *path, int number)
         return error_set(error, ERROR_CANCELLED, "reading %s was interrupted",
                          safe_name(text_of(path), name));
     return error_set(error, ERROR_IO, "cannot read %s: %s", safe_name(text_of(path), name),
-                     number == EISDIR ? "it is a directory" : system_message(number));
+                     number != EISDIR                    ? system_message(number)
+                     : strcmp(path, STANDARD_INPUT) == 0 ? "it is closed, or a directory"
+                                                         : "it is a directory");
 }
 
 /*
@@ -72,6 +74,12 @@ static bool is_socket(const char *path)
     return stat(path, &st) == 0 && S_ISSOCK(st.st_mode);
 }
 
+/* By the system, while it is read, perhaps for ever: /proc/kmsg. */
+static bool made_up(const struct stat *st, const struct read_watch *watch)
+{
+    return watch && watch->patience > 0 && S_ISREG(st->st_mode) && st->st_size == 0;
+}
+
 static bool open_file(const char *path, int *fd, struct stat *st, struct read_watch *watch,
                       struct buffer *content, struct error *error)
 {
@@ -91,6 +99,8 @@ static bool open_file(const char *path, int *fd, struct stat *st, struct read_wa
         return cannot_read(error, path, EISDIR);
     if (S_ISFIFO(st->st_mode) && !input && !await_writer(*fd, path, content, error))
         return false;
+    if (made_up(st, watch)) /* it may say that there is more, and wait for it */
+        return true;
     const int flags = fcntl(*fd, F_GETFL);
     return (flags >= 0 && fcntl(*fd, F_SETFL, flags & ~O_NONBLOCK) >= 0) ||
            cannot_read(error, path, errno);
@@ -130,6 +140,14 @@ static bool read_pieces(int fd, const struct file_reading *r, struct buffer *con
         if (!await_more(fd, r, so_far, error))
             return false;
         const ssize_t got = read(fd, piece, left < PIECE ? (size_t)left : PIECE);
+        if (got < 0 && errno == EAGAIN && r->until > 0 && clock_ns() < r->until) {
+            const struct timespec moment = {.tv_nsec = PATIENCE_NS / PATIENCE_LOOKS};
+            if (nanosleep(&moment, NULL) != 0)
+                return cannot_read(error, r->path, errno);
+            continue;
+        }
+        if (got < 0 && errno == EAGAIN)
+            return refuse_endless(r->path, "it goes on", r->watch, error);
         if (got < 0)
             return cannot_read(error, r->path, errno);
         if (got == 0)
@@ -155,8 +173,8 @@ static bool read_all(const char *path, size_t limit, struct read_watch *watch,
     if (!open_file(path, fd, &st, watch, content, error))
         return false;
     r.size = S_ISREG(st.st_mode) ? (uintmax_t)st.st_size : 0;
-    r.until =
-        watch && watch->patience > 0 && !S_ISREG(st.st_mode) ? clock_ns() + watch->patience : 0;
+    if (watch && watch->patience > 0 && (!S_ISREG(st.st_mode) || made_up(&st, watch)))
+        r.until = clock_ns() + watch->patience;
     if (r.size > limit)
         return error_set(error, ERROR_IO, "%s has %ju bytes; at most %zu are read",
                          safe_name(text_of(path), name), r.size, limit);

@@ -271,7 +271,8 @@ static struct recording *load_moved(const struct arguments *args, const char *pa
 static bool file_is_regular(const char *path)
 {
     struct stat st;
-    return stat(path, &st) == 0 && S_ISREG(st.st_mode) && strcmp(path, STANDARD_INPUT) != 0;
+    return stat(path, &st) == 0 && S_ISREG(st.st_mode) && st.st_size > 0 &&
+           strcmp(path, STANDARD_INPUT) != 0;
 }
 
 bool check_input(const struct session *session, struct text where, struct error *error)

@@ -119,7 +119,10 @@ static bool prepare(struct device *device, const char *path, long baud, bool saf
     if (fstat(device->fd, &st) != 0)
         return refuse(path, strerror(errno), error);
     if (S_ISDIR(st.st_mode))
-        return refuse(path, "it is a directory", error);
+        return refuse(path,
+                      strcmp(path, STANDARD_INPUT) == 0 ? "it is closed, or a directory"
+                                                        : "it is a directory",
+                      error);
     device->grows = S_ISREG(st.st_mode);
     if (safe && S_ISCHR(st.st_mode))
         return refuse(path, "--safe opens no device", error);
