@@ -137,7 +137,9 @@ FUZZERS      := $(patsubst tests/fuzz/%.c,%,$(sort $(wildcard tests/fuzz/*.c)))
 PAGES := $(patsubst scripts/pages/%,$(TOP)/pages/%,$(wildcard scripts/pages/*))
 EXAMPLES := $(sort $(wildcard examples/*.hk examples/*/*.hk examples/cluster/* examples/collect/* examples/library/*))
 
-all: $(TOP)/libhooke.a $(TOP)/libhooke.so.0 $(TOP)/hooke $(PAGES) $(TOP)/pages/hooke.bash ## build the library, the program, its manual and completion
+EDITORS := $(addprefix $(TOP)/pages/hooke.,bash vim nano)
+
+all: $(TOP)/libhooke.a $(TOP)/libhooke.so.0 $(TOP)/hooke $(PAGES) $(EDITORS) ## build the library, the program, its manual and completion
 
 $(TOP)/libhooke.a: $(LIBRARY_OBJECTS)
 	$(call say,AR,$@)
@@ -158,10 +160,11 @@ $(PAGES): $(TOP)/pages/%: scripts/pages/% $(TOP)/hooke scripts/reference $(EXAMP
 	@mkdir -p $(@D)
 	$(Q)scripts/reference page $* $(TOP)/hooke > $@
 
-$(TOP)/pages/hooke.bash: $(TOP)/hooke scripts/reference
+# What shells and editors know of it.
+$(EDITORS): $(TOP)/pages/hooke.%: $(TOP)/hooke scripts/reference
 	$(call say,PAGE,$@)
 	@mkdir -p $(@D)
-	$(Q)scripts/reference completion $(TOP)/hooke > $@
+	$(Q)scripts/reference $* $(TOP)/hooke > $@
 
 # The objects of the program without optional libraries, which would be loaded from the system; not position-independent:
 # nothing is relocated as it starts. Stripped into a copy: pages of a file that was written in order are mapped in fewer pieces.
@@ -349,28 +352,36 @@ reference: all ## rewrite the generated parts of the README
 screens-update: all ## rewrite the expected screens from what the program draws now
 	$(Q)scripts/screens update
 
+LIBDIR ?= $(PREFIX)/lib
 MANUAL  = $(DESTDIR)$(PREFIX)/share/man
 SHARED  = $(DESTDIR)$(PREFIX)/share/hooke
 COMPLETION = $(DESTDIR)$(PREFIX)/share/bash-completion/completions/hooke
+VIM_FILES = $(DESTDIR)$(PREFIX)/share/vim/vimfiles
+NANO    = $(DESTDIR)$(PREFIX)/share/nano/hooke.nanorc
 
 install: all ## install program, library, headers, manual, examples and completion under PREFIX
 	install -D -m 755 $(TOP)/hooke $(DESTDIR)$(PREFIX)/bin/hooke
-	install -D -m 644 $(TOP)/libhooke.a $(DESTDIR)$(PREFIX)/lib/libhooke.a
-	install -D -m 644 $(TOP)/libhooke.so.0 $(DESTDIR)$(PREFIX)/lib/libhooke.so.0
-	ln -sf libhooke.so.0 $(DESTDIR)$(PREFIX)/lib/libhooke.so
-	$(Q)printf '%s\n' 'prefix=$(PREFIX)' 'libdir=$${prefix}/lib' 'includedir=$${prefix}/include' '' \
+	install -D -m 644 $(TOP)/libhooke.a $(DESTDIR)$(LIBDIR)/libhooke.a
+	install -D -m 644 $(TOP)/libhooke.so.0 $(DESTDIR)$(LIBDIR)/libhooke.so.0
+	ln -sf libhooke.so.0 $(DESTDIR)$(LIBDIR)/libhooke.so
+	$(Q)printf '%s\n' 'prefix=$(PREFIX)' 'libdir=$(LIBDIR)' 'includedir=$${prefix}/include' '' \
 	  'Name: hooke' 'Description: oscillators and numerical integration' 'Version: $(VERSION)' 'Requires.private: gsl' \
 	  'Libs: -L$${libdir} -lhooke' 'Libs.private: $(SUNDIALS_LIBS) -lm -ldl -lpthread' 'Cflags: -I$${includedir}' \
-	  >$(TOP)/hooke.pc && install -D -m 644 $(TOP)/hooke.pc $(DESTDIR)$(PREFIX)/lib/pkgconfig/hooke.pc
+	  >$(TOP)/hooke.pc && install -D -m 644 $(TOP)/hooke.pc $(DESTDIR)$(LIBDIR)/pkgconfig/hooke.pc
 	cd include && for header in hooke/hooke.h hooke/api.h $(foreach l,$(LIBRARY_LAYERS),hooke/$l.h $(patsubst include/%,%,$(wildcard include/hooke/$l/*.h))); do \
 	  install -D -m 644 $$header $(DESTDIR)$(PREFIX)/include/$$header || exit; done
 	for page in $(PAGES); do install -D -m 644 $$page $(MANUAL)/man$${page##*.}/$${page##*/} || exit; done
 	install -D -m 644 $(TOP)/pages/hooke.bash $(COMPLETION)
+	install -D -m 644 $(TOP)/pages/hooke.vim $(VIM_FILES)/syntax/hooke.vim
+	install -d $(VIM_FILES)/ftdetect && echo 'autocmd BufNewFile,BufRead *.hk setfiletype hooke' >$(VIM_FILES)/ftdetect/hooke.vim && \
+	  chmod 644 $(VIM_FILES)/ftdetect/hooke.vim
+	install -D -m 644 $(TOP)/pages/hooke.nano $(NANO)
 	for example in $(EXAMPLES); do install -D -m 644 $$example $(SHARED)/$$example || exit; done
 	scripts/make-recordings $(SHARED)/examples/lab && chmod 644 $(SHARED)/examples/lab/*.txt
 
 uninstall: ## remove what install put there
-	rm -f $(DESTDIR)$(PREFIX)/bin/hooke $(addprefix $(DESTDIR)$(PREFIX)/lib/,libhooke.a libhooke.so libhooke.so.0 pkgconfig/hooke.pc) $(COMPLETION)
+	rm -f $(DESTDIR)$(PREFIX)/bin/hooke $(addprefix $(DESTDIR)$(LIBDIR)/,libhooke.a libhooke.so libhooke.so.0 pkgconfig/hooke.pc) $(COMPLETION) \
+	  $(VIM_FILES)/syntax/hooke.vim $(VIM_FILES)/ftdetect/hooke.vim $(NANO)
 	rm -f $(foreach page,$(notdir $(PAGES)),$(MANUAL)/man$(subst .,,$(suffix $(page)))/$(page))
 	rm -rf $(DESTDIR)$(PREFIX)/include/hooke $(SHARED)
 

@@ -27,6 +27,7 @@ ok "make install" $? "$said"
 there=$work/root/opt/hooke
 missing=
 for file in bin/hooke lib/libhooke.{a,so,so.0} lib/pkgconfig/hooke.pc include/hooke/hooke.h share/bash-completion/completions/hooke \
+    share/vim/vimfiles/{syntax,ftdetect}/hooke.vim share/nano/hooke.nanorc \
     share/man/man1/hooke.1 share/man/man7/hooke-{language,methods,lab}.7 \
     share/hooke/examples/lab/{bare,disk}.txt; do
     [ -s "$there/$file" ] || missing+="$file "
