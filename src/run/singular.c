@@ -30,7 +30,6 @@
 #define AHEAD 0.1         /* of the time since the start: a method may fail that much earlier */
 #define SCATTER 0.1       /* rms of log |y'| about the line */
 #define POWER_FINITE 0.95 /* |y'| may be integrated up to there: y stays finite */
-#define CREEP 1e-6        /* of the time since the start: steps that short are looked into, */
 #define SHORTLY 1e-3      /* of that time */
 /* of the accurate method, where a step looks strange; and two for each step of the run */
 #define STEPS_FIRST 1000
@@ -247,7 +246,7 @@ bool run_creeps(struct run *run)
         return false;
     p->look = 2 * run->steps;
     const double way = run->t - p->epoch[p->epochs - 1].t;
-    if (run->system.linear || !(fabs(run->controller.h) < CREEP * fabs(way)))
+    if (run->system.linear || !(fabs(run->controller.h) < RUN_CREEP * fabs(way)))
         return false;
     const struct singularity found =
         singular_before(run, run->t, run->t + copysign(AHEAD * way, run->controller.h), run->steps);

@@ -28,7 +28,8 @@ static bool finish_lane(const struct sweep_worker *worker, int lane, double *y, 
 }
 
 static double lane_measure(const struct sweep_worker *worker, int lane,
-                           const struct sweep_measure *measure, const double *y, int64_t evals)
+                           const struct sweep_measure *measure, const double *y, int64_t steps,
+                           int64_t evals)
 {
     const struct sweep_job *job = worker->job;
     const struct system *system = &worker->system[lane];
@@ -37,7 +38,7 @@ static double lane_measure(const struct sweep_worker *worker, int lane,
         return watch_value(&worker->watch[lane], measure->kind);
     switch (measure->kind) {
     case SWEEP_STEPS:
-        return (double)(job->whole + (job->rest != 0));
+        return (double)steps;
     case SWEEP_EVALS:
         return (double)evals;
     case SWEEP_OBSERVABLE:
@@ -192,6 +193,21 @@ static bool march(struct sweep_worker *worker)
     return true;
 }
 
+/* What is measured of a lane that has come to its end. */
+static void measure_lane(struct sweep_worker *worker, int lane, const double *y, int64_t steps,
+                         int64_t evals)
+{
+    const struct sweep_request *request = worker->job->request;
+    const int64_t i = worker->point[lane];
+    for (int m = 0; m < request->measures; m++)
+        sweep_values(worker, i)[m] =
+            lane_measure(worker, lane, &request->measure[m], y, steps, evals);
+    sweep_combine(worker, i);
+    worker->job->sweep->status[i] = STOP_END;
+    worker->side_by_side++;
+    worker->steps += (double)steps;
+}
+
 static void finish_lanes(struct sweep_worker *worker)
 {
     struct sweep_job *job = worker->job;
@@ -232,20 +248,113 @@ static void finish_lanes(struct sweep_worker *worker)
             }
             watch_end(watch, y[0]);
         }
-        for (int m = 0; m < request->measures; m++)
-            sweep_values(worker, i)[m] = lane_measure(worker, lane, &request->measure[m], y, evals);
-        sweep_combine(worker, i);
-        job->sweep->status[i] = STOP_END;
-        worker->side_by_side++;
-        worker->steps += (double)(job->whole + (job->rest != 0));
+        measure_lane(worker, lane, y, job->whole + (job->rest != 0), evals);
+    }
+}
+
+/* ---- steps whose size follows the error ---- */
+
+struct adaptive_watch {
+    double open[LANES], span[LANES]; /* has the window begun? how long it is [s] */
+    int closed;                      /* windows that have not */
+};
+
+CLONES static void add_own_areas(const double *restrict before, const double *restrict row,
+                                 const double *restrict open, double *restrict area,
+                                 double *restrict span)
+{
+    for (int lane = 0; lane < LANES; lane++) {
+        const double h = row[lane] - before[lane];
+        const double more = watch_area(h, before[LANES + lane], before[2 * LANES + lane],
+                                       row[LANES + lane], row[2 * LANES + lane]);
+        area[lane] += open[lane] != 0 ? more : 0;
+        span[lane] += open[lane] != 0 ? h : 0;
+    }
+}
+
+/* Rows of t, y, v after attempts; before: the row before these. */
+static void watch_attempts(struct sweep_worker *worker, const double *before, int64_t count,
+                           struct adaptive_watch *of)
+{
+    const double opens = worker->system[0].t0 + worker->job->opens;
+    const double *row = worker->row;
+    for (int64_t i = 0; i < count; i++, before = row, row += 3 * LANES) {
+        const bool turns = any_turns(before + LANES, row + LANES);
+        for (int lane = 0; lane < worker->used && turns; lane++)
+            if (watch_turns(before[2 * LANES + lane], row[2 * LANES + lane]))
+                watch_turn(&worker->watch[lane], before[lane], before[LANES + lane],
+                           before[2 * LANES + lane], row[lane], row[LANES + lane],
+                           row[2 * LANES + lane]);
+        if (worker->job->means)
+            add_own_areas(before, row, of->open, worker->area, of->span);
+        for (int lane = 0; lane < worker->used && of->closed > 0; lane++)
+            if (of->open[lane] == 0 && row[lane] >= opens) {
+                watch_open(&worker->watch[lane], row[LANES + lane]);
+                of->open[lane] = 1;
+                of->closed--;
+            }
+    }
+}
+
+/* False: cancelled. */
+static bool march_adaptive(struct sweep_worker *worker, struct adaptive_watch *of)
+{
+    const struct sweep_job *job = worker->job;
+    const struct sweep_request *request = job->request;
+    const double t0 = worker->system[0].t0;
+    double before[3 * LANES] = {0};
+    *of = (struct adaptive_watch){.closed = worker->used};
+    memset(worker->area, 0, sizeof worker->area);
+    for (int lane = 0; lane < worker->used; lane++) {
+        const double *start = worker->system[lane].start;
+        watch_begin(&worker->watch[lane], start[0]);
+        before[lane] = t0;
+        before[LANES + lane] = start[0];
+        before[2 * LANES + lane] = start[1];
+    }
+    lanes_control(worker->lanes, worker->used, request->settings.tol, t0 + request->duration,
+                  RUN_CREEP);
+    lanes_adapted_row(worker->lanes, worker->row);
+    for (int64_t count = 1, more = 1; more; count = SWEEP_ROWS) {
+        if (count > 1)
+            more = lanes_adapt(worker->lanes, count, job->watches ? worker->row : NULL);
+        if (job->watches) {
+            watch_attempts(worker, before, count, of);
+            memcpy(before, worker->row + 3 * (count - 1) * LANES, sizeof before);
+        }
+        if (cancelled(request->cancel))
+            return false;
+    }
+    return true;
+}
+
+static void finish_adaptive(struct sweep_worker *worker, const struct adaptive_watch *of)
+{
+    for (int lane = 0; lane < worker->used; lane++) {
+        struct extremes *watch = &worker->watch[lane];
+        int64_t steps, evals;
+        double y[LIMIT_VARIABLES];
+        lanes_state(worker->lanes, lane, y);
+        if (!lanes_adapted(worker->lanes, lane, &steps, &evals) ||
+            suspicious(y, worker->system[lane].n) ||
+            (worker->job->watches && steps >= LIMIT_SAMPLES - 1)) {
+            sweep_alone(worker, worker->point[lane]);
+            continue;
+        }
+        watch->area = worker->area[lane];
+        watch->span = of->span[lane];
+        watch_end(watch, y[0]);
+        measure_lane(worker, lane, y, steps, evals);
     }
 }
 
 /* So many points take less time alone, as measured: forces of oscillators fill a vector, sines go
- * one by one. */
-static int few(const struct system *system)
+ * one by one, who steps by its own control waits for the slowest. */
+static int few(const struct sweep_worker *worker)
 {
-    return system->model->typed ? 5 : system->model == &oscillator_model ? SWEEP_FEW : 20;
+    const struct model *model = worker->system[0].model;
+    const int points = model->typed ? 5 : model == &oscillator_model ? SWEEP_FEW : 20;
+    return worker->job->adapts && points < SWEEP_FEW_ADAPTIVE ? SWEEP_FEW_ADAPTIVE : points;
 }
 
 void sweep_flush(struct sweep_worker *worker)
@@ -255,16 +364,19 @@ void sweep_flush(struct sweep_worker *worker)
     if (worker->used == 0)
         return;
     const bool begun =
-        worker->used > few(first) &&
+        worker->used > few(worker) &&
         lanes_begin(worker->lanes, request->method, worker->drag, first, request->settings.dt);
     for (int lane = 0; begun && lane < LANES; lane++)
         lanes_set(worker->lanes, lane,
                   &worker->system[lane < worker->used ? lane : worker->used - 1]);
     for (int lane = 0; !begun && lane < worker->used; lane++) /* few, or no memory */
         sweep_alone(worker, worker->point[lane]);
+    struct adaptive_watch adaptive;
     if (begun && worker->section)
         section_march(worker);
-    else if (begun && march(worker))
+    else if (begun && worker->job->adapts && march_adaptive(worker, &adaptive))
+        finish_adaptive(worker, &adaptive);
+    else if (begun && !worker->job->adapts && march(worker))
         finish_lanes(worker);
     worker->used = 0;
 }
@@ -280,6 +392,13 @@ static bool bind_point(const struct sweep_request *request, const struct scene *
     return energy ? scene_bind(scene, system, error) : scene_bind_motion(scene, system, error);
 }
 
+bool sweep_lanes_fit(const struct sweep_job *job, const struct system *system, enum drag drag)
+{
+    const struct sweep_request *request = job->request;
+    return (job->adapts ? lanes_adapt_fit : lanes_fit)(request->method, system, drag,
+                                                       request->settings.dt);
+}
+
 void sweep_gather(struct sweep_worker *worker, int64_t i)
 {
     struct sweep_job *job = worker->job;
@@ -291,11 +410,11 @@ void sweep_gather(struct sweep_worker *worker, int64_t i)
     if (!sweep_point(request, job->sweep, i, &worker->scene, &worker->settings, &error) ||
         !bind_point(request, &worker->scene, system, &error) ||
         !method_applies(request->method, system, &drag, &error) ||
-        !method_fits(request->method, system, drag, h, &error)) {
+        (!job->adapts && !method_fits(request->method, system, drag, h, &error))) {
         sweep_refuse(worker, i, &error);
         return;
     }
-    if (!lanes_fit(request->method, system, drag, h)) {
+    if (!sweep_lanes_fit(job, system, drag)) {
         sweep_alone(worker, i);
         return;
     }

@@ -25,7 +25,7 @@ bool sweep_worker_init(struct sweep_worker *worker, struct sweep_job *job)
     worker->system = malloc((job->in_lanes ? LANES : 1) * sizeof *worker->system);
     if (job->in_lanes) {
         worker->lanes = lanes_create();
-        worker->row = malloc((size_t)SWEEP_ROWS * 2 * LANES * sizeof *worker->row);
+        worker->row = malloc((size_t)SWEEP_ROWS * 3 * LANES * sizeof *worker->row);
         worker->work =
             malloc(method_work_size(job->request->method, job->request->scene->model->n) *
                    sizeof *worker->work);

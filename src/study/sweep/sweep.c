@@ -173,8 +173,10 @@ static int thread_count(const struct sweep_request *request, int64_t tasks)
 }
 
 /* Does a point go in lanes? One at an end may lack a force (F0 = 0) of all others. */
-static bool lanes_go(const struct sweep_request *request, const struct sweep *sweep)
+static bool lanes_go(const struct sweep_job *job)
 {
+    const struct sweep_request *request = job->request;
+    const struct sweep *sweep = job->sweep;
     struct system *system = malloc(sizeof *system);
     const int64_t number[] = {sweep->first, sweep->first + sweep->count / 2,
                               sweep->first + sweep->count - 1};
@@ -184,7 +186,7 @@ static bool lanes_go(const struct sweep_request *request, const struct sweep *sw
         enum drag drag = request->settings.drag;
         go = bind_end(request, sweep, number[i], system) &&
              method_applies(request->method, system, &drag, &ignored) &&
-             lanes_fit(request->method, system, drag, request->settings.dt);
+             sweep_lanes_fit(job, system, drag);
     }
     free(system);
     return go;
@@ -204,7 +206,7 @@ static void lay_out(struct sweep_job *job)
         job->lines = job->blocks = job->width = 1; /* with nothing to do */
         return;
     }
-    job->width = job->in_lanes && lanes_go(request, sweep) ? LANES : 1;
+    job->width = job->in_lanes && lanes_go(job) ? LANES : 1;
     if (job->along == 0) {
         job->lines = last;
         job->block = row / job->width;
@@ -229,8 +231,7 @@ static void choose_lanes(struct sweep_job *job, struct plan *plan)
     const bool planned =
         system && bind_end(request, job->sweep, job->sweep->first, system) &&
         plan_make(system, request->method, settings, request->duration, plan, &ignored);
-    bool possible = planned && !settings->compensated && settings->kernel != KERNEL_GENERAL &&
-                    !(settings->tol > 0 && request->method->flags & METHOD_ADAPTIVE);
+    bool possible = planned && !settings->compensated && settings->kernel != KERNEL_GENERAL;
     for (int a = 0; a < request->axes; a++)
         possible &= request->axis[a].target != SWEEP_DT && request->axis[a].target != SWEEP_TOL &&
                     !text_is(text_of(request->axis[a].name), "t0");
@@ -241,7 +242,9 @@ static void choose_lanes(struct sweep_job *job, struct plan *plan)
     if (job->replays) /* whose states are what lanes show on the way */
         possible = possible && system->order == 2 && system->n == 2 && plan->whole > 0 &&
                    plan->whole <= SWEEP_REPLAYED && !request->section.wanted;
-    possible = possible && (!job->watches || plan->steps <= LIMIT_SAMPLES);
+    job->adapts = planned && plan->adaptive;
+    possible = possible && (job->adapts ? !job->replays && !request->section.wanted
+                                        : !job->watches || plan->steps <= LIMIT_SAMPLES);
     free(system);
     job->in_lanes = possible;
     job->replays &= possible;
@@ -401,7 +404,7 @@ void study_sweep_predict(const struct sweep_request *request, double *steps, dou
     const struct sweep_job job = job_of(request, &sweep, &plan);
     if (request->section.wanted)
         plan_section(request, &sweep, &plan);
-    const bool lanes = job.in_lanes && sweep.count > SWEEP_FEW && lanes_go(request, &sweep);
+    const bool lanes = job.in_lanes && sweep.count > SWEEP_FEW && lanes_go(&job);
     const double each = lanes && !job.replays ? plan.seconds / LANES_GAIN + NS_IN_LANES * 1e-9
                         : lanes               ? plan.seconds / REPLAY_GAIN + NS_ALONE * 1e-9
                                               : plan.seconds + NS_ALONE * 1e-9;
@@ -419,7 +422,7 @@ int64_t study_sweep_batch(const struct sweep_request *request)
     study_sweep_stretch(request, &sweep);
     const struct sweep_job job = job_of(request, &sweep, &plan);
     const int64_t threads = thread_count(request, INT64_MAX);
-    if (!job.in_lanes || !lanes_go(request, &sweep))
+    if (!job.in_lanes || !lanes_go(&job))
         return threads;
     const int64_t last = request->axes > 1 ? request->axis[1].count : 1;
     const bool rows = request->axes > 1 && choose_along(request, &sweep) == 0;

@@ -46,6 +46,7 @@ static inline bool watch_turns(double v0, double v1)
 enum {
     SWEEP_ROWS = 64,          /* steps between looks at what the lanes do */
     SWEEP_REPLAYED = 1 << 13, /* steps of a run at most, of which lanes keep the states: 8 MiB */
+    SWEEP_FEW_ADAPTIVE = 10,
     SWEEP_FEW =
         3 /* so many points take less time alone than in lanes, most of which would stand empty */
 };
@@ -57,6 +58,7 @@ struct sweep_job {
     bool tops;    /* from the start on */
     bool means;
     bool in_lanes; /* as far as that does not depend on the point */
+    bool adapts;   /* the size of steps follows the error */
     bool replays;  /* measured of runs that are given the steps that the lanes took */
     double opens;  /* [s] after t0: where the window begins */
     int64_t whole; /* in lanes: full steps, and the rest [s] */
@@ -125,6 +127,7 @@ void sweep_replay(struct sweep_worker *worker, int64_t i, const double *row, int
 
 /* ---- in lanes (sweep_lanes.c) ---- */
 
+bool sweep_lanes_fit(const struct sweep_job *job, const struct system *system, enum drag drag);
 void sweep_gather(struct sweep_worker *worker, int64_t i); /* point i goes with its neighbours */
 void sweep_flush(struct sweep_worker *worker);             /* what has been gathered goes now */
 

@@ -10,6 +10,7 @@
 #include <hooke/method.h>
 #include "long_form.h"
 #include "method/kernel/lanes.h"
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -244,6 +245,106 @@ static void test_extremes_give_the_same_bits(void **state)
     lanes_destroy(lanes);
 }
 
+/* ---- steps whose size follows the error ---- */
+
+enum { ATTEMPTS = 4000 };
+static double attempts[ATTEMPTS][3][LANES];
+
+/* By single steps from a fresh controller: to the same end through the same states. */
+static void compare_adapted(const struct lanes *lanes, const struct method *method, int lane,
+                            double tol, double t_end, int rows_there)
+{
+    double work[64], y[2] = {systems[lane].start[0], systems[lane].start[1]};
+    struct step step = {.system = &systems[lane], .t = systems[lane].t0, .y = y, .work = work};
+    struct controller controller = {.tol = tol, .h = H};
+    int64_t steps = 0, done, evals;
+    int row = 0;
+    assert_true(method_work_size(method, 2) <= COUNT_OF(work));
+    assert_true(lanes_adapted(lanes, lane, &done, &evals));
+    while (fabs(step.t - t_end) > 4 * DBL_EPSILON * fmax(fabs(step.t), fabs(t_end))) {
+        assert_int_equal(method_adapt(method, &step, &controller, t_end), STEP_OK);
+        steps++;
+        for (double t = steps > 1 ? attempts[row][0][lane] : NAN;
+             row < rows_there - 1 && attempts[row][0][lane] == t; row++) {
+        }
+        const double here[2] = {attempts[row][1][lane], attempts[row][2][lane]};
+        if (!same_state(here, y) || (attempts[row][0][lane] != step.t && step.t != t_end))
+            fail_msg("%s tol %g, lane %d, step %lld: t = %.17g: %.17g, %.17g side by side, "
+                     "%.17g: %.17g, %.17g alone",
+                     method->row.name, tol, lane, (long long)steps, attempts[row][0][lane], here[0],
+                     here[1], step.t, y[0], y[1]);
+    }
+    assert_int_equal(done, steps);
+    assert_int_equal(evals, step.cost.evals);
+}
+
+static bool adapts(const struct method *method)
+{
+    struct error error;
+    enum drag drag = DRAG_DEFAULT;
+    bool fit = method_applies(method, &systems[0], &drag, &error);
+    for (int lane = 0; lane < LANES && fit; lane++)
+        fit = lanes_adapt_fit(method, &systems[lane], drag, H) &&
+              lanes_alike(&systems[0], &systems[lane]);
+    return fit;
+}
+
+/* Forces of all sizes, tolerances, stretches of time; the lanes that do not get there are those
+ * whose single steps do not either, or are left out for steps that creep. */
+static void test_adaptive_lanes_give_the_same_bits(void **state)
+{
+    (void)state;
+    static const char *const methods[] = {"dopri5", "bogacki-shampine", "tsit5", "dop853"};
+    const struct preset *pendulum =
+        (const struct preset *)(const void *)catalog_find(&preset_catalog, text_of("pendulum"));
+    struct lanes *lanes = lanes_create();
+    int64_t compared = 0, left = 0;
+    assert_true(lanes && pendulum);
+    for (int trial = 0; trial < (is_long() ? 1500 : 60); trial++) {
+        static const unsigned forces[] = {1 | 8, 0, 1, 2, 1 | 2, 4, 1 | 8 | 4, 16};
+        const struct method *method = (const struct method *)(const void *)catalog_find(
+            &method_catalog, text_of(methods[trial % (int)COUNT_OF(methods)]));
+        const bool rod = trial % 7 == 0;
+        const unsigned which = forces[(int)(drawn() * (rod ? 2 : COUNT_OF(forces)))];
+        const double tol = pow(10, -11 + 9 * drawn()), reach = trial % 9 == 8 ? 60 : 0;
+        const int used = trial % 3 == 0 ? LANES : 1 + (int)(drawn() * LANES);
+        struct scene scene;
+        scene_init(&scene, rod ? pendulum : NULL);
+        for (int lane = 0; lane < LANES; lane++)
+            while (!wild_scene(&scene, which, reach, &systems[lane])) {
+            }
+        assert_non_null(method);
+        if (!adapts(method))
+            continue;
+        lanes_narrow(lanes, LANE_WIDEST >> trial / 4 % 3);
+        assert_true(lanes_begin(lanes, method, DRAG_DEFAULT, &systems[0], H));
+        for (int lane = 0; lane < LANES; lane++)
+            lanes_set(lanes, lane, &systems[lane]);
+        const double t_end = systems[0].t0 + pow(10, -1 + 1.5 * drawn());
+        lanes_control(lanes, used, tol, t_end, trial % 2 ? 1e-6 : 0);
+        lanes_adapted_row(lanes, &attempts[0][0][0]);
+        int there = 1;
+        bool more = true;
+        for (int piece = 1; more && there < ATTEMPTS; piece = piece * 5 % 43) {
+            piece = piece < ATTEMPTS - there ? piece : ATTEMPTS - there;
+            more = lanes_adapt(lanes, piece, &attempts[there][0][0]);
+            there += piece;
+        }
+        for (int lane = 0; lane < used; lane++) {
+            int64_t steps, evals;
+            const bool done = lanes_adapted(lanes, lane, &steps, &evals);
+            left += !done;
+            compared += done;
+            if (done)
+                compare_adapted(lanes, method, lane, tol, t_end, there);
+        }
+    }
+    print_message("# %lld lanes, %lld more not to their end\n", (long long)compared,
+                  (long long)left);
+    assert_true(compared > 1000);
+    lanes_destroy(lanes);
+}
+
 /* What must go alone does. */
 static void test_lanes_refuse(void **state)
 {
@@ -273,6 +374,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_lanes_give_the_same_bits),
         cmocka_unit_test(test_extremes_give_the_same_bits),
+        cmocka_unit_test(test_adaptive_lanes_give_the_same_bits),
         cmocka_unit_test(test_lanes_refuse),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

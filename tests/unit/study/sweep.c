@@ -122,6 +122,51 @@ static void test_lanes_equal_runs(void **state)
     assert_true(side_by_side > 1500);
 }
 
+/* Steps whose size follows the error: each lane has its own. */
+static void test_adaptive_lanes_equal_runs(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *preset, *axis;
+        double from, to;
+    } cases[] = {{"spring", "k", 2, 40},
+                 {"damped", "gamma", 0, 3},
+                 {"drag", "C", 0, 4},
+                 {"driven", "omega", 6, 12},
+                 {"driven", "gamma", 0.1, 1},
+                 {"duffing", "y0", 0.1, 3},
+                 {"duffing-driven", "F0", 0, 1},
+                 {"vanderpol", "mu", -0.5, 30},
+                 {"pendulum", "theta0", 0.1, 3},
+                 {"overdamped", "m", 0.1, 3},
+                 {"inverted", "k", -15, 15},
+                 {"pendulum-driven", "omega", 0.3, 2}};
+    static const char *const methods[] = {"dopri5", "bogacki-shampine", "tsit5", "dop853"};
+    int64_t side_by_side = 0;
+    for (size_t c = 0; c < COUNT_OF(cases); c++)
+        for (size_t m = 0; m < COUNT_OF(methods); m++) {
+            struct scene scene = scene_with(cases[c].preset, NO_SETTINGS);
+            if (c % 4 == 1)
+                scene_set_atol(&scene, 0, 1e-7);
+            struct sweep_request request =
+                request_of(&scene, methods[m], 0.01, c == 10 ? 40 : 4,
+                           "amplitude period mean max min steps evals reached y v energy");
+            request.settings.tol = m % 2 ? 1e-5 : 1e-7;
+            request.axis[0] = axis_of(&scene, cases[c].axis, cases[c].from, cases[c].to, 70);
+            request.axes = 1;
+            struct sweep lanes = sweep_of(&request);
+            request.settings.kernel = KERNEL_GENERAL; /* never in lanes */
+            struct sweep alone = sweep_of(&request);
+            assert_int_equal(alone.side_by_side, 0);
+            assert_same(&lanes, &alone, 0, methods[m]);
+            side_by_side += lanes.side_by_side;
+            sweep_free(&lanes);
+            sweep_free(&alone);
+        }
+    print_message("# %lld points went in lanes\n", (long long)side_by_side);
+    assert_true(side_by_side > 2000);
+}
+
 /* What needs the whole run is measured of runs that are given the steps of the lanes. */
 static void test_replays_equal_runs(void **state)
 {
@@ -504,12 +549,19 @@ static void test_cancelling(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_lanes_equal_runs), cmocka_unit_test(test_replays_equal_runs),
-        cmocka_unit_test(test_divergence),       cmocka_unit_test(test_shards_and_threads),
-        cmocka_unit_test(test_stretches),        cmocka_unit_test(test_resonance),
-        cmocka_unit_test(test_pendulum_period),  cmocka_unit_test(test_against_a_run),
-        cmocka_unit_test(test_other_axes),       cmocka_unit_test(test_columns),
-        cmocka_unit_test(test_refusals),         cmocka_unit_test(test_cancelling),
+        cmocka_unit_test(test_lanes_equal_runs),
+        cmocka_unit_test(test_replays_equal_runs),
+        cmocka_unit_test(test_adaptive_lanes_equal_runs),
+        cmocka_unit_test(test_divergence),
+        cmocka_unit_test(test_shards_and_threads),
+        cmocka_unit_test(test_stretches),
+        cmocka_unit_test(test_resonance),
+        cmocka_unit_test(test_pendulum_period),
+        cmocka_unit_test(test_against_a_run),
+        cmocka_unit_test(test_other_axes),
+        cmocka_unit_test(test_columns),
+        cmocka_unit_test(test_refusals),
+        cmocka_unit_test(test_cancelling),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

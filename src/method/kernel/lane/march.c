@@ -270,9 +270,9 @@ void lanes_march(struct lanes *lanes, int64_t count, double *row)
     }
     const struct lane_width width = lanes_width(lanes->most);
     const struct method *method = lanes->method;
-    lane_kernel *const kernel = width.kernels[lanes->shape][method->implicit    ? 2
-                                                            : method->splitting ? 1
-                                                                                : 0];
+    lane_kernel *const kernel = width.kernels[lanes->shape][method->implicit    ? LANE_IMPLICIT
+                                                            : method->splitting ? LANE_SPLIT
+                                                                                : LANE_EXPLICIT];
     struct lane_march march;
     march_prepare(lanes, &march);
     march.drive = !lanes->driven ? DRIVE_NONE : driven_alike(lanes) ? DRIVE_ALIKE : DRIVE_OWN;

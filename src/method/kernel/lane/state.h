@@ -19,6 +19,26 @@ struct lane_range {
     double omega[2], phase[2]; /* least and largest */
 };
 
+/*
+ * Steps whose size follows the error: what struct controller has, for each lane. Lanes whose next
+ * step is so short (of the time, and at all), whose state is so far out, or whose steps creep are
+ * not for lanes.
+ */
+#define LANE_SHORT 1e-12
+#define LANE_SHORTEST 1e-300
+#define LANE_FAR 1e100
+
+struct lane_control {
+    double tol, t0, t_end, creep;
+    /* largest_estimate() and the filter of the method */
+    double accepted, aims, by_error, by_previous, by_ratio, elementary;
+    double t[LANES], t_low[LANES], h[LANES], last[LANES], previous[LANES];
+    double sampled[LANES], elapsed[LANES], excess[2][LANES];
+    double min[2][LANES], given[2][LANES]; /* sizes; those that follow from the scene's atol, 0 */
+    int64_t running[LANES], rejected[LANES], failed[LANES], alone[LANES]; /* 0 or -1 */
+    int64_t steps[LANES], evals[LANES];
+};
+
 struct lanes {
     const struct method *method;
     enum drag drag;
@@ -44,6 +64,7 @@ struct lanes {
     struct {
         double lost[LANES], pull[LANES];
     } frozen[WEIGHTS_MAX]; /* exact linear drag in each kick */
+    struct lane_control control;
     double omega[LANES], phase[LANES];
     bool driven;
     struct lane_range range[LANES / LANE_GROUP];
@@ -90,13 +111,15 @@ enum { LANE_SHAPES(LANE_PLACE) LANE_SHAPE_COUNT };
 
 /* ---- widths ---- */
 
-/* explicit Runge-Kutta methods, splittings, implicit Runge-Kutta methods */
-enum { LANE_FAMILIES = 3 };
+enum { LANE_EXPLICIT, LANE_SPLIT, LANE_IMPLICIT, LANE_ADAPTIVE, LANE_FAMILIES };
 
 struct lane_width {
     lane_kernel *const (*kernels)[LANE_FAMILIES]; /* of a shape and a family of methods */
     void (*drives)(const struct lanes *lanes, double t, double *cosine);
 };
+
+/* Of `count` lanes from `first` on those that are marked in control.alone take a step alone. */
+void lanes_attempt_alone(struct lanes *lanes, int first, int count);
 
 /* The widest that runs here, of at most so many doubles. */
 struct lane_width lanes_width(int most);

@@ -14,11 +14,11 @@
 
 #include "method/kernel/lane/state.h"
 #include "method/kernel/lanes.h"
+#include "method/control/adapt_body.h"
 #include "method/step/irk_body.h"
 #include "method/step/newton_body.h"
 
 #include <float.h>
-#include <stdlib.h>
 
 /* Of a step of `count` lanes from `first` on: those that turned in it take it again. */
 typedef void lane_turner(struct lanes *lanes, int first, int count, int64_t number,

@@ -165,6 +165,7 @@ FAST bool WITH(turned)(int parts, const vector *before, const vector *after)
 
 #include "method/kernel/lane/implicit.h"
 #include "method/kernel/lane/turns.h"
+#include "method/kernel/lane/adaptive.h"
 
 /* `parts` vectors from `from` on. chain: four stages, each from the one before. */
 FAST void WITH(rk)(bool chain, int parts, int from, WITH(force) * force, enum drive_known drive,
@@ -350,7 +351,7 @@ TARGET static __attribute__((noinline)) void WITH(any_irk)(const struct WITH(imp
         WITH(rk)                                                                                   \
     (true, RK_PARTS, from, WITH(shape##_both), LANE_DRIVE(shape, drive),                           \
      LANE_FLAGS(shape) & TERM_KINK && lanes->turns ? WITH(shape##_turn) : NULL, lanes, march)
-#define LANE_SPLIT(shape, drive, euler, variant, parts)                                            \
+#define LANE_PARTED(shape, drive, euler, variant, parts)                                           \
     for (int from = 0; from < PARTS; from += parts)                                                \
         WITH(split)                                                                                \
     (euler, LANE_FLAGS(shape) & TERM_VELOCITY ? variant : DRAG_DEFAULT, parts, from,               \
@@ -381,11 +382,11 @@ TARGET static __attribute__((noinline)) void WITH(any_irk)(const struct WITH(imp
         if (WIDE < WIDE_UNROLLED || (!alike && !euler))                                            \
             WITH(any_split)(&WITH(shape##_forces), lanes, march);                                  \
         else if (!alike)                                                                           \
-            LANE_SPLIT(shape, DRIVE_OWN, true, DRAG_EXPLICIT, SPLIT_PARTS);                        \
+            LANE_PARTED(shape, DRIVE_OWN, true, DRAG_EXPLICIT, SPLIT_PARTS);                       \
         else if (euler)                                                                            \
-            LANE_SPLIT(shape, DRIVE_ALIKE, true, DRAG_EXPLICIT, EULER_PARTS);                      \
+            LANE_PARTED(shape, DRIVE_ALIKE, true, DRAG_EXPLICIT, EULER_PARTS);                     \
         else                                                                                       \
-            LANE_SPLIT(shape, DRIVE_ALIKE, false, lanes->drag, SPLIT_PARTS);                       \
+            LANE_PARTED(shape, DRIVE_ALIKE, false, lanes->drag, SPLIT_PARTS);                      \
     }
 LANE_SHAPES(LANE_KERNELS)
 
@@ -402,7 +403,16 @@ LANE_SHAPES(LANE_KERNELS)
 CLOSED_SHAPES(LANE_IRK_CLOSED)
 MOTION_SHAPES(LANE_IRK_MOTION)
 
-#define LANE_ENTRY(shape) {WITH(shape##_rk), WITH(shape##_split), WITH(shape##_irk)},
+#define LANE_STEPS(shape)                                                                          \
+    TARGET static void WITH(shape##_adaptive)(struct lanes * lanes,                                \
+                                              const struct lane_march *march)                      \
+    {                                                                                              \
+        WITH(any_adaptive)(&WITH(shape##_forces), lanes, march);                                   \
+    }
+LANE_SHAPES(LANE_STEPS)
+
+#define LANE_ENTRY(shape)                                                                          \
+    {WITH(shape##_rk), WITH(shape##_split), WITH(shape##_irk), WITH(shape##_adaptive)},
 
 static lane_kernel *const WITH(kernels)[LANE_SHAPE_COUNT][LANE_FAMILIES] = {
     LANE_SHAPES(LANE_ENTRY)};
@@ -425,9 +435,10 @@ static lane_kernel *const WITH(kernels)[LANE_SHAPE_COUNT][LANE_FAMILIES] = {
 #undef EULER_PARTS
 #undef LANE_DRIVE
 #undef LANE_RK4
-#undef LANE_SPLIT
+#undef LANE_PARTED
 #undef LANE_KERNELS
 #undef LANE_ENTRY
+#undef LANE_STEPS
 #undef LANE_SLOPES
 #undef LANE_JACOBIAN_TERM
 #undef LANE_JACOBIAN
