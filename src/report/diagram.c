@@ -6,7 +6,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { DIAGRAM_ROWS = 20, DIAGRAM_COLUMNS = 200 };
+enum { DIAGRAM_ROWS = 20, DIAGRAM_COLUMNS = 200, MAP_MAX = 1 << 24 /* points */ };
 
 /* ---- the numbers of a point ---- */
 
@@ -45,9 +45,9 @@ static double repeats_at(const struct swept *swept, int64_t i)
     return events_of(swept, i)[-1];
 }
 
-static double position_at(const struct sweep *sweep, int64_t i)
+static double position_at(const struct sweep *sweep, int axis, int64_t i)
 {
-    return sweep_axis_value(&sweep->axis[0], (int)sweep_number(sweep, 0, i));
+    return sweep_axis_value(&sweep->axis[axis], (int)sweep_number(sweep, axis, i));
 }
 
 static enum quantity quantity_of(const struct swept *swept, int measure)
@@ -57,29 +57,35 @@ static enum quantity quantity_of(const struct swept *swept, int measure)
 
 /* ---- the table ---- */
 
-enum { POINT, PARAMETER, EVENT, TIME, COLUMNS };
+/* Before what is measured: the number of the point, the parameters, event, t. */
+static int columns_before(const struct sweep *sweep)
+{
+    return 3 + sweep->axes;
+}
 
 static bool name_columns(const struct swept *swept, struct arena *arena,
                          struct table_column *column)
 {
-    const struct sweep_axis *axis = &swept->sweep->axis[0];
-    const int n = swept->measures;
+    const struct sweep *sweep = swept->sweep;
+    const int n = swept->measures, before = columns_before(sweep);
     struct buffer next = {0};
     buffer_format(&next, "%s_next", sweep_measure_name(&swept->measure[0]));
-    column[POINT] = (struct table_column){.name = "point", .unit = ""};
-    column[PARAMETER] = (struct table_column){.name = arena_text(arena, text_of(axis->name)),
-                                              .unit = quantity_unit(axis->quantity)};
-    column[EVENT] = (struct table_column){.name = "event", .unit = ""};
-    column[TIME] = (struct table_column){.name = "t", .unit = "s"};
+    column[0] = (struct table_column){.name = "point", .unit = ""};
+    for (int a = 0; a < sweep->axes; a++)
+        column[1 + a] =
+            (struct table_column){.name = arena_text(arena, text_of(sweep->axis[a].name)),
+                                  .unit = quantity_unit(sweep->axis[a].quantity)};
+    column[before - 2] = (struct table_column){.name = "event", .unit = ""};
+    column[before - 1] = (struct table_column){.name = "t", .unit = "s"};
     for (int m = 0; m <= n; m++)
-        column[COLUMNS + m] = (struct table_column){
+        column[before + m] = (struct table_column){
             .name = m < n ? arena_text(arena, text_of(sweep_measure_name(&swept->measure[m])))
                           : arena_text(arena, buffer_text(&next)),
             .unit = quantity_unit(quantity_of(swept, m < n ? m : 0))};
-    column[COLUMNS + n + 1] = (struct table_column){.name = "repeats", .unit = ""};
-    column[COLUMNS + n + 2] = (struct table_column){.name = "status", .unit = ""};
+    column[before + n + 1] = (struct table_column){.name = "repeats", .unit = ""};
+    column[before + n + 2] = (struct table_column){.name = "status", .unit = ""};
     bool ok = !next.failed;
-    for (int c = 0; c < COLUMNS + n + 3; c++)
+    for (int c = 0; c < before + n + 3; c++)
         ok &= column[c].name != NULL;
     buffer_free(&next);
     return ok;
@@ -95,17 +101,19 @@ static size_t row_count(const struct swept *swept, int64_t i)
 /* Rows of point i from `row` on; returns how many. */
 static size_t fill_rows(const struct swept *swept, int64_t i, double **value, size_t row)
 {
-    const int n = swept->measures, width = 1 + n;
+    const struct sweep *sweep = swept->sweep;
+    const int n = swept->measures, width = 1 + n, before = columns_before(sweep);
     const int64_t count = event_count(swept, i), rows = (int64_t)row_count(swept, i);
     for (int64_t k = 0; k < rows; k++, row++) {
         const double *at = events_of(swept, i) + k * width;
-        value[POINT][row] = (double)(swept->sweep->first + i);
-        value[PARAMETER][row] = position_at(swept->sweep, i);
-        value[EVENT][row] = count > 0 ? (double)(swept->section->skip + k + 1) : NAN;
+        value[0][row] = (double)(sweep->first + i);
+        for (int a = 0; a < sweep->axes; a++)
+            value[1 + a][row] = position_at(sweep, a, i);
+        value[before - 2][row] = count > 0 ? (double)(swept->section->skip + k + 1) : NAN;
         for (int m = 0; m <= n; m++)
-            value[TIME + m][row] = at[m];
-        value[COLUMNS + n][row] = k + 1 < count ? at[width + 1] : NAN;
-        value[COLUMNS + n + 1][row] = repeats_at(swept, i);
+            value[before - 1 + m][row] = at[m];
+        value[before + n][row] = k + 1 < count ? at[width + 1] : NAN;
+        value[before + n + 1][row] = repeats_at(swept, i);
     }
     return (size_t)rows;
 }
@@ -113,9 +121,9 @@ static size_t fill_rows(const struct swept *swept, int64_t i, double **value, si
 bool diagram_table(const struct swept *swept, struct arena *arena, struct table *table)
 {
     const struct sweep *sweep = swept->sweep;
-    const int columns = COLUMNS + swept->measures + 3, numbers = columns - 1;
+    const int columns = columns_before(sweep) + swept->measures + 3, numbers = columns - 1;
     struct table_column *column = arena_array(arena, (size_t)columns, sizeof *column);
-    double *value[COLUMNS + SWEEP_MEASURES + 2];
+    double *value[5 + SWEEP_MEASURES + 2];
     size_t rows = 0, row = 0;
     for (int64_t i = 0; i < sweep->count; i++)
         rows += row_count(swept, i);
@@ -192,7 +200,7 @@ static void put_density(const struct session *session, const struct swept *swept
     if (!x || !y || !d.value || !isfinite(d.from))
         return;
     for (int c = 0; c < d.columns; c++)
-        x[c] = position_at(sweep, (int64_t)c * sweep->count / d.columns);
+        x[c] = position_at(sweep, 0, (int64_t)c * sweep->count / d.columns);
     for (int r = 0; r < d.rows; r++)
         y[r] = d.from + (r + 0.5) * d.step;
     count_points(swept, &d);
@@ -211,6 +219,51 @@ static void put_density(const struct session *session, const struct swept *swept
                                     unit ? unit->factor : 1, y, d.rows},
                               .value = d.value};
     heat_print(&heat, width, d.rows + 5, session_charset(session), text);
+}
+
+/* ---- over two parameters ---- */
+
+/* After how many events states come again. */
+static void put_repeats(const struct session *session, const struct swept *swept,
+                        struct arena *arena, struct buffer *text)
+{
+    const struct sweep *sweep = swept->sweep;
+    const size_t n = (size_t)sweep->total;
+    double *at[2], *value = n <= MAP_MAX ? arena_array(arena, n, sizeof *value) : NULL;
+    struct heat_axis side[2];
+    int width, height;
+    for (int a = 0; a < 2; a++) {
+        const struct sweep_axis *axis = &sweep->axis[a];
+        const struct unit *unit =
+            unit_display(axis->quantity, fmax(fabs(axis->from), fabs(axis->to)));
+        at[a] = arena_array(arena, (size_t)axis->count, sizeof *at[a]);
+        if (!at[a] || !value)
+            return;
+        for (int i = 0; i < axis->count; i++)
+            at[a][i] = sweep_axis_value(axis, i);
+        side[a] = (struct heat_axis){.label = axis->name,
+                                     .unit = unit ? unit->row.name : quantity_unit(axis->quantity),
+                                     .factor = unit ? unit->factor : 1,
+                                     .value = at[a],
+                                     .count = axis->count};
+    }
+    for (size_t i = 0; i < n; i++)
+        value[i] = NAN;
+    for (int64_t i = 0; i < sweep->count; i++) {
+        const double after = repeats_at(swept, i);
+        value[sweep->first + i] = event_count(swept, i) == 0 ? NAN : isnan(after) ? -1 : after;
+    }
+    const struct heat heat = {.title = "repeats",
+                              .unit = "",
+                              .factor = 1,
+                              .x = side[0],
+                              .y = side[1],
+                              .value = value,
+                              .letters = "*0123456789+"};
+    session_size(session, &width, &height);
+    heat_print(&heat, width, height - 4 > 8 ? height - 4 : 8, session_charset(session), text);
+    buffer_put(text, TEXT("1, 2 ..: after so many events its states come again, +: after 10 or "
+                          "more, *: they do not, or not yet\n"));
 }
 
 /* ---- in words ---- */
@@ -232,10 +285,10 @@ static void put_stretches(const struct swept *swept, struct buffer *text)
             return;
         }
         buffer_format(text, "  %s = ", axis->name);
-        buffer_quantity(text, position_at(sweep, i), axis->quantity, 6);
+        buffer_quantity(text, position_at(sweep, 0, i), axis->quantity, 6);
         if (end > i + 1) {
             buffer_put(text, TEXT(" to "));
-            buffer_quantity(text, position_at(sweep, end - 1), axis->quantity, 6);
+            buffer_quantity(text, position_at(sweep, 0, end - 1), axis->quantity, 6);
         }
         if (event_count(swept, i) == 0)
             buffer_put(text, TEXT(": no event\n"));
@@ -257,8 +310,12 @@ void diagram_text(const struct session *session, const struct swept *swept, stru
         all += count;
         fewer += count < section->keep && sweep->status[i] == STOP_END;
     }
-    put_density(session, swept, arena, text);
-    put_stretches(swept, text);
+    if (sweep->axes > 1)
+        put_repeats(session, swept, arena, text);
+    else {
+        put_density(session, swept, arena, text);
+        put_stretches(swept, text);
+    }
     buffer_format(text, "%lld points of the section, after %lld left out at each value\n",
                   (long long)all, (long long)section->skip);
     sweep_summary(sweep, text);

@@ -207,8 +207,6 @@ bool finish_section(struct sweep_request *request, bool measured, struct error *
                                "skip= and keep= are for sections: sweep ... at period skip=100");
     request->section.skip = section->skip < 0 ? SWEEP_SKIP_USUAL : section->skip;
     request->section.keep = section->keep < 0 ? SWEEP_KEEP_USUAL : section->keep;
-    if (request->axes > 1)
-        return error_set(error, ERROR_COMMAND, "at a section a sweep has one parameter");
     if (section->skip + section->keep > LIMIT_EVENT_RECORDS)
         return error_set(error, ERROR_COMMAND, "skip= and keep= are at most %d together",
                          LIMIT_EVENT_RECORDS);
