@@ -172,6 +172,29 @@ void collected_put(struct buffer *file, double arrival, struct text line);
 struct recording *collected_read(struct text text, const struct load_options *options,
                                  struct error *error);
 
+#define GROWING_ROWS 16384 /* beyond them every second one goes, again and again */
+
+/* Where a recording that grows has come to. */
+struct lengthening {
+    size_t stride;           /* so many rows came for each that is kept */
+    size_t capacity;         /* [row] of its arrays */
+    size_t last_row;         /* counted from 0: the newest that came … */
+    uint32_t line;           /* … its line */
+    double t;                /* [s] and its time */
+    struct collected *known; /* of the recording */
+};
+
+/* From a recording that was read whole. False: no memory. */
+bool growth_begin(struct lengthening *growth, struct recording *recording);
+/*
+ * Adds what came: `more` was read from the last lines of the same file, which overlap with those of
+ * before; its line numbers count from the file's beginning. Where the samples have no times of
+ * their own, the overlap takes the newer ones. *other: these are other columns, nothing was added.
+ * False: no memory.
+ */
+bool recording_grow(struct recording *recording, struct lengthening *growth, struct recording *more,
+                    bool *other);
+
 /* ---- what is wrong with a recording ---- */
 
 enum finding_kind {

@@ -95,6 +95,7 @@ enum command_flag {
     COMMAND_TABLES = 512, /* its result is a table: > FILE may stand behind it */
     COMMAND_RESTORES =
         1024, /* may stand in a session that saved itself, as may what undo takes back */
+    COMMAND_BESIDE = 2048, /* also while a recording is collected */
 };
 
 /* What can stand after it, where its arguments do not say it. */

@@ -287,6 +287,17 @@ struct collecting {
     double seconds;           /* [s] since the first line, or the trigger */
     double period, amplitude; /* [s], SI of the last few periods; NAN: not known */
     enum quantity quantity;   /* of the amplitude */
+    /* the same for axes, which stay where they are while it hardly changes, and the mean over the
+     * last periods, SI; an amplitude that is not left, nor half of it, SI; NAN: not known */
+    double steady, middle, swing;
+    double until; /* [s] of the recording, where it is known to end; NAN */
+    double late;  /* [s] the newest velocity is older than the newest sample */
+    struct {
+        double t;                         /* [s] of the newest sample; NAN: there is no fit */
+        struct measured period, gamma, k; /* NAN: not determined, k: nobody has said the mass */
+    } fit;
+    struct run *model; /* the scene, from the first swing on to now; NULL: none that would match */
+    double offset;     /* of the recording where the model is at rest, SI */
     struct feed *feed;
 };
 
@@ -371,6 +382,7 @@ struct session {
     struct log log;
     struct live live;
     struct collecting *collecting; /* NULL: nothing is collected now */
+    bool fits_live;                /* what is collected next, or now, is fitted every second */
 };
 
 /* A sweep that Ctrl-C has stopped. */
@@ -405,6 +417,15 @@ void session_state_line(const struct session *session, struct buffer *text);
 static inline struct run *session_run(const struct session *session)
 {
     return session->current_run >= 0 ? session->run[session->current_run]->run : NULL;
+}
+
+/* It is the one that is being collected. */
+static inline bool session_grows(const struct session *session, const struct recording *recording)
+{
+    for (int i = 0; session->collecting && i < session->recordings; i++)
+        if (session->recording[i]->growing && session->recording[i]->recording == recording)
+            return true;
+    return false;
 }
 
 static inline struct recording *session_recording(const struct session *session)

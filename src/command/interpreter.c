@@ -177,7 +177,7 @@ static bool exec_statement(struct session *session, struct text line, size_t log
                   arguments->command->row.name, running->number);
         return error_hint(error, "'pause' or Ctrl-C pauses it");
     }
-    if (session->collecting && !(arguments->command->flags & COMMAND_ANYTIME)) {
+    if (session->collecting && !(arguments->command->flags & (COMMAND_ANYTIME | COMMAND_BESIDE))) {
         error_set(error, ERROR_COMMAND, "%s has to wait: a recording is being collected",
                   arguments->command->row.name);
         return error_hint(error, "'stop' or Ctrl-C ends it, and keeps it");

@@ -97,7 +97,8 @@ static bool read_text(struct table_text *text, const struct load_options *option
     struct arena scratch = {0};
     bool done = table_head(text, &scratch) || error_memory(error);
     if (done) {
-        table_find(text, 0, options, &text->layout, &text->problem);
+        if (!text_starts(text->text, TEXT(COLLECTED_HEAD))) /* their table is inside of the lines */
+            table_find(text, 0, options, &text->layout, &text->problem);
         recording->header_rate = table_rate(text);
         const struct format *format = format_of(text, NULL);
         snprintf(recording->format, sizeof recording->format, "%s", format->row.name);

@@ -313,11 +313,26 @@ static void mark_present(const struct drawing *d, struct figure *figure)
     figure->point[1] = curve->y[curve->n - 1];
 }
 
+/* Of what is being collected twice what is drawn of it, however long it is. */
+static bool recent_rows(struct drawing *d, const struct recording *recording, struct series *series)
+{
+    struct recording part = *recording; /* its arrays are shared */
+    const double trail = 2 * drawing_trail(d) * d->session->collecting->steady,
+                 shown = d->request->shared ? d->request->shared->shown : HUGE_VAL,
+                 from = part.window[1] - 2 * fmax(shown, trail);
+    part.window[0] = isfinite(trail) ? fmax(part.window[0], from) : part.window[0];
+    return recording_series(&part, d->arena, 2, series, d->error);
+}
+
 /* What a recording has of the motion; without a run it is that of an oscillator. */
 static bool find_motion(struct drawing *d, const struct recording *recording)
 {
-    if (!data_motion(d->session, recording, NULL, kind_of(d)->energy, d->arena, &d->motion,
-                     d->error))
+    const bool grows = d->request->follow && session_grows(d->session, recording);
+    struct series recent;
+    if (grows && !recent_rows(d, recording, &recent))
+        return false;
+    if (!data_motion(d->session, recording, grows ? &recent : NULL, kind_of(d)->energy, d->arena,
+                     &d->motion, d->error))
         return false;
     if (d->request->runs > 0)
         return d->model == &oscillator_model ||
@@ -329,6 +344,30 @@ static bool find_motion(struct drawing *d, const struct recording *recording)
     d->period = 6.283185307179586 / omega;
     if (kind_of(d)->scaled && d->session->setup.settings.phase_axes == PHASE_SCALED && omega > 0)
         d->omega0 = omega;
+    return true;
+}
+
+/* Laid over a recording while it grows: the scene, integrated to now. */
+static bool add_model(struct drawing *d, const struct recording *recording)
+{
+    const struct collecting *now = d->session->collecting;
+    const int first = d->curves;
+    if (d->request->runs > 0 || !session_grows(d->session, recording) || !now->model ||
+        !(is_shown(d, recording) || drawing_needs_motion(d, recording)))
+        return true;
+    d->model = now->model->system.model;
+    if (!add_run(d, now->model))
+        return false;
+    for (int i = first; i < d->curves; i++) {
+        struct curve *curve = &d->curve[i];
+        double *y = arena_array(d->arena, curve->n + 1, sizeof *y);
+        if (!y)
+            return error_memory(d->error);
+        for (size_t k = 0; k < curve->n; k++)
+            y[k] = curve->y[k] + (kind_of(d)->recorded == RECORDED_POSITION ? now->offset : 0);
+        curve->y = y;
+        curve->label = now->model->scene.preset->row.name;
+    }
     return true;
 }
 
@@ -371,6 +410,8 @@ static bool gather_curves(struct drawing *d, const struct plot_row *row)
                               : add_run(d, session->run[request->run[i]]->run)))
             return false;
     if (request->band.len ? !drawing_band(d) : request->stored_band && !drawing_stored_band(d))
+        return false;
+    if (recording && !row->residual && !add_model(d, recording))
         return false;
     if (recording && !(row->residual ? drawing_residual : drawing_recording)(d, recording))
         return false;

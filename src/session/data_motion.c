@@ -18,8 +18,11 @@ static bool fitted(const struct session *session, const struct recording *record
 double motion_frequency(const struct session *session, const struct recording *recording,
                         const struct series *series, struct arena *arena)
 {
-    return fitted(session, recording) ? session->fit.omega.value
-                                      : series_peak_frequency(series, arena);
+    if (fitted(session, recording))
+        return session->fit.omega.value;
+    if (session_grows(session, recording)) /* it is looked for now and then */
+        return TWO_PI / session->collecting->steady;
+    return series_peak_frequency(series, arena);
 }
 
 /* ---- velocities ---- */
@@ -130,6 +133,8 @@ bool data_motion(const struct session *session, const struct recording *recordin
     motion->omega = motion_frequency(session, recording, s, arena);
     if (fitted(session, recording))
         motion->middle = session->fit.offset.value - (recording->zero - session->fit_zero);
+    else if (session_grows(session, recording) && isfinite(session->collecting->middle))
+        motion->middle = session->collecting->middle - recording->zero;
     else
         for (size_t i = 0; i < s->n; i++)
             motion->middle += s->y[i] / (double)s->n;

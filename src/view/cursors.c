@@ -41,9 +41,7 @@ void cursors_draw(const struct screen *screen, const struct figure_layout *layou
     }
 }
 
-/* "1.4530(4)": the uncertainty in units of the last digit. That of a simulation is beyond what is
- * shown. */
-static void put_parenthesis(struct buffer *out, double value, double uncertainty)
+void parenthesis_put(struct buffer *out, double value, double uncertainty)
 {
     int decimals = uncertainty > 0 && uncertainty < 9.5
                        ? larger(-(int)floor(log10(uncertainty * 1.0526)), 0)
@@ -64,7 +62,7 @@ static void put_cursor(struct buffer *out, const struct cursors *cursors, int i)
     const struct unit *unit =
         unit_display(cursors->quantity, fmax(cursors->at[i].amplitude, fabs(cursors->at[i].y)));
     buffer_put(out, TEXT("t = "));
-    put_parenthesis(out, cursors->at[i].t, cursors->at[i].t_uncertainty);
+    parenthesis_put(out, cursors->at[i].t, cursors->at[i].t_uncertainty);
     /* never -0.00 */
     double y = floor(cursors->at[i].y / (unit ? unit->factor : 1) * 100 + 0.5) / 100 + 0.0;
     buffer_format(out, " s   y = %.2f %s", y,
@@ -84,9 +82,9 @@ static void put_interval(struct buffer *out, const struct cursor_reading *readin
         return;
     buffer_format(out, " / %.6g period%s   T = ", reading->periods,
                   reading->periods == 1 ? "" : "s");
-    put_parenthesis(out, reading->period.value, reading->period.uncertainty);
+    parenthesis_put(out, reading->period.value, reading->period.uncertainty);
     buffer_put(out, TEXT(" s   f = "));
-    put_parenthesis(out, reading->frequency.value, reading->frequency.uncertainty);
+    parenthesis_put(out, reading->frequency.value, reading->frequency.uncertainty);
     buffer_put(out, TEXT(" Hz"));
 }
 

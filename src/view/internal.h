@@ -106,4 +106,8 @@ static inline int smaller(int a, int b)
     return a < b ? a : b;
 }
 
+/* "1.4530(4)": the uncertainty in units of the last digit. That of a simulation is beyond what is
+ * shown. */
+void parenthesis_put(struct buffer *out, double value, double uncertainty);
+
 #endif

@@ -6,8 +6,9 @@
 
 #include <stdio.h>
 
-#define CAPTION_WIDTH 40 /* [cell] from here on the phase plot has it in its title */
-#define PAGES 4          /* a live view moves on by a quarter of its window */
+#define CAPTION_WIDTH 40  /* [cell] from here on the phase plot has it in its title */
+#define PAGES 4           /* a live view moves on by a quarter of its window */
+#define PAGES_COLLECTED 2 /* noise is drawn anew, cell by cell: less often */
 
 /* ---- what is asked of the session ---- */
 
@@ -18,12 +19,12 @@ static double planned_end(const struct run *run)
     return span > 0 ? run->system.t0 + (run->t < run->system.t0 ? -span : span) : NAN;
 }
 
-/* The present run, then those laid over it. */
+/* The present run, then those laid over it; none beside what is being collected. */
 static int shown_runs(const struct session *session, int placed[1 + LIMIT_OVERLAY])
 {
     const struct run *present = session_run(session);
     int count = 0;
-    if (!present)
+    if (!present || session_grows(session, session_recording(session)))
         return 0;
     placed[count++] = session->current_run;
     for (int i = 0; i < session->view.overlays; i++) {
@@ -69,7 +70,9 @@ static struct figure_request make_request(struct screen *screen, enum plot_kind 
         .stored_band =
             session->setup.settings.band == BAND_ON && session->live.state != LIVE_RUNNING,
         .span = view->window,
-        .pages = view->paging ? PAGES : larger(width, 1),
+        .pages = !view->paging                                        ? larger(width, 1)
+                 : session_grows(session, session_recording(session)) ? PAGES_COLLECTED
+                                                                      : PAGES,
         .until = run && run_in_progress(session) ? planned_end(run) : NAN,
     };
     if (view_has_time_range(view)) {

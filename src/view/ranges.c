@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Ranges of panes: axes that stay where they are while a curve grows, and the one time axis of a
  * screen. */
+#include <hooke/base/numeric.h>
 #include <hooke/plot.h>
 #include "view/internal.h"
 
@@ -85,6 +86,23 @@ void ranges_reach_label(struct axis *axis, int columns)
         axis->to = next;
 }
 
+/* So do those of what is being collected, where it is known by now. */
+static void extend_collected(const struct session *session, const struct figure *figure,
+                             enum plot_kind pane, bool vertical, struct value_span *extent)
+{
+    const struct collecting *now = session->collecting;
+    const struct plot_row *row = plot_row(pane);
+    if (row->energy || !plot_shows_state(pane) || !isfinite(now->swing))
+        return;
+    const bool rate = row->vertical == VERTICAL_RATE && (row->across == ACROSS_TIME || vertical);
+    const double size = now->swing * (rate && !figure->equal ? TWO_PI / now->steady : 1),
+                 middle = rate || row->across != ACROSS_TIME
+                              ? 0
+                              : now->middle - session_recording(session)->zero;
+    extend(extent, middle - size);
+    extend(extent, middle + size);
+}
+
 /* While a run goes on the range holds the amplitude the scene is expected to have, from the first
  * frame on. */
 static void extend_expected(const struct session *session, const struct figure *figure,
@@ -92,6 +110,10 @@ static void extend_expected(const struct session *session, const struct figure *
 {
     const struct run *run = session_run(session);
     const struct plot_row *row = plot_row(pane);
+    if (session_grows(session, session_recording(session))) {
+        extend_collected(session, figure, pane, vertical, extent);
+        return;
+    }
     if (!run || !run_in_progress(session) || !(row->energy || plot_shows_state(pane)))
         return;
     const struct system *system = &run->system;

@@ -72,6 +72,27 @@ static int time_decimals(double dt)
     return decimals;
 }
 
+/* "T=0.72553(4)s" */
+static void put_fitted(struct buffer *out, const char *name, struct measured value,
+                       const char *unit, bool blanks)
+{
+    if (!isfinite(value.value) || !(value.uncertainty > 0))
+        return;
+    buffer_format(out, " %s=", name);
+    parenthesis_put(out, value.value, value.uncertainty);
+    buffer_format(out, "%s%s", blanks && unit[0] ? " " : "", unit);
+}
+
+static void put_live_fit(struct buffer *out, const struct collecting *now, bool blanks)
+{
+    buffer_put(out, TEXT("  fit"));
+    if (!isfinite(now->fit.period.value))
+        buffer_put(out, TEXT(": not determined yet"));
+    put_fitted(out, "T", now->fit.period, "s", blanks);
+    put_fitted(out, "gamma", now->fit.gamma, "", blanks);
+    put_fitted(out, "k", now->fit.k, "N/m", blanks);
+}
+
 /* What is collected, instead of what is simulated. */
 static void put_collecting(struct buffer *out, const struct collecting *now,
                            const struct line_form *form)
@@ -79,16 +100,24 @@ static void put_collecting(struct buffer *out, const struct collecting *now,
     static const char *const words[] = {[COLLECT_WAITING] = "WAITING",
                                         [COLLECT_GOES_ON] = "COLLECTING",
                                         [COLLECT_PAUSED] = "PAUSED"};
+    const bool fits = isfinite(now->fit.t);
     buffer_format(out, "%s %.1f s", words[now->state], now->seconds);
     if (form->steps)
         buffer_format(out, "  %llu lines", (unsigned long long)now->lines);
-    if (now->period > 0) {
+    if (now->period > 0 && !fits) {
         buffer_put(out, TEXT("  T="));
         put_quantity(out, now->period, QUANTITY_TIME, form->blanks);
     }
     if (now->amplitude > 0 && now->quantity != QUANTITY_OTHER) {
         buffer_put(out, TEXT(" A="));
         put_quantity(out, now->amplitude, now->quantity, form->blanks);
+    }
+    if (fits)
+        put_live_fit(out, now, form->blanks);
+    if (form->steps && now->late > 0) {
+        buffer_put(out, TEXT("  v "));
+        put_quantity(out, now->late, QUANTITY_TIME, form->blanks);
+        buffer_put(out, TEXT(" late"));
     }
 }
 

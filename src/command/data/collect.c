@@ -176,7 +176,14 @@ static bool collect(struct collection *c, const struct arguments *args, struct e
                                          .max = c->max,
                                          .safe = session->safe};
     c->view = (struct collect_view){.path = c->path, .options = &c->options, .fd = -1};
-    c->state = (struct collecting){.period = NAN, .amplitude = NAN};
+    c->state = (struct collecting){.period = NAN,
+                                   .amplitude = NAN,
+                                   .steady = NAN,
+                                   .middle = NAN,
+                                   .swing = NAN,
+                                   .until = NAN,
+                                   .late = NAN,
+                                   .fit = {.t = NAN}};
     c->trigger.after = c->again ? c->from : -HUGE_VAL;
     c->state.feed = feed->open(&request, error);
     if (!c->state.feed) {
@@ -190,12 +197,15 @@ static bool collect(struct collection *c, const struct arguments *args, struct e
                    c->to_shown);
     session->collecting = &c->state;
     const bool interrupted = collect_follow(c);
-    session->collecting = NULL;
     feed->close(c->state.feed, &c->look);
     c->state.feed = NULL;
-    collect_view_free(&c->view);
     if (interrupted)
         feed->heeded();
+    if (session->fits_live)
+        collect_fit_last(c);
+    session->collecting = NULL;
+    collect_view_free(&c->view);
+    collect_live_free(c);
     return collect_finish(c, args, error);
 }
 
@@ -346,7 +356,9 @@ COMMAND(
             "as it came; at the end that is loaded. for= counts from the first line, or from "
             "trigger=, of which before= is kept. Ctrl-C or 'stop' ends it and keeps it; again: "
             "the same into another file; continue: into the same, also after --resume. While it "
-            "goes on, pause drops what comes.",
+            "goes on, pause drops what comes, and the panes show it grow: with its period, 'fit "
+            "damped --live' and, once you have said what the scene is, its motion from the first "
+            "swing on.",
     .examples = "collect /dev/ttyACM0 baud=9600 for=10s unit=cm\ncollect /tmp/sensor "
                 "trigger=\"y rising 22 cm\" before=0.5s for=10s to=swing.txt",
     .see = "load stop pause measure fit", .flags = COMMAND_CHANGES | COMMAND_ANYTIME,

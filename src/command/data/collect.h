@@ -5,6 +5,8 @@
 
 #include "command/internal.h"
 
+#include <sys/types.h>
+
 /* Something to wait for: the value passes a level. */
 struct trigger {
     bool wanted;
@@ -25,20 +27,32 @@ bool trigger_look(struct trigger *trigger, const struct recording *recording, st
 void trigger_missed(const struct trigger *trigger, const struct recording *recording,
                     struct buffer *out);
 
-/* What has come, for the panes and the trigger: the last lines of the file, read anew. */
+/* What has come, for the panes and the trigger: each look reads on in the file. */
 struct collect_view {
     const char *path;
     const struct load_options *options;
-    int fd;             /* of the file; -1: not yet opened */
-    struct buffer head; /* of the file, before its first sample; empty: not yet known */
-    uint64_t lines;     /* in the file when it was last read */
-    int64_t due;        /* [clock_ns] not before */
+    int fd;              /* of the file; -1: not yet opened */
+    struct buffer head;  /* of the file, before its first sample; empty: not yet known */
+    uint32_t head_lines; /* in it, without remarks */
+    off_t from;          /* the line at which the next look begins … */
+    uint32_t before;     /* … and lines in the file before it, without remarks */
+    uint64_t lines;      /* in the file when it was last read */
+    int64_t due;         /* [clock_ns] not before */
     struct error problem;
 };
 
-/* NULL: nothing new, not yet, or nothing can be made of it: problem.text. */
+/* The new rows and some before them. NULL: nothing new, not yet, or nothing can be made of it:
+ * problem.text. */
 struct recording *collect_view_read(struct collect_view *view, uint64_t lines);
 void collect_view_free(struct collect_view *view);
+
+/* What is found of the lines while they come, each now and then. */
+struct collect_live {
+    struct lengthening growth;
+    int64_t period_due, fit_due; /* [clock_ns] */
+    struct scene laid;           /* that the model is of */
+    const struct method *by;
+};
 
 enum collect_end { END_BY_FEED, END_STOPPED, END_IN_TIME };
 
@@ -58,6 +72,7 @@ struct collection {
     uint64_t max, there; /* lines; that were there before */
     struct collecting state;
     struct collect_view view;
+    struct collect_live live;
     struct feed_look look;
     enum collect_end how;
     bool said_silent, said_none;
@@ -66,6 +81,13 @@ struct collection {
 
 /* Its place among the recordings while it grows; -1: it is not shown. */
 int collect_own_place(const struct session *session);
+/* Of what is shown by now: period, fit, the scene laid over it. */
+void collect_find(struct collection *c, struct recording *recording);
+/* Of all that came. */
+void collect_fit_last(struct collection *c);
+/* What the last fit was. */
+void collect_say_fit(const struct collection *c);
+void collect_live_free(struct collection *c);
 /* Until it ends; true: by a Ctrl-C. */
 bool collect_follow(struct collection *c);
 /* What was collected becomes a recording as any other, which `load` gives again. */

@@ -174,6 +174,7 @@ bool collect_finish(struct collection *c, const struct arguments *args, struct e
     say_end(c, recording);
     reply_description(recording, c->reply);
     reply_collected(c, recording);
+    collect_say_fit(c);
     if (c->look.end != FEED_FAILED)
         return true;
     error_set(error, ERROR_IO, "%s took no more (%s): what it has is whole, %llu %s lost",

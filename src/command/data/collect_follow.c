@@ -4,12 +4,10 @@
 
 #include <math.h>
 #include <stdio.h>
-#include <string.h>
 #include <time.h>
 
 #define LOOK_NS 50000000 /* between looks at what has come */
 #define SILENT_S 2.0     /* then it is said what is waited for */
-#define PERIODS_SHOWN 8  /* of which the last is told */
 
 int collect_own_place(const struct session *session)
 {
@@ -19,62 +17,50 @@ int collect_own_place(const struct session *session)
     return -1;
 }
 
-static void read_period(struct collection *c, const struct recording *recording)
-{
-    struct arena arena = {0};
-    struct series series;
-    struct error ignored;
-    struct period period;
-    struct period_reading reading;
-    c->state.period = c->state.amplitude = NAN;
-    c->state.quantity = recording->column[recording->value].quantity;
-    if (recording_series(recording, &arena, 16, &series, &ignored) &&
-        series_period(&series, &arena, &period, &ignored)) {
-        c->state.period = period.period.value;
-        const double from = series.t[series.n - 1] - PERIODS_SHOWN * period.period.value;
-        for (size_t i = 0; i < series.n; i++)
-            if (series.t[i] >= from) {
-                series = (struct series){series.t + i, series.y + i, series.n - i, series.quantity,
-                                         series.cancel};
-                break;
-            }
-        if (series_period_readings(&series, 1, &arena, &reading, &ignored))
-            c->state.amplitude = reading.amplitude.value;
-    }
-    arena_reset(&arena);
-}
-
-/* Takes the place of what was seen before. */
-static void show(struct collection *c, struct recording *recording)
+/* The first rows that can be read. */
+static void begin_showing(struct collection *c, struct recording *recording)
 {
     struct error ignored;
+    const int same = session_find_recording(c->session, c->options.name);
+    if (same >= 0)
+        session_drop_recording(c->session, same);
     snprintf(recording->name, sizeof recording->name, "%.*s", (int)c->options.name.len,
              c->options.name.at);
+    struct buffer options = {0};
+    buffer_put(&options, c->put_options);
+    if (!growth_begin(&c->live.growth, recording))
+        recording_destroy(recording);
+    else if (session_add_recording(c->session, recording, buffer_view(&options), &ignored))
+        c->session->recording[c->session->recordings - 1]->growing = true;
+    buffer_free(&options);
+}
+
+/* Adds what has come to what is shown, or takes its place where the columns have become others. */
+static void show(struct collection *c, struct recording *more)
+{
     int place = collect_own_place(c->session);
-    if (place < 0) {
-        const int same = session_find_recording(c->session, c->options.name);
-        if (same >= 0)
-            session_drop_recording(c->session, same);
-        struct buffer options = {0};
-        buffer_put(&options, c->put_options);
-        if (session_add_recording(c->session, recording, buffer_view(&options), &ignored)) {
-            place = c->session->recordings - 1;
-            c->session->recording[place]->growing = true;
-        }
-        buffer_free(&options);
-    } else {
-        recording_destroy(c->session->recording[place]->recording);
-        c->session->recording[place]->recording = recording;
+    bool other = false;
+    if (place >= 0) {
+        struct recording *grown = c->session->recording[place]->recording;
+        recording_grow(grown, &c->live.growth, more, &other);
         session_changed(c->session);
+        if (other)
+            session_drop_recording(c->session, place);
     }
+    if (place < 0 || other)
+        begin_showing(c, more);
+    else
+        recording_destroy(more);
+    place = collect_own_place(c->session);
     if (place >= 0)
-        read_period(c, c->session->recording[place]->recording);
+        collect_find(c, c->session->recording[place]->recording);
 }
 
 static void look_at_recording(struct collection *c)
 {
     const bool waits = c->trigger.wanted && isnan(c->trigger.t) && !c->never.text[0];
-    if (!c->session->front.watched && !waits)
+    const bool shows = c->session->front.watched || c->session->fits_live;
+    if (!shows && !waits)
         return;
     struct recording *recording = collect_view_read(&c->view, c->look.lines);
     if (!recording)
@@ -82,10 +68,18 @@ static void look_at_recording(struct collection *c)
     if (waits && trigger_look(&c->trigger, recording, &c->never))
         reply_note(c->reply, "trigger: %.*s at t = %.6g s", (int)c->trigger.name.len,
                    c->trigger.name.at, c->trigger.t);
-    if (c->session->front.watched)
+    if (shows)
         show(c, recording);
     else
         recording_destroy(recording);
+}
+
+void collect_fit_last(struct collection *c)
+{
+    do {
+        c->view.due = c->live.fit_due = 0;
+        look_at_recording(c);
+    } while (c->view.lines == 0 && collect_own_place(c->session) >= 0);
 }
 
 /* What is waited for, once, when nothing comes, or nothing that can be read. */
@@ -121,6 +115,7 @@ static void tell_state(struct collection *c)
     if (state->state != COLLECT_PAUSED)
         state->state = waits ? COLLECT_WAITING : COLLECT_GOES_ON;
     state->lines = c->look.lines + c->there;
+    state->until = start + c->length < HUGE_VAL ? start + c->length : NAN;
     state->seconds = isnan(start) ? 0 : c->look.now - start;
     if (state->seconds >= c->length && state->state == COLLECT_GOES_ON) {
         state->stop = true;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What is seen of lines while they come: the last ones, so that the last costs as much as the
- * first. */
+/* What is seen of lines while they come: only the new ones are read, and some before them, so that
+ * the last cost as much as the first. */
 #include "command/data/collect.h"
 
 #include <fcntl.h>
@@ -9,35 +9,38 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#define TAIL_BYTES 131072    /* of the file that are read: some thousand lines */
-#define LOOK_NS 100000000    /* between looks */
+#define FIRST_BYTES 524288   /* of the file that are read at once, at most */
+#define TAIL_BYTES 32768     /* where times come from arrivals: a line through some thousand */
+#define OVERLAP_BYTES 4096   /* else: so many that the columns are known again */
+#define LOOK_NS 50000000     /* between looks */
 #define SHARE 40             /* the looks take that part of the time */
 #define TRIGGER_GLITCH 1e-12 /* [s] of rounding in times */
 
-/* The last bytes of the file, from a beginning of a line on. */
-static bool read_tail(struct collect_view *view, struct buffer *text)
+static bool is_counted(struct text line)
 {
-    struct stat st;
+    return line.len > 0 && line.at[0] != '#';
+}
+
+/* The file from the line on where the last look ended, behind its head. *all: to its end. */
+static bool read_new(struct collect_view *view, struct buffer *text, bool *all)
+{
+    char piece[4096];
+    *all = false;
     if (view->fd < 0)
         view->fd = open(view->path, O_RDONLY | O_CLOEXEC);
-    if (view->fd < 0 || fstat(view->fd, &st) != 0)
+    if (view->fd < 0)
         return false;
-    const bool all = st.st_size <= TAIL_BYTES || view->head.len == 0;
-    const off_t from = all ? 0 : st.st_size - TAIL_BYTES;
-    char piece[4096];
-    bool in_line = !all;
-    if (!all)
-        buffer_put(text, buffer_text(&view->head));
-    for (off_t at = from; at < from + (all ? 4 : 1) * TAIL_BYTES;) {
+    buffer_put(text, buffer_text(&view->head));
+    for (off_t at = view->from; at < view->from + FIRST_BYTES;) {
         const ssize_t got = pread(view->fd, piece, sizeof piece, at);
-        if (got <= 0)
+        *all = got <= 0;
+        if (*all)
             break;
-        const char *begin = in_line ? memchr(piece, '\n', (size_t)got) : piece - 1;
-        if (begin)
-            buffer_put(text, (struct text){begin + 1, (size_t)(piece + got - begin - 1)});
-        in_line = in_line && !begin;
+        buffer_put(text, (struct text){piece, (size_t)got});
         at += got;
     }
+    while (text->len > 0 && text->data[text->len - 1] != '\n')
+        text->len--; /* the rest is being written */
     return text->len > 0 && !text->failed;
 }
 
@@ -48,13 +51,42 @@ static void keep_head(struct collect_view *view, struct text file,
     struct text rest = file, line;
     uint32_t lines = 0;
     while (text_split(&rest, '\n', &line)) {
-        const bool remark = line.len > 0 && line.at[0] == '#';
-        lines += !remark;
-        if (!remark && lines >= recording->line[0])
+        lines += is_counted(line);
+        if (is_counted(line) && lines >= recording->line[0])
             break;
         buffer_put(&view->head, line);
         buffer_char(&view->head, '\n');
+        view->head_lines += is_counted(line);
     }
+    view->from = (off_t)view->head.len;
+    view->before = view->head_lines;
+}
+
+/* The next look begins so many bytes before the end of this one, at a line. */
+static void go_on(struct collect_view *view, struct text seen, size_t overlap)
+{
+    struct text rest = {seen.at + view->head.len, seen.len - view->head.len}, line;
+    while (rest.len > overlap && text_split(&rest, '\n', &line)) {
+        view->from += (off_t)line.len + 1;
+        view->before += is_counted(line);
+    }
+}
+
+static struct recording *read_rows(struct collect_view *view, struct text text)
+{
+    struct recording *recording = collected_read(text, view->options, &view->problem);
+    if (!recording)
+        return NULL;
+    if (view->head.len == 0)
+        keep_head(view, text, recording);
+    else
+        for (size_t i = 0; i < recording->rows; i++)
+            recording->line[i] += view->before - view->head_lines;
+    recording->path = arena_text(&recording->arena, text_of(view->path));
+    if (recording->path)
+        return recording;
+    recording_destroy(recording);
+    return NULL;
 }
 
 struct recording *collect_view_read(struct collect_view *view, uint64_t lines)
@@ -62,21 +94,16 @@ struct recording *collect_view_read(struct collect_view *view, uint64_t lines)
     const int64_t begun = clock_ns();
     struct buffer text = {0};
     struct recording *recording = NULL;
+    bool all;
     if (lines < 3 || lines == view->lines || begun < view->due)
         return NULL;
-    view->lines = lines;
-    if (read_tail(view, &text)) {
-        recording = collected_read(buffer_text(&text), view->options, &view->problem);
-        if (recording && view->head.len == 0)
-            keep_head(view, buffer_text(&text), recording);
-        if (recording)
-            recording->path = arena_text(&recording->arena, text_of(view->path));
-    }
-    if (recording && !recording->path) {
-        recording_destroy(recording);
-        recording = NULL;
-    }
+    if (read_new(view, &text, &all))
+        recording = read_rows(view, buffer_text(&text));
+    if (recording)
+        go_on(view, buffer_text(&text),
+              recording->collected->clock == CLOCK_DEVICE ? OVERLAP_BYTES : TAIL_BYTES);
     buffer_free(&text);
+    view->lines = all || !recording ? lines : 0;
     const int64_t spent = SHARE * (clock_ns() - begun);
     view->due = begun + (spent > LOOK_NS ? spent : LOOK_NS);
     return recording;

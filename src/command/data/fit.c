@@ -8,8 +8,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* The mass on the spring, if somebody has said what it is. */
-static bool known_mass(const struct scene *scene, struct measured *mass)
+bool known_mass(const struct scene *scene, struct measured *mass)
 {
     const int m = scene_param(scene, "m");
     if (m < 0 || !scene->chosen[m])
@@ -110,8 +109,29 @@ static bool fit_motion(const struct fit_request *call, const struct fit_model *m
     return fit.converged || not_converged(why, error);
 }
 
+/* Of what is being collected, or will be next. */
+static bool fit_while_collecting(struct session *session, const struct arguments *args,
+                                 struct reply *reply, struct error *error)
+{
+    const struct argument_value *model = argument_value(args, "MODEL");
+    for (int i = 0; i < args->command->arguments; i++)
+        if (args->value[i].count > 0 && &args->value[i] != model &&
+            &args->value[i] != argument_value(args, "live"))
+            return error_at(error, args->value[i].where,
+                            "--live fits all that there is: it takes no more");
+    if (model->count && model->item->row != catalog_row(&fit_catalog, 0))
+        return error_at(error, model->where, "--live fits a damped sine: fit damped --live");
+    session->fits_live = true;
+    reply_line(reply, session->collecting
+                          ? "fitted every second until it ends: see the state line"
+                          : "what is collected next is fitted every second until it ends");
+    return true;
+}
+
 HANDLER(fit)
 {
+    if (has_argument(args, "live"))
+        return fit_while_collecting(session, args, reply, error);
     const struct argument_value *model = argument_value(args, "MODEL"),
                                 *run = argument_value(args, "run"),
                                 *to = argument_value(args, "to");
@@ -174,17 +194,19 @@ COMMAND(
             "parameters. Their values\n"
             "are fit_NAME afterwards. --robust gives samples far off no weight; --bootstrap N "
             "makes the intervals "
-            "from N synthetic fits.",
+            "from N synthetic fits. --live fits what is being collected every second, in the state "
+            "line.",
     .examples =
         "load bare.txt; m = 200 g; fit damped; adopt; fit scene free=k,gamma,y0,v0; adopt; run\n"
         "load disk.txt; fit modes 2; fit a*exp(-b*t)*cos(w*t+p)+c b=0.01 w=8.3",
-    .see = "adopt measure load", .flags = COMMAND_TABLES,
+    .see = "adopt measure load collect", .flags = COMMAND_TABLES | COMMAND_BESIDE,
     ARGUMENTS(PLACE("MODEL", TYPE_MODEL, .choices = &fit_catalog), PLACE("COUNT", TYPE_INTEGER),
               WORD("to", TYPE_RECORDING, .group = 1), WORD("run", TYPE_RUN, .group = 1),
               KEY("window", TYPE_RANGE, .quantity = QUANTITY_TIME),
               KEY("free", TYPE_PARAM, .flags = ARG_MANY),
               KEY("NAME", TYPE_START, .flags = ARG_MANY | ARG_NEGATIVE),
-              OPTION("robust", TYPE_NONE), OPTION("bootstrap", TYPE_INTEGER)))
+              OPTION("robust", TYPE_NONE), OPTION("bootstrap", TYPE_INTEGER),
+              OPTION("live", TYPE_NONE)))
 
 COMMAND(adopt,
         .row = {"adopt", "", "take what the last fit found into the scene: k, the drag, the start",

@@ -27,6 +27,8 @@ struct fit_summary {
     int warnings;
 };
 
+/* The mass on the spring, if somebody has said what it is. */
+bool known_mass(const struct scene *scene, struct measured *mass);
 /* "name = value"; measured: an uncertainty is shown however small it is. */
 void put_value(struct buffer *text, const char *name, struct measured value, enum quantity quantity,
                bool measured);

@@ -10,6 +10,8 @@
 #include <stdio.h>
 #include <string.h>
 
+#define GROWING_POINTS 2 /* of velocities and energies a column, while they come */
+
 /* Whether the fit of the session is one of this recording. */
 static bool has_fit_of(const struct session *session, const struct recording *recording)
 {
@@ -26,8 +28,8 @@ bool recording_shows(const struct recording *recording, const struct run *run, e
 
 int figure_recording(const struct session *session, enum plot_kind kind)
 {
-    const struct run *run = session_run(session);
     const struct recording *recording = session_recording(session);
+    const struct run *run = session_grows(session, recording) ? NULL : session_run(session);
     const struct plot_row *row = plot_row(kind);
     if (!recording || (row->residual && !run && !has_fit_of(session, recording)))
         return -1;
@@ -45,6 +47,27 @@ int figure_recording(const struct session *session, enum plot_kind kind)
                : -1;
 }
 
+/* What derivatives of fast samples scatter by is drawn anew all the time: fewer of them are, the
+ * same in each frame. The arrays are the figure's own. */
+static void thin_out(const struct drawing *d, struct series *series)
+{
+    const bool plane = plot_is_plane(d->request->kind);
+    const double span = plane ? drawing_trail(d) * d->period : d->shown,
+                 step = exp2(ceil(log2(span / (GROWING_POINTS * d->request->width))));
+    double *t = (double *)(uintptr_t)series->t, *y = (double *)(uintptr_t)series->y;
+    double before = NAN;
+    size_t n = 0;
+    for (size_t i = 0; i < series->n && isfinite(step); i++) {
+        const double place = floor(t[i] / step);
+        if (place != before) {
+            t[n] = t[i];
+            y[n++] = y[i];
+        }
+        before = place;
+    }
+    series->n = isfinite(step) ? n : series->n;
+}
+
 /* Positions, velocities or energies of the recording. */
 static bool recorded_values(struct drawing *d, const struct recording *recording,
                             struct series *series)
@@ -56,8 +79,12 @@ static bool recorded_values(struct drawing *d, const struct recording *recording
         *series = series_window(*series, d->window[0], d->window[1]);
         return true;
     }
-    return motion_series(motion, kind_of(d)->energy, d->window[0], d->window[1], d->arena, series,
-                         d->error);
+    if (!motion_series(motion, kind_of(d)->energy, d->window[0], d->window[1], d->arena, series,
+                       d->error))
+        return false;
+    if (d->request->follow && session_grows(d->session, recording))
+        thin_out(d, series);
+    return true;
 }
 
 bool drawing_phase_data(struct drawing *d, const struct series *series, struct curve *curve)

@@ -8,7 +8,8 @@
 
 #include <math.h>
 
-#define TRAIL_PERIODS 2 /* of the phase plot */
+#define TRAIL_PERIODS 2   /* of the phase plot */
+#define GROWING_LEAST 2.0 /* [s] that are shown of what is being collected */
 
 int plot_coordinates(const struct model *model)
 {
@@ -127,6 +128,27 @@ static void follow_window(struct drawing *d, double from, double to, double now,
     d->window[1] = d->window[0] + max;
 }
 
+/* [s] Up to a length with short quarters, half as long again at most. */
+static double short_above(double length)
+{
+    double longer = length;
+    for (int i = 0; i < 4 && short_number(longer) < length; i++)
+        longer *= 1.25;
+    return short_number(longer);
+}
+
+/*
+ * What is being collected fills a window from the left, where one that holds all its periods or
+ * goes to its end is known, and then pages; else the window is lengthened now and then.
+ */
+static void growing_window(struct drawing *d, double from, double to, double max)
+{
+    const double until = d->session->collecting->until, whole = until > from ? until - from : NAN;
+    const double length = d->request->span > 0 ? max : fmin(fmin(whole, max), HUGE_VAL);
+    follow_window(d, from, to, to,
+                  isfinite(length) ? length : short_above(fmax(to - from, GROWING_LEAST)));
+}
+
 void drawing_window(struct drawing *d)
 {
     const struct figure_request *request = d->request;
@@ -142,6 +164,7 @@ void drawing_window(struct drawing *d)
     const bool wanted = !isnan(request->window[0]) || !isnan(request->window[1]),
                plane = plot_is_plane(request->kind);
     const double now = goes_back(d) ? from : to;
+    const bool grows = request->runs == 0 && session_grows(d->session, recording_of(d));
     if (request->follow && !plane) {
         from = fmin(from, request->until);
         to = fmax(to, request->until);
@@ -153,7 +176,12 @@ void drawing_window(struct drawing *d)
                  max = request->span > 0 ? request->span : longest_window(d);
     if (plane && !wanted && !request->full && trail < d->total) {
         d->window[0] = goes_back(d) ? from : to - trail;
-        d->window[1] = d->window[0] + trail;
+        if (grows) /* what was drawn stays for as long again */
+            d->window[0] = from + floor((d->window[0] - from) / trail) * trail;
+        d->window[1] = grows ? to : d->window[0] + trail;
+    } else if (request->follow && plot_is_timed(request->kind) && !kind_of(d)->run_curve &&
+               !wanted && grows) {
+        growing_window(d, from, to, max);
     } else if (request->follow && plot_is_timed(request->kind) && !kind_of(d)->run_curve &&
                !wanted &&
                (request->span > 0 ||

@@ -317,6 +317,12 @@ static void test_panes(void **state)
     expect(&p, "42");
     type(&p, "run 1 s\r");
     expect(&p, "run has to wait");
+    type(&p, "m = 200 g; fit damped --live\r"); /* the scene is laid over it, too */
+    expect(&p, "fit T=0.698");
+    expect(&p, " k=16.");
+    expect(&p, "-- spring");
+    type(&p, "k = 17 N/m\r");
+    expect(&p, "k = 17 N/m");
     type(&p, "collect pause\r");
     expect(&p, "PAUSED");
     type(&p, "collect continue\r");
