@@ -119,6 +119,12 @@ void report_fraction(void *context, double fraction);
 bool check_typed(const struct session *session, const struct setting *setting,
                  const struct source *where, struct error *error);
 bool command_set(HANDLER_PARAMETERS);
+/* Watches for another event: its name, then "when EXPR do …" (scene/event.c). */
+bool event_add(struct session *session, struct arena *arena, struct text name, struct text rule,
+               struct error *error);
+/* The scene of another program's file, into the set-up (scene/from_file.c). */
+bool load_scene(struct session *session, const struct arguments *args, struct text file,
+                struct text set, struct reply *reply, struct error *error);
 /* Where the present scene is all typed: `scene` finds it by its name as it is now. */
 bool keep_own_scene(struct session *session, struct error *error);
 extern const struct catalog cursor_action_catalog, axis_catalog, unset_catalog, guide_catalog;

@@ -284,9 +284,21 @@ bool check_input(const struct session *session, struct text where, struct error 
                              "./-");
 }
 
+static bool needs_file(const struct arguments *args, struct error *error)
+{
+    error_at(error, args->word, "load needs a FILE, or scene and a FILE");
+    return error_hint(error, "'load disk.txt' reads a recording, 'load scene lorenz.ode' a scene");
+}
+
 HANDLER(load)
 {
-    const struct argument_value *file = argument_value(args, "FILE");
+    const struct argument_value *file = argument_value(args, "FILE"),
+                                *scene = argument_value(args, "scene");
+    if (scene->count)
+        return load_scene(session, args, scene->item->text, text_of_argument(args, "set"), reply,
+                          error);
+    if (file->count == 0)
+        return needs_file(args, error);
     const struct load_options options = {
         .time = text_of_argument(args, "t"),
         .value = text_of_argument(args, "y"),
@@ -371,11 +383,16 @@ COMMAND(
         "nothing. In a command "
         "file, what is not\nfound is looked for beside that file. sum= stands in files that "
         "save wrote: a recording that has changed since is told, one that was moved is found by "
-        "its name beside the file.",
-    .examples = "load disk.txt --preview\nload disk.txt y=2 unit=cm as=disk",
-    .see = "data fit measure plot", .flags = COMMAND_CHANGES,
-    ARGUMENTS(PLACE("FILE", TYPE_FILE, .flags = ARG_REQUIRED), KEY("t", TYPE_TEXT),
-              KEY("y", TYPE_TEXT), KEY("run", TYPE_TEXT), KEY("unit", TYPE_UNIT),
+        "its name beside the file.\n"
+        "'load scene FILE.ode' makes a scene of an XPPAUT file, with its duration, step, method "
+        "and "
+        "events; set= takes one of its sets of values. What scenes do not have is refused, with "
+        "the line: noise, delays, networks, tables, maps, integral and algebraic equations.",
+    .examples = "load disk.txt y=2 unit=cm as=disk\nload scene typed/wilson.ode; run",
+    .see = "data fit measure plot scene", .flags = COMMAND_CHANGES,
+    ARGUMENTS(PLACE("FILE", TYPE_FILE, .group = 1), WORD("scene", TYPE_FILE, .group = 1),
+              KEY("set", TYPE_TEXT), KEY("t", TYPE_TEXT), KEY("y", TYPE_TEXT),
+              KEY("run", TYPE_TEXT), KEY("unit", TYPE_UNIT),
               KEY("tunit", TYPE_UNIT, .quantity = QUANTITY_TIME),
               KEY("rate", TYPE_VALUE, .quantity = QUANTITY_FREQUENCY),
               KEY("decimal", TYPE_CHOICE, .choices = &decimal_catalog),

@@ -87,8 +87,8 @@ static bool read_action(struct parser *parser, struct event_line *line, struct i
            (line->action != EVENT_COMMANDS || check_commands(commands->text, error));
 }
 
-static bool read_event(struct session *session, const struct arguments *args, struct text name,
-                       struct text rule, struct error *error)
+bool event_add(struct session *session, struct arena *arena, struct text name, struct text rule,
+               struct error *error)
 {
     /* It has to mean the same whenever it is looked at: no variables, no results. */
     const struct names names = {.session = session, .expects_run = true, .saved_only = true};
@@ -103,15 +103,15 @@ static bool read_event(struct session *session, const struct arguments *args, st
     if (!text_is(peek_word(rule, ""), "when"))
         return event_usage(peek_word(rule, ""), "after the name comes 'when'", error);
     const struct text when = after(rule, 4);
-    if (!event_compile(when, &scope, args->arena, &event, &used, error))
+    if (!event_compile(when, &scope, arena, &event, &used, error))
         return names_explain(session, error);
-    struct parser compared = {session, &scope, args->arena, when};
+    struct parser compared = {session, &scope, arena, when};
     if (!check_condition(&compared, text_trim((struct text){when.at, used}), error))
         return false;
     if (used > LIMIT_EVENT_TEXT)
         return error_at(error, (struct text){when.at, used}, "more than %d bytes",
                         LIMIT_EVENT_TEXT);
-    struct parser parser = {session, &scope, args->arena, after(when, used)};
+    struct parser parser = {session, &scope, arena, after(when, used)};
     if (!read_action(&parser, &line, &commands, error))
         return false;
     const struct events *events =
@@ -138,7 +138,7 @@ HANDLER(event)
             return false;
         reply_line(reply, "event %.*s is gone", (int)name->item->text.len, name->item->text.at);
     } else {
-        if (!read_event(session, args, name->item->text, rest, error))
+        if (!event_add(session, args->arena, name->item->text, rest, error))
             return false;
         const struct events *events = session->setup.events; /* the new one comes last */
         reply_line_of(&events->line[events->count - 1], reply);

@@ -1,0 +1,231 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Holds `load scene FILE.ode` against XPPAUT's own runs of the files that it brings.
+
+    xppaut.py HOOKE FILE.ode..        prints a row for each: agrees, differs, refused (why), or what
+                                      XPPAUT itself does not run; the last line counts them
+
+Both integrate over the file's own total, by the same method at the same dt where steps are fixed.
+Where XPPAUT adapts its steps, or finds events by a straight line between two of them, it gets finer
+tolerances or steps in a first line of settings, which is the one that holds; it writes 8 digits.
+What a run does with an error grows along chaotic motion: a second run of hooke from a start that
+is off by 1e-13 says by how much, and for how long there is anything to compare.
+"""
+import math
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+
+DIGITS = 2e-6       # of the largest value of a column: XPPAUT computes with double, writes float
+ADAPTED = 2e-4      # where it adapts its steps
+NEAR = 1e-3         # from where on two starts count as apart
+SHARE = 0.05        # of the run that has to be comparable
+METHODS = "qgcs25 8".replace(" ", "")  # that adapt
+
+
+def run(command, folder):
+    return subprocess.run(command, cwd=folder, stdin=subprocess.DEVNULL, timeout=300,
+                          stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, errors="replace")
+
+
+def rows_of(path, separator=None):
+    rows = []
+    with open(path, errors="replace") as file:
+        for line in file:
+            try:
+                rows.append([float(word) for word in line.split(separator)])
+            except ValueError:
+                pass
+    return rows
+
+
+def settings(text):
+    """What holds: the first of each name."""
+    found = {}
+    for line in text.lower().splitlines():
+        for name, value in re.findall(r"([a-z_0-9]+)=([^ ,;}]+)", line if line.startswith("@") else ""):
+            for full in "total", "dt", "nout", "njmp", "meth", "t0":
+                if name.startswith(full) and not name.startswith(("dtm",)):
+                    found.setdefault(full, value)
+    return found
+
+
+def xppaut(text, folder, name, fine):
+    """Its rows by the name of the set, "" where there are none; fine: more steps."""
+    file = name + ".ode"
+    at = settings(text)
+    head = "@ toler=1e-10, atoler=1e-10, maxstor=200000, bound=1e12"
+    if fine > 1:
+        head += ", dt=%r, nout=%d" % (float(at.get("dt", 0.05)) / fine,
+                                      fine * int(float(at.get("nout", at.get("njmp", 1)))))
+    with open(os.path.join(folder, file), "w") as out:
+        out.write("# settings that hold\n" + head + "\n" + text)
+    before = set(os.listdir(folder))
+    said = run(["xppaut", file, "-silent"], folder).stdout
+    files = sorted(set(os.listdir(folder)) - before)
+    if not files:
+        lines = [line for line in said.splitlines() if re.search("rror|uplicate|Probably|missing", line)]
+        return None, (lines or ["it writes nothing"])[-1].strip()[:70]
+    return {("" if f == "output.dat" else f[:-4]): rows_of(os.path.join(folder, f)) for f in files}, ""
+
+
+def hooke(program, folder, name, chosen, change=""):
+    out = os.path.join(folder, "own.csv")
+    if os.path.exists(out):
+        os.remove(out)
+    line = "load scene %s.ode%s; %s run; export own.csv" % (name, " set=" + chosen if chosen else "", change)
+    done = run([program, "-n", "-c", line], folder)
+    if not os.path.exists(out):
+        found = re.search(r"error: (.*)", done.stdout)
+        return None, (found.group(1) if found else done.stdout).strip()
+    return rows_of(out, ","), done.stdout
+
+
+def column_names(folder):
+    with open(os.path.join(folder, "own.csv")) as file:
+        for line in file:
+            if not line.startswith("#"):
+                return line.strip().split(",")
+    return []
+
+
+def at_time(rows, t, from_row):
+    """The row at t, from that on which was looked at before."""
+    while from_row + 1 < len(rows) and abs(rows[from_row + 1][0] - t) <= abs(rows[from_row][0] - t):
+        from_row += 1
+    return from_row
+
+
+def compare(theirs, ours, other, variables, auxiliary, tolerated, folds):
+    """The largest difference, in parts of what is tolerated, and until when there was something to
+    compare."""
+    columns = list(range(1, 1 + variables))
+    own_columns = columns + list(range(len(ours[0]) - auxiliary, len(ours[0])))
+    their_columns = list(range(1, 1 + variables + auxiliary))
+    sizes = [max((abs(row[c]) for row in theirs if math.isfinite(row[c])), default=0) or 1 for c in their_columns]
+    worst, apart, k, where = 0.0, [0.0] * len(sizes), 0, ""
+    step = theirs[1][0] - theirs[0][0] if len(theirs) > 1 else 1
+    seen = 0
+    for row in theirs:
+        k = at_time(ours, row[0], k)
+        if abs(ours[k][0] - row[0]) > 1e-3 * abs(step) + 2e-7 * abs(row[0]):
+            return math.inf, row[0], "no row at t = %g" % row[0]
+        if k >= len(other):
+            return worst, row[0], where
+        for i, (own, their) in enumerate(zip(own_columns, their_columns)):
+            apart[i] = max(apart[i], abs(ours[k][own] - other[k][own]))
+            off = abs(ours[k][own] - row[their])
+            if folds:
+                off = abs(math.remainder(off, folds))
+            if math.isnan(ours[k][own]) and math.isnan(row[their]):
+                continue
+            part = off / (tolerated * sizes[i] + 100 * apart[i])
+            if not part <= worst:
+                worst, where = part, "column %d at t = %g: %g, there %g" % (own, row[0], ours[k][own], row[their])
+        if any(100 * a > NEAR * s for a, s in zip(apart, sizes)):
+            return worst, row[0], where
+        seen += 1
+    return worst, theirs[-1][0], where
+
+
+def judge(program, path):
+    name = os.path.basename(path)[:-4]
+    with open(path, errors="replace") as file:
+        text = file.read()
+    folder = tempfile.mkdtemp()
+    try:
+        ours, said = hooke_check(program, folder, name, text)
+        if ours is None:
+            return "refused", re.sub(r"^.*?\.ode: ", "", said)
+        has_events = re.search(r"(?mi)^ *g[lobal]* +[-+0-9]", text)
+        fine = 100 if has_events else 1
+        theirs, why = xppaut(text, folder, name, fine)
+        if theirs is None:
+            return "not run by XPPAUT", why
+        worst, words = 0.0, []
+        for chosen, rows in theirs.items():
+            part, word = one(program, folder, name, text, chosen, rows, bool(has_events))
+            worst = max(worst, part)
+            words.append(word)
+            if part > 1:
+                return "differs", (chosen + " " + word).strip()
+        return "agrees", words[0]
+    finally:
+        shutil.rmtree(folder)
+
+
+def hooke_check(program, folder, name, text):
+    with open(os.path.join(folder, name + ".ode"), "w") as out:
+        out.write(text)
+    done = run([program, "-n", "-c", "load scene %s.ode" % name], folder)
+    found = re.search(r"error: (.*)", done.stdout)
+    return (None, found.group(1)) if found else (True, "")
+
+
+def one(program, folder, name, text, chosen, theirs, events):
+    method = settings(text).get("meth", "r")
+    if chosen:
+        body = re.search(r"(?i)set +%s *\{([^}]*)\}" % re.escape(chosen), text.replace("\\\n", " "))
+        found = re.search(r"(?i)meth[a-z]*=([^ ,;}]+)", body.group(1)) if body else None
+        method = found.group(1) if found else method
+    adapts = method[0] in METHODS or method[0] == "y"
+    with open(os.path.join(folder, name + ".ode"), "w") as out:
+        out.write(text)
+    change = "tol = 1e-11;" if adapts else ""
+    # where XPPAUT's steps are finer, ours are not: its rk4 is followed by something more exact
+    if events and not adapts:
+        change = "method dop853 tol=1e-11; set record every %r s;" % (theirs[1][0] - theirs[0][0])
+        change = re.sub(r"every ([0-9.e-]+)", lambda m: "every %.6g" % float(m.group(1)), change)
+    ours, said = hooke(program, folder, name, chosen, change)
+    if ours is None:
+        return math.inf, said[:100]
+    names = column_names(folder)
+    nudged, said = hooke(program, folder, name, chosen, nudge(program, folder, name, chosen) + change)
+    if nudged is None:
+        return math.inf, said[:100]
+    counts = re.search(r"(\d+) variables?", run([program, "-n", "-c", "load scene %s.ode" % name], folder).stdout)
+    variables = int(counts.group(1))
+    auxiliary = len(theirs[0]) - 1 - variables
+    if auxiliary < 0 or auxiliary + variables + 1 > len(names):
+        return math.inf, "it has %d columns" % len(theirs[0])
+    folds = 2 * math.pi if re.search(r"(?mi)^@.*fold", text) else 0
+    part, until, where = compare(theirs, ours, nudged, variables, auxiliary,
+                                 ADAPTED if adapts or events else DIGITS, folds)
+    length = theirs[-1][0] - theirs[0][0]
+    if length > 0 and until - theirs[0][0] < SHARE * length:
+        return math.inf, "comparable until t = %g of %g only" % (until, theirs[-1][0])
+    if part > 1:
+        return part, where
+    return part, "%.2g of what is tolerated, until t = %g of %g" % (part, until, theirs[-1][0])
+
+
+def nudge(program, folder, name, chosen):
+    """The first start that is not 0, off by 1e-13 of it."""
+    said = run([program, "-n", "-c", "load scene %s.ode%s; scene" % (name, " set=" + chosen if chosen else "")],
+               folder).stdout
+    lines = ""
+    for variable, value in re.findall(r"(?m)^  var (\w+) = (\S+)", said):
+        start = variable + ("_0" if variable[-1].isdigit() else "0")
+        lines += "%s = %r; " % (start, float(value) * (1 + 1e-13) if float(value) else 1e-13)
+    return lines
+
+
+def main():
+    program = os.path.abspath(sys.argv[1])
+    counts = {}
+    for path in sys.argv[2:]:
+        try:
+            verdict, word = judge(program, path)
+        except subprocess.TimeoutExpired:
+            verdict, word = "differs", "it takes too long"
+        counts[verdict] = counts.get(verdict, 0) + 1
+        print("%-24s %-18s %s" % (os.path.basename(path), verdict, word), flush=True)
+    print("%d files: %s" % (len(sys.argv) - 2, ", ".join("%d %s" % (n, v) for v, n in sorted(counts.items()))))
+    return 1 if counts.get("differs") else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
