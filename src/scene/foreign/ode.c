@@ -98,7 +98,7 @@ static bool apply_set(struct ode_statements *s, const struct ode_set *set)
         struct ode_symbol *symbol = ode_find(&s->ode, name);
         double number;
         if (!symbol) {
-            if (!ode_setting(&s->settings, set->line, name, value, true, &note, s->ode.error))
+            if (!ode_setting(&s->settings, set->line, name, value, &note, s->ode.error))
                 return false;
         } else if (symbol->kind != ODE_VARIABLE && symbol->kind != ODE_PARAM) {
             return ode_error(s->ode.error, set->line, "'%.*s' cannot be set",

@@ -71,9 +71,9 @@ struct ode_settings {
 /* The next NAME=VALUE; *equals: there was a value. False: none is left. */
 bool ode_pair(struct text *rest, struct text *name, struct text *value);
 bool ode_number(int line, struct text name, struct text value, double *number, struct error *error);
-/* One of `@`: the first says how it is, unless it is forced. *note: what is not done, or NULL. */
+/* One of `@` or of a set. *note: what is not done, or NULL. */
 bool ode_setting(struct ode_settings *settings, int line, struct text name, struct text value,
-                 bool force, const char **note, struct error *error);
+                 const char **note, struct error *error);
 /* Method and what it was; false: it is a map. */
 bool ode_method(const struct ode_settings *settings, struct ode_scene *scene, struct error *error);
 /* `global SIGN {CONDITION} {NAME=FORMULA;…}`, without its first word. */

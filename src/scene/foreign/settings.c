@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What `@` lines and sets of .ode files say: NAME=VALUE, of which the first holds. */
+/* What `@` lines and sets of .ode files say: NAME=VALUE, of which the last holds. */
 #include <string.h>
 
 #include "scene/foreign/ode.h"
@@ -69,9 +69,9 @@ static const struct known {
     {"delay", 0, 0, NULL},
 };
 
-static bool set_method(struct ode_settings *settings, int line, struct text value, bool force)
+static bool set_method(struct ode_settings *settings, int line, struct text value)
 {
-    if (value.len == 0 || (settings->has_method && !force))
+    if (value.len == 0)
         return true;
     settings->method = value.at[0];
     settings->has_method = true;
@@ -80,11 +80,11 @@ static bool set_method(struct ode_settings *settings, int line, struct text valu
 }
 
 bool ode_setting(struct ode_settings *settings, int line, struct text name, struct text value,
-                 bool force, const char **note, struct error *error)
+                 const char **note, struct error *error)
 {
     *note = NULL;
     if (text_starts(name, TEXT("meth")))
-        return set_method(settings, line, value, force);
+        return set_method(settings, line, value);
     for (size_t i = 0; i < COUNT_OF(known); i++) {
         const struct known *row = &known[i];
         if (!text_starts(name, text_of(row->name)))
@@ -92,7 +92,7 @@ bool ode_setting(struct ode_settings *settings, int line, struct text name, stru
         bool *has = row->has ? (bool *)(void *)((char *)settings + row->has) : NULL;
         double number;
         *note = row->note;
-        if (!has || (*has && !force))
+        if (!has)
             return true;
         if (!ode_number(line, name, value, &number, error))
             return false;

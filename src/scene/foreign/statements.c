@@ -277,7 +277,7 @@ static bool take_settings(struct ode_statements *s, const struct ode_line *line)
                                    "behind @: neither is it taken here"))
         return false;
     while (ode_pair(&rest, &name, &value))
-        if (!ode_setting(&s->settings, line->number, name, value, false, &note, s->ode.error) ||
+        if (!ode_setting(&s->settings, line->number, name, value, &note, s->ode.error) ||
             (note && !ode_note(s, line->number, true, "%s", note)))
             return false;
     return true;
