@@ -9,7 +9,7 @@ Both integrate over the file's own total, by the same method at the same dt wher
 Where XPPAUT adapts its steps, or finds events by a straight line between two of them, it gets finer
 tolerances or steps in a last line of settings, which is the one that holds; it writes 8 digits.
 What a run does with an error grows along chaotic motion: a second run of hooke from a start that
-is off by 1e-13 says by how much, and for how long there is anything to compare.
+is off by as much as rounding, or as XPPAUT's tolerance, says by how much, and for how long there is anything to compare.
 """
 import math
 import os
@@ -22,7 +22,8 @@ import tempfile
 DIGITS = 2e-6       # of the largest value of a column: XPPAUT computes with double, writes float
 ADAPTED = 2e-4      # where it adapts its steps
 NEAR = 1e-3         # from where on two starts count as apart
-SHARE = 0.05        # of the run that has to be comparable
+SHARE = 0.05        # of the run that has to be comparable,
+LONG = 40           # or so many units of time
 METHODS = "qgcs25 8".replace(" ", "")  # that adapt
 
 
@@ -58,11 +59,11 @@ def before_end(text, line):
     return text[:end.start()] + line + "\ndone\n" if end else text + "\n" + line + "\ndone\n"
 
 
-def xppaut(text, folder, name, fine):
+def xppaut(text, folder, name, fine, tight="1e-12"):
     """Its rows by the name of the set, "" where there are none; fine: more steps."""
     file = name + ".ode"
     at = settings(text)
-    head = "@ toler=1e-10, atoler=1e-10, maxstor=200000, bound=1e12"
+    head = "@ toler=%s, atoler=%s, maxstor=200000, bound=1e12" % (tight, tight)
     if fine > 1:
         head += ", dt=%r, nout=%d" % (float(at.get("dt", 0.05)) / fine,
                                       fine * int(float(at.get("nout", at.get("njmp", 1)))))
@@ -152,8 +153,8 @@ def judge(program, path):
         if all(row[1:] == theirs[chosen][0][1:] for chosen in theirs for row in theirs[chosen]):
             text = moved(program, folder, name, text)
         verdict, word = "differs", ""
-        for finer in finer_steps(text):
-            verdict, word = of_all_sets(program, folder, name, text, finer)
+        for finer, tight in attempts(text):
+            verdict, word = of_all_sets(program, folder, name, text, finer, tight)
             if verdict == "agrees":
                 break
         return verdict, word
@@ -165,10 +166,11 @@ def reason(said):
     return re.sub(r"^.*?\.ode: ", "", said)
 
 
-def finer_steps(text):
+def attempts(text):
+    """How much finer its steps are, and its tolerance: not all of its methods go to the finest."""
     if re.search(r"(?mi)^ *g[lobal]* +[-+0-9]", text):
-        return 100, 1000
-    return (20,) if settings(text).get("meth", "r")[0] == "y" else (1,)
+        return (100, "1e-10"), (1000, "1e-10")
+    return ((20, "1e-12"),) if settings(text).get("meth", "r")[0] == "y" else ((1, "1e-12"), (1, "1e-10"))
 
 
 def moved(program, folder, name, text):
@@ -179,8 +181,8 @@ def moved(program, folder, name, text):
     return "init %s\n" % ",".join(starts) + text
 
 
-def of_all_sets(program, folder, name, text, finer):
-    theirs, why = xppaut(text, folder, name, finer)
+def of_all_sets(program, folder, name, text, finer, tight):
+    theirs, why = xppaut(text, folder, name, finer, tight)
     if theirs is None:
         return "differs", why
     words = []
@@ -221,7 +223,7 @@ def one(program, folder, name, text, chosen, theirs, finer):
     if ours is None:
         return math.inf, said[:100]
     names = column_names(folder)
-    nudged, said = hooke(program, folder, name, chosen, nudge(program, folder, name, chosen) + change)
+    nudged, said = hooke(program, folder, name, chosen, nudge(program, folder, name, chosen, 1e-10 if adapts else 1e-13) + change)
     if nudged is None:
         return math.inf, said[:100]
     counts = re.search(r"(\d+) variables?", run([program, "-n", "-c", "load scene %s.ode" % name], folder).stdout)
@@ -233,21 +235,21 @@ def one(program, folder, name, text, chosen, theirs, finer):
     part, until, where = compare(theirs, ours, nudged, variables, auxiliary,
                                  ADAPTED if adapts or finer else DIGITS, folds)
     length = theirs[-1][0] - theirs[0][0]
-    if length > 0 and until - theirs[0][0] < SHARE * length:
+    if until - theirs[0][0] < min(SHARE * length, LONG):
         return math.inf, "comparable until t = %g of %g only" % (until, theirs[-1][0])
     if part > 1:
         return part, where
     return part, "%.2g of what is tolerated, until t = %g of %g" % (part, until, theirs[-1][0])
 
 
-def nudge(program, folder, name, chosen):
-    """The first start that is not 0, off by 1e-13 of it."""
+def nudge(program, folder, name, chosen, by):
+    """Starts that are off by so many parts."""
     said = run([program, "-n", "-c", "load scene %s.ode%s; scene" % (name, " set=" + chosen if chosen else "")],
                folder).stdout
     lines = ""
     for variable, value in re.findall(r"(?m)^  var (\w+) = (\S+)", said):
         start = variable + ("_0" if variable[-1].isdigit() else "0")
-        lines += "%s = %r; " % (start, float(value) * (1 + 1e-13) if float(value) else 1e-13)
+        lines += "%s = %r; " % (start, float(value) * (1 + by) if float(value) else by)
     return lines
 
 

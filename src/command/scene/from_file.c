@@ -125,8 +125,10 @@ static bool take(struct session *session, const struct arguments *args, struct t
                  const struct ode_scene *from, struct error *error)
 {
     struct setup *setup = &session->setup;
-    struct system system;
+    struct system *system = arena_alloc(args->arena, sizeof *system);
     char name[LIMIT_SYMBOL + 1];
+    if (!system)
+        return error_memory(error);
     name_of(file, name);
     const struct model *model =
         typed_make(session->models, text_of(name), from->line, from->lines, error);
@@ -140,7 +142,7 @@ static bool take(struct session *session, const struct arguments *args, struct t
     if (from->t0 != 0 && !scene_set(&setup->scene, scene_param(&setup->scene, "t0"),
                                     (struct measured){from->t0, 0}, error))
         return false;
-    return scene_bind(&setup->scene, &system, error) && keep_own_scene(session, error) &&
+    return scene_bind(&setup->scene, system, error) && keep_own_scene(session, error) &&
            set_method(setup, from, error) && add_events(session, args, from, error);
 }
 
@@ -227,17 +229,19 @@ bool load_scene(struct session *session, const struct arguments *args, struct te
         *c = *c >= 'A' && *c <= 'Z' ? (char)(*c - 'A' + 'a') : *c;
     const struct ode_options options = {.set = text_of(lower), .taken = is_setting};
     struct ode_scene from;
-    const struct setup before = session->setup;
+    struct setup *before = arena_alloc(args->arena, sizeof *before);
     if (!file_read(path, FILE_MAX, &content, error)) {
         error->where = file;
         return false;
     }
-    bool fine = lower || error_memory(error);
+    bool fine = (lower && before) || error_memory(error);
+    if (fine)
+        *before = session->setup;
     if (fine && !ode_read(buffer_text(&content), &options, args->arena, &from, error))
         fine = in_file(file, error);
     buffer_free(&content);
     if (fine && !take(session, args, file, &from, error)) {
-        session->setup = before;
+        session->setup = *before;
         fine = in_file(file, error);
     }
     if (!fine)

@@ -116,7 +116,7 @@ static bool value_of(node of, const struct scope *scope, int depth, double *valu
 {
     const struct scope *where = sum_around(scope);
     double a, b;
-    if (depth > 100)
+    if (depth > 50)
         return false;
     if (of->kind == NODE_INDEX && where)
         *value = where->index;
@@ -322,23 +322,44 @@ static bool put_sum(struct writing *w, node of, const struct scope *scope)
 
 /* ---- operations ---- */
 
-static bool put_join(struct writing *w, node of, const struct scope *scope, int may)
+/* Is it one more link of a chain a + b - c or a*b/c? */
+static bool is_link(node of, bool sum)
 {
-    const bool sum = of->op == '+' || of->op == '-', power = of->op == '^';
-    const int own = power ? POWER : sum ? TERM : FACTOR;
-    const bool wrap = may > own;
-    const char *sign = of->op == '+'   ? " + "
-                       : of->op == '-' ? " - "
-                       : of->op == '*' ? "*"
-                       : power         ? "^"
-                                       : "/";
-    return (!wrap || put_text(w, "(")) && put(w, of->argument[0], scope, power ? ATOM : own) &&
-           put_text(w, sign) &&
-           put(w, of->argument[1], scope,
-               sum     ? FACTOR
-               : power ? ATOM
-                       : POWER) &&
-           (!wrap || put_text(w, ")"));
+    return of->kind == NODE_JOIN && strchr(sum ? "+-" : "*/", of->op);
+}
+
+static bool put_link(struct writing *w, node of, const struct scope *scope)
+{
+    const char *sign = of->op == '+' ? " + " : of->op == '-' ? " - " : of->op == '*' ? "*" : "/";
+    return put_text(w, sign) && put(w, of->argument[1], scope, is_link(of, true) ? FACTOR : POWER);
+}
+
+/* A chain without nesting: it may have thousands of links. */
+static bool put_chain(struct writing *w, node of, const struct scope *scope, int may)
+{
+    const bool sum = is_link(of, true);
+    const int own = sum ? TERM : FACTOR;
+    int links = 0;
+    node first = of;
+    for (; is_link(first, sum); first = first->argument[0])
+        links++;
+    if ((may > own && !put_text(w, "(")) || !put(w, first, scope, own))
+        return false;
+    for (int i = links - 1; i >= 0; i--) {
+        node link = of;
+        for (int k = 0; k < i; k++)
+            link = link->argument[0];
+        if (!put_link(w, link, scope))
+            return false;
+    }
+    return may <= own || put_text(w, ")");
+}
+
+static bool put_power(struct writing *w, node of, const struct scope *scope, int may)
+{
+    return (may <= POWER || put_text(w, "(")) && put(w, of->argument[0], scope, ATOM) &&
+           put_text(w, "^") && put(w, of->argument[1], scope, ATOM) &&
+           (may <= POWER || put_text(w, ")"));
 }
 
 static bool put_kind(struct writing *w, node of, const struct scope *scope, int may)
@@ -364,7 +385,7 @@ static bool put_kind(struct writing *w, node of, const struct scope *scope, int 
     if (is_logical(of))
         return put_logical(w, of, scope);
     if (of->kind == NODE_JOIN)
-        return put_join(w, of, scope, may);
+        return of->op == '^' ? put_power(w, of, scope, may) : put_chain(w, of, scope, may);
     return (may <= TERM || put_text(w, "(")) && put_text(w, "-") &&
            put(w, of->argument[0], scope, ATOM) && (may <= TERM || put_text(w, ")"));
 }

@@ -7,7 +7,7 @@
 
 #include "scene/foreign/formula.h"
 
-enum { DEEPEST = 100, NODES = LIMIT_EXPR_SIZE };
+enum { DEEPEST = 60, NODES = LIMIT_EXPR_SIZE };
 
 struct parser {
     struct arena *arena;
