@@ -135,7 +135,7 @@ FUZZERS      := $(patsubst tests/fuzz/%.c,%,$(sort $(wildcard tests/fuzz/*.c)))
 
 # Manual pages and completion, from the program's own rows.
 PAGES := $(patsubst scripts/pages/%,$(TOP)/pages/%,$(wildcard scripts/pages/*))
-EXAMPLES := $(sort $(wildcard examples/*.hk examples/*/*.hk examples/cluster/* examples/collect/* examples/library/*))
+EXAMPLES := $(sort $(wildcard examples/*.hk examples/*/*.hk examples/typed/*.ode examples/cluster/* examples/collect/* examples/library/*))
 
 EDITORS := $(addprefix $(TOP)/pages/hooke.,bash vim nano)
 

@@ -388,7 +388,7 @@ COMMAND(
         "and "
         "events; set= takes one of its sets of values. What scenes do not have is refused, with "
         "the line: noise, delays, networks, tables, maps, integral and algebraic equations.",
-    .examples = "load disk.txt y=2 unit=cm as=disk\nload scene typed/wilson.ode; run",
+    .examples = "load disk.txt y=2 unit=cm as=disk\nload scene pulse.ode; run",
     .see = "data fit measure plot scene", .flags = COMMAND_CHANGES,
     ARGUMENTS(PLACE("FILE", TYPE_FILE, .group = 1), WORD("scene", TYPE_FILE, .group = 1),
               KEY("set", TYPE_TEXT), KEY("t", TYPE_TEXT), KEY("y", TYPE_TEXT),

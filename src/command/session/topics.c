@@ -79,7 +79,7 @@ static const struct guide_topic topics[] = {
         "'scene new NAME' begins one; 'var' names what moves with its start, 'param' its "
         "constants, then each law as on paper, of first or second order. 'force EXPR' adds to a "
         "built-in scene, 'observe' names a quantity, 'event' a moment. Every method, fit and study "
-        "works on them.",
+        "works on them, and on what 'load scene FILE.ode' makes of files of XPPAUT.",
         "scene new vdp; param mu = 1\n"
         "var x = 2; var y = 0\n"
         "x' = y; y' = mu*(1 - x^2)*y - x\n"

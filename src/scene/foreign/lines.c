@@ -220,7 +220,7 @@ struct group {
 
 static bool take_whole(struct reading *r, struct group *group, struct text line, int number)
 {
-    if (line.at[0] == '#' && text_starts(line, TEXT("#include")))
+    if (line.at[0] == '#' && text_starts((struct text){line.at + 1, line.len - 1}, TEXT("include")))
         return ode_error(r->error, number,
                          "another file is included: its lines have to stand here");
     if (line.at[0] == '#' || line.at[0] == '"')

@@ -107,7 +107,11 @@ static bool take_initial(struct ode_statements *s, int line, struct text name, s
         return false;
     struct ode_value *initial = &s->initial[s->initials++];
     *initial = (struct ode_value){.name = name, .line = line};
-    return value.len == 0 || ode_number(line, name, value, &initial->value, s->ode.error);
+    if (value.len == 0 || real_parse(value, &initial->value) == REAL_OK)
+        return true;
+    return ode_error(s->ode.error, line,
+                     "%.*s(0)=%.*s: an initial value is a number; a formula is the past of a delay",
+                     shown(name), name.at, shown(value), value.at);
 }
 
 static bool take_initials(struct ode_statements *s, int line, struct text rest)
