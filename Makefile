@@ -385,13 +385,18 @@ uninstall: ## remove what install put there
 	rm -f $(foreach page,$(notdir $(PAGES)),$(MANUAL)/man$(subst .,,$(suffix $(page)))/$(page))
 	rm -rf $(DESTDIR)$(PREFIX)/include/hooke $(SHARED)
 
+dist: ## the source of HEAD as build/hooke-VERSION.tar.gz, the same bytes each time
+	@mkdir -p build
+	$(Q)git -c tar.umask=0022 archive --format=tar --prefix=hooke-$(VERSION)/ -o build/hooke-$(VERSION).tar HEAD
+	$(Q)gzip -9nf build/hooke-$(VERSION).tar
+
 clean: ## remove build/
 	rm -rf build
 
 help: ## this list
 	@awk -F':.*## ' '/^[a-z-]+:.*## /{printf "  %-16s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
 
-.PHONY: all static optional tests-build check check-optional check-all check-asan check-valgrind coverage bench fresh fuzz house lint format reference screens-update install uninstall clean help
+.PHONY: all static dist optional tests-build check check-optional check-all check-asan check-valgrind coverage bench fresh fuzz house lint format reference screens-update install uninstall clean help
 .SECONDARY:
 
 -include $(LIBRARY_OBJECTS:.o=.d) $(PROGRAM_OBJECTS:.o=.d) $(patsubst %.o,%.d,$(call object,$(TEST_SOURCES) $(ALONE)))
