@@ -128,9 +128,8 @@ static inline bool stop_is_failure(enum stop stop)
 /* the JSON `status`: ok, diverged, cancelled … (STOP_END, STOP_CONDITION, STOP_NONE are ok) */
 const char *stop_name(enum stop stop);
 
-#define RUN_CREEP                                                                                  \
-    1e-6 /* of the time since the start: adaptive steps that short are looked into                 \
-          */
+/* of the time since the start: adaptive steps that short are looked into */
+#define RUN_CREEP 1e-6
 
 struct singularity {
     double t;    /* [s] NAN: none, or it cannot be told */

@@ -294,7 +294,8 @@ static bool adapts(const struct method *method)
 static void test_adaptive_lanes_give_the_same_bits(void **state)
 {
     (void)state;
-    static const char *const methods[] = {"dopri5", "bogacki-shampine", "tsit5", "dop853"};
+    static const char *const methods[] = {"dopri5", "bogacki-shampine", "tsit5",
+                                          "dop853", "rodas5p",          "rodas4"};
     const struct preset *pendulum =
         (const struct preset *)(const void *)catalog_find(&preset_catalog, text_of("pendulum"));
     struct lanes *lanes = lanes_create();

@@ -141,7 +141,8 @@ static void test_adaptive_lanes_equal_runs(void **state)
                  {"overdamped", "m", 0.1, 3},
                  {"inverted", "k", -15, 15},
                  {"pendulum-driven", "omega", 0.3, 2}};
-    static const char *const methods[] = {"dopri5", "bogacki-shampine", "tsit5", "dop853"};
+    static const char *const methods[] = {"dopri5", "bogacki-shampine", "tsit5",
+                                          "dop853", "rodas5p",          "rodas4"};
     int64_t side_by_side = 0;
     for (size_t c = 0; c < COUNT_OF(cases); c++)
         for (size_t m = 0; m < COUNT_OF(methods); m++) {

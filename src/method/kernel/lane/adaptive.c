@@ -9,9 +9,13 @@
 bool lanes_adapt_fit(const struct method *method, const struct system *system, enum drag drag,
                      double h)
 {
-    return method->flags & METHOD_ADAPTIVE && method->tableau && method->tableau->fsal &&
-           !method->adapt && !system->model->typed && system->switches == 0 &&
-           lanes_fit(method, system, drag, h);
+    (void)drag; /* there is but one of these methods */
+    const bool explicit_one = method->tableau && method->tableau->fsal,
+               rosenbrock = method->rosenbrock && system->autonomous && !method->adapt &&
+                            method->rosenbrock->stages <= ROSENBROCK_STAGES;
+    return method->flags & METHOD_ADAPTIVE && (explicit_one || rosenbrock) && h > 0 &&
+           !system->model->typed && system->switches == 0 && lane_shape_of(system) >= 0 &&
+           system->oscillator.quadratic >= 0 && method_work_size(method, N) <= WORK_MOST;
 }
 
 /* As a run takes it. */
@@ -25,7 +29,9 @@ static void step_alone(struct lanes *lanes, int lane, bool first)
 {
     struct lane_control *const own = &lanes->control;
     const struct method *method = lanes->method;
-    const int last = (method->tableau->stages - 1) * N;
+    const int last = method->tableau ? (method->tableau->stages - 1) * N : 0;
+    /* what a Rosenbrock method knows at a second attempt is not there */
+    const bool twice = method->rosenbrock && own->rejected[lane];
     double y[N], work[WORK_MOST];
     struct step step = {
         .system = lanes->system[lane], .t = own->t[lane], .y = y, .work = work, .warm = !first};
@@ -49,7 +55,7 @@ static void step_alone(struct lanes *lanes, int lane, bool first)
                       !(fabs(control.h) < own->creep * fabs(step.t - own->t0));
     own->t[lane] = end_of_step(step.t, own->t_end);
     own->steps[lane]++;
-    own->evals[lane] += step.cost.evals;
+    own->evals[lane] += step.cost.evals - twice;
     own->failed[lane] = -!good;
     own->running[lane] = -(good && own->t[lane] != own->t_end);
     own->elapsed[lane] = control.elapsed;
@@ -80,15 +86,16 @@ void lanes_control(struct lanes *lanes, int used, double tol, double t_end, doub
     const struct controller wanted = {.tol = tol};
     const double max = largest_estimate(method, tolerance(&wanted));
     const int k = method->embedded + 1;
+    const struct filter *filter = method->flags & METHOD_IMPLICIT ? &implicit : &explicit;
     *own = (struct lane_control){.tol = tol,
                                  .t0 = lanes->t0,
                                  .t_end = t_end,
                                  .creep = lanes->system[0]->linear ? 0 : creep,
                                  .accepted = 1 / (N * max * max),
                                  .aims = by_aim(method),
-                                 .by_error = -0.5 / k * explicit.b1,
-                                 .by_previous = -0.5 / k * explicit.b2,
-                                 .by_ratio = explicit.a,
+                                 .by_error = -0.5 / k * filter->b1,
+                                 .by_previous = -0.5 / k * filter->b2,
+                                 .by_ratio = filter->a,
                                  .elementary = -0.5 / k};
     for (int lane = 0; lane < used; lane++) {
         const struct system *system = lanes->system[lane];
@@ -108,7 +115,10 @@ bool lanes_adapt(struct lanes *lanes, int64_t attempts, double *row)
     const struct lane_march march = {.count = attempts, .row = row};
     const struct lane_width width = lanes_width(lanes->most);
     int64_t any = 0;
-    width.kernels[lanes->shape][LANE_ADAPTIVE](lanes, &march);
+    lane_kernel *const kernel = lanes->method->rosenbrock
+                                    ? width.rosenbrocks[lanes->shape]
+                                    : width.kernels[lanes->shape][LANE_ADAPTIVE];
+    kernel(lanes, &march);
     for (int lane = 0; lane < LANES; lane++)
         any |= lanes->control.running[lane];
     return any != 0;

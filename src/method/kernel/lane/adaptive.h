@@ -169,15 +169,12 @@ FAST vector WITH(next_step)(const struct lane_control *control, int part, vector
 
 /* What the control makes of an attempt in one vector of lanes; who goes on. Marks in `alone` those
  * that are left as they were. */
-FAST WITH(bits)
-    WITH(judge)(const struct tableau *tableau, struct lane_control *control, int part, int q,
-                bool turns, const vector y[2], const vector z[2], vector (*k)[2][PARTS])
+FAST WITH(bits) WITH(judge)(struct lane_control *control, int part, bool turns, const vector y[2],
+                            const vector z[2], vector estimate, WITH(bits) evals)
 {
     const vector t = WITH(load)(control->t, part), h = WITH(load)(control->h, part);
     const WITH(bits) running = WITH(load_bits)(control->running, part);
-    vector scale[2];
-    WITH(follow)(control, part, y, scale);
-    const vector square = WITH(estimate)(tableau, h, k, q, scale, y, z) * control->accepted,
+    const vector square = estimate * control->accepted,
                  error = WITH(larger)(square * control->aims, MIN_ERROR * MIN_ERROR - (vector){0});
     const WITH(bits) good = square <= 1;
     const vector next = WITH(next_step)(control, part, h, error, good);
@@ -201,7 +198,7 @@ FAST WITH(bits)
     WITH(change)(goes, error, part, control->previous);
     WITH(change)(moves, next, part, control->h);
     WITH(store_bits)
-    (WITH(load_bits)(control->evals, part) + (moves & (tableau->stages - 1)), part, control->evals);
+    (WITH(load_bits)(control->evals, part) + (moves & evals), part, control->evals);
     WITH(store_bits)(WITH(load_bits)(control->steps, part) - goes, part, control->steps);
     WITH(store_bits)
     ((WITH(load_bits)(control->rejected, part) | (moves & ~good)) & ~goes, part, control->rejected);
@@ -211,8 +208,8 @@ FAST WITH(bits)
     return goes;
 }
 
-/* An attempt of the lanes from vector `from` on; true: some are marked in `alone`. */
-FAST bool WITH(attempt)(int parts, int from, const struct WITH(forces) * of, struct lanes *lanes,
+/* An attempt of the lanes from vector `from` on. */
+FAST void WITH(attempt)(int parts, int from, const struct WITH(forces) * of, struct lanes *lanes,
                         struct WITH(known) * known)
 {
     const struct tableau *const tableau = lanes->method->tableau;
@@ -249,29 +246,119 @@ FAST bool WITH(attempt)(int parts, int from, const struct WITH(forces) * of, str
                              WITH(load)(lanes->phase, from + q));
         WITH(slope)(parts, of->both, known, z, k[s]);
     }
-    WITH(bits) alone = {0};
     for (int q = 0; q < parts; q++) {
+        const vector start[2] = {y[0][q], y[1][q]}, end[2] = {z[0][q], z[1][q]};
+        vector scale[2];
+        WITH(follow)(control, from + q, start, scale);
+        const vector square = WITH(estimate)(tableau, h[q], k, q, scale, start, end);
         const WITH(bits) goes =
-            WITH(judge)(tableau, control, from + q, q, turns, (vector[2]){y[0][q], y[1][q]},
-                        (vector[2]){z[0][q], z[1][q]}, k);
+            WITH(judge)(control, from + q, turns, start, end, square, stages - 1 + (WITH(bits)){0});
         for (int i = 0; i < 2; i++) {
-            WITH(change)(goes, z[i][q], from + q, lanes->y[i]);
+            WITH(change)(goes, end[i], from + q, lanes->y[i]);
             WITH(change)(goes, k[stages - 1][i][q], from + q, lanes->carried[i]);
         }
-        alone |= WITH(load_bits)(control->alone, from + q);
     }
-    return !WITH(none)(alone);
 }
 
-FAST bool WITH(runs)(int parts, int from, const struct lane_control *control)
+/* few_inverse() of two unknowns, whose Jacobian's first row is (0, 1), for 1/(gamma h); marks who
+ * is too large or too small for it. */
+FAST WITH(bits)
+    WITH(inverse)(vector diagonal, vector by_position, vector by_velocity, vector column[2][2])
+{
+    const vector a = diagonal - 0, d = diagonal - by_velocity, det = a * d - 1 * by_position,
+                 size = WITH(magnitude)(det), over = 1 / det;
+    column[0][0] = d * over;
+    column[0][1] = by_position * over;
+    column[1][0] = 1 * over;
+    column[1][1] = a * over;
+    return ~((size > 1e-290) & (size < 1e290));
+}
+
+/* sum_j w_j u_j */
+FAST vector WITH(weighted)(const double *w, int count, vector (*u)[2][PARTS], int component, int q)
+{
+    vector sum = -(vector){0};
+    for (int j = 0; j < count; j++)
+        if (w[j] != 0)
+            sum += w[j] * u[j][component][q];
+    return sum;
+}
+
+/* The same of a Rosenbrock method (rosenbrock_small_step()), where nothing depends on the time. */
+FAST void WITH(rosenbrock_attempt)(int parts, int from, const struct WITH(forces) * of,
+                                   WITH(slopes) * slopes, struct lanes *lanes,
+                                   struct WITH(known) * known)
+{
+    const struct rosenbrock *const method = lanes->method->rosenbrock;
+    struct lane_control *const control = &lanes->control;
+    const int stages = method->stages;
+    const bool turns = of->flags & TERM_KINK && lanes->turns;
+    vector y[2][PARTS], z[2][PARTS], f[2][PARTS], u[ROSENBROCK_STAGES][2][PARTS], h[PARTS];
+    vector jacobian[2][PARTS], column[PARTS][2][2];
+    WITH(bits) beyond[PARTS];
+    int64_t evals = 0;
+    WITH(begin)(parts, from, control->h, h);
+    for (int i = 0; i < 2; i++)
+        WITH(begin)(parts, from, lanes->y[i], y[i]);
+    slopes(parts, known, y, jacobian);
+    WITH(slope)(parts, of->both, known, y, f);
+    for (int q = 0; q < parts; q++)
+        beyond[q] =
+            WITH(inverse)(1 / (method->gamma * h[q]), jacobian[0][q], jacobian[1][q], column[q]);
+    for (int s = 0; s < stages; s++) {
+        const double *const a = method->a + s * (s - 1) / 2, *const c = method->c + s * (s - 1) / 2;
+        if (s > 0 && !rosenbrock_same_point(method, a, s)) {
+            for (int i = 0; i < 2; i++)
+                UNROLL for (int q = 0; q < parts; q++)
+                {
+                    z[i][q] = y[i][q] + WITH(weighted)(a, s - 1, u, i, q);
+                    if (a[s - 1] != 0)
+                        z[i][q] += a[s - 1] * u[s - 1][i][q];
+                }
+            WITH(slope)(parts, of->both, known, z, f);
+            evals++;
+        }
+        UNROLL for (int q = 0; q < parts; q++)
+        {
+            vector right[2];
+            for (int i = 0; i < 2; i++)
+                right[i] = f[i][q] + WITH(weighted)(c, s, u, i, q) * (1 / h[q]);
+            for (int i = 0; i < 2; i++)
+                u[s][i][q] = -(vector){0} + right[0] * column[q][0][i] + right[1] * column[q][1][i];
+        }
+    }
+    for (int q = 0; q < parts; q++) {
+        const vector start[2] = {y[0][q], y[1][q]};
+        vector scale[2], error[2], end[2];
+        for (int i = 0; i < 2; i++) {
+            error[i] = -(vector){0};
+            for (int s = 0; s < stages; s++)
+                if (method->m[s] != method->b_hat[s])
+                    error[i] += (method->m[s] - method->b_hat[s]) * u[s][i][q];
+            end[i] = start[i] + WITH(weighted)(method->m, stages, u, i, q);
+        }
+        WITH(follow)(control, from + q, start, scale);
+        vector square = WITH(scaled_square)(scale, error, start, end);
+        square = WITH(either)(beyond[q], square, NAN - (vector){0});
+        /* at a second attempt the slope and the Jacobian at y are known */
+        const WITH(bits) known_first = WITH(load_bits)(control->rejected, from + q);
+        const WITH(bits) goes =
+            WITH(judge)(control, from + q, turns, start, end, square, evals + 1 + known_first);
+        for (int i = 0; i < 2; i++)
+            WITH(change)(goes, end[i], from + q, lanes->y[i]);
+    }
+}
+
+FAST bool WITH(any_marked)(int parts, int from, const int64_t *marks)
 {
     WITH(bits) any = {0};
-    UNROLL for (int q = 0; q < parts; q++) any |= WITH(load_bits)(control->running, from + q);
+    UNROLL for (int q = 0; q < parts; q++) any |= WITH(load_bits)(marks, from + q);
     return !WITH(none)(any);
 }
 
 /* march->count attempts; row [count][t, y, v][LANES] after them */
 TARGET static __attribute__((noinline)) void WITH(any_adaptive)(const struct WITH(forces) * of,
+                                                                WITH(slopes) * slopes,
                                                                 struct lanes *lanes,
                                                                 const struct lane_march *march)
 {
@@ -281,10 +368,14 @@ TARGET static __attribute__((noinline)) void WITH(any_adaptive)(const struct WIT
         const int lane = from * WIDE;
         WITH(take)(known, ANY_PARTS, from, lanes);
         for (int64_t i = 0; i < march->count; i++) {
-            const bool runs = WITH(runs)(ANY_PARTS, from, &lanes->control);
+            const bool runs = WITH(any_marked)(ANY_PARTS, from, lanes->control.running);
             if (!runs && !march->row)
                 break;
-            if (runs && WITH(attempt)(ANY_PARTS, from, of, lanes, known))
+            if (runs && slopes)
+                WITH(rosenbrock_attempt)(ANY_PARTS, from, of, slopes, lanes, known);
+            else if (runs)
+                WITH(attempt)(ANY_PARTS, from, of, lanes, known);
+            if (runs && WITH(any_marked)(ANY_PARTS, from, lanes->control.alone))
                 lanes_attempt_alone(lanes, lane, SIZE);
             if (!march->row)
                 continue;

@@ -45,6 +45,7 @@ FAST bool WITH(any_moves)(int parts, const WITH(bits) * moving)
     }
 LANE_SLOPES(spring, *p -= c[0], )
 LANE_SLOPES(damping, , *v -= c[0])
+LANE_SLOPES(drag, , *v -= 2 * c[0] * WITH(magnitude)(y[1]))
 LANE_SLOPES(drive, , )
 LANE_SLOPES(cubic, *p -= 3 * c[0] * y[0] * y[0], )
 LANE_SLOPES(vanderpol, *p -= 2 * c[0] * (y[0] * c[1]) * c[1] * y[1],
@@ -74,7 +75,9 @@ typedef void WITH(slopes)(int parts, const struct WITH(known) * known, vector y[
         (void)parts;                                                                               \
         WITH(shape##_jacobian)(ANY_PARTS, known, z, jacobian);                                     \
     }
-MOTION_SHAPES(LANE_JACOBIAN)
+AUTONOMOUS_SHAPES(LANE_JACOBIAN)
+LANE_JACOBIAN(driven_duffing)
+LANE_JACOBIAN(driven_pendulum)
 
 /* ---- one stage ---- */
 

@@ -147,7 +147,7 @@ void lanes_destroy(struct lanes *lanes)
     free(lanes);
 }
 
-static int lane_shape_of(const struct system *system)
+int lane_shape_of(const struct system *system)
 {
     switch (forces_of(system)) {
         LANE_SHAPES(LANE_CASE)

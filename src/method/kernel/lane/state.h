@@ -5,7 +5,7 @@
 
 #include "method/kernel/kernel.h"
 
-enum { LANE_COEFFICIENTS = 2, WORK_MOST = 64 };
+enum { LANE_COEFFICIENTS = 2, WORK_MOST = 64, ROSENBROCK_STAGES = 8 };
 
 enum { TABLE_ROOM = 1 << 17 }; /* [double] a megabyte */
 /* Lanes whose drives are looked at together; times at which they are known at once, so few that
@@ -106,6 +106,10 @@ typedef void lane_kernel(struct lanes *lanes, const struct lane_march *march);
 #define LANE_MODELS(S) S(pendulum) S(driven_pendulum)
 #define LANE_SHAPES(S) LANE_OSCILLATORS(S) LANE_MODELS(S)
 
+/* Of these, those without a drive. */
+#define AUTONOMOUS_SHAPES(S)                                                                       \
+    S(spring) S(damped) S(drag) S(damped_drag) S(duffing) S(vanderpol) S(pendulum)
+
 #define LANE_PLACE(shape) LANE_##shape,
 enum { LANE_SHAPES(LANE_PLACE) LANE_SHAPE_COUNT };
 
@@ -115,9 +119,12 @@ enum { LANE_EXPLICIT, LANE_SPLIT, LANE_IMPLICIT, LANE_ADAPTIVE, LANE_FAMILIES };
 
 struct lane_width {
     lane_kernel *const (*kernels)[LANE_FAMILIES]; /* of a shape and a family of methods */
+    lane_kernel *const *rosenbrocks;              /* of a shape; NULL: it has a drive */
     void (*drives)(const struct lanes *lanes, double t, double *cosine);
 };
 
+/* -1: none of these */
+int lane_shape_of(const struct system *system);
 /* Of `count` lanes from `first` on those that are marked in control.alone take a step alone. */
 void lanes_attempt_alone(struct lanes *lanes, int first, int count);
 

@@ -17,6 +17,7 @@
 #include "method/control/adapt_body.h"
 #include "method/step/irk_body.h"
 #include "method/step/newton_body.h"
+#include "method/step/rosenbrock_body.h"
 
 #include <float.h>
 
@@ -112,10 +113,10 @@ struct lane_width lanes_width(int most)
 {
 #ifdef __x86_64__
     if (most >= 8 && __builtin_cpu_supports("avx512f"))
-        return (struct lane_width){kernels_8, drives_8};
+        return (struct lane_width){kernels_8, rosenbrocks_8, drives_8};
     if (most >= 4 && __builtin_cpu_supports("avx2"))
-        return (struct lane_width){kernels_4, drives_4};
+        return (struct lane_width){kernels_4, rosenbrocks_4, drives_4};
 #endif
     (void)most;
-    return (struct lane_width){kernels_2, drives_2};
+    return (struct lane_width){kernels_2, rosenbrocks_2, drives_2};
 }

@@ -407,15 +407,28 @@ MOTION_SHAPES(LANE_IRK_MOTION)
     TARGET static void WITH(shape##_adaptive)(struct lanes * lanes,                                \
                                               const struct lane_march *march)                      \
     {                                                                                              \
-        WITH(any_adaptive)(&WITH(shape##_forces), lanes, march);                                   \
+        WITH(any_adaptive)(&WITH(shape##_forces), NULL, lanes, march);                             \
     }
 LANE_SHAPES(LANE_STEPS)
 
+#define LANE_ROSENBROCK(shape)                                                                     \
+    TARGET static void WITH(shape##_rosenbrock)(struct lanes * lanes,                              \
+                                                const struct lane_march *march)                    \
+    {                                                                                              \
+        WITH(any_adaptive)                                                                         \
+        (&WITH(shape##_forces), WITH(shape##_jacobian_called), lanes, march);                      \
+    }
+AUTONOMOUS_SHAPES(LANE_ROSENBROCK)
+
 #define LANE_ENTRY(shape)                                                                          \
-    {WITH(shape##_rk), WITH(shape##_split), WITH(shape##_irk), WITH(shape##_adaptive)},
+    [LANE_##shape] = {WITH(shape##_rk), WITH(shape##_split), WITH(shape##_irk),                    \
+                      WITH(shape##_adaptive)},
+#define LANE_LAST_ENTRY(shape) [LANE_##shape] = WITH(shape##_rosenbrock),
 
 static lane_kernel *const WITH(kernels)[LANE_SHAPE_COUNT][LANE_FAMILIES] = {
     LANE_SHAPES(LANE_ENTRY)};
+static lane_kernel *const WITH(rosenbrocks)[LANE_SHAPE_COUNT] = {
+    AUTONOMOUS_SHAPES(LANE_LAST_ENTRY)};
 
 #undef vector
 #undef PARTS
@@ -439,6 +452,8 @@ static lane_kernel *const WITH(kernels)[LANE_SHAPE_COUNT][LANE_FAMILIES] = {
 #undef LANE_KERNELS
 #undef LANE_ENTRY
 #undef LANE_STEPS
+#undef LANE_ROSENBROCK
+#undef LANE_LAST_ENTRY
 #undef LANE_SLOPES
 #undef LANE_JACOBIAN_TERM
 #undef LANE_JACOBIAN
