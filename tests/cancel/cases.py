@@ -73,6 +73,7 @@ CASES = [
     ("load clock", "", "load clock.csv", "data drop clock", ""),
     ("load xlsx", "", "load big.xlsx", "data drop big", ""),
     ("load preview", "", "load big.txt --preview", "", ""),
+    ("collect", "", "collect beat.txt as=beat", "", "+"),
     ("data clean", RECORDING, "data clean", "", ""),
     ("data clean apply", RECORDING, "data clean apply", "data restore", ""),
     ("data window", RECORDING, "data window 1:1999", "data restore", ""),
@@ -249,7 +250,7 @@ for _what in ("k = 5 N/m", "let q = 2*y", "observe p = m*v", "event top when v f
     CASES.append((_what, LARGE, _what, "", "="))
 
 # what a short look takes, of fewer rows
-SHORT = ("load", "data clean", "plot svg data", "compare", "run until")
+SHORT = ("load", "collect", "data clean", "plot svg data", "compare", "run until")
 
 
 def workbook(path, rows):
@@ -305,6 +306,7 @@ def recordings(program, folder, rows, names):
     with open(path) as file:
         text = file.read()
     for name, change in (
+        ("beat.txt", lambda: text[:40000]),
         ("big.csv", lambda: text.replace("\t", ",")),
         ("big.tsv", lambda: text.replace("t (s)\ty (cm)", "t\ty")),
         ("comma.csv", lambda: text.replace("\t", ";").replace(".", ",")),

@@ -4,6 +4,7 @@
 # sigrok-cli, things without an end.
 set -u
 hooke=$(realpath "${HOOKE:-build/hooke}")
+here=$PWD
 work=$(mktemp -d) || exit 2
 others=()
 trap '[ ${#others[@]} -gt 0 ] && kill "${others[@]}" 2>/dev/null; rm -rf "$work"' EXIT
@@ -155,14 +156,47 @@ elif ! sigrok-cli -d demo --config samplerate=100 --samples 3 -C A1 -O analog 2>
     skip "sigrok-cli's demo device" "it has no channel A1"
 else
     demo() { timeout 30 sigrok-cli -d demo --config samplerate=100 --time 1500 -C A1 -O analog 2>/dev/null; }
-    demo | "$hooke" -n -c 'collect - rate=100 to=demo.txt; measure period' >demo.out 2>&1
-    grep -q '^T = 0\?[.]\?2000*\|^T = 200' demo.out && grep -q 'A1 \[' demo.out
+    demo | "$hooke" -n -c 'collect - rate=100 for=10s to=demo.txt; measure period' >demo.out 2>&1
+    grep -q '^T = 0.2000000\|^T = 200.0000' demo.out && grep -q 'A1 \[mV\]' demo.out
     ok "the demo device of sigrok-cli into standard input" $? "$(cat demo.out)"
     mkfifo demo
     demo >demo &
     "$hooke" -n -c 'collect demo rate=100 to=fifo.txt; measure period' >fifo.out 2>&1
     [ "$(raw fifo.txt | wc -l)" -eq "$(grep -o '[0-9]* samples' fifo.out | head -n 1 | cut -d ' ' -f 1)" ] && grep -q '^T = ' fifo.out
     ok "and into a pipe" $? "$(cat fifo.out)"
+fi
+# ---- the recipes of examples/collect, as they are written there
+recipes=$here/examples/collect
+if ! command -v curl >/dev/null || ! command -v python3 >/dev/null; then
+    skip "phyphox.sh" "curl or python3 is not installed"
+else
+    cat >phone.py <<'end'
+import http.server, math, sys, time
+begin = time.monotonic()
+class Phone(http.server.BaseHTTPRequestHandler):
+    def do_GET(self):
+        t = time.monotonic() - begin
+        buffers = ['"%s":{"size":0,"updateMode":"single","buffer":[%.6f]}' % one
+                   for one in (("accY", math.sin(12 * t)), ("acc_time", t))]
+        self.send_response(200)
+        self.end_headers()
+        self.wfile.write(('{"buffer":{%s},"status":{"session":"a","measuring":true}}'
+                          % ",".join(buffers[::sys.argv[1] == "time" and -1 or 1])).encode())
+    def log_message(self, *ignored):
+        pass
+server = http.server.HTTPServer(("127.0.0.1", 0), Phone)
+open(sys.argv[1] + ".port", "w").write(str(server.server_port) + "\n")
+server.serve_forever()
+end
+    for order in time value; do
+        python3 phone.py $order &
+        others+=($!)
+        await $order.port
+        timeout 30 sh "$recipes/phyphox.sh" "127.0.0.1:$(cat $order.port)" 2>/dev/null |
+            timeout 30 "$hooke" -n -c "collect - unit=m/s^2 for=1.7s to=phone-$order.txt; measure period" >phone.out 2>&1
+        grep -q '^T = 0.523[56]' phone.out # 2 pi / 12 = 0.5236 s
+        ok "phyphox.sh with a phone that says its $order first" $? "$(cat phone.out)"
+    done
 fi
 echo "1..$n"
 exit "$bad"
