@@ -332,7 +332,7 @@ static void warn_clock(struct recording *recording, const struct collected *coll
     if (!collected->lost_known)
         recording_warn(recording, "whether %slines were lost on the way cannot be known: %s",
                        collected->lost > 0 ? "more " : "",
-                       collected->by_rate                 ? "the arrivals are too uneven, or not at rate="
+                       collected->by_rate ? "the arrivals are too uneven, or not at rate="
                        : collected->clock == CLOCK_DEVICE ? "the device's times are uneven"
                        : collected->clock == CLOCK_UNEVEN
                            ? "they arrive unevenly"
