@@ -10,7 +10,8 @@
 #include <unistd.h>
 
 #define PIECE_MOST 65536 /* points between two looks at the file, where lanes want no more */
-#define PIECE_BYTES ((size_t)1 << 26)
+/* Of results; as text, which is copied once, they take ten times as much. */
+#define PIECE_BYTES ((size_t)1 << 23)
 #define PIECE_SECONDS 0.5 /* that a piece takes, between this and four times as much */
 
 /* ---- which sweep it is, as lines of the head ---- */
