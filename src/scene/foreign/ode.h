@@ -7,7 +7,7 @@
 
 #define ODE_LINES 20000            /* after arrays are written out */
 #define ODE_TEXT ((size_t)1 << 23) /* [byte] of them */
-#define ODE_SYMBOLS 4096           /* names of all kinds */
+#define ODE_SYMBOLS 1024           /* names of all kinds: scenes have fewer */
 #define ODE_ARGUMENTS 20
 #define ODE_EVENTS 16
 

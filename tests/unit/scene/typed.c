@@ -385,6 +385,14 @@ static void test_largest(void **state)
     system_jacobian(&f->system, 0, y, jac);
     assert_true(dydt[0] == 64 * 2 - 1 && dydt[63] == 63 * 1 - 64 && jac[63] == 2 && jac[0] == -1);
     refused(f, "var more = 1", "at most 64 variables", NULL);
+    for (int i = 1; i <= LIMIT_OBSERVED; i++) {
+        snprintf(line, sizeof line, "observe o%d = y1 + %d", i, i);
+        type(f, LINES(line));
+    }
+    bind(f);
+    assert_int_equal(model_observed(f->scene.model), LIMIT_OBSERVED);
+    assert_true(system_observe(&f->system, LIMIT_OBSERVED - 1, 0, y) == 1 + LIMIT_OBSERVED);
+    refused(f, "observe more = y1", "at most 192 observed quantities", NULL);
 }
 
 static void test_long_sum_is_quick(void **state)
