@@ -3,7 +3,8 @@
  * for any locale of that charset. The library's own are files that another system does not have, or
  * has in another version's format. What readline and ncurses ask of a locale is here. Of the
  * static program only; as POSIX.1-2017 says of each function. */
-#define _GNU_SOURCE /* strcasestr, wcwidth */
+#undef _FORTIFY_SOURCE /* its inline forms would stand for the functions defined here */
+#define _GNU_SOURCE    /* strcasestr, wcwidth */
 #include <hooke/base.h>
 
 #include <errno.h>
