@@ -41,6 +41,15 @@ enum time_source {
  */
 enum collected_clock { CLOCK_DEVICE, CLOCK_ARRIVAL, CLOCK_UNEVEN };
 
+/* What a sensor reads, and what is true: the straight line through two points. Compared and kept
+ * byte by byte: what is not used is 0. */
+struct calibration {
+    double read[2], truth[2]; /* numbers in these units: */
+    char unit[2][16];         /* of both readings and of both truths; "": none */
+    bool known;               /* else values are as they come */
+    bool decided;             /* somebody has said so */
+};
+
 struct collected {
     enum collected_clock clock;
     size_t lines;    /* that came, but for blank ones: the sum of the next five */
@@ -58,6 +67,7 @@ struct collected {
     double jitter, largest;
     double last;           /* [s] arrival of the last line */
     struct text statement; /* that collected it, as its file says; empty: nobody has said */
+    struct calibration calibration; /* as its file says */
 };
 
 /* One of several recordings in a file, side by side (columns) or below each other (blocks). */
@@ -103,6 +113,7 @@ struct recording {
     double *y;      /* [rows] chosen value in SI, zero not yet subtracted; NAN: missing */
     uint32_t *line; /* [rows] line of the file, counted from 1 */
     const struct collected *collected; /* NULL: it was not */
+    struct calibration calibration;    /* that its values have gone through */
     const struct cancel *cancel;       /* as when it was loaded */
     struct arena arena; /* owns all but the arrays of rows: column[].value, t, y, line */
 };
@@ -116,7 +127,9 @@ struct load_options {
     char decimal, separator;             /* 0: find out */
     struct text name;                    /* as=NAME; empty: from the file name */
     const struct cancel *cancel;         /* NULL: nobody ends it */
-    struct text run;                     /* run=NAME or number; empty: the first with data in it */
+    /* instead of what its file says; NULL: that */
+    const struct calibration *calibration;
+    struct text run; /* run=NAME or number; empty: the first with data in it */
 };
 
 /* One format = one file in src/data ending in its row. */
@@ -164,7 +177,8 @@ bool recording_errors(const struct recording *recording, const struct series *se
 
 #define COLLECTED_HEAD "# hooke collect 1"
 #define COLLECTED_STATEMENT "# statement: "
-#define COLLECTED_LINE 1024 /* [byte] of a line that are kept */
+#define COLLECTED_CALIBRATION "# calibration: " /* the last one counts */
+#define COLLECTED_LINE 1024                     /* [byte] of a line that are kept */
 
 /* Appends one that came, without its end, to the text of the file. */
 void collected_put(struct buffer *file, double arrival, struct text line);
@@ -194,6 +208,19 @@ bool growth_begin(struct lengthening *growth, struct recording *recording);
  */
 bool recording_grow(struct recording *recording, struct lengthening *growth, struct recording *more,
                     bool *other);
+
+/* Numbers with or without a unit, NULL, at the beginning of *rest, which then begins behind them;
+ * how many, `max` at most. */
+int calibration_values(struct text *rest, double *value, const struct unit **unit, int max);
+/* From READ1 TRUE1 READ2 TRUE2. Error: units of different kinds, no two points. */
+bool calibration_make(const double value[4], const struct unit *const unit[4],
+                      struct calibration *calibration, struct error *error);
+/* "19.6 cm 20 cm 39.1 cm 40 cm", "off" */
+void calibration_put(const struct calibration *calibration, struct buffer *text);
+/* From what that wrote; anything else: off. */
+void calibration_take_line(struct text line, struct calibration *calibration);
+/* Truth for each reading, in their units. */
+double calibration_gain(const struct calibration *calibration);
 
 /* ---- what is wrong with a recording ---- */
 

@@ -41,6 +41,7 @@ struct setup {
     int lets;
     /* which statement of the log gave each parameter its value, counted from 1; 0: the scene */
     uint32_t origin[PARAM_MAX];
+    struct calibration calibration; /* of what is collected */
 };
 
 /* private: one thing that was asked of a run (go there, change a parameter, go back) */
@@ -298,6 +299,12 @@ struct collecting {
     } fit;
     struct run *model; /* the scene, from the first swing on to now; NULL: none that would match */
     double offset;     /* of the recording where the model is at rest, SI */
+    struct {           /* a calibration that waits for its points */
+        bool waits;
+        int taken; /* of two */
+        double truth[2], read[2], scatter[2];
+        const struct unit *truth_unit[2], *read_unit; /* NULL: none */
+    } aim;
     struct feed *feed;
 };
 

@@ -154,6 +154,10 @@ void command_next(const struct session *session, struct buffer *line)
         }
         return;
     }
+    if (session->collecting && session->collecting->aim.waits) {
+        buffer_put(line, TEXT("calibrate take"));
+        return;
+    }
     struct done done = {session, session_recording(session), {0}, false};
     if (!done.recording)
         return;

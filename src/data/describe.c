@@ -54,6 +54,11 @@ void recording_describe(const struct recording *recording, struct buffer *text)
                       recording->dropped == 1 ? "row" : "rows");
     buffer_char(text, '\n');
     put_columns(text, recording);
+    if (recording->calibration.known) {
+        buffer_put(text, TEXT("calibrated: "));
+        calibration_put(&recording->calibration, text);
+        buffer_put(text, TEXT(" (as read, and true)\n"));
+    }
     if (recording->runs > 1) {
         buffer_put(text, TEXT("runs: "));
         run_list(recording, text);

@@ -26,6 +26,8 @@ agree() { # of two quantities within the uncertainty of the second
         exit !(n == 2 && y[2] > 0 && d * d <= y[2] * y[2]) }'
 }
 
+raw() { grep -v '^#' "$1" | cut -f 2-; }
+
 good=0
 rate=200
 [ -n "${LONG:-}" ] && rate=1000
@@ -57,5 +59,31 @@ ok "--live fits a damped sine only" $? "$(cat out.txt)"
 "$hooke" -n -c 'fit --live window=0:3' >out.txt 2>&1
 [ $? -eq 1 ] && grep -q 'it takes no more' out.txt
 ok "and all of it" $? "$(cat out.txt)"
+# ---- calibrated
+held() { awk 'BEGIN { srand(3); print "time (s),distance (cm)"; for (i = 0; i < 500; i++) { t = i / 50
+    printf "%.3f,%.3f\n", t, (t < 4 ? 19.6 : t < 5 ? 19.6 + 19.5 * (t - 4) : 39.1) + 0.02 * (rand() - 0.5) } }'; }
+held | "$hooke" -n -c 'collect - to=raw.txt; calibrate y 20 cm 40 cm at=0.5:3.5,6:9' >cal.out 2>&1
+grep -q '^y: 19.6.* cm is 20 cm, 39.1.* cm is 40 cm; 1.0256.* cm for each cm$' cal.out
+ok "two windows of a recording are its two points" $? "$(cat cal.out)"
+held | "$hooke" -n -c 'calibrate y 19.6 cm 20 cm 39.1 cm 40 cm; collect - to=true.txt; zero; save set.hk' >true.out 2>&1
+grep -q '^calibrated: 19.6 cm 20 cm 39.1 cm 40 cm' true.out && grep -q '^# calibration: 19.6 cm 20 cm 39.1 cm 40 cm$' true.txt
+ok "what is collected later is true, and its file says how" $? "$(cat true.out)"
+[ "$(raw true.txt | sed -n 2p)" = "$(held | sed -n 2p)" ]
+ok "its lines are as they came" $?
+grep -q '^calibrate y 19.6 cm -' set.hk
+ok "zero shifts it, and what is saved has it" $? "$(cat set.hk)"
+"$hooke" -n -c 'load true.txt' >loaded.out 2>&1
+grep -q '^calibrated: 19.6 cm 20 cm' loaded.out
+ok "load knows it" $? "$(cat loaded.out)"
+awk 'BEGIN { for (i = 0; i < 200; i++) printf "%.2f,%d\n", i / 100, 512 + (i % 2) * 318 }' |
+    "$hooke" -n --format json -c 'calibrate y 512 20 cm 830 40 cm; collect - to=counts.txt' >counts.json 2>&1
+grep -q '"unit":"cm"' counts.json
+ok "counts become centimetres" $? "$(cat counts.json)"
+"$hooke" -n -c 'load raw.txt; calibrate y 20 cm 40 cm at=1:2,2:3' >out.txt 2>&1
+[ $? -eq 1 ] && grep -q 'both times: that is one point' out.txt
+ok "two readings that are one are refused" $? "$(cat out.txt)"
+held | "$hooke" -n -c 'calibrate y 5 V 20 cm 9 V 40 cm; collect - to=volts.txt' >out.txt 2>&1
+grep -q 'was calibrated in V and is read in cm' out.txt && [ "$(raw volts.txt | wc -l)" -eq 501 ]
+ok "so is a calibration of another quantity, and the lines are kept" $? "$(cat out.txt)"
 echo "1..$n"
 exit "$bad"

@@ -133,6 +133,11 @@ static int begin_file(const struct collection *c, const struct arguments *args, 
     buffer_word(&head, strcmp(c->source, STANDARD_INPUT) == 0 ? TEXT("-") : text_of(c->source));
     put_options(args, true, &head);
     buffer_char(&head, '\n');
+    if (c->calibration.known) {
+        buffer_put(&head, TEXT(COLLECTED_CALIBRATION));
+        calibration_put(&c->calibration, &head);
+        buffer_char(&head, '\n');
+    }
     struct error why = {.code = ERROR_NONE};
     const bool ok =
         !head.failed ? append_lines(fd, buffer_text(&head), false, &why) : error_memory(&why);
@@ -175,6 +180,11 @@ static bool collect(struct collection *c, const struct arguments *args, struct e
                                          .from = c->from,
                                          .max = c->max,
                                          .safe = session->safe};
+    if (c->again && session->setup.calibration.decided && !collect_put_calibration(c, error)) {
+        close(file);
+        return false;
+    }
+    c->options.calibration = &c->calibration;
     c->view = (struct collect_view){.path = c->path, .options = &c->options, .fd = -1};
     c->state = (struct collecting){.period = NAN,
                                    .amplitude = NAN,
@@ -325,6 +335,10 @@ HANDLER(collect)
                error_hint(error, "'load FILE' reads a recording that is there already");
     if (input && !check_input(session, source, error))
         return false;
+    const struct recording *before = anew ? session_recording(session) : NULL;
+    c.calibration = session->setup.calibration.decided ? session->setup.calibration
+                    : before                           ? before->calibration
+                                                       : c.calibration;
     c.source = arena_text(args->arena, input ? TEXT(STANDARD_INPUT) : source);
     return c.source ? read_wishes(anew ? again : args, &c, error) && name_it(&c, args, error) &&
                           collect(&c, anew ? again : args, error)

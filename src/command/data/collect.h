@@ -44,6 +44,7 @@ struct collect_view {
 /* The new rows and some before them. NULL: nothing new, not yet, or nothing can be made of it:
  * problem.text. */
 struct recording *collect_view_read(struct collect_view *view, uint64_t lines);
+void collect_view_restart(struct collect_view *view); /* from the beginning of the file */
 void collect_view_free(struct collect_view *view);
 
 /* What is found of the lines while they come, each now and then. */
@@ -63,7 +64,8 @@ struct collection {
     const char *source, *path;         /* path: of its file */
     const char *from_shown, *to_shown; /* both, safe to show */
     struct load_options options;
-    struct text put_options; /* as they stand behind load */
+    struct calibration calibration; /* in force */
+    struct text put_options;        /* as they stand behind load */
     struct trigger trigger;
     double length, before; /* [s] HUGE_VAL: no end */
     bool again;            /* goes on with a file there is */
@@ -88,6 +90,8 @@ void collect_fit_last(struct collection *c);
 /* What the last fit was. */
 void collect_say_fit(const struct collection *c);
 void collect_live_free(struct collection *c);
+/* Into the file, where it counts from its beginning. */
+bool collect_put_calibration(const struct collection *c, struct error *error);
 /* Until it ends; true: by a Ctrl-C. */
 bool collect_follow(struct collection *c);
 /* What was collected becomes a recording as any other, which `load` gives again. */

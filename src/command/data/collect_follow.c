@@ -4,7 +4,9 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 #include <time.h>
+#include <unistd.h>
 
 #define LOOK_NS 50000000 /* between looks at what has come */
 #define SILENT_S 2.0     /* then it is said what is waited for */
@@ -56,8 +58,39 @@ static void show(struct collection *c, struct recording *more)
         collect_find(c, c->session->recording[place]->recording);
 }
 
+bool collect_put_calibration(const struct collection *c, struct error *error)
+{
+    struct buffer line = {0};
+    buffer_put(&line, TEXT(COLLECTED_CALIBRATION));
+    calibration_put(&c->calibration, &line);
+    buffer_char(&line, '\n');
+    const int fd = append_open(c->path, session_policy(c->session, false), 0666, error);
+    const bool ok = fd >= 0 && append_lines(fd, buffer_text(&line), true, error);
+    if (fd >= 0)
+        close(fd);
+    buffer_free(&line);
+    return ok;
+}
+
+/* Somebody has calibrated meanwhile: all is read again. */
+static void look_at_calibration(struct collection *c)
+{
+    const struct calibration *wanted = &c->session->setup.calibration;
+    struct error error;
+    if (!wanted->decided || memcmp(wanted, &c->calibration, sizeof *wanted) == 0)
+        return;
+    c->calibration = *wanted;
+    if (!collect_put_calibration(c, &error))
+        reply_warning(c->reply, "the calibration is not in the file: %s", error.text);
+    collect_view_restart(&c->view);
+    const int place = collect_own_place(c->session);
+    if (place >= 0)
+        session_drop_recording(c->session, place);
+}
+
 static void look_at_recording(struct collection *c)
 {
+    look_at_calibration(c);
     const bool waits = c->trigger.wanted && isnan(c->trigger.t) && !c->never.text[0];
     const bool shows = c->session->front.watched || c->session->fits_live;
     if (!shows && !waits)

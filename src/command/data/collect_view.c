@@ -109,6 +109,15 @@ struct recording *collect_view_read(struct collect_view *view, uint64_t lines)
     return recording;
 }
 
+void collect_view_restart(struct collect_view *view)
+{
+    buffer_clear(&view->head);
+    view->head_lines = view->before = 0;
+    view->from = 0;
+    view->lines = 0;
+    view->due = 0;
+}
+
 void collect_view_free(struct collect_view *view)
 {
     if (view->fd >= 0)

@@ -72,6 +72,12 @@ static bool split_lines(const struct table_text *text, struct arena *arena,
             collected->statement = (struct text){line.at + mark.len, line.len - mark.len};
             continue;
         }
+        if (text_starts(line, TEXT(COLLECTED_CALIBRATION))) {
+            const size_t len = strlen(COLLECTED_CALIBRATION);
+            calibration_take_line((struct text){line.at + len, line.len - len},
+                                  &collected->calibration);
+            continue;
+        }
         if (line.len == 0 || line.at[0] == '#' ||
             real_scan(line, '.', &arrival, &used) != REAL_OK || used == line.len ||
             line.at[used] != '\t' || out->count == max)
@@ -339,6 +345,19 @@ static void warn_clock(struct recording *recording, const struct collected *coll
                            : "they are few, or come several at a time");
 }
 
+/* Of the value, as it was said when it was collected. */
+static const struct unit *stated_unit(struct text statement)
+{
+    const struct text key = TEXT(" unit=");
+    while (statement.len > 0 && !text_starts(statement, key))
+        statement = (struct text){statement.at + 1, statement.len - 1};
+    size_t len = key.len;
+    while (len < statement.len && statement.at[len] != ' ')
+        len++;
+    return statement.len > 0 ? unit_find((struct text){statement.at + key.len, len - key.len})
+                             : NULL;
+}
+
 static bool read_lines(const struct table_text *text, struct collected_text *lines,
                        const struct load_options *options, struct recording *recording,
                        struct collected *collected, struct arena *arena, struct error *error)
@@ -348,6 +367,8 @@ static bool read_lines(const struct table_text *text, struct collected_text *lin
     struct table_text own = {
         .name = text->name, .text = buffer_text(&lines->lines), .first = 1, .header = 1};
     struct load_options taken = *options;
+    taken.unit = taken.unit ? taken.unit : stated_unit(collected->statement);
+    taken.calibration = taken.calibration ? taken.calibration : &collected->calibration;
     if (!table_head(&own, arena))
         return error_memory(error);
     table_find(&own, 0, options, &own.layout, &own.problem);

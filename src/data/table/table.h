@@ -83,6 +83,10 @@ bool table_head(struct table_text *text, struct arena *arena); /* splits the fir
 /* collect/collected.c: the read function of the format of collected lines. */
 bool collected_lines(const struct table_text *text, const struct load_options *options,
                      struct recording *recording, struct error *error);
+/* collect/calibration.c: the numbers of the value become true ones, unless they are. Error: they
+ * were calibrated as another quantity. */
+bool recording_calibrate(struct recording *recording, const struct calibration *calibration,
+                         struct error *error);
 /* collect/arrival.c */
 struct arrivals {
     const double *arrival; /* [n] [s] */

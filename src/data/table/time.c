@@ -357,6 +357,8 @@ bool recording_time(struct recording *recording, const struct load_options *opti
     if (!set_time_unit(recording, options, error))
         return false;
     set_value_unit(recording, options->unit);
+    if (options->calibration && !recording_calibrate(recording, options->calibration, error))
+        return false;
     const struct column *time = recording->time >= 0 ? &recording->column[recording->time] : NULL;
     const double rate = options->rate > 0 ? options->rate : recording->header_rate;
     if (recording->source == TIME_COLUMN)

@@ -237,6 +237,11 @@ static void save_setup(const struct session *session, bool motion, struct buffer
     events_save(session->setup.events, false, text);
     save_method(&session->setup, text);
     save_settings(&session->setup.settings, motion, text);
+    if (session->setup.calibration.known && !motion) {
+        buffer_put(text, TEXT("calibrate y "));
+        calibration_put(&session->setup.calibration, text);
+        buffer_char(text, '\n');
+    }
 }
 
 void session_save_motion(const struct session *session, struct buffer *text)

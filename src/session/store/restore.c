@@ -295,6 +295,11 @@ static void read_setup(struct reader *reader)
     if (method)
         setup->method = (const struct method *)(const void *)method;
     read_settings(reader->state, &setup->settings);
+    struct text points;
+    if (field_find(reader->state, "calibration", &points)) {
+        calibration_take_line(points, &setup->calibration);
+        setup->calibration.decided = true;
+    }
 }
 
 static void read_view(struct reader *reader)

@@ -160,6 +160,12 @@ void store_put_state(const struct session *session, struct buffer *to)
     store_put_scene(&setup->scene, "scene", to);
     store_put_events(setup->events, to);
     field_text(to, "method", text_of(setup->method->row.name));
+    if (setup->calibration.decided) {
+        struct buffer points = {0};
+        calibration_put(&setup->calibration, &points);
+        field_text(to, "calibration", buffer_text(&points));
+        buffer_free(&points);
+    }
     put_settings(&setup->settings, to);
     put_arrays(session, to);
     put_fit(session, to);

@@ -351,6 +351,84 @@ static void test_panes(void **state)
     close(fd);
 }
 
+static volatile sig_atomic_t second;
+
+static void go_second(int number)
+{
+    (void)number;
+    second = 1;
+}
+
+/* A process that reads 19.6 cm, and 39.1 cm after SIGUSR1: 100 lines a second. */
+static pid_t holder(int fd)
+{
+    signal(SIGUSR1, go_second);
+    const pid_t child = fork();
+    assert_true(child >= 0);
+    if (child > 0) {
+        signal(SIGUSR1, SIG_DFL);
+        return child;
+    }
+    alarm(120);
+    signal(SIGALRM, SIG_DFL);
+    for (int i = 0;; i++) {
+        char line[64];
+        const int len =
+            snprintf(line, sizeof line, "%.2f\t%.2f\r\n", 0.01 * i, second ? 39.1 : 19.6);
+        if (write(fd, line, (size_t)len) != len)
+            _exit(0);
+        poll(NULL, 0, 10);
+    }
+}
+
+/* Two points are taken while it is collected: what it was before is read by them, too. */
+static void test_calibrate(void **state)
+{
+    (void)state;
+    struct person p;
+    char line[300], name[100];
+    char path[100];
+    snprintf(path, sizeof path, "%s", in_work("held.txt"));
+    snprintf(name, sizeof name, "%s", in_work("held"));
+    assert_int_equal(mkfifo(name, 0600), 0);
+    const int fd = open(name, O_RDWR);
+    const pid_t device = holder(fd);
+    start_panes(&p, (struct start){.width = 100, .height = 30});
+    snprintf(line, sizeof line, "collect %s unit=cm to=%s\r", name, path);
+    type(&p, line);
+    expect(&p, "COLLECTING");
+    await_lines(path, 150);
+    type(&p, "calibrate y 20 cm 40 cm\r");
+    expect(&p, "hold it at 20 cm, then: calibrate take");
+    type(&p, "calibrate take\r");
+    expect(&p, "hold it at 40 cm, then: calibrate take");
+    kill(device, SIGUSR1);
+    await_lines(path, 600); /* the last second is all of the second level */
+    type(&p, "calibrate take\r");
+    expect(&p, "1.02564 cm for each cm");
+    type(&p, "zero\r");
+    expect(&p, "is 0 cm; 1.02564 cm for each cm");
+    type(&p, "stop\r");
+    expect(&p, "(stopped)");
+    expect(&p, "q: panes)>");
+    type(&p, "q");
+    expect_prompt(&p, EMPTY_PROMPT);
+    quit(&p);
+    kill(device, SIGKILL);
+    status_of(device);
+    close(fd);
+    int out[2];
+    struct buffer text = {0};
+    assert_int_equal(pipe(out), 0);
+    snprintf(line, sizeof line, "load %s", path);
+    const pid_t program = launch(line, out[1]);
+    close(out[1]);
+    said(out[0], &text);
+    status_of(program);
+    contains(&text, "calibrated: 19.6 cm -20 cm 39.1 cm 0 cm");
+    buffer_free(&text);
+}
+
 /* Killed in the panes: the next session has all that came. */
 static void test_killed(void **state)
 {
@@ -391,7 +469,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_serial_line),  cmocka_unit_test(test_ending_signals),
         cmocka_unit_test(test_two_programs), cmocka_unit_test(test_plugged_in_again),
-        cmocka_unit_test(test_panes),        cmocka_unit_test(test_killed)};
+        cmocka_unit_test(test_panes),        cmocka_unit_test(test_calibrate),
+        cmocka_unit_test(test_killed)};
     signal(SIGPIPE, SIG_IGN);
     return make_folder(state_folder) && make_folder(work)
                ? cmocka_run_group_tests(tests, NULL, NULL)

@@ -278,7 +278,8 @@ static void random_recording(char *line, size_t size)
              ONE_OF("load swing.txt as=one", "load speed.txt as=two", "data window 1:4",
                     "data window 0.5:7.25", "data zero 0.2", "data mass 200 +- 0.1 g",
                     "data use one", "data use two", "data join two", "data clean apply",
-                    "data drop two", "data join off", "data mass off"));
+                    "data drop two", "data join off", "data mass off", "zero",
+                    "calibrate y 19.6 cm 20 cm 39.1 cm 40 cm", "calibrate off"));
 }
 
 static void random_view(char *line, size_t size)
