@@ -296,14 +296,15 @@ int64_t lanes_evals(const struct lanes *lanes, int lane); /* so far */
  * The same by steps of method_adapt(), each lane by its own control from a fresh one with the step
  * of lanes_begin(): can such
  * systems go in lanes? After lanes_begin() and lanes_set() of all lanes lanes_control() takes the
- * first step of the first `used` ones. creep: a lane whose next step becomes shorter than this part
- * of the time since the start goes no further, unless the system is linear. Then lanes_adapt()
- * attempts so many steps; false: all have ended. row [count][3][LANES]: t [s], the variable and how
- * fast it changes, after each attempt, as before it where that was rejected; NULL: not wanted.
+ * first step of the first `used` ones, tol [used]. creep: a lane whose next step becomes shorter
+ * than this part of the time since the start goes no further, unless the system is linear. Then
+ * lanes_adapt() attempts so many steps; false: all have ended. row [count][3][LANES]: t [s], the
+ * variable and how fast it changes, after each attempt, as before it where that was rejected; NULL:
+ * not wanted.
  */
 bool lanes_adapt_fit(const struct method *method, const struct system *system, enum drag drag,
                      double h);
-void lanes_control(struct lanes *lanes, int used, double tol, double t_end, double creep);
+void lanes_control(struct lanes *lanes, int used, const double *tol, double t_end, double creep);
 bool lanes_adapt(struct lanes *lanes, int64_t attempts, double *row);
 void lanes_adapted_row(const struct lanes *lanes, double *row); /* the same [3][LANES], now */
 /* False: this lane has not come to t_end, and says nothing of what would happen alone. */

@@ -251,6 +251,14 @@ static void sweep_rows(void)
         {"over omega", "scene driven", "sweep omega=6:12:0.0002 measure=y", 1.25},
         {"quadratic drag", "scene drag", "sweep C=0.1:1:0.00003 measure=y", 2},
         {"quadratic drag, over k", "scene drag", "sweep k=10:40:0.001 measure=y", 2},
+        {"implicit midpoint", "scene driven",
+         "method implicit-midpoint; sweep gamma=0.1:1:0.00003 measure=y", 2.5},
+        {"implicit midpoint, Duffing", "scene duffing",
+         "method implicit-midpoint; sweep y0=0.1:1:0.00003 measure=y", NAN},
+        {"dopri5 at 1e-6", "scene driven",
+         "method dopri5; set tol 1e-6; sweep gamma=0.1:1:0.0003 measure=y", NAN},
+        {"rodas5p at 1e-6, van der Pol", "scene vanderpol",
+         "method rodas5p; set tol 1e-6; sweep mu=0.1:10:0.01 measure=y", NAN},
         {"max(v)", "scene driven", "sweep gamma=0.1:1:0.00003 measure=max(v)", NAN},
         {"energy_error", "scene driven", "sweep gamma=0.1:1:0.00003 measure=energy_error", NAN}};
     static const char set[] = "method rk4 dt=10ms; duration = 10 s;";

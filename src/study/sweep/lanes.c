@@ -312,8 +312,7 @@ static bool march_adaptive(struct sweep_worker *worker, struct adaptive_watch *o
         before[LANES + lane] = start[0];
         before[2 * LANES + lane] = start[1];
     }
-    lanes_control(worker->lanes, worker->used, request->settings.tol, t0 + request->duration,
-                  RUN_CREEP);
+    lanes_control(worker->lanes, worker->used, worker->tol, t0 + request->duration, RUN_CREEP);
     lanes_adapted_row(worker->lanes, worker->row);
     for (int64_t count = 1, more = 1; more; count = SWEEP_ROWS) {
         if (count > 1)
@@ -414,6 +413,7 @@ void sweep_gather(struct sweep_worker *worker, int64_t i)
         sweep_refuse(worker, i, &error);
         return;
     }
+    const double tol = worker->settings.tol; /* which points that go alone change */
     if (!sweep_lanes_fit(job, system, drag)) {
         sweep_alone(worker, i);
         return;
@@ -424,6 +424,7 @@ void sweep_gather(struct sweep_worker *worker, int64_t i)
         worker->system[0] = next;
     }
     worker->drag = drag;
+    worker->tol[worker->used] = tol;
     worker->point[worker->used++] = i;
     if (worker->used == LANES)
         sweep_flush(worker);

@@ -233,8 +233,8 @@ static void choose_lanes(struct sweep_job *job, struct plan *plan)
         plan_make(system, request->method, settings, request->duration, plan, &ignored);
     bool possible = planned && !settings->compensated && settings->kernel != KERNEL_GENERAL;
     for (int a = 0; a < request->axes; a++)
-        possible &= request->axis[a].target != SWEEP_DT && request->axis[a].target != SWEEP_TOL &&
-                    !text_is(text_of(request->axis[a].name), "t0");
+        possible &=
+            request->axis[a].target != SWEEP_DT && !text_is(text_of(request->axis[a].name), "t0");
     for (int m = 0; m < request->measures; m++) {
         job->replays |= !lane_measures(&request->measure[m]);
         possible &= request->measure[m].kind != SWEEP_ATTRACTOR; /* that is long in itself */

@@ -80,6 +80,7 @@ struct sweep_worker {
     double *replay;        /* [LANES][whole][2]; NULL: nothing is replayed */
     struct system *system; /* [LANES] */
     struct extremes watch[LANES];
+    double tol[LANES];
     double area[LANES], span; /* what means are made of: the same span for all lanes */
     int64_t point[LANES];     /* of each lane: place in the sweep */
     int used;

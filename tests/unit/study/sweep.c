@@ -140,7 +140,8 @@ static void test_adaptive_lanes_equal_runs(void **state)
                  {"pendulum", "theta0", 0.1, 3},
                  {"overdamped", "m", 0.1, 3},
                  {"inverted", "k", -15, 15},
-                 {"pendulum-driven", "omega", 0.3, 2}};
+                 {"pendulum-driven", "omega", 0.3, 2},
+                 {"duffing-driven", "tol", 1e-9, 1e-5}};
     static const char *const methods[] = {"dopri5", "bogacki-shampine", "tsit5",
                                           "dop853", "rodas5p",          "rodas4"};
     int64_t side_by_side = 0;

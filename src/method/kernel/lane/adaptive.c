@@ -35,7 +35,7 @@ static void step_alone(struct lanes *lanes, int lane, bool first)
     double y[N], work[WORK_MOST];
     struct step step = {
         .system = lanes->system[lane], .t = own->t[lane], .y = y, .work = work, .warm = !first};
-    struct controller control = {.tol = own->tol,
+    struct controller control = {.tol = own->tol[lane],
                                  .elapsed = own->elapsed[lane],
                                  .sampled = own->sampled[lane],
                                  .sampling = !first,
@@ -79,19 +79,15 @@ void lanes_attempt_alone(struct lanes *lanes, int first, int count)
             step_alone(lanes, lane, false);
 }
 
-void lanes_control(struct lanes *lanes, int used, double tol, double t_end, double creep)
+void lanes_control(struct lanes *lanes, int used, const double *tol, double t_end, double creep)
 {
     struct lane_control *const own = &lanes->control;
     const struct method *method = lanes->method;
-    const struct controller wanted = {.tol = tol};
-    const double max = largest_estimate(method, tolerance(&wanted));
     const int k = method->embedded + 1;
     const struct filter *filter = method->flags & METHOD_IMPLICIT ? &implicit : &explicit;
-    *own = (struct lane_control){.tol = tol,
-                                 .t0 = lanes->t0,
+    *own = (struct lane_control){.t0 = lanes->t0,
                                  .t_end = t_end,
                                  .creep = lanes->system[0]->linear ? 0 : creep,
-                                 .accepted = 1 / (N * max * max),
                                  .aims = by_aim(method),
                                  .by_error = -0.5 / k * filter->b1,
                                  .by_previous = -0.5 / k * filter->b2,
@@ -99,6 +95,10 @@ void lanes_control(struct lanes *lanes, int used, double tol, double t_end, doub
                                  .elementary = -0.5 / k};
     for (int lane = 0; lane < used; lane++) {
         const struct system *system = lanes->system[lane];
+        const struct controller wanted = {.tol = tol[lane]};
+        const double max = largest_estimate(method, tolerance(&wanted));
+        own->tol[lane] = tol[lane];
+        own->accepted[lane] = 1 / (N * max * max);
         own->t[lane] = lanes->t0;
         own->h[lane] = lanes->h;
         for (int i = 0; i < N; i++) {

@@ -174,7 +174,7 @@ FAST WITH(bits) WITH(judge)(struct lane_control *control, int part, bool turns, 
 {
     const vector t = WITH(load)(control->t, part), h = WITH(load)(control->h, part);
     const WITH(bits) running = WITH(load_bits)(control->running, part);
-    const vector square = estimate * control->accepted,
+    const vector square = estimate * WITH(load)(control->accepted, part),
                  error = WITH(larger)(square * control->aims, MIN_ERROR * MIN_ERROR - (vector){0});
     const WITH(bits) good = square <= 1;
     const vector next = WITH(next_step)(control, part, h, error, good);

@@ -29,9 +29,10 @@ struct lane_range {
 #define LANE_FAR 1e100
 
 struct lane_control {
-    double tol, t0, t_end, creep;
+    double t0, t_end, creep;
     /* largest_estimate() and the filter of the method */
-    double accepted, aims, by_error, by_previous, by_ratio, elementary;
+    double aims, by_error, by_previous, by_ratio, elementary;
+    double tol[LANES], accepted[LANES]; /* of each, and 1/(n largest_estimate()^2) */
     double t[LANES], t_low[LANES], h[LANES], last[LANES], previous[LANES];
     double sampled[LANES], elapsed[LANES], excess[2][LANES];
     double min[2][LANES], given[2][LANES]; /* sizes; those that follow from the scene's atol, 0 */
