@@ -376,7 +376,7 @@ install: all ## install program, library, headers, manual, examples and completi
 	install -d $(VIM_FILES)/ftdetect && echo 'autocmd BufNewFile,BufRead *.hk setfiletype hooke' >$(VIM_FILES)/ftdetect/hooke.vim && \
 	  chmod 644 $(VIM_FILES)/ftdetect/hooke.vim
 	install -D -m 644 $(TOP)/pages/hooke.nano $(NANO)
-	for example in $(EXAMPLES); do install -D -m 644 $$example $(SHARED)/$$example || exit; done
+	for example in $(EXAMPLES); do install -D -m $$([ -x $$example ] && echo 755 || echo 644) $$example $(SHARED)/$$example || exit; done
 	scripts/make-recordings $(SHARED)/examples/lab && chmod 644 $(SHARED)/examples/lab/*.txt
 
 uninstall: ## remove what install put there
