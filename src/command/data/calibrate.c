@@ -265,8 +265,10 @@ HANDLER(zero)
         error_set(error, ERROR_COMMAND, "nothing has come whose mean could be zero");
         return error_hint(error, "collect SOURCE for=2s; zero; collect again");
     }
-    const double end = recording->t[recording->rows - 1];
-    if (!take(recording, end - LAST, end, &raw, error))
+    const double end = recording->t[recording->rows - 1],
+                 period = session->collecting ? session->collecting->period : NAN,
+                 last = period > 0 ? fmax(1, floor(LAST / period)) * period : LAST;
+    if (!take(recording, end - last, end, &raw, error))
         return false;
     struct calibration c =
         session->setup.calibration.known ? session->setup.calibration : recording->calibration;
@@ -282,8 +284,8 @@ HANDLER(zero)
         c.truth[1] -= truth;
     }
     c.decided = true;
-    reply_line(reply, "zero is where it reads %.6g%s%s: the mean of the last second, scatter %.2g",
-               mean, blank(name_of(raw.unit)), name_of(raw.unit), raw.scatter);
+    reply_line(reply, "zero is where it reads %.6g%s%s: the mean of the last %.3g s, scatter %.2g",
+               mean, blank(name_of(raw.unit)), name_of(raw.unit), last, raw.scatter);
     keep(session, &c, reply);
     return true;
 }
@@ -305,8 +307,10 @@ COMMAND(calibrate,
 
 COMMAND(zero, .row = {"zero", "", "what a sensor reads now is zero, from now on", "", NULL},
         .group = "DATA",
-        .text = "The mean of the last second of what is being collected, or was last. It shifts "
-                "the calibration; 'calibrate off' takes both back, 'data zero V' shifts a "
-                "recording that is there.",
+        .text =
+            "The mean of the last second of what is being collected, or was last; of whole periods "
+            "while it swings. It shifts "
+            "the calibration; 'calibrate off' takes both back, 'data zero V' shifts a "
+            "recording that is there.",
         .examples = "collect /dev/ttyACM0 for=2s; zero; collect again\nzero",
         .see = "calibrate collect data", .flags = COMMAND_CHANGES | COMMAND_BESIDE)

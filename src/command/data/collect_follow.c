@@ -83,6 +83,7 @@ static void look_at_calibration(struct collection *c)
     if (!collect_put_calibration(c, &error))
         reply_warning(c->reply, "the calibration is not in the file: %s", error.text);
     collect_view_restart(&c->view);
+    c->live.laid.model = NULL; /* what is laid over it begins anew */
     const int place = collect_own_place(c->session);
     if (place >= 0)
         session_drop_recording(c->session, place);

@@ -141,9 +141,9 @@ static bool find_start(const struct scene *scene, const struct recording *record
         const double t = recording->t[row] - t0, y = recording->y[row] - recording->zero,
                      fall = exp(-rate * t),
                      basis[3] = {1, fall * cos(omega * t), fall * sin(omega * t)};
-        for (int i = 0; i < 3 && isfinite(y); i++) {
+        for (size_t i = 0; i < 3 && isfinite(y); i++) {
             x[i] += basis[i] * y;
-            for (int k = 0; k < 3; k++)
+            for (size_t k = 0; k < 3; k++)
                 a[3 * i + k] += basis[i] * basis[k];
         }
         n += isfinite(y);
