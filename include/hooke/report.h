@@ -5,6 +5,7 @@
 
 #include <hooke/language.h>
 #include <hooke/plot.h>
+#include <hooke/scene.h>
 
 /* ---- tables made from a session; all memory from the arena ---- */
 
@@ -146,6 +147,12 @@ void precision_summary(const struct precision *precision, struct arena *arena, s
 void precision_legend(const struct precision *precision, int width, struct buffer *out);
 void reply_precision(const struct session *session, const struct precision *precision,
                      struct arena *arena, struct reply *reply);
+
+/* ---- the present scene as a program (program/) ---- */
+
+/* With its method, step and duration, as a text in that language. False: it cannot be written. */
+bool session_program(const struct session *session, enum dialect dialect, struct arena *arena,
+                     struct buffer *out, struct error *error);
 
 /* ---- a sweep as text ---- */
 

@@ -200,6 +200,8 @@ struct run {
     struct run_private *private_state; /* work memory */
 };
 
+/* A state variable that is larger ends a run: it diverges. */
+double run_bound(const struct system *system, int i);
 /* States after whole steps that are known already, as a run of fixed steps would find them: row
  * [count][n], the caller's, from the start on. Before it advances; their evaluations are not
  * counted. */

@@ -30,15 +30,19 @@ const char *stop_name(enum stop stop)
 
 /* Magnitudes are compared in scaled state: velocities by the scene's own velocity at the same
  * amplitude. */
+double run_bound(const struct system *system, int i)
+{
+    const int half = system->n / 2;
+    const bool velocity = system->order == 2 && i >= half;
+    const double bound =
+        AMPLITUDE_MAX * (velocity ? system->scale[i] / system->scale[i - half] : 1);
+    return bound < AMPLITUDE_MAX ? AMPLITUDE_MAX : fmin(bound, DBL_MAX);
+}
+
 static void set_bounds(struct run *run)
 {
-    const struct system *system = &run->system;
-    int half = system->n / 2;
-    for (int i = 0; i < system->n; i++) {
-        bool velocity = system->order == 2 && i >= half;
-        double bound = AMPLITUDE_MAX * (velocity ? system->scale[i] / system->scale[i - half] : 1);
-        run->private_state->bound[i] = bound < AMPLITUDE_MAX ? AMPLITUDE_MAX : fmin(bound, DBL_MAX);
-    }
+    for (int i = 0; i < run->system.n; i++)
+        run->private_state->bound[i] = run_bound(&run->system, i);
 }
 
 /*

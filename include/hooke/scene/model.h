@@ -154,7 +154,8 @@ extern const struct model *const scene_models[]; /* all of them, the oscillator 
 #define TERM_COEFFICIENTS 6
 #define TERM_VALUES 64 /* of a typed term: what it is, and up to 63 parameters that it reads */
 #define TERM_MAX 16
-#define LIMIT_MODEL_ROWS 3 /* accelerations or derivatives of a built-in model */
+#define LIMIT_MODEL_ROWS 3   /* accelerations or derivatives of a built-in model */
+#define LIMIT_MODEL_SLOPES 9 /* of these by each variable */
 
 enum term_flag {
     TERM_LINEAR = 1,       /* linear in the state, or independent of it */
@@ -193,6 +194,10 @@ struct term_row {
     /* What it adds to each, as one types it: velocities are x', parameters go by their names. NULL:
      * nothing */
     const char *equation[LIMIT_MODEL_ROWS];
+    /* The same in the order of `add`, where a text in the order of `equation` would be rounded in
+     * another way; NULL: it is not. And, for rows of n, the derivatives by the state, where those
+     * of that text are not computed as `jacobian` does. */
+    const char *ordered[LIMIT_MODEL_ROWS], *slope[LIMIT_MODEL_SLOPES];
     int force; /* enum force of src/scene/model/forces.h: its text is compiled again by kernels */
     /* Coefficients from the parameters, also added into `oscillator`; false: the term is absent
      * (its coefficient is zero). */

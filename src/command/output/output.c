@@ -113,6 +113,46 @@ static bool say_in_pieces(const struct session *session, struct text text, struc
     return true;
 }
 
+/* The end of the name, after its last point. */
+static struct text ending_of(struct text path)
+{
+    size_t dot = path.len;
+    while (dot > 0 && path.at[dot - 1] != '.' && path.at[dot - 1] != '/')
+        dot--;
+    return (struct text){path.at + dot, path.len - dot};
+}
+
+static bool export_scene(struct session *session, const struct arguments *args, struct reply *reply,
+                         struct error *error)
+{
+    const struct text file = argument_value(args, "FILE")->item->text;
+    const struct row *kind = catalog_find(&dialect_catalog, ending_of(file));
+    const char *path = arena_text(args->arena, file);
+    struct buffer text = {0}, shown = {0};
+    if (!kind) {
+        error_at(error, file, "a scene is not written as '.%.*s'", (int)ending_of(file).len,
+                 ending_of(file).at);
+        return error_hint(error, "what it can be: .c .py .m .tex .ode, and by 'save' .hk");
+    }
+    const enum dialect dialect = (enum dialect)catalog_index(&dialect_catalog, kind);
+    bool fine = (path || error_memory(error)) &&
+                session_program(session, dialect, args->arena, &text, error) &&
+                file_write(path, buffer_text(&text),
+                           session_policy(session, has_argument(args, "force")), error);
+    safe_text(&shown, file, false);
+    if (fine) {
+        reply_line(reply, "%s: %s, %s by %s", buffer_view(&shown), kind->brief,
+                   session->setup.scene.preset->row.name, session->setup.method->row.name);
+        reply_begin(reply, "export");
+        reply_string(reply, "file", path);
+        reply_string(reply, "program", kind->name);
+        reply_end(reply);
+    }
+    buffer_free(&text);
+    buffer_free(&shown);
+    return fine;
+}
+
 HANDLER(export)
 {
     const struct item *file = argument_value(args, "FILE")->item;
@@ -120,6 +160,8 @@ HANDLER(export)
     struct export export = {.arena = args->arena};
     if (!path)
         return error_memory(error);
+    if (has_argument(args, "scene"))
+        return export_scene(session, args, reply, error);
     if (!fill_table(session, args, &export, error))
         return false;
     export.table.cancel = session->front.cancel;
@@ -225,8 +267,9 @@ COMMAND(
     .see = "print save plot list", .flags = COMMAND_ANYTIME,
     ARGUMENTS(PLACE("FILE", TYPE_FILE, .flags = ARG_REQUIRED),
               WORD("run", TYPE_RUN, .flags = ARG_MANY | ARG_ALL, .group = 1),
-              WORD("data", TYPE_NONE, .group = 1), WORD("measurements", TYPE_NONE, .group = 1),
-              WORD("table", TYPE_NONE, .group = 1), WORD("events", TYPE_NONE, .group = 1),
+              WORD("scene", TYPE_NONE, .group = 1), WORD("data", TYPE_NONE, .group = 1),
+              WORD("measurements", TYPE_NONE, .group = 1), WORD("table", TYPE_NONE, .group = 1),
+              WORD("events", TYPE_NONE, .group = 1),
               WORD("of", TYPE_CHOICE, .choices = &result_catalog),
               PLACE("COLUMN", TYPE_COLUMN, .flags = ARG_MANY),
               KEY("every", TYPE_VALUE, .quantity = QUANTITY_OTHER), OPTION("force", TYPE_NONE),

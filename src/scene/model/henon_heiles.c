@@ -35,6 +35,7 @@ static const struct term_row terms[] = {
     {.row = {"well", "", "V = (x^2 + y^2)/2 + x^2 y - y^3/3", "Henon, Heiles 1964, eq. 11", NULL},
      .flags = TERM_CONSERVATIVE,
      .equation = {"-x-2*x*y", "-y-x^2+y^2"},
+     .ordered = {NULL, "-y-(x^2-y^2)"},
      .force = FORCE_well,
      .bind = well_bind,
      .add = well_add,

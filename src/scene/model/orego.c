@@ -41,6 +41,7 @@ static const struct term_row terms[] = {
     {.row = {"reaction", "1/s", "three of the steps of the Belousov-Zhabotinskii reaction",
              "Field, Noyes 1974", NULL},
      .equation = {"s*(y2+y1*(1-q*y1-y2))", "(y3-(1+y1)*y2)/s", "w*(y1-y3)"},
+     .slope = {"s*(1-2*q*y1-y2)"},
      .bind = reaction_bind,
      .add = reaction_add,
      .jacobian = reaction_jacobian},

@@ -23,6 +23,7 @@ TERM_BIND(reaction)
 static const struct term_row terms[] = {
     {.row = {"reaction", "1/s", "A -> B, B + B -> C + B, B + C -> A + C", "Robertson 1966", NULL},
      .equation = {"k3*y2*y3-k1*y1", "k1*y1-k3*y2*y3-k2*y2^2", "k2*y2^2"},
+     .ordered = {NULL, "k1*y1-k3*y2*y3-k2*y2*y2", "k2*y2*y2"},
      .force = FORCE_reaction,
      .bind = reaction_bind,
      .add = reaction_add,

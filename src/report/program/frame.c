@@ -1,0 +1,436 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Programs that compute: C, Python, Octave. Constants, forces, one loop. */
+#include "report/program/program.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+static const struct syntax syntaxes[] = {
+    {.dialect = DIALECT_C,
+     .comment = "/* ",
+     .comment_end = " */",
+     .variable = "double ",
+     .constant = "const double ",
+     .global = "static const double ",
+     .function = "static double ",
+     .begin = "\n{\n",
+     .result = "return",
+     .end = "}\n",
+     .none = "void",
+     .stop = ";",
+     .count = "(double)(i + 1)",
+     .last = "i == steps - 1",
+     .newline = "\n            ",
+     .if_then = "if (",
+     .if_end = ") "},
+    {.dialect = DIALECT_PYTHON,
+     .comment = "# ",
+     .comment_end = "",
+     .variable = "",
+     .constant = "",
+     .global = "",
+     .function = "def ",
+     .begin = ":\n",
+     .result = "return",
+     .end = "\n",
+     .none = "",
+     .stop = "",
+     .count = "(i + 1)",
+     .last = "i == steps - 1",
+     .newline = "\n            ",
+     .if_then = "if ",
+     .if_end = ": "},
+    {.dialect = DIALECT_OCTAVE,
+     .comment = "% ",
+     .comment_end = "",
+     .variable = "",
+     .constant = "",
+     .global = "",
+     .none = "",
+     .stop = ";",
+     .count = "i",
+     .last = "i == steps",
+     .newline = " ...\n            ",
+     .if_then = "if ",
+     .if_end = "\n        "},
+    {.dialect = DIALECT_XPP, .comment = "# ", .comment_end = ""},
+    {.dialect = DIALECT_TEX, .comment = "% ", .comment_end = ""},
+};
+
+const struct syntax *program_syntax(enum dialect dialect)
+{
+    size_t i = 0;
+    while (syntaxes[i].dialect != dialect)
+        i++;
+    return &syntaxes[i];
+}
+
+/* ---- what stands above everything ---- */
+
+static void put_name_and_unit(struct buffer *out, const char *label, double value, const char *unit)
+{
+    buffer_put(out, text_of(label));
+    buffer_real(out, value);
+    buffer_format(out, "%s%s", unit[0] ? " " : "", unit);
+}
+
+static void put_equation(struct program *p, int row)
+{
+    struct buffer text = {0};
+    buffer_format(&text, "%s%s = ", p->written.name[1 + row], program_moves(p) ? "''" : "'");
+    if (!p->written.all[row] ||
+        !expr_text(p->written.all[row], DIALECT_XPP, p->written.name, p->written.zero, &text))
+        buffer_put(&text, p->written.all[row] ? TEXT("") : TEXT("0"));
+    if (p->written.dry)
+        buffer_put(&text, TEXT(", and dry friction"));
+    buffer_format(p->out, "   %s\n", buffer_view(&text));
+    p->out->failed |= text.failed;
+    buffer_free(&text);
+}
+
+void program_title(struct program *p)
+{
+    const char *brief = p->scene->preset->row.brief;
+    buffer_format(p->out, "%s: %s\n", p->scene->preset->row.name, brief);
+    for (int row = 0; row < p->written.rows; row++)
+        put_equation(p, row);
+    buffer_format(p->out, "by %s: %s\n", p->method->row.name, p->method->row.brief);
+    put_name_and_unit(p->out, p->plan.adaptive ? "tol = " : "dt = ",
+                      p->plan.adaptive ? p->settings.tol : p->settings.dt,
+                      p->plan.adaptive ? "" : "s");
+    put_name_and_unit(p->out, ", from t = ", p->written.system.t0, "s");
+    put_name_and_unit(p->out, " to ", p->written.system.t0 + p->duration, "s");
+    buffer_format(p->out, "; written by hooke %s\n", HOOKE_VERSION);
+}
+
+/* Every line of a text as a comment. */
+static void put_commented(struct program *p, struct text text, const char *before)
+{
+    struct text line;
+    while (text_split(&text, '\n', &line))
+        if (line.len > 0)
+            buffer_format(p->out, "%s%.*s\n", before, (int)line.len, line.at);
+}
+
+static void put_title(struct program *p)
+{
+    static const char *const how[] = {
+        [DIALECT_C] = "hooke's bits by: gcc -O2 -ffp-contract=off FILE.c -lm && ./a.out >run.csv\n",
+        [DIALECT_PYTHON] = "python3 FILE.py >run.csv, python3 FILE.py --plot\n",
+        [DIALECT_OCTAVE] = "octave FILE.m >run.csv\n"};
+    struct program plain = *p;
+    struct buffer text = {0};
+    plain.out = &text;
+    program_title(&plain);
+    buffer_put(&text, text_of(how[p->syntax->dialect]));
+    const bool c = p->syntax->dialect == DIALECT_C;
+    buffer_put(p->out, c ? TEXT("/*\n") : TEXT(""));
+    put_commented(p, buffer_text(&text), c ? " * " : p->syntax->comment);
+    buffer_put(p->out, c ? TEXT(" */\n") : TEXT(""));
+    p->out->failed |= text.failed;
+    buffer_free(&text);
+}
+
+/* ---- constants ---- */
+
+static void put_constant(struct program *p, const char *name, double value, const char *unit,
+                         const char *brief)
+{
+    const struct syntax *s = p->syntax;
+    char z[REAL_TEXT_SIZE];
+    real_format(value, z);
+    const bool whole = s->dialect == DIALECT_PYTHON && !strpbrk(z, ".eni");
+    if (s->dialect == DIALECT_C && program_shadows(name))
+        buffer_format(p->out, "#define %s %s_ /* a function of the C library has its name */\n",
+                      name, name);
+    buffer_format(p->out, "%s%s = %s%s%s", s->global, name, z, whole ? ".0" : "", s->stop);
+    if (unit[0] || brief[0])
+        buffer_format(p->out, " %s%s%s%s%s%s%s", s->comment, unit[0] ? "[" : "", unit,
+                      unit[0] ? "]" : "", unit[0] && brief[0] ? " " : "", brief, s->comment_end);
+    buffer_char(p->out, '\n');
+}
+
+static void put_constants(struct program *p)
+{
+    const struct written *w = &p->written;
+    const bool c = p->syntax->dialect == DIALECT_C;
+    for (int i = w->params; i < w->observed; i++) {
+        if (!p->reads[i])
+            continue;
+        const struct param_row *row = param_at(p->scene, i - w->params);
+        const bool typed = strcmp(row->row.brief, "typed by the user") == 0;
+        put_constant(p, p->name[i], p->scene->value[i - w->params], row->row.unit,
+                     typed ? "" : row->row.brief);
+    }
+    buffer_char(p->out, '\n');
+    if (p->plan.adaptive)
+        return;
+    put_constant(p, "dt", p->settings.dt, "s", "time step");
+    if (p->written.system.t0 != 0)
+        put_constant(p, "t0", p->written.system.t0, "s", "start");
+    buffer_format(p->out, "%ssteps = %lld%s\n", c ? "static const long " : "",
+                  (long long)p->plan.whole + p->partial, p->syntax->stop);
+}
+
+/* ---- the loop ---- */
+
+static void put_start(struct program *p, const char *indent)
+{
+    const struct system *system = &p->written.system;
+    const struct syntax *s = p->syntax;
+    for (int i = -1; i < system->n; i++) {
+        const char *unit = i < 0 ? "s" : quantity_unit(system->model->variable[i].quantity);
+        const double value = i < 0 ? system->t0 : system->start[i];
+        char z[REAL_TEXT_SIZE];
+        real_format(value, z);
+        const bool whole = s->dialect == DIALECT_PYTHON && !strpbrk(z, ".eni");
+        buffer_format(p->out, "%s%s%s = ", indent, s->variable, p->name[1 + i]);
+        buffer_format(p->out, "%s%s%s", z, whole ? ".0" : "", s->stop);
+        if (unit[0])
+            buffer_format(p->out, " %s[%s]%s", s->comment, unit, s->comment_end);
+        buffer_char(p->out, '\n');
+    }
+}
+
+/* "t, y, v" */
+static void put_row(struct program *p)
+{
+    for (int i = 0; i < 1 + program_n(p); i++)
+        buffer_format(p->out, "%s%s", i ? ", " : "", p->name[i]);
+}
+
+static void put_heading(struct program *p)
+{
+    for (int i = 0; i < 1 + program_n(p); i++)
+        buffer_format(p->out, "%s%s", i ? "," : "", p->written.name[i]);
+}
+
+static void put_printf(struct program *p, const char *indent)
+{
+    buffer_format(p->out, "%sprintf(\"", indent);
+    for (int i = 0; i < 1 + program_n(p); i++)
+        buffer_format(p->out, "%s%%.17g", i ? "," : "");
+    buffer_put(p->out, TEXT("\\n\", "));
+    put_row(p);
+    buffer_put(p->out, TEXT(");\n"));
+}
+
+/* Before a step: its length, where the last one is shorter. */
+static void put_length(struct program *p, const char *indent)
+{
+    const struct syntax *s = p->syntax;
+    if (!p->partial)
+        return;
+    const double end = p->written.system.t0 + p->duration;
+    char z[REAL_TEXT_SIZE];
+    real_format(end, z);
+    if (s->dialect == DIALECT_C)
+        buffer_format(p->out, "%sconst double h = %s ? %s - t : dt;\n", indent, s->last, z);
+    else if (s->dialect == DIALECT_PYTHON)
+        buffer_format(p->out, "%sh = %s - t if %s else dt\n", indent, z, s->last);
+    else
+        buffer_format(p->out, "%sh = dt;\n%sif %s\n%s    h = %s - t;\n%send\n", indent, indent,
+                      s->last, indent, z, indent);
+}
+
+/* The time after a step. */
+static void put_time(struct program *p, const char *indent)
+{
+    const struct syntax *s = p->syntax;
+    const double t0 = p->written.system.t0, end = t0 + p->duration;
+    const double found = t0 + (double)p->plan.whole * p->settings.dt;
+    buffer_format(p->out, "%st = %s%s*dt%s\n", indent, t0 != 0 ? "t0 + " : "", s->count, s->stop);
+    if (!p->partial && found == end)
+        return;
+    char z[REAL_TEXT_SIZE];
+    real_format(end, z);
+    buffer_format(p->out, "%s%s%s%st = %s%s\n", indent, s->if_then, s->last, s->if_end, z, s->stop);
+    if (s->dialect == DIALECT_OCTAVE)
+        buffer_format(p->out, "%send\n", indent);
+}
+
+/* Is the state what a run goes on with? */
+static void put_bounds(struct program *p, const char *indent)
+{
+    const struct system *system = &p->written.system;
+    const bool c = p->syntax->dialect == DIALECT_C, octave = p->syntax->dialect == DIALECT_OCTAVE;
+    buffer_format(p->out, "%sif %s(", indent, c ? "(!" : octave ? "~" : "not ");
+    for (int i = 0; i < system->n; i++) {
+        buffer_format(p->out, "%s%s(%s) <= ",
+                      i == 0        ? ""
+                      : c || octave ? " && "
+                                    : " and ",
+                      c ? "fabs" : "abs", program_state(p, i));
+        buffer_real(p->out, run_bound(system, i));
+    }
+    if (c)
+        buffer_format(p->out,
+                      ")) {\n%s    fprintf(stderr, \"diverged after t = %%g\\n\", t);\n"
+                      "%s    return 3;\n%s}\n",
+                      indent, indent, indent);
+    else if (octave)
+        buffer_format(p->out,
+                      ")\n%s    warning('diverged after t = %%g', t);\n%s    break\n%send\n",
+                      indent, indent, indent);
+    else
+        buffer_format(p->out,
+                      "):\n%s    print(\"diverged after t =\", t, file=sys.stderr)\n%s    break\n",
+                      indent, indent);
+}
+
+static void put_steps(struct program *p)
+{
+    static const char *const loop[] = {[DIALECT_C] = "    for (long i = 0; i < steps; i++) {\n",
+                                       [DIALECT_PYTHON] = "for i in range(steps):\n",
+                                       [DIALECT_OCTAVE] = "for i = 1:steps\n"};
+    const bool c = p->syntax->dialect == DIALECT_C;
+    const char *indent = c ? "        " : "    ";
+    program_before(p, c ? "    " : "");
+    buffer_put(p->out, text_of(loop[p->syntax->dialect]));
+    put_length(p, indent);
+    program_step(p, indent);
+    put_bounds(p, indent);
+    put_time(p, indent);
+}
+
+static void put_main_c(struct program *p)
+{
+    buffer_put(p->out, TEXT("int main(void)\n{\n"));
+    put_start(p, "    ");
+    buffer_put(p->out, TEXT("    puts(\""));
+    put_heading(p);
+    buffer_put(p->out, TEXT("\");\n"));
+    put_printf(p, "    ");
+    put_steps(p);
+    put_printf(p, "        ");
+    buffer_put(p->out, TEXT("    }\n    return 0;\n}\n"));
+}
+
+static void put_main_python(struct program *p)
+{
+    put_start(p, "");
+    buffer_put(p->out, TEXT("rows = [("));
+    put_row(p);
+    buffer_put(p->out, TEXT(")]\n"));
+    put_steps(p);
+    buffer_put(p->out, TEXT("    rows.append(("));
+    put_row(p);
+    buffer_put(p->out, TEXT("))\n\nif \"--plot\" in sys.argv:\n"
+                            "    import matplotlib.pyplot as plt\n\n"
+                            "    plt.plot([row[0] for row in rows], [row[1] for row in rows])\n"));
+    const struct variable first = p->written.system.model->variable[0];
+    const char *unit = quantity_unit(first.quantity);
+    buffer_format(p->out,
+                  "    plt.xlabel(\"t [s]\")\n    plt.ylabel(\"%s%s%s%s\")\n    plt.show()\n",
+                  first.name, unit[0] ? " [" : "", unit, unit[0] ? "]" : "");
+    buffer_put(p->out, TEXT("else:\n    print(\""));
+    put_heading(p);
+    buffer_put(p->out, TEXT("\")\n    for row in rows:\n        print(*row, sep=\",\")\n"));
+}
+
+static void put_octave_rows(struct program *p, const char *rows)
+{
+    buffer_put(p->out, TEXT("printf('"));
+    put_heading(p);
+    buffer_put(p->out, TEXT("\\n');\nprintf('"));
+    for (int i = 0; i < 1 + program_n(p); i++)
+        buffer_format(p->out, "%s%%.17g", i ? "," : "");
+    buffer_format(p->out, "\\n', %s');\n", rows);
+}
+
+/* By the library's own Dormand-Prince pair. */
+static void put_ode45(struct program *p)
+{
+    const struct system *system = &p->written.system;
+    const int n = system->n, positions = n - p->written.rows;
+    char z[REAL_TEXT_SIZE], text[16];
+    buffer_put(p->out, TEXT("slopes = @(t, s) ["));
+    for (int i = 0; i < n; i++) {
+        snprintf(text, sizeof text, "s(%d)", i + 1);
+        p->name[1 + i] = arena_text(p->arena, text_of(text));
+        if (!p->name[1 + i]) {
+            p->out->failed = true;
+            return;
+        }
+    }
+    for (int i = 0; i < n; i++) {
+        buffer_put(p->out, i ? TEXT("; ") : TEXT(""));
+        if (i < positions)
+            buffer_put(p->out, text_of(p->name[1 + i + positions]));
+        else
+            program_call(p, PART_ALL, i - positions, "t", NULL);
+    }
+    real_format(p->settings.tol, z);
+    buffer_format(p->out, "];\ntol = odeset('RelTol', %s, 'AbsTol', %s*[", z, z);
+    for (int i = 0; i < n; i++) {
+        real_format(system->scale[i], z);
+        buffer_format(p->out, "%s%s", i ? ", " : "", z);
+    }
+    real_format(system->t0, z);
+    buffer_format(p->out, "]);\n[t, s] = ode45(slopes, [%s, ", z);
+    real_format(system->t0 + p->duration, z);
+    buffer_format(p->out, "%s], [", z);
+    for (int i = 0; i < n; i++) {
+        real_format(system->start[i], z);
+        buffer_format(p->out, "%s%s", i ? "; " : "", z);
+    }
+    buffer_put(p->out, TEXT("], tol);\n"));
+    put_octave_rows(p, "[t, s]");
+}
+
+static void put_main_octave(struct program *p)
+{
+    if (p->plan.adaptive) {
+        put_ode45(p);
+        return;
+    }
+    put_start(p, "");
+    buffer_format(p->out, "rows = zeros(steps + 1, %d);\nrows(1, :) = [", 1 + program_n(p));
+    put_row(p);
+    buffer_put(p->out, TEXT("];\n"));
+    put_steps(p);
+    buffer_put(p->out, TEXT("    rows(i + 1, :) = ["));
+    put_row(p);
+    buffer_put(p->out, TEXT("];\nend\n"));
+    put_octave_rows(p, "rows");
+    buffer_put(p->out, TEXT("% plot(rows(:, 1), rows(:, 2)); xlabel('t [s]');\n"));
+}
+
+static void put_functions(struct program *p)
+{
+    const bool splits = p->method->splitting != NULL;
+    if (method_is_backward_euler(p->method)) {
+        program_implicit_functions(p);
+        return;
+    }
+    program_functions(p, splits ? PART_FORCE : PART_ALL);
+    if (splits && p->written.system.velocity && p->drag == DRAG_EXPLICIT)
+        program_functions(p, PART_DRAG);
+}
+
+bool program_computes(struct program *p)
+{
+    struct buffer functions = {0}, *out = p->out;
+    const enum dialect dialect = p->syntax->dialect;
+    p->out = &functions;
+    put_functions(p);
+    p->out = out;
+    put_title(p);
+    if (dialect == DIALECT_C)
+        buffer_put(out, TEXT("#include <math.h>\n#include <stdio.h>\n"));
+    const size_t declared = out->len;
+    buffer_char(out, '\n');
+    put_constants(p);
+    buffer_char(out, '\n');
+    buffer_put(out, buffer_text(&functions));
+    if (dialect == DIALECT_OCTAVE)
+        buffer_char(out, '\n');
+    out->failed |= functions.failed;
+    buffer_free(&functions);
+    dialect == DIALECT_C        ? put_main_c(p)
+    : dialect == DIALECT_PYTHON ? put_main_python(p)
+                                : put_main_octave(p);
+    program_helpers(p, declared);
+    return true;
+}

@@ -1,0 +1,231 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/*
+ * The present scene with its method as a program of its own. In C it has hooke's bits: forces,
+ * steps and times are computed in the same order. What hooke does beyond a step (pieces at
+ * switches, events) is not written, and such a scene is refused.
+ */
+#include "report/program/program.h"
+
+#include <hooke/session/events.h>
+#include <math.h>
+#include <string.h>
+
+/* ---- words ---- */
+
+/* What the programs and their languages use themselves. */
+static const char *const taken[] = {
+    "dt",           "t0",       "t_end",  "steps",    "i",          "h",
+    "main",         "rows",     "row",    "drag",     "slope",      "size",
+    "acceleration", "double",   "int",    "long",     "lambda",     "if",
+    "for",          "in",       "is",     "as",       "or",         "and",
+    "not",          "def",      "del",    "pass",     "return",     "static",
+    "const",        "char",     "float",  "short",    "auto",       "case",
+    "default",      "do",       "else",   "enum",     "extern",     "goto",
+    "register",     "signed",   "sizeof", "struct",   "switch",     "typedef",
+    "union",        "unsigned", "void",   "volatile", "while",      "break",
+    "continue",     "class",    "from",   "global",   "import",     "try",
+    "with",         "yield",    "raise",  "None",     "True",       "False",
+    "print",        "range",    "end",    "function", "printf",     "stderr",
+    "NAN",          "INFINITY", "inline", "restrict", "power",      "number",
+    "more",         "elif",     "except", "finally",  "assert",     "async",
+    "await",        "nonlocal", "sys",    "plt",      "state",      "jacobian",
+    "solve",        "keep",     "half",   "fixed",    "round_half", "choose",
+    "pi",           "bool",     "true",   "false",    "total",      "square",
+    "error",        "tol",
+};
+
+/* Functions of C's library and compiler, which a constant outside of functions may not be called.
+ */
+static const char *const functions_of_c[] = {
+    "gamma", "y0",   "y1",     "yn",     "j0",   "j1",    "jn",    "signgam",
+    "index", "time", "remove", "rename", "fma",  "erf",   "ldexp", "frexp",
+    "div",   "abs",  "logb",   "scalb",  "drem", "exp10", "pow10",
+};
+
+static bool among(const char *name, const char *const *word, size_t count)
+{
+    for (size_t i = 0; i < count; i++)
+        if (strcmp(name, word[i]) == 0)
+            return true;
+    return false;
+}
+
+bool program_shadows(const char *name)
+{
+    return among(name, functions_of_c, COUNT_OF(functions_of_c));
+}
+
+static bool make_names(struct program *p)
+{
+    struct written *w = &p->written;
+    const size_t count = (size_t)(w->names + p->slopes.parts);
+    p->name = arena_array(p->arena, count, sizeof *p->name);
+    p->reads = arena_array(p->arena, count, sizeof *p->reads);
+    for (size_t i = 0; p->name && p->reads && i < count; i++) {
+        struct buffer name = {0};
+        if (i >= (size_t)w->names)
+            buffer_format(&name, "part%zu", i - (size_t)w->names + 1);
+        else
+            buffer_format(&name, "%s%s", w->name[i],
+                          among(w->name[i], taken, COUNT_OF(taken)) ? "_" : "");
+        p->name[i] = name.failed ? NULL : arena_text(p->arena, buffer_text(&name));
+        buffer_free(&name);
+        if (!p->name[i])
+            return error_memory(p->error);
+    }
+    return (p->name && p->reads) || error_memory(p->error);
+}
+
+/* ---- numbers and expressions ---- */
+
+/* The fraction with the smallest denominator that is this double; false: none below a million. */
+static bool fraction_of(double x, long *top, long *bottom)
+{
+    long p0 = 0, q0 = 1, p1 = 1, q1 = 0;
+    double rest = fabs(x);
+    for (int i = 0; i < 20; i++) {
+        const double whole = floor(rest);
+        const long p2 = (long)whole * p1 + p0, q2 = (long)whole * q1 + q0;
+        if (whole > 1e6 || p2 > 1000000 || q2 > 1000000)
+            return false;
+        if ((double)p2 / (double)q2 == fabs(x)) {
+            *top = x < 0 ? -p2 : p2;
+            *bottom = q2;
+            return true;
+        }
+        p0 = p1, q0 = q1, p1 = p2, q1 = q2;
+        rest = 1 / (rest - whole);
+    }
+    return false;
+}
+
+void program_weight(const struct program *p, double weight)
+{
+    char z[REAL_TEXT_SIZE];
+    long top, bottom;
+    if (real_format(weight, z) <= 4 || !fraction_of(weight, &top, &bottom))
+        buffer_put(p->out, text_of(z));
+    else
+        buffer_format(p->out, "(%ld%s/%ld)", top, p->syntax->dialect == DIALECT_C ? ".0" : "",
+                      bottom);
+}
+
+void program_expr(struct program *p, const struct expr *expr)
+{
+    struct written *w = &p->written;
+    if (!expr_reads(expr, w->zero, p->reads) ||
+        !expr_text(expr, p->syntax->dialect, (const char *const *)p->name, w->zero, p->out))
+        p->out->failed = true;
+}
+
+void program_comment(const struct program *p, const char *indent, const char *text)
+{
+    buffer_format(p->out, "%s%s%s%s\n", indent, p->syntax->comment, text, p->syntax->comment_end);
+}
+
+/* ---- what is refused ---- */
+
+static bool refuse_events(struct program *p)
+{
+    const struct events *events = p->session->setup.events;
+    for (int i = 0; events && i < events->count; i++)
+        if (events->line[i].action != EVENT_RECORD)
+            return error_set(p->error, ERROR_COMMAND, "event %s %s, which the program would not do",
+                             events->line[i].name,
+                             events->line[i].action == EVENT_STOP ? "stops runs"
+                                                                  : "executes commands");
+    return true;
+}
+
+static bool refuse_method(struct program *p)
+{
+    struct runge_kutta table;
+    double weight[SPLITTING_WEIGHTS];
+    bool kick;
+    const char *name = p->method->row.name;
+    if (!method_runge_kutta(p->method, &table) && !method_splitting(p->method, weight, &kick) &&
+        !method_is_backward_euler(p->method)) {
+        error_set(p->error, ERROR_COMMAND, "%s is not written as a program", name);
+        return error_hint(p->error, "what is: explicit Runge-Kutta methods, splittings and "
+                                    "backward-euler ('list methods')");
+    }
+    const bool ode45 = p->syntax->dialect == DIALECT_OCTAVE && p->method->tableau;
+    if (p->plan.adaptive && !ode45) {
+        error_set(p->error, ERROR_COMMAND, "the program takes steps of one size, and %s adapts",
+                  name);
+        return error_hint(p->error, "method %s dt=10ms takes steps of one size", name);
+    }
+    if (p->method->splitting && p->written.system.velocity &&
+        (p->drag == DRAG_IMPLICIT || (p->drag == DRAG_EXACT && p->method->order != 2))) {
+        error_set(p->error, ERROR_COMMAND, "%s with this drag is not written as a program", name);
+        return error_hint(p->error, "verlet with drag=exact is, and any with drag=explicit");
+    }
+    return true;
+}
+
+static bool refuse_pieces(struct program *p)
+{
+    const struct system *system = &p->written.system;
+    if (p->settings.compensated)
+        return error_set(p->error, ERROR_COMMAND,
+                         "compensated sums are not written ('set sums "
+                         "plain')");
+    if (!system->pieces && !method_turns(p->method, system))
+        return true;
+    error_set(p->error, ERROR_COMMAND,
+              system->dry ? "steps end where the body turns, sticks and breaks away, which is not "
+                            "written as a program"
+              : system->pieces
+                  ? "steps end where the forces jump or bend, which is not written as a program"
+                  : "steps of %s end where the velocity turns, because the force bends there, "
+                    "which is not written as a program",
+              p->method->row.name);
+    return error_hint(p->error, "'set turning off' steps across, and that is");
+}
+
+static bool make_plan(struct program *p)
+{
+    const struct setup *setup = &p->session->setup;
+    p->method = setup->method;
+    p->settings = session_run_settings(p->session);
+    p->duration = setup->settings.duration;
+    p->drag = setup->drag;
+    if (!plan_make(&p->written.system, p->method, &p->settings, p->duration, &p->plan, p->error) ||
+        !method_applies(p->method, &p->written.system, &p->drag, p->error))
+        return false;
+    p->partial = !p->plan.adaptive && p->plan.partial != 0;
+    p->step = p->partial ? "h" : "dt";
+    if (isfinite(p->duration) && (p->plan.adaptive || p->plan.whole < INT32_MAX))
+        return true;
+    error_set(p->error, ERROR_COMMAND, "%.4g steps are more than the program would count",
+              p->duration / p->settings.dt);
+    return error_hint(p->error, "set a shorter duration, or a longer dt");
+}
+
+static bool write_computing(struct program *p)
+{
+    if (!refuse_pieces(p) || !refuse_method(p) || !refuse_events(p))
+        return false;
+    if (method_is_backward_euler(p->method) && !written_slopes(&p->written, &p->slopes, p->error))
+        return false;
+    return make_names(p) && program_computes(p);
+}
+
+bool session_program(const struct session *session, enum dialect dialect, struct arena *arena,
+                     struct buffer *out, struct error *error)
+{
+    struct program p = {.session = session,
+                        .scene = &session->setup.scene,
+                        .out = out,
+                        .arena = arena,
+                        .error = error};
+    const bool as_typed = dialect == DIALECT_TEX || dialect == DIALECT_XPP;
+    p.syntax = program_syntax(dialect);
+    bool fine = written_make(&p.written, p.scene, as_typed, error) && make_plan(&p);
+    if (fine)
+        fine = dialect == DIALECT_TEX   ? make_names(&p) && program_tex(&p)
+               : dialect == DIALECT_XPP ? make_names(&p) && program_xpp(&p)
+                                        : write_computing(&p);
+    written_free(&p.written);
+    return fine && (!out->failed || error_memory(error));
+}

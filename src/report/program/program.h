@@ -1,0 +1,101 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* A scene with its method as a program: what its writers share. */
+#ifndef HOOKE_REPORT_PROGRAM_PROGRAM_H
+#define HOOKE_REPORT_PROGRAM_PROGRAM_H
+
+#include <hooke/method/table.h>
+#include <hooke/report.h>
+#include <hooke/run.h>
+#include <hooke/scene.h>
+
+/* How statements look in a language. */
+struct syntax {
+    enum dialect dialect;
+    const char *comment, *comment_end;
+    const char *variable, *constant; /* before the name of a new one that changes, that does not */
+    const char *global;              /* of one outside of all functions */
+    const char *function, *begin, *result, *end; /* "… NAME(…) {", "return", "}" */
+    const char *none;                            /* arguments of a function without any */
+    const char *stop;                            /* behind a statement */
+    const char *count;                           /* of steps after this one, a number */
+    const char *last;                            /* is this step the last one? */
+    const char *newline;                         /* in the middle of a statement */
+    const char *if_then, *if_end;                /* "if (", ") " */
+};
+
+struct program {
+    const struct session *session;
+    const struct scene *scene;
+    const struct method *method;
+    enum drag drag;
+    struct run_settings settings;
+    struct plan plan;
+    double duration;
+    struct written written;
+    struct written_slopes slopes; /* of backward Euler */
+    const struct syntax *syntax;
+    char **name;      /* [written.names + slopes.parts] in this language */
+    const char *step; /* what a step's length is called */
+    bool partial;     /* the last step is shorter */
+    struct buffer *out;
+    struct arena *arena;
+    struct error *error;
+    bool *reads; /* [written.names] parameters that the text reads: found while it is written */
+};
+
+const struct syntax *program_syntax(enum dialect dialect);
+/* Would a constant of that name in C hide a function? */
+bool program_shadows(const char *name);
+
+/* ---- names and numbers (program.c) ---- */
+
+static inline int program_n(const struct program *p)
+{
+    return p->written.system.n;
+}
+
+static inline bool program_moves(const struct program *p) /* positions and velocities */
+{
+    return p->written.system.order == 2;
+}
+
+/* The text of state variable i. */
+static inline const char *program_state(const struct program *p, int i)
+{
+    return p->name[1 + i];
+}
+
+/* A weight of a method as it stands in books, 35/384, where that is the same double. */
+void program_weight(const struct program *p, double weight);
+void program_expr(struct program *p, const struct expr *expr);
+void program_comment(const struct program *p, const char *indent, const char *text);
+
+/* ---- forces (forces.c) ---- */
+
+enum part { PART_ALL, PART_FORCE, PART_DRAG };
+
+/* Functions for the rows that there are. */
+void program_functions(struct program *p, enum part part);
+/* "acceleration(t + 0.5*dt, y_2, v_2)"; time: NULL: t, suffix: behind each variable, NULL: none.
+ * False: nothing is added to that row. */
+bool program_call(struct program *p, enum part part, int row, const char *time, const char *suffix);
+
+/* ---- steps (steps.c, implicit.c) ---- */
+
+/* What stands before the loop, and in it. */
+void program_before(struct program *p, const char *indent);
+void program_step(struct program *p, const char *indent);
+void program_implicit_functions(struct program *p);
+void program_implicit_step(struct program *p, const char *indent);
+
+/* ---- whole files ---- */
+
+void program_title(struct program *p);    /* what is computed, in lines */
+bool program_computes(struct program *p); /* C, Python, Octave (frame.c) */
+bool program_xpp(struct program *p);
+bool program_tex(struct program *p);
+/* Puts the functions that the text calls behind it and what declares them at `declared`; in Python
+ * all of it there. */
+void program_helpers(struct program *p, size_t declared);
+
+#endif
