@@ -321,6 +321,9 @@ bool columns_table(const struct result_columns *columns, const void *rows, size_
 void columns_text(const struct result_columns *columns, const void *rows, size_t count, bool wide,
                   struct text_table *table);
 
+/* "15.100 +- 0.008 N/m" as \SI{15.100 +- 0.008}{\newton\per\metre}. */
+void buffer_siunitx(struct buffer *out, struct text measured);
+
 /* ---- documents ----
  *
  * A document written three times at once, as Markdown (CommonMark with tables), as HTML5 that loads

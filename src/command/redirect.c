@@ -21,6 +21,16 @@ static struct text behind_sign(struct text statement)
     return found;
 }
 
+bool refuse_ending(struct text file, struct error *error)
+{
+    struct buffer list = {0};
+    for (size_t i = 0; i < table_format_catalog.count; i++)
+        buffer_format(&list, "%s.%s", i ? " " : "", catalog_row(&table_format_catalog, i)->name);
+    error_at(error, file, "a table goes to a file that ends in one of %s", buffer_view(&list));
+    buffer_free(&list);
+    return false;
+}
+
 static const struct row *format_of(struct text file)
 {
     size_t dot = file.len;
@@ -70,14 +80,9 @@ void redirect_explain(const struct command *command, struct text statement, stru
     if (!(command->flags & COMMAND_TABLES) || !rest.at || !read_file(rest, &redirect) ||
         !(error->where.at >= rest.at - 1 && error->where.at <= statement.at + statement.len))
         return;
-    struct buffer list = {0};
-    for (size_t i = 0; i < table_format_catalog.count; i++)
-        buffer_format(&list, "%s.%s", i ? " " : "", catalog_row(&table_format_catalog, i)->name);
     *error = (struct error){.code = ERROR_NONE};
-    error_at(error, redirect.file, "a table goes to a file that ends in one of %s",
-             buffer_view(&list));
+    refuse_ending(redirect.file, error);
     error_hint(error, "%s .. > FILE.csv", command->row.name);
-    buffer_free(&list);
 }
 
 bool redirect_open(const struct session *session, struct redirect *redirect, struct arena *arena,

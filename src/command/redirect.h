@@ -26,4 +26,7 @@ bool redirect_finish(struct session *session, struct redirect *redirect, const s
 /* Where a statement that cannot be read ends in a file of another name: says which there are. */
 void redirect_explain(const struct command *command, struct text statement, struct error *error);
 
+/* False, always: which endings a table's file can have. */
+bool refuse_ending(struct text file, struct error *error);
+
 #endif

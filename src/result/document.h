@@ -9,8 +9,6 @@ extern const char preamble[]; /* to \begin{document} */
 
 /* Nothing in it is a command; letters that pdflatex does not know become a question mark. */
 void buffer_tex(struct buffer *out, struct text text);
-/* "15.100 +- 0.008 N/m" as \SI{15.100 +- 0.008}{\newton\per\metre}. */
-void buffer_siunitx(struct buffer *out, struct text measured);
 /* Puts the beginning of a table of so many columns before the heading that stands at `from`. False:
  * no memory. */
 bool begin_longtable(struct buffer *out, size_t from, int columns);

@@ -64,15 +64,12 @@ static void latex_text(struct buffer *out, struct text text)
     }
 }
 
-/* $-1.5 \times 10^{-7}$ */
+/* As S columns of siunitx read it. */
 static void latex_real(struct buffer *out, double value)
 {
     char z[REAL_TEXT_SIZE];
-    const size_t len = real_format(value, z), digits = strcspn(z, "e");
-    buffer_format(out, "$%.*s", (int)digits, z);
-    if (digits < len)
-        buffer_format(out, " \\times 10^{%s}", z + digits + 1 + (z[digits + 1] == '+'));
-    buffer_char(out, '$');
+    real_format(value, z);
+    buffer_format(out, isinf(value) ? "{%s}" : "%s", z);
 }
 
 static const struct markup markups[] = {
@@ -118,16 +115,19 @@ static const struct markup markups[] = {
                     .end = "</tbody>\n</table>\n</body>\n</html>\n",
                     .escape = buffer_html,
                     .real = buffer_real},
-    [TABLE_LATEX] = {.key = "% ",
+    [TABLE_LATEX] = {.begin = "% \\usepackage{siunitx}\n",
+                     .key = "% ",
                      .key_between = " = ",
                      .key_end = "\n",
                      .bare_keys = true,
                      .table = "\\begin{tabular}{",
+                     .head = "{",
                      .unit = " [",
                      .unit_end = "]",
+                     .head_end = "}",
                      .between = " & ",
                      .heading_end = " \\\\\n\\hline\n",
-                     .aligned = {"l", "r", "}\n\\hline\n"},
+                     .aligned = {"l", "S", "}\n\\hline\n"},
                      .row_end = " \\\\\n",
                      .end = "\\hline\n\\end{tabular}\n",
                      .escape = latex_text,

@@ -23,6 +23,8 @@ void dialect_number(struct buffer *out, enum dialect dialect, double number);
  * 0, whose products are left out, as programs do; NULL: none are. False: no memory. */
 bool expr_text(const struct expr *expr, enum dialect dialect, const char *const *name,
                const bool *zero, struct buffer *out);
+/* Is it 0, because of them? */
+bool expr_absent(const struct expr *expr, const bool *zero);
 /* Marks the names [names] that the expression reads, in products with those of `zero` none. */
 bool expr_reads(const struct expr *expr, const bool *zero, bool *reads);
 
@@ -39,7 +41,7 @@ struct written {
     struct system system;
     int rows, names, params; /* params: the name of the first parameter */
     const char **name;       /* [names] */
-    bool *zero;              /* [names] parameters that are 0 */
+    bool *zero;              /* [names + parts] parameters that are 0, and parts of slopes */
     /* [rows] NULL: nothing is added. force and drag: without and with velocity, for splittings */
     const struct expr *all[LIMIT_VARIABLES], *force[LIMIT_VARIABLES], *drag[LIMIT_VARIABLES];
     const struct expr *dry;      /* what dry friction takes, in none of them; NULL: none */

@@ -63,8 +63,8 @@ static uint64_t quarters_far(double x, double *r, double *low)
     }
     const double high = (double)(f1 >> 11) * 0x1p-53,
                  rest = (double)((f1 << 53 | f0 >> 11) >> 11) * 0x1p-106;
-    const struct wide half_pi = {0x1.921fb54442d18p+0, 0x1.1a62633145c07p-54},
-                      fraction = {high, rest}, turn = wide_times(fraction, half_pi);
+    const struct wide quarter = {0x1.921fb54442d18p+0, 0x1.1a62633145c07p-54},
+                      fraction = {high, rest}, turn = wide_times(fraction, quarter);
     const double size = power_of_two(-zeros) * (below ? -1 : 1);
     *r = turn.high * size;
     *low = turn.low * size;

@@ -3,6 +3,7 @@
 #ifndef COMMAND_ROWS
 #include <hooke/report.h>
 #include "command/internal.h"
+#include "command/redirect.h"
 
 #include <math.h>
 #include <string.h>
@@ -10,17 +11,27 @@
 #define ROWS 4096    /* shown between two looks */
 #define PIECE 65536u /* [byte] of what is shown, at least, between two looks */
 
-static enum table_format choose_format(const struct arguments *args, struct text path)
+/* The end of the name, after its last point; empty: it has none. */
+static struct text ending_of(struct text path)
 {
-    const struct argument_value *format = argument_value(args, "format");
-    if (format->count)
-        return (enum table_format)format->item->index;
     size_t dot = path.len;
     while (dot > 0 && path.at[dot - 1] != '.' && path.at[dot - 1] != '/')
         dot--;
-    const struct text end = {path.at + dot, path.len - dot};
+    const bool has_point = dot > 1 && path.at[dot - 1] == '.' && path.at[dot - 2] != '/';
+    return has_point ? (struct text){path.at + dot, path.len - dot} : TEXT("");
+}
+
+/* Without an ending: CSV. */
+static bool choose_format(const struct arguments *args, struct text path, enum table_format *format,
+                          struct error *error)
+{
+    const struct argument_value *chosen = argument_value(args, "format");
+    const struct text end = ending_of(path);
     const struct row *row = catalog_find(&table_format_catalog, end);
-    return row ? (enum table_format)catalog_index(&table_format_catalog, row) : TABLE_CSV;
+    *format = chosen->count ? (enum table_format)chosen->item->index
+              : row         ? (enum table_format)catalog_index(&table_format_catalog, row)
+                            : TABLE_CSV;
+    return chosen->count || row || end.len == 0 || refuse_ending(path, error);
 }
 
 static bool fill_table(struct session *session, const struct arguments *args, struct export *export,
@@ -113,15 +124,6 @@ static bool say_in_pieces(const struct session *session, struct text text, struc
     return true;
 }
 
-/* The end of the name, after its last point. */
-static struct text ending_of(struct text path)
-{
-    size_t dot = path.len;
-    while (dot > 0 && path.at[dot - 1] != '.' && path.at[dot - 1] != '/')
-        dot--;
-    return (struct text){path.at + dot, path.len - dot};
-}
-
 static bool export_scene(struct session *session, const struct arguments *args, struct reply *reply,
                          struct error *error)
 {
@@ -158,10 +160,13 @@ HANDLER(export)
     const struct item *file = argument_value(args, "FILE")->item;
     char *path = arena_text(args->arena, file->text);
     struct export export = {.arena = args->arena};
+    enum table_format format;
     if (!path)
         return error_memory(error);
     if (has_argument(args, "scene"))
         return export_scene(session, args, reply, error);
+    if (!choose_format(args, file->text, &format, error))
+        return false;
     if (!fill_table(session, args, &export, error))
         return false;
     export.table.cancel = session->front.cancel;
@@ -171,7 +176,7 @@ HANDLER(export)
         return reply_rows(reply, "row", &export.table, error);
     if (text_is(file->text, "-")) {
         struct buffer text = {0};
-        table_format(&export.table, choose_format(args, file->text), &text);
+        table_format(&export.table, format, &text);
         bool ok = !text.failed || error_memory(error);
         if (text.len > 0 && text.data[text.len - 1] != '\n')
             buffer_char(&text, '\n');
@@ -181,7 +186,7 @@ HANDLER(export)
         return ok;
     }
     const struct write_policy policy = session_policy(session, has_argument(args, "force"));
-    if (!table_write(&export.table, choose_format(args, file->text), path, policy, error)) {
+    if (!table_write(&export.table, format, path, policy, error)) {
         if (!error->where.at)
             error->where = file->text;
         return false;
@@ -262,8 +267,12 @@ COMMAND(
             "last result of that name. STATEMENT > FILE.csv writes the same at once, instead "
             "of what the statement says. --band adds NAME_low and "
             "NAME_high to each variable of a run of what 'adopt' took: the 95 % "
-            "band of the fit's uncertainty. The file - is the output.",
-    .examples = "run; export run1.csv t,y,v\nexport - run all every=100ms",
+            "band of the fit's uncertainty. The file - is the output.\n"
+            "'scene' writes the scene with its method, step and duration as a program of its own: "
+            "FILE.c (with hooke's bits), FILE.py, FILE.m (Octave, MATLAB), FILE.ode (XPPAUT), "
+            "FILE.tex (its equations). What cannot be written, as pieces of steps at switches, is "
+            "refused with the reason.",
+    .examples = "run; export run1.csv t,y,v\nmethod verlet dt=10ms; export scene spring.py",
     .see = "print save plot list", .flags = COMMAND_ANYTIME,
     ARGUMENTS(PLACE("FILE", TYPE_FILE, .flags = ARG_REQUIRED),
               WORD("run", TYPE_RUN, .flags = ARG_MANY | ARG_ALL, .group = 1),

@@ -5,14 +5,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const struct expr *expr_of(const struct program *p, enum part part, int row)
+static const struct expr *expr_of(const struct scene_program *p, enum part part, int row)
 {
     const struct written *w = &p->written;
     return part == PART_ALL ? w->all[row] : part == PART_FORCE ? w->force[row] : w->drag[row];
 }
 
 /* Marks what the expression reads, also by what is observed. */
-static void mark_reads(const struct program *p, const struct expr *expr, bool *reads)
+static void mark_reads(const struct scene_program *p, const struct expr *expr, bool *reads)
 {
     const struct written *w = &p->written;
     if (!expr_reads(expr, w->zero, reads))
@@ -22,13 +22,13 @@ static void mark_reads(const struct program *p, const struct expr *expr, bool *r
             p->out->failed = true;
 }
 
-static bool is_dry(const struct program *p, enum part part)
+static bool is_dry(const struct scene_program *p, enum part part)
 {
     return p->written.dry && part != PART_FORCE;
 }
 
 /* What a row of a part reads: its arguments are t and the state's. NULL: no memory. */
-static bool *reads_of(const struct program *p, enum part part, int row)
+static bool *reads_of(const struct scene_program *p, enum part part, int row)
 {
     const struct written *w = &p->written;
     bool *reads = arena_array(p->arena, (size_t)w->names, sizeof *reads);
@@ -45,7 +45,7 @@ static bool *reads_of(const struct program *p, enum part part, int row)
 }
 
 /* The name of the function: of a single coordinate without that of the coordinate. */
-static void put_name(const struct program *p, enum part part, int row)
+static void put_name(const struct scene_program *p, enum part part, int row)
 {
     const bool splits = p->method->splitting && p->written.system.velocity;
     buffer_put(p->out, !program_moves(p)   ? TEXT("slope")
@@ -57,7 +57,7 @@ static void put_name(const struct program *p, enum part part, int row)
 }
 
 /* Quantities of the user's own as names of their own. */
-static void put_observed(struct program *p, const bool *reads)
+static void put_observed(struct scene_program *p, const bool *reads)
 {
     const struct written *w = &p->written;
     for (int i = w->observed; i < w->names; i++) {
@@ -70,7 +70,7 @@ static void put_observed(struct program *p, const bool *reads)
 }
 
 /* With dry friction: what is left of the other forces. */
-static void put_dry(struct program *p, const struct expr *expr)
+static void put_dry(struct scene_program *p, const struct expr *expr)
 {
     const struct syntax *s = p->syntax;
     const bool c = s->dialect == DIALECT_C;
@@ -97,7 +97,7 @@ static void put_dry(struct program *p, const struct expr *expr)
                       v, v, v);
 }
 
-static void put_arguments(const struct program *p, const bool *reads, const char *type)
+static void put_arguments(const struct scene_program *p, const bool *reads, const char *type)
 {
     int count = 0;
     for (int i = 0; i < 1 + program_n(p); i++)
@@ -107,7 +107,7 @@ static void put_arguments(const struct program *p, const bool *reads, const char
         buffer_put(p->out, text_of(p->syntax->none));
 }
 
-static void put_function(struct program *p, enum part part, int row)
+static void put_function(struct scene_program *p, enum part part, int row)
 {
     const struct syntax *s = p->syntax;
     const struct expr *expr = expr_of(p, part, row);
@@ -141,14 +141,15 @@ static void put_function(struct program *p, enum part part, int row)
     buffer_format(p->out, "%s\n", s->end);
 }
 
-void program_functions(struct program *p, enum part part)
+void program_functions(struct scene_program *p, enum part part)
 {
     for (int row = 0; row < p->written.rows; row++)
         if (expr_of(p, part, row) || is_dry(p, part))
             put_function(p, part, row);
 }
 
-bool program_call(struct program *p, enum part part, int row, const char *time, const char *suffix)
+bool program_call(struct scene_program *p, enum part part, int row, const char *time,
+                  const char *suffix)
 {
     if (!expr_of(p, part, row) && !is_dry(p, part)) {
         buffer_put(p->out, TEXT("0"));

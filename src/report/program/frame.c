@@ -75,7 +75,7 @@ static void put_name_and_unit(struct buffer *out, const char *label, double valu
     buffer_format(out, "%s%s", unit[0] ? " " : "", unit);
 }
 
-static void put_equation(struct program *p, int row)
+static void put_equation(struct scene_program *p, int row)
 {
     struct buffer text = {0};
     buffer_format(&text, "%s%s = ", p->written.name[1 + row], program_moves(p) ? "''" : "'");
@@ -89,7 +89,7 @@ static void put_equation(struct program *p, int row)
     buffer_free(&text);
 }
 
-void program_title(struct program *p)
+void program_title(struct scene_program *p)
 {
     const char *brief = p->scene->preset->row.brief;
     buffer_format(p->out, "%s: %s\n", p->scene->preset->row.name, brief);
@@ -105,7 +105,7 @@ void program_title(struct program *p)
 }
 
 /* Every line of a text as a comment. */
-static void put_commented(struct program *p, struct text text, const char *before)
+static void put_commented(struct scene_program *p, struct text text, const char *before)
 {
     struct text line;
     while (text_split(&text, '\n', &line))
@@ -113,13 +113,13 @@ static void put_commented(struct program *p, struct text text, const char *befor
             buffer_format(p->out, "%s%.*s\n", before, (int)line.len, line.at);
 }
 
-static void put_title(struct program *p)
+static void put_title(struct scene_program *p)
 {
     static const char *const how[] = {
         [DIALECT_C] = "hooke's bits by: gcc -O2 -ffp-contract=off FILE.c -lm && ./a.out >run.csv\n",
         [DIALECT_PYTHON] = "python3 FILE.py >run.csv, python3 FILE.py --plot\n",
         [DIALECT_OCTAVE] = "octave FILE.m >run.csv\n"};
-    struct program plain = *p;
+    struct scene_program plain = *p;
     struct buffer text = {0};
     plain.out = &text;
     program_title(&plain);
@@ -134,7 +134,7 @@ static void put_title(struct program *p)
 
 /* ---- constants ---- */
 
-static void put_constant(struct program *p, const char *name, double value, const char *unit,
+static void put_constant(struct scene_program *p, const char *name, double value, const char *unit,
                          const char *brief)
 {
     const struct syntax *s = p->syntax;
@@ -151,7 +151,7 @@ static void put_constant(struct program *p, const char *name, double value, cons
     buffer_char(p->out, '\n');
 }
 
-static void put_constants(struct program *p)
+static void put_constants(struct scene_program *p)
 {
     const struct written *w = &p->written;
     const bool c = p->syntax->dialect == DIALECT_C;
@@ -175,7 +175,7 @@ static void put_constants(struct program *p)
 
 /* ---- the loop ---- */
 
-static void put_start(struct program *p, const char *indent)
+static void put_start(struct scene_program *p, const char *indent)
 {
     const struct system *system = &p->written.system;
     const struct syntax *s = p->syntax;
@@ -194,19 +194,19 @@ static void put_start(struct program *p, const char *indent)
 }
 
 /* "t, y, v" */
-static void put_row(struct program *p)
+static void put_row(struct scene_program *p)
 {
     for (int i = 0; i < 1 + program_n(p); i++)
         buffer_format(p->out, "%s%s", i ? ", " : "", p->name[i]);
 }
 
-static void put_heading(struct program *p)
+static void put_heading(struct scene_program *p)
 {
     for (int i = 0; i < 1 + program_n(p); i++)
         buffer_format(p->out, "%s%s", i ? "," : "", p->written.name[i]);
 }
 
-static void put_printf(struct program *p, const char *indent)
+static void put_printf(struct scene_program *p, const char *indent)
 {
     buffer_format(p->out, "%sprintf(\"", indent);
     for (int i = 0; i < 1 + program_n(p); i++)
@@ -217,7 +217,7 @@ static void put_printf(struct program *p, const char *indent)
 }
 
 /* Before a step: its length, where the last one is shorter. */
-static void put_length(struct program *p, const char *indent)
+static void put_length(struct scene_program *p, const char *indent)
 {
     const struct syntax *s = p->syntax;
     if (!p->partial)
@@ -235,7 +235,7 @@ static void put_length(struct program *p, const char *indent)
 }
 
 /* The time after a step. */
-static void put_time(struct program *p, const char *indent)
+static void put_time(struct scene_program *p, const char *indent)
 {
     const struct syntax *s = p->syntax;
     const double t0 = p->written.system.t0, end = t0 + p->duration;
@@ -251,7 +251,7 @@ static void put_time(struct program *p, const char *indent)
 }
 
 /* Is the state what a run goes on with? */
-static void put_bounds(struct program *p, const char *indent)
+static void put_bounds(struct scene_program *p, const char *indent)
 {
     const struct system *system = &p->written.system;
     const bool c = p->syntax->dialect == DIALECT_C, octave = p->syntax->dialect == DIALECT_OCTAVE;
@@ -279,7 +279,7 @@ static void put_bounds(struct program *p, const char *indent)
                       indent, indent);
 }
 
-static void put_steps(struct program *p)
+static void put_steps(struct scene_program *p)
 {
     static const char *const loop[] = {[DIALECT_C] = "    for (long i = 0; i < steps; i++) {\n",
                                        [DIALECT_PYTHON] = "for i in range(steps):\n",
@@ -294,8 +294,56 @@ static void put_steps(struct program *p)
     put_time(p, indent);
 }
 
-static void put_main_c(struct program *p)
+/* A linear scene: hooke multiplies by powers of the matrix of one step. */
+static void put_propagated_c(struct scene_program *p)
 {
+    const struct system *system = &p->written.system;
+    const bool symplectic = p->method->flags & METHOD_SYMPLECTIC && system->conservative;
+    struct scene_program whole = *p;
+    const char *y = program_state(p, 0), *v = program_state(p, 1);
+    whole.step = "h";
+    whole.partial = true; /* its length may be any */
+    buffer_format(p->out,
+                  "/* One step of %s. */\n"
+                  "static void step(double h, double state[])\n{\n"
+                  "    double %s = state[0], %s = state[1];\n",
+                  p->method->row.name, y, v);
+    program_before(&whole, "    ");
+    program_step(&whole, "    ");
+    buffer_format(p->out, "    state[0] = %s;\n    state[1] = %s;\n}\n\n", y, v);
+    buffer_put(p->out, TEXT("/* The scene is linear: hooke takes 32 steps at once by powers of the "
+                            "matrix of one\n * ('set kernel specialised': one by one). */\n"
+                            "int main(void)\n{\n"));
+    put_start(p, "    ");
+    buffer_format(p->out, "    double state[] = {%s, %s};\n    puts(\"", y, v);
+    put_heading(p);
+    buffer_put(p->out, TEXT("\");\n"));
+    put_printf(p, "    ");
+    buffer_format(p->out,
+                  "    propagate_prepare(dt, %s);\n"
+                  "    for (long i = 0; i < steps; i++) {\n",
+                  symplectic ? "true" : "false");
+    put_length(p, "        ");
+    if (p->partial)
+        buffer_format(p->out,
+                      "        if (%s)\n            step(h, state);\n"
+                      "        else\n            propagate(i, state);\n",
+                      p->syntax->last);
+    else
+        buffer_put(p->out, TEXT("        propagate(i, state);\n"));
+    buffer_format(p->out, "        %s = state[0];\n        %s = state[1];\n", y, v);
+    put_bounds(p, "        ");
+    put_time(p, "        ");
+    put_printf(p, "        ");
+    buffer_put(p->out, TEXT("    }\n    return 0;\n}\n"));
+}
+
+static void put_main_c(struct scene_program *p)
+{
+    if (p->plan.propagates) {
+        put_propagated_c(p);
+        return;
+    }
     buffer_put(p->out, TEXT("int main(void)\n{\n"));
     put_start(p, "    ");
     buffer_put(p->out, TEXT("    puts(\""));
@@ -307,7 +355,7 @@ static void put_main_c(struct program *p)
     buffer_put(p->out, TEXT("    }\n    return 0;\n}\n"));
 }
 
-static void put_main_python(struct program *p)
+static void put_main_python(struct scene_program *p)
 {
     put_start(p, "");
     buffer_put(p->out, TEXT("rows = [("));
@@ -329,7 +377,7 @@ static void put_main_python(struct program *p)
     buffer_put(p->out, TEXT("\")\n    for row in rows:\n        print(*row, sep=\",\")\n"));
 }
 
-static void put_octave_rows(struct program *p, const char *rows)
+static void put_octave_rows(struct scene_program *p, const char *rows)
 {
     buffer_put(p->out, TEXT("printf('"));
     put_heading(p);
@@ -340,7 +388,7 @@ static void put_octave_rows(struct program *p, const char *rows)
 }
 
 /* By the library's own Dormand-Prince pair. */
-static void put_ode45(struct program *p)
+static void put_ode45(struct scene_program *p)
 {
     const struct system *system = &p->written.system;
     const int n = system->n, positions = n - p->written.rows;
@@ -379,7 +427,7 @@ static void put_ode45(struct program *p)
     put_octave_rows(p, "[t, s]");
 }
 
-static void put_main_octave(struct program *p)
+static void put_main_octave(struct scene_program *p)
 {
     if (p->plan.adaptive) {
         put_ode45(p);
@@ -397,7 +445,7 @@ static void put_main_octave(struct program *p)
     buffer_put(p->out, TEXT("% plot(rows(:, 1), rows(:, 2)); xlabel('t [s]');\n"));
 }
 
-static void put_functions(struct program *p)
+static void put_functions(struct scene_program *p)
 {
     const bool splits = p->method->splitting != NULL;
     if (method_is_backward_euler(p->method)) {
@@ -409,7 +457,7 @@ static void put_functions(struct program *p)
         program_functions(p, PART_DRAG);
 }
 
-bool program_computes(struct program *p)
+bool program_computes(struct scene_program *p)
 {
     struct buffer functions = {0}, *out = p->out;
     const enum dialect dialect = p->syntax->dialect;

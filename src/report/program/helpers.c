@@ -28,10 +28,12 @@ SOURCE(circle, "src/base/elementary/circle.c")
 SOURCE(arc, "src/base/elementary/arc.c")
 SOURCE(expressions, "src/scene/formula/expr.h")
 SOURCE(function_rows, "src/scene/formula/functions.c")
+SOURCE(elimination, "src/method/step/lu_body.h")
 SOURCE(own, "src/report/program/own.h")
 
 /* What is defined before what uses it. */
 static const char *const sources[] = {
+    program_elimination,
     program_own,
     program_wide,
     program_circle_series,
@@ -50,7 +52,7 @@ static const char *const sources[] = {
 };
 
 /* What is called from outside. */
-static const char *const roots[] = {"fixed_", "function_", "power", "solve_"};
+static const char *const roots[] = {"fixed_", "function_", "power", "solve_", "propagate"};
 
 enum { NAMES = 4 };
 
@@ -76,10 +78,16 @@ static struct text word_at(struct text text, size_t at)
     return (struct text){text.at + at, len};
 }
 
-/* Goes on to the next word of a text. */
+/* Goes on to the next word of a text, outside of comments. */
 static bool next_word(struct text text, size_t *at, struct text *word)
 {
     while (*at < text.len) {
+        const struct text rest = {text.at + *at, text.len - *at};
+        if (text_starts(rest, TEXT("/*"))) {
+            const char *end = strstr(rest.at + 2, "*/");
+            *at = end ? (size_t)(end + 2 - text.at) : text.len;
+            continue;
+        }
         *word = word_at(text, *at);
         *at += word->len > 0 ? word->len : 1;
         if (word->len > 0 && is_name_start(word->at[0]))
@@ -133,7 +141,7 @@ static void name_item(struct source_item *item)
 /* Macros that are written as what they are, where a compiler chooses among machines. */
 static const struct {
     const char *as, *to;
-} words[] = {{"INLINE", "static inline"}, {"FUSED", "false"}};
+} words[] = {{"INLINE", "static inline"}, {"INSTANCE", "static inline"}, {"FUSED", "false"}};
 
 static bool is_written_out(struct text text)
 {
@@ -298,11 +306,11 @@ static void put_item(struct buffer *out, const struct source_items *items, struc
 static bool is_static(struct text text)
 {
     return text_starts(text, TEXT("static ")) || text_starts(text, TEXT("INLINE ")) ||
-           text.at[0] == '#' || text_starts(text, TEXT("struct ")) ||
-           text_starts(text, TEXT("enum "));
+           text_starts(text, TEXT("INSTANCE ")) || text.at[0] == '#' ||
+           text_starts(text, TEXT("struct ")) || text_starts(text, TEXT("enum "));
 }
 
-static void put_c(struct program *p, const struct source_items *items, struct text program,
+static void put_c(struct scene_program *p, const struct source_items *items, struct text program,
                   struct buffer *declared)
 {
     bool any = false;
@@ -345,6 +353,32 @@ static const struct {
     {"cbrt", "def cbrt(x):\n    return copysign(abs(x)**(1/3), x)\n"},
     {"round_half", "def round_half(x):  # halves away from 0\n"
                    "    return copysign(floor(abs(x) + 0.5), x)\n"},
+    {"solve", "def solve(t, h, s):  # z = h f(t, s + z)\n"
+              "    z, last = [0.0]*len(s), float(\"inf\")\n"
+              "    for iteration in range(50):\n"
+              "        at = [a + b for a, b in zip(s, z)]\n"
+              "        rest = [h*r - x for r, x in zip(derivatives(t, at), z)]\n"
+              "        move = eliminate(h, jacobian(t, at), rest)\n"
+              "        z = [a + b for a, b in zip(z, move)]\n"
+              "        moved = max(abs(x)/max(abs(y), w) for x, y, w in zip(move, s, size))\n"
+              "        if moved < 1e-16 or (moved >= last and moved < 1e-10):\n"
+              "            return z\n"
+              "        last = moved\n"
+              "    return None\n"},
+    {"solve", "def eliminate(h, by, b):  # (1 - h J) x = b, by Gauss\n"
+              "    n = len(b)\n"
+              "    a = [[(i == k) - h*by[n*i + k] for k in range(n)] + [b[i]] for i in range(n)]\n"
+              "    for p in range(n):\n"
+              "        best = max(range(p, n), key=lambda i: abs(a[i][p]))\n"
+              "        a[p], a[best] = a[best], a[p]\n"
+              "        for i in range(p + 1, n):\n"
+              "            factor = a[i][p]/a[p][p]\n"
+              "            for k in range(p, n + 1):\n"
+              "                a[i][k] -= factor*a[p][k]\n"
+              "    x = [0.0]*n\n"
+              "    for i in reversed(range(n)):\n"
+              "        x[i] = (a[i][n] - sum(a[i][k]*x[k] for k in range(i + 1, n)))/a[i][i]\n"
+              "    return x\n"},
     {"power", "def power(x, n):  # by multiplications, n whole or half of that\n"
               "    whole = int(abs(n))\n"
               "    result = 1.0\n"
@@ -401,7 +435,7 @@ static void insert(struct buffer *out, size_t at, struct text text)
     *out = all;
 }
 
-void program_helpers(struct program *p, size_t declared)
+void program_helpers(struct scene_program *p, size_t declared)
 {
     struct buffer front = {0};
     struct text program = {0};

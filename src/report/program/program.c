@@ -14,24 +14,25 @@
 
 /* What the programs and their languages use themselves. */
 static const char *const taken[] = {
-    "dt",           "t0",       "t_end",  "steps",    "i",          "h",
-    "main",         "rows",     "row",    "drag",     "slope",      "size",
-    "acceleration", "double",   "int",    "long",     "lambda",     "if",
-    "for",          "in",       "is",     "as",       "or",         "and",
-    "not",          "def",      "del",    "pass",     "return",     "static",
-    "const",        "char",     "float",  "short",    "auto",       "case",
-    "default",      "do",       "else",   "enum",     "extern",     "goto",
-    "register",     "signed",   "sizeof", "struct",   "switch",     "typedef",
-    "union",        "unsigned", "void",   "volatile", "while",      "break",
-    "continue",     "class",    "from",   "global",   "import",     "try",
-    "with",         "yield",    "raise",  "None",     "True",       "False",
-    "print",        "range",    "end",    "function", "printf",     "stderr",
-    "NAN",          "INFINITY", "inline", "restrict", "power",      "number",
-    "more",         "elif",     "except", "finally",  "assert",     "async",
-    "await",        "nonlocal", "sys",    "plt",      "state",      "jacobian",
-    "solve",        "keep",     "half",   "fixed",    "round_half", "choose",
-    "pi",           "bool",     "true",   "false",    "total",      "square",
-    "error",        "tol",
+    "dt",           "t0",          "t_end",      "steps",    "i",          "h",
+    "main",         "rows",        "row",        "drag",     "slope",      "size",
+    "acceleration", "double",      "int",        "long",     "lambda",     "if",
+    "for",          "in",          "is",         "as",       "or",         "and",
+    "not",          "def",         "del",        "pass",     "return",     "static",
+    "const",        "char",        "float",      "short",    "auto",       "case",
+    "default",      "do",          "else",       "enum",     "extern",     "goto",
+    "register",     "signed",      "sizeof",     "struct",   "switch",     "typedef",
+    "union",        "unsigned",    "void",       "volatile", "while",      "break",
+    "continue",     "class",       "from",       "global",   "import",     "try",
+    "with",         "yield",       "raise",      "None",     "True",       "False",
+    "print",        "range",       "end",        "function", "printf",     "stderr",
+    "NAN",          "INFINITY",    "inline",     "restrict", "power",      "number",
+    "more",         "elif",        "except",     "finally",  "assert",     "async",
+    "await",        "nonlocal",    "sys",        "plt",      "state",      "jacobian",
+    "solve",        "keep",        "half",       "fixed",    "round_half", "choose",
+    "pi",           "bool",        "true",       "false",    "total",      "square",
+    "error",        "derivatives", "derivative", "slopes",   "change",     "now",
+    "pull",         "tol",
 };
 
 /* Functions of C's library and compiler, which a constant outside of functions may not be called.
@@ -55,7 +56,7 @@ bool program_shadows(const char *name)
     return among(name, functions_of_c, COUNT_OF(functions_of_c));
 }
 
-static bool make_names(struct program *p)
+static bool make_names(struct scene_program *p)
 {
     struct written *w = &p->written;
     const size_t count = (size_t)(w->names + p->slopes.parts);
@@ -99,7 +100,7 @@ static bool fraction_of(double x, long *top, long *bottom)
     return false;
 }
 
-void program_weight(const struct program *p, double weight)
+void program_weight(const struct scene_program *p, double weight)
 {
     char z[REAL_TEXT_SIZE];
     long top, bottom;
@@ -110,7 +111,7 @@ void program_weight(const struct program *p, double weight)
                       bottom);
 }
 
-void program_expr(struct program *p, const struct expr *expr)
+void program_expr(struct scene_program *p, const struct expr *expr)
 {
     struct written *w = &p->written;
     if (!expr_reads(expr, w->zero, p->reads) ||
@@ -118,14 +119,14 @@ void program_expr(struct program *p, const struct expr *expr)
         p->out->failed = true;
 }
 
-void program_comment(const struct program *p, const char *indent, const char *text)
+void program_comment(const struct scene_program *p, const char *indent, const char *text)
 {
     buffer_format(p->out, "%s%s%s%s\n", indent, p->syntax->comment, text, p->syntax->comment_end);
 }
 
 /* ---- what is refused ---- */
 
-static bool refuse_events(struct program *p)
+static bool refuse_events(struct scene_program *p)
 {
     const struct events *events = p->session->setup.events;
     for (int i = 0; events && i < events->count; i++)
@@ -137,7 +138,7 @@ static bool refuse_events(struct program *p)
     return true;
 }
 
-static bool refuse_method(struct program *p)
+static bool refuse_method(struct scene_program *p)
 {
     struct runge_kutta table;
     double weight[SPLITTING_WEIGHTS];
@@ -149,6 +150,11 @@ static bool refuse_method(struct program *p)
         return error_hint(p->error, "what is: explicit Runge-Kutta methods, splittings and "
                                     "backward-euler ('list methods')");
     }
+    const struct system *system = &p->written.system;
+    if (p->syntax->dialect == DIALECT_OCTAVE && method_is_backward_euler(p->method) &&
+        !(system->n == 2 && system->oscillator.whole))
+        return error_set(p->error, ERROR_COMMAND,
+                         "%s of these equations is written in C and Python only", name);
     const bool ode45 = p->syntax->dialect == DIALECT_OCTAVE && p->method->tableau;
     if (p->plan.adaptive && !ode45) {
         error_set(p->error, ERROR_COMMAND, "the program takes steps of one size, and %s adapts",
@@ -163,7 +169,7 @@ static bool refuse_method(struct program *p)
     return true;
 }
 
-static bool refuse_pieces(struct program *p)
+static bool refuse_pieces(struct scene_program *p)
 {
     const struct system *system = &p->written.system;
     if (p->settings.compensated)
@@ -183,7 +189,7 @@ static bool refuse_pieces(struct program *p)
     return error_hint(p->error, "'set turning off' steps across, and that is");
 }
 
-static bool make_plan(struct program *p)
+static bool make_plan(struct scene_program *p)
 {
     const struct setup *setup = &p->session->setup;
     p->method = setup->method;
@@ -202,7 +208,7 @@ static bool make_plan(struct program *p)
     return error_hint(p->error, "set a shorter duration, or a longer dt");
 }
 
-static bool write_computing(struct program *p)
+static bool write_computing(struct scene_program *p)
 {
     if (!refuse_pieces(p) || !refuse_method(p) || !refuse_events(p))
         return false;
@@ -214,11 +220,11 @@ static bool write_computing(struct program *p)
 bool session_program(const struct session *session, enum dialect dialect, struct arena *arena,
                      struct buffer *out, struct error *error)
 {
-    struct program p = {.session = session,
-                        .scene = &session->setup.scene,
-                        .out = out,
-                        .arena = arena,
-                        .error = error};
+    struct scene_program p = {.session = session,
+                              .scene = &session->setup.scene,
+                              .out = out,
+                              .arena = arena,
+                              .error = error};
     const bool as_typed = dialect == DIALECT_TEX || dialect == DIALECT_XPP;
     p.syntax = program_syntax(dialect);
     bool fine = written_make(&p.written, p.scene, as_typed, error) && make_plan(&p);

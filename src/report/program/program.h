@@ -23,7 +23,7 @@ struct syntax {
     const char *if_then, *if_end;                /* "if (", ") " */
 };
 
-struct program {
+struct scene_program {
     const struct session *session;
     const struct scene *scene;
     const struct method *method;
@@ -49,53 +49,54 @@ bool program_shadows(const char *name);
 
 /* ---- names and numbers (program.c) ---- */
 
-static inline int program_n(const struct program *p)
+static inline int program_n(const struct scene_program *p)
 {
     return p->written.system.n;
 }
 
-static inline bool program_moves(const struct program *p) /* positions and velocities */
+static inline bool program_moves(const struct scene_program *p) /* positions and velocities */
 {
     return p->written.system.order == 2;
 }
 
 /* The text of state variable i. */
-static inline const char *program_state(const struct program *p, int i)
+static inline const char *program_state(const struct scene_program *p, int i)
 {
     return p->name[1 + i];
 }
 
 /* A weight of a method as it stands in books, 35/384, where that is the same double. */
-void program_weight(const struct program *p, double weight);
-void program_expr(struct program *p, const struct expr *expr);
-void program_comment(const struct program *p, const char *indent, const char *text);
+void program_weight(const struct scene_program *p, double weight);
+void program_expr(struct scene_program *p, const struct expr *expr);
+void program_comment(const struct scene_program *p, const char *indent, const char *text);
 
 /* ---- forces (forces.c) ---- */
 
 enum part { PART_ALL, PART_FORCE, PART_DRAG };
 
 /* Functions for the rows that there are. */
-void program_functions(struct program *p, enum part part);
+void program_functions(struct scene_program *p, enum part part);
 /* "acceleration(t + 0.5*dt, y_2, v_2)"; time: NULL: t, suffix: behind each variable, NULL: none.
  * False: nothing is added to that row. */
-bool program_call(struct program *p, enum part part, int row, const char *time, const char *suffix);
+bool program_call(struct scene_program *p, enum part part, int row, const char *time,
+                  const char *suffix);
 
 /* ---- steps (steps.c, implicit.c) ---- */
 
 /* What stands before the loop, and in it. */
-void program_before(struct program *p, const char *indent);
-void program_step(struct program *p, const char *indent);
-void program_implicit_functions(struct program *p);
-void program_implicit_step(struct program *p, const char *indent);
+void program_before(struct scene_program *p, const char *indent);
+void program_step(struct scene_program *p, const char *indent);
+void program_implicit_functions(struct scene_program *p);
+void program_implicit_step(struct scene_program *p, const char *indent);
 
 /* ---- whole files ---- */
 
-void program_title(struct program *p);    /* what is computed, in lines */
-bool program_computes(struct program *p); /* C, Python, Octave (frame.c) */
-bool program_xpp(struct program *p);
-bool program_tex(struct program *p);
+void program_title(struct scene_program *p);    /* what is computed, in lines */
+bool program_computes(struct scene_program *p); /* C, Python, Octave (frame.c) */
+bool program_xpp(struct scene_program *p);
+bool program_tex(struct scene_program *p);
 /* Puts the functions that the text calls behind it and what declares them at `declared`; in Python
  * all of it there. */
-void program_helpers(struct program *p, size_t declared);
+void program_helpers(struct scene_program *p, size_t declared);
 
 #endif

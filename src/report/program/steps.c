@@ -15,7 +15,7 @@ static bool begins_as_counted(const char *name, char letter)
 }
 
 /* "a" for accelerations, unless the scene has such names. */
-static const char *slope_word(const struct program *p)
+static const char *slope_word(const struct scene_program *p)
 {
     if (!program_moves(p))
         return "slope";
@@ -26,7 +26,7 @@ static const char *slope_word(const struct program *p)
 }
 
 /* The slope of a row at a stage, 0: the only one. */
-static void put_slope(const struct program *p, int row, int stage)
+static void put_slope(const struct scene_program *p, int row, int stage)
 {
     buffer_put(p->out, text_of(slope_word(p)));
     if (stage > 0)
@@ -35,7 +35,7 @@ static void put_slope(const struct program *p, int row, int stage)
         buffer_format(p->out, "_%s", program_state(p, row));
 }
 
-static void put_weighted(const struct program *p, double weight)
+static void put_weighted(const struct scene_program *p, double weight)
 {
     if (weight != 1) {
         program_weight(p, weight);
@@ -44,18 +44,18 @@ static void put_weighted(const struct program *p, double weight)
     buffer_put(p->out, text_of(p->step));
 }
 
-static void begin(const struct program *p, const char *indent, const char *word)
+static void begin(const struct scene_program *p, const char *indent, const char *word)
 {
     buffer_format(p->out, "%s%s", indent, word);
 }
 
-static void end(const struct program *p)
+static void end(const struct scene_program *p)
 {
     buffer_format(p->out, "%s\n", p->syntax->stop);
 }
 
 /* Is the variable an argument of some force? */
-static bool is_read(const struct program *p, int i)
+static bool is_read(const struct scene_program *p, int i)
 {
     const struct written *w = &p->written;
     bool *reads = arena_array(p->arena, (size_t)w->names, sizeof *reads);
@@ -72,7 +72,7 @@ static bool is_read(const struct program *p, int i)
 
 enum { NEW = -1 }; /* stage: the state after the step */
 
-static void put_state(const struct program *p, int i, int stage)
+static void put_state(const struct scene_program *p, int i, int stage)
 {
     buffer_put(p->out, text_of(program_state(p, i)));
     if (stage == NEW)
@@ -82,7 +82,7 @@ static void put_state(const struct program *p, int i, int stage)
 }
 
 /* What changes variable i at a stage: a velocity, or a slope. */
-static void put_rate(const struct program *p, int i, int stage)
+static void put_rate(const struct scene_program *p, int i, int stage)
 {
     const int positions = program_n(p) - p->written.rows;
     if (i < positions)
@@ -92,7 +92,7 @@ static void put_rate(const struct program *p, int i, int stage)
 }
 
 /* y + (h w_1 k_1 + ...) */
-static void put_combination(const struct program *p, int i, const double *w, int count)
+static void put_combination(const struct scene_program *p, int i, const double *w, int count)
 {
     int terms = 0;
     size_t line = p->out->len;
@@ -121,9 +121,9 @@ static void put_combination(const struct program *p, int i, const double *w, int
     buffer_put(p->out, terms > 1 ? TEXT(")") : TEXT(""));
 }
 
-static void put_stage_time(const struct program *p, double c, struct buffer *text)
+static void put_stage_time(const struct scene_program *p, double c, struct buffer *text)
 {
-    struct program at = *p;
+    struct scene_program at = *p;
     at.out = text;
     buffer_put(text, TEXT("t"));
     if (c == 0)
@@ -132,7 +132,7 @@ static void put_stage_time(const struct program *p, double c, struct buffer *tex
     put_weighted(&at, c);
 }
 
-static void put_slopes(struct program *p, const char *indent, int stage, int state, double c,
+static void put_slopes(struct scene_program *p, const char *indent, int stage, int state, double c,
                        const char *word)
 {
     struct buffer time = {0}, suffix = {0};
@@ -153,7 +153,7 @@ static void put_slopes(struct program *p, const char *indent, int stage, int sta
     buffer_free(&suffix);
 }
 
-static void rk_before(struct program *p, const struct runge_kutta *table, const char *indent)
+static void rk_before(struct scene_program *p, const struct runge_kutta *table, const char *indent)
 {
     if (!table->fsal)
         return;
@@ -161,7 +161,7 @@ static void rk_before(struct program *p, const struct runge_kutta *table, const 
     put_slopes(p, indent, 1, 1, 0, p->syntax->variable);
 }
 
-static void rk_step(struct program *p, const struct runge_kutta *table, const char *indent)
+static void rk_step(struct scene_program *p, const struct runge_kutta *table, const char *indent)
 {
     const int n = program_n(p), stages = table->stages, positions = n - p->written.rows;
     const struct syntax *s = p->syntax;
@@ -201,7 +201,8 @@ static void rk_step(struct program *p, const struct runge_kutta *table, const ch
 
 /* ---- splittings ---- */
 
-static void put_forces(struct program *p, const char *indent, const char *word, const char *time)
+static void put_forces(struct scene_program *p, const char *indent, const char *word,
+                       const char *time)
 {
     for (int row = 0; row < p->written.rows; row++) {
         begin(p, indent, word);
@@ -212,13 +213,13 @@ static void put_forces(struct program *p, const char *indent, const char *word, 
     }
 }
 
-static bool drags(const struct program *p, enum drag drag)
+static bool drags(const struct scene_program *p, enum drag drag)
 {
     return p->written.system.velocity && p->drag == drag;
 }
 
 /* v' = v + w a, or with the drag at v. */
-static void put_kick(struct program *p, const char *indent, double weight, int kick,
+static void put_kick(struct scene_program *p, const char *indent, double weight, int kick,
                      const char *time)
 {
     const int rows = p->written.rows;
@@ -246,7 +247,7 @@ static void put_kick(struct program *p, const char *indent, double weight, int k
     }
 }
 
-static void put_drift(const struct program *p, const char *indent, double weight)
+static void put_drift(const struct scene_program *p, const char *indent, double weight)
 {
     for (int row = 0; row < p->written.rows; row++) {
         const char *q = program_state(p, row);
@@ -258,7 +259,7 @@ static void put_drift(const struct program *p, const char *indent, double weight
 }
 
 /* What half a step does to v of v' = -gamma v - c |v| v: oscillator_drag_flow(). */
-static void put_flow(const struct program *p, const char *indent)
+static void put_flow(const struct scene_program *p, const char *indent)
 {
     const struct oscillator *o = &p->written.system.oscillator;
     const struct syntax *s = p->syntax;
@@ -282,7 +283,7 @@ static void put_flow(const struct program *p, const char *indent)
     buffer_free(&gamma);
 }
 
-static void put_half_drag(const struct program *p, const char *indent)
+static void put_half_drag(const struct scene_program *p, const char *indent)
 {
     const struct oscillator *o = &p->written.system.oscillator;
     const char *abs = p->syntax->dialect == DIALECT_C ? "fabs" : "abs";
@@ -300,7 +301,7 @@ static void put_half_drag(const struct program *p, const char *indent)
     }
 }
 
-static void split_before(struct program *p, const double *weight, int count, bool kick_first,
+static void split_before(struct scene_program *p, const double *weight, int count, bool kick_first,
                          const char *indent)
 {
     (void)weight;
@@ -310,7 +311,7 @@ static void split_before(struct program *p, const double *weight, int count, boo
         put_forces(p, indent, p->syntax->variable, "t");
 }
 
-static void split_step(struct program *p, const double *weight, int count, bool kick_first,
+static void split_step(struct scene_program *p, const double *weight, int count, bool kick_first,
                        const char *indent)
 {
     const bool around = drags(p, DRAG_EXACT), continues = kick_first && count % 2 == 1;
@@ -327,7 +328,7 @@ static void split_step(struct program *p, const double *weight, int count, bool 
                            buffer_view(&time));
             put_kick(p, indent, weight[i], ++kicks, buffer_view(&time));
         } else {
-            struct program at = *p;
+            struct scene_program at = *p;
             put_drift(p, indent, weight[i]);
             buffer_put(&time, TEXT(" + "));
             at.out = &time;
@@ -342,7 +343,7 @@ static void split_step(struct program *p, const double *weight, int count, bool 
 
 /* ---- any ---- */
 
-void program_before(struct program *p, const char *indent)
+void program_before(struct scene_program *p, const char *indent)
 {
     struct runge_kutta table;
     double weight[SPLITTING_WEIGHTS];
@@ -355,14 +356,14 @@ void program_before(struct program *p, const char *indent)
 }
 
 /* A last step that is shorter begins anew. */
-static bool begins_anew(const struct program *p, const struct runge_kutta *table, int count,
+static bool begins_anew(const struct scene_program *p, const struct runge_kutta *table, int count,
                         bool kick_first)
 {
     return p->partial && !p->written.system.autonomous &&
            (count > 0 ? kick_first && count % 2 == 1 : table->fsal);
 }
 
-void program_step(struct program *p, const char *indent)
+void program_step(struct scene_program *p, const char *indent)
 {
     struct runge_kutta table = {0};
     double weight[SPLITTING_WEIGHTS];

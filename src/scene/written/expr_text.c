@@ -343,14 +343,14 @@ bool expr_text(const struct expr *expr, enum dialect dialect, const char *const 
 
 /* ---- what is read ---- */
 
-/* As pieces are made: what is absent, and where its text begins. */
-bool expr_reads(const struct expr *expr, const bool *zero, bool *reads)
+/* Walks over the expression as pieces are made; left_out [count]: operations of products with 0,
+ * and of sums with them. NULL: not wanted. Is all of it left out? */
+static bool walk_absent(const struct expr *expr, const bool *zero, bool *left_out)
 {
     size_t from[LIMIT_EXPR_DEPTH + 1];
-    bool absent[LIMIT_EXPR_DEPTH + 1];
-    bool *left_out = calloc(expr->count + 1, sizeof *left_out);
+    bool absent[LIMIT_EXPR_DEPTH + 1] = {false};
     int top = 0;
-    for (size_t i = 0; left_out && i < expr->count; i++) {
+    for (size_t i = 0; i < expr->count; i++) {
         const struct op *op = &expr->op[i];
         if (op->kind == OP_NUMBER || op->kind == OP_NAME) {
             from[top] = i;
@@ -360,18 +360,30 @@ bool expr_reads(const struct expr *expr, const bool *zero, bool *reads)
         top -= op_arity(op);
         const bool a = absent[top], b = absent[top + 1];
         absent[top] = op->kind == OP_MUL                         ? a || b
-                      : op->kind == OP_DIV                       ? a
-                      : op->kind == OP_NEG                       ? a
+                      : op->kind == OP_DIV || op->kind == OP_NEG ? a
                       : op->kind == OP_ADD || op->kind == OP_SUB ? a && b
                                                                  : false;
-        for (size_t k = from[top]; absent[top] && k <= i; k++)
+        for (size_t k = from[top]; left_out && absent[top] && k <= i; k++)
             left_out[k] = true;
         top++;
     }
-    for (size_t i = 0; left_out && i < expr->count; i++)
+    return absent[0];
+}
+
+bool expr_absent(const struct expr *expr, const bool *zero)
+{
+    return walk_absent(expr, zero, NULL);
+}
+
+bool expr_reads(const struct expr *expr, const bool *zero, bool *reads)
+{
+    bool *left_out = calloc(expr->count + 1, sizeof *left_out);
+    if (!left_out)
+        return false;
+    walk_absent(expr, zero, left_out);
+    for (size_t i = 0; i < expr->count; i++)
         if (expr->op[i].kind == OP_NAME && !left_out[i] && !(zero && zero[expr->op[i].slot]))
             reads[expr->op[i].slot] = true;
-    const bool fine = left_out != NULL;
     free(left_out);
-    return fine;
+    return true;
 }

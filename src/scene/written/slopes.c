@@ -158,6 +158,11 @@ static bool take(struct taking *t, struct written_slopes *slopes)
     slopes->part = arena_array(&w->arena, (size_t)g->count, sizeof(const struct expr *));
     if (!t->uses || !t->part || !slopes->entry || !slopes->part)
         return error_memory(t->error);
+    bool *zero = arena_array(&w->arena, (size_t)(w->names + g->count), sizeof *zero);
+    if (!zero)
+        return error_memory(t->error);
+    memcpy(zero, w->zero, (size_t)w->names * sizeof *zero);
+    w->zero = zero;
     count_uses(t, entries);
     for (int i = 1; i < g->count; i++) {
         const enum node_kind kind = g->node[i].kind;
@@ -165,6 +170,7 @@ static bool take(struct taking *t, struct written_slopes *slopes)
             continue;
         if (!(slopes->part[slopes->parts] = expr_of(t, i, true)))
             return false;
+        zero[w->names + slopes->parts] = expr_absent(slopes->part[slopes->parts], zero);
         t->part[i] = w->names + slopes->parts++;
     }
     for (int i = 0; i < entries; i++)

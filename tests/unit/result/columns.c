@@ -175,10 +175,11 @@ static void html_and_latex_show_text_as_text(void **state)
     struct buffer out = {0};
     table_format(&table, TABLE_LATEX, &out);
     assert_string_equal(buffer_view(&out),
-                        "% note = 5 % <b>\n\\begin{tabular}{rl}\n\\hline\n"
-                        "y\\_0 [m/s\\textasciicircum{}2] & word \\\\\n\\hline\n"
-                        "$-0.5$ & a\\&b \\\\\n"
-                        "$2.5 \\times 10^{-17}$ & {[}\\_\\{i\\}\\textasciicircum{}2\\$ \\\\\n"
+                        "% \\usepackage{siunitx}\n"
+                        "% note = 5 % <b>\n\\begin{tabular}{Sl}\n\\hline\n"
+                        "{y\\_0 [m/s\\textasciicircum{}2]} & {word} \\\\\n\\hline\n"
+                        "-0.5 & a\\&b \\\\\n"
+                        "2.5e-17 & {[}\\_\\{i\\}\\textasciicircum{}2\\$ \\\\\n"
                         " & -{}-{}\\textbackslash{} \\\\\n\\hline\n\\end{tabular}\n");
     buffer_clear(&out);
     table_format(&table, TABLE_HTML, &out);

@@ -1,0 +1,132 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: GPL-3.0-or-later
+# export scene: the programs in C print the bits of hooke's own run, those in Python agree to 1e-13 of the amplitude,
+# Octave and XPPAUT to what they print, the LaTeX compiles. A sample; the long form takes every scene by six methods,
+# and five typed ones. PROGRAMS=FILE keeps the table of differences.
+set -u
+hooke=$(realpath "${HOOKE:-build/hooke}")
+table=$(realpath -m "${PROGRAMS:-/dev/null}")
+n=0 bad=0
+ok() { n=$((n + 1)); if [ "$2" -eq 0 ]; then echo "ok $n - $1"; else bad=1; echo "not ok $n - $1"; fi; }
+skip() { n=$((n + 1)); echo "ok $n - $1 # SKIP $2"; }
+have() { command -v "$1" >/dev/null; }
+folder=$(mktemp -d) || exit 2
+trap 'rm -rf "$folder"' EXIT
+cd "$folder" || exit 2
+: >"$table"
+
+declare -A typed=(
+    [lorenz]="param s = 10; param r = 28; param b = 2.5; var x = 1; var y = 1; var z = 1; x' = s*(y - x); y' = x*(r - z) - y; z' = x*y - b*z"
+    [coupled]="param k = 2; param c = 0.3; param a = 1.5; var y1 = 1; var y2 = 0; y1'' = -k*y1 - c*(y1 - y2); y2'' = -k*y2 + c*(y1 - y2) - a*y2^3 - 0.1*y2'"
+    [driven-typed]="param w = 1.3; param gamma = 0.2; var q = 0.5; observe r = hypot(q, 1); q'' = -sin(q)/r - gamma*q' + exp(-q^2)*cos(w*t)"
+    [whole]="param mu = 5; param off = 0; var u = 2; u'' = mu*(1 - u^2)*u' - u^1.5*off - u/(1 + u^4)^0.25"
+    [pushed]="scene spring; gamma = 0.1; param p = 3; force -p*y^3 + 0.2*sin(2*t) - 0.01*y'*y^2"
+    [worded]="param int = 2; param lambda = 1; param length = 0.7; var i = 1; i'' = -int*i - lambda*tanh(i)*log(1 + length + i^2) - atan2(i, 2)"
+)
+methods='euler symplectic-euler backward-euler verlet rk4 dopri5'
+sample='spring:euler driven:verlet drag:symplectic-euler duffing:backward-euler kepler:dopri5 pushed:rk4 whole:backward-euler'
+if [ -n "${LONG:-}" ]; then
+    sample=''
+    for scene in $("$hooke" -n -c "list scenes" | awk '{print $1}') "${!typed[@]}"; do
+        for method in $methods; do sample="$sample $scene:$method"; done
+    done
+fi
+
+# Rows of two files that differ; the largest difference over the largest number; how many rows each has.
+compare() { # hooke's columns, the program's
+    awk -F, '
+        /^#/ { next }
+        FNR == NR { if (rows++ > 0) line[rows] = $0; next }
+        { if (other++ == 0) next
+          if (other > rows) next
+          split(line[other], a, ",")
+          same = 1
+          for (i = 1; i <= NF; i++) {
+              x = a[i] + 0; y = $i + 0
+              if (sprintf("%.17g", x) != sprintf("%.17g", y)) same = 0
+              size = x < 0 ? -x : x; off = x - y; off = off < 0 ? -off : off
+              if (i > 1 && size > largest) largest = size
+              if (i > 1 && off > most) most = off
+          }
+          differ += !same }
+        END { printf "%d %.2g %d %d\n", differ, (largest > 0 ? most/largest : 0), rows, other }' "$1" "$2"
+}
+
+# Steps of 10 ms for a while; where a method does not apply hooke itself refuses.
+one() { # scene method
+    local made=${typed[$1]:-scene $1} name=$1-$2
+    {
+        echo "${made//;/$'\n'}"
+        printf '%s\n' "duration = ${LONG:+1}2.003 s" "method $2 dt=10ms" "set record all" "export scene $name.c" \
+            "export scene $name.py" "run" "export $name.csv"
+    } >"$name.hk"
+    "$hooke" -n -q -k "$name.hk" >"$name.said" 2>&1
+    if [ ! -e "$name.c" ]; then
+        reason=$(grep -m 1 -E 'error|warning' "$name.said" | sed 's/.*\(error\|warning\): //' | cut -c 1-100)
+        echo "$name refused: $reason" >>"$table"
+        [ -n "$reason" ] && grep -qE "is for equations of motion|velocity-dependent force|not written as a program|goes through|knows no such drag" "$name.said"
+        ok "$name is refused with a reason ($reason)" $?
+        return
+    fi
+    gcc -std=gnu11 -O2 -Wall -Wextra -Werror -ffp-contract=off -o "$name" "$name.c" -lm 2>"$name.gcc"
+    ok "$name.c compiles without a warning" $?
+    "./$name" >"$name.out" 2>/dev/null
+    cut -d, -f"1-$(head -1 "$name.out" | awk -F, '{print NF}')" "$name.csv" >"$name.own"
+    found=$(compare "$name.own" "$name.out")
+    echo "$name C $found" >>"$table"
+    [ "${found%% *}" = 0 ] && [ "$(echo "$found" | awk '$3 == $4 && $3 > 1')" ]
+    ok "$name.c: hooke's bits (differ, most, rows: $found)" $?
+    have python3 || return
+    python3 "$name.py" >"$name.pout" 2>"$name.perr"
+    found=$(compare "$name.own" "$name.pout")
+    echo "$name Python $found" >>"$table"
+    # Beyond a number's range Python stops with an exception of its own.
+    echo "$found" | awk '{exit !($2 <= 1e-13 && $4 > 1)}'
+    ok "$name.py: to 1e-13 (differ, most, rows: $found)" $?
+}
+
+if have gcc; then
+    have python3 || skip "the same in Python" "python3 is not installed"
+    for pair in $sample; do one "${pair%%:*}" "${pair##*:}"; done
+else
+    skip "programs in C and Python" "gcc is not installed"
+fi
+
+# ---- other languages ----
+
+state() { tail -n 1 "$1" | tr ',' ' '; }
+close() { # two lines of numbers, tolerance
+    awk -v a="$1" -v b="$2" -v tol="$3" 'BEGIN { k = split(a, x, " "); if (split(b, y, " ") < k) exit 1
+        for (i = 1; i <= k; i++) { d = x[i] - y[i]; if (d < 0) d = -d; s = x[i] < 0 ? -x[i] : x[i]; if (d > tol*(1 + s)) exit 1 } }'
+}
+"$hooke" -n -q -c 'scene pendulum-driven; duration = 2 s; method rk4 dt=10ms; run; export own.csv t,theta,rate; export scene p.m; export scene p.ode; export scene p.tex' >/dev/null
+ok "a scene for Octave, XPPAUT, LaTeX" $?
+if have octave-cli; then
+    octave-cli -q p.m >p.out 2>p.err </dev/null
+    close "$(state own.csv)" "$(state p.out)" 1e-13
+    ok "Octave has the same end" $?
+    "$hooke" -n -q -c 'scene duffing; duration = 3 s; method dopri5 tol=1e-9; run; export own45.csv t,y,v; export scene p45.m' >/dev/null
+    octave-cli -q p45.m >p45.out 2>p45.err </dev/null
+    close "$(state own45.csv)" "$(state p45.out)" 1e-6
+    ok "ode45 has the same end" $?
+else
+    skip "Octave has the same end" "octave-cli is not installed"
+fi
+if have xppaut; then
+    timeout 20 xppaut p.ode -silent -outfile p.dat >/dev/null 2>&1 </dev/null
+    close "$(state own.csv)" "$(state p.dat)" 1e-6
+    ok "XPPAUT has the same end" $?
+else
+    skip "XPPAUT has the same end" "xppaut is not installed"
+fi
+if have pdflatex && kpsewhich siunitx.sty >/dev/null; then
+    "$hooke" -n -q -c "${typed[driven-typed]}; export scene q.tex" >/dev/null
+    for name in p q; do
+        timeout 60 pdflatex -interaction=batchmode $name.tex >/dev/null 2>&1 </dev/null
+        ok "the equations compile ($name.tex)" $?
+    done
+else
+    skip "the equations compile" "no pdflatex with siunitx"
+fi
+echo "1..$n"
+exit "$bad"
