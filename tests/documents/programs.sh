@@ -24,7 +24,7 @@ declare -A typed=(
     [worded]="param int = 2; param lambda = 1; param length = 0.7; var i = 1; i'' = -int*i - lambda*tanh(i)*log(1 + length + i^2) - atan2(i, 2)"
 )
 methods='euler symplectic-euler backward-euler verlet rk4 dopri5'
-sample='spring:euler driven:verlet duffing:backward-euler kepler:dopri5 pushed:rk4'
+sample='spring:euler driven:verlet duffing:backward-euler kepler:dopri5 drag:rk4 pushed:rk4'
 if [ -n "${LONG:-}" ]; then
     sample=''
     for scene in $("$hooke" -n -c "list scenes" | awk '{print $1}') "${!typed[@]}"; do

@@ -1,177 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Programs that compute: C, Python, Octave. Constants, forces, one loop. */
+/* Programs that compute: C, Python, Octave. The forces, one loop. */
 #include "report/program/program.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
-
-static const struct syntax syntaxes[] = {
-    {.dialect = DIALECT_C,
-     .comment = "/* ",
-     .comment_end = " */",
-     .variable = "double ",
-     .constant = "const double ",
-     .global = "static const double ",
-     .function = "static double ",
-     .begin = "\n{\n",
-     .result = "return",
-     .end = "}\n",
-     .none = "void",
-     .stop = ";",
-     .count = "(double)(i + 1)",
-     .last = "i == steps - 1",
-     .newline = "\n            ",
-     .if_then = "if (",
-     .if_end = ") "},
-    {.dialect = DIALECT_PYTHON,
-     .comment = "# ",
-     .comment_end = "",
-     .variable = "",
-     .constant = "",
-     .global = "",
-     .function = "def ",
-     .begin = ":\n",
-     .result = "return",
-     .end = "\n",
-     .none = "",
-     .stop = "",
-     .count = "(i + 1)",
-     .last = "i == steps - 1",
-     .newline = "\n            ",
-     .if_then = "if ",
-     .if_end = ": "},
-    {.dialect = DIALECT_OCTAVE,
-     .comment = "% ",
-     .comment_end = "",
-     .variable = "",
-     .constant = "",
-     .global = "",
-     .none = "",
-     .stop = ";",
-     .count = "i",
-     .last = "i == steps",
-     .newline = " ...\n            ",
-     .if_then = "if ",
-     .if_end = "\n        "},
-    {.dialect = DIALECT_XPP, .comment = "# ", .comment_end = ""},
-    {.dialect = DIALECT_TEX, .comment = "% ", .comment_end = ""},
-};
-
-const struct syntax *program_syntax(enum dialect dialect)
-{
-    size_t i = 0;
-    while (syntaxes[i].dialect != dialect)
-        i++;
-    return &syntaxes[i];
-}
-
-/* ---- what stands above everything ---- */
-
-static void put_name_and_unit(struct buffer *out, const char *label, double value, const char *unit)
-{
-    buffer_put(out, text_of(label));
-    buffer_real(out, value);
-    buffer_format(out, "%s%s", unit[0] ? " " : "", unit);
-}
-
-static void put_equation(struct scene_program *p, int row)
-{
-    struct buffer text = {0};
-    buffer_format(&text, "%s%s = ", p->written.name[1 + row], program_moves(p) ? "''" : "'");
-    if (!p->written.all[row] ||
-        !expr_text(p->written.all[row], DIALECT_XPP, p->written.name, p->written.zero, &text))
-        buffer_put(&text, p->written.all[row] ? TEXT("") : TEXT("0"));
-    if (p->written.dry)
-        buffer_put(&text, TEXT(", and dry friction"));
-    buffer_format(p->out, "   %s\n", buffer_view(&text));
-    p->out->failed |= text.failed;
-    buffer_free(&text);
-}
-
-void program_title(struct scene_program *p)
-{
-    const char *brief = p->scene->preset->row.brief;
-    buffer_format(p->out, "%s: %s\n", p->scene->preset->row.name, brief);
-    for (int row = 0; row < p->written.rows; row++)
-        put_equation(p, row);
-    buffer_format(p->out, "by %s: %s\n", p->method->row.name, p->method->row.brief);
-    put_name_and_unit(p->out, p->plan.adaptive ? "tol = " : "dt = ",
-                      p->plan.adaptive ? p->settings.tol : p->settings.dt,
-                      p->plan.adaptive ? "" : "s");
-    put_name_and_unit(p->out, ", from t = ", p->written.system.t0, "s");
-    put_name_and_unit(p->out, " to ", p->written.system.t0 + p->duration, "s");
-    buffer_format(p->out, "; written by hooke %s\n", HOOKE_VERSION);
-}
-
-/* Every line of a text as a comment. */
-static void put_commented(struct scene_program *p, struct text text, const char *before)
-{
-    struct text line;
-    while (text_split(&text, '\n', &line))
-        if (line.len > 0)
-            buffer_format(p->out, "%s%.*s\n", before, (int)line.len, line.at);
-}
-
-static void put_title(struct scene_program *p)
-{
-    static const char *const how[] = {
-        [DIALECT_C] = "hooke's bits by: gcc -O2 -ffp-contract=off FILE.c -lm && ./a.out >run.csv\n",
-        [DIALECT_PYTHON] = "python3 FILE.py >run.csv, python3 FILE.py --plot\n",
-        [DIALECT_OCTAVE] = "octave FILE.m >run.csv\n"};
-    struct scene_program plain = *p;
-    struct buffer text = {0};
-    plain.out = &text;
-    program_title(&plain);
-    buffer_put(&text, text_of(how[p->syntax->dialect]));
-    const bool c = p->syntax->dialect == DIALECT_C;
-    buffer_put(p->out, c ? TEXT("/*\n") : TEXT(""));
-    put_commented(p, buffer_text(&text), c ? " * " : p->syntax->comment);
-    buffer_put(p->out, c ? TEXT(" */\n") : TEXT(""));
-    p->out->failed |= text.failed;
-    buffer_free(&text);
-}
-
-/* ---- constants ---- */
-
-static void put_constant(struct scene_program *p, const char *name, double value, const char *unit,
-                         const char *brief)
-{
-    const struct syntax *s = p->syntax;
-    char z[REAL_TEXT_SIZE];
-    real_format(value, z);
-    const bool whole = s->dialect == DIALECT_PYTHON && !strpbrk(z, ".eni");
-    if (s->dialect == DIALECT_C && program_shadows(name))
-        buffer_format(p->out, "#define %s %s_ /* a function of the C library has its name */\n",
-                      name, name);
-    buffer_format(p->out, "%s%s = %s%s%s", s->global, name, z, whole ? ".0" : "", s->stop);
-    if (unit[0] || brief[0])
-        buffer_format(p->out, " %s%s%s%s%s%s%s", s->comment, unit[0] ? "[" : "", unit,
-                      unit[0] ? "]" : "", unit[0] && brief[0] ? " " : "", brief, s->comment_end);
-    buffer_char(p->out, '\n');
-}
-
-static void put_constants(struct scene_program *p)
-{
-    const struct written *w = &p->written;
-    const bool c = p->syntax->dialect == DIALECT_C;
-    for (int i = w->params; i < w->observed; i++) {
-        if (!p->reads[i])
-            continue;
-        const struct param_row *row = param_at(p->scene, i - w->params);
-        const bool typed = strcmp(row->row.brief, "typed by the user") == 0;
-        put_constant(p, p->name[i], p->scene->value[i - w->params], row->row.unit,
-                     typed ? "" : row->row.brief);
-    }
-    buffer_char(p->out, '\n');
-    if (p->plan.adaptive)
-        return;
-    put_constant(p, "dt", p->settings.dt, "s", "time step");
-    if (p->written.system.t0 != 0)
-        put_constant(p, "t0", p->written.system.t0, "s", "start");
-    buffer_format(p->out, "%ssteps = %lld%s\n", c ? "static const long " : "",
-                  (long long)p->plan.whole + p->partial, p->syntax->stop);
-}
 
 /* ---- the loop ---- */
 
@@ -286,51 +119,91 @@ static void put_steps(struct scene_program *p)
                                        [DIALECT_OCTAVE] = "for i = 1:steps\n"};
     const bool c = p->syntax->dialect == DIALECT_C;
     const char *indent = c ? "        " : "    ";
-    program_before(p, c ? "    " : "");
+    if (!p->turns)
+        program_before(p, c ? "    " : "");
     buffer_put(p->out, text_of(loop[p->syntax->dialect]));
     put_length(p, indent);
-    program_step(p, indent);
+    if (p->turns)
+        buffer_format(p->out, "%s%s, %s = turning_step(t, %s, [%s, %s])\n", indent,
+                      program_state(p, 0), program_state(p, 1), p->step, program_state(p, 0),
+                      program_state(p, 1));
+    else
+        program_step(p, indent);
     put_bounds(p, indent);
     put_time(p, indent);
 }
 
-/* A linear scene: hooke multiplies by powers of the matrix of one step. */
-static void put_propagated_c(struct scene_program *p)
+/* One step as a function of a state of two, which others call with lengths of their own. */
+static void put_step_function(struct scene_program *p)
 {
-    const struct system *system = &p->written.system;
-    const bool symplectic = p->method->flags & METHOD_SYMPLECTIC && system->conservative;
+    const bool c = p->syntax->dialect == DIALECT_C;
     struct scene_program whole = *p;
     const char *y = program_state(p, 0), *v = program_state(p, 1);
     whole.step = "h";
     whole.partial = true; /* its length may be any */
-    buffer_format(p->out,
-                  "/* One step of %s. */\n"
-                  "static void step(double h, double state[])\n{\n"
-                  "    double %s = state[0], %s = state[1];\n",
-                  p->method->row.name, y, v);
+    if (c)
+        buffer_format(p->out,
+                      "/* One step of %s. */\n"
+                      "static void step(double t, double h, double state[])\n{\n"
+                      "    double %s = state[0], %s = state[1];\n    (void)t;\n",
+                      p->method->row.name, y, v);
+    else
+        buffer_format(p->out, "def step(t, h, state):  # of %s\n    %s, %s = state\n",
+                      p->method->row.name, y, v);
     program_before(&whole, "    ");
     program_step(&whole, "    ");
-    buffer_format(p->out, "    state[0] = %s;\n    state[1] = %s;\n}\n\n", y, v);
-    buffer_put(p->out, TEXT("/* The scene is linear: hooke takes 32 steps at once by powers of the "
-                            "matrix of one\n * ('set kernel specialised': one by one). */\n"
-                            "int main(void)\n{\n"));
+    buffer_format(p->out,
+                  c ? "    state[0] = %s;\n    state[1] = %s;\n}\n\n" : "    return [%s, %s]\n\n\n",
+                  y, v);
+    if (!p->turns)
+        return;
+    buffer_format(p->out,
+                  c ? "static double acceleration_at(double t, const double state[])\n{\n"
+                      "    const double %s = state[0], %s = state[1];\n"
+                      "    (void)t, (void)%s, (void)%s;\n    return "
+                    : "def acceleration_at(t, state):\n    %s, %s = state\n    return ",
+                  y, v, y, v);
+    program_call(p, PART_ALL, 0, "t", NULL);
+    buffer_put(p->out, c ? TEXT(";\n}\n\n") : TEXT("\n\n\n"));
+}
+
+/* A step of the loop: hooke multiplies by powers of the matrix of one step, or takes pieces. */
+static void put_stepping_c(struct scene_program *p)
+{
+    if (p->turns)
+        buffer_format(p->out, "        turning_step(t, %s, state);\n", p->step);
+    else if (p->partial)
+        buffer_format(p->out,
+                      "        if (%s)\n            step(t, h, state);\n"
+                      "        else\n            propagate(i, state);\n",
+                      p->syntax->last);
+    else
+        buffer_put(p->out, TEXT("        propagate(i, state);\n"));
+}
+
+static void put_called_c(struct scene_program *p)
+{
+    const struct system *system = &p->written.system;
+    const bool symplectic = p->method->flags & METHOD_SYMPLECTIC && system->conservative;
+    const char *y = program_state(p, 0), *v = program_state(p, 1);
+    put_step_function(p);
+    buffer_put(p->out, p->turns
+                           ? TEXT("/* The force bends where the velocity turns: steps end there "
+                                  "('set turning off': not). */\n")
+                           : TEXT("/* The scene is linear: hooke takes 32 steps at once by powers "
+                                  "of the matrix of one\n"
+                                  " * ('set kernel specialised': one by one). */\n"));
+    buffer_put(p->out, TEXT("int main(void)\n{\n"));
     put_start(p, "    ");
     buffer_format(p->out, "    double state[] = {%s, %s};\n    puts(\"", y, v);
     put_heading(p);
     buffer_put(p->out, TEXT("\");\n"));
     put_printf(p, "    ");
-    buffer_format(p->out,
-                  "    propagate_prepare(dt, %s);\n"
-                  "    for (long i = 0; i < steps; i++) {\n",
-                  symplectic ? "true" : "false");
+    if (!p->turns)
+        buffer_format(p->out, "    propagate_prepare(dt, %s);\n", symplectic ? "true" : "false");
+    buffer_put(p->out, TEXT("    for (long i = 0; i < steps; i++) {\n"));
     put_length(p, "        ");
-    if (p->partial)
-        buffer_format(p->out,
-                      "        if (%s)\n            step(h, state);\n"
-                      "        else\n            propagate(i, state);\n",
-                      p->syntax->last);
-    else
-        buffer_put(p->out, TEXT("        propagate(i, state);\n"));
+    put_stepping_c(p);
     buffer_format(p->out, "        %s = state[0];\n        %s = state[1];\n", y, v);
     put_bounds(p, "        ");
     put_time(p, "        ");
@@ -340,8 +213,8 @@ static void put_propagated_c(struct scene_program *p)
 
 static void put_main_c(struct scene_program *p)
 {
-    if (p->plan.propagates) {
-        put_propagated_c(p);
+    if (p->plan.propagates || p->turns) {
+        put_called_c(p);
         return;
     }
     buffer_put(p->out, TEXT("int main(void)\n{\n"));
@@ -357,6 +230,8 @@ static void put_main_c(struct scene_program *p)
 
 static void put_main_python(struct scene_program *p)
 {
+    if (p->turns)
+        put_step_function(p);
     put_start(p, "");
     buffer_put(p->out, TEXT("rows = [("));
     put_row(p);
@@ -464,12 +339,12 @@ bool program_computes(struct scene_program *p)
     p->out = &functions;
     put_functions(p);
     p->out = out;
-    put_title(p);
+    program_front(p);
     if (dialect == DIALECT_C)
         buffer_put(out, TEXT("#include <math.h>\n#include <stdio.h>\n"));
     const size_t declared = out->len;
     buffer_char(out, '\n');
-    put_constants(p);
+    program_constants(p);
     buffer_char(out, '\n');
     buffer_put(out, buffer_text(&functions));
     if (dialect == DIALECT_OCTAVE)

@@ -52,7 +52,8 @@ static const char *const sources[] = {
 };
 
 /* What is called from outside. */
-static const char *const roots[] = {"fixed_", "function_", "power", "solve_", "propagate"};
+static const char *const roots[] = {"fixed_", "function_", "power",
+                                    "solve_", "propagate", "turning_"};
 
 enum { NAMES = 4 };
 
@@ -379,6 +380,40 @@ static const struct {
               "    for i in reversed(range(n)):\n"
               "        x[i] = (a[i][n] - sum(a[i][k]*x[k] for k in range(i + 1, n)))/a[i][i]\n"
               "    return x\n"},
+    {"turning_step",
+     "def turning_time(p, q):  # where v = 0 between two moments (time, v, a), by a cubic\n"
+     "    rise = q[1] - p[1]\n"
+     "    u = -p[1]/rise\n"
+     "    r = 1 - u\n"
+     "    x = (p[0] + (q[0] - p[0])*(u*u*(3 - 2*u)) +\n"
+     "         rise*u*r*(r/p[2] - u/q[2]))\n"
+     "    return x if (x - p[0])*(q[0] - x) > 0 else p[0] + (q[0] - p[0])/2\n"},
+    {"turning_step",
+     "def turning_step(t, h, state):  # in pieces that meet where the velocity turns\n"
+     "    rest = h\n"
+     "    for piece in range(8):\n"
+     "        before, state = state, step(t, rest, state)\n"
+     "        near = 1e-8*abs(rest)\n"
+     "        if piece == 7 or not before[1]*state[1] < 0:\n"
+     "            return state\n"
+     "        first = (0.0, before[1], acceleration_at(t, before))\n"
+     "        last = (rest, state[1], acceleration_at(t + rest, state))\n"
+     "        x = turning_time(first, last)\n"
+     "        if abs(x) <= near or abs(rest - x) <= near:\n"
+     "            return state\n"
+     "        for attempt in range(12):\n"
+     "            state = step(t, x, before)\n"
+     "            here = (x, state[1], acceleration_at(t + x, state))\n"
+     "            if abs(here[1]) <= near*abs(here[2]) or attempt == 11:\n"
+     "                break\n"
+     "            if (here[1] < 0) == (first[1] < 0):\n"
+     "                first = here\n"
+     "            else:\n"
+     "                last = here\n"
+     "            x = turning_time(first, last)\n"
+     "        rest -= x\n"
+     "        t += x\n"
+     "    return state\n"},
     {"power", "def power(x, n):  # by multiplications, n whole or half of that\n"
               "    whole = int(abs(n))\n"
               "    result = 1.0\n"

@@ -35,9 +35,9 @@ static void propagate_prepare(double h, bool symplectic)
 {
     double shift[2] = {0, 0}, column[2][2] = {{1, 0}, {0, 1}};
     long double m[2][2], taken[2][2] = {{1, 0}, {0, 1}}, sum[2] = {0, 0}, next[2][2], next_sum[2];
-    step(h, shift);
-    step(h, column[0]);
-    step(h, column[1]);
+    step(0, h, shift);
+    step(0, h, column[0]);
+    step(0, h, column[1]);
     for (int i = 0; i < 2; i++)
         for (int j = 0; j < 2; j++)
             m[i][j] = (long double)column[j][i] - (long double)shift[i];
@@ -77,6 +77,61 @@ static void propagate(long i, double state[2])
         const long double *last = propagate_last[k];
         state[k] = i % BLOCK < BLOCK - 1 ? by[0] * y + by[1] * v + by[2]
                                          : (double)(last[0] * y + last[1] * v + last[2]);
+    }
+}
+
+/* ---- forces that bend where the velocity turns ---- */
+
+/* A time since the start of the step, velocity and acceleration there. */
+struct moment {
+    double x, v, a;
+};
+
+static struct moment moment_at(double t, double x, const double state[])
+{
+    return (struct moment){x, state[1], acceleration_at(t + x, state)};
+}
+
+/* Where v = 0 between two moments: cubic Hermite interpolation of the time as a function of v. */
+static double turning_time(const struct moment *p, const struct moment *q)
+{
+    const double rise = q->v - p->v, u = -p->v / rise, r = 1 - u;
+    const double x =
+        p->x + (q->x - p->x) * (u * u * (3 - 2 * u)) + rise * u * r * (r / p->a - u / q->a);
+    return (x - p->x) * (q->x - x) > 0 ? x : p->x + (q->x - p->x) / 2;
+}
+
+/* A step over h in pieces that meet where the velocity turns. */
+static void turning_step(double t, double h, double state[])
+{
+    double rest = h;
+    for (int pieces = 1;; pieces++) {
+        const double before[2] = {state[0], state[1]};
+        double x = rest;
+        step(t, rest, state);
+        bool turned = false;
+        if (pieces < 8 && ((before[1] < 0 && state[1] > 0) || (before[1] > 0 && state[1] < 0))) {
+            const double near = 1e-8 * fabs(rest);
+            struct moment first = moment_at(t, 0, before), last = moment_at(t, rest, state);
+            const double at = turning_time(&first, &last);
+            turned = fabs(at) > near && fabs(rest - at) > near;
+            x = turned ? at : rest;
+            for (int i = 0; turned && i < 12; i++) {
+                state[0] = before[0];
+                state[1] = before[1];
+                step(t, x, state);
+                const struct moment here = moment_at(t, x, state);
+                if (fabs(here.v) <= near * fabs(here.a))
+                    break;
+                *((here.v < 0) == (first.v < 0) ? &first : &last) = here;
+                if (i < 11)
+                    x = turning_time(&first, &last);
+            }
+        }
+        rest -= x;
+        t += x;
+        if (!turned)
+            return;
     }
 }
 

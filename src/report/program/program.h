@@ -37,6 +37,7 @@ struct scene_program {
     char **name;      /* [written.names + slopes.parts] in this language */
     const char *step; /* what a step's length is called */
     bool partial;     /* the last step is shorter */
+    bool turns;       /* steps end where the velocity turns */
     struct buffer *out;
     struct arena *arena;
     struct error *error;
@@ -91,6 +92,8 @@ void program_implicit_step(struct scene_program *p, const char *indent);
 
 /* ---- whole files ---- */
 
+void program_front(struct scene_program *p);
+void program_constants(struct scene_program *p);
 void program_title(struct scene_program *p);    /* what is computed, in lines */
 bool program_computes(struct scene_program *p); /* C, Python, Octave (frame.c) */
 bool program_xpp(struct scene_program *p);
