@@ -21,7 +21,8 @@ static void put_start(struct scene_program *p, const char *indent)
         buffer_format(p->out, "%s%s%s = ", indent, s->variable, p->name[1 + i]);
         buffer_format(p->out, "%s%s%s", z, whole ? ".0" : "", s->stop);
         if (unit[0])
-            buffer_format(p->out, " %s[%s]%s", s->comment, unit, s->comment_end);
+            buffer_format(p->out, "%s%s[%s]%s", s->dialect == DIALECT_PYTHON ? "  " : " ",
+                          s->comment, unit, s->comment_end);
         buffer_char(p->out, '\n');
     }
 }
@@ -95,7 +96,7 @@ static void put_bounds(struct scene_program *p, const char *indent)
                       : c || octave ? " && "
                                     : " and ",
                       c ? "fabs" : "abs", program_state(p, i));
-        buffer_real(p->out, run_bound(system, i));
+        buffer_real(p->out, c ? run_bound(system, i) : 1e150);
     }
     if (c)
         buffer_format(p->out,
@@ -328,6 +329,13 @@ static void put_functions(struct scene_program *p)
         return;
     }
     program_functions(p, splits ? PART_FORCE : PART_ALL);
+    if (splits && p->written.system.velocity && p->drag == DRAG_EXACT) {
+        struct buffer flow = {0}, *out = p->out; /* what it reads is a constant above it */
+        p->out = &flow;
+        program_coefficient(p, fabs(p->written.system.oscillator.damping), "gamma", NULL);
+        p->out = out;
+        buffer_free(&flow);
+    }
     if (splits && p->written.system.velocity && p->drag == DRAG_EXPLICIT)
         program_functions(p, PART_DRAG);
 }
@@ -345,7 +353,7 @@ bool program_computes(struct scene_program *p)
     const size_t declared = out->len;
     buffer_char(out, '\n');
     program_constants(p);
-    buffer_char(out, '\n');
+    buffer_put(out, dialect == DIALECT_PYTHON ? TEXT("\n\n") : TEXT("\n"));
     buffer_put(out, buffer_text(&functions));
     if (dialect == DIALECT_OCTAVE)
         buffer_char(out, '\n');

@@ -145,8 +145,9 @@ static void put_constant(struct scene_program *p, const char *name, double value
                       name, name);
     buffer_format(p->out, "%s%s = %s%s%s", s->global, name, z, whole ? ".0" : "", s->stop);
     if (unit[0] || brief[0])
-        buffer_format(p->out, " %s%s%s%s%s%s%s", s->comment, unit[0] ? "[" : "", unit,
-                      unit[0] ? "]" : "", unit[0] && brief[0] ? " " : "", brief, s->comment_end);
+        buffer_format(p->out, "%s%s%s%s%s%s%s%s", s->dialect == DIALECT_PYTHON ? "  " : " ",
+                      s->comment, unit[0] ? "[" : "", unit, unit[0] ? "]" : "",
+                      unit[0] && brief[0] ? " " : "", brief, s->comment_end);
     buffer_char(p->out, '\n');
 }
 

@@ -14,9 +14,7 @@ static bool closes(const struct scene_program *p)
 
 /* ---- closed form ---- */
 
-/* A coefficient by the names of the spring scene, where it is that number; else the number. */
-static void put_coefficient(struct scene_program *p, double value, const char *one,
-                            const char *over)
+void program_coefficient(struct scene_program *p, double value, const char *one, const char *over)
 {
     const int a = scene_param(p->scene, one), b = over ? scene_param(p->scene, over) : -1;
     const double *param = p->scene->value;
@@ -88,10 +86,10 @@ static void put_closed_constants(struct scene_program *p)
     const struct oscillator *o = &p->written.system.oscillator;
     const struct syntax *s = p->syntax;
     buffer_format(p->out, "%sstiffness = ", s->global);
-    put_coefficient(p, o->stiffness, "k", "m");
+    program_coefficient(p, o->stiffness, "k", "m");
     buffer_format(p->out, "%s %s[1/s^2]%s\n%sdamping = ", s->stop, s->comment, s->comment_end,
                   s->global);
-    put_coefficient(p, o->damping, "gamma", NULL);
+    program_coefficient(p, o->damping, "gamma", NULL);
     buffer_format(p->out, "%s %s[1/s]%s\n", s->stop, s->comment, s->comment_end);
     if (o->quadratic != 0) {
         buffer_format(p->out, "%squadratic = ", s->global);

@@ -69,6 +69,9 @@ static inline const char *program_state(const struct scene_program *p, int i)
 /* A weight of a method as it stands in books, 35/384, where that is the same double. */
 void program_weight(const struct scene_program *p, double weight);
 void program_expr(struct scene_program *p, const struct expr *expr);
+/* A coefficient by the names of the spring scene, one or one/over, where it is that number; else
+ * the number. */
+void program_coefficient(struct scene_program *p, double value, const char *one, const char *over);
 void program_comment(const struct scene_program *p, const char *indent, const char *text);
 
 /* ---- forces (forces.c) ---- */

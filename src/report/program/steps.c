@@ -259,14 +259,16 @@ static void put_drift(const struct scene_program *p, const char *indent, double 
 }
 
 /* What half a step does to v of v' = -gamma v - c |v| v: oscillator_drag_flow(). */
-static void put_flow(const struct scene_program *p, const char *indent)
+static void put_flow(struct scene_program *p, const char *indent)
 {
     const struct oscillator *o = &p->written.system.oscillator;
     const struct syntax *s = p->syntax;
     const char *exp = s->dialect == DIALECT_C ? "fixed_exp" : "exp",
                *expm1 = s->dialect == DIALECT_C ? "fixed_expm1" : "expm1";
-    struct buffer gamma = {0};
-    buffer_real(&gamma, fabs(o->damping));
+    struct buffer gamma = {0}, *out = p->out;
+    p->out = &gamma;
+    program_coefficient(p, fabs(o->damping), "gamma", NULL);
+    p->out = out;
     program_comment(p, indent, "v' = -gamma v - c |v| v has a closed form: of half a step");
     buffer_format(p->out, "%s%skeep = %s(-(%s*(%s/2)))%s\n", indent, s->constant, exp,
                   buffer_view(&gamma), p->step, s->stop);
