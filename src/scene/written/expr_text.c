@@ -273,20 +273,36 @@ static struct piece comparison_of(struct printer *p, enum op_kind kind, const st
     return (struct piece){.text = keep(p, &text), .binds = c ? FACTOR : ATOM};
 }
 
+/* A function that has no row above: by the name of hooke's own in C. */
+static void put_call(struct printer *p, struct buffer *text, const struct function *function,
+                     const struct piece *operand)
+{
+    buffer_format(text, "%s%s(", p->dialect == DIALECT_C ? "function_" : "", function->row.name);
+    for (int i = 0; i < function_arity(function); i++) {
+        buffer_put(text, i ? TEXT(", ") : TEXT(""));
+        put_piece(p, text, &operand[i], COMPARISON);
+    }
+    buffer_char(text, ')');
+}
+
 static struct piece call_of(struct printer *p, const struct function *function,
                             const struct piece *operand)
 {
-    if (strcmp(function->row.name, "pow") == 0)
+    const struct text name = text_of(function->row.name);
+    if (function->two == function_power)
         return power_of(p, &operand[0], &operand[1]);
     size_t row = 0;
-    while (strcmp(calls[row].name, function->row.name) != 0)
+    while (row < COUNT_OF(calls) && !text_is(name, calls[row].name))
         row++;
     struct buffer text = {0};
-    for (const char *at = calls[row].form[p->dialect]; *at; at++)
-        if (*at == '$')
-            put_piece(p, &text, &operand[*++at - '1'], COMPARISON);
-        else
-            buffer_char(&text, *at);
+    if (row == COUNT_OF(calls))
+        put_call(p, &text, function, operand);
+    else
+        for (const char *at = calls[row].form[p->dialect]; *at; at++)
+            if (*at == '$')
+                put_piece(p, &text, &operand[*++at - '1'], COMPARISON);
+            else
+                buffer_char(&text, *at);
     return (struct piece){.text = keep(p, &text), .binds = ATOM};
 }
 

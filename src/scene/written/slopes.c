@@ -88,23 +88,28 @@ static struct op op_of(const struct node *node)
     return (struct op){.kind = kind[node->kind]};
 }
 
-/* The node's own operation, its operands before it; names for parts, unless it is one itself. */
-static size_t put_node(const struct taking *t, int node, bool itself, struct op *op, size_t count,
-                       size_t max)
+/* Each level leaves at most two values on the stack of an expression. */
+enum { DEPTH_MAX = LIMIT_EXPR_DEPTH / 2 };
+
+/* The node's own operation, its operands before it; names for parts, unless it is one itself. What
+ * is too long or too deep ends at LIMIT_EXPR_SIZE. */
+static size_t put_node(const struct taking *t, int node, int depth, struct op *op, size_t count)
 {
     const struct node *const at = &t->equations->graph.node[node];
     struct op own = {.kind = OP_NUMBER, .number = at->number};
     if (at->kind == NODE_NAME)
         own = (struct op){.kind = OP_NAME, .slot = at->operand[0]};
-    else if (at->kind != NODE_NUMBER && !itself && t->part[node])
+    else if (at->kind != NODE_NUMBER && depth > 0 && t->part[node])
         own = (struct op){.kind = OP_NAME, .slot = t->part[node]};
     else if (at->kind != NODE_NUMBER) {
-        for (int i = 0; i < node_arity(at->kind) && count < max; i++)
-            count = put_node(t, at->operand[i], false, op, count, max);
+        if (depth == DEPTH_MAX)
+            return LIMIT_EXPR_SIZE;
+        for (int i = 0; i < node_arity(at->kind) && count < LIMIT_EXPR_SIZE; i++)
+            count = put_node(t, at->operand[i], depth + 1, op, count);
         own = op_of(at);
     }
-    if (count >= max)
-        return max;
+    if (count >= LIMIT_EXPR_SIZE)
+        return LIMIT_EXPR_SIZE;
     op[count] = own;
     return count + 1;
 }
@@ -114,7 +119,7 @@ static const struct expr *expr_of(struct taking *t, int node, bool itself)
     struct op *op = malloc((LIMIT_EXPR_SIZE + 1) * sizeof *op);
     struct arena *const arena = &t->written->arena;
     struct expr *expr = op ? arena_alloc(arena, sizeof *expr) : NULL;
-    const size_t count = expr ? put_node(t, node, itself, op, 0, LIMIT_EXPR_SIZE) : 0;
+    const size_t count = expr ? put_node(t, node, itself ? 0 : 1, op, 0) : 0;
     struct op *own = count > 0 ? arena_array(arena, count, sizeof *own) : NULL;
     if (own)
         memcpy(own, op, count * sizeof *own);
@@ -124,8 +129,9 @@ static const struct expr *expr_of(struct taking *t, int node, bool itself)
     *expr = (struct expr){.op = own, .count = count, .capacity = count};
     if (count < LIMIT_EXPR_SIZE)
         return expr;
-    error_set(t->error, ERROR_COMMAND, "the derivatives have more than %d operations",
-              LIMIT_EXPR_SIZE);
+    error_set(t->error, ERROR_COMMAND,
+              "the derivatives have more than %d operations, or more than %d inside of each other",
+              LIMIT_EXPR_SIZE, DEPTH_MAX);
     return NULL;
 }
 
