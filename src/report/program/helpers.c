@@ -258,7 +258,8 @@ static bool need(const struct source_items *items, struct text text, bool from_o
     bool more = false;
     for (size_t at = 0; next_word(text, &at, &word);) {
         struct source_item *item = from_outside && !is_root(word) ? NULL : item_named(items, word);
-        if (!item)
+        /* a variable may have the name of a function */
+        if (!item || (item->function && !(at < text.len && text.at[at] == '(')))
             continue;
         item->root |= from_outside && item->function;
         more |= !item->needed;
