@@ -42,7 +42,8 @@ static void put_heading(struct scene_program *p)
 
 static void put_printf(struct scene_program *p, const char *indent)
 {
-    buffer_format(p->out, "%sprintf(\"", indent);
+    buffer_put(p->out, text_of(indent));
+    buffer_put(p->out, TEXT("printf(\""));
     for (int i = 0; i < 1 + program_n(p); i++)
         buffer_format(p->out, "%s%%.17g", i ? "," : "");
     buffer_put(p->out, TEXT("\\n\", "));
