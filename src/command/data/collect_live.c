@@ -146,7 +146,7 @@ static bool find_start(const struct scene *scene, const struct recording *record
             for (size_t k = 0; k < 3; k++)
                 a[3 * i + k] += basis[i] * basis[k];
         }
-        n += isfinite(y);
+        n += isfinite(y) ? 1 : 0;
     }
     if (n < START_ROWS || !cholesky(3, 3, a, 1e-14, a))
         return false;
