@@ -39,7 +39,7 @@ for example in examples/*.hk examples/*/*.hk; do
 done
 
 # Examples of the help: each pair of lines is pasted into a session that has a recording, a fit and a run.
-cp examples/lab/bare.txt examples/lab/disk.txt "$folder"
+cp examples/lab/bare.txt examples/lab/disk.txt examples/typed/pulse.ode "$folder"
 cd "$folder" || exit 2
 mkdir -p examples/lab && cp bare.txt disk.txt examples/lab/
 failed=
