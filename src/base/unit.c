@@ -15,6 +15,7 @@ static const struct unit units[] = {
     {{"mg", "kg", "milligram", "", NULL}, QUANTITY_MASS, 1e-6, UNIT_SHOWN},
     {{"s", "s", "second", "", NULL}, QUANTITY_TIME, 1.0, UNIT_HOME},
     {{"ms", "s", "millisecond", "", NULL}, QUANTITY_TIME, 1e-3, UNIT_SHOWN},
+    {{"us", "s", "microsecond", "", NULL}, QUANTITY_TIME, 1e-6, UNIT_READ},
     {{"min", "s", "minute", "", NULL}, QUANTITY_TIME, 60.0, UNIT_READ},
     {{"N", "N", "newton", "", NULL}, QUANTITY_FORCE, 1.0, UNIT_HOME},
     {{"mN", "N", "millinewton", "", NULL}, QUANTITY_FORCE, 1e-3, UNIT_SHOWN},

@@ -33,7 +33,7 @@ static void complete(struct session *session, struct text line, size_t cursor)
 static void draw(const struct session *session, struct text line, uint64_t choice)
 {
     const struct prompt_line prompt = {
-        .prompt = TEXT("hooke> "), .line = line, .cursor = choice % (line.len + 1)};
+        .prompt = TEXT("hooke> "), .line = line, .cursor = (size_t)(choice % (line.len + 1))};
     struct canvas canvas;
     if (!canvas_init(&canvas, 1 + (int)(choice >> 8) % 130, 1 + (int)(choice >> 16) % 50))
         return;
@@ -54,7 +54,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     scripted_play(session, &reply, all, choice >> 8);
     text_split(&rest, '\n', &first);
     if (choice % 8 == 0)
-        complete(session, first, choice % (first.len + 1));
+        complete(session, first, (size_t)(choice % (first.len + 1)));
     if (choice % 8 == 1)
         draw(session, first, choice >> 4);
     if (choice % 8 == 2) {

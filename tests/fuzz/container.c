@@ -101,7 +101,7 @@ size_t LLVMFuzzerCustomMutator(uint8_t *data, size_t size, size_t max, unsigned 
 {
     uint64_t random = seed * 2654435761u + 88172645463325252u;
     if (size < 2 || fuzz_random(&random) % 64 == 0)
-        return fuzz_seed(fuzz_random(&random) % (2 * KINDS + 1), data, max);
+        return fuzz_seed((size_t)(fuzz_random(&random) % (2 * KINDS + 1)), data, max);
     return LLVMFuzzerMutate(data, size, max);
 }
 

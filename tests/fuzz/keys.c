@@ -55,7 +55,8 @@ int poll(struct pollfd *ready, nfds_t count, int timeout)
     }
     if (timeout == 0 && fuzz_random(&keys.random) % 2)
         return 0;
-    const size_t wish = keys.at_once ? SIZE_MAX : 1 + fuzz_random(&keys.random) % KEYS_CHUNK;
+    const size_t wish =
+        keys.at_once ? SIZE_MAX : 1 + (size_t)(fuzz_random(&keys.random) % KEYS_CHUNK);
     const ssize_t put =
         write(keys.pipe[1], keys.rest.at, wish < keys.rest.len ? wish : keys.rest.len);
     if (put > 0)

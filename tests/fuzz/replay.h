@@ -91,7 +91,7 @@ static size_t replay_mutate(uint8_t *data, size_t size, size_t capacity, uint64_
                                         ";",     "#",    "+-",  ",",    ":",  "=",    "\t",
                                         "\r\n",  "\xff", "0x1", "9e99", "..", "\x1b["};
     for (uint64_t times = fuzz_random(state) % 6; times > 0 && size > 0; times--) {
-        size_t at = fuzz_random(state) % size;
+        size_t at = (size_t)(fuzz_random(state) % size);
         switch (fuzz_random(state) % 5) {
         case 0:
             data[at] = (uint8_t)fuzz_random(state);

@@ -75,7 +75,7 @@ static void mend(uint8_t *data, size_t size)
         next = next_record(data, size, content);
         memcpy(&head, data + at, sizeof head);
         head.bytes = next - content;
-        head.sum = bytes_sum((struct text){(const char *)data + content, head.bytes});
+        head.sum = bytes_sum((struct text){(const char *)data + content, next - content});
         head.own = bytes_sum((struct text){(const char *)&head, offsetof(struct record_head, own)});
         memcpy(data + at, &head, sizeof head);
     }

@@ -52,7 +52,8 @@ int fcntl(int fd, int command, ...)
 
 int fdatasync(int fd)
 {
-    const struct timespec slow = {disk.sync_ns / 1000000000, disk.sync_ns % 1000000000};
+    const struct timespec slow = {(time_t)(disk.sync_ns / 1000000000),
+                                  (long)(disk.sync_ns % 1000000000)};
     disk.syncs++;
     if (disk.sync_ns < 0)
         return 0;
@@ -130,7 +131,7 @@ static void wait_at_prompt(struct saving *saving, int ms)
     do {
         const int64_t due = autosave_due(&saving->autosave);
         const int64_t left = (due < until ? due : until) - clock_ns();
-        const struct timespec pause = {0, left > 0 && left < 100000000 ? left : 10000000};
+        const struct timespec pause = {0, left > 0 && left < 100000000 ? (long)left : 10000000};
         nanosleep(&pause, NULL);
         keep(saving, false);
     } while (clock_ns() < until);

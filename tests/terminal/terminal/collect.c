@@ -46,7 +46,7 @@ static pid_t sensor(int fd, int lines)
         if (write(fd, line, (size_t)len) != len)
             break;
         const int64_t left = begin + (int64_t)(i + 1) * 5 * MS / 4 - clock_ns();
-        const struct timespec rest = {left / 1000000000, left % 1000000000};
+        const struct timespec rest = {(time_t)(left / 1000000000), (long)(left % 1000000000)};
         if (left > 0)
             nanosleep(&rest, NULL);
     }

@@ -109,6 +109,7 @@ static void conversion_rounds_once(void **state)
     assert_true(converted(1.1, "mg", QUANTITY_MASS) == 1.1e-6);
     assert_true(converted(3, "cm^2", QUANTITY_AREA) == 3e-4);
     assert_true(converted(2, "min", QUANTITY_TIME) == 120);
+    assert_true(converted(5, "us", QUANTITY_TIME) == 5e-6);
     assert_true(converted(1.5, "N/cm", QUANTITY_STIFFNESS) == 150);
     assert_true(converted(180, "deg", QUANTITY_ANGLE) == PI);
     assert_true(converted(1, "Hz", QUANTITY_ANGULAR_FREQUENCY) == 2 * PI);
