@@ -146,7 +146,7 @@ static void others_keep_theirs(void **state)
     assert_false(file_lock(other, false));
     const int64_t begin = clock_ns();
     assert_false(file_lock(other, true));
-    assert_true(clock_seconds(begin) > 0.1 && clock_seconds(begin) < 2);
+    assert_true(clock_seconds(begin) > 0.1 && clock_seconds(begin) < 30);
     file_unlock(fd);
     assert_true(file_lock(other, true));
     fault.at = fault.calls = 0;

@@ -128,7 +128,7 @@ static void sweepers_leave_writers_alone(void **state)
     }
     const int64_t begin = clock_ns();
     int failures = 0, tries = 0;
-    for (; clock_seconds(begin) < (is_long() ? 20 : 0.8); tries++) {
+    for (; tries <= 3 || clock_seconds(begin) < (is_long() ? 20 : 0.8); tries++) {
         fault.no_tmpfile = tries % 2;
         fault.no_noreplace = tries / 2 % 2;
         failures += !write_both();
@@ -138,7 +138,6 @@ static void sweepers_leave_writers_alone(void **state)
         waitpid(sweeper[i], NULL, 0);
     }
     print_message("# %d files and folders written beside two sweepers\n", tries);
-    assert_true(tries > 3);
     assert_int_equal(failures, 0);
     assert_true(is_there("file.csv") && is_there("report/part.csv"));
 }

@@ -6,6 +6,7 @@
 #include <pthread.h>
 #include <setjmp.h>
 #include <stdarg.h>
+#include <stdatomic.h>
 #include <stdbool.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -192,11 +193,20 @@ static void test_safe(void **state)
     hooke_close(hooke);
 }
 
-static void *cancel_soon(void *hooke)
+struct canceller {
+    struct hooke *hooke;
+    atomic_bool done;
+};
+
+/* Again and again: one that comes before the run stops nothing. */
+static void *cancel_soon(void *context)
 {
+    struct canceller *canceller = context;
     const struct timespec soon = {.tv_nsec = 100000000};
-    nanosleep(&soon, NULL);
-    hooke_cancel(hooke);
+    while (!canceller->done) {
+        nanosleep(&soon, NULL);
+        hooke_cancel(canceller->hooke);
+    }
     return NULL;
 }
 
@@ -205,9 +215,11 @@ static void test_cancel(void **state)
     pthread_t other;
     (void)state;
     struct hooke *hooke = opened(0);
-    assert_int_equal(pthread_create(&other, NULL, cancel_soon, hooke), 0);
+    struct canceller canceller = {.hooke = hooke};
+    assert_int_equal(pthread_create(&other, NULL, cancel_soon, &canceller), 0);
     const int status = hooke_run(
         hooke, "set record every 100000; scene pendulum; method rk4 dt=0.001ms; run 1e5 s --force");
+    canceller.done = true;
     pthread_join(other, NULL);
     assert_int_equal(status, 130);
     assert_int_equal(hooke_error(hooke)->status, 130);

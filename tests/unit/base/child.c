@@ -183,7 +183,7 @@ static void what_does_not_end_is_ended(void **state)
     child = (struct child){never_ends, stopped_later, &looks, "it was not made", 1e9};
     assert_false(child_run(&child, &out, &error));
     assert_int_equal(error.code, ERROR_CANCELLED);
-    assert_true(clock_seconds(begin) < 5);
+    assert_true(clock_seconds(begin) < 60);
     assert_int_equal(out.len, 0);
     buffer_free(&out);
 }
@@ -289,7 +289,7 @@ static bool leaves_another(const void *context, struct buffer *out, struct error
 {
     const pid_t pid = fork();
     if (pid == 0) {
-        alarm(2);
+        alarm(20);
         return never_ends(NULL, out, error);
     }
     return pid > 0 && says(context, out, error);
@@ -303,7 +303,7 @@ static void nobody_else_is_waited_for(void **state)
     const int64_t begin = clock_ns();
     assert_true(run(leaves_another, "a picture", &out, &error));
     assert_string_equal(out.data, BEFORE "a picture");
-    assert_true(clock_seconds(begin) < 1.8);
+    assert_true(clock_seconds(begin) < 15);
     buffer_free(&out);
 }
 
