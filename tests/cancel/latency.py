@@ -44,6 +44,15 @@ def waited(pid):
         return 0.0
 
 
+def is_asleep(pid):
+    """It waits for something; one that has ended, too."""
+    try:
+        with open("/proc/%d/stat" % pid) as file:
+            return file.read().rsplit(")", 1)[1].split()[0] not in "RD"
+    except (OSError, IndexError):
+        return True
+
+
 class Program:
     def __init__(self, program, folder, *arguments):
         self.pid, self.fd = pty.fork()
@@ -92,8 +101,12 @@ class Program:
 
     def settle(self):
         """The signal may have come to the prompt that the command left: then it gives another one."""
-        while select.select([self.fd], [], [], 0.02)[0] and not self.over:
-            self.wait(1)
+        end = time.monotonic() + 20
+        while not self.over and time.monotonic() < end:
+            if select.select([self.fd], [], [], 0.02)[0]:
+                self.wait(1)
+            elif is_asleep(self.pid): # not kept from its work by others
+                break
 
     def looks(self):
         """What the session holds, as it says itself."""

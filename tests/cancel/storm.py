@@ -132,8 +132,14 @@ def resumed(hooke, folder):
 
 
 def kill(terminal):
-    """A second after what was typed last."""
+    """A second after what was typed last, and when it is not kept from its work by others."""
     terminal.read(1)
+    looks, end = 0, time.monotonic() + 20
+    while looks < 5 and time.monotonic() < end:
+        with open("/proc/%d/stat" % terminal.program()) as file:
+            asleep = file.read().rsplit(")", 1)[1].split()[0] not in "RD"
+        looks = looks + 1 if asleep else 0
+        terminal.read(0.05)
     os.killpg(terminal.program(), signal.SIGKILL)
     os.waitpid(terminal.pid, 0)
     os.close(terminal.fd)
@@ -143,7 +149,7 @@ def kill(terminal):
 def leave(terminal):
     """What is not as it was."""
     terminal.type("quit\r")
-    end = time.monotonic() + 10
+    end = time.monotonic() + 60
     while not os.waitpid(terminal.pid, os.WNOHANG)[0]:
         terminal.read(0.05)
         if time.monotonic() > end:
@@ -162,10 +168,11 @@ def one_round(hooke, folder, mode, number, signals, rng, last):
     """What is wrong."""
     subprocess.run(["rm", "-rf", os.path.join(folder, "hooke")])
     terminal = Terminal([hooke, "-n", *mode], folder)
+    terminal.wait(b"hooke>", 60)
     terminal.read(0.5)
     terminal.type("speed max; scene damped\r")
     terminal.type("method rk4 dt=1ms; set record all; run 30 s\r")
-    if not terminal.answers(number, 20):
+    if not terminal.answers(number, 60):
         return "it does not begin: %r" % terminal.said[-300:]
     storm(terminal, signals, rng)
     fcntl.ioctl(terminal.fd, termios.TIOCSWINSZ, struct.pack("HHHH", 24, 80, 0, 0))
@@ -183,7 +190,7 @@ def one_round(hooke, folder, mode, number, signals, rng, last):
     if "--plain" in mode:
         terminal.said = b""
         terminal.type("list runs\r")
-        terminal.wait(b"hooke> $", 5)
+        terminal.wait(b"hooke> $", 30)
         held = terminal.said.split(b"list runs", 1)[-1].split(b"\x1b[?2004h")[0].split(b"\x1b[?2004l")[-1]
     what = leave(terminal) if last else kill(terminal)
     said = resumed(hooke, folder)
