@@ -220,7 +220,11 @@ O_FORMULA_LANES += -fno-math-errno
 # they would take minutes to compile; the general path, which gives the same bits, is instrumented.
 O_KERNELS += $(call probe,-fno-tree-slp-vectorize) -fno-math-errno $(if $(findstring sanitize,$(OPT_$(CONFIG))),-fno-sanitize=all)
 
-KINDS := ONCE LOOPS WORK_TERMS FORMULA_LANES KERNELS FAST_KERNELS
+# What stands before functions of readline (src/terminal/edit.c, line.c) and, in tests, of the C library has to be seen by those.
+SEEN   := $(call objects,terminal) $(call object,$(TEST_SOURCES))
+O_SEEN := -fvisibility=default
+
+KINDS := ONCE LOOPS WORK_TERMS FORMULA_LANES KERNELS FAST_KERNELS SEEN
 ifeq ($(CONFIG),fuzz)
 # What is compared there are numbers that no input has.
 COMPUTING := $(filter-out $(KERNELS),$(foreach l,scene method run analysis study,$(call objects,$(l))))
