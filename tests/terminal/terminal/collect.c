@@ -7,6 +7,7 @@
 #include <stdint.h>
 #include <cmocka.h>
 
+#include <glob.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -89,21 +90,24 @@ static void contains(const struct buffer *text, const char *part)
         fail_msg("'%s' is not in: %s", part, buffer_view(text));
 }
 
+static int lines_in(const char *path)
+{
+    struct buffer text = {0};
+    struct error error;
+    int lines = 0;
+    if (file_read(path, 1 << 24, &text, &error))
+        for (size_t i = 0; i < text.len; i++)
+            lines += text.data[i] == '\n';
+    buffer_free(&text);
+    return lines;
+}
+
 /* Until the file has so many lines. */
 static void await_lines(const char *path, int lines)
 {
-    const int64_t until = clock_ns() + PATIENCE_NS;
-    for (int there = 0; there < lines && clock_ns() < until; poll(NULL, 0, 10)) {
-        struct buffer text = {0};
-        struct error error;
-        there = 0;
-        if (file_read(path, 1 << 24, &text, &error))
-            for (size_t i = 0; i < text.len; i++)
-                there += text.data[i] == '\n';
-        buffer_free(&text);
-        if (there >= lines)
+    for (const int64_t until = clock_ns() + PATIENCE_NS; clock_ns() < until; poll(NULL, 0, 10))
+        if (lines_in(path) >= lines)
             return;
-    }
     fail_msg("%s has no %d lines", path, lines);
 }
 
@@ -281,9 +285,10 @@ static void test_plugged_in_again(void **state)
         const pid_t program = launch(command, out[1]);
         close(out[1]);
         await_raw(line.slave);
-        poll(NULL, 0, 600); /* what comes sooner may lack its beginning */
+        const int there = again ? lines_in(path) : 0;
+        poll(NULL, 0, 1000); /* what comes sooner may lack its beginning */
         const pid_t device = sensor(line.master, 0);
-        await_lines(path, again ? 320 : 160);
+        await_lines(path, there + 160);
         kill(device, SIGKILL);
         status_of(device);
         drop_line(&line);
@@ -429,6 +434,25 @@ static void test_calibrate(void **state)
     buffer_free(&text);
 }
 
+/* Until the one session that is saved knows of that. */
+static void await_saved(struct person *p, const char *what)
+{
+    const int64_t until = clock_ns() + PATIENCE_NS;
+    char pattern[128];
+    snprintf(pattern, sizeof pattern, "%s/hooke/session-*.hks", state_folder);
+    for (bool there = false; !there; pump(p, 20)) {
+        glob_t found = {0};
+        struct buffer text = {0};
+        struct error error;
+        if (glob(pattern, 0, NULL, &found) == 0 &&
+            file_read(found.gl_pathv[0], 1 << 24, &text, &error))
+            there = memmem(text.data, text.len, what, strlen(what)) != NULL;
+        buffer_free(&text);
+        globfree(&found);
+        assert_true(clock_ns() < until);
+    }
+}
+
 /* Killed in the panes: the next session has all that came. */
 static void test_killed(void **state)
 {
@@ -436,6 +460,8 @@ static void test_killed(void **state)
     struct person p;
     char line[300];
     char pipe[100];
+    snprintf(state_folder, sizeof state_folder, "%s", "/tmp/hooke-panes-XXXXXX");
+    assert_true(make_folder(state_folder)); /* of this test alone */
     snprintf(pipe, sizeof pipe, "%s", in_work("killed"));
     assert_int_equal(mkfifo(pipe, 0600), 0);
     const int fd = open(pipe, O_RDWR);
@@ -445,6 +471,7 @@ static void test_killed(void **state)
     type(&p, line);
     expect(&p, "COLLECTING");
     await_lines(in_work("lost.txt"), 400);
+    await_saved(&p, "lost.txt");
     kill(p.program, SIGKILL);
     wait_end(&p);
     forget(&p);
