@@ -251,7 +251,7 @@ static void test_constants(void **state)
 
 /* ---- random expressions: this writer knows their value ---- */
 
-struct written {
+struct valued {
     double value;
     int precedence; /* 1 sum, 2 product, 3 sign, 4 power, 5 whole */
 };
@@ -264,23 +264,23 @@ static void put(struct buffer *out, const char *z)
 /* Appends an operand, in parentheses where it binds less tightly than `min`. */
 static double write_expr(struct buffer *out, uint64_t *seed, int depth, int min);
 
-static struct written write_bare(struct buffer *out, uint64_t *seed, int depth)
+static struct valued write_bare(struct buffer *out, uint64_t *seed, int depth)
 {
     int kind = depth == 0 ? (int)random_between(seed, 0, 2) : (int)random_between(seed, 0, 10);
     double a, b;
     if (kind == 0) {
         a = floor(random_between(seed, 0, 100)) / 8;
         buffer_real(out, a);
-        return (struct written){a, 5};
+        return (struct valued){a, 5};
     }
     if (kind == 1) {
         size_t i = (size_t)random_between(seed, 0, 5);
         put(out, names[i].name);
-        return (struct written){names[i].value, 5};
+        return (struct valued){names[i].value, 5};
     }
     if (kind == 2) {
         put(out, "-");
-        return (struct written){-write_expr(out, seed, depth - 1, 3), 3};
+        return (struct valued){-write_expr(out, seed, depth - 1, 3), 3};
     }
     if (kind == 3) {
         put(out, "max(");
@@ -288,7 +288,7 @@ static struct written write_bare(struct buffer *out, uint64_t *seed, int depth)
         put(out, ",");
         b = write_expr(out, seed, depth - 1, 1);
         put(out, ")");
-        return (struct written){a > b || isnan(a) ? a : b, 5};
+        return (struct valued){a > b || isnan(a) ? a : b, 5};
     }
     static const char *const signs[] = {" + ", " - ", "*", " /", "^ "};
     static const int precedence[] = {1, 1, 2, 2, 4};
@@ -297,13 +297,13 @@ static struct written write_bare(struct buffer *out, uint64_t *seed, int depth)
     put(out, signs[op]);
     b = write_expr(out, seed, depth - 1, op == 4 ? 3 : own + 1);
     double values[] = {a + b, a - b, a * b, a / b, short_power(a, b)};
-    return (struct written){values[op], own};
+    return (struct valued){values[op], own};
 }
 
 static double write_expr(struct buffer *out, uint64_t *seed, int depth, int min)
 {
     struct buffer inner = {0};
-    struct written made = write_bare(&inner, seed, depth);
+    struct valued made = write_bare(&inner, seed, depth);
     bool wrap = made.precedence < min;
     put(out, wrap ? "( " : "");
     buffer_put(out, buffer_text(&inner));
