@@ -36,7 +36,7 @@ ok "and its name" $?
 
 cp examples/library/* "$work"
 cd "$work" || exit 2
-flags=$(pkg-config --define-variable=prefix="$there" --cflags --libs hooke 2>&1)
+flags=$(pkg-config --define-variable=prefix="$there" --define-variable=libdir="$there/lib" --cflags --libs hooke 2>&1)
 ok "pkg-config finds it" $? "$flags"
 # shellcheck disable=SC2086
 said=$(${CC:-gcc} -std=c11 -Wall -Wextra -Wpedantic -Werror pendulum.c $flags -o pendulum 2>&1 && ./pendulum)
@@ -47,7 +47,7 @@ last=$("$hooke" -n -q -c 'scene pendulum; method rk4 dt=1ms; theta0 = 170 deg; r
 grep -qF "t = ${last%,*} s, theta = ${last#*,} rad" <<<"$said"
 ok "and the doubles of export" $? "$last"$'\n'"$(tail -1 <<<"$said")"
 # shellcheck disable=SC2086
-said=$(${CC:-gcc} -std=c11 pendulum.c $(pkg-config --define-variable=prefix="$there" --cflags hooke) "$there/lib/libhooke.a" \
+said=$(${CC:-gcc} -std=c11 pendulum.c $(pkg-config --define-variable=prefix="$there" --define-variable=libdir="$there/lib" --cflags hooke) "$there/lib/libhooke.a" \
     $(pkg-config --static --libs hooke | sed 's/-lhooke//') -o static 2>&1 && ./static)
 ok "the same with the archive" $? "$said"
 

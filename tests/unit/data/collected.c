@@ -230,9 +230,10 @@ static void what_is_broken_is_counted(void **state)
 enum fault { NONE, RESET, RESET_SAYS, FULL_16, FULL_32, FULL_MICROS, FORWARD, BACK, LOSES, TWICE };
 
 static const struct broken_stream {
-    const char *name, *line; /* of t [ms] and y [cm] */
-    enum fault fault;        /* at line 150 of 300 */
-    const char *also;        /* a line between those of every tenth */
+    const char *name, *line;               /* of t [ms] and y [cm] */
+    enum { STAMPED, BARE, COUNTED } first; /* y alone; a number in place of t */
+    enum fault fault;                      /* at line 150 of 300 */
+    const char *also;                      /* a line between those of every tenth */
     int samples, skipped, garbled, repeated, remarks, lost;
     enum collected_clock clock;
 } broken_streams[] = {
@@ -253,7 +254,7 @@ static const struct broken_stream {
     {.name = "quotes", .line = "\"%.0f\",\"%.3f\"", .samples = 300},
     {.name = "a comma at the end", .line = "%.0f,%.3f,", .samples = 300},
     {.name = "blanks before", .line = "   %.0f,%.3f", .samples = 300},
-    {.name = "one column", .line = "%2$.3f", .samples = 300, .clock = CLOCK_ARRIVAL},
+    {.name = "one column", .line = "%.3f", .first = BARE, .samples = 300, .clock = CLOCK_ARRIVAL},
     {.name = "an escape",
      .line = "%.0f,%.3f",
      .also = "\x1B[31m7,8",
@@ -286,13 +287,15 @@ static const struct broken_stream {
     {.name = "a stamp behind", .line = "%.0f,%.3f", .fault = BACK, .samples = 299, .garbled = 1},
     {.name = "lost lines", .line = "%.0f,%.3f", .fault = LOSES, .samples = 297, .lost = 3},
     {.name = "lost lines, no clock",
-     .line = "%2$.3f",
+     .line = "%.3f",
+     .first = BARE,
      .fault = LOSES,
      .samples = 297,
      .lost = 3,
      .clock = CLOCK_ARRIVAL},
     {.name = "lost lines, counted",
-     .line = "%3$d,%2$.3f",
+     .line = "%d,%.3f",
+     .first = COUNTED,
      .fault = LOSES,
      .samples = 297,
      .lost = 3,
@@ -336,7 +339,13 @@ static void put_stream(const struct broken_stream *s, struct buffer *file)
             collected_put(file, at - 0.02, TEXT("sensor ready"));
             collected_put(file, at - 0.01, TEXT("time,distance"));
         }
-        snprintf(line, sizeof line, s->line, stamp_of(s->fault, k), value_at(0.02 * k), k);
+        const double y = value_at(0.02 * k);
+        if (s->first == STAMPED)
+            snprintf(line, sizeof line, s->line, stamp_of(s->fault, k), y);
+        else if (s->first == COUNTED)
+            snprintf(line, sizeof line, s->line, k, y);
+        else
+            snprintf(line, sizeof line, s->line, y);
         collected_put(file, at, text_of(line));
         if (s->fault == TWICE && k == 150)
             collected_put(file, at, text_of(line));
