@@ -103,7 +103,7 @@ uint64_t sweep_file_seed(struct text head)
 
 /* ---- reading ---- */
 
-struct scan {
+struct sweep_scan {
     struct sweep_file *file;
     struct line_reader lines;
     struct buffer head;       /* of the present segment, where it is not the first */
@@ -114,7 +114,7 @@ struct scan {
     struct error *error;
 };
 
-static bool is_wrong(const struct scan *scan, int64_t line, const char *what)
+static bool is_wrong(const struct sweep_scan *scan, int64_t line, const char *what)
 {
     char name[SAFE_NAME_SIZE];
     error_set(scan->error, ERROR_IO, "%s, line %lld: %s",
@@ -122,7 +122,7 @@ static bool is_wrong(const struct scan *scan, int64_t line, const char *what)
     return error_hint(scan->error, "the file is left as it is");
 }
 
-static bool end_head(struct scan *scan)
+static bool end_head(struct sweep_scan *scan)
 {
     struct sweep_file *file = scan->file;
     scan->in_head = false;
@@ -135,7 +135,7 @@ static bool end_head(struct scan *scan)
     return true;
 }
 
-static bool take_head(struct scan *scan, struct text line)
+static bool take_head(struct sweep_scan *scan, struct text line)
 {
     struct sweep_file *file = scan->file;
     if (scan->in_rows)
@@ -164,7 +164,7 @@ static bool take_head(struct scan *scan, struct text line)
     return !head->failed || error_memory(scan->error);
 }
 
-static bool take_names(struct scan *scan, struct text line)
+static bool take_names(struct sweep_scan *scan, struct text line)
 {
     struct sweep_file *file = scan->file;
     if (!scan->in_head || file->names.len > 0)
@@ -173,7 +173,7 @@ static bool take_names(struct scan *scan, struct text line)
     return end_head(scan);
 }
 
-static bool take_row(struct scan *scan, struct text line)
+static bool take_row(struct sweep_scan *scan, struct text line)
 {
     char z[32];
     snprintf(z, sizeof z, "%.*s", (int)(line.len < 24 ? line.len : 24), line.at);
@@ -254,7 +254,7 @@ static bool is_cell(const struct sweep_block *block, int64_t total)
 }
 
 /* The mark is the one that belongs to these rows, and no other. */
-static bool is_right(struct scan *scan, struct text line, const char *sweep, int64_t total)
+static bool is_right(struct sweep_scan *scan, struct text line, const char *sweep, int64_t total)
 {
     struct sweep_file *file = scan->file;
     struct buffer right = {0};
@@ -274,7 +274,7 @@ static bool is_right(struct scan *scan, struct text line, const char *sweep, int
     return same;
 }
 
-static bool take_mark(struct scan *scan, struct text line)
+static bool take_mark(struct sweep_scan *scan, struct text line)
 {
     struct sweep_file *file = scan->file;
     long long from, to, total = 0;
@@ -303,7 +303,7 @@ static bool take_mark(struct scan *scan, struct text line)
     return keep_block(file, scan->block, scan->error);
 }
 
-static bool take_line(struct scan *scan, struct text line)
+static bool take_line(struct sweep_scan *scan, struct text line)
 {
     if (text_starts(line, TEXT(MARK)))
         return take_mark(scan, line);
@@ -317,7 +317,7 @@ static bool take_line(struct scan *scan, struct text line)
 
 bool sweep_file_read(int fd, struct sweep_file *file, struct error *error)
 {
-    struct scan scan = {.file = file, .lines = {.fd = fd}, .error = error};
+    struct sweep_scan scan = {.file = file, .lines = {.fd = fd}, .error = error};
     struct text line;
     enum line_state state = LINE_NONE;
     bool ok = true;

@@ -23,7 +23,7 @@
 #define SYSTEMATIC 0.05
 #define EVEN 0.15 /* of the slope: what may be left open of it */
 
-struct sums {
+struct pair_counts {
     double log_count[DEEPER + 1][BINS]; /* ln of pairs below the upper edge */
     double log_edge[BINS];
     double pairs;
@@ -64,7 +64,7 @@ static void count_pairs(const struct delay_space *s, size_t i, size_t stride, ui
     }
 }
 
-static bool find_sums(const struct delay_space *s, double size, struct sums *sums)
+static bool find_sums(const struct delay_space *s, double size, struct pair_counts *sums)
 {
     int64_t count[DEEPER + 1][BINS] = {{0}};
     const uint64_t first = bits_of(ldexp(size, 4 - OCTAVES));
@@ -86,7 +86,7 @@ static bool find_sums(const struct delay_space *s, double size, struct sums *sum
     return true;
 }
 
-static double slope_between(const struct sums *sums, int k, int from, int to)
+static double slope_between(const struct pair_counts *sums, int k, int from, int to)
 {
     double x = 0, y = 0, xy = 0, xx = 0;
     const double n = to - from + 1;
@@ -102,7 +102,7 @@ static double slope_between(const struct sums *sums, int k, int from, int to)
 }
 
 /* What halves of a stretch and more delays change of its slope. */
-static double open_part(const struct sums *sums, int from, double slope)
+static double open_part(const struct pair_counts *sums, int from, double slope)
 {
     const int to = from + SPAN, middle = from + SPAN / 2;
     double off =
@@ -114,7 +114,7 @@ static double open_part(const struct sums *sums, int from, double slope)
 
 /* The median over all stretches that hold enough pairs, not too many; ends [2]: of these. *error:
  * what is left open, and half of what the middle 80 % differ. */
-static double median_slope(const struct sums *sums, double *error, int *ends)
+static double median_slope(const struct pair_counts *sums, double *error, int *ends)
 {
     double slope[BINS], off[BINS];
     size_t count = 0;
@@ -136,7 +136,7 @@ static double median_slope(const struct sums *sums, double *error, int *ends)
 bool correlation_dimension(const struct delay_space *space, size_t n, struct arena *arena,
                            struct series_exponent *found)
 {
-    struct sums *sums = arena_alloc(arena, sizeof *sums);
+    struct pair_counts *sums = arena_alloc(arena, sizeof *sums);
     struct delay_space s = *space;
     const size_t window = (size_t)((s.dimensions + DEEPER - 1) * s.delay);
     double low = HUGE_VAL, high = -HUGE_VAL, error;

@@ -122,9 +122,9 @@ static double slope_of(const double *y, size_t from, size_t to)
     return xx > 0 ? xy / xx : NAN;
 }
 
-struct growth divergence_growth(const struct divergence *d, size_t begin)
+struct even_growth divergence_growth(const struct divergence *d, size_t begin)
 {
-    struct growth g = {.from = begin, .error = NAN, .slope = NAN, .halves = {NAN, NAN}};
+    struct even_growth g = {.from = begin, .error = NAN, .slope = NAN, .halves = {NAN, NAN}};
     g.to = begin;
     while (g.to < d->steps && d->mean[g.to] < d->apart - BELOW)
         g.to++;

@@ -141,7 +141,7 @@ static size_t horizon_of(const struct samples *x, int delays, int delay, double 
 
 static bool grow_with(const struct delay_space *space, const struct samples *x, int dimensions,
                       double turn, struct arena *arena, struct divergence *divergence,
-                      struct growth *growth)
+                      struct even_growth *growth)
 {
     struct delay_space s = *space;
     s.dimensions = dimensions;
@@ -154,7 +154,7 @@ static bool grow_with(const struct delay_space *space, const struct samples *x, 
     return true;
 }
 
-static bool judge(const struct divergence *d, const struct growth *g, double step,
+static bool judge(const struct divergence *d, const struct even_growth *g, double step,
                   struct series_exponent *found)
 {
     const double by = g->slope * (double)(g->to - g->from), rise = d->last - d->mean[g->from];
@@ -176,7 +176,7 @@ static bool find_exponent(const struct delay_space *space, const struct samples 
                           struct arena *arena, struct series_exponent *found)
 {
     struct divergence d;
-    struct growth g, deeper;
+    struct even_growth g, deeper;
     double spread = 0;
     if (!grow_with(space, x, space->dimensions, turn, arena, &d, &g))
         return false;

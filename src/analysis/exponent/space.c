@@ -88,14 +88,14 @@ bool space_grow(struct delay_space *s)
     return divide(s, 0, 0, s->points);
 }
 
-struct search {
+struct neighbour_search {
     const struct delay_space *space;
     size_t i;
     int wanted;
     struct neighbours *found;
 };
 
-static void look_at(const struct search *search, size_t j)
+static void look_at(const struct neighbour_search *search, size_t j)
 {
     const struct delay_space *s = search->space;
     struct neighbours *f = search->found;
@@ -114,7 +114,7 @@ static void look_at(const struct search *search, size_t j)
     f->at[k] = (uint32_t)j;
 }
 
-static void look_below(const struct search *search, size_t plane, size_t from, size_t to)
+static void look_below(const struct neighbour_search *search, size_t plane, size_t from, size_t to)
 {
     const struct delay_space *s = search->space;
     const struct neighbours *f = search->found;
@@ -135,5 +135,5 @@ static void look_below(const struct search *search, size_t plane, size_t from, s
 void space_nearest(const struct delay_space *space, size_t i, int wanted, struct neighbours *found)
 {
     found->count = 0;
-    look_below(&(struct search){space, i, wanted, found}, 0, 0, space->points);
+    look_below(&(struct neighbour_search){space, i, wanted, found}, 0, 0, space->points);
 }

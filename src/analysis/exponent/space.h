@@ -86,7 +86,7 @@ struct divergence {
 bool divergence_find(const struct delay_space *space, size_t samples, struct arena *arena,
                      struct divergence *found);
 
-struct growth {
+struct even_growth {
     size_t from, to; /* steps */
     double slope;    /* a step */
     double error;    /* of it, NAN: no stretch */
@@ -94,7 +94,7 @@ struct growth {
 };
 
 /* The stretch in which they grow evenly; `begin`: not before [steps]. */
-struct growth divergence_growth(const struct divergence *divergence, size_t begin);
+struct even_growth divergence_growth(const struct divergence *divergence, size_t begin);
 
 /* ---- correlation_sum.c ---- */
 

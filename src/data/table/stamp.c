@@ -4,7 +4,7 @@
 #include <string.h>
 #include <strings.h>
 
-struct scan {
+struct stamp_scan {
     const char *at, *end;
 };
 
@@ -13,21 +13,21 @@ static bool is_digit(char c)
     return c >= '0' && c <= '9';
 }
 
-static bool next(struct scan *s, char c)
+static bool next(struct stamp_scan *s, char c)
 {
     const bool found = s->at < s->end && *s->at == c;
     s->at += found;
     return found;
 }
 
-static void blanks(struct scan *s)
+static void blanks(struct stamp_scan *s)
 {
     while (s->at < s->end && *s->at == ' ')
         s->at++;
 }
 
 /* At most `max` digits; returns how many. */
-static int digits(struct scan *s, int max, int64_t *value)
+static int digits(struct stamp_scan *s, int max, int64_t *value)
 {
     int count = 0;
     for (*value = 0; count < max && s->at < s->end && is_digit(*s->at); count++)
@@ -44,9 +44,9 @@ static int64_t days_from_civil(int64_t y, int64_t m, int64_t d)
     return era * 146097 + of_era * 365 + of_era / 4 - of_era / 100 + of_year - 719468;
 }
 
-static bool scan_date(struct scan *s, struct stamp *stamp)
+static bool scan_date(struct stamp_scan *s, struct stamp *stamp)
 {
-    struct scan saved = *s;
+    struct stamp_scan saved = *s;
     int64_t first, second, third;
     const int wide = digits(s, 4, &first);
     const char mark = s->at < s->end ? *s->at : '\0';
@@ -77,7 +77,7 @@ static bool scan_date(struct scan *s, struct stamp *stamp)
 }
 
 /* Digits behind the mark, as one division: 0.123 is 123/1000. */
-static double fraction(struct scan *s)
+static double fraction(struct stamp_scan *s)
 {
     int64_t number;
     static const double power10[] = {1,   1e1, 1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
@@ -89,7 +89,7 @@ static double fraction(struct scan *s)
     return value;
 }
 
-static bool scan_noon(struct scan *s, int64_t *hour)
+static bool scan_noon(struct stamp_scan *s, int64_t *hour)
 {
     blanks(s);
     if (s->end - s->at < 2 || strncasecmp(s->at + 1, "m", 1) != 0 || !strchr("aApP", *s->at))
@@ -103,7 +103,7 @@ static bool scan_noon(struct scan *s, int64_t *hour)
 }
 
 /* Z, +01:00, -0530 */
-static bool scan_zone(struct scan *s, double *second)
+static bool scan_zone(struct stamp_scan *s, double *second)
 {
     int64_t hours, minutes = 0;
     if (next(s, 'Z') || s->at == s->end || !strchr("+-", *s->at))
@@ -117,9 +117,9 @@ static bool scan_zone(struct scan *s, double *second)
     return true;
 }
 
-static bool scan_clock(struct scan *s, struct stamp *stamp)
+static bool scan_clock(struct stamp_scan *s, struct stamp *stamp)
 {
-    struct scan saved = *s;
+    struct stamp_scan saved = *s;
     int64_t hour, minute, second = 0, thousandth;
     double part = 0;
     const int wide = digits(s, 4, &hour);
@@ -155,7 +155,7 @@ static bool scan_clock(struct scan *s, struct stamp *stamp)
 bool stamp_parse(struct text text, struct stamp *stamp)
 {
     text = text_trim(text);
-    struct scan s = {text.at, text.at + text.len};
+    struct stamp_scan s = {text.at, text.at + text.len};
     *stamp = (struct stamp){0};
     if (text.len < 4 || text.len > 40 || !is_digit(text.at[0]))
         return false;

@@ -20,7 +20,7 @@ struct scope {
     double index;
 };
 
-struct writing {
+struct ode_writing {
     const struct ode_reader *reader;
     struct buffer *out;
     int depth;
@@ -28,16 +28,16 @@ struct writing {
 
 typedef const struct ode_node *node;
 
-static bool put(struct writing *w, node of, const struct scope *scope, int may);
+static bool put(struct ode_writing *w, node of, const struct scope *scope, int may);
 
 /* before, name, after */
-static bool fail(struct writing *w, const char *before, struct text name, const char *after)
+static bool fail(struct ode_writing *w, const char *before, struct text name, const char *after)
 {
     return ode_error(w->reader->ode->error, w->reader->line, "%s%.*s%s", before,
                      (int)(name.len < 60 ? name.len : 60), name.at, after);
 }
 
-static bool put_text(struct writing *w, const char *text)
+static bool put_text(struct ode_writing *w, const char *text)
 {
     buffer_put(w->out, text_of(text));
     if (w->out->len > LONGEST)
@@ -75,7 +75,7 @@ static const struct scope *sum_around(const struct scope *scope)
     return scope;
 }
 
-static bool put_symbol(struct writing *w, const struct ode_symbol *symbol, struct text name)
+static bool put_symbol(struct ode_writing *w, const struct ode_symbol *symbol, struct text name)
 {
     const struct ode_symbol *of = w->reader->of;
     if (!symbol)
@@ -89,7 +89,7 @@ static bool put_symbol(struct writing *w, const struct ode_symbol *symbol, struc
     return put_text(w, symbol->as);
 }
 
-static bool put_name(struct writing *w, struct text name, const struct scope *scope, int may)
+static bool put_name(struct ode_writing *w, struct text name, const struct scope *scope, int may)
 {
     const struct scope *where;
     const node argument = argument_named(scope, name, &where);
@@ -102,7 +102,7 @@ static bool put_name(struct writing *w, struct text name, const struct scope *sc
 
 /* ---- numbers ---- */
 
-static bool put_number(struct writing *w, double number)
+static bool put_number(struct ode_writing *w, double number)
 {
     char text[REAL_TEXT_SIZE];
     real_format(number, text);
@@ -146,20 +146,21 @@ static bool is_logical(node of)
 }
 
 /* 1 where it is not 0. */
-static bool put_truth(struct writing *w, node of, const struct scope *scope)
+static bool put_truth(struct ode_writing *w, node of, const struct scope *scope)
 {
     if (is_logical(of))
         return put(w, of, scope, ATOM);
     return put_text(w, "abs(sign(") && put(w, of, scope, ANY) && put_text(w, "))");
 }
 
-static bool put_compared(struct writing *w, node of, const struct scope *scope, const char *sign)
+static bool put_compared(struct ode_writing *w, node of, const struct scope *scope,
+                         const char *sign)
 {
     return put_text(w, "(") && put(w, of->argument[0], scope, TERM) && put_text(w, sign) &&
            put(w, of->argument[1], scope, TERM) && put_text(w, ")");
 }
 
-static bool put_logical(struct writing *w, node of, const struct scope *scope)
+static bool put_logical(struct ode_writing *w, node of, const struct scope *scope)
 {
     const node *a = of->argument;
     switch (of->op) {
@@ -185,7 +186,7 @@ static bool put_logical(struct writing *w, node of, const struct scope *scope)
     }
 }
 
-static bool put_choice(struct writing *w, node of, const struct scope *scope)
+static bool put_choice(struct ode_writing *w, node of, const struct scope *scope)
 {
     const node *a = of->argument;
     return put_text(w, "if(") &&
@@ -210,7 +211,7 @@ static const struct builtin {
     {"min", "min", 2},
 };
 
-static bool refuse_call(struct writing *w, struct text name)
+static bool refuse_call(struct ode_writing *w, struct text name)
 {
     static const struct {
         const char *name, *why;
@@ -229,7 +230,7 @@ static bool refuse_call(struct writing *w, struct text name)
 }
 
 /* XPPAUT's remainder is that of fmod(), plus b where it is below 0. */
-static bool put_mod(struct writing *w, node of, const struct scope *scope)
+static bool put_mod(struct ode_writing *w, node of, const struct scope *scope)
 {
     const node *a = of->argument;
     double b;
@@ -246,7 +247,7 @@ static bool put_mod(struct writing *w, node of, const struct scope *scope)
 }
 
 /* The quantity so many places behind another one. */
-static bool put_shift(struct writing *w, node of, const struct scope *scope)
+static bool put_shift(struct ode_writing *w, node of, const struct scope *scope)
 {
     const struct ode *ode = w->reader->ode;
     double by;
@@ -263,7 +264,7 @@ static bool put_shift(struct writing *w, node of, const struct scope *scope)
 }
 
 /* Its text as a function of what it is called with. */
-static bool put_function(struct writing *w, node of, struct ode_symbol *function,
+static bool put_function(struct ode_writing *w, node of, struct ode_symbol *function,
                          const struct scope *scope, int may)
 {
     struct ode *ode = w->reader->ode;
@@ -275,7 +276,7 @@ static bool put_function(struct writing *w, node of, struct ode_symbol *function
     return function->body && put(w, function->body, &inner, may);
 }
 
-static bool put_call(struct writing *w, node of, const struct scope *scope, int may)
+static bool put_call(struct ode_writing *w, node of, const struct scope *scope, int may)
 {
     struct ode_symbol *function = ode_find(w->reader->ode, of->name);
     if (function && function->kind == ODE_FUNCTION)
@@ -299,7 +300,7 @@ static bool put_call(struct writing *w, node of, const struct scope *scope, int 
     return put_text(w, ")");
 }
 
-static bool put_sum(struct writing *w, node of, const struct scope *scope)
+static bool put_sum(struct ode_writing *w, node of, const struct scope *scope)
 {
     double from, to;
     struct scope inner = {.outer = scope};
@@ -328,14 +329,14 @@ static bool is_link(node of, bool sum)
     return of->kind == NODE_JOIN && strchr(sum ? "+-" : "*/", of->op);
 }
 
-static bool put_link(struct writing *w, node of, const struct scope *scope)
+static bool put_link(struct ode_writing *w, node of, const struct scope *scope)
 {
     const char *sign = of->op == '+' ? " + " : of->op == '-' ? " - " : of->op == '*' ? "*" : "/";
     return put_text(w, sign) && put(w, of->argument[1], scope, is_link(of, true) ? FACTOR : POWER);
 }
 
 /* A chain without nesting: it may have thousands of links. */
-static bool put_chain(struct writing *w, node of, const struct scope *scope, int may)
+static bool put_chain(struct ode_writing *w, node of, const struct scope *scope, int may)
 {
     const bool sum = is_link(of, true);
     const int own = sum ? TERM : FACTOR;
@@ -355,14 +356,14 @@ static bool put_chain(struct writing *w, node of, const struct scope *scope, int
     return may <= own || put_text(w, ")");
 }
 
-static bool put_power(struct writing *w, node of, const struct scope *scope, int may)
+static bool put_power(struct ode_writing *w, node of, const struct scope *scope, int may)
 {
     return (may <= POWER || put_text(w, "(")) && put(w, of->argument[0], scope, ATOM) &&
            put_text(w, "^") && put(w, of->argument[1], scope, ATOM) &&
            (may <= POWER || put_text(w, ")"));
 }
 
-static bool put_kind(struct writing *w, node of, const struct scope *scope, int may)
+static bool put_kind(struct ode_writing *w, node of, const struct scope *scope, int may)
 {
     const struct scope *around = sum_around(scope);
     switch (of->kind) {
@@ -390,7 +391,7 @@ static bool put_kind(struct writing *w, node of, const struct scope *scope, int 
            put(w, of->argument[0], scope, ATOM) && (may <= TERM || put_text(w, ")"));
 }
 
-static bool put(struct writing *w, node of, const struct scope *scope, int may)
+static bool put(struct ode_writing *w, node of, const struct scope *scope, int may)
 {
     if (++w->depth > DEEPEST)
         return fail(w, "functions that call each other, or too many of them", TEXT(""), "");
@@ -401,7 +402,7 @@ static bool put(struct writing *w, node of, const struct scope *scope, int may)
 
 bool ode_formula(const struct ode_reader *reader, struct text text, struct buffer *out)
 {
-    struct writing w = {.reader = reader, .out = out};
+    struct ode_writing w = {.reader = reader, .out = out};
     struct ode *ode = reader->ode;
     const node whole = ode_parse(ode->arena, reader->line, text, ode->error);
     if (!whole || !put(&w, whole, NULL, ANY))

@@ -5,7 +5,7 @@
 
 #include "scene/foreign/ode.h"
 
-struct reading {
+struct ode_lines {
     struct arena *arena;
     struct error *error;
     struct ode_line *line;
@@ -24,7 +24,7 @@ bool ode_error(struct error *error, int line, const char *format, ...)
     return false;
 }
 
-static bool add_line(struct reading *r, struct text text, int number)
+static bool add_line(struct ode_lines *r, struct text text, int number)
 {
     text = text_trim(text);
     if (text.len == 0)
@@ -97,7 +97,7 @@ static bool is_kernel(const struct text line, size_t at) /* int[.5] */
 }
 
 /* The line at j; from, to: of "1..9" inside its brackets, NULL: it has none. */
-static bool write_out(struct reading *r, struct text line, int number, const long *j,
+static bool write_out(struct ode_lines *r, struct text line, int number, const long *j,
                       const char *from, const char *to)
 {
     struct buffer out = {0};
@@ -145,7 +145,7 @@ static bool range_of(struct text line, const char **begin, const char **end, lon
     return false;
 }
 
-static bool add_array(struct reading *r, struct text line, int number)
+static bool add_array(struct ode_lines *r, struct text line, int number)
 {
     const char *begin, *end;
     long from, to;
@@ -162,7 +162,7 @@ static bool add_array(struct reading *r, struct text line, int number)
 }
 
 /* All lines of a group at 1, then at 2, ... */
-static bool add_group(struct reading *r, struct text head, const struct ode_line *line, int count,
+static bool add_group(struct ode_lines *r, struct text head, const struct ode_line *line, int count,
                       int number)
 {
     const char *begin, *end;
@@ -213,12 +213,12 @@ static bool is_done(struct text line)
 }
 
 struct group {
-    struct reading lines;
+    struct ode_lines lines;
     struct text head;
     int number; /* 0: none is open */
 };
 
-static bool take_whole(struct reading *r, struct group *group, struct text line, int number)
+static bool take_whole(struct ode_lines *r, struct group *group, struct text line, int number)
 {
     if (line.at[0] == '#' && text_starts((struct text){line.at + 1, line.len - 1}, TEXT("include")))
         return ode_error(r->error, number,
@@ -242,7 +242,7 @@ static bool take_whole(struct reading *r, struct group *group, struct text line,
 bool ode_lines(struct text file, struct arena *arena, struct ode_line **line, int *count,
                struct error *error)
 {
-    struct reading r = {.arena = arena, .error = error};
+    struct ode_lines r = {.arena = arena, .error = error};
     struct group group = {.number = 0};
     struct buffer text = {0};
     int number = 0;

@@ -9,7 +9,7 @@
 
 enum { DEEPEST = 60, NODES = LIMIT_EXPR_SIZE };
 
-struct parser {
+struct ode_parser {
     struct arena *arena;
     struct error *error;
     struct text text;
@@ -19,9 +19,9 @@ struct parser {
 
 typedef const struct ode_node *node;
 
-static node sum(struct parser *p);
+static node sum(struct ode_parser *p);
 
-static node fail(struct parser *p, const char *what)
+static node fail(struct ode_parser *p, const char *what)
 {
     const struct text rest = {p->text.at + p->at, p->text.len - p->at};
     const struct text all = p->text;
@@ -34,7 +34,7 @@ static node fail(struct parser *p, const char *what)
     return NULL;
 }
 
-static struct ode_node *make(struct parser *p, enum ode_node_kind kind, int arguments)
+static struct ode_node *make(struct ode_parser *p, enum ode_node_kind kind, int arguments)
 {
     if (++p->nodes > NODES) {
         ode_error(p->error, p->line, "the formula has more than %d operations", NODES);
@@ -52,7 +52,7 @@ static struct ode_node *make(struct parser *p, enum ode_node_kind kind, int argu
     return made;
 }
 
-static node join(struct parser *p, enum ode_node_kind kind, char op, bool equal, node a, node b)
+static node join(struct ode_parser *p, enum ode_node_kind kind, char op, bool equal, node a, node b)
 {
     struct ode_node *made = a && b ? make(p, kind, 2) : NULL;
     if (!made)
@@ -64,7 +64,7 @@ static node join(struct parser *p, enum ode_node_kind kind, char op, bool equal,
     return made;
 }
 
-static node sign(struct parser *p, char op, node of)
+static node sign(struct ode_parser *p, char op, node of)
 {
     struct ode_node *made = of ? make(p, NODE_SIGN, 1) : NULL;
     if (made) {
@@ -74,14 +74,14 @@ static node sign(struct parser *p, char op, node of)
     return made;
 }
 
-static char peek(struct parser *p)
+static char peek(struct ode_parser *p)
 {
     while (p->at < p->text.len && (p->text.at[p->at] == ' ' || p->text.at[p->at] == '\r'))
         p->at++;
     return p->at < p->text.len ? p->text.at[p->at] : '\0';
 }
 
-static bool take(struct parser *p, const char *word)
+static bool take(struct ode_parser *p, const char *word)
 {
     peek(p);
     const struct text rest = {p->text.at + p->at, p->text.len - p->at};
@@ -102,7 +102,7 @@ static bool is_digit(char c)
 }
 
 /* "(" sum ")" */
-static node in_parentheses(struct parser *p)
+static node in_parentheses(struct ode_parser *p)
 {
     if (!take(p, "("))
         return fail(p, "a '(' is missing");
@@ -112,7 +112,7 @@ static node in_parentheses(struct parser *p)
     return inside;
 }
 
-static node choice(struct parser *p)
+static node choice(struct ode_parser *p)
 {
     const node condition = in_parentheses(p);
     if (condition && !take(p, "then"))
@@ -131,7 +131,7 @@ static node choice(struct parser *p)
 }
 
 /* What stands in the parentheses of a call. */
-static struct ode_node *call(struct parser *p, struct text name)
+static struct ode_node *call(struct ode_parser *p, struct text name)
 {
     node argument[ODE_ARGUMENTS];
     int count = 0;
@@ -156,7 +156,7 @@ static struct ode_node *call(struct parser *p, struct text name)
     return made;
 }
 
-static node series(struct parser *p, struct text name)
+static node series(struct ode_parser *p, struct text name)
 {
     struct ode_node *ends = call(p, name);
     if (!ends)
@@ -173,7 +173,7 @@ static node series(struct parser *p, struct text name)
     return made;
 }
 
-static node word(struct parser *p)
+static node word(struct ode_parser *p)
 {
     const size_t from = p->at;
     while (p->at < p->text.len && (is_letter(p->text.at[p->at]) || is_digit(p->text.at[p->at])))
@@ -200,7 +200,7 @@ static node word(struct parser *p)
     return made;
 }
 
-static node atom(struct parser *p)
+static node atom(struct ode_parser *p)
 {
     const char next = peek(p);
     if (is_digit(next) || next == '.') {
@@ -222,7 +222,7 @@ static node atom(struct parser *p)
     return fail(p, "a number or a name is missing");
 }
 
-static node power(struct parser *p)
+static node power(struct ode_parser *p)
 {
     static const struct {
         const char *sign;
@@ -241,7 +241,7 @@ static node power(struct parser *p)
 }
 
 /* Is the next word `not`? */
-static bool takes_not(struct parser *p)
+static bool takes_not(struct ode_parser *p)
 {
     peek(p);
     const struct text rest = {p->text.at + p->at, p->text.len - p->at};
@@ -251,12 +251,12 @@ static bool takes_not(struct parser *p)
     return is;
 }
 
-static node factor(struct parser *p)
+static node factor(struct ode_parser *p)
 {
     return takes_not(p) ? sign(p, '!', power(p)) : power(p);
 }
 
-static node product(struct parser *p, bool first)
+static node product(struct ode_parser *p, bool first)
 {
     node left = first && take(p, "-") ? sign(p, '-', factor(p)) : factor(p);
     while (left) {
@@ -270,7 +270,7 @@ static node product(struct parser *p, bool first)
     return left;
 }
 
-static node sum(struct parser *p)
+static node sum(struct ode_parser *p)
 {
     if (++p->depth > DEEPEST)
         return fail(p, "nested too deeply");
@@ -289,7 +289,7 @@ static node sum(struct parser *p)
 const struct ode_node *ode_parse(struct arena *arena, int line, struct text text,
                                  struct error *error)
 {
-    struct parser p = {.arena = arena, .error = error, .text = text_trim(text), .line = line};
+    struct ode_parser p = {.arena = arena, .error = error, .text = text_trim(text), .line = line};
     const node whole = sum(&p);
     if (whole && peek(&p) != '\0')
         return fail(&p, "the formula ends");

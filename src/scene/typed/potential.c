@@ -116,7 +116,7 @@ static double next_switch(const struct force_path *path, double from)
     return b;
 }
 
-struct sums {
+struct quadrature {
     double value, size; /* of the integral so far, and of its magnitude */
     double total;       /* of the magnitude of all of it, about */
     int pieces;
@@ -124,7 +124,8 @@ struct sums {
 
 /* Adds the integral from `from` to `to`, between which the force is smooth. False: it does not
  * converge. */
-static bool add_smooth(const struct force_path *path, double from, double to, struct sums *sums)
+static bool add_smooth(const struct force_path *path, double from, double to,
+                       struct quadrature *sums)
 {
     double ends[DEPTH + 1] = {to}, part, error;
     for (int depth = 0; sums->pieces < PIECES; sums->pieces++) {
@@ -151,7 +152,7 @@ static bool add_smooth(const struct force_path *path, double from, double to, st
 /* The integral over s from 0 to 1, and that of its magnitude; NAN: it does not converge. */
 static double integral(const struct force_path *path, double *size)
 {
-    struct sums sums = {0};
+    struct quadrature sums = {0};
     for (double from = 0, to = 0; from < 1; from = to) {
         to = next_switch(path, from);
         if (!add_smooth(path, from, to, &sums))

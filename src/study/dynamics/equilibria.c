@@ -30,7 +30,7 @@
 #define CORRECTIONS 100 /* of zeros that are not simple, too */
 #define BEYOND 1e-6     /* of the range: what lies on the edge is inside */
 
-struct search {
+struct box_search {
     struct vector_field field;
     struct system bounded; /* the same as equations that have bounds */
     bool conservative;
@@ -51,7 +51,7 @@ static double middle(struct interval a)
     return a.lo + (a.hi - a.lo) / 2;
 }
 
-static bool push(struct search *s, const struct interval *box)
+static bool push(struct box_search *s, const struct interval *box)
 {
     if (s->depth == s->room) {
         const int room = s->room > 0 ? 2 * s->room : 256;
@@ -68,7 +68,7 @@ static bool push(struct search *s, const struct interval *box)
 /* ---- what is found ---- */
 
 /* Newton from the middle of a box with one zero; the mean field of a drive by its bounds. */
-static void correct(struct search *s, double *y)
+static void correct(struct box_search *s, double *y)
 {
     const int n = s->n;
     for (int k = 0; k < CORRECTIONS; k++) {
@@ -94,13 +94,13 @@ static void correct(struct search *s, double *y)
 }
 
 /* An angle and the same a turn on are one. */
-static double apart(const struct search *s, int i, double a, double b)
+static double apart(const struct box_search *s, int i, double a, double b)
 {
     return s->turn[i] > 0 ? fabs(remainder(a - b, s->turn[i])) : fabs(a - b);
 }
 
 /* NULL: not found yet */
-static struct solution *known(const struct search *s, const double *y)
+static struct solution *known(const struct box_search *s, const double *y)
 {
     for (int k = 0; k < s->found->count; k++) {
         double most = 0;
@@ -113,7 +113,7 @@ static struct solution *known(const struct search *s, const double *y)
 }
 
 /* Is every derivative 0 there, but for rounding of its parts? */
-static bool rests(struct search *s, const double *y)
+static bool rests(struct box_search *s, const double *y)
 {
     struct interval at[FIELD_VARIABLES] = {{0}}, rate[FIELD_VARIABLES],
                     by[FIELD_VARIABLES * FIELD_VARIABLES];
@@ -127,7 +127,7 @@ static bool rests(struct search *s, const double *y)
 }
 
 /* Newton's method may have gone far. */
-static bool is_in_box(const struct search *s, const double *y)
+static bool is_in_box(const struct box_search *s, const double *y)
 {
     bool inside = true;
     for (int i = 0; i < s->n; i++)
@@ -136,7 +136,7 @@ static bool is_in_box(const struct search *s, const double *y)
     return inside;
 }
 
-static bool keep(struct search *s, const struct interval *box, bool proven)
+static bool keep(struct box_search *s, const struct interval *box, bool proven)
 {
     double y[FIELD_VARIABLES];
     for (int i = 0; i < s->n; i++)
@@ -168,7 +168,7 @@ static bool keep(struct search *s, const struct interval *box, bool proven)
     return true;
 }
 
-static void doubt(struct search *s, const struct interval *box)
+static void doubt(struct box_search *s, const struct interval *box)
 {
     struct equilibria *found = s->found;
     if (found->complete)
@@ -182,7 +182,7 @@ static void doubt(struct search *s, const struct interval *box)
 }
 
 /* Where they lie on a curve, or the equations are flat, single ones of them say nothing. */
-static void leave_doubtful_out(struct search *s)
+static void leave_doubtful_out(struct box_search *s)
 {
     struct equilibria *found = s->found;
     int doubtful = 0, kept = 0;
@@ -202,7 +202,7 @@ static void leave_doubtful_out(struct search *s)
 
 /* Is there one zero near the middle of a box that has become too small for its bounds to say more?
  * (epsilon inflation, Rump 1983) */
-static bool one_nearby(struct search *s, const struct interval *box)
+static bool one_nearby(struct box_search *s, const struct interval *box)
 {
     double y[FIELD_VARIABLES];
     struct interval wide[FIELD_VARIABLES], rate[FIELD_VARIABLES],
@@ -220,7 +220,7 @@ static bool one_nearby(struct search *s, const struct interval *box)
     return krawczyk(&s->bounded, wide, by) == ONE;
 }
 
-static bool cut(struct search *s, const struct interval *box)
+static bool cut(struct box_search *s, const struct interval *box)
 {
     int widest = 0;
     double most = 0;
@@ -248,7 +248,7 @@ static bool cut(struct search *s, const struct interval *box)
     return push(s, half);
 }
 
-static bool look(struct search *s, struct interval *box)
+static bool look(struct box_search *s, struct interval *box)
 {
     struct interval rate[FIELD_VARIABLES], by[FIELD_VARIABLES * FIELD_VARIABLES];
     for (;;) {
@@ -271,7 +271,7 @@ static bool look(struct search *s, struct interval *box)
 }
 
 /* The part of the box that is done with. */
-static void tell(const struct search *s)
+static void tell(const struct box_search *s)
 {
     double left = 0;
     for (int k = 0; k < s->depth; k++) {
@@ -284,7 +284,7 @@ static void tell(const struct search *s)
         s->request->progress(s->request->context, fmin(fmax(1 - left, 0), 1));
 }
 
-static bool search(struct search *s)
+static bool search(struct box_search *s)
 {
     while (s->depth > 0) {
         struct interval box[FIELD_VARIABLES];
@@ -315,7 +315,7 @@ static int in_order(const void *a, const void *b)
 }
 
 /* Where bounds have not decided: zeros that Newton's method finds, and that are proven then. */
-static bool search_more(struct search *s)
+static bool search_more(struct box_search *s)
 {
     uint64_t seed = 7;
     leave_doubtful_out(s);
@@ -338,7 +338,7 @@ static bool search_more(struct search *s)
 }
 
 /* The equations as a whole are nothing, or not the same again after a time. */
-static bool no_bounds(const struct search *s, struct error *error)
+static bool no_bounds(const struct box_search *s, struct error *error)
 {
     if (s->field.system.autonomous)
         return error_set(error, ERROR_COMMAND,
@@ -349,7 +349,7 @@ static bool no_bounds(const struct search *s, struct error *error)
     return error_hint(error, "a parameter in place of t, as in param tau = 0, holds the time");
 }
 
-static bool begin(struct search *s, struct error *error)
+static bool begin(struct box_search *s, struct error *error)
 {
     const struct equilibria_request *request = s->request;
     struct interval box[FIELD_VARIABLES], rate[FIELD_VARIABLES];
@@ -375,7 +375,7 @@ static bool begin(struct search *s, struct error *error)
 }
 
 /* Why there may be more, where it is not said yet. */
-static void give_reason(struct search *s)
+static void give_reason(struct box_search *s)
 {
     struct equilibria *found = s->found;
     struct buffer text = {0};
@@ -398,7 +398,7 @@ static void give_reason(struct search *s)
 }
 
 /* All of them, in order, and what they are. Where bounds have not decided eigenvalues do not. */
-static bool finish(struct search *s)
+static bool finish(struct box_search *s)
 {
     struct equilibria *found = s->found;
     found->form = calloc((size_t)found->count + 1, sizeof *found->form);
@@ -423,7 +423,7 @@ bool equilibria_find(const struct equilibria_request *request, struct equilibria
                      struct error *error)
 {
     const int64_t since = clock_ns();
-    struct search s = {.request = request, .found = found};
+    struct box_search s = {.request = request, .found = found};
     *found = (struct equilibria){.complete = true};
     const bool fine =
         begin(&s, error) && ((search(&s) && search_more(&s) && finish(&s)) || error_memory(error));
