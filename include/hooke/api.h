@@ -72,7 +72,7 @@ HOOKE_PUBLIC const struct hooke_error *hooke_error(const struct hooke *hooke);
 
 /* Anything with a name, in SI units: a parameter, a derived quantity, a variable of the current
  * run, a result such as measured_period. uncertainty: standard uncertainty, 0 where none is known;
- * may be NULL. Returns 1; 0: there is no such name, or it has no value. */
+ * both may be NULL. Returns 1; 0: there is no such name, or it has no value. */
 HOOKE_PUBLIC int hooke_value(const struct hooke *hooke, const char *name, double *value,
                              double *uncertainty);
 

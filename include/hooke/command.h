@@ -59,11 +59,13 @@ char *script_path(const struct source *where, struct text name, struct arena *ar
 /*
  * Candidates for the word that ends at `cursor`, by the type of the argument that stands there.
  * *start: where that word begins [byte]. `offer` gets each candidate with a line of explanation (""
- * if none). Returns false where a file name is wanted: the front end completes it.
+ * if none). Where a file name is wanted, which the front end completes, it returns how such a
+ * file's name ends, "" where it may have any; else NULL.
  */
-bool command_complete(struct session *session, struct text line, size_t cursor, size_t *start,
-                      void (*offer)(void *context, const char *candidate, const char *brief),
-                      void *context);
+const char *command_complete(struct session *session, struct text line, size_t cursor,
+                             size_t *start,
+                             void (*offer)(void *context, const char *candidate, const char *brief),
+                             void *context);
 
 /*
  * Appends the line that explains what stands at the cursor: "help compare dt=" inside of dt=5ms,

@@ -261,7 +261,8 @@ int hooke_value(const struct hooke *hooke, const char *name, double *value, doub
     if (!hooke || !name || !names_value(hooke->session, text_of(name), &named) ||
         isnan(named.value))
         return 0;
-    *value = named.value;
+    if (value)
+        *value = named.value;
     if (uncertainty)
         *uncertainty = named.uncertainty;
     return 1;

@@ -467,7 +467,12 @@ COMPLETE_ITEM(complete_event_name)
 
 COMPLETE_ITEM(complete_file)
 {
-    c->wants_file = true;
+    c->file = "";
+}
+
+COMPLETE_ITEM(complete_scene_file)
+{
+    c->file = ".ode";
 }
 
 /* ---- the table ---- */

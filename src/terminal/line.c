@@ -91,7 +91,7 @@ static char *word_breaks(void)
     static char breaks[] = WORD_BREAKS " ";
     size_t start = 0;
     const struct text line = {rl_line_buffer, (size_t)rl_end};
-    bool file = !command_complete(completing, line, (size_t)rl_point, &start, ignore, NULL);
+    const char *file = command_complete(completing, line, (size_t)rl_point, &start, ignore, NULL);
     breaks[sizeof breaks - 2] = !file && start > 0 ? rl_line_buffer[start - 1] : ' ';
     return breaks;
 }
@@ -136,7 +136,14 @@ static bool put_quoted(const char *name, char quote, bool folder, struct buffer 
     return !out->failed;
 }
 
-static void collect_files(struct text typed, struct candidates *all)
+static bool ends_in(const char *name, const char *ending)
+{
+    const size_t len = strlen(name), end = strlen(ending);
+    return len >= end && strcmp(name + len - end, ending) == 0;
+}
+
+/* Folders, and files that end so. */
+static void collect_files(struct text typed, const char *ending, struct candidates *all)
 {
     const char quote = typed.len > 0 && strchr("'\"", typed.at[0]) ? typed.at[0] : '\0';
     struct buffer name = {0}, shown = {0};
@@ -144,8 +151,9 @@ static void collect_files(struct text typed, struct candidates *all)
     char *path = tilde_expand(buffer_view(&name)), *match;
     for (int state = 0; (match = rl_filename_completion_function(path, state)) != NULL; state = 1) {
         struct stat status;
+        const bool folder = stat(match, &status) == 0 && S_ISDIR(status.st_mode);
         buffer_clear(&shown);
-        if (put_quoted(match, quote, stat(match, &status) == 0 && S_ISDIR(status.st_mode), &shown))
+        if ((folder || ends_in(match, ending)) && put_quoted(match, quote, folder, &shown))
             collect(all, buffer_view(&shown), "");
         free(match);
     }
@@ -181,11 +189,12 @@ static char **complete(const char *word, int begin, int end)
     rl_attempted_completion_over = 1;
     rl_completion_append_character = ' ';
     /* The interpreter knows where the argument begins. */
-    if (!command_complete(completing, (struct text){rl_line_buffer, (size_t)rl_end}, cursor, &start,
-                          collect, &all)) {
+    const char *const file = command_complete(
+        completing, (struct text){rl_line_buffer, (size_t)rl_end}, cursor, &start, collect, &all);
+    if (file) {
         while (cursor == start && all.count > 0) /* what else could stand there: once it is begun */
             free(all.match[all.count--]);
-        collect_files((struct text){rl_line_buffer + start, cursor - start}, &all);
+        collect_files((struct text){rl_line_buffer + start, cursor - start}, file, &all);
     }
     cut(&all, start, (size_t)begin);
     const char last =

@@ -11,7 +11,7 @@ struct completion {
     struct text word; /* what stands before the cursor of the word */
     void (*offer)(void *context, const char *candidate, const char *brief);
     void *context;
-    bool wants_file;
+    const char *file; /* how a file ends that can stand there, "": all; NULL: no name of a file */
 };
 
 void complete_offer(struct completion *c, const char *candidate, const char *brief);

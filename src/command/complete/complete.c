@@ -99,7 +99,7 @@ static void complete_arguments(struct completion *c, const struct command *comma
 {
     const struct text last = last_word(before);
     if (command->flags & COMMAND_TABLES && text_is(last, ">")) {
-        c->wants_file = true;
+        c->file = "";
         return;
     }
     if (command->completes == COMPLETES_SWEEP) {
@@ -176,12 +176,13 @@ static void offer_nothing(void *context, const char *candidate, const char *brie
     UNUSED(brief);
 }
 
-/* Whether the string that begins behind `before` is the name of a file. */
-static bool file_string(struct session *session, struct text before)
+/* Of which file the string that begins behind `before` is the name, as command_complete() says. */
+static const char *file_string(struct session *session, struct text before)
 {
     size_t start;
-    return before.len > 0 && strchr(" \t", before.at[before.len - 1]) &&
-           !command_complete(session, before, before.len, &start, offer_nothing, NULL);
+    return before.len > 0 && strchr(" \t", before.at[before.len - 1])
+               ? command_complete(session, before, before.len, &start, offer_nothing, NULL)
+               : NULL;
 }
 
 /* Where the commands of an unfinished event begin; NULL: it is another string. */
@@ -199,9 +200,10 @@ static const char *event_string(struct text statement)
     return NULL;
 }
 
-bool command_complete(struct session *session, struct text line, size_t cursor, size_t *start,
-                      void (*offer_to)(void *context, const char *candidate, const char *brief),
-                      void *context)
+const char *
+command_complete(struct session *session, struct text line, size_t cursor, size_t *start,
+                 void (*offer_to)(void *context, const char *candidate, const char *brief),
+                 void *context)
 {
     struct text rest = {line.at, cursor < line.len ? cursor : line.len}, statement = rest;
     struct error ignored;
@@ -213,15 +215,15 @@ bool command_complete(struct session *session, struct text line, size_t cursor, 
             /* inside a string */
             if (!inside || inside > end) {
                 const struct text before = {line.at, (size_t)(string - line.at)};
-                const bool file = file_string(session, before);
+                const char *const file = file_string(session, before);
                 *start = file ? before.len : *start;
-                return !file;
+                return file;
             }
             const struct text commands = {inside, (size_t)(end - inside)};
-            const bool names =
+            const char *const file =
                 command_complete(session, commands, commands.len, start, offer_to, context);
             *start += (size_t)(inside - line.at);
-            return names;
+            return file;
         }
         if (rest.len == 0 && rest.at > line.at && rest.at[-1] == ';')
             statement = rest;
@@ -235,7 +237,7 @@ bool command_complete(struct session *session, struct text line, size_t cursor, 
             (word > 1 && statement.at[word - 1] == ' ' && statement.at[word - 2] == '\\')))
         word--;
     struct completion c = {
-        session, {statement.at + word, statement.len - word}, offer_to, context, false};
+        session, {statement.at + word, statement.len - word}, offer_to, context, NULL};
     struct text before = {statement.at, word}, behind;
     const struct command *formula = formula_command(before, &behind);
     text_skip_blanks(&before);
@@ -253,5 +255,5 @@ bool command_complete(struct session *session, struct text line, size_t cursor, 
     else if (command)
         complete_arguments(&c, command, (struct text){before.at + name.len, before.len - name.len});
     *start = (size_t)(c.word.at - line.at);
-    return !c.wants_file;
+    return c.file;
 }

@@ -390,7 +390,7 @@ COMMAND(
         "the line: noise, delays, networks, tables, maps, integral and algebraic equations.",
     .examples = "load disk.txt y=2 unit=cm as=disk\nload scene pulse.ode; run",
     .see = "data fit measure plot scene", .flags = COMMAND_CHANGES,
-    ARGUMENTS(PLACE("FILE", TYPE_FILE, .group = 1), WORD("scene", TYPE_FILE, .group = 1),
+    ARGUMENTS(PLACE("FILE", TYPE_FILE, .group = 1), WORD("scene", TYPE_SCENE_FILE, .group = 1),
               KEY("set", TYPE_TEXT), KEY("t", TYPE_TEXT), KEY("y", TYPE_TEXT),
               KEY("run", TYPE_TEXT), KEY("unit", TYPE_UNIT),
               KEY("tunit", TYPE_UNIT, .quantity = QUANTITY_TIME),

@@ -20,14 +20,14 @@ static void make_file(const char *name)
     snprintf(path, sizeof path, "%s/%s", state_folder, name);
     FILE *file = fopen(path, "w");
     assert_non_null(file);
-    fputs("t [s],y [cm]\n0,1\n1,2\n2,1\n3,2\n", file);
+    fputs(strstr(name, ".ode") ? "x'=-x\ndone\n" : "t [s],y [cm]\n0,1\n1,2\n2,1\n3,2\n", file);
     assert_int_equal(fclose(file), 0);
 }
 
 static void make_files(void)
 {
-    static const char *const names[] = {"my file.txt", "it's.txt",   "se;mi.txt",
-                                        "qu\"o.txt",   "ba\\ck.txt", "k=5.txt"};
+    static const char *const names[] = {"my file.txt", "it's.txt", "se;mi.txt", "qu\"o.txt",
+                                        "ba\\ck.txt",  "k=5.txt",  "wave.ode",  "wave.txt"};
     char path[256];
     snprintf(path, sizeof path, "%s/a dir", state_folder);
     assert_int_equal(mkdir(path, 0700), 0);
@@ -44,7 +44,8 @@ static const char *const cases[][3] = {
     {"%/qu", "qu\"o.txt'", "qu\"o.txt:"},          {"\"%/qu", "qu\\\"o.txt\"", "qu\"o.txt:"},
     {"%/ba", "ba\\ck.txt'", "ba\\ck.txt:"},        {"%/k", "k=5.txt'", "k=5.txt:"},
     {"\"%/a d\t", "inside.txt\"", "inside.txt:"},  {"%/a\\ d\t", "inside.txt", "inside.txt:"},
-    {"~/my", "my\\ file.txt", "my file.txt:"},
+    {"~/my", "my\\ file.txt", "my file.txt:"},     {"scene %/wa", "wave.ode", "scene wave:"},
+    {"scene \"%/wa", "wave.ode\"", "scene wave:"},
 };
 
 static void complete_files(const char *argument)

@@ -178,6 +178,7 @@ static void test_nothing(void **state)
     struct hooke *hooke = opened(0);
     assert_int_equal(hooke_run(hooke, NULL), 0);
     assert_int_equal(hooke_value(hooke, NULL, &value, NULL), 0);
+    assert_int_equal(hooke_value(hooke, "m", NULL, NULL), 1);
     hooke_close(hooke);
 }
 

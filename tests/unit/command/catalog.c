@@ -219,7 +219,7 @@ static void complete(struct bench *b, const char *line, struct found *found, siz
                      bool *file)
 {
     *found = (struct found){.count = 0};
-    *file = !command_complete(b->session, text_of(line), strlen(line), start, collect, found);
+    *file = command_complete(b->session, text_of(line), strlen(line), start, collect, found);
     buffer_put(&found->names, TEXT(""));
 }
 
@@ -265,6 +265,7 @@ static void completion_follows_the_type(void **state)
         {"save ", " --force ", " run ", 5, true},
         {"load \"my f", "", " as= ", 5, true},
         {"load my\\ f", "", " as= ", 5, true},
+        {"load scene ", "", " as= ", 11, true},
         {"run; plot position > 'my f", "", " run ", 21, true},
         {"plot position title=\"my f", "", " run ", 0, false},
         {"export x.csv ", " energy ", " m ", 13, false},
@@ -301,6 +302,12 @@ static void completion_follows_the_type(void **state)
             fail_msg("'%s': start %zu, file %d:%s", cases[i].line, start, file, found.names.data);
         buffer_free(&found.names);
     }
+    size_t start;
+    struct found none = {.count = 0};
+    assert_string_equal(command_complete(b.session, TEXT("load "), 5, &start, collect, &none), "");
+    assert_string_equal(
+        command_complete(b.session, TEXT("load scene 'a"), 13, &start, collect, &none), ".ode");
+    buffer_free(&none.names);
     bench_close(&b);
 }
 
